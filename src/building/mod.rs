@@ -1,0 +1,6 @@
+//! The product model of a building and of its demolition: what the user gives.
+
+pub mod model;
+pub mod partition;
+
+pub use model::*;

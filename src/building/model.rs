@@ -1,0 +1,320 @@
+//! The resolved product model: everything in SI units, every reference checked.
+//!
+//! A [`Building`] is what the file reader makes of a TOML or JSON description after all checks
+//! have passed. Later modules take it as given: ids are unique, references resolve, solids have
+//! volume, and `members` are sorted by id order of the file (grid members first, in storey order).
+
+use crate::base::geom::Aabb;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A building with its surroundings and its demolition plan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Building {
+    /// Short name, used in titles and file names.
+    pub name: String,
+    /// One paragraph for the reader of the report.
+    pub description: String,
+    /// Materials by id.
+    pub materials: BTreeMap<String, Material>,
+    /// Reinforced sections by id.
+    pub sections: BTreeMap<String, Section>,
+    /// Structural members.
+    pub members: Vec<Member>,
+    /// Supports of members.
+    pub supports: Vec<Support>,
+    /// The rigid ground.
+    pub ground: Ground,
+    /// Rigid obstacles.
+    pub obstacles: Vec<Obstacle>,
+    /// Work done before ignition (the dead-load state is found after it).
+    pub preparation: Vec<Preparation>,
+    /// Charges in order of ignition time.
+    pub events: Vec<Charge>,
+    /// Simulation settings.
+    pub settings: Settings,
+}
+
+impl Building {
+    /// The member with this id.
+    pub fn member(&self, id: &str) -> Option<&Member> {
+        self.members.iter().find(|m| m.id == id)
+    }
+
+    /// The homogenised law a member is made of.
+    ///
+    /// # Panics
+    /// Never for a checked building: each section names a homogenised material that exists.
+    pub fn law_of(&self, member: &Member) -> &Homogenised {
+        match &self.materials[&self.sections[&member.section].law] {
+            Material::Homogenised(law) => law,
+            _ => unreachable!("checked: section.law names a homogenised material"),
+        }
+    }
+}
+
+/// A material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Material {
+    /// Concrete of a strength class.
+    Concrete(Concrete),
+    /// Reinforcing steel.
+    Steel(Steel),
+    /// Reinforced concrete smeared into one law, as the global FE model uses it.
+    Homogenised(Homogenised),
+}
+
+/// Concrete.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Concrete {
+    /// Density including reinforcement \[kg/m³\].
+    pub density_kg_m3: f64,
+    /// Characteristic cylinder strength f_ck \[Pa\].
+    pub strength_pa: f64,
+    /// Secant modulus E_cm \[Pa\].
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+}
+
+/// Reinforcing steel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Steel {
+    /// Yield strength f_yk \[Pa\].
+    pub yield_strength_pa: f64,
+    /// Ultimate strength f_tk \[Pa\].
+    pub ultimate_strength_pa: f64,
+    /// Strain at maximum force ε_uk.
+    pub ultimate_strain: f64,
+    /// Young's modulus \[Pa\].
+    pub youngs_modulus_pa: f64,
+}
+
+/// Homogenised reinforced concrete: J2 plasticity with piecewise linear isotropic hardening and
+/// erosion at a critical plastic strain (seed paper, section 3.2 and equation 1).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Homogenised {
+    /// Density \[kg/m³\].
+    pub density_kg_m3: f64,
+    /// Young's modulus \[Pa\].
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Yield stress \[Pa\] over equivalent plastic strain, first strain zero, strains increasing;
+    /// constant beyond the last point.
+    pub hardening: Vec<HardeningPoint>,
+    /// Equivalent plastic strain at which an element erodes (equation 1).
+    pub critical_plastic_strain: f64,
+}
+
+/// One point of a hardening table.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HardeningPoint {
+    /// Equivalent plastic strain.
+    pub plastic_strain: f64,
+    /// Yield stress \[Pa\].
+    pub stress_pa: f64,
+}
+
+/// A reinforced rectangular section (columns, beams) or a reinforced plate (slabs, walls, footings).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Section {
+    /// Section id.
+    pub id: String,
+    /// Shape and size.
+    pub shape: SectionShape,
+    /// Id of the concrete.
+    pub concrete: String,
+    /// Id of the steel of bars and ties.
+    pub steel: String,
+    /// Id of the homogenised material used by the global FE model.
+    pub law: String,
+}
+
+/// The shape of a section with its reinforcement.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum SectionShape {
+    /// Rectangle of a column (width along x, depth along y) or of a beam (width horizontal,
+    /// depth vertical, measured to the top of the slab).
+    Rectangle {
+        /// Width \[m\].
+        width_m: f64,
+        /// Depth \[m\].
+        depth_m: f64,
+        /// Longitudinal bars.
+        bars: Vec<Bar>,
+        /// Ties or stirrups.
+        ties: Option<Ties>,
+    },
+    /// Plate with the same orthogonal mesh at both faces.
+    Plate {
+        /// Thickness \[m\].
+        thickness_m: f64,
+        /// Bar diameter \[m\].
+        bar_diameter_m: f64,
+        /// Bar spacing \[m\].
+        bar_spacing_m: f64,
+        /// Distance from the face to the bar centre \[m\].
+        bar_cover_m: f64,
+    },
+}
+
+/// One longitudinal bar; the origin is the section's centre.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Bar {
+    /// Position along the width \[m\].
+    pub x_m: f64,
+    /// Position along the depth \[m\].
+    pub y_m: f64,
+    /// Diameter \[m\].
+    pub diameter_m: f64,
+}
+
+/// Ties (columns) or stirrups (beams).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Ties {
+    /// Diameter \[m\].
+    pub diameter_m: f64,
+    /// Spacing along the member \[m\].
+    pub spacing_m: f64,
+}
+
+/// What kind of member it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MemberKind {
+    /// Vertical bar.
+    Column,
+    /// Horizontal bar.
+    Beam,
+    /// Horizontal plate.
+    Slab,
+    /// Vertical plate.
+    Wall,
+    /// Footing on the ground.
+    Footing,
+}
+
+/// A structural member: an axis-aligned solid.
+///
+/// Solids are given gross, as a formwork drawing names them: a column reaches from floor to floor,
+/// a beam's depth includes the slab. Where solids of different kinds overlap, the stiffer plate owns the
+/// common volume: footing over slab over wall over beam over column ([`super::partition`]).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Member {
+    /// Unique id.
+    pub id: String,
+    /// Kind.
+    pub kind: MemberKind,
+    /// Section id.
+    pub section: String,
+    /// Gross solid \[m\].
+    pub solid: Aabb,
+    /// Long axis of a column or beam, normal of a slab, wall or footing: 0 = x, 1 = y, 2 = z.
+    pub axis: usize,
+    /// Storey number from 1, if the member came from a grid.
+    pub storey: Option<u32>,
+}
+
+/// A support: the named face of a member cannot move.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Support {
+    /// Member id.
+    pub member: String,
+    /// Which face is held.
+    pub face: Face,
+}
+
+/// A face of an axis-aligned solid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Face {
+    /// Smallest z.
+    Bottom,
+    /// Largest z.
+    Top,
+}
+
+/// Rigid horizontal ground.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Ground {
+    /// Height of the surface \[m\].
+    pub level_m: f64,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+}
+
+/// A rigid, immovable box.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Obstacle {
+    /// Unique id.
+    pub id: String,
+    /// Its solid \[m\].
+    pub solid: Aabb,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+}
+
+/// Preparatory work on a member.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Preparation {
+    /// The member's strength is multiplied by `strength_factor` (0 < factor < 1).
+    Weaken {
+        /// Member id.
+        member: String,
+        /// Remaining share of the strength.
+        strength_factor: f64,
+    },
+    /// The member is cut away before the dead-load state.
+    Cut {
+        /// Member id.
+        member: String,
+    },
+}
+
+/// A charge: at `time_s` it removes a member or a stretch of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Charge {
+    /// Unique id.
+    pub id: String,
+    /// Member id.
+    pub member: String,
+    /// Stretch of the member that is removed, along its axis from its lower end \[m\];
+    /// `None` removes the whole member.
+    pub stretch_m: Option<[f64; 2]>,
+    /// Ignition time \[s\].
+    pub time_s: f64,
+}
+
+/// Simulation settings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Simulated time after the first ignition \[s\].
+    pub end_time_s: f64,
+    /// Interval of histories and frames \[s\].
+    pub output_interval_s: f64,
+    /// Time over which removed members lose their stress \[s\]; zero is allowed.
+    pub removal_duration_s: f64,
+    /// Gravity, positive downwards \[m/s²\].
+    pub gravity_m_s2: f64,
+    /// Target edge length of the FE mesh \[m\].
+    pub mesh_size_m: f64,
+    /// Strain rate above which a part does not count as rigid \[1/s\] (seed paper, equation 2).
+    pub critical_strain_rate_1_s: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            end_time_s: 2.5,
+            output_interval_s: 0.01,
+            removal_duration_s: 0.0,
+            gravity_m_s2: 9.81,
+            mesh_size_m: 0.4,
+            critical_strain_rate_1_s: 0.25,
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! Overlapping gross solids resolved into disjoint cells, each owned by one member.
+//!
+//! The grid of all face coordinates cuts every solid into cells; a cell under several solids
+//! belongs to the one of highest precedence (footing, slab, wall, beam, column; then file order).
+//! Volumes, masses, contact faces and the FE mesh all start from these cells, so that no volume is
+//! counted twice.
+
+use super::model::{Building, MemberKind};
+use crate::base::geom::Aabb;
+
+/// Coordinates closer than this are the same plane \[m\]. Formwork tolerances are millimetres.
+pub const COORDINATE_TOLERANCE_M: f64 = 1e-6;
+
+/// Disjoint cells of a building.
+#[derive(Debug, Clone)]
+pub struct Partition {
+    /// Sorted grid planes in x, y and z \[m\].
+    pub planes: [Vec<f64>; 3],
+    /// Owner (index into `Building::members`) of cell `(i, j, k)`, x fastest; `None` is air.
+    pub owner: Vec<Option<usize>>,
+}
+
+/// The rank that decides who owns a common volume; higher wins.
+pub fn precedence(kind: MemberKind) -> u8 {
+    match kind {
+        MemberKind::Footing => 4,
+        MemberKind::Slab => 3,
+        MemberKind::Wall => 2,
+        MemberKind::Beam => 1,
+        MemberKind::Column => 0,
+    }
+}
+
+impl Partition {
+    /// Cuts the building's gross solids into disjoint cells.
+    pub fn of(building: &Building) -> Self {
+        let solids: Vec<(Aabb, u8)> =
+            building.members.iter().map(|m| (m.solid, precedence(m.kind))).collect();
+        let planes = std::array::from_fn(|axis| {
+            merged(solids.iter().flat_map(|(s, _)| [s.min[axis], s.max[axis]]).collect())
+        });
+        let mut partition = Self::with_planes(planes, &solids);
+        partition.give_joints_to_beams(building);
+        partition
+    }
+
+    /// The joint block where beams frame into a column belongs to the first of these beams, over the
+    /// column's whole section: the column's clear height ends at the soffit of the deepest beam.
+    fn give_joints_to_beams(&mut self, building: &Building) {
+        let n = self.count();
+        let of_kind = |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind);
+        for (column_index, column) in of_kind(MemberKind::Column) {
+            for (beam_index, beam) in of_kind(MemberKind::Beam) {
+                let Some(common) = column.solid.intersection(&beam.solid, COORDINATE_TOLERANCE_M) else { continue };
+                for k in cells_within(&self.planes[2], common.min[2], common.max[2]) {
+                    for j in cells_within(&self.planes[1], column.solid.min[1], column.solid.max[1]) {
+                        for i in cells_within(&self.planes[0], column.solid.min[0], column.solid.max[0]) {
+                            let slot = &mut self.owner[(k * n[1] + j) * n[0] + i];
+                            if *slot == Some(column_index) {
+                                *slot = Some(beam_index);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The partition of ranked solids on given planes: a cell belongs to the highest-ranked solid
+    /// (the first of equals) that contains the cell's centre.
+    pub fn with_planes(planes: [Vec<f64>; 3], solids: &[(Aabb, u8)]) -> Self {
+        let count: [usize; 3] = std::array::from_fn(|i| planes[i].len().saturating_sub(1));
+        let mut owner: Vec<Option<usize>> = vec![None; count[0] * count[1] * count[2]];
+        for (index, (solid, rank)) in solids.iter().enumerate() {
+            let range: [std::ops::Range<usize>; 3] =
+                std::array::from_fn(|i| cells_within(&planes[i], solid.min[i], solid.max[i]));
+            for k in range[2].clone() {
+                for j in range[1].clone() {
+                    for i in range[0].clone() {
+                        let slot = &mut owner[(k * count[1] + j) * count[0] + i];
+                        if slot.is_none_or(|held| solids[held].1 < *rank) {
+                            *slot = Some(index);
+                        }
+                    }
+                }
+            }
+        }
+        Self { planes, owner }
+    }
+
+    /// Number of cells in x, y and z.
+    pub fn count(&self) -> [usize; 3] {
+        std::array::from_fn(|i| self.planes[i].len().saturating_sub(1))
+    }
+
+    /// Owner of cell `(i, j, k)`.
+    pub fn owner_at(&self, cell: [usize; 3]) -> Option<usize> {
+        let n = self.count();
+        self.owner[(cell[2] * n[1] + cell[1]) * n[0] + cell[0]]
+    }
+
+    /// The box of cell `(i, j, k)` \[m\].
+    pub fn cell_box(&self, cell: [usize; 3]) -> Aabb {
+        Aabb {
+            min: std::array::from_fn(|i| self.planes[i][cell[i]]),
+            max: std::array::from_fn(|i| self.planes[i][cell[i] + 1]),
+        }
+    }
+
+    /// All owned cells with their owner, x fastest.
+    pub fn cells(&self) -> impl Iterator<Item = ([usize; 3], usize)> + '_ {
+        let n = self.count();
+        self.owner.iter().enumerate().filter_map(move |(index, owner)| {
+            let cell = [index % n[0], (index / n[0]) % n[1], index / (n[0] * n[1])];
+            owner.map(|o| (cell, o))
+        })
+    }
+
+    /// Volume owned by each member \[m³\], indexed like `Building::members`.
+    pub fn volumes(&self, members: usize) -> Vec<f64> {
+        let mut volume = vec![0.0; members];
+        for (cell, owner) in self.cells() {
+            volume[owner] += self.cell_box(cell).volume();
+        }
+        volume
+    }
+
+    /// The boxes that make up one member's own volume, merged along x, then y, then z.
+    pub fn boxes_of(&self, member: usize) -> Vec<Aabb> {
+        let mut boxes: Vec<Aabb> =
+            self.cells().filter(|(_, o)| *o == member).map(|(c, _)| self.cell_box(c)).collect();
+        for axis in 0..3 {
+            boxes = merge_along(boxes, axis);
+        }
+        boxes
+    }
+}
+
+/// Sorted coordinates with those closer than the tolerance merged.
+fn merged(mut values: Vec<f64>) -> Vec<f64> {
+    values.sort_by(f64::total_cmp);
+    values.dedup_by(|a, b| *a - *b < COORDINATE_TOLERANCE_M);
+    values
+}
+
+/// The cells between two planes.
+fn cells_within(planes: &[f64], low: f64, high: f64) -> std::ops::Range<usize> {
+    let at = |value: f64| planes.partition_point(|p| *p < value - COORDINATE_TOLERANCE_M);
+    at(low)..at(high)
+}
+
+/// Merges boxes that touch along one axis and agree in the two others.
+fn merge_along(mut boxes: Vec<Aabb>, axis: usize) -> Vec<Aabb> {
+    let others = [(axis + 1) % 3, (axis + 2) % 3];
+    boxes.sort_by(|a, b| {
+        let key = |x: &Aabb| [x.min[others[1]], x.min[others[0]], x.max[others[1]], x.max[others[0]], x.min[axis]];
+        key(a).iter().zip(key(b)).map(|(p, q)| p.total_cmp(&q)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let mut merged: Vec<Aabb> = Vec::new();
+    for next in boxes {
+        if let Some(last) = merged.last_mut() {
+            let same = others.iter().all(|&o| {
+                (last.min[o] - next.min[o]).abs() < COORDINATE_TOLERANCE_M
+                    && (last.max[o] - next.max[o]).abs() < COORDINATE_TOLERANCE_M
+            });
+            if same && (last.max[axis] - next.min[axis]).abs() < COORDINATE_TOLERANCE_M {
+                last.max[axis] = next.max[axis];
+                continue;
+            }
+        }
+        merged.push(next);
+    }
+    merged
+}

@@ -1,0 +1,3 @@
+//! The multibody model (a documented file format) and its solver.
+
+pub mod model;
