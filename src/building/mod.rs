@@ -2,5 +2,6 @@
 
 pub mod model;
 pub mod partition;
+pub mod tracked;
 
 pub use model::*;

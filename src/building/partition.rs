@@ -34,11 +34,18 @@ pub fn precedence(kind: MemberKind) -> u8 {
 impl Partition {
     /// Cuts the building's gross solids into disjoint cells.
     pub fn of(building: &Building) -> Self {
+        let planes = std::array::from_fn(|axis| {
+            let solids = building.members.iter().map(|m| m.solid);
+            merged(solids.flat_map(|s| [s.min[axis], s.max[axis]]).collect())
+        });
+        Self::on_planes(building, planes)
+    }
+
+    /// The same on given planes, which must contain all faces of the solids: a cell belongs to the
+    /// member of highest precedence (the first of equals) that contains it, but see `give_joints_to_beams`.
+    pub fn on_planes(building: &Building, planes: [Vec<f64>; 3]) -> Self {
         let solids: Vec<(Aabb, u8)> =
             building.members.iter().map(|m| (m.solid, precedence(m.kind))).collect();
-        let planes = std::array::from_fn(|axis| {
-            merged(solids.iter().flat_map(|(s, _)| [s.min[axis], s.max[axis]]).collect())
-        });
         let mut partition = Self::with_planes(planes, &solids);
         partition.give_joints_to_beams(building);
         partition
@@ -66,9 +73,7 @@ impl Partition {
         }
     }
 
-    /// The partition of ranked solids on given planes: a cell belongs to the highest-ranked solid
-    /// (the first of equals) that contains the cell's centre.
-    pub fn with_planes(planes: [Vec<f64>; 3], solids: &[(Aabb, u8)]) -> Self {
+    fn with_planes(planes: [Vec<f64>; 3], solids: &[(Aabb, u8)]) -> Self {
         let count: [usize; 3] = std::array::from_fn(|i| planes[i].len().saturating_sub(1));
         let mut owner: Vec<Option<usize>> = vec![None; count[0] * count[1] * count[2]];
         for (index, (solid, rank)) in solids.iter().enumerate() {

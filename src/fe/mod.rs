@@ -1,1 +1,12 @@
-//! (module)
+//! Explicit finite elements for collapse: one-point hexahedra, J2 plasticity, erosion, rigid contact.
+
+pub mod blocks;
+pub mod contact;
+pub mod dynamics;
+pub mod grid;
+pub mod kernel;
+pub mod mesh;
+pub mod preload;
+pub mod probe;
+pub mod result;
+pub mod run;

@@ -1,1 +1,3 @@
-//! (module)
+//! Constitutive laws.
+
+pub mod j2;

@@ -1,0 +1,67 @@
+//! The points whose displacement is compared between models: every column top and every slab corner
+//! (mid-plane), without those of members that are taken away whole.
+
+use super::model::{Building, MemberKind, Preparation};
+use super::partition::Partition;
+use serde::{Deserialize, Serialize};
+
+/// A material point of a member.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Tracked {
+    /// Unique id, such as `C1-A2.top` or `S3.corner-11`.
+    pub id: String,
+    /// Member id.
+    pub member: String,
+    /// Position in the undeformed building \[m\].
+    pub point_m: [f64; 3],
+}
+
+/// All tracked points in the order of the members.
+pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked> {
+    let mut points = Vec::new();
+    for (index, member) in building.members.iter().enumerate() {
+        if is_taken_away(building, &member.id) {
+            continue;
+        }
+        let (low, high) = (member.solid.min, member.solid.max);
+        match member.kind {
+            MemberKind::Column => {
+                let top = clear_range(partition, index, 2).map_or(high[2], |r| r[1]);
+                let c = member.solid.center();
+                points.push(Tracked {
+                    id: format!("{}.top", member.id),
+                    member: member.id.clone(),
+                    point_m: [c[0], c[1], top],
+                });
+            }
+            MemberKind::Slab => {
+                let z = 0.5 * (low[2] + high[2]);
+                for (i, x) in [low[0], high[0]].into_iter().enumerate() {
+                    for (j, y) in [low[1], high[1]].into_iter().enumerate() {
+                        points.push(Tracked {
+                            id: format!("{}.corner-{i}{j}", member.id),
+                            member: member.id.clone(),
+                            point_m: [x, y, z],
+                        });
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    points
+}
+
+/// Whether a member is cut or removed whole during the run.
+pub fn is_taken_away(building: &Building, member: &str) -> bool {
+    building.events.iter().any(|e| e.member == member && e.stretch_m.is_none())
+        || building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
+}
+
+/// The extent of a member's own volume along an axis \[m\]; `None` where other members own all of it.
+pub fn clear_range(partition: &Partition, member: usize, axis: usize) -> Option<[f64; 2]> {
+    partition.cells().filter(|(_, owner)| *owner == member).fold(None, |range: Option<[f64; 2]>, (cell, _)| {
+        let b = partition.cell_box(cell);
+        Some(range.map_or([b.min[axis], b.max[axis]], |r| [r[0].min(b.min[axis]), r[1].max(b.max[axis])]))
+    })
+}

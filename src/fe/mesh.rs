@@ -1,0 +1,178 @@
+//! The hexahedral mesh of a building, and meshes cut out of it.
+
+use super::grid::MeshGrid;
+use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
+use crate::building::{Building, Face, Homogenised, Preparation};
+use std::collections::BTreeMap;
+
+/// A mesh of eight-node hexahedra. Node order of an element: bottom face counter-clockwise seen from +z, then top face.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    /// Node positions \[m\].
+    pub nodes: Vec<[f64; 3]>,
+    /// Elements, sorted by law, each owned by one part.
+    pub elements: Vec<Element>,
+    /// Laws that the elements refer to.
+    pub laws: Vec<Homogenised>,
+    /// Nodes that cannot move.
+    pub fixed: Vec<usize>,
+    /// Part names; for a building these are the member ids in file order.
+    pub parts: Vec<String>,
+}
+
+/// One hexahedron.
+#[derive(Debug, Clone, Copy)]
+pub struct Element {
+    /// Node indices.
+    pub nodes: [usize; 8],
+    /// Index into [`Mesh::parts`].
+    pub part: usize,
+    /// Index into [`Mesh::laws`].
+    pub law: usize,
+    /// Factor on density, stiffness and strength: real over meshed volume of the member. A face moved to a mesh plane
+    /// then changes neither mass nor axial or bending resistance of the member.
+    pub smear: f64,
+    /// Further factor on strength (preparatory weakening).
+    pub strength: f64,
+}
+
+/// How a member's volume changed when its faces were moved to mesh planes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snapped {
+    /// Member id.
+    pub member: String,
+    /// Real over meshed volume.
+    pub volume_ratio: f64,
+}
+
+impl Mesh {
+    /// Meshes a building (members cut in preparation left out) at a target element size \[m\]; also returns the
+    /// members whose volume the mesh does not reproduce exactly.
+    pub fn of(building: &Building, size_m: f64) -> (Self, Vec<Snapped>) {
+        let grid = MeshGrid::of(building, size_m);
+        let mut moved = building.clone();
+        for (member, solid) in moved.members.iter_mut().zip(&grid.solids) {
+            member.solid = *solid;
+        }
+        let cells = Partition::on_planes(&moved, grid.planes);
+        let real = Partition::of(building).volumes(building.members.len());
+        let meshed = cells.volumes(building.members.len());
+        let snapped = building
+            .members
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| meshed[*i] > 0.0 && (real[*i] / meshed[*i] - 1.0).abs() > 1e-9)
+            .map(|(i, m)| Snapped { member: m.id.clone(), volume_ratio: real[i] / meshed[i] })
+            .collect();
+        let mut mesh = Self::from_cells(building, &cells, &real, &meshed);
+        mesh.fixed = supported_nodes(building, &grid.solids, &mesh.nodes);
+        (mesh, snapped)
+    }
+
+    fn from_cells(building: &Building, cells: &Partition, real: &[f64], meshed: &[f64]) -> Self {
+        let count = cells.count();
+        let stride = [1, count[0] + 1, (count[0] + 1) * (count[1] + 1)];
+        let mut laws: Vec<Homogenised> = Vec::new();
+        let mut law_of = Vec::new();
+        for member in &building.members {
+            let law = building.law_of(member);
+            let index = laws.iter().position(|l| l == law).unwrap_or_else(|| {
+                laws.push(law.clone());
+                laws.len() - 1
+            });
+            law_of.push(index);
+        }
+        let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut nodes = Vec::new();
+        let mut elements = Vec::new();
+        for (cell, owner) in cells.cells() {
+            if is_cut(building, &building.members[owner].id) {
+                continue;
+            }
+            const CORNERS: [[usize; 3]; 8] =
+                [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+            let ids = CORNERS.map(|c| {
+                let at: [usize; 3] = std::array::from_fn(|i| cell[i] + c[i]);
+                let key = at[0] * stride[0] + at[1] * stride[1] + at[2] * stride[2];
+                *numbers.entry(key).or_insert_with(|| {
+                    nodes.push(std::array::from_fn(|i| cells.planes[i][at[i]]));
+                    nodes.len() - 1
+                })
+            });
+            elements.push(Element {
+                nodes: ids,
+                part: owner,
+                law: law_of[owner],
+                smear: real[owner] / meshed[owner],
+                strength: strength_factor(building, &building.members[owner].id),
+            });
+        }
+        elements.sort_by_key(|e| e.law);
+        let parts = building.members.iter().map(|m| m.id.clone()).collect();
+        Self { nodes, elements, laws, fixed: Vec::new(), parts }
+    }
+
+    /// The mesh of some of the elements, with nodes renumbered; also returns the old index of each new node.
+    pub fn cut_out(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
+        let mut new_of = vec![usize::MAX; self.nodes.len()];
+        let mut old = Vec::new();
+        let mut elements = Vec::new();
+        for (index, element) in self.elements.iter().enumerate().filter(|(i, _)| keep(*i)) {
+            debug_assert!(index < self.elements.len());
+            let nodes = element.nodes.map(|n| {
+                if new_of[n] == usize::MAX {
+                    new_of[n] = old.len();
+                    old.push(n);
+                }
+                new_of[n]
+            });
+            elements.push(Element { nodes, ..*element });
+        }
+        let fixed = self.fixed.iter().filter(|n| new_of[**n] != usize::MAX).map(|n| new_of[*n]).collect();
+        let nodes = old.iter().map(|n| self.nodes[*n]).collect();
+        (Self { nodes, elements, laws: self.laws.clone(), fixed, parts: self.parts.clone() }, old)
+    }
+
+    /// Centre of an element in the undeformed mesh \[m\].
+    pub fn center(&self, element: usize) -> [f64; 3] {
+        let nodes = self.elements[element].nodes;
+        std::array::from_fn(|i| nodes.iter().map(|n| self.nodes[*n][i]).sum::<f64>() / 8.0)
+    }
+}
+
+/// Whether preparatory work cuts the member away.
+fn is_cut(building: &Building, member: &str) -> bool {
+    building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
+}
+
+/// Product of the weakenings of a member.
+pub fn strength_factor(building: &Building, member: &str) -> f64 {
+    building
+        .preparation
+        .iter()
+        .map(|p| match p {
+            Preparation::Weaken { member: m, strength_factor } if m == member => *strength_factor,
+            _ => 1.0,
+        })
+        .product()
+}
+
+/// Nodes on the supported faces.
+fn supported_nodes(building: &Building, solids: &[crate::base::geom::Aabb], nodes: &[[f64; 3]]) -> Vec<usize> {
+    let faces: Vec<([f64; 3], [f64; 3])> = building
+        .supports
+        .iter()
+        .filter_map(|s| {
+            let solid = solids[building.members.iter().position(|m| m.id == s.member)?];
+            let z = match s.face {
+                Face::Bottom => solid.min[2],
+                Face::Top => solid.max[2],
+            };
+            Some(([solid.min[0], solid.min[1], z], [solid.max[0], solid.max[1], z]))
+        })
+        .collect();
+    let on = |p: &[f64; 3], (low, high): &([f64; 3], [f64; 3])| {
+        (0..3).all(|i| p[i] > low[i] - COORDINATE_TOLERANCE_M && p[i] < high[i] + COORDINATE_TOLERANCE_M)
+    };
+    (0..nodes.len()).filter(|n| faces.iter().any(|f| on(&nodes[*n], f))).collect()
+}

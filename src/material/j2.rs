@@ -1,0 +1,95 @@
+//! J2 plasticity with piecewise linear isotropic hardening.
+//!
+//! Yield condition `q(σ) <= σ_y(p)` with the von Mises stress `q = sqrt(3/2 s:s)` and the equivalent plastic
+//! strain `p`. Radial return (Wilkins 1964; Simo and Hughes 1998, box 3.1): the trial stress deviator is
+//! scaled by `σ_y(p + Δp) / q_trial` with `Δp` from the scalar equation
+//! `q_trial - 3 G Δp = σ_y(p + Δp)`, solved exactly over the kinks of the table.
+
+use crate::building::HardeningPoint;
+
+/// A hardening table as straight segments: `σ_y = stress + slope (p - strain)` from `strain` to the
+/// next segment's `strain`; the last segment is flat and has no end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HardeningTable {
+    segments: Vec<Segment>,
+}
+
+/// One straight piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Segment {
+    strain: f64,
+    stress_pa: f64,
+    slope_pa: f64,
+}
+
+impl HardeningTable {
+    /// Builds the table from checked points (first strain zero, strains increasing, stresses positive).
+    pub fn new(points: &[HardeningPoint]) -> Self {
+        let segments = (0..points.len())
+            .map(|i| {
+                let here = points[i];
+                let slope_pa = points.get(i + 1).map_or(0.0, |next| {
+                    (next.stress_pa - here.stress_pa) / (next.plastic_strain - here.plastic_strain)
+                });
+                Segment { strain: here.plastic_strain, stress_pa: here.stress_pa, slope_pa }
+            })
+            .collect();
+        Self { segments }
+    }
+
+    /// Smallest yield stress of the table \[Pa\].
+    pub fn lowest_stress_pa(&self) -> f64 {
+        self.segments.iter().map(|s| s.stress_pa).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Yield stress \[Pa\] and hardening modulus \[Pa\] at an equivalent plastic strain.
+    pub fn at(&self, plastic_strain: f64) -> (f64, f64) {
+        let index = self.segments.partition_point(|s| s.strain <= plastic_strain).max(1) - 1;
+        let s = self.segments[index];
+        (s.stress_pa + s.slope_pa * (plastic_strain - s.strain), s.slope_pa)
+    }
+
+    /// Solves `q_trial - 3 G Δp = scale σ_y(p + Δp)`; returns `(Δp, hardening modulus at the end)`, both
+    /// already including `scale`. `Δp = 0` where the trial stress is admissible.
+    pub fn plastic_increment(&self, q_trial_pa: f64, plastic_strain: f64, shear_modulus_pa: f64, scale: f64) -> (f64, f64) {
+        let (yield_now, slope_now) = self.at(plastic_strain);
+        if q_trial_pa <= scale * yield_now {
+            return (0.0, scale * slope_now);
+        }
+        let first = self.segments.partition_point(|s| s.strain <= plastic_strain).max(1) - 1;
+        for (index, s) in self.segments.iter().enumerate().skip(first) {
+            let yield_here = scale * (s.stress_pa + s.slope_pa * (plastic_strain - s.strain));
+            let increment = (q_trial_pa - yield_here) / (3.0 * shear_modulus_pa + scale * s.slope_pa);
+            let end = self.segments.get(index + 1).map_or(f64::INFINITY, |next| next.strain);
+            if plastic_strain + increment <= end {
+                return (increment.max(0.0), scale * s.slope_pa);
+            }
+        }
+        unreachable!("the last segment has no end")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> HardeningTable {
+        HardeningTable::new(&[
+            HardeningPoint { plastic_strain: 0.0, stress_pa: 15e6 },
+            HardeningPoint { plastic_strain: 0.01, stress_pa: 16.5e6 },
+            HardeningPoint { plastic_strain: 0.1, stress_pa: 12e6 },
+        ])
+    }
+
+    #[test]
+    fn return_lands_on_the_table_across_kinks() {
+        let g = 7e9;
+        for p in [0.0, 0.004, 0.01, 0.05, 0.3] {
+            for q in [15.1e6, 17e6, 60e6, 700e6, 5e9] {
+                let (dp, _) = table().plastic_increment(q, p, g, 0.8);
+                let residual = q - 3.0 * g * dp - 0.8 * table().at(p + dp).0;
+                assert!(dp == 0.0 && residual <= 0.0 || residual.abs() < 1e-3, "p={p} q={q}: {residual}");
+            }
+        }
+    }
+}
