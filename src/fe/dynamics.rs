@@ -128,12 +128,16 @@ impl Dynamics {
                 return;
             }
             let (mut at, mut du): (BlockForce, BlockForce) = ([[0.0; LANES]; 24], [[0.0; LANES]; 24]);
-            for (lane, nodes) in block.nodes.iter().enumerate() {
+            let acts = |lane: usize| block.state.share[lane] > 0.0;
+            let stand_in = (0..LANES).find(|l| acts(*l)).unwrap_or(0);
+            for lane in 0..LANES {
+                // a dead lane takes the place of a live one, at rest: its own nodes may be anywhere
+                let (nodes, dt) = if acts(lane) { (&block.nodes[lane], dt_s) } else { (&block.nodes[stand_in], 0.0) };
                 for (local, n) in nodes.iter().enumerate() {
                     let (p, w) = (x[*n as usize], v[*n as usize]);
                     for i in 0..3 {
                         at[3 * local + i][lane] = p[i];
-                        du[3 * local + i][lane] = w[i] * dt_s;
+                        du[3 * local + i][lane] = w[i] * dt;
                     }
                 }
             }

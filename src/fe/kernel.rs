@@ -138,15 +138,19 @@ pub fn update_block(
     let mut tangent = [1.0; LANES];
     let old = state.stress;
     trial_stress(material, &strain, &mut state.stress);
-    radial_return(material, table, state, &mut ratio, &mut tangent);
+    let mut gamma = [[0.0; LANES]; 32];
+    hourglass_vectors(x, &b, &mut gamma);
+    let (mut q, mut rate) = ([[0.0; LANES]; 12], [[0.0; LANES]; 12]);
+    hourglass_strains(du, &gamma, &frame, &mut q);
+    let mut extra = [0.0; LANES];
+    hourglass_trial(&q, &edge, &volume, material, state, &mut rate, &mut extra);
+    radial_return(material, table, &extra, state, &mut ratio, &mut tangent);
     let mut pressure = [0.0; LANES];
     if step.viscous {
         bulk_viscosity(material, &strain, &volume, step.dt_s, &mut pressure);
     }
     work(&old, &strain, &volume, &pressure, state);
-    let mut gamma = [[0.0; LANES]; 32];
-    hourglass_vectors(x, &b, &mut gamma);
-    hourglass_update(du, &gamma, &frame, &edge, material, &ratio, &tangent, state);
+    hourglass_finish(&q, &rate, &ratio, &tangent, state);
     nodal_forces(&b, &volume, &gamma, &frame, &pressure, state, force);
     frequency_bound(&b, &volume, material)
 }
@@ -293,6 +297,7 @@ fn trial_stress(material: &BlockMaterial, strain: &[Lane; 6], stress: &mut [Lane
 fn radial_return(
     material: &BlockMaterial,
     table: &HardeningTable,
+    extra: &Lane,
     state: &mut BlockState,
     ratio: &mut Lane,
     tangent: &mut Lane,
@@ -305,7 +310,7 @@ fn radial_return(
         mean[l] = (xx + yy + zz) / 3.0;
         let (a, b, c) = (xx - yy, yy - zz, zz - xx);
         let shear = s[3][l] * s[3][l] + s[4][l] * s[4][l] + s[5][l] * s[5][l];
-        mises[l] = (0.5 * (a * a + b * b + c * c) + 3.0 * shear).sqrt();
+        mises[l] = (0.5 * (a * a + b * b + c * c) + 3.0 * shear + extra[l]).sqrt();
     }
     let lowest = table.lowest_stress_pa();
     if (0..LANES).all(|l| mises[l] <= lowest * material.yield_scale[l]) {
@@ -383,23 +388,9 @@ fn hourglass_vectors(x: &BlockForce, b: &BlockForce, gamma: &mut [Lane; 32]) {
     }
 }
 
-/// Generalised hourglass stresses, ASQBI (Belytschko and Bindeman 1993, eqs. 50-53 in their integrated form):
-/// with i, j, k a permutation and `H_ii = (Λ_j x_j)(Λ_k x_k) / (3 Λ_i x_i)`, `H_ij = Λ_k x_k / 3`,
-/// `Q_ii' = μ[(H_jj + H_kk) q_ii' + H_ij q_jj' + H_ik q_kk']`,
-/// `Q_ij' = 2μ/(1-ν) [H_ii q_ij' + ν H_ij q_ji']`, `Q_i4' = 2μ(1+ν)/3 H_ii q_i4'`.
+/// Generalised hourglass strain increments in the element's frame, `3 * α + i`.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
-fn hourglass_update(
-    du: &BlockForce,
-    gamma: &[Lane; 32],
-    frame: &[Lane; 9],
-    edge: &[Lane; 3],
-    material: &BlockMaterial,
-    ratio: &Lane,
-    tangent: &Lane,
-    state: &mut BlockState,
-) {
-    let mut q = [[0.0; LANES]; 12];
+fn hourglass_strains(du: &BlockForce, gamma: &[Lane; 32], frame: &[Lane; 9], q: &mut [Lane; 12]) {
     for mode in 0..4 {
         let mut global = [[0.0; LANES]; 3];
         for i in 0..3 {
@@ -419,6 +410,25 @@ fn hourglass_update(
             }
         }
     }
+}
+
+/// Elastic increments of the generalised hourglass stresses, ASQBI (Belytschko and Bindeman 1993, integrated form):
+/// with i, j, k a permutation and `H_ii = (Λ_j x_j)(Λ_k x_k) / (3 Λ_i x_i)`, `H_ij = Λ_k x_k / 3`,
+/// `Q_ii' = μ[(H_jj + H_kk) q_ii' + H_ij q_jj' + H_ik q_kk']`,
+/// `Q_ij' = 2μ/(1-ν) [H_ii q_ij' + ν H_ij q_ji']`, `Q_i4' = 2μ(1+ν)/3 H_ii q_i4'`.
+///
+/// `extra` is the mean square of the von Mises stress that the trial hourglass stresses stand for, from their elastic energy `U`
+/// with the relation of pure shear, `q² = 6 G U / V`.
+#[inline(always)]
+fn hourglass_trial(
+    q: &[Lane; 12],
+    edge: &[Lane; 3],
+    volume: &Lane,
+    material: &BlockMaterial,
+    state: &BlockState,
+    rate: &mut [Lane; 12],
+    extra: &mut Lane,
+) {
     for l in 0..LANES {
         let a = [edge[0][l], edge[1][l], edge[2][l]];
         let mu = material.mu_pa[l];
@@ -426,24 +436,41 @@ fn hourglass_update(
         let h: [f64; 3] = [a[1] * a[2] / (3.0 * a[0]), a[2] * a[0] / (3.0 * a[1]), a[0] * a[1] / (3.0 * a[2])];
         let cross = |i: usize, j: usize| a[3 - i - j] / 3.0;
         let bending = 2.0 * mu / (1.0 - nu);
-        let mut rate = [0.0; 12];
+        let volumetric = 2.0 * mu * (1.0 + nu) / 3.0;
+        let mut energy = 0.0;
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            rate[3 * i + i] =
+            rate[3 * i + i][l] =
                 mu * ((h[j] + h[k]) * q[4 * i][l] + cross(i, j) * q[4 * j][l] + cross(i, k) * q[4 * k][l]);
+            let twist = state.hourglass[4 * i][l] + rate[4 * i][l];
+            energy += twist * twist / (mu * (h[j] + h[k]));
             for m in [j, k] {
-                rate[3 * m + i] = bending * (h[i] * q[3 * m + i][l] + nu * cross(i, m) * q[3 * i + m][l]);
+                rate[3 * m + i][l] = bending * (h[i] * q[3 * m + i][l] + nu * cross(i, m) * q[3 * i + m][l]);
+                let bend = state.hourglass[3 * m + i][l] + rate[3 * m + i][l];
+                energy += bend * bend / (bending * h[i]);
             }
-            rate[9 + i] = 2.0 * mu * (1.0 + nu) / 3.0 * h[i] * q[9 + i][l];
+            rate[9 + i][l] = volumetric * h[i] * q[9 + i][l];
+            let last = state.hourglass[9 + i][l] + rate[9 + i][l];
+            energy += last * last / (volumetric * h[i]);
         }
-        let mut power = 0.0;
-        for i in 0..12 {
+        extra[l] = 3.0 * mu * energy / volume[l];
+    }
+}
+
+/// Returns the hourglass stresses with the centre and books their work.
+#[inline(always)]
+fn hourglass_finish(q: &[Lane; 12], rate: &[Lane; 12], ratio: &Lane, tangent: &Lane, state: &mut BlockState) {
+    let mut power = [0.0; LANES];
+    for i in 0..12 {
+        for l in 0..LANES {
             let before = state.hourglass[i][l];
-            let after = ratio[l] * (before + tangent[l] * rate[i]);
-            power += 0.5 * (before + after) * q[i][l];
+            let after = ratio[l] * (before + tangent[l] * rate[i][l]);
+            power[l] += 0.5 * (before + after) * q[i][l];
             state.hourglass[i][l] = after;
         }
-        state.hourglass_j[l] += state.share[l] * power;
+    }
+    for l in 0..LANES {
+        state.hourglass_j[l] += state.share[l] * power[l];
     }
 }
 

@@ -57,15 +57,17 @@ impl HardeningTable {
             return (0.0, scale * slope_now);
         }
         let first = self.segments.partition_point(|s| s.strain <= plastic_strain).max(1) - 1;
+        let mut result = (f64::NAN, 0.0);
         for (index, s) in self.segments.iter().enumerate().skip(first) {
             let yield_here = scale * (s.stress_pa + s.slope_pa * (plastic_strain - s.strain));
             let increment = (q_trial_pa - yield_here) / (3.0 * shear_modulus_pa + scale * s.slope_pa);
+            result = (increment.max(0.0), scale * s.slope_pa);
             let end = self.segments.get(index + 1).map_or(f64::INFINITY, |next| next.strain);
             if plastic_strain + increment <= end {
-                return (increment.max(0.0), scale * s.slope_pa);
+                break;
             }
         }
-        unreachable!("the last segment has no end")
+        result
     }
 }
 

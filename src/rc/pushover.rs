@@ -1,0 +1,311 @@
+//! Bends a member end to failure under constant axial force.
+//!
+//! The far section is pushed sideways on its centre line, free to turn and to shorten, while the axial force follows the
+//! member's chord. The moment of the end section is the sum of the nodal forces of the member's own elements about the
+//! section's current centre: the integral of the section's stresses in the discrete sense. It does not
+//! contain the second-order moment `N w`; the MBS model has that from its geometry, so P-Δ acts once.
+//! The rotation is that of the chord, so that the curve contains the flexibility of half the member and of
+//! the joint; an MBS hinge between rigid bodies then has the member's stiffness.
+//!
+//! Quasi-static by explicit integration: the speed rises from zero, and the ratio of kinetic to internal energy is
+//! recorded as a quality figure.
+
+use super::cut::EndModel;
+use crate::fe::contact::RigidSurfaces;
+use crate::fe::dynamics::Dynamics;
+use crate::fe::preload;
+use crate::material::j2::HardeningTable;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Axial forces of the curves over the squash load `σ_y A` (compression positive).
+pub const AXIAL_SHARES: [f64; 5] = [-0.1, 0.0, 0.1, 0.2, 0.4];
+/// Rotation at which a push ends if the section has not failed \[rad\].
+pub const LARGEST_ROTATION: f64 = 1.2;
+/// A section whose moment has fallen below this share of its peak has failed.
+pub const FAILED_SHARE: f64 = 0.05;
+/// Speed of the chord: slow in the elastic range, then fast \[rad/s\].
+const SPEEDS: [f64; 2] = [0.1, 0.8];
+/// Times at which the two speeds are reached \[s\].
+const RAMPS: [f64; 2] = [0.1, 0.4];
+/// Interval over which section forces are averaged \[rad\], elastic and later.
+const SAMPLE: [f64; 2] = [2.0e-4, 4.0e-3];
+
+/// One envelope: moment over chord rotation at constant axial force.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Push {
+    /// Axial force, compression positive \[N\].
+    pub axial_force_n: f64,
+    /// `[chord rotation (rad), moment (N m)]`, from zero.
+    pub points: Vec<[f64; 2]>,
+    /// Whether the section failed within [`LARGEST_ROTATION`].
+    pub failed: bool,
+    /// Largest kinetic over internal energy beyond 1 % rotation.
+    pub kinetic_share: f64,
+    /// Length of the member that eroded \[m\].
+    pub eroded_length_m: f64,
+}
+
+/// All curves of one member end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EndCurves {
+    /// Envelopes about the directions `axis + 1` and `axis + 2`, by axial force.
+    pub axes: [Vec<Push>; 2],
+    /// Axial stiffness of the end: half the member and the joint \[N/m\].
+    pub axial_stiffness_n_m: f64,
+    /// Shear stiffness `G A_s / l` along `axis + 1` and `axis + 2` \[N/m\].
+    pub shear_stiffness_n_m: [f64; 2],
+    /// Torsional stiffness `G I_t / l` \[N m/rad\].
+    pub torsional_stiffness_nm_rad: f64,
+    /// Tension at which the section separates, `σ_y(ε_crit) A` \[N\].
+    pub tensile_capacity_n: f64,
+    /// Difference of the peaks for the two senses of rotation over their mean, larger of both axes.
+    pub asymmetry: f64,
+    /// Elements of the submodel.
+    pub elements: usize,
+}
+
+/// A push that cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PushoverError {
+    /// The static state under axial force does not exist.
+    #[error("member end under N = {axial_force_n:.0} N: {reason}")]
+    Preload {
+        /// Axial force \[N\].
+        axial_force_n: f64,
+        /// Why.
+        reason: String,
+    },
+    /// The run produced numbers that are not finite.
+    #[error("member end under N = {axial_force_n:.0} N: not finite at a rotation of {rotation_rad:.3} rad")]
+    NotFinite {
+        /// Axial force \[N\].
+        axial_force_n: f64,
+        /// Rotation reached \[rad\].
+        rotation_rad: f64,
+    },
+}
+
+/// All curves of a member end; `progress` is told after each push (done, all).
+pub fn derive(model: &EndModel, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<EndCurves, PushoverError> {
+    let law = &model.mesh.laws[model.mesh.elements[model.section_elements[0]].law];
+    let sample = &model.mesh.elements[model.section_elements[0]];
+    let area = model.section_m[0] * model.section_m[1];
+    let table = HardeningTable::new(&law.hardening);
+    let scale = sample.smear * sample.strength;
+    let squash = scale * table.at(0.0).0 * area;
+    let mut jobs: Vec<(usize, f64, f64)> =
+        (0..2).flat_map(|axis| AXIAL_SHARES.map(|share| (axis, share * squash, 1.0))).collect();
+    jobs.extend([(0, 0.1 * squash, -1.0), (1, 0.1 * squash, -1.0)]);
+    let done = std::sync::atomic::AtomicUsize::new(0);
+    let all = jobs.len();
+    let pushes: Vec<(Push, f64)> = jobs
+        .par_iter()
+        .map(|(axis, force, sense)| {
+            let result = push(model, *axis, *force, *sense);
+            progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
+            result
+        })
+        .collect::<Result<_, _>>()?;
+    let count = AXIAL_SHARES.len();
+    let peak = |p: &Push| p.points.iter().map(|q| q[1]).fold(0.0, f64::max);
+    let asymmetry = (0..2)
+        .map(|axis| {
+            let (a, b) = (peak(&pushes[axis * count + 2].0), peak(&pushes[2 * count + axis].0));
+            2.0 * (a - b).abs() / (a + b)
+        })
+        .fold(0.0, f64::max);
+    let shear_modulus = 0.5 * law.youngs_modulus_pa * sample.smear / (1.0 + law.poisson_ratio);
+    let shear = shear_modulus * 5.0 / 6.0 * area / model.length_m;
+    Ok(EndCurves {
+        axes: [0, 1].map(|axis| pushes[axis * count..(axis + 1) * count].iter().map(|p| p.0.clone()).collect()),
+        axial_stiffness_n_m: pushes[2].1,
+        shear_stiffness_n_m: [shear; 2],
+        torsional_stiffness_nm_rad: shear_modulus * torsion_constant(model.section_m) / model.length_m,
+        tensile_capacity_n: scale * table.at(law.critical_plastic_strain).0 * area,
+        asymmetry,
+        elements: model.mesh.elements.len(),
+    })
+}
+
+/// Torsion constant of a rectangle (Roark's formulas for stress and strain, table 10.1, case 4) \[m⁴\].
+pub fn torsion_constant(section_m: [f64; 2]) -> f64 {
+    let (a, b) = (0.5 * section_m[0].max(section_m[1]), 0.5 * section_m[0].min(section_m[1]));
+    a * b.powi(3) * (16.0 / 3.0 - 3.36 * b / a * (1.0 - b.powi(4) / (12.0 * a.powi(4))))
+}
+
+/// One push about the direction `axis + 1 + bending`; also returns the axial stiffness.
+fn push(model: &EndModel, bending: usize, axial_force_n: f64, sense: f64) -> Result<(Push, f64), PushoverError> {
+    let mut body = Dynamics::new(&model.mesh, 0.0, RigidSurfaces::default(), false);
+    let apply = |body: &mut Dynamics| {
+        let (base, tip) = (section_center(model, body), tip_center(model, body));
+        let chord: [f64; 3] = std::array::from_fn(|i| tip[i] - base[i]);
+        let length = chord.iter().map(|c| c * c).sum::<f64>().sqrt();
+        for (n, share) in &model.tip_nodes {
+            body.applied_n[*n] = std::array::from_fn(|i| -axial_force_n * share * chord[i] / length);
+        }
+    };
+    let rest = tip_center(model, &body)[model.axis];
+    apply(&mut body);
+    let force_or_probe = if axial_force_n == 0.0 { 1.0 } else { axial_force_n };
+    preload::equilibrate(&model.mesh, &mut body).map_err(|reason| PushoverError::Preload { axial_force_n, reason })?;
+    let shortening = -model.outward * (tip_center(model, &body)[model.axis] - rest);
+    let axial_stiffness = force_or_probe / shortening;
+    // rotation about `axis + 1` moves the tip along `axis + 2` and the other way round
+    let direction = if bending == 0 { (model.axis + 2) % 3 } else { (model.axis + 1) % 3 };
+    let guides = center_line(model, direction);
+    let start = tip_center(model, &body);
+    let mut recorder = Recorder::default();
+    loop {
+        let rotation = chord_rotation(model, &body, start, direction);
+        let speed = speed_at(body.time_s) * model.length_m * rotation.cos().max(0.1);
+        for n in &guides {
+            body.prescribed_m_s[*n][direction] = Some(sense * speed);
+        }
+        if body.steps % 16 == 0 {
+            apply(&mut body);
+        }
+        body.step(false);
+        if body.steps % 8 == 0 {
+            recorder.add(rotation, section_moment(model, &body, direction));
+        }
+        if body.steps % 1024 == 0 {
+            if body.broken_node().is_some() {
+                return Err(PushoverError::NotFinite { axial_force_n, rotation_rad: rotation });
+            }
+            recorder.note_kinetic(rotation, body.kinetic_j() / body.blocks.energies_j()[0].max(1.0));
+        }
+        let separated = !body.deaths.is_empty() && is_separated(model, &body);
+        if separated {
+            recorder.points.push([rotation, 0.0]);
+        }
+        let failed = separated || recorder.failed();
+        if failed || rotation >= LARGEST_ROTATION {
+            let eroded_length_m = eroded_length(model, &body);
+            let points = recorder.points;
+            return Ok((Push { axial_force_n, points, failed, kinetic_share: recorder.kinetic, eroded_length_m }, axial_stiffness));
+        }
+    }
+}
+
+/// Chord speed \[rad/s\].
+fn speed_at(time_s: f64) -> f64 {
+    if time_s < RAMPS[0] {
+        SPEEDS[0] * time_s / RAMPS[0]
+    } else {
+        let share = ((time_s - RAMPS[0]) / (RAMPS[1] - RAMPS[0])).min(1.0);
+        SPEEDS[0] + (SPEEDS[1] - SPEEDS[0]) * share
+    }
+}
+
+/// Averages moments over intervals of rotation.
+#[derive(Debug)]
+struct Recorder {
+    points: Vec<[f64; 2]>,
+    sum: [f64; 2],
+    count: f64,
+    from: f64,
+    peak: f64,
+    kinetic: f64,
+}
+
+impl Default for Recorder {
+    fn default() -> Self {
+        Self { points: vec![[0.0, 0.0]], sum: [0.0; 2], count: 0.0, from: 0.0, peak: 0.0, kinetic: 0.0 }
+    }
+}
+
+impl Recorder {
+    fn add(&mut self, rotation: f64, moment: f64) {
+        self.sum[0] += rotation;
+        self.sum[1] += moment;
+        self.count += 1.0;
+        let interval = if rotation < 0.02 { SAMPLE[0] + 0.1 * rotation } else { SAMPLE[1] };
+        if rotation - self.from >= interval && self.count >= 4.0 {
+            self.points.push([self.sum[0] / self.count, self.sum[1] / self.count]);
+            self.peak = self.peak.max(self.sum[1] / self.count);
+            (self.sum, self.count, self.from) = ([0.0; 2], 0.0, rotation);
+        }
+    }
+
+    fn note_kinetic(&mut self, rotation: f64, share: f64) {
+        if rotation > 0.01 && !self.failed() {
+            self.kinetic = self.kinetic.max(share);
+        }
+    }
+
+    fn failed(&self) -> bool {
+        let n = self.points.len();
+        n > 8 && self.points[n - 3..].iter().all(|p| p[1] < FAILED_SHARE * self.peak)
+    }
+}
+
+fn section_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {
+    let n = model.section_nodes.len() as f64;
+    std::array::from_fn(|i| model.section_nodes.iter().map(|k| body.x[*k][i]).sum::<f64>() / n)
+}
+
+fn tip_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {
+    std::array::from_fn(|i| model.tip_nodes.iter().map(|(k, share)| body.x[*k][i] * share).sum())
+}
+
+/// Rotation of the chord from the end section's undeformed centre to the far section \[rad\], positive.
+fn chord_rotation(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize) -> f64 {
+    let tip = tip_center(model, body);
+    let along = model.outward * (tip[model.axis] - model.point_m[model.axis]);
+    ((tip[direction] - start[direction]).abs()).atan2(along.max(0.05 * model.length_m))
+}
+
+/// Moment of the end section that resists the push \[N m\].
+fn section_moment(model: &EndModel, body: &Dynamics, direction: usize) -> f64 {
+    let center = section_center(model, body);
+    let mut moment = 0.0;
+    for e in &model.section_elements {
+        if body.blocks.share(*e) == 0.0 {
+            continue;
+        }
+        let force = body.blocks.element_force(*e);
+        for (local, n) in model.mesh.elements[*e].nodes.iter().enumerate() {
+            if model.section_nodes.contains(n) {
+                let r: [f64; 3] = std::array::from_fn(|i| body.x[*n][i] - center[i]);
+                moment += r[direction] * force[local][model.axis] - r[model.axis] * force[local][direction];
+            }
+        }
+    }
+    moment.abs()
+}
+
+/// Tip nodes on the line through the centre of the far section across the push direction.
+fn center_line(model: &EndModel, direction: usize) -> Vec<usize> {
+    let offset = |n: usize| (model.mesh.nodes[n][direction] - model.point_m[direction]).abs();
+    let least = model.tip_nodes.iter().map(|(n, _)| offset(*n)).fold(f64::INFINITY, f64::min);
+    model.tip_nodes.iter().map(|(n, _)| *n).filter(|n| offset(*n) < least + 1e-9).collect()
+}
+
+/// Whether a whole layer of the member has eroded, so that the far section hangs on nothing.
+fn is_separated(model: &EndModel, body: &Dynamics) -> bool {
+    let mut alive = std::collections::BTreeMap::new();
+    let part = model.mesh.elements[model.section_elements[0]].part;
+    for (e, element) in model.mesh.elements.iter().enumerate().filter(|(_, e)| e.part == part) {
+        let low = element.nodes.map(|n| model.mesh.nodes[n][model.axis]).into_iter().fold(f64::INFINITY, f64::min);
+        *alive.entry((low * 1e6).round() as i64).or_insert(false) |= body.blocks.share(e) > 0.0;
+    }
+    alive.values().any(|a| !a)
+}
+
+/// Length of the member over which at least one element has eroded \[m\].
+fn eroded_length(model: &EndModel, body: &Dynamics) -> f64 {
+    let part = model.mesh.elements[model.section_elements[0]].part;
+    let mut layers: Vec<(i64, f64)> = (0..model.mesh.elements.len())
+        .filter(|e| model.mesh.elements[*e].part == part && body.blocks.share(*e) == 0.0)
+        .map(|e| {
+            let along = model.mesh.elements[e].nodes.map(|n| model.mesh.nodes[n][model.axis]);
+            let low = along.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            ((low * 1e6).round() as i64, high - low)
+        })
+        .collect();
+    layers.sort_by_key(|l| l.0);
+    layers.dedup_by_key(|l| l.0);
+    layers.iter().map(|l| l.1).sum()
+}
