@@ -22,6 +22,7 @@ fn main(){
  let r=fallwerk::fe::run::run(&b,&Default::default(),&mut |p|{ if ((p.time_s*100.).round() as i64)%50==0 {eprintln!("{:.2}",p.time_s)} }).unwrap_or_else(|e|panic!("{e}"));
  println!("{:#?}",r.summary);
  println!("snapped {:?}", r.snapped.iter().map(|s|(s.member.clone(),s.volume_ratio)).collect::<Vec<_>>().first());
+ let f=fallwerk::study::facts(&b,&r); for z in &f.ends { println!("{} first {:?} peak {:.2} pl {:.3} er {:.2} fr {:?}",z.id,z.first_s,z.peak_rate_1_s,z.plastic_strain,z.eroded,z.fracture_s);} for m in &f.members {println!("{} {:.2} {:.2}",m.member,m.rigid_share_before_contact,m.rigid_share);}
  let get=|id:&str| r.tracked.iter().find(|t|t.id==id).unwrap();
  for k in (0..r.times_s.len()).step_by(10){ let e=r.energies[k]; let c1=get("S1.corner-00").displacement_m[k]; let c3=get("S3.corner-00").displacement_m[k]; let ct=get("C1-A2.top").displacement_m[k]; let c3b=get("S3.corner-01").displacement_m[k];
   println!("{:.2} S1c ({:.3},{:.3},{:.3}) S3c ({:.3},{:.3}) S3back({:.3},{:.3}) C1top ({:.3},{:.3}) KE {:.0} IE {:.0} er {:.0} HG {:.0} V {:.0} G {:.0} C {:.0} res {:.0}",r.times_s[k],c1[0],c1[1],c1[2],c3[1],c3[2],c3b[1],c3b[2],ct[1],ct[2],e.kinetic_j/1e3,e.internal_j/1e3,e.eroded_j/1e3,e.hourglass_j/1e3,e.viscous_j/1e3,e.gravity_j/1e3,(e.contact_j+e.friction_j)/1e3,e.residual_j/1e3);}

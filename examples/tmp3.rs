@@ -20,7 +20,7 @@ fn main(){
  let events=["C1-A1","C1-B1"].iter().map(|m|Charge{id:format!("charge {m}"),member:m.to_string(),stretch_m:None,time_s:0.}).collect();
  let b=Building{name:"ref".into(),description:"".into(),materials,sections,members,supports,ground:Ground{level_m:0.,friction:0.5},obstacles:vec![],preparation:vec![],events,settings:Settings{mesh_size_m:size,end_time_s:end,..Default::default()}};
  let (mesh,_)=fallwerk::fe::mesh::Mesh::of(&b,size);
- for (id,end) in [("C1-A2",fallwerk::rc::End::Lower),("C1-A2",fallwerk::rc::End::Upper),("C2-A2",fallwerk::rc::End::Lower)] {
+ for (id,end) in [("C1-A2",fallwerk::building::ends::End::Lower),("C1-A2",fallwerk::building::ends::End::Upper),("C2-A2",fallwerk::building::ends::End::Lower)] {
   let m=fallwerk::rc::EndModel::cut(&b,&mesh,id,end).unwrap();
   println!("{id} {end:?} elements {} fixed {} section {} {} tip {} len {}",m.mesh.elements.len(),m.mesh.fixed.len(),m.section_nodes.len(),m.section_elements.len(),m.tip_nodes.len(),m.length_m);
   let t=std::time::Instant::now();

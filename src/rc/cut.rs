@@ -1,23 +1,13 @@
 //! Cuts the piece of mesh around a member end.
 
+use crate::building::ends::End;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::tracked::clear_range;
 use crate::building::{Building, Member, MemberKind};
 use crate::fe::mesh::Mesh;
-use serde::{Deserialize, Serialize};
 
 /// How far the adjoining members are kept around the end, in member depths. Beyond it they count as rigid in the MBS too.
 pub const REACH_DEPTHS: f64 = 2.5;
-
-/// Which end of a member, along its axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum End {
-    /// The end with the smaller coordinate.
-    Lower,
-    /// The end with the larger coordinate.
-    Upper,
-}
 
 /// The piece of mesh around a member end, from the clamped cut through the adjoining members to the
 /// section where the bending moment of the member is taken to vanish.

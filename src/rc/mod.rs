@@ -6,5 +6,5 @@
 pub mod cut;
 pub mod pushover;
 
-pub use cut::{End, EndModel};
+pub use cut::EndModel;
 pub use pushover::{EndCurves, PushoverError, derive};

@@ -1,1 +1,169 @@
-//! (module)
+//! FE results in, facts out: which parts stay rigid, where zones of damage form and when, contact, fracture.
+//!
+//! Criterion of the seed paper, equation 2: a part is rigid while its strain rate stays below a critical value
+//! (0.25 1/s there). The rate is that of the net strain over an output interval, so that elastic vibration
+//! within it does not count.
+
+pub mod record;
+
+pub use record::Study;
+
+use crate::building::Building;
+use crate::building::ends::{MemberEnd, member_ends};
+use crate::building::partition::Partition;
+use crate::fe::dynamics::Death;
+use crate::fe::result::{FeRun, Touch};
+use serde::{Deserialize, Serialize};
+
+/// What the FE run shows at one member end: elements of the member within [`END_DEPTHS`] section depths of the end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EndZone {
+    /// Member end id.
+    pub id: String,
+    /// Member id.
+    pub member: String,
+    /// Centre of the end face, undeformed \[m\].
+    pub point_m: [f64; 3],
+    /// First time at which an element exceeded the critical strain rate \[s\]; `None`: the end stayed rigid.
+    pub first_s: Option<f64>,
+    /// Largest strain rate \[1/s\].
+    pub peak_rate_1_s: f64,
+    /// Largest plastic strain at the end of the run.
+    pub plastic_strain: f64,
+    /// Eroded share of the elements at the end of the run.
+    pub eroded: f64,
+    /// Time at which a whole layer of the member had eroded \[s\].
+    pub fracture_s: Option<f64>,
+}
+
+/// What the FE run shows in a member away from its ends.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MemberFacts {
+    /// Member id.
+    pub member: String,
+    /// Share of the member's elements (outside end zones) that never exceeded the critical rate before the first contact.
+    pub rigid_share_before_contact: f64,
+    /// The same over the whole run.
+    pub rigid_share: f64,
+}
+
+/// Facts of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Facts {
+    /// Critical strain rate used \[1/s\].
+    pub critical_rate_1_s: f64,
+    /// First ground contact \[s\].
+    pub first_contact_s: Option<f64>,
+    /// Zones at member ends, removed members left out.
+    pub ends: Vec<EndZone>,
+    /// Members.
+    pub members: Vec<MemberFacts>,
+    /// First contact of each member with ground and obstacles.
+    pub contacts: Vec<Touch>,
+    /// Whether the structure collapsed: a tracked point fell by more than [`COLLAPSE_DROP_M`].
+    pub collapsed: bool,
+}
+
+/// Length of an end zone in section depths: plastic hinges of coarse meshes spread over two layers of elements.
+pub const END_DEPTHS: f64 = 2.0;
+/// Fall of a tracked point that counts as collapse \[m\].
+pub const COLLAPSE_DROP_M: f64 = 1.0;
+
+/// Reads the facts out of a run.
+pub fn facts(building: &Building, run: &FeRun) -> Facts {
+    let critical = building.settings.critical_strain_rate_1_s;
+    let removed: Vec<bool> = {
+        let mut removed = vec![false; run.mesh.elements.len()];
+        run.deaths.iter().filter(|d| d.cause == Death::Removed).for_each(|d| removed[d.element] = true);
+        removed
+    };
+    let history = ElementHistory::of(run, critical);
+    let ends: Vec<MemberEnd> = member_ends(building, &Partition::of(building));
+    let mut in_end = vec![false; run.mesh.elements.len()];
+    let mut zones = Vec::new();
+    for end in &ends {
+        let elements: Vec<usize> = (0..run.mesh.elements.len())
+            .filter(|e| run.mesh.elements[*e].part == end.member && !removed[*e])
+            .filter(|e| {
+                let along = (run.mesh.center(*e)[end.axis] - end.point_m[end.axis]) * end.outward;
+                (0.0..(END_DEPTHS * end.depth_m).min(0.5 * end.clear_m)).contains(&along)
+            })
+            .collect();
+        if elements.is_empty() {
+            continue;
+        }
+        elements.iter().for_each(|e| in_end[*e] = true);
+        zones.push(zone(building, run, &history, end, &elements));
+    }
+    let contact = run.summary.first_ground_contact_s.unwrap_or(f64::INFINITY);
+    let members = (0..building.members.len())
+        .filter_map(|part| {
+            let own: Vec<usize> =
+                (0..in_end.len()).filter(|e| run.mesh.elements[*e].part == part && !in_end[*e] && !removed[*e]).collect();
+            let share = |until: f64| {
+                own.iter().filter(|e| history.first_s[**e].is_none_or(|t| t >= until)).count() as f64 / own.len() as f64
+            };
+            (!own.is_empty()).then(|| MemberFacts {
+                member: building.members[part].id.clone(),
+                rigid_share_before_contact: share(contact),
+                rigid_share: share(f64::INFINITY),
+            })
+        })
+        .collect();
+    let fall = |h: &crate::fe::result::History| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M);
+    Facts {
+        critical_rate_1_s: critical,
+        first_contact_s: run.summary.first_ground_contact_s,
+        ends: zones,
+        members,
+        contacts: run.touches.clone(),
+        collapsed: run.tracked.iter().any(fall),
+    }
+}
+
+/// First time above the critical rate, peak rate and death time of each element.
+struct ElementHistory {
+    first_s: Vec<Option<f64>>,
+    peak: Vec<f64>,
+    death_s: Vec<f64>,
+}
+
+impl ElementHistory {
+    fn of(run: &FeRun, critical: f64) -> Self {
+        let n = run.mesh.elements.len();
+        let mut this = Self { first_s: vec![None; n], peak: vec![0.0; n], death_s: vec![f64::INFINITY; n] };
+        for (time, rates) in run.times_s.iter().zip(&run.strain_rates_1_s) {
+            for (e, rate) in rates.iter().enumerate() {
+                let rate = f64::from(*rate);
+                this.peak[e] = this.peak[e].max(rate);
+                if rate > critical && this.first_s[e].is_none() {
+                    this.first_s[e] = Some(*time);
+                }
+            }
+        }
+        run.deaths.iter().for_each(|d| this.death_s[d.element] = d.time_s);
+        this
+    }
+}
+
+fn zone(building: &Building, run: &FeRun, history: &ElementHistory, end: &MemberEnd, elements: &[usize]) -> EndZone {
+    let largest = |f: &dyn Fn(usize) -> f64| elements.iter().map(|e| f(*e)).fold(0.0, f64::max);
+    let first = elements.iter().filter_map(|e| history.first_s[*e]).fold(f64::INFINITY, f64::min);
+    let mut layers = std::collections::BTreeMap::<i64, f64>::new();
+    for e in elements {
+        let at = (run.mesh.center(*e)[end.axis] * 1e6).round() as i64;
+        let last = layers.entry(at).or_insert(0.0);
+        *last = last.max(history.death_s[*e]);
+    }
+    let fracture = layers.values().copied().fold(f64::INFINITY, f64::min);
+    EndZone {
+        id: end.id.clone(),
+        member: building.members[end.member].id.clone(),
+        point_m: end.point_m,
+        first_s: first.is_finite().then_some(first),
+        peak_rate_1_s: largest(&|e| history.peak[e]),
+        plastic_strain: largest(&|e| run.plastic_strain[e]),
+        eroded: elements.iter().filter(|e| history.death_s[**e].is_finite()).count() as f64 / elements.len() as f64,
+        fracture_s: fracture.is_finite().then_some(fracture),
+    }
+}

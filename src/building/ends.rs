@@ -1,0 +1,94 @@
+//! The ends of columns and beams: where hinges may form.
+
+use super::model::{Building, MemberKind};
+use super::partition::Partition;
+use super::tracked::clear_range;
+use serde::{Deserialize, Serialize};
+
+/// Which end of a member, along its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// The end with the smaller coordinate: the bottom of a column, the start of a beam.
+    Lower,
+    /// The end with the larger coordinate: the top of a column, the end of a beam.
+    Upper,
+}
+
+/// An end of a column's clear height or of a beam's clear span.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MemberEnd {
+    /// `C1-A1.top`, `C1-A1.bottom`, `B1-A1-B1.start`, `B1-A1-B1.end`.
+    pub id: String,
+    /// Index of the member.
+    pub member: usize,
+    /// Which end.
+    pub end: End,
+    /// Axis of the member: 0, 1 or 2.
+    pub axis: usize,
+    /// +1 if the member extends towards larger coordinates from this end.
+    pub outward: f64,
+    /// Centre of the end face \[m\].
+    pub point_m: [f64; 3],
+    /// Larger side of the section \[m\].
+    pub depth_m: f64,
+    /// Clear length of the member \[m\].
+    pub clear_m: f64,
+}
+
+/// All ends of columns and beams, in member order, lower end first.
+///
+/// The clear span of a beam lies between the columns it frames into; where no column meets it, it is the beam's own extent.
+pub fn member_ends(building: &Building, partition: &Partition) -> Vec<MemberEnd> {
+    let mut ends = Vec::new();
+    for (index, member) in building.members.iter().enumerate() {
+        let names = match member.kind {
+            MemberKind::Column => ["bottom", "top"],
+            MemberKind::Beam => ["start", "end"],
+            _ => continue,
+        };
+        let Some(mut range) = clear_range(partition, index, member.axis) else { continue };
+        if member.kind == MemberKind::Beam {
+            range = clear_span(building, index, range);
+        }
+        let depth_m = (0..3).filter(|i| *i != member.axis).map(|i| member.solid.size()[i]).fold(0.0, f64::max);
+        for (end, name, at, outward) in
+            [(End::Lower, names[0], range[0], 1.0), (End::Upper, names[1], range[1], -1.0)]
+        {
+            let mut point_m = member.solid.center();
+            point_m[member.axis] = at;
+            ends.push(MemberEnd {
+                id: format!("{}.{name}", member.id),
+                member: index,
+                end,
+                axis: member.axis,
+                outward,
+                point_m,
+                depth_m,
+                clear_m: range[1] - range[0],
+            });
+        }
+    }
+    ends
+}
+
+/// A beam's range without the joint blocks over the columns at its two ends \[m\].
+fn clear_span(building: &Building, beam: usize, range: [f64; 2]) -> [f64; 2] {
+    let member = &building.members[beam];
+    let axis = member.axis;
+    let middle = 0.5 * (range[0] + range[1]);
+    let mut clear = range;
+    for column in building.members.iter().filter(|m| m.kind == MemberKind::Column) {
+        if column.solid.intersection(&member.solid, 1e-9).is_none() {
+            continue;
+        }
+        let at_end = |face: f64, end: f64| (face - end).abs() < column.solid.size()[axis] + 1e-9;
+        if column.solid.center()[axis] < middle && at_end(column.solid.max[axis], range[0]) {
+            clear[0] = clear[0].max(column.solid.max[axis]);
+        }
+        if column.solid.center()[axis] > middle && at_end(column.solid.min[axis], range[1]) {
+            clear[1] = clear[1].min(column.solid.min[axis]);
+        }
+    }
+    clear
+}
