@@ -27,6 +27,19 @@ pub struct Mark {
     pub class: &'static str,
 }
 
+/// How much of the page's width a chart takes. The drawing is laid out in about as many units as it gets
+/// pixels, so that its letters are as large as the text around it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Size {
+    /// All of it.
+    #[default]
+    Wide,
+    /// Half.
+    Half,
+    /// A third.
+    Third,
+}
+
 /// A line chart.
 #[derive(Default)]
 pub struct Chart {
@@ -48,8 +61,8 @@ pub struct Chart {
     pub y_range: Option<[f64; 2]>,
     /// Whether x is the time of the runs: the player's time is shown and a click goes there.
     pub is_time: bool,
-    /// A small chart of a row of three.
-    pub small: bool,
+    /// Size on the page.
+    pub size: Size,
     /// Leave the legend out.
     pub no_legend: bool,
 }
@@ -95,7 +108,7 @@ impl Chart {
     /// The chart as HTML.
     pub fn to_html(&self) -> String {
         let mut out = String::new();
-        let class = if self.small { "chart small" } else { "chart" };
+        let class = if self.size == Size::Third { "chart small" } else { "chart" };
         let _ = write!(out, "<figure class=\"{class}\"><figcaption>{}</figcaption>", escape(&self.title));
         let drawable = self.series.iter().any(|s| s.points.iter().any(|p| p.iter().all(|v| v.is_finite())));
         if drawable {
@@ -132,18 +145,26 @@ impl Chart {
         };
         let (x0, x1) = range(0);
         let (mut y0, mut y1) = range(1);
-        for [lo, hi] in self.y_range {
+        if let Some([lo, hi]) = self.y_range {
             (y0, y1) = (y0.min(lo), y1.max(hi));
         }
         for limit in &self.limits {
             (y0, y1) = (y0.min(limit.2), y1.max(limit.2));
         }
-        let wanted = if self.small { (4, 4) } else { (8, 5) };
+        let wanted = match self.size {
+            Size::Wide => (10, 5),
+            Size::Half => (6, 5),
+            Size::Third => (5, 4),
+        };
         (axis(x0, x1, wanted.0, true), axis(y0, y1, wanted.1, false))
     }
 
     fn svg(&self, out: &mut String) {
-        let (width, height) = if self.small { (372.0, 190.0) } else { (760.0, 270.0) };
+        let (width, height) = match self.size {
+            Size::Wide => (1124.0, 300.0),
+            Size::Half => (547.0, 260.0),
+            Size::Third => (360.0, 190.0),
+        };
         let (xs, ys) = self.axes();
         let widest = ys.ticks.iter().map(|t| t.1.chars().count()).max().unwrap_or(1) as f64;
         let frame = Frame {
@@ -261,12 +282,12 @@ impl Chart {
             if b > a {
                 let _ = write!(
                     out,
-                    "<path class=\"limit\" d=\"M{} {}H{}\"/><text class=\"tick\" x=\"{}\" y=\"{}\">{}</text>",
+                    "<path class=\"limit\" d=\"M{} {}H{}\"/><text class=\"tick end\" x=\"{}\" y=\"{}\">{}</text>",
                     coordinate(a),
                     coordinate(y),
                     coordinate(b),
-                    coordinate(a + 5.0),
-                    coordinate(y - 5.0),
+                    coordinate(b - 6.0),
+                    coordinate(y + 14.0),
                     escape(label)
                 );
             }

@@ -26,7 +26,8 @@ impl Quantiser {
         q.clamp(0.0, f64::from(u16::MAX)) as u16
     }
 
-    /// The coordinate an integer stands for \[m\].
+    /// The coordinate an integer stands for \[m\]; the viewer does this in the page.
+    #[cfg(test)]
     pub fn decode(&self, axis: usize, q: u16) -> f64 {
         self.origin_m[axis] + f64::from(q) * self.step_m[axis]
     }

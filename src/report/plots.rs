@@ -1,7 +1,7 @@
 //! Which charts a report has.
 
 use super::ReportError;
-use super::chart::{Chart, Mark, Series, seconds};
+use super::chart::{Chart, Mark, Series, Size, seconds};
 use super::input::{CurveFamily, FirstContact, History, ReportInput};
 use super::number::{fixed, prefixed, significant};
 
@@ -77,7 +77,7 @@ pub fn history_charts(history: &History) -> Result<[String; 3], ReportError> {
             y: (["u x", "u y", "u z"][axis].replace(' ', "\u{2009}"), "m".into()),
             series: vec![line("FE", "fe", &history.fe_m), line("MBS", "mbs", &history.mbs_m)],
             is_time: true,
-            small: true,
+            size: Size::Third,
             no_legend: true,
             ..Chart::default()
         }
@@ -116,6 +116,7 @@ fn energy_chart(
         marks: mark,
         y_range: Some(y_range.map(|v| v * factor)),
         is_time: true,
+        size: Size::Half,
         ..Chart::default()
     }
     .to_html())
@@ -214,6 +215,7 @@ pub fn curve_chart(family: &CurveFamily) -> String {
         x: ("rotation".into(), "rad".into()),
         y: ("moment".into(), unit),
         series: series.collect(),
+        size: Size::Half,
         ..Chart::default()
     }
     .to_html()

@@ -101,7 +101,7 @@
       if (uMode == 1) { oColour = vec4(0.0, 0.0, 0.0, uDark > 0.5 ? 0.38 : 0.2); return; }
       vec3 n = normalize(cross(dFdx(vWorld), dFdy(vWorld)));
       if (dot(n, uEye - vWorld) < 0.0) n = -n;
-      float light = 0.34 + 0.26 * (0.5 + 0.5 * n.z) + 0.46 * max(dot(n, uLight), 0.0);
+      float light = 0.42 + 0.24 * (0.5 + 0.5 * n.z) + 0.46 * max(dot(n, uLight), 0.0);
       vec3 base = mix(vColour, uTint.rgb, uTint.a);
       vec2 d = min(vUv, 1.0 - vUv) / max(fwidth(vUv), vec2(1e-6));
       float line = (1.0 - smoothstep(0.4, 1.4, min(d.x, d.y)));
@@ -288,7 +288,7 @@
   const radius = Math.max(1, 0.5 * Math.hypot(...sub(upper, lower)));
   const views = { oblique: [-0.62, 0.27], front: [-Math.PI / 2, 0.06], side: [0, 0.06], top: [-Math.PI / 2, 1.55] };
   const state = { t: times[0], playing: false, yaw: 0, pitch: 0, distance: 1, target: centre, layout: "split", colour: "part" };
-  const lookFrom = (name) => Object.assign(state, { yaw: views[name][0], pitch: views[name][1], target: [...centre], distance: radius * 3.5 });
+  const lookFrom = (name) => Object.assign(state, { yaw: views[name][0], pitch: views[name][1], target: [...centre], distance: radius * 3.05 });
   lookFrom("oblique");
   const single = !fe || !mbs;
   if (single) {
@@ -407,7 +407,7 @@
   };
   const drawFe = (view, mode) => {
     if (!fe) return;
-    const at = use("fe", view, mode, { edge: $("show-edges").checked ? 0.55 : 0 });
+    const at = use("fe", view, mode, { edge: $("show-edges").checked ? 0.4 : 0 });
     gl.uniform1f(at.uTime, state.t);
     gl.uniform1f(at.uStrain, state.colour === "strain" ? 1 : 0);
     gl.activeTexture(gl.TEXTURE1);
@@ -653,7 +653,7 @@
     if (number("t") !== null) seek(number("t"));
     if (number("yaw") !== null) state.yaw = number("yaw");
     if (number("pitch") !== null) state.pitch = number("pitch");
-    if (number("zoom") > 0) state.distance = (radius * 3.5) / number("zoom");
+    if (number("zoom") > 0) state.distance = (radius * 3.05) / number("zoom");
     for (const name of ["layout", "colour"]) if (/^[a-z]+$/.test(wanted.get(name) ?? "")) choose(name, wanted.get(name));
     redraw();
   };
