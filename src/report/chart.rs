@@ -215,12 +215,14 @@ impl Chart {
 
     /// The chart in words, for those who do not see it.
     fn describe(&self) -> String {
-        let mut text = format!("{}: {} [{}] over {} [{}].", self.title, self.y.0, self.y.1, self.x.0, self.x.1);
+        let mut text =
+            format!("{}: {} [{}] over {} [{}].", self.title, self.y.0, self.y.1, self.x.0, self.x.1);
         for series in &self.series {
             let values = series.points.iter().map(|p| p[1]).filter(|v| v.is_finite());
             let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
             if lo <= hi {
-                let _ = write!(text, " {} from {} to {}.", series.label, significant(lo, 3), significant(hi, 3));
+                let _ =
+                    write!(text, " {} from {} to {}.", series.label, significant(lo, 3), significant(hi, 3));
             }
         }
         text
@@ -410,7 +412,8 @@ mod tests {
 
     #[test]
     fn simplification_stays_within_its_tolerance() {
-        let run: Vec<[f64; 2]> = (0..400).map(|i| [f64::from(i), 40.0 * (f64::from(i) / 60.0).sin()]).collect();
+        let run: Vec<[f64; 2]> =
+            (0..400).map(|i| [f64::from(i), 40.0 * (f64::from(i) / 60.0).sin()]).collect();
         let kept = simplify(&run, 0.1);
         assert!(kept.len() < run.len() / 2);
         for p in &run {

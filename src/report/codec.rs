@@ -79,9 +79,15 @@ mod tests {
 
     #[test]
     fn base64_meets_the_test_vectors_of_rfc_4648() {
-        for (plain, coded) in
-            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("fooba", "Zm9vYmE="), ("foobar", "Zm9vYmFy")]
-        {
+        for (plain, coded) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
             assert_eq!(base64(plain.as_bytes()), coded);
         }
     }
@@ -92,8 +98,8 @@ mod tests {
         for k in 0..=1000 {
             let f = f64::from(k) / 1000.0;
             let p = [-3.0 + 20.0 * f, 0.5, 2.0 + 0.1 * f];
-            for axis in 0..3 {
-                let error = (q.decode(axis, q.encode(axis, p[axis])) - p[axis]).abs();
+            for (axis, x) in p.into_iter().enumerate() {
+                let error = (q.decode(axis, q.encode(axis, x)) - x).abs();
                 assert!(error <= 0.5 * q.step_m[axis] * (1.0 + 1e-9), "axis {axis}: {error}");
             }
         }

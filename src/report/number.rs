@@ -116,7 +116,8 @@ pub fn axis(min: f64, max: f64, wanted: usize, tight: bool) -> Axis {
     }
     let raw = (max - min) / wanted.max(1) as f64;
     let power = 10_f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * 0.999).unwrap_or(raw);
+    let step =
+        [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * 0.999).unwrap_or(raw);
     let near = 1e-6;
     let (first, last) = if tight {
         ((min / step - near).ceil() as i64, (max / step + near).floor() as i64)

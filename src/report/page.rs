@@ -3,7 +3,7 @@
 use super::ReportError;
 use super::chart::seconds;
 use super::codec::base64;
-use super::input::{History, HingeSite, ReportInput, RunCost, Severity, Status};
+use super::input::{HingeSite, History, ReportInput, RunCost, Severity, Status};
 use super::number::{MISSING, count, duration, fixed, significant};
 use super::{plots, scene};
 use minijinja::{AutoEscape, Environment, syntax::SyntaxConfig};
@@ -19,7 +19,8 @@ const VIEWER: &str = include_str!("templates/viewer.js");
 pub fn render(input: &ReportInput) -> Result<String, ReportError> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build()?;
+    let syntax =
+        SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build()?;
     environment.set_syntax(syntax);
     environment.add_template("page", PAGE)?;
     let packed = input.scene.as_ref().map(|s| scene::pack(s, &input.hinge_sites)).transpose()?;
@@ -71,7 +72,9 @@ fn template_value(json: serde_json::Value) -> minijinja::Value {
         Value::Number(n) => n.as_i64().map_or_else(|| n.as_f64().unwrap_or(f64::NAN).into(), Into::into),
         Value::String(s) => s.into(),
         Value::Array(list) => list.into_iter().map(template_value).collect(),
-        Value::Object(map) => minijinja::Value::from_pairs(map.into_iter().map(|(k, v)| (k, template_value(v)))),
+        Value::Object(map) => {
+            minijinja::Value::from_pairs(map.into_iter().map(|(k, v)| (k, template_value(v))))
+        }
     }
 }
 
@@ -158,7 +161,8 @@ fn figures(input: &ReportInput) -> Vec<Figure> {
         out.push(Figure { label: "FE zones found as hinges", value, unit: "", note });
     }
     if let Some((ratio, basis)) = speed_ratio(input) {
-        let note = format!("FE {}, MBS {} ({basis})", time_of(&input.fe_run, basis), time_of(&input.mbs_run, basis));
+        let note =
+            format!("FE {}, MBS {} ({basis})", time_of(&input.fe_run, basis), time_of(&input.mbs_run, basis));
         out.push(Figure { label: "MBS faster than FE by", value: significant(ratio, 2), unit: "×", note });
     }
     out
@@ -177,7 +181,8 @@ fn time_of(run: &Option<RunCost>, basis: &str) -> String {
 /// FE time over MBS time and what it compares: CPU time if both have it, else wall time.
 fn speed_ratio(input: &ReportInput) -> Option<(f64, &'static str)> {
     let (fe, mbs) = (input.fe_run.as_ref()?, input.mbs_run.as_ref()?);
-    let ratio = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a / b).filter(|r| r.is_finite() && *r > 0.0);
+    let ratio =
+        |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a / b).filter(|r| r.is_finite() && *r > 0.0);
     ratio(fe.cpu_s, mbs.cpu_s).map(|r| (r, "CPU")).or(ratio(fe.wall_s, mbs.wall_s).map(|r| (r, "wall")))
 }
 
@@ -221,7 +226,11 @@ fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, R
             until_contact: contact_s.map_or(MISSING.into(), |t| significant(deviation(t).1, 3)),
             overall: significant(overall.1, 3),
             when: fixed(overall.0, 2),
-            relative: if fe_max > 0.0 { format!("{} %", significant(100.0 * overall.1 / fe_max, 2)) } else { MISSING.into() },
+            relative: if fe_max > 0.0 {
+                format!("{} %", significant(100.0 * overall.1 / fe_max, 2))
+            } else {
+                MISSING.into()
+            },
             charts,
             worst: false,
         });

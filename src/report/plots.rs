@@ -11,7 +11,11 @@ fn time_axis() -> (String, String) {
 
 fn contact_marks(contact: &FirstContact) -> Vec<Mark> {
     let mark = |t: Option<f64>, name: &str, class| {
-        t.filter(|t| t.is_finite()).map(|x| Mark { x, label: format!("{name} contact {}", seconds(x)), class })
+        t.filter(|t| t.is_finite()).map(|x| Mark {
+            x,
+            label: format!("{name} contact {}", seconds(x)),
+            class,
+        })
     };
     [mark(contact.fe_s, "FE", "fe"), mark(contact.mbs_s, "MBS", "mbs")].into_iter().flatten().collect()
 }
@@ -35,7 +39,12 @@ pub fn error_chart(input: &ReportInput) -> Result<Option<String>, ReportError> {
     let contact = error.contact_s.filter(|t| t.is_finite());
     let mut limits = Vec::new();
     if let Some(limit) = error.limit_until_contact {
-        limits.push((0.0, contact.unwrap_or(end), limit, format!("limit up to contact {}", significant(limit, 2))));
+        limits.push((
+            0.0,
+            contact.unwrap_or(end),
+            limit,
+            format!("limit up to contact {}", significant(limit, 2)),
+        ));
     }
     if let (Some(limit), Some(from)) = (error.limit_until_end, contact) {
         limits.push((from, end, limit, format!("limit up to the end {}", significant(limit, 2))));
@@ -45,7 +54,11 @@ pub fn error_chart(input: &ReportInput) -> Result<Option<String>, ReportError> {
         title: "Relative displacement error e(T) over all tracked points".into(),
         x: ("T".into(), "s".into()),
         y: ("e".into(), "–".into()),
-        series: vec![Series { label: "e(T), MBS against FE".into(), class: "mbs".into(), points: zip(&error.time_s, &error.e, 1.0) }],
+        series: vec![Series {
+            label: "e(T), MBS against FE".into(),
+            class: "mbs".into(),
+            points: zip(&error.time_s, &error.e, 1.0),
+        }],
         marks: contact_marks(&input.first_contact),
         limits,
         shade: contact.map(|t| [t, end]),
@@ -102,11 +115,7 @@ fn energy_chart(
         .iter()
         .enumerate()
         .filter(|(_, e)| !e.1.is_empty())
-        .map(|(i, e)| Series {
-            label: e.0.into(),
-            class: format!("s{i}"),
-            points: zip(time_s, e.1, *factor),
-        })
+        .map(|(i, e)| Series { label: e.0.into(), class: format!("s{i}"), points: zip(time_s, e.1, *factor) })
         .collect();
     Ok(Chart {
         title: title.into(),
@@ -167,7 +176,10 @@ pub fn energy_charts(input: &ReportInput) -> Result<EnergyCharts, ReportError> {
         let reference = list[..6].iter().map(|e| largest(e.1)).fold(0.0, f64::max);
         if !list[6].1.is_empty() && reference > 0.0 {
             let share = 100.0 * largest(list[6].1) / reference;
-            residuals.push(format!("{name}: the largest residual is {} % of the largest energy.", significant(share, 2)));
+            residuals.push(format!(
+                "{name}: the largest residual is {} % of the largest energy.",
+                significant(share, 2)
+            ));
         }
     }
     let contact = |t: Option<f64>, class| {

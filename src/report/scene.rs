@@ -74,7 +74,11 @@ fn expect(what: &str, expected: usize, found: usize) -> Result<(), ReportError> 
 }
 
 fn below(what: &str, index: u32, count: usize) -> Result<(), ReportError> {
-    if (index as usize) < count { Ok(()) } else { Err(ReportError::Index { what: what.into(), index, count }) }
+    if (index as usize) < count {
+        Ok(())
+    } else {
+        Err(ReportError::Index { what: what.into(), index, count })
+    }
 }
 
 fn check(scene: &Scene) -> Result<(), ReportError> {

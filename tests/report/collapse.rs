@@ -141,7 +141,12 @@ fn scene(size: f64, frames: usize) -> Scene {
 
 fn histories() -> Vec<History> {
     let time_s: Vec<f64> = (0..=250).map(|i| 0.01 * f64::from(i)).collect();
-    let points = [("S3, corner front left", [-0.2, -0.2, 10.5]), ("C1/3, top", [0.0, 0.0, 10.25]), ("S2, corner rear right", [6.2, 5.2, 7.0]), ("C3/1, top", [0.0, 5.0, 3.25])];
+    let points = [
+        ("S3, corner front left", [-0.2, -0.2, 10.5]),
+        ("C1/3, top", [0.0, 0.0, 10.25]),
+        ("S2, corner rear right", [6.2, 5.2, 7.0]),
+        ("C3/1, top", [0.0, 5.0, 3.25]),
+    ];
     let u = |p: [f64; 3], angle: f64| {
         let q = moved(p, angle);
         std::array::from_fn(|i| q[i] - p[i])
@@ -216,11 +221,41 @@ fn tables(input: &mut ReportInput) {
         explanation: explanation.into(),
     };
     input.checks = vec![
-        check("Error up to first contact", "0.041", "≤ 0.10", Status::Pass, "The fall itself: the model may be used to say where and when the building comes down."),
-        check("Error up to the end", "0.13", "≤ 0.25", Status::Pass, "After contact single impacts decide; the limit is wider."),
-        check("First contact", "+48 ms", "± 100 ms", Status::Pass, "Time at which the first part touches the ground."),
-        check("Hinge sites, F1", "0.78", "≥ 0.80", Status::Fail, "Four zones of the FE run are not yielding hinges in the model."),
-        check("Debris footprint, overlap", "–", "≥ 0.85", Status::Unknown, "The FE run ended before the debris came to rest."),
+        check(
+            "Error up to first contact",
+            "0.041",
+            "≤ 0.10",
+            Status::Pass,
+            "The fall itself: the model may be used to say where and when the building comes down.",
+        ),
+        check(
+            "Error up to the end",
+            "0.13",
+            "≤ 0.25",
+            Status::Pass,
+            "After contact single impacts decide; the limit is wider.",
+        ),
+        check(
+            "First contact",
+            "+48 ms",
+            "± 100 ms",
+            Status::Pass,
+            "Time at which the first part touches the ground.",
+        ),
+        check(
+            "Hinge sites, F1",
+            "0.78",
+            "≥ 0.80",
+            Status::Fail,
+            "Four zones of the FE run are not yielding hinges in the model.",
+        ),
+        check(
+            "Debris footprint, overlap",
+            "–",
+            "≥ 0.85",
+            Status::Unknown,
+            "The FE run ended before the debris came to rest.",
+        ),
     ];
     input.notes = vec![
         Note { severity: Severity::Warning, text: "Rule slab-corner-hinge was used outside the range of its evidence (span 6.4 m, evidence up to 5.5 m).".into() },
@@ -232,26 +267,76 @@ fn tables(input: &mut ReportInput) {
         TimedEvent { time_s: 1.668, run: "MBS".into(), what: "first ground contact, S1".into() },
     ];
     let setting = |n: &str, v: &str| Setting { name: n.into(), value: v.into() };
-    input.settings = vec![setting("Simulated time", "2.5 s"), setting("Output interval", "10 ms"), setting("FE mesh size", "0.40 m"), setting("Critical strain rate", "0.25 1/s"), setting("Critical plastic strain", "0.10")];
+    input.settings = vec![
+        setting("Simulated time", "2.5 s"),
+        setting("Output interval", "10 ms"),
+        setting("FE mesh size", "0.40 m"),
+        setting("Critical strain rate", "0.25 1/s"),
+        setting("Critical plastic strain", "0.10"),
+    ];
     let run = |cpu: f64, wall: f64, steps, step, parts, dofs, threads| RunCost {
-        cpu_s: Some(cpu), wall_s: Some(wall), steps: Some(steps), step_s: Some(step), parts: Some(parts), dofs: Some(dofs), threads: Some(threads),
+        cpu_s: Some(cpu),
+        wall_s: Some(wall),
+        steps: Some(steps),
+        step_s: Some(step),
+        parts: Some(parts),
+        dofs: Some(dofs),
+        threads: Some(threads),
     };
     input.fe_run = Some(run(612.0, 321.0, 61_728, 4.05e-5, 2330, 10_500, 2));
     input.mbs_run = Some(run(0.84, 0.86, 5_000, 5e-4, 13, 78, 1));
-    input.model.bodies = solids().iter().map(|s| BodyRow { id: s.0.clone(), mass_kg: 2500.0 * s.2.volume(), members: vec![s.0.clone()] }).collect();
-    input.model.joints = vec![JointRow { id: "J1".into(), joins: "C3/1 – ground".into(), kind: "hinge".into(), curves: vec!["col-x".into(), "col-y".into()] }];
-    input.model.entries = vec![EntryRow { key: "col-040-8d20".into(), description: "column end 0.40 x 0.40 m, 8 bars of 20 mm".into(), uses: 20 }];
+    input.model.bodies = solids()
+        .iter()
+        .map(|s| BodyRow { id: s.0.clone(), mass_kg: 2500.0 * s.2.volume(), members: vec![s.0.clone()] })
+        .collect();
+    input.model.joints = vec![JointRow {
+        id: "J1".into(),
+        joins: "C3/1 – ground".into(),
+        kind: "hinge".into(),
+        curves: vec!["col-x".into(), "col-y".into()],
+    }];
+    input.model.entries = vec![EntryRow {
+        key: "col-040-8d20".into(),
+        description: "column end 0.40 x 0.40 m, 8 bars of 20 mm".into(),
+        uses: 20,
+    }];
     input.model.rules = vec![
-        RuleRow { id: "column-end-hinge".into(), text: "A column end whose demand passes 0.8 of its capacity gets a hinge.".into(), fired: 20, out_of_range: false },
-        RuleRow { id: "slab-corner-hinge".into(), text: "A slab corner over a removed column may break.".into(), fired: 2, out_of_range: true },
+        RuleRow {
+            id: "column-end-hinge".into(),
+            text: "A column end whose demand passes 0.8 of its capacity gets a hinge.".into(),
+            fired: 20,
+            out_of_range: false,
+        },
+        RuleRow {
+            id: "slab-corner-hinge".into(),
+            text: "A slab corner over a removed column may break.".into(),
+            fired: 2,
+            out_of_range: true,
+        },
     ];
-    input.model.trace = (1..=20).map(|i| TraceRow { part: format!("J{i}"), rule: "column-end-hinge".into(), words: format!("demand 0.9{i} of capacity"), entries: vec!["col-040-8d20".into()] }).collect();
+    input.model.trace = (1..=20)
+        .map(|i| TraceRow {
+            part: format!("J{i}"),
+            rule: "column-end-hinge".into(),
+            words: format!("demand 0.9{i} of capacity"),
+            entries: vec!["col-040-8d20".into()],
+        })
+        .collect();
     let level = |n: f64| CurveLevel {
         axial_force_n: n,
-        points: (0..=40).map(|i| 0.0025 * f64::from(i)).map(|r| [r, (1.4e5 + 0.12 * n) * (1.0 - (-r * 400.0).exp()) * (1.0 - 4.0 * r)]).collect(),
+        points: (0..=40)
+            .map(|i| 0.0025 * f64::from(i))
+            .map(|r| [r, (1.4e5 + 0.12 * n) * (1.0 - (-r * 400.0).exp()) * (1.0 - 4.0 * r)])
+            .collect(),
         fracture_rotation_rad: Some(0.1 - n * 2e-8),
     };
-    input.curves = ["x", "y"].map(|a| CurveFamily { id: format!("col-{a}"), description: format!("column 0.40 x 0.40 m, bending about {a}"), levels: [0.0, 2.5e5, 5e5, 1e6].map(level).into() }).into();
+    input.curves = ["x", "y"]
+        .map(|a| CurveFamily {
+            id: format!("col-{a}"),
+            description: format!("column 0.40 x 0.40 m, bending about {a}"),
+            levels: [0.0, 2.5e5, 5e5, 1e6].map(level).into(),
+        })
+        .into();
 }
 
 /// A full report; `size` is the mesh size \[m\].

@@ -116,7 +116,8 @@ fn names_from_outside_stay_text() {
     input.program_version = text();
     input.verdict.headline = text();
     input.verdict.detail = text();
-    input.checks[0] = Check { label: text(), value: text(), limit: text(), status: Status::Pass, explanation: text() };
+    input.checks[0] =
+        Check { label: text(), value: text(), limit: text(), status: Status::Pass, explanation: text() };
     input.settings = vec![Setting { name: text(), value: text() }];
     input.histories[0].point = text();
     input.hinge_sites[0].member_end = text();
@@ -179,7 +180,10 @@ fn positions_come_back_within_half_a_quantisation_step() {
             assert!(step < 0.5e-3, "{step}");
             for (frame, &x) in track[axis].iter().enumerate() {
                 let given = f64::from(fe.frames_m[frame][node as usize][axis]);
-                assert!((x - given).abs() <= 0.5 * step * (1.0 + 1e-6), "node {node} axis {axis} frame {frame}");
+                assert!(
+                    (x - given).abs() <= 0.5 * step * (1.0 + 1e-6),
+                    "node {node} axis {axis} frame {frame}"
+                );
             }
         }
     }
@@ -236,7 +240,8 @@ fn an_empty_report_is_a_page() {
     let page = render(&ReportInput::default()).unwrap();
     assert!(page.contains("No verdict was given.") && page.contains("No hinge sites were compared."));
     assert!(!page.contains("scene-data\">"));
-    let scene = Some(Scene { fe: Some(FeScene::default()), mbs: Some(MbsScene::default()), ..Scene::default() });
+    let scene =
+        Some(Scene { fe: Some(FeScene::default()), mbs: Some(MbsScene::default()), ..Scene::default() });
     let page = render(&ReportInput { scene, ..ReportInput::default() }).unwrap();
     assert_eq!(head(&page)["fe"]["nodes"], 0);
 }

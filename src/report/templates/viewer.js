@@ -9,6 +9,7 @@
   const giveUp = (why) => {
     $("fallback").textContent = `${why} The figures, plots and tables of this page are complete without it.`;
     $("fallback").hidden = false;
+    canvas.style.cssText = "visibility: hidden; min-height: 0; height: 130px";
     document.querySelectorAll(".transport, .options, .keys, .hint, .tag, .clock").forEach((e) => (e.hidden = true, e.style.display = "none"));
   };
   if (!gl) return giveUp("This browser offers no WebGL2, so the 3D view cannot be shown.");
@@ -284,11 +285,11 @@
 
   // ---- state ----------------------------------------------------------------------------------------------------
   const lower = head.view[0], upper = head.view[1];
-  const centre = lower.map((v, i) => 0.5 * (v + upper[i]));
+  const centre = lower.map((v, i) => v + (i < 2 ? 0.5 : 0.4) * (upper[i] - v)); // debris lies low
   const radius = Math.max(1, 0.5 * Math.hypot(...sub(upper, lower)));
   const views = { oblique: [-0.62, 0.27], front: [-Math.PI / 2, 0.06], side: [0, 0.06], top: [-Math.PI / 2, 1.55] };
   const state = { t: times[0], playing: false, yaw: 0, pitch: 0, distance: 1, target: centre, layout: "split", colour: "part" };
-  const lookFrom = (name) => Object.assign(state, { yaw: views[name][0], pitch: views[name][1], target: [...centre], distance: radius * 3.05 });
+  const lookFrom = (name) => Object.assign(state, { yaw: views[name][0], pitch: views[name][1], target: [...centre], distance: radius * 3.3 });
   lookFrom("oblique");
   const single = !fe || !mbs;
   if (single) {
@@ -653,7 +654,7 @@
     if (number("t") !== null) seek(number("t"));
     if (number("yaw") !== null) state.yaw = number("yaw");
     if (number("pitch") !== null) state.pitch = number("pitch");
-    if (number("zoom") > 0) state.distance = (radius * 3.05) / number("zoom");
+    if (number("zoom") > 0) state.distance = (radius * 3.3) / number("zoom");
     for (const name of ["layout", "colour"]) if (/^[a-z]+$/.test(wanted.get(name) ?? "")) choose(name, wanted.get(name));
     redraw();
   };
