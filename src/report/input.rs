@@ -1,0 +1,356 @@
+//! What the report is made of: plain data, filled by the caller.
+//!
+//! The report computes nothing about the structure. It shows what it is given, derives only
+//! differences and extremes for the reader, and says "–" where a figure is missing. All numbers are
+//! SI (m, kg, s, N, J, rad); the page chooses readable prefixes. Histories may contain NaN: it is drawn
+//! as a gap. Every list may be empty; its section then says so or is left out.
+
+use super::scene_input::Scene;
+
+/// Everything one report shows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReportInput {
+    /// Title of the page, e.g. "MBS against FE".
+    pub title: String,
+    /// Name of the building.
+    pub building_name: String,
+    /// One paragraph about the building and its demolition plan.
+    pub building_description: String,
+    /// Name and version of the program that made the runs.
+    pub program_version: String,
+    /// The overall verdict.
+    pub verdict: Verdict,
+    /// The checks behind the verdict, in order of importance.
+    pub checks: Vec<Check>,
+    /// Settings of the comparison: name, value with unit.
+    pub settings: Vec<Setting>,
+    /// Times of the first ground contact.
+    pub first_contact: FirstContact,
+    /// Displacement histories of the tracked points.
+    pub histories: Vec<History>,
+    /// The error measure e(T).
+    pub error: Option<ErrorMeasure>,
+    /// Member ends and other sections at which a hinge may form.
+    pub hinge_sites: Vec<HingeSite>,
+    /// Energy balance of the FE run.
+    pub fe_energy: Option<FeEnergy>,
+    /// Energy balance of the MBS run.
+    pub mbs_energy: Option<MbsEnergy>,
+    /// Cost of the FE run.
+    pub fe_run: Option<RunCost>,
+    /// Cost of the MBS run.
+    pub mbs_run: Option<RunCost>,
+    /// The generated model.
+    pub model: ModelSummary,
+    /// Resistance curves used by the hinges.
+    pub curves: Vec<CurveFamily>,
+    /// Warnings and notes, worst first.
+    pub notes: Vec<Note>,
+    /// What happened when.
+    pub events: Vec<TimedEvent>,
+    /// The 3D scene of both runs.
+    pub scene: Option<Scene>,
+}
+
+/// Outcome of a check.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Status {
+    /// Within its limit.
+    Pass,
+    /// Outside its limit.
+    Fail,
+    /// Could not be decided.
+    #[default]
+    Unknown,
+}
+
+/// The verdict in the head of the page.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Verdict {
+    /// One sentence, e.g. "MBS agrees with FE up to first contact: e = 0.04".
+    pub headline: String,
+    /// Overall status.
+    pub status: Status,
+    /// One or two sentences of reservation or explanation.
+    pub detail: String,
+}
+
+/// One check of the verdict.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Check {
+    /// What is checked.
+    pub label: String,
+    /// Measured value with unit, as text.
+    pub value: String,
+    /// Limit with unit, as text, e.g. "≤ 0.10".
+    pub limit: String,
+    /// Outcome.
+    pub status: Status,
+    /// What the figure means and what follows from it.
+    pub explanation: String,
+}
+
+/// One line of the settings table.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Setting {
+    /// Name.
+    pub name: String,
+    /// Value with unit, as text.
+    pub value: String,
+}
+
+/// Times of the first contact with the ground \[s\]; `None`: no contact.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FirstContact {
+    /// In the FE run.
+    pub fe_s: Option<f64>,
+    /// In the MBS run.
+    pub mbs_s: Option<f64>,
+}
+
+/// Displacement of one tracked point from the preloaded state, global axes, z up.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct History {
+    /// Name of the point, e.g. "column C1, storey 3, top".
+    pub point: String,
+    /// Times \[s\], increasing.
+    pub time_s: Vec<f64>,
+    /// FE displacement \[m\], as many as times.
+    pub fe_m: Vec<[f64; 3]>,
+    /// MBS displacement \[m\], as many as times.
+    pub mbs_m: Vec<[f64; 3]>,
+}
+
+/// The relative displacement error over all tracked points,
+/// `e(T) = sqrt(Σ_p ∫_0^T |u_mbs − u_fe|² dt / Σ_p ∫_0^T |u_fe|² dt)`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ErrorMeasure {
+    /// Times T \[s\], increasing.
+    pub time_s: Vec<f64>,
+    /// e(T) over all T, dimensionless, as many as times.
+    pub e: Vec<f64>,
+    /// End of the first phase (first ground contact of either run) \[s\].
+    pub contact_s: Option<f64>,
+    /// e up to the first contact.
+    pub until_contact: Option<f64>,
+    /// e up to the end.
+    pub until_end: Option<f64>,
+    /// Largest accepted e up to the first contact.
+    pub limit_until_contact: Option<f64>,
+    /// Largest accepted e up to the end.
+    pub limit_until_end: Option<f64>,
+}
+
+/// A section at which a hinge may form: what FE shows and what the MBS has.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HingeSite {
+    /// Member end, e.g. "C1/2 top".
+    pub member_end: String,
+    /// Place in the initial state \[m\].
+    pub point_m: [f64; 3],
+    /// MBS body that carries the marker in the 3D view; without one the nearest body does.
+    pub body: Option<String>,
+    /// Whether FE shows a zone of accumulated damage here; `None`: not evaluated.
+    pub fe_zone: Option<bool>,
+    /// First time the zone exceeds the critical strain rate \[s\].
+    pub fe_first_s: Option<f64>,
+    /// Peak strain rate \[1/s\].
+    pub fe_peak_strain_rate_1_s: Option<f64>,
+    /// Largest equivalent plastic strain.
+    pub fe_max_plastic_strain: Option<f64>,
+    /// Whether the MBS has a hinge (placed or latent) here.
+    pub mbs_hinge: bool,
+    /// First time the hinge yields \[s\]; `None`: it stayed elastic.
+    pub mbs_yielded_s: Option<f64>,
+    /// Largest accumulated plastic rotation \[rad\].
+    pub mbs_max_plastic_rotation_rad: Option<f64>,
+    /// Time at which the hinge separates \[s\].
+    pub mbs_fractured_s: Option<f64>,
+}
+
+/// Energies of the FE run \[J\]. Each list is empty (not recorded) or as long as `time_s`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FeEnergy {
+    /// Times \[s\], increasing.
+    pub time_s: Vec<f64>,
+    /// Kinetic energy.
+    pub kinetic_j: Vec<f64>,
+    /// Internal energy (elastic and plastic work).
+    pub internal_j: Vec<f64>,
+    /// Work of the hourglass stabilisation.
+    pub hourglass_j: Vec<f64>,
+    /// Contact penalty energy and friction work.
+    pub contact_j: Vec<f64>,
+    /// Work of external forces (gravity).
+    pub external_work_j: Vec<f64>,
+    /// Energy taken out with eroded elements.
+    pub eroded_j: Vec<f64>,
+    /// What the balance does not close.
+    pub residual_j: Vec<f64>,
+}
+
+/// Energies of the MBS run \[J\]. Each list is empty (not recorded) or as long as `time_s`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MbsEnergy {
+    /// Times \[s\], increasing.
+    pub time_s: Vec<f64>,
+    /// Kinetic energy.
+    pub kinetic_j: Vec<f64>,
+    /// Potential energy of gravity.
+    pub potential_j: Vec<f64>,
+    /// Elastic energy of joints and springs.
+    pub elastic_j: Vec<f64>,
+    /// Plastic work of hinges.
+    pub plastic_j: Vec<f64>,
+    /// Contact and friction work.
+    pub contact_j: Vec<f64>,
+    /// What the balance does not close.
+    pub residual_j: Vec<f64>,
+}
+
+/// What a run cost.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RunCost {
+    /// CPU time over all threads \[s\].
+    pub cpu_s: Option<f64>,
+    /// Wall time \[s\].
+    pub wall_s: Option<f64>,
+    /// Time steps.
+    pub steps: Option<u64>,
+    /// Mean step size \[s\].
+    pub step_s: Option<f64>,
+    /// Elements (FE) or bodies (MBS).
+    pub parts: Option<u64>,
+    /// Degrees of freedom.
+    pub dofs: Option<u64>,
+    /// Threads used.
+    pub threads: Option<u64>,
+}
+
+/// The generated MBS model in tables.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ModelSummary {
+    /// Bodies.
+    pub bodies: Vec<BodyRow>,
+    /// Joints.
+    pub joints: Vec<JointRow>,
+    /// Library entries used.
+    pub entries: Vec<EntryRow>,
+    /// Rules that fired.
+    pub rules: Vec<RuleRow>,
+    /// Which rule made which part, and why.
+    pub trace: Vec<TraceRow>,
+}
+
+/// One body.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BodyRow {
+    /// Body id.
+    pub id: String,
+    /// Mass \[kg\].
+    pub mass_kg: f64,
+    /// Members it stands for.
+    pub members: Vec<String>,
+}
+
+/// One joint.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct JointRow {
+    /// Joint id.
+    pub id: String,
+    /// What it joins, e.g. "C1/2 – S1".
+    pub joins: String,
+    /// Kind, e.g. "hinge", "elastic", "latent".
+    pub kind: String,
+    /// Curve ids about its two bending axes.
+    pub curves: Vec<String>,
+}
+
+/// One library entry.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct EntryRow {
+    /// Key.
+    pub key: String,
+    /// What it describes.
+    pub description: String,
+    /// How often it is used in the model.
+    pub uses: u64,
+}
+
+/// One rule.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RuleRow {
+    /// Rule id.
+    pub id: String,
+    /// What the rule says.
+    pub text: String,
+    /// How often it fired.
+    pub fired: u64,
+    /// Whether it was used outside the range of its evidence.
+    pub out_of_range: bool,
+}
+
+/// Why a part of the model is there.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TraceRow {
+    /// Part of the model (body, joint, contact, curve).
+    pub part: String,
+    /// Rule id.
+    pub rule: String,
+    /// The reason in words.
+    pub words: String,
+    /// Library entries used.
+    pub entries: Vec<String>,
+}
+
+/// A resistance curve: moment over rotation at several axial forces.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CurveFamily {
+    /// Curve id.
+    pub id: String,
+    /// What it describes, e.g. "column 0.40 x 0.40 m, bending about x".
+    pub description: String,
+    /// One curve an axial force.
+    pub levels: Vec<CurveLevel>,
+}
+
+/// One curve of a family.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CurveLevel {
+    /// Axial force, compression positive \[N\].
+    pub axial_force_n: f64,
+    /// `[rotation (rad), moment (N m)]`.
+    pub points: Vec<[f64; 2]>,
+    /// Rotation at which the section separates \[rad\].
+    pub fracture_rotation_rad: Option<f64>,
+}
+
+/// How much a note matters.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Severity {
+    /// For information.
+    #[default]
+    Note,
+    /// To be looked at by the analyst.
+    Warning,
+}
+
+/// A warning or a note.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Note {
+    /// Severity.
+    pub severity: Severity,
+    /// Text.
+    pub text: String,
+}
+
+/// Something that happened at a time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TimedEvent {
+    /// Time \[s\].
+    pub time_s: f64,
+    /// In which run, e.g. "FE", "MBS", "both".
+    pub run: String,
+    /// What happened.
+    pub what: String,
+}

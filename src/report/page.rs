@@ -1,0 +1,357 @@
+//! Tables and figures of the page, as the template wants them.
+
+use super::ReportError;
+use super::chart::seconds;
+use super::codec::base64;
+use super::input::{HingeSite, History, ReportInput, RunCost, Severity, Status};
+use super::number::{MISSING, count, duration, fixed, significant};
+use super::{plots, scene};
+use minijinja::{AutoEscape, Environment, syntax::SyntaxConfig};
+use serde::Serialize;
+use serde_json::json;
+
+const PAGE: &str = include_str!("templates/page.html");
+const STYLE: &str = include_str!("templates/style.css");
+const CHARTS: &str = include_str!("templates/charts.js");
+const VIEWER: &str = include_str!("templates/viewer.js");
+
+/// The page.
+pub fn render(input: &ReportInput) -> Result<String, ReportError> {
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    let syntax =
+        SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build()?;
+    environment.set_syntax(syntax);
+    environment.add_template("page", PAGE)?;
+    let packed = input.scene.as_ref().map(|s| scene::pack(s, &input.hinge_sites)).transpose()?;
+    let points = points(&input.histories, input.error.as_ref().and_then(|e| e.contact_s))?;
+    let energy = plots::energy_charts(input)?;
+    let text = environment.get_template("page")?.render(template_value(json!({
+        "style": STYLE,
+        "charts_js": CHARTS,
+        "viewer_js": VIEWER,
+        "title": title(input),
+        "building": input.building_name,
+        "description": input.building_description,
+        "version": input.program_version,
+        "verdict": json!({
+            "headline": input.verdict.headline, "detail": input.verdict.detail, "status": word(input.verdict.status),
+        }),
+        "tally": tally(input),
+        "checks": input.checks.iter().map(|c| json!({
+            "label": c.label, "value": c.value, "limit": c.limit, "status": word(c.status), "explanation": c.explanation,
+        })).collect::<Vec<_>>(),
+        "figures": figures(input),
+        "scene": packed.as_ref().map(|p| json!({
+            "head": script_json(&p.head), "data": base64(&p.bytes), "groups": p.groups,
+            "step": p.step_m.map(|s| format!("{} mm", significant(1e3 * s, 2))),
+            "strain": p.max_plastic_strain.map(|s| significant(s, 2)),
+        })),
+        "error_chart": plots::error_chart(input)?,
+        "points": points,
+        "sites": input.hinge_sites.iter().map(site).collect::<Vec<_>>(),
+        "agreement": agreement(&input.hinge_sites),
+        "energy": json!({ "fe": energy.fe, "mbs": energy.mbs, "residuals": energy.residuals }),
+        "runs": runs(input),
+        "model": model(input),
+        "curves": input.curves.iter().map(plots::curve_chart).collect::<Vec<_>>(),
+        "warnings": notes(input, Severity::Warning),
+        "notes": notes(input, Severity::Note),
+        "events": events(input),
+        "settings": input.settings.iter().map(|s| (&s.name, &s.value)).collect::<Vec<_>>(),
+    })))?;
+    Ok(text)
+}
+
+/// JSON as a value of the template engine.
+fn template_value(json: serde_json::Value) -> minijinja::Value {
+    use serde_json::Value;
+    match json {
+        Value::Null => ().into(),
+        Value::Bool(b) => b.into(),
+        Value::Number(n) => n.as_i64().map_or_else(|| n.as_f64().unwrap_or(f64::NAN).into(), Into::into),
+        Value::String(s) => s.into(),
+        Value::Array(list) => list.into_iter().map(template_value).collect(),
+        Value::Object(map) => {
+            minijinja::Value::from_pairs(map.into_iter().map(|(k, v)| (k, template_value(v))))
+        }
+    }
+}
+
+fn title(input: &ReportInput) -> String {
+    match (input.title.as_str(), input.building_name.as_str()) {
+        ("", "") => "MBS against FE".into(),
+        ("", name) => format!("{name}: MBS against FE"),
+        (title, _) => title.into(),
+    }
+}
+
+/// JSON that cannot end a script element.
+fn script_json(value: &serde_json::Value) -> String {
+    value
+        .to_string()
+        .replace('<', "\\u003c")
+        .replace('>', "\\u003e")
+        .replace('&', "\\u0026")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029")
+}
+
+fn word(status: Status) -> &'static str {
+    match status {
+        Status::Pass => "pass",
+        Status::Fail => "fail",
+        Status::Unknown => "unknown",
+    }
+}
+
+/// "5 of 7 checks passed, 1 failed, 1 undecided": counted here, whatever the headline says.
+fn tally(input: &ReportInput) -> Option<String> {
+    let number = |s: Status| input.checks.iter().filter(|c| c.status == s).count();
+    let mut text = format!("{} of {} checks passed", number(Status::Pass), input.checks.len());
+    for (n, word) in [(number(Status::Fail), "failed"), (number(Status::Unknown), "undecided")] {
+        if n > 0 {
+            text.push_str(&format!(", {n} {word}"));
+        }
+    }
+    (!input.checks.is_empty()).then_some(text)
+}
+
+/// A key figure of the head.
+#[derive(Serialize)]
+struct Figure {
+    label: &'static str,
+    value: String,
+    unit: &'static str,
+    note: String,
+}
+
+fn optional(x: Option<f64>, digits: usize) -> String {
+    x.map_or(MISSING.into(), |x| significant(x, digits))
+}
+
+fn optional_time(t: Option<f64>) -> String {
+    t.map_or(MISSING.into(), |t| fixed(t, 3))
+}
+
+fn figures(input: &ReportInput) -> Vec<Figure> {
+    let mut out = Vec::new();
+    if let Some(e) = &input.error {
+        let limit = |l: Option<f64>| l.map_or(String::new(), |l| format!("limit {}", significant(l, 2)));
+        let (label, value) = ("Error e up to first contact", optional(e.until_contact, 2));
+        out.push(Figure { label, value, unit: "", note: limit(e.limit_until_contact) });
+        let (label, value) = ("Error e up to the end", optional(e.until_end, 2));
+        out.push(Figure { label, value, unit: "", note: limit(e.limit_until_end) });
+    }
+    let contact = &input.first_contact;
+    if contact.fe_s.is_some() || contact.mbs_s.is_some() {
+        let (value, unit) = match (contact.fe_s, contact.mbs_s) {
+            (Some(fe), Some(mbs)) if (mbs - fe).is_finite() => {
+                let sign = if mbs > fe { "+" } else { "" };
+                (format!("{sign}{}", fixed(1e3 * (mbs - fe), 0)), "ms")
+            }
+            _ => (MISSING.into(), ""),
+        };
+        let note = format!("FE {}, MBS {}", contact_text(contact.fe_s), contact_text(contact.mbs_s));
+        out.push(Figure { label: "First contact, MBS − FE", value, unit, note });
+    }
+    if let Some(a) = agreement(&input.hinge_sites) {
+        let value = format!("{} of {}", a.both, a.both + a.fe_only);
+        let note = format!("{} yielded in MBS only, F1 {}", a.mbs_only, a.f1);
+        out.push(Figure { label: "FE zones found as hinges", value, unit: "", note });
+    }
+    if let Some((ratio, basis)) = speed_ratio(input) {
+        let note =
+            format!("FE {}, MBS {} ({basis})", time_of(&input.fe_run, basis), time_of(&input.mbs_run, basis));
+        out.push(Figure { label: "MBS faster than FE by", value: significant(ratio, 2), unit: "×", note });
+    }
+    out
+}
+
+fn contact_text(t: Option<f64>) -> String {
+    t.map_or("none".into(), seconds)
+}
+
+fn time_of(run: &Option<RunCost>, basis: &str) -> String {
+    let run = run.as_ref();
+    let t = run.and_then(|r| if basis == "CPU" { r.cpu_s } else { r.wall_s });
+    t.map_or(MISSING.into(), duration)
+}
+
+/// FE time over MBS time and what it compares: CPU time if both have it, else wall time.
+fn speed_ratio(input: &ReportInput) -> Option<(f64, &'static str)> {
+    let (fe, mbs) = (input.fe_run.as_ref()?, input.mbs_run.as_ref()?);
+    let ratio =
+        |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a / b).filter(|r| r.is_finite() && *r > 0.0);
+    ratio(fe.cpu_s, mbs.cpu_s).map(|r| (r, "CPU")).or(ratio(fe.wall_s, mbs.wall_s).map(|r| (r, "wall")))
+}
+
+/// A tracked point with its charts.
+#[derive(Serialize)]
+struct Point {
+    name: String,
+    fe_max: String,
+    mbs_max: String,
+    until_contact: String,
+    overall: String,
+    when: String,
+    relative: String,
+    charts: [String; 3],
+    worst: bool,
+}
+
+/// The tracked points; the one with the largest deviation is marked.
+fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, ReportError> {
+    let mut out = Vec::new();
+    let mut worst = (0, f64::NEG_INFINITY);
+    for history in histories {
+        let charts = plots::history_charts(history)?;
+        let largest = |u: &[[f64; 3]]| u.iter().map(norm).filter(|x| x.is_finite()).fold(f64::NAN, f64::max);
+        let deviation = |until: f64| {
+            let rows = history.time_s.iter().zip(history.fe_m.iter().zip(&history.mbs_m));
+            rows.filter(|(t, _)| **t <= until)
+                .map(|(t, (a, b))| (*t, norm(&std::array::from_fn(|i| a[i] - b[i]))))
+                .filter(|x| x.1.is_finite())
+                .fold((f64::NAN, f64::NAN), |best, x| if best.1 >= x.1 { best } else { x })
+        };
+        let overall = deviation(f64::INFINITY);
+        if overall.1 > worst.1 {
+            worst = (out.len(), overall.1);
+        }
+        let fe_max = largest(&history.fe_m);
+        out.push(Point {
+            name: history.point.clone(),
+            fe_max: significant(fe_max, 3),
+            mbs_max: significant(largest(&history.mbs_m), 3),
+            until_contact: contact_s.map_or(MISSING.into(), |t| significant(deviation(t).1, 3)),
+            overall: significant(overall.1, 3),
+            when: fixed(overall.0, 2),
+            relative: if fe_max > 0.0 {
+                format!("{} %", significant(100.0 * overall.1 / fe_max, 2))
+            } else {
+                MISSING.into()
+            },
+            charts,
+            worst: false,
+        });
+    }
+    if let Some(point) = out.get_mut(worst.0) {
+        point.worst = true;
+    }
+    Ok(out)
+}
+
+fn norm(u: &[f64; 3]) -> f64 {
+    u.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// What FE and MBS say about the sites together.
+#[derive(Serialize)]
+struct Agreement {
+    both: usize,
+    fe_only: usize,
+    mbs_only: usize,
+    neither: usize,
+    unknown: usize,
+    no_hinge: usize,
+    precision: String,
+    recall: String,
+    f1: String,
+}
+
+fn agreement(sites: &[HingeSite]) -> Option<Agreement> {
+    let number = |fe: Option<bool>, yielded: bool| {
+        sites.iter().filter(|s| s.fe_zone == fe && s.mbs_yielded_s.is_some() == yielded).count()
+    };
+    let (both, fe_only) = (number(Some(true), true), number(Some(true), false));
+    let (mbs_only, neither) = (number(Some(false), true), number(Some(false), false));
+    let share = |a: usize, b: usize| if b > 0 { fixed(a as f64 / b as f64, 2) } else { MISSING.into() };
+    (!sites.is_empty()).then(|| Agreement {
+        both,
+        fe_only,
+        mbs_only,
+        neither,
+        unknown: sites.iter().filter(|s| s.fe_zone.is_none()).count(),
+        no_hinge: sites.iter().filter(|s| s.fe_zone == Some(true) && !s.mbs_hinge).count(),
+        precision: share(both, both + mbs_only),
+        recall: share(both, both + fe_only),
+        f1: share(2 * both, 2 * both + fe_only + mbs_only),
+    })
+}
+
+/// A row of the hinge table.
+fn site(s: &HingeSite) -> serde_json::Value {
+    let (class, mark, words) = match (s.fe_zone, s.mbs_yielded_s.is_some()) {
+        (Some(true), true) => ("pass", "●", "both"),
+        (Some(true), false) if !s.mbs_hinge => ("fail", "▲", "FE only, no hinge there"),
+        (Some(true), false) => ("fail", "▲", "FE only"),
+        (Some(false), true) => ("warn", "■", "MBS only"),
+        (Some(false), false) => ("calm", "○", "neither"),
+        (None, _) => ("unknown", "?", "FE not evaluated"),
+    };
+    let zone = match s.fe_zone {
+        Some(true) => "yes",
+        Some(false) => "no",
+        None => MISSING,
+    };
+    json!({
+        "name": s.member_end, "class": class, "mark": mark, "words": words, "zone": zone,
+        "fe_first": optional_time(s.fe_first_s),
+        "fe_rate": optional(s.fe_peak_strain_rate_1_s, 3),
+        "fe_strain": optional(s.fe_max_plastic_strain, 3),
+        "hinge": if s.mbs_hinge { "yes" } else { "no" },
+        "mbs_first": optional_time(s.mbs_yielded_s),
+        "mbs_rotation": optional(s.mbs_max_plastic_rotation_rad, 3),
+        "mbs_fractured": optional_time(s.mbs_fractured_s),
+    })
+}
+
+/// The run time table: label, FE, MBS, FE over MBS.
+fn runs(input: &ReportInput) -> Vec<(&'static str, String, String, String)> {
+    let (fe, mbs) = (input.fe_run.clone().unwrap_or_default(), input.mbs_run.clone().unwrap_or_default());
+    if input.fe_run.is_none() && input.mbs_run.is_none() {
+        return Vec::new();
+    }
+    let ratio = |a: Option<f64>, b: Option<f64>| {
+        let r = a.zip(b).map(|(a, b)| a / b).filter(|r| r.is_finite());
+        r.map_or(MISSING.into(), |r| format!("{} ×", significant(r, 2)))
+    };
+    let time = |label, a: Option<f64>, b: Option<f64>| {
+        let text = |t: Option<f64>| t.map_or(MISSING.into(), duration);
+        (label, text(a), text(b), ratio(a, b))
+    };
+    let number = |label, a: Option<u64>, b: Option<u64>| {
+        let text = |n: Option<u64>| n.map_or(MISSING.into(), count);
+        (label, text(a), text(b), ratio(a.map(|n| n as f64), b.map(|n| n as f64)))
+    };
+    vec![
+        time("CPU time", fe.cpu_s, mbs.cpu_s),
+        time("Wall time", fe.wall_s, mbs.wall_s),
+        number("Threads", fe.threads, mbs.threads),
+        number("Steps", fe.steps, mbs.steps),
+        time("Mean step", fe.step_s, mbs.step_s),
+        number("Elements / bodies", fe.parts, mbs.parts),
+        number("Degrees of freedom", fe.dofs, mbs.dofs),
+    ]
+}
+
+fn model(input: &ReportInput) -> serde_json::Value {
+    let m = &input.model;
+    let mass: f64 = m.bodies.iter().map(|b| b.mass_kg).sum();
+    json!({
+        "bodies": m.bodies.iter().map(|b| (&b.id, fixed(b.mass_kg / 1e3, 2), b.members.join(", "))).collect::<Vec<_>>(),
+        "mass": format!("{} t", fixed(mass / 1e3, 1)),
+        "joints": m.joints.iter().map(|j| (&j.id, &j.joins, &j.kind, j.curves.join(", "))).collect::<Vec<_>>(),
+        "entries": m.entries.iter().map(|e| (&e.key, &e.description, count(e.uses))).collect::<Vec<_>>(),
+        "rules": m.rules.iter().map(|r| (&r.id, &r.text, count(r.fired), r.out_of_range)).collect::<Vec<_>>(),
+        "trace": m.trace.iter().map(|t| (&t.part, &t.rule, &t.words, t.entries.join(", "))).collect::<Vec<_>>(),
+    })
+}
+
+fn notes(input: &ReportInput, severity: Severity) -> Vec<&str> {
+    input.notes.iter().filter(|n| n.severity == severity).map(|n| n.text.as_str()).collect()
+}
+
+fn events(input: &ReportInput) -> Vec<(String, &str, &str)> {
+    input.events.iter().map(|e| (fixed(e.time_s, 3), e.run.as_str(), e.what.as_str())).collect()
+}

@@ -1,0 +1,234 @@
+//! Which charts a report has.
+
+use super::ReportError;
+use super::chart::{Chart, Mark, Series, Size, seconds};
+use super::input::{CurveFamily, FirstContact, History, ReportInput};
+use super::number::{fixed, prefixed, significant};
+
+fn time_axis() -> (String, String) {
+    ("time".into(), "s".into())
+}
+
+fn contact_marks(contact: &FirstContact) -> Vec<Mark> {
+    let mark = |t: Option<f64>, name: &str, class| {
+        t.filter(|t| t.is_finite()).map(|x| Mark {
+            x,
+            label: format!("{name} contact {}", seconds(x)),
+            class,
+        })
+    };
+    [mark(contact.fe_s, "FE", "fe"), mark(contact.mbs_s, "MBS", "mbs")].into_iter().flatten().collect()
+}
+
+/// Checks that times are finite and increase, and that a list is as long as they are.
+fn check(what: &str, time_s: &[f64], lengths: &[usize]) -> Result<(), ReportError> {
+    if !time_s.iter().all(|t| t.is_finite()) || time_s.windows(2).any(|w| w[1] <= w[0]) {
+        return Err(ReportError::Times { what: what.into() });
+    }
+    match lengths.iter().find(|&&n| n != time_s.len()) {
+        Some(&found) => Err(ReportError::Length { what: what.into(), expected: time_s.len(), found }),
+        None => Ok(()),
+    }
+}
+
+/// The chart of e(T).
+pub fn error_chart(input: &ReportInput) -> Result<Option<String>, ReportError> {
+    let Some(error) = &input.error else { return Ok(None) };
+    check("error measure", &error.time_s, &[error.e.len()])?;
+    let end = error.time_s.last().copied().unwrap_or(0.0);
+    let contact = error.contact_s.filter(|t| t.is_finite());
+    let mut limits = Vec::new();
+    if let Some(limit) = error.limit_until_contact {
+        limits.push((
+            0.0,
+            contact.unwrap_or(end),
+            limit,
+            format!("limit up to contact {}", significant(limit, 2)),
+        ));
+    }
+    if let (Some(limit), Some(from)) = (error.limit_until_end, contact) {
+        limits.push((from, end, limit, format!("limit up to the end {}", significant(limit, 2))));
+    }
+    limits.retain(|l| l.2.is_finite());
+    let chart = Chart {
+        title: "Relative displacement error e(T) over all tracked points".into(),
+        x: ("T".into(), "s".into()),
+        y: ("e".into(), "–".into()),
+        series: vec![Series {
+            label: "e(T), MBS against FE".into(),
+            class: "mbs".into(),
+            points: zip(&error.time_s, &error.e, 1.0),
+        }],
+        marks: contact_marks(&input.first_contact),
+        limits,
+        shade: contact.map(|t| [t, end]),
+        y_range: Some([0.0, 0.0]),
+        is_time: true,
+        no_legend: true,
+        ..Chart::default()
+    };
+    Ok(Some(chart.to_html()))
+}
+
+fn zip(time_s: &[f64], values: &[f64], factor: f64) -> Vec<[f64; 2]> {
+    time_s.iter().zip(values).map(|(&t, &v)| [t, v * factor]).collect()
+}
+
+/// The three charts of a tracked point: x, y and z.
+pub fn history_charts(history: &History) -> Result<[String; 3], ReportError> {
+    let lengths = [history.fe_m.len(), history.mbs_m.len()];
+    check(&format!("history of {}", history.point), &history.time_s, &lengths)?;
+    Ok([0, 1, 2].map(|axis| {
+        let line = |label: &str, class: &str, values: &[[f64; 3]]| Series {
+            label: label.into(),
+            class: class.into(),
+            points: history.time_s.iter().zip(values).map(|(&t, u)| [t, u[axis]]).collect(),
+        };
+        Chart {
+            title: ["x", "y", "z (vertical)"][axis].into(),
+            x: time_axis(),
+            y: (["u x", "u y", "u z"][axis].replace(' ', "\u{2009}"), "m".into()),
+            series: vec![line("FE", "fe", &history.fe_m), line("MBS", "mbs", &history.mbs_m)],
+            is_time: true,
+            size: Size::Third,
+            no_legend: true,
+            ..Chart::default()
+        }
+        .to_html()
+    }))
+}
+
+/// A named list of energies.
+type Energies<'a> = [(&'static str, &'a [f64])];
+
+fn energy_chart(
+    title: &str,
+    time_s: &[f64],
+    energies: &Energies,
+    (factor, unit): &(f64, String),
+    y_range: [f64; 2],
+    mark: Vec<Mark>,
+) -> Result<String, ReportError> {
+    let lengths: Vec<usize> = energies.iter().map(|e| e.1.len()).filter(|&n| n > 0).collect();
+    check(title, time_s, &lengths)?;
+    let series = energies
+        .iter()
+        .enumerate()
+        .filter(|(_, e)| !e.1.is_empty())
+        .map(|(i, e)| Series { label: e.0.into(), class: format!("s{i}"), points: zip(time_s, e.1, *factor) })
+        .collect();
+    Ok(Chart {
+        title: title.into(),
+        x: time_axis(),
+        y: ("energy".into(), unit.clone()),
+        series,
+        marks: mark,
+        y_range: Some(y_range.map(|v| v * factor)),
+        is_time: true,
+        size: Size::Half,
+        ..Chart::default()
+    }
+    .to_html())
+}
+
+/// The energy charts of both runs, in one unit and over one range, and what the residual amounts to.
+pub struct EnergyCharts {
+    /// FE chart.
+    pub fe: Option<String>,
+    /// MBS chart.
+    pub mbs: Option<String>,
+    /// Sentences on the residuals.
+    pub residuals: Vec<String>,
+}
+
+/// The energy charts.
+pub fn energy_charts(input: &ReportInput) -> Result<EnergyCharts, ReportError> {
+    // The places in these lists are the line styles: kinetic, contact and residual look alike in both.
+    let fe = input.fe_energy.as_ref().map(|e| -> [(&str, &[f64]); 7] {
+        [
+            ("kinetic", &e.kinetic_j),
+            ("internal", &e.internal_j),
+            ("external work", &e.external_work_j),
+            ("contact and friction", &e.contact_j),
+            ("hourglass", &e.hourglass_j),
+            ("eroded", &e.eroded_j),
+            ("residual", &e.residual_j),
+        ]
+    });
+    let mbs = input.mbs_energy.as_ref().map(|e| -> [(&str, &[f64]); 7] {
+        [
+            ("kinetic", &e.kinetic_j),
+            ("plastic", &e.plastic_j),
+            ("potential", &e.potential_j),
+            ("contact and friction", &e.contact_j),
+            ("elastic", &e.elastic_j),
+            ("", &[]),
+            ("residual", &e.residual_j),
+        ]
+    });
+    let all = fe.iter().chain(&mbs).flatten().flat_map(|e| e.1).copied().filter(|v| v.is_finite());
+    let (lo, hi) = all.fold((0.0_f64, 0.0_f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
+    let scale = prefixed(hi.max(-lo), "J");
+    let mut residuals = Vec::new();
+    for (name, list) in [("FE", &fe), ("MBS", &mbs)] {
+        let Some(list) = list else { continue };
+        let largest = |e: &[f64]| e.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
+        let reference = list[..6].iter().map(|e| largest(e.1)).fold(0.0, f64::max);
+        if !list[6].1.is_empty() && reference > 0.0 {
+            let share = 100.0 * largest(list[6].1) / reference;
+            residuals.push(format!(
+                "{name}: the largest residual is {} % of the largest energy.",
+                significant(share, 2)
+            ));
+        }
+    }
+    let contact = |t: Option<f64>, class| {
+        let x = t.filter(|t| t.is_finite());
+        x.map(|x| Mark { x, label: format!("first contact {}", seconds(x)), class }).into_iter().collect()
+    };
+    let fe = match (&fe, &input.fe_energy) {
+        (Some(list), Some(e)) => {
+            let mark = contact(input.first_contact.fe_s, "fe");
+            Some(energy_chart("FE energies", &e.time_s, list, &scale, [lo, hi], mark)?)
+        }
+        _ => None,
+    };
+    let mbs = match (&mbs, &input.mbs_energy) {
+        (Some(list), Some(e)) => {
+            let mark = contact(input.first_contact.mbs_s, "mbs");
+            Some(energy_chart("MBS energies", &e.time_s, list, &scale, [lo, hi], mark)?)
+        }
+        _ => None,
+    };
+    Ok(EnergyCharts { fe, mbs, residuals })
+}
+
+/// The chart of a curve family: moment over rotation, one line an axial force.
+pub fn curve_chart(family: &CurveFamily) -> String {
+    let moments = family.levels.iter().flat_map(|l| &l.points).map(|p| p[1].abs());
+    let (factor, unit) = prefixed(moments.filter(|m| m.is_finite()).fold(0.0, f64::max), "N m");
+    let forces = family.levels.iter().map(|l| l.axial_force_n.abs()).filter(|n| n.is_finite());
+    let (force_factor, force_unit) = prefixed(forces.fold(0.0, f64::max), "N");
+    let series = family.levels.iter().enumerate().map(|(i, level)| {
+        let mut label = format!("N = {} {force_unit}", fixed(level.axial_force_n * force_factor, 1));
+        if let Some(fracture) = level.fracture_rotation_rad {
+            label.push_str(&format!(", separates at {} rad", significant(fracture, 2)));
+        }
+        let points = level.points.iter().map(|p| [p[0], p[1] * factor]).collect();
+        Series { label, class: format!("s{}", i % 7), points }
+    });
+    let title = if family.description.is_empty() {
+        family.id.clone()
+    } else {
+        format!("{} – {}", family.id, family.description)
+    };
+    Chart {
+        title,
+        x: ("rotation".into(), "rad".into()),
+        y: ("moment".into(), unit),
+        series: series.collect(),
+        size: Size::Half,
+        ..Chart::default()
+    }
+    .to_html()
+}

@@ -1,0 +1,665 @@
+// Both collapses in one WebGL2 canvas: FE left, MBS right, or one over the other. No library.
+// The formats read here are described in src/report/scene.rs and src/report/codec.rs.
+"use strict";
+(() => {
+  const $ = (id) => document.getElementById(id);
+  const head = JSON.parse($("scene-head").textContent);
+  const canvas = $("canvas");
+  const gl = canvas.getContext("webgl2", { antialias: true, stencil: true, preserveDrawingBuffer: true });
+  const giveUp = (why) => {
+    $("fallback").textContent = `${why} The figures, plots and tables of this page are complete without it.`;
+    $("fallback").hidden = false;
+    canvas.style.cssText = "visibility: hidden; min-height: 0; height: 130px";
+    document.querySelectorAll(".transport, .options, .keys, .hint, .tag, .clock").forEach((e) => (e.hidden = true, e.style.display = "none"));
+  };
+  if (!gl) return giveUp("This browser offers no WebGL2, so the 3D view cannot be shown.");
+  const { times, fe, mbs } = head;
+  if (!times.length || (!fe && !mbs)) return giveUp("The runs recorded no frames, so there is no 3D view.");
+
+  // ---- data ---------------------------------------------------------------------------------------------
+  const raw = atob($("scene-data").textContent.trim());
+  const bytes = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
+  const block = ([from, length]) => bytes.slice(from, from + length);
+  const reader = (data) => {
+    let at = 0;
+    return () => {
+      let value = 0;
+      for (let shift = 0; ; shift += 7) {
+        const b = data[at++];
+        value |= (b & 127) << shift;
+        if (b < 128) return value;
+      }
+    };
+  };
+  const frames = times.length;
+  if (fe) {
+    const next = reader(block(fe.positions));
+    fe.q = new Uint16Array(frames * fe.nodes * 3);
+    for (let node = 0; node < fe.nodes; node++) {
+      for (let axis = 0; axis < 3; axis++) {
+        let last = 0, before = 0;
+        for (let f = 0; f < frames; f++) {
+          const z = next();
+          const value = (f < 2 ? last : 2 * last - before) + ((z >>> 1) ^ -(z & 1));
+          fe.q[(f * fe.nodes + node) * 3 + axis] = value;
+          before = last;
+          last = value;
+        }
+      }
+    }
+    fe.faceData = block(fe.faces);
+    fe.faceCount = fe.faceData.length / 24;
+    const table = block(fe.elements).buffer;
+    fe.elementCount = table.byteLength / 8;
+    const deaths = new Float32Array(table), parts = new Uint32Array(table);
+    fe.elementTexels = new Float32Array(4 * 1024 * Math.max(1, Math.ceil(fe.elementCount / 1024)));
+    for (let e = 0; e < fe.elementCount; e++) {
+      const part = parts[2 * e + 1];
+      fe.elementTexels.set([deaths[2 * e], fe.parts[part][1], 0, ((part * 7) % 5) / 4 - 0.5], 4 * e);
+    }
+    if (fe.strain) {
+      // Changes expanded to one byte a frame and element; a final field holds for all frames.
+      const read = reader(block(fe.strain.data));
+      fe.strainBytes = new Uint8Array(frames * fe.elementCount);
+      for (let e = 0; e < fe.elementCount; e++) {
+        let frame = 0;
+        for (let n = read(); n > 0; n--) {
+          frame += read();
+          const value = read();
+          for (let f = frame; f < frames; f++) fe.strainBytes[f * fe.elementCount + e] = value;
+        }
+      }
+    }
+    fe.texels = new Float32Array(4 * 1024 * Math.max(1, Math.ceil(fe.nodes / 1024)));
+  }
+  if (mbs) {
+    mbs.p = new Float32Array(block(mbs.poses).buffer);
+    mbs.boxes = mbs.bodies.flatMap((b, body) => b.boxes.map(([center, half]) => ({ body, center, half })));
+  }
+
+  // ---- small vector and matrix helpers (column-major) ------------------------------------------------------
+  const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const unit = (a) => { const l = Math.hypot(...a) || 1; return [a[0] / l, a[1] / l, a[2] / l]; };
+  const multiply = (a, b) => {
+    const m = new Float32Array(16);
+    for (let c = 0; c < 4; c++) for (let r = 0; r < 4; r++) for (let k = 0; k < 4; k++) m[4 * c + r] += a[4 * k + r] * b[4 * c + k];
+    return m;
+  };
+  const turn = ([w, x, y, z], v) => {
+    const t = cross([x, y, z], v).map((c) => 2 * c);
+    const u = cross([x, y, z], t);
+    return [0, 1, 2].map((i) => v[i] + w * t[i] + u[i]);
+  };
+
+  // ---- shaders ----------------------------------------------------------------------------------------------
+  const SURFACE = `
+    uniform vec3 uEye, uLight; uniform vec4 uTint; uniform float uEdge, uDark; uniform int uMode;
+    in vec3 vWorld; in vec2 vUv; in vec3 vColour; out vec4 oColour;
+    void main() {
+      if (uMode == 1) { oColour = vec4(0.0, 0.0, 0.0, uDark > 0.5 ? 0.38 : 0.2); return; }
+      vec3 n = normalize(cross(dFdx(vWorld), dFdy(vWorld)));
+      if (dot(n, uEye - vWorld) < 0.0) n = -n;
+      float light = 0.42 + 0.24 * (0.5 + 0.5 * n.z) + 0.46 * max(dot(n, uLight), 0.0);
+      vec3 base = mix(vColour, uTint.rgb, uTint.a);
+      vec2 d = min(vUv, 1.0 - vUv) / max(fwidth(vUv), vec2(1e-6));
+      float line = (1.0 - smoothstep(0.4, 1.4, min(d.x, d.y)));
+      if (uMode == 2) { oColour = vec4(mix(base * light, uTint.rgb, line), max(0.16, line * 0.95)); return; }
+      oColour = vec4(mix(base * light, base * light * 0.42, line * uEdge), 1.0);
+    }`;
+  const COMMON = `#version 300 es
+    precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;
+    vec3 groupColour(float g) {
+      int i = int(g + 0.5) % 8;
+      vec3 c[8] = vec3[8](vec3(.784,.635,.42), vec3(.427,.576,.659), vec3(.725,.737,.722), vec3(.639,.502,.435), vec3(.549,.647,.498), vec3(.631,.573,.706), vec3(.816,.725,.627), vec3(.498,.541,.58));
+      return c[i];
+    }
+    vec3 ramp(float s) {
+      vec3 a = vec3(.839,.855,.863), b = vec3(.969,.776,.361), c = vec3(.91,.455,.231), d = vec3(.694,.165,.337), e = vec3(.239,.059,.369);
+      return s < .2 ? mix(a,b,s/.2) : s < .45 ? mix(b,c,(s-.2)/.25) : s < .7 ? mix(c,d,(s-.45)/.25) : mix(d,e,min(1.,(s-.7)/.3));
+    }`;
+  const PLACE = `
+    uniform mat4 uView; uniform vec4 uShadow; uniform int uMode; // uShadow: slope x, slope y, ground height
+    vec4 place(vec3 p) {
+      if (uMode == 1) { float h = max(p.z - uShadow.z, 0.0); p = vec3(p.xy - uShadow.xy * h, uShadow.z); }
+      return uView * vec4(p, 1.0);
+    }`;
+  const shaders = {
+    fe: [`${COMMON}${PLACE}
+      layout(location=0) in uvec4 aNodes; layout(location=1) in uint aElement; layout(location=2) in float aBirth;
+      uniform sampler2D uPositions, uElements; uniform float uTime, uStrain;
+      out vec3 vWorld; out vec2 vUv; out vec3 vColour;
+      void main() {
+        int corner = int[6](0, 1, 2, 0, 2, 3)[gl_VertexID];
+        int node = int(aNodes[corner]), e = int(aElement);
+        vec4 element = texelFetch(uElements, ivec2(e & 1023, e >> 10), 0);
+        vWorld = texelFetch(uPositions, ivec2(node & 1023, node >> 10), 0).xyz;
+        vUv = vec2(corner == 1 || corner == 2, corner >= 2);
+        vColour = uStrain > 0.5 ? ramp(element.z) : groupColour(element.y) * (1.0 + 0.07 * element.w);
+        bool hidden = uTime < aBirth || uTime >= element.x;
+        gl_Position = hidden ? vec4(2.0, 2.0, 2.0, 1.0) : place(vWorld);
+      }`, `${COMMON}${SURFACE}`],
+    box: [`${COMMON}${PLACE}
+      layout(location=0) in vec3 aCorner; layout(location=1) in vec2 aUv;
+      layout(location=2) in vec4 aRotation; layout(location=3) in vec3 aCentre; layout(location=4) in vec3 aHalf; layout(location=5) in vec2 aLook;
+      uniform float uPlain;
+      out vec3 vWorld; out vec2 vUv; out vec3 vColour;
+      void main() {
+        vec3 v = aCorner * aHalf, q = aRotation.yzw;
+        vec3 t = 2.0 * cross(q, v);
+        vWorld = aCentre + v + aRotation.x * t + cross(q, t);
+        vUv = aUv;
+        vColour = aLook.x < -0.5 ? vec3(.56,.58,.6) : uPlain > 0.5 ? vec3(.80,.815,.825) : groupColour(aLook.x) * (1.0 + 0.07 * aLook.y);
+        gl_Position = place(vWorld);
+      }`, `${COMMON}${SURFACE}`],
+    floor: [`${COMMON}
+      layout(location=0) in vec2 aCorner; uniform mat4 uView; uniform vec4 uArea; out vec2 vAt;
+      void main() { vAt = aCorner * uArea.w + uArea.xy; gl_Position = uView * vec4(vAt, uArea.z, 1.0); }`,
+      `${COMMON}
+      in vec2 vAt; uniform vec4 uArea; uniform vec3 uFloor, uGrid; out vec4 oColour;
+      float lines(vec2 p) { vec2 d = abs(fract(p - 0.5) - 0.5) / fwidth(p); return 1.0 - min(min(d.x, d.y), 1.0); }
+      void main() {
+        float fade = 1.0 - smoothstep(0.35, 1.0, distance(vAt, uArea.xy) / uArea.w);
+        float wide = max(fwidth(vAt.x), fwidth(vAt.y));
+        float line = max(lines(vAt) * 0.35 * (1.0 - smoothstep(0.1, 0.35, wide)), lines(vAt / 5.0) * 0.9);
+        oColour = vec4(mix(uFloor, uGrid, line), fade);
+      }`],
+    point: [`${COMMON}
+      layout(location=0) in vec3 aAt; layout(location=1) in vec2 aLook; uniform mat4 uView; uniform float uRatio; flat out vec2 vLook;
+      void main() { vLook = aLook; gl_Position = uView * vec4(aAt, 1.0); gl_PointSize = (aLook.y > 0.5 ? 15.0 : 9.0) * uRatio; }`,
+      `${COMMON}
+      flat in vec2 vLook; out vec4 oColour;
+      void main() {
+        vec2 p = 2.0 * gl_PointCoord - 1.0; p.y = -p.y;
+        int kind = int(vLook.x + 0.5);
+        float d = kind == 0 ? length(p) : kind == 1 ? max(abs(p.x) * 0.9 + (p.y * 0.5 - 0.05), -p.y - 0.15) + 0.35 : kind == 2 ? max(abs(p.x), abs(p.y)) + 0.12 : length(p) + 0.15;
+        if (kind == 1) d = max(-p.y * 1.05 + 0.1, (p.y + abs(p.x) * 2.0) * 0.5 + 0.42);
+        float w = fwidth(p.x) * 1.2;
+        float inside = 1.0 - smoothstep(0.92 - w, 0.92, d);
+        if (inside < 0.02) discard;
+        vec3 c = vec3[4](vec3(.12,.62,.33), vec3(.82,.2,.17), vec3(.88,.63,0.), vec3(.5,.54,.58))[kind];
+        float rim = smoothstep(0.66, 0.66 + w, d);
+        vec3 fill = kind == 3 ? vec3(1.0) : c;
+        oColour = vec4(mix(fill, kind == 3 ? c : vec3(1.0), rim), inside * (vLook.y > 0.5 ? 1.0 : 0.85));
+      }`],
+  };
+  const program = ([vertex, fragment]) => {
+    const p = gl.createProgram();
+    for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const s = gl.createShader(type);
+      gl.shaderSource(s, source);
+      gl.compileShader(s);
+      if (!gl.getShaderParameter(s, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(s));
+      gl.attachShader(p, s);
+    }
+    gl.linkProgram(p);
+    if (!gl.getProgramParameter(p, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(p));
+    const at = {};
+    for (let i = gl.getProgramParameter(p, gl.ACTIVE_UNIFORMS) - 1; i >= 0; i--) {
+      const { name } = gl.getActiveUniform(p, i);
+      at[name] = gl.getUniformLocation(p, name);
+    }
+    return { p, at };
+  };
+  const programs = {};
+  try {
+    for (const name in shaders) programs[name] = program(shaders[name]);
+  } catch (error) {
+    return giveUp(`The 3D view could not be started (${error.message.trim()}).`);
+  }
+  const buffer = (data, usage = gl.STATIC_DRAW) => {
+    const b = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, b);
+    gl.bufferData(gl.ARRAY_BUFFER, data, usage);
+    return b;
+  };
+  const attribute = (at, size, stride, offset, divisor, type = gl.FLOAT) => {
+    gl.enableVertexAttribArray(at);
+    if (type === gl.FLOAT) gl.vertexAttribPointer(at, size, type, false, stride, offset);
+    else gl.vertexAttribIPointer(at, size, type, stride, offset);
+    gl.vertexAttribDivisor(at, divisor);
+  };
+  const texture = (data) => {
+    const t = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, t);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, 1024, data.length / 4096);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    return t;
+  };
+  const upload = (t, data) => {
+    gl.bindTexture(gl.TEXTURE_2D, t);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 1024, data.length / 4096, gl.RGBA, gl.FLOAT, data);
+  };
+
+  // ---- geometry on the card -----------------------------------------------------------------------------------
+  if (fe) {
+    fe.vao = gl.createVertexArray();
+    gl.bindVertexArray(fe.vao);
+    buffer(fe.faceData);
+    attribute(0, 4, 24, 0, 1, gl.UNSIGNED_INT);
+    attribute(1, 1, 24, 16, 1, gl.UNSIGNED_INT);
+    attribute(2, 1, 24, 20, 1);
+    fe.positionTexture = texture(fe.texels);
+    fe.elementTexture = texture(fe.elementTexels);
+  }
+  const cube = [];
+  for (let axis = 0; axis < 3; axis++) for (const side of [-1, 1]) for (const k of [0, 1, 2, 0, 2, 3]) {
+    const [u, v] = [[0, 0], [1, 0], [1, 1], [0, 1]][k];
+    const p = [0, 0, 0];
+    p[axis] = side;
+    p[(axis + 1) % 3] = 2 * u - 1;
+    p[(axis + 2) % 3] = 2 * v - 1;
+    cube.push(...p, u, v);
+  }
+  const cubeBuffer = buffer(new Float32Array(cube));
+  const boxSet = () => {
+    const vao = gl.createVertexArray();
+    gl.bindVertexArray(vao);
+    gl.bindBuffer(gl.ARRAY_BUFFER, cubeBuffer);
+    attribute(0, 3, 20, 0, 0);
+    attribute(1, 2, 20, 12, 0);
+    const instances = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, instances);
+    [[2, 4, 0], [3, 3, 16], [4, 3, 28], [5, 2, 40]].forEach(([at, size, offset]) => attribute(at, size, 48, offset, 1));
+    return { vao, instances, count: 0 };
+  };
+  const fill = (set, list) => {
+    gl.bindBuffer(gl.ARRAY_BUFFER, set.instances);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(list), gl.DYNAMIC_DRAW);
+    set.count = list.length / 12;
+  };
+  const bodies = boxSet(), obstacles = boxSet();
+  fill(obstacles, head.obstacles.flatMap((o) => [1, 0, 0, 0, ...o.center, ...o.half, -1, 0]));
+  const floor = gl.createVertexArray();
+  gl.bindVertexArray(floor);
+  buffer(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
+  attribute(0, 2, 8, 0, 0);
+  const points = { vao: gl.createVertexArray() };
+  gl.bindVertexArray(points.vao);
+  points.buffer = buffer(new Float32Array(0), gl.DYNAMIC_DRAW);
+  attribute(0, 3, 20, 0, 0);
+  attribute(1, 2, 20, 12, 0);
+
+  // ---- state ----------------------------------------------------------------------------------------------------
+  const lower = head.view[0], upper = head.view[1];
+  const centre = lower.map((v, i) => v + (i < 2 ? 0.5 : 0.4) * (upper[i] - v)); // debris lies low
+  const radius = Math.max(1, 0.5 * Math.hypot(...sub(upper, lower)));
+  const views = { oblique: [-0.62, 0.27], front: [-Math.PI / 2, 0.06], side: [0, 0.06], top: [-Math.PI / 2, 1.55] };
+  const state = { t: times[0], playing: false, yaw: 0, pitch: 0, distance: 1, target: centre, layout: "split", colour: "part" };
+  const lookFrom = (name) => Object.assign(state, { yaw: views[name][0], pitch: views[name][1], target: [...centre], distance: radius * 3.3 });
+  lookFrom("oblique");
+  const single = !fe || !mbs;
+  if (single) {
+    $("viewer").classList.add("single");
+    document.querySelectorAll("[name=layout]").forEach((e) => (e.disabled = true));
+    $(fe ? "tag-mbs" : "tag-fe").hidden = true;
+  }
+
+  // ---- the state at a time ----------------------------------------------------------------------------------------
+  const locate = (t) => {
+    let lo = 0, hi = frames - 1;
+    while (hi - lo > 1) {
+      const mid = (lo + hi) >> 1;
+      if (times[mid] <= t) lo = mid; else hi = mid;
+    }
+    const width = times[hi] - times[lo];
+    return [lo, hi, width > 0 ? Math.min(1, Math.max(0, (t - times[lo]) / width)) : 0];
+  };
+  const kindOf = (m) => (m.fe && m.mbsTime !== null ? 0 : m.fe ? 1 : m.mbsTime !== null ? 2 : 3);
+  let markersFe = [], markersMbs = [];
+  const update = () => {
+    const [a, b, f] = locate(state.t);
+    if (fe) {
+      const { q, nodes, origin, step, texels } = fe;
+      for (let i = 0; i < nodes; i++) {
+        for (let k = 0; k < 3; k++) {
+          const u = q[(a * nodes + i) * 3 + k], v = q[(b * nodes + i) * 3 + k];
+          texels[4 * i + k] = origin[k] + (u + (v - u) * f) * step[k];
+        }
+      }
+      upload(fe.positionTexture, texels);
+      if (fe.strain) {
+        const n = fe.elementCount, s = fe.strainBytes;
+        for (let e = 0; e < n; e++) fe.elementTexels[4 * e + 2] = (s[a * n + e] + (s[b * n + e] - s[a * n + e]) * f) / 255;
+      }
+      upload(fe.elementTexture, fe.elementTexels);
+    }
+    const poses = [];
+    if (mbs) {
+      const n = mbs.bodies.length;
+      for (let i = 0; i < n; i++) {
+        const p = mbs.p.subarray((a * n + i) * 7, (a * n + i) * 7 + 7), r = mbs.p.subarray((b * n + i) * 7, (b * n + i) * 7 + 7);
+        const sign = p[3] * r[3] + p[4] * r[4] + p[5] * r[5] + p[6] * r[6] < 0 ? -1 : 1;
+        const at = [0, 1, 2].map((k) => p[k] + (r[k] - p[k]) * f);
+        const turned = [3, 4, 5, 6].map((k) => p[k] + (sign * r[k] - p[k]) * f);
+        const l = Math.hypot(...turned) || 1;
+        poses.push([at, turned.map((c) => c / l)]);
+      }
+      fill(bodies, mbs.boxes.flatMap(({ body, center, half }) => {
+        const b = mbs.bodies[body];
+        if ((b.appears !== null && state.t < b.appears) || (b.removed !== null && state.t >= b.removed)) return [];
+        const [at, q] = poses[body];
+        const c = turn(q, center);
+        return [...q, at[0] + c[0], at[1] + c[1], at[2] + c[2], ...half, b.group, ((body * 7) % 5) / 4 - 0.5];
+      }));
+    }
+    markersFe = [];
+    markersMbs = [];
+    for (const m of head.markers) {
+      const kind = kindOf(m);
+      if (fe && m.node !== null) {
+        // The nearest node carries the marker; its own distance from the node is kept.
+        const now = [0, 1, 2].map((k) => fe.texels[4 * m.node + k]);
+        const start = [0, 1, 2].map((k) => origin0(m.node, k));
+        const at = [0, 1, 2].map((k) => m.point[k] + now[k] - start[k]);
+        markersFe.push({ m, kind, at, active: m.fe === true && (m.feTime === null || state.t >= m.feTime) });
+      }
+      if (mbs && m.body !== null) {
+        const [p, q] = poses[m.body];
+        const c = turn(q, m.local);
+        markersMbs.push({ m, kind, at: [p[0] + c[0], p[1] + c[1], p[2] + c[2]], active: m.mbsTime !== null && state.t >= m.mbsTime });
+      }
+    }
+  };
+  const origin0 = (node, k) => fe.origin[k] + fe.q[node * 3 + k] * fe.step[k];
+
+  // ---- drawing ------------------------------------------------------------------------------------------------------
+  const camera = (aspect) => {
+    const { yaw, pitch, distance, target } = state;
+    const back = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
+    // A narrow view steps back so that the building's width stays visible.
+    const d = distance * Math.max(1, 1.05 / aspect);
+    const eye = target.map((c, i) => c + back[i] * d);
+    const right = unit(cross([0, 0, 1], back)), up = cross(back, right);
+    const view = new Float32Array([right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0, -dot(right, eye), -dot(up, eye), -dot(back, eye), 1]);
+    const near = Math.max(0.05, d - radius * 6), far = d + radius * 12, s = 1 / Math.tan(0.26);
+    const projection = new Float32Array([s / aspect, 0, 0, 0, 0, s, 0, 0, 0, 0, -(far + near) / (far - near), -1, 0, 0, (-2 * far * near) / (far - near), 0]);
+    return { eye, right, up, d, matrix: multiply(projection, view) };
+  };
+  let theme = {};
+  const readTheme = () => {
+    const probe = document.createElement("i");
+    document.body.append(probe);
+    const colour = (name) => {
+      probe.style.color = `var(${name})`;
+      return getComputedStyle(probe).color.match(/[\d.]+/g).slice(0, 3).map((v) => v / 255);
+    };
+    theme = { sky: colour("--sky"), floor: colour("--floor"), grid: colour("--s2"), mbs: colour("--mbs") };
+    probe.remove();
+    theme.grid = theme.floor.map((v, i) => v + (theme.grid[i] - v) * 0.4);
+    theme.dark = theme.sky[0] < 0.5;
+  };
+  const light = unit([0.5, -0.45, 0.75]);
+  const use = (name, view, mode, look) => {
+    const { p, at } = programs[name];
+    gl.useProgram(p);
+    gl.uniformMatrix4fv(at.uView, false, view.matrix);
+    gl.uniform3fv(at.uEye, view.eye);
+    gl.uniform3fv(at.uLight, light);
+    gl.uniform4f(at.uShadow, light[0] / light[2], light[1] / light[2], (head.ground ?? 0) + 0.004, 0);
+    gl.uniform1i(at.uMode, mode);
+    gl.uniform4fv(at.uTint, look.tint ?? [0, 0, 0, 0]);
+    gl.uniform1f(at.uEdge, look.edge ?? 0);
+    gl.uniform1f(at.uDark, theme.dark ? 1 : 0);
+    return at;
+  };
+  const drawFe = (view, mode) => {
+    if (!fe) return;
+    const at = use("fe", view, mode, { edge: $("show-edges").checked ? 0.4 : 0 });
+    gl.uniform1f(at.uTime, state.t);
+    gl.uniform1f(at.uStrain, state.colour === "strain" ? 1 : 0);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, fe.elementTexture);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, fe.positionTexture);
+    gl.uniform1i(at.uPositions, 0);
+    gl.uniform1i(at.uElements, 1);
+    gl.bindVertexArray(fe.vao);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, fe.faceCount);
+  };
+  const drawBoxes = (view, set, mode, look) => {
+    if (!set.count) return;
+    const at = use("box", view, mode, look);
+    gl.uniform1f(at.uPlain, state.colour === "strain" ? 1 : 0);
+    gl.bindVertexArray(set.vao);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, set.count);
+  };
+  const drawMarkers = (view, list) => {
+    if (!list.length || !$("show-markers").checked) return;
+    const order = [...list].sort((a, b) => a.active - b.active);
+    const { p, at } = programs.point;
+    gl.useProgram(p);
+    gl.uniformMatrix4fv(at.uView, false, view.matrix);
+    gl.uniform1f(at.uRatio, devicePixelRatio || 1);
+    gl.bindVertexArray(points.vao);
+    gl.bindBuffer(gl.ARRAY_BUFFER, points.buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(order.flatMap((m) => [...m.at, m.kind, m.active ? 1 : 0])), gl.DYNAMIC_DRAW);
+    gl.disable(gl.DEPTH_TEST);
+    gl.drawArrays(gl.POINTS, 0, order.length);
+    gl.enable(gl.DEPTH_TEST);
+  };
+  const drawView = (x, y, width, height, withFe, withMbs) => {
+    const view = camera(width / height);
+    gl.viewport(x, y, width, height);
+    gl.scissor(x, y, width, height);
+    gl.clearColor(...theme.sky, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
+    const edge = $("show-edges").checked ? 0.7 : 0;
+    if (head.ground !== null) {
+      const { p, at } = programs.floor;
+      gl.useProgram(p);
+      gl.uniformMatrix4fv(at.uView, false, view.matrix);
+      gl.uniform4f(at.uArea, centre[0], centre[1], head.ground, radius * 4);
+      gl.uniform3fv(at.uFloor, theme.floor);
+      gl.uniform3fv(at.uGrid, theme.grid);
+      gl.depthMask(false);
+      gl.bindVertexArray(floor);
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+      // Each ground pixel takes the shadow once, however many faces cast it.
+      gl.enable(gl.STENCIL_TEST);
+      gl.stencilFunc(gl.EQUAL, 0, 255);
+      gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
+      if (withFe) drawFe(view, 1);
+      if (withMbs && !withFe) drawBoxes(view, bodies, 1, {});
+      drawBoxes(view, obstacles, 1, {});
+      gl.disable(gl.STENCIL_TEST);
+      gl.depthMask(true);
+    }
+    drawBoxes(view, obstacles, 0, { edge: 0.7 });
+    if (withFe) drawFe(view, 0);
+    if (withMbs && withFe) {
+      gl.depthMask(false);
+      drawBoxes(view, bodies, 2, { tint: [...theme.mbs, 0.8] });
+      gl.depthMask(true);
+    } else if (withMbs) drawBoxes(view, bodies, 0, { edge });
+    if (withFe) drawMarkers(view, markersFe);
+    if (withMbs && !withFe) drawMarkers(view, markersMbs);
+    return { view, x, y, width, height, list: withFe ? markersFe : markersMbs };
+  };
+  let panes = [];
+  const draw = () => {
+    const ratio = devicePixelRatio || 1;
+    const width = Math.max(2, Math.round(canvas.clientWidth * ratio)), height = Math.max(2, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.enable(gl.BLEND);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    update();
+    if (single || state.layout === "overlay") panes = [drawView(0, 0, width, height, !!fe, !!mbs)];
+    else {
+      const half = Math.floor(width / 2), gap = Math.max(1, Math.round(ratio));
+      gl.disable(gl.SCISSOR_TEST);
+      gl.clearColor(...theme.grid, 1);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+      gl.enable(gl.SCISSOR_TEST);
+      panes = [drawView(0, 0, half - gap, height, true, false), drawView(half, 0, width - half, height, false, true)];
+    }
+    $("clock").textContent = state.t.toFixed(3);
+    $("time").value = state.t;
+    $("time").setAttribute("aria-valuetext", `${state.t.toFixed(3)} seconds`);
+    document.dispatchEvent(new CustomEvent("fallwerk:time", { detail: state.t }));
+  };
+  let asked = false, clockLast = 0;
+  const redraw = () => {
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame((now) => {
+      asked = false;
+      if (state.playing) {
+        state.t += Math.min(0.1, Math.max(0, (now - clockLast) / 1000)) * Number($("speed").value);
+        clockLast = now;
+        if (state.t >= times[frames - 1]) {
+          state.t = times[frames - 1];
+          play(false);
+        } else redraw();
+      }
+      draw();
+    });
+  };
+
+  // ---- controls -------------------------------------------------------------------------------------------------------
+  const remember = () => {
+    const parts = [`t=${state.t.toFixed(3)}`];
+    if (state.layout === "overlay") parts.push("layout=overlay");
+    if (state.colour === "strain") parts.push("colour=strain");
+    try { history.replaceState(null, "", `#${parts.join("&")}`); } catch { /* a page opened in a sandbox keeps its address */ }
+  };
+  const play = (on) => {
+    if (on && state.t >= times[frames - 1]) state.t = times[0];
+    state.playing = on;
+    clockLast = performance.now();
+    $("play").textContent = on ? "Pause" : "Play";
+    $("play").setAttribute("aria-pressed", String(on));
+    if (on) redraw(); else remember();
+  };
+  const seek = (t) => {
+    if (state.playing) play(false);
+    state.t = Math.min(times[frames - 1], Math.max(times[0], t));
+    redraw();
+  };
+  const choose = (name, value) => {
+    const input = document.querySelector(`input[name=${name}][value=${value}]`);
+    if (!input || input.disabled) return;
+    input.checked = true;
+    state[name] = value;
+    $("viewer").classList.toggle("overlay", state.layout === "overlay");
+    const strain = state.colour === "strain";
+    if ($("key-strain")) $("key-strain").hidden = !strain;
+    $("key-part").hidden = strain;
+    redraw();
+  };
+  $("play").addEventListener("click", () => play(!state.playing));
+  $("time").min = times[0];
+  $("time").max = times[frames - 1];
+  $("time").addEventListener("input", () => seek(Number($("time").value)));
+  $("time").addEventListener("change", remember);
+  for (const name of ["layout", "colour"]) {
+    document.querySelectorAll(`input[name=${name}]`).forEach((e) => e.addEventListener("change", () => { choose(name, e.value); remember(); }));
+  }
+  for (const id of ["show-markers", "show-edges"]) $(id).addEventListener("change", redraw);
+  $("show-markers").addEventListener("change", () => ($("key-markers").hidden = !$("show-markers").checked));
+  document.querySelectorAll("[data-view]").forEach((b) => b.addEventListener("click", () => { lookFrom(b.dataset.view); redraw(); }));
+  if (!head.markers.length) $("key-markers").hidden = true;
+  document.addEventListener("fallwerk:seek", (event) => { seek(event.detail); remember(); });
+
+  const pointers = new Map();
+  const pan = (dx, dy) => {
+    const { right, up, d } = camera(panes[0] ? panes[0].width / panes[0].height : 1);
+    const k = (2 * Math.tan(0.26) * d) / canvas.clientHeight;
+    state.target = state.target.map((c, i) => c - (right[i] * dx - up[i] * dy) * k);
+  };
+  const zoom = (factor) => (state.distance = Math.min(radius * 20, Math.max(radius * 0.15, state.distance * factor)));
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    canvas.focus({ preventScroll: true });
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const last = pointers.get(event.pointerId);
+    if (!last) return hover(event);
+    const now = [event.clientX, event.clientY];
+    const [dx, dy] = [now[0] - last[0], now[1] - last[1]];
+    if (pointers.size === 2) {
+      const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
+      const before = Math.hypot(last[0] - other[0], last[1] - other[1]), after = Math.hypot(now[0] - other[0], now[1] - other[1]);
+      if (after > 0) zoom(before / after);
+      pan(dx / 2, dy / 2);
+    } else if (event.shiftKey || event.buttons & 6) pan(dx, dy);
+    else {
+      state.yaw -= dx * 0.006;
+      state.pitch = Math.min(1.55, Math.max(0.01, state.pitch + dy * 0.006));
+    }
+    pointers.set(event.pointerId, now);
+    redraw();
+  });
+  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("wheel", (event) => {
+    if (document.activeElement !== canvas) return; // the page scrolls until the view is clicked
+    event.preventDefault();
+    zoom(Math.exp(event.deltaY * 0.0012));
+    redraw();
+  }, { passive: false });
+  canvas.addEventListener("pointerleave", () => ($("tip").hidden = true));
+  const seconds = (t) => (t === null ? "\u2013" : `${t.toFixed(3)} s`);
+  const hover = (event) => {
+    const r = canvas.getBoundingClientRect(), ratio = canvas.width / r.width;
+    const px = (event.clientX - r.left) * ratio, py = canvas.height - (event.clientY - r.top) * ratio;
+    let best = null;
+    for (const pane of $("show-markers").checked ? panes : []) {
+      for (const marker of pane.list) {
+        const m = pane.view.matrix, p = marker.at;
+        const clip = [0, 1, 3].map((k) => m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k]);
+        const d = Math.hypot(pane.x + (0.5 + (0.5 * clip[0]) / clip[2]) * pane.width - px, pane.y + (0.5 + (0.5 * clip[1]) / clip[2]) * pane.height - py);
+        if (clip[2] > 0 && d < 12 * ratio && (!best || d < best.d)) best = { d, m: marker.m };
+      }
+    }
+    const tip = $("tip");
+    tip.hidden = !best;
+    if (!best) return;
+    const { m } = best;
+    tip.textContent = `${m.label}\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}\nMBS yields: ${m.mbs ? seconds(m.mbsTime) : "no hinge"}${m.fractured === null ? "" : `\nseparates: ${seconds(m.fractured)}`}`;
+    tip.style.left = `${Math.min(event.clientX - r.left + 14, r.width - 170)}px`;
+    tip.style.top = `${Math.min(event.clientY - r.top + 14, r.height - 90)}px`;
+  };
+  canvas.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const frame = locate(state.t);
+    const actions = {
+      " ": () => play(!state.playing),
+      ArrowRight: () => seek(times[Math.min(frames - 1, frame[2] >= 1 ? frame[1] + 1 : frame[0] + 1)]),
+      ArrowLeft: () => seek(times[frame[2] >= 1 ? frame[0] : frame[2] > 0 ? frame[0] : Math.max(0, frame[0] - 1)]),
+      ArrowUp: () => zoom(0.9), ArrowDown: () => zoom(1.1),
+      Home: () => seek(times[0]), End: () => seek(times[frames - 1]),
+      r: () => lookFrom("oblique"), o: () => { choose("layout", state.layout === "overlay" ? "split" : "overlay"); remember(); },
+    };
+    const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+    redraw();
+  });
+  canvas.addEventListener("webglcontextlost", () => giveUp("The graphics card dropped the 3D view; reload the page to get it back."));
+  new ResizeObserver(redraw).observe(canvas);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readTheme(); redraw(); });
+
+  // "#t=1.2&layout=overlay&colour=strain&yaw=-0.6&pitch=0.3&zoom=1.5" opens the page in that state.
+  const readAddress = () => {
+    const wanted = new URLSearchParams(location.hash.slice(1));
+    const number = (name) => (wanted.has(name) && Number.isFinite(Number(wanted.get(name))) ? Number(wanted.get(name)) : null);
+    if (number("t") !== null) seek(number("t"));
+    if (number("yaw") !== null) state.yaw = number("yaw");
+    if (number("pitch") !== null) state.pitch = number("pitch");
+    if (number("zoom") > 0) state.distance = (radius * 3.3) / number("zoom");
+    for (const name of ["layout", "colour"]) if (/^[a-z]+$/.test(wanted.get(name) ?? "")) choose(name, wanted.get(name));
+    redraw();
+  };
+  addEventListener("hashchange", readAddress);
+  readTheme();
+  readAddress();
+  draw();
+})();

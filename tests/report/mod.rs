@@ -1,0 +1,265 @@
+//! The report page as a whole: self-contained, escaped, complete, and its 3D data true to the input.
+
+mod collapse;
+
+use fallwerk::report::*;
+use serde_json::Value;
+
+/// The text between two markers.
+fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
+    let start = page.find(from).unwrap_or_else(|| panic!("no {from}")) + from.len();
+    &page[start..start + page[start..].find(to).unwrap_or_else(|| panic!("no {to}"))]
+}
+
+fn head(page: &str) -> Value {
+    serde_json::from_str(between(page, "id=\"scene-head\">", "</script>")).unwrap()
+}
+
+/// The bytes of the scene, by a decoder of its own.
+fn bytes(page: &str) -> Vec<u8> {
+    let text = between(page, "id=\"scene-data\">", "</script>").trim();
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => c - b'A',
+        b'a'..=b'z' => c - b'a' + 26,
+        b'0'..=b'9' => c - b'0' + 52,
+        b'+' => 62,
+        b'/' => 63,
+        _ => panic!("not base64: {c}"),
+    };
+    let mut out = Vec::new();
+    let (mut word, mut bits) = (0_u32, 0);
+    for c in text.bytes().filter(|&c| c != b'=') {
+        word = word << 6 | u32::from(digit(c));
+        bits += 6;
+        if bits >= 8 {
+            bits -= 8;
+            out.push((word >> bits) as u8);
+            word &= (1 << bits) - 1;
+        }
+    }
+    out
+}
+
+fn block<'a>(data: &'a [u8], place: &Value) -> &'a [u8] {
+    let at = |i: usize| place[i].as_u64().unwrap() as usize;
+    &data[at(0)..at(0) + at(1)]
+}
+
+/// Positions `[node][axis][frame]` as the viewer reads them.
+fn positions(page: &str) -> Vec<[Vec<f64>; 3]> {
+    let (head, data) = (head(page), bytes(page));
+    let fe = &head["fe"];
+    let mut stream = block(&data, &fe["positions"]).iter();
+    let mut next = || {
+        let (mut value, mut shift) = (0_u32, 0);
+        loop {
+            let b = *stream.next().unwrap();
+            value |= u32::from(b & 127) << shift;
+            shift += 7;
+            if b < 128 {
+                return (value >> 1) as i32 ^ -((value & 1) as i32);
+            }
+        }
+    };
+    let frames = head["times"].as_array().unwrap().len();
+    let nodes = fe["nodes"].as_u64().unwrap() as usize;
+    let read = (0..nodes)
+        .map(|_| {
+            [0, 1, 2].map(|axis| {
+                let number = |key: &str| fe[key][axis].as_f64().unwrap();
+                let mut q: Vec<i32> = Vec::new();
+                for f in 0..frames {
+                    let guess = if f < 2 { q.last().copied().unwrap_or(0) } else { 2 * q[f - 1] - q[f - 2] };
+                    q.push(guess + next());
+                }
+                q.iter().map(|&q| number("origin") + f64::from(q) * number("step")).collect()
+            })
+        })
+        .collect();
+    assert!(stream.next().is_none(), "bytes left over");
+    read
+}
+
+#[test]
+fn the_page_of_a_full_scene_is_small_and_can_be_kept_for_looking_at() {
+    let input = collapse::report(0.34, 251);
+    let page = render(&input).unwrap();
+    let nodes = head(&page)["fe"]["nodes"].as_u64().unwrap();
+    eprintln!("{nodes} nodes x 251 frames: {:.2} MB", page.len() as f64 / 1e6);
+    assert!((3200..4200).contains(&nodes), "{nodes}");
+    assert!(page.len() < 6_000_000, "{}", page.len());
+    if let Some(path) = std::env::var_os("FALLWERK_REPORT_OUT") {
+        std::fs::write(path, &page).unwrap();
+    }
+}
+
+#[test]
+fn the_page_loads_nothing() {
+    let page = render(&collapse::report(0.8, 5)).unwrap();
+    assert!(!page.contains("http://") && !page.contains("https://"));
+    for load in ["src=", "@import", "url(", "fetch(", "XMLHttpRequest", "<link", "<iframe", "import("] {
+        assert!(!page.contains(load), "{load}");
+    }
+    for target in page.split("href=\"").skip(1) {
+        assert!(target.starts_with('#'), "{}", &target[..40]);
+    }
+}
+
+#[test]
+fn names_from_outside_stay_text() {
+    const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\" ' & \u{2028}";
+    let mut input = collapse::report(0.8, 3);
+    let text = || HOSTILE.to_string();
+    input.title = text();
+    input.building_name = text();
+    input.building_description = text();
+    input.program_version = text();
+    input.verdict.headline = text();
+    input.verdict.detail = text();
+    input.checks[0] =
+        Check { label: text(), value: text(), limit: text(), status: Status::Pass, explanation: text() };
+    input.settings = vec![Setting { name: text(), value: text() }];
+    input.histories[0].point = text();
+    input.hinge_sites[0].member_end = text();
+    input.events[0] = TimedEvent { time_s: 0.0, run: text(), what: text() };
+    input.notes = [Severity::Note, Severity::Warning].map(|severity| Note { severity, text: text() }).into();
+    input.curves[0].id = text();
+    input.curves[0].description = text();
+    input.model.bodies[0] = BodyRow { id: text(), mass_kg: 1.0, members: vec![text()] };
+    input.model.trace[0] = TraceRow { part: text(), rule: text(), words: text(), entries: vec![text()] };
+    let scene = input.scene.as_mut().unwrap();
+    scene.obstacles[0].label = text();
+    scene.fe.as_mut().unwrap().parts[0] = ScenePart { id: text(), group: text() };
+    scene.mbs.as_mut().unwrap().bodies[0].id = text();
+    let page = render(&input).unwrap();
+    assert!(!page.contains("<img"));
+    assert_eq!(page.matches("</script>").count(), 4, "head, data, charts, viewer");
+    assert_eq!(head(&page)["markers"][0]["label"], HOSTILE);
+}
+
+#[test]
+fn the_page_shows_the_given_figures() {
+    let page = render(&collapse::report(0.8, 5)).unwrap();
+    for text in [
+        "MBS agrees with FE up to first contact: e = 0.041",
+        "3 of 5 checks passed, 1 failed, 1 undecided",
+        "FE contact 1.620 s",
+        "MBS contact 1.668 s",
+        "+48",
+        "10.2 min",
+        "840 ms",
+        "61\u{202f}728",
+        "outside the range of its evidence",
+        "u\u{2009}z [m]",
+        "moment [kN m]",
+        "energy [MJ]",
+        "C3/1 bottom",
+        "N = 250.0 kN",
+        "728", // ratio of the CPU times: 612 / 0.84
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+}
+
+#[test]
+fn positions_come_back_within_half_a_quantisation_step() {
+    let mut input = collapse::report(0.8, 21);
+    let fe = input.scene.as_mut().unwrap().fe.as_mut().unwrap();
+    fe.elements.iter_mut().for_each(|e| e.death_s = None); // every node is needed to the end
+    let page = render(&input).unwrap();
+    let fe = input.scene.as_ref().unwrap().fe.as_ref().unwrap();
+    let mut used: Vec<u32> = fe.faces.iter().flat_map(|f| f.nodes).collect();
+    used.sort_unstable();
+    used.dedup();
+    let read = positions(&page);
+    assert_eq!(read.len(), used.len());
+    let head = head(&page);
+    for (track, &node) in read.iter().zip(&used) {
+        for axis in 0..3 {
+            let step = head["fe"]["step"][axis].as_f64().unwrap();
+            assert!(step < 0.5e-3, "{step}");
+            for (frame, &x) in track[axis].iter().enumerate() {
+                let given = f64::from(fe.frames_m[frame][node as usize][axis]);
+                assert!(
+                    (x - given).abs() <= 0.5 * step * (1.0 + 1e-6),
+                    "node {node} axis {axis} frame {frame}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_eroded_fragment_flying_off_does_not_coarsen_the_rest() {
+    let mut input = collapse::report(0.8, 21);
+    let plain = head(&render(&input).unwrap())["fe"]["step"][2].as_f64().unwrap();
+    let fe = input.scene.as_mut().unwrap().fe.as_mut().unwrap();
+    fe.elements.iter_mut().for_each(|e| e.death_s = Some(1.0));
+    for frame in &mut fe.frames_m[12..] {
+        frame.iter_mut().for_each(|p| p[2] = 1e4);
+    }
+    let flown = head(&render(&input).unwrap())["fe"]["step"][2].as_f64().unwrap();
+    assert!(flown <= plain * 1.001, "{flown} > {plain}");
+}
+
+#[test]
+fn faces_between_elements_are_born_when_the_neighbour_dies() {
+    let hexes = [[0, 1, 2, 3, 4, 5, 6, 7], [4, 5, 6, 7, 8, 9, 10, 11]];
+    let element = |death_s| SceneElement { part: 0, death_s };
+    let alive = faces_of_hexes(&hexes, &[element(None), element(None)]);
+    assert_eq!(alive.len(), 10);
+    let faces = faces_of_hexes(&hexes, &[element(Some(0.7)), element(None)]);
+    assert_eq!(faces.len(), 11);
+    let born: Vec<_> = faces.iter().filter(|f| f.birth_s.is_some()).collect();
+    assert_eq!((born.len(), born[0].element, born[0].birth_s), (1, 1, Some(0.7)));
+    let together = faces_of_hexes(&hexes, &[element(Some(0.7)), element(Some(0.7))]);
+    assert_eq!(together.len(), 10);
+}
+
+#[test]
+fn gaps_in_histories_and_poses_do_not_break_the_page() {
+    let mut input = collapse::report(0.8, 5);
+    input.histories[0].mbs_m[100..140].iter_mut().for_each(|u| *u = [f64::NAN; 3]);
+    input.error.as_mut().unwrap().e[0] = f64::NAN;
+    input.error.as_mut().unwrap().until_end = Some(f64::NAN);
+    input.fe_energy.as_mut().unwrap().residual_j[3] = f64::INFINITY;
+    let scene = input.scene.as_mut().unwrap();
+    scene.fe.as_mut().unwrap().frames_m[3][0] = [f32::NAN; 3];
+    scene.mbs.as_mut().unwrap().frames[2][0].position_m[1] = f64::NAN;
+    let page = render(&input).unwrap();
+    let body = &page[..page.find("id=\"scene-head\"").unwrap()];
+    assert!(!body.contains("NaN") && !body.contains("inf\"") && !body.contains("inf "));
+    assert!(positions(&page).iter().flatten().flatten().all(|x| x.is_finite()));
+    // The gap: the MBS line of the first point has two stretches.
+    let broken = body.split("class=\"line mbs\" data-label=\"MBS\" d=\"").skip(1);
+    assert_eq!(broken.filter(|d| d.split('"').next().unwrap().matches('M').count() == 2).count(), 3);
+}
+
+#[test]
+fn an_empty_report_is_a_page() {
+    let page = render(&ReportInput::default()).unwrap();
+    assert!(page.contains("No verdict was given.") && page.contains("No hinge sites were compared."));
+    assert!(!page.contains("scene-data\">"));
+    let scene =
+        Some(Scene { fe: Some(FeScene::default()), mbs: Some(MbsScene::default()), ..Scene::default() });
+    let page = render(&ReportInput { scene, ..ReportInput::default() }).unwrap();
+    assert_eq!(head(&page)["fe"]["nodes"], 0);
+}
+
+#[test]
+fn lists_that_do_not_fit_are_refused() {
+    let mut input = collapse::report(0.8, 5);
+    input.histories[0].fe_m.pop();
+    assert!(matches!(render(&input), Err(ReportError::Length { .. })));
+    let mut input = collapse::report(0.8, 5);
+    input.scene.as_mut().unwrap().fe.as_mut().unwrap().faces[0].nodes[2] = u32::MAX;
+    assert!(matches!(render(&input), Err(ReportError::Index { .. })));
+    let mut input = collapse::report(0.8, 5);
+    input.scene.as_mut().unwrap().time_s[1] = -1.0;
+    assert!(matches!(render(&input), Err(ReportError::Times { .. })));
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    assert!(render(&collapse::report(0.6, 9)).unwrap() == render(&collapse::report(0.6, 9)).unwrap());
+}
