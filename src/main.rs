@@ -1,2 +1,5 @@
-//! cli
-fn main() {}
+//! The `fallwerk` program: see `fallwerk --help`.
+
+fn main() -> std::process::ExitCode {
+    fallwerk::cli::run()
+}

@@ -1,8 +1,37 @@
 //! The product model of a building and of its demolition: what the user gives.
+//!
+//! [`read`] takes a TOML or JSON file to a checked [`Building`] or to all of its errors at once:
+//!
+//! ```text
+//! text ── base::tree ─▶ values with places ── structure (table of format) ─▶ errors of form
+//!                              └── materials, members, plan ─▶ Draft ── check ─▶ errors of meaning
+//!                                                                └─▶ Building
+//! ```
+//!
+//! ```
+//! use fallwerk::base::tree::Format;
+//! let errors = fallwerk::building::parse("schema = 2", Format::Toml, "a.toml").unwrap_err();
+//! assert!(errors.to_string().contains("Fallwerk reads version 1"));
+//! ```
 
+mod check;
+mod connect;
 pub mod ends;
+mod fields;
+pub mod format;
+mod grid;
+mod materials;
+mod members;
 pub mod model;
 pub mod partition;
+mod plan;
+mod read;
+pub mod schema;
+mod structure;
 pub mod tracked;
 
 pub use model::*;
+pub use read::{Inspection, inspect, inspect_file, parse, read};
+
+/// The commented reference building, as `fallwerk init` writes it.
+pub const EXAMPLE: &str = include_str!("../../buildings/three-storey-frame.toml");

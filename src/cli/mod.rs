@@ -1,1 +1,69 @@
-//! (module)
+//! The command line: one file a command, no engineering in it.
+//!
+//! Exit codes: 0 done, 1 a check failed, 2 bad input or usage.
+
+mod check;
+mod init;
+mod schema;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// What a command ends with; its number is the exit code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done.
+    Done,
+    /// The command ran, and what it checks does not hold.
+    CheckFailed,
+    /// Bad input or usage.
+    BadInput,
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        Self::from(outcome as u8)
+    }
+}
+
+#[derive(Parser)]
+#[command(
+    name = "fallwerk",
+    version,
+    about = "Knowledge-based multibody models of building collapse, checked against finite elements",
+    after_help = "Exit codes: 0 done, 1 a check failed, 2 bad input or usage.\n\
+                  Start with `fallwerk init building.toml` and `fallwerk check building.toml`."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Check(check::Arguments),
+    Init(init::Arguments),
+    Schema(schema::Arguments),
+}
+
+/// Runs the command line of this process.
+pub fn run() -> ExitCode {
+    match Arguments::parse().command {
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Init(arguments) => init::run(&arguments),
+        Command::Schema(arguments) => schema::run(&arguments),
+    }
+    .into()
+}
+
+/// Writes to standard output; a closed pipe (`| head`) is no error.
+pub(crate) fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Whether messages on standard error may have colours.
+pub(crate) fn colour_on_stderr() -> bool {
+    use std::io::IsTerminal;
+    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+}

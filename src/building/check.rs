@@ -1,0 +1,306 @@
+//! Checks of meaning: solids that overlap or hang in the air, plans that remove everything, meshes that
+//! cannot work. They run on all members that could be read and report everything they find.
+
+use super::connect::unsupported_groups;
+use super::fields::Placed;
+use super::members::noun;
+use super::model::{Member, MemberKind, Preparation};
+use super::partition::{COORDINATE_TOLERANCE_M, Partition};
+use super::plan::prepared;
+use super::read::Draft;
+use super::structure::list_words;
+use crate::base::diagnostic::{Diagnostic, quoted};
+use crate::base::source::Span;
+use crate::base::tree::Node;
+use crate::base::units::{Dimension, show};
+
+/// Most cells of a partition and most elements of a mesh that pass.
+const MAX_CELLS: f64 = 3e7;
+const MAX_ELEMENTS: f64 = 5e6;
+/// Most overlaps and the like that are reported one by one.
+const MAX_REPORTED: usize = 20;
+
+/// All checks of meaning.
+pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
+    overlaps(draft, found);
+    obstacles(draft, found);
+    below_ground(draft, found);
+    unused(draft, found);
+    events_on_removed(draft, found);
+    mesh(root, draft, found);
+    if draft.members.complete && !draft.members.list.is_empty() {
+        removed_wholly(draft, found);
+        support(root, draft, found);
+        volumes(draft, found);
+    }
+}
+
+fn overlaps(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let list = &draft.members.list;
+    let mut reported = 0;
+    for (i, a) in list.iter().enumerate() {
+        for b in &list[i + 1..] {
+            let Some(problem) = overlap(&a.item, &b.item, list) else { continue };
+            reported += 1;
+            if reported > MAX_REPORTED {
+                return;
+            }
+            let message = format!(
+                "the {} {} and the {} {} {}",
+                noun(a.item.kind), quoted(&a.item.id), noun(b.item.kind), quoted(&b.item.id), problem.0
+            );
+            let mut error = Diagnostic::error("overlap", message).at(b.span, problem.1);
+            if a.span != b.span {
+                error = error.also(a.span, "the other member");
+            }
+            found.push(error.help_if(problem.2.map(String::from)));
+        }
+    }
+}
+
+/// What is wrong with the common volume of two members: message, label, remedy.
+fn overlap(a: &Member, b: &Member, all: &[Placed<Member>]) -> Option<(&'static str, String, Option<&'static str>)> {
+    use MemberKind::{Beam, Column, Footing, Slab, Wall};
+    let common = a.solid.intersection(&b.solid, COORDINATE_TOLERANCE_M)?;
+    let volume = format!("{:.4} m3 of common volume", common.volume());
+    let plain = Some(("overlap", volume.clone(), None));
+    let through = |upright: &Member, flat: &Member| {
+        let solid = (upright.solid, flat.solid);
+        let above = solid.0.max[2] > solid.1.max[2] + COORDINATE_TOLERANCE_M;
+        let below = solid.0.min[2] < solid.1.min[2] - COORDINATE_TOLERANCE_M;
+        let remedy = Some("end the lower one at the slab's top and begin another there");
+        (above && below).then_some(("cross: one passes through the other", volume.clone(), remedy))
+    };
+    match (a.kind, b.kind) {
+        (Column, Column) | (Slab, Slab) | (Footing, Footing) | (Slab, Footing) | (Footing, Slab) => plain,
+        (Wall, Wall) if a.axis == b.axis => plain,
+        (Beam, Beam) if a.axis == b.axis => {
+            let over_column = |c: &Placed<Member>| {
+                c.item.kind == Column
+                    && (0..2).all(|i| {
+                        c.item.solid.min[i] <= common.min[i] + COORDINATE_TOLERANCE_M.max(0.5 * common.size()[i])
+                            && c.item.solid.max[i] >= common.max[i] - COORDINATE_TOLERANCE_M.max(0.5 * common.size()[i])
+                    })
+                    && (c.item.solid.min[a.axis] <= common.min[a.axis] + COORDINATE_TOLERANCE_M)
+                    && (c.item.solid.max[a.axis] >= common.max[a.axis] - COORDINATE_TOLERANCE_M)
+                    && c.item.solid.max[2] >= common.min[2] - COORDINATE_TOLERANCE_M
+                    && c.item.solid.min[2] <= common.max[2] + COORDINATE_TOLERANCE_M
+            };
+            if all.iter().any(over_column) { None } else { plain }
+        }
+        (Column | Wall, Slab) => through(a, b),
+        (Slab, Column | Wall) => through(b, a),
+        _ => None,
+    }
+}
+
+fn obstacles(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    for obstacle in &draft.obstacles {
+        let hits: Vec<&Placed<Member>> = draft
+            .members
+            .list
+            .iter()
+            .filter(|m| m.item.solid.intersection(&obstacle.item.solid, COORDINATE_TOLERANCE_M).is_some())
+            .collect();
+        if let Some(first) = hits.first() {
+            let more = if hits.len() > 1 { format!(" and {} more", hits.len() - 1) } else { String::new() };
+            let message = format!(
+                "the obstacle {} overlaps the {} {}{more}",
+                quoted(&obstacle.item.id), noun(first.item.kind), quoted(&first.item.id)
+            );
+            found.push(Diagnostic::error("overlap", message).at(obstacle.span, "").also(first.span, "the member"));
+        }
+        if draft.ground.is_some_and(|g| obstacle.item.solid.max[2] <= g.level_m) {
+            let warning = Diagnostic::warning("buried-obstacle", "this obstacle lies below the ground: nothing can hit it");
+            found.push(warning.at(obstacle.span, ""));
+        }
+    }
+}
+
+fn below_ground(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let Some(ground) = draft.ground else { return };
+    let mut seen: Vec<Span> = Vec::new();
+    for member in draft.members.list.iter().filter(|m| m.item.kind != MemberKind::Footing) {
+        let depth = ground.level_m - member.item.solid.min[2];
+        if depth > COORDINATE_TOLERANCE_M && !seen.contains(&member.span) {
+            seen.push(member.span);
+            let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
+            let message = format!("the {noun} {id} reaches {} below the ground", show(depth, Dimension::Length));
+            let error = Diagnostic::error("below-ground", message)
+                .at(member.span, "")
+                .help(format!("the ground is at {}; only footings may lie below it", show(ground.level_m, Dimension::Length)));
+            found.push(error);
+        }
+    }
+}
+
+fn unused(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    for (id, section) in &draft.sections {
+        if !draft.members.used_sections.contains(id) {
+            let warning = Diagnostic::warning("unused", format!("no member uses the section {}", quoted(id)));
+            found.push(warning.at(section.span, ""));
+        }
+    }
+    let used = |id: &String| {
+        let mut sections = draft.sections.values();
+        sections.any(|s| s.item.1.as_ref().is_none_or(|s| [&s.concrete, &s.steel, &s.law].contains(&id)))
+    };
+    for (id, material) in draft.materials.iter().filter(|(id, _)| !used(id)) {
+        let warning = Diagnostic::warning("unused", format!("no section uses the material {}", quoted(id)));
+        found.push(warning.at(material.span, ""));
+    }
+}
+
+fn is_cut(draft: &Draft, id: &str) -> bool {
+    draft.preparation.iter().any(|p| matches!(&p.item, Preparation::Cut { member } if member == id))
+}
+
+fn events_on_removed(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    for (i, event) in draft.events.iter().enumerate() {
+        let member = &event.item.member;
+        if let Some(cut) = draft.preparation.iter().find(|p| is_cut(draft, member) && prepared(&p.item) == member) {
+            let message = format!("the event {} is on {}, which is cut away before", quoted(&event.item.id), quoted(member));
+            found.push(Diagnostic::error("removed-twice", message).at(event.span, "").also(cut.span, "cut here"));
+        }
+        let whole = draft.events[..i].iter().find(|e| e.item.member == *member && e.item.stretch_m.is_none());
+        if let Some(first) = whole {
+            let message = format!("the event {} is on {}, which is already removed", quoted(&event.item.id), quoted(member));
+            found.push(Diagnostic::error("removed-twice", message).at(event.span, "").also(first.span, "removed here"));
+        }
+    }
+}
+
+fn removed_wholly(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let gone = |m: &Placed<Member>| {
+        let charged = draft.events.iter().any(|e| e.item.member == m.item.id && e.item.stretch_m.is_none());
+        charged || is_cut(draft, &m.item.id)
+    };
+    if draft.members.list.iter().all(gone) {
+        let error = Diagnostic::error("all-removed", "the events and cuts remove the whole building: nothing is left to fall");
+        let place = draft.events.first().map(|e| e.span).or(draft.preparation.first().map(|p| p.span));
+        found.push(match place {
+            Some(span) => error.at(span, ""),
+            None => error,
+        });
+    }
+}
+
+fn support(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let list = &draft.members.list;
+    if draft.supports.is_empty() {
+        // A support that names nothing that exists has been reported.
+        if root.get("supports").is_none_or(|n| n.items().is_empty()) {
+            let error = Diagnostic::error("no-supports", "the building has no supports")
+                .help("add `[[supports]]` with `members = [\"C1-*\"]`");
+            found.push(error);
+        }
+        return;
+    }
+    let members: Vec<&Member> = list.iter().map(|m| &m.item).collect();
+    let supported: Vec<bool> =
+        list.iter().map(|m| draft.supports.iter().any(|s| s.item.member == m.item.id)).collect();
+    let all = vec![true; list.len()];
+    let loose = unsupported_groups(&members, &all, &supported);
+    for group in &loose {
+        let ids: Vec<&str> = group.iter().map(|&i| list[i].item.id.as_str()).collect();
+        let first = &list[group[0]];
+        let (subject, label) = if group.len() == 1 {
+            (format!("the {} {} touches", noun(first.item.kind), quoted(ids[0])), "hangs in the air".to_string())
+        } else {
+            (format!("{} members touch", group.len()), some_of(&ids))
+        };
+        let error = Diagnostic::error("unsupported", format!("{subject} nothing that is supported"))
+            .at(first.span, label)
+            .help("members touch where their solids share a face; check the coordinates, or add a support");
+        found.push(error);
+    }
+    let present: Vec<bool> = list.iter().map(|m| !is_cut(draft, &m.item.id)).collect();
+    if loose.is_empty() && present.contains(&false) {
+        for group in unsupported_groups(&members, &present, &supported) {
+            let ids: Vec<&str> = group.iter().map(|&i| list[i].item.id.as_str()).collect();
+            let Some(cut) = draft.preparation.iter().find(|p| matches!(p.item, Preparation::Cut { .. })) else { continue };
+            let error = Diagnostic::error("unsupported", "after the cuts, before ignition, a part hangs in the air")
+                .at(cut.span, some_of(&ids))
+                .help("a cut is made before the dead-load state; use an event to remove a member in the collapse");
+            found.push(error);
+        }
+    }
+    high_supports(draft, found);
+}
+
+fn high_supports(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let Some(ground) = draft.ground else { return };
+    let mut seen: Vec<Span> = Vec::new();
+    for support in &draft.supports {
+        let Some(member) = draft.members.list.iter().find(|m| m.item.id == support.item.member) else { continue };
+        let height = member.item.solid.min[2] - ground.level_m;
+        if height > COORDINATE_TOLERANCE_M && !seen.contains(&support.span) {
+            seen.push(support.span);
+            let message = format!("{} is held {} above the ground", quoted(&support.item.member), show(height, Dimension::Length));
+            found.push(Diagnostic::warning("high-support", message).at(support.span, "is this meant?"));
+        }
+    }
+}
+
+/// "`A`, `B`, `C` and 4 more".
+fn some_of(ids: &[&str]) -> String {
+    if ids.len() <= 5 {
+        return list_words(ids).replace(" or ", " and ");
+    }
+    let shown: Vec<String> = ids.iter().take(4).map(|id| format!("`{id}`")).collect();
+    format!("{} and {} more", shown.join(", "), ids.len() - 4)
+}
+
+/// Members that the precedence of solids leaves without volume.
+fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let Some(building) = draft.building() else { return };
+    let planes: f64 = (0..3)
+        .map(|i| {
+            let mut all: Vec<f64> = building.members.iter().flat_map(|m| [m.solid.min[i], m.solid.max[i]]).collect();
+            all.sort_by(f64::total_cmp);
+            all.dedup();
+            all.len() as f64
+        })
+        .product();
+    if planes > MAX_CELLS {
+        let error = Diagnostic::error("too-many", format!("the faces of all members make {planes:.1e} cells"))
+            .help(format!("at most {MAX_CELLS:.0e}: align the members' faces or describe a part of the building"));
+        found.push(error);
+        return;
+    }
+    let volumes = Partition::of(&building).volumes(building.members.len());
+    for (member, volume) in draft.members.list.iter().zip(volumes) {
+        if volume < 1e-3 * member.item.solid.volume() {
+            let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
+            let message = format!("the {noun} {id} lies wholly inside other members");
+            let error = Diagnostic::error("overlap", message)
+                .at(member.span, "no volume of its own is left")
+                .help("where solids overlap, a footing comes before a slab, a wall, a beam and a column");
+            found.push(error);
+        }
+    }
+}
+
+fn mesh(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let size = draft.settings.mesh_size_m;
+    let settings = root.get("settings");
+    let place = settings.and_then(|s| s.get("mesh_size")).or(settings).map(|n| n.span);
+    let Some(span) = place else { return };
+    let volume: f64 = draft.members.list.iter().map(|m| m.item.solid.volume()).sum();
+    let elements = volume / size.powi(3);
+    if elements > MAX_ELEMENTS {
+        let error = Diagnostic::error("mesh-size", format!("this mesh size makes about {elements:.1e} elements"))
+            .at(span, show(size, Dimension::Length))
+            .help(format!("{} would make {:.0e}", show((volume / MAX_ELEMENTS).cbrt(), Dimension::Length), MAX_ELEMENTS));
+        found.push(error);
+    }
+    let longest = |m: &Placed<Member>| m.item.solid.size().into_iter().fold(0.0, f64::max);
+    let shortest = draft.members.list.iter().min_by(|a, b| longest(a).total_cmp(&longest(b)));
+    if let Some(member) = shortest.filter(|m| size > 0.5 * longest(m)) {
+        let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
+        let message = format!("the mesh is too coarse for the {noun} {id}, which is {} long", show(longest(member), Dimension::Length));
+        let error = Diagnostic::error("mesh-size", message)
+            .at(span, "at most half the length of the shortest member");
+        found.push(error);
+    }
+}

@@ -1,0 +1,34 @@
+//! Which members touch, and which of them hang on a support.
+
+use super::model::Member;
+use super::partition::COORDINATE_TOLERANCE_M;
+use petgraph::unionfind::UnionFind;
+
+/// Whether two gross solids overlap or share a face with an area.
+pub fn touch(a: &Member, b: &Member) -> bool {
+    let overlap: Vec<f64> =
+        (0..3).map(|i| a.solid.max[i].min(b.solid.max[i]) - a.solid.min[i].max(b.solid.min[i])).collect();
+    let apart = overlap.iter().any(|o| *o < -COORDINATE_TOLERANCE_M);
+    !apart && overlap.iter().filter(|o| **o > COORDINATE_TOLERANCE_M).count() >= 2
+}
+
+/// Groups of members that touch and contain no supported one; `present` leaves members out.
+pub fn unsupported_groups(members: &[&Member], present: &[bool], supported: &[bool]) -> Vec<Vec<usize>> {
+    let mut sets = UnionFind::<usize>::new(members.len());
+    for i in (0..members.len()).filter(|&i| present[i]) {
+        for j in (i + 1..members.len()).filter(|&j| present[j]) {
+            if touch(members[i], members[j]) {
+                sets.union(i, j);
+            }
+        }
+    }
+    let mut groups: std::collections::BTreeMap<usize, (Vec<usize>, bool)> = Default::default();
+    for i in (0..members.len()).filter(|&i| present[i]) {
+        let group = groups.entry(sets.find(i)).or_default();
+        group.0.push(i);
+        group.1 |= supported[i];
+    }
+    let mut loose: Vec<Vec<usize>> = groups.into_values().filter(|g| !g.1).map(|g| g.0).collect();
+    loose.sort();
+    loose
+}

@@ -1,0 +1,211 @@
+//! A regular frame from axes and storey heights.
+//!
+//! Gross solids, as a formwork drawing names them: columns reach from slab top to slab top, beams are
+//! measured to the slab's top. Beams along x run over the columns at both ends. A beam along y ends at the
+//! column's face where a beam along x runs over that column, and runs over the column itself elsewhere: then
+//! the block above a column always belongs to one beam ([`super::partition`]).
+
+use super::fields::Fields;
+use super::model::{Member, MemberKind, SectionShape};
+use crate::base::diagnostic::Diagnostic;
+use crate::base::geom::Aabb;
+use crate::base::units::{Dimension, show};
+
+/// Most members of a grid.
+pub const MAX_MEMBERS: usize = 5000;
+
+/// A grid in numbers, m.
+pub struct Grid<'a> {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    /// Slab tops from the column feet up.
+    levels: Vec<f64>,
+    column: (&'a str, [f64; 2]),
+    beam: Option<(&'a str, [f64; 2])>,
+    perimeter_only: bool,
+    slab: Option<(&'a str, f64)>,
+    overhang: f64,
+}
+
+/// Shapes of the sections that the grid names; `None` if there is none or it has errors.
+pub struct Shapes {
+    /// Of the columns.
+    pub column: Option<SectionShape>,
+    /// Of the beams.
+    pub beam: Option<SectionShape>,
+    /// Of the slabs.
+    pub slab: Option<SectionShape>,
+}
+
+impl<'a> Grid<'a> {
+    /// Reads `[grid]`; `None` if it has errors.
+    pub fn read(
+        fields: Fields<'a>,
+        ground_level: Option<f64>,
+        shapes: &Shapes,
+        found: &mut Vec<Diagnostic>,
+    ) -> Option<Self> {
+        let rectangle = |key, shape: &Option<SectionShape>| match (fields.text(key), shape) {
+            (Some(id), Some(SectionShape::Rectangle { width_m, depth_m, .. })) => Some((id, [*width_m, *depth_m])),
+            _ => None,
+        };
+        let column = rectangle("column_section", &shapes.column);
+        let beam = rectangle("beam_section", &shapes.beam);
+        let beams = if fields.child("beams").is_some() { fields.text("beams") } else { Some("perimeter") };
+        if beams.is_some_and(|b| b != "none") && fields.child("beam_section").is_none() {
+            let error = Diagnostic::error("missing-key", "[grid] needs the key `beam_section`")
+                .at(fields.node.span, "`beam_section` is missing")
+                .help("add `beam_section = \"beam\"`, or `beams = \"none\"` for a flat slab");
+            found.push(error);
+        }
+        let slab = match (fields.text("slab_section"), &shapes.slab) {
+            (Some(id), Some(SectionShape::Plate { thickness_m, .. })) => Some((id, *thickness_m)),
+            _ => None,
+        };
+        let (x, y) = (fields.numbers("x"), fields.numbers("y"));
+        for (key, axes, side) in [("x", &x, 0), ("y", &y, 1)] {
+            check_axes(fields, key, axes.as_deref(), column.map(|(_, size)| size[side]), found);
+        }
+        let heights = fields.numbers("storey_heights");
+        let deepest = slab.map_or(0.0, |s| s.1).max(beam.map_or(0.0, |b| b.1[1]));
+        check_heights(fields, heights.as_deref(), deepest, found);
+        let base = match fields.child("base") {
+            Some(_) => fields.number("base"),
+            None => ground_level,
+        };
+        let (x, y, heights, base) = (x?, y?, heights?, base?);
+        let count = heights.len() * x.len() * y.len() * 3;
+        if count > MAX_MEMBERS {
+            let message = format!("the grid makes about {count} members");
+            found.push(Diagnostic::error("too-many", message).at(fields.node.span, format!("at most {MAX_MEMBERS}")));
+            return None;
+        }
+        let (beams, overhang) = (beams?, fields.number_or("slab_overhang", 0.0)?);
+        let wants_beams = beams != "none";
+        if (wants_beams && beam.is_none()) || (fields.child("slab_section").is_some() && slab.is_none()) {
+            return None;
+        }
+        let mut levels = vec![base];
+        for (i, height) in heights.iter().enumerate() {
+            levels.push(clean(levels[i] + height));
+        }
+        let beam = beam.filter(|_| wants_beams);
+        Some(Self { x, y, levels, column: column?, beam, perimeter_only: beams == "perimeter", slab, overhang })
+    }
+
+    /// The members in storey order: columns, beams along x, beams along y, slab.
+    pub fn members(&self) -> Vec<Member> {
+        let mut members = Vec::new();
+        for storey in 1..self.levels.len() {
+            self.columns(storey, &mut members);
+            self.beams(storey, &mut members);
+            self.slab(storey, &mut members);
+        }
+        members
+    }
+
+    fn columns(&self, storey: usize, members: &mut Vec<Member>) {
+        let (section, [width, depth]) = self.column;
+        for (i, &x) in self.x.iter().enumerate() {
+            for (j, &y) in self.y.iter().enumerate() {
+                let solid = Aabb {
+                    min: [clean(x - 0.5 * width), clean(y - 0.5 * depth), self.levels[storey - 1]],
+                    max: [clean(x + 0.5 * width), clean(y + 0.5 * depth), self.levels[storey]],
+                };
+                let id = format!("C{storey}-{}", axis_point(i, j));
+                members.push(member(id, MemberKind::Column, section, solid, 2, storey));
+            }
+        }
+    }
+
+    fn beams(&self, storey: usize, members: &mut Vec<Member>) {
+        let Some((section, [width, depth])) = self.beam else { return };
+        let top = self.levels[storey];
+        let (half_x, half_y) = (0.5 * self.column.1[0], 0.5 * self.column.1[1]);
+        for j in (0..self.y.len()).filter(|&j| self.has_beams(j, self.y.len())) {
+            for i in 1..self.x.len() {
+                let solid = Aabb {
+                    min: [clean(self.x[i - 1] - half_x), clean(self.y[j] - 0.5 * width), clean(top - depth)],
+                    max: [clean(self.x[i] + half_x), clean(self.y[j] + 0.5 * width), top],
+                };
+                let id = format!("B{storey}-{}-{}", axis_point(i - 1, j), axis_point(i, j));
+                members.push(member(id, MemberKind::Beam, section, solid, 0, storey));
+            }
+        }
+        // Where a beam along x runs over the column, the beam along y ends at the column's face.
+        let crossed = |j: usize| self.x.len() > 1 && self.has_beams(j, self.y.len());
+        let reach = |j: usize| if crossed(j) { -half_y } else { half_y };
+        for i in (0..self.x.len()).filter(|&i| self.has_beams(i, self.x.len())) {
+            for j in 1..self.y.len() {
+                let solid = Aabb {
+                    min: [clean(self.x[i] - 0.5 * width), clean(self.y[j - 1] - reach(j - 1)), clean(top - depth)],
+                    max: [clean(self.x[i] + 0.5 * width), clean(self.y[j] + reach(j)), top],
+                };
+                let id = format!("B{storey}-{}-{}", axis_point(i, j - 1), axis_point(i, j));
+                members.push(member(id, MemberKind::Beam, section, solid, 1, storey));
+            }
+        }
+    }
+
+    fn has_beams(&self, axis: usize, axes: usize) -> bool {
+        !self.perimeter_only || axis == 0 || axis + 1 == axes
+    }
+
+    fn slab(&self, storey: usize, members: &mut Vec<Member>) {
+        let Some((section, thickness)) = self.slab else { return };
+        let ends = |axes: &[f64]| (clean(axes[0] - self.overhang), clean(axes[axes.len() - 1] + self.overhang));
+        let ((x0, x1), (y0, y1), top) = (ends(&self.x), ends(&self.y), self.levels[storey]);
+        let solid = Aabb { min: [x0, y0, clean(top - thickness)], max: [x1, y1, top] };
+        members.push(member(format!("S{storey}"), MemberKind::Slab, section, solid, 2, storey));
+    }
+}
+
+fn member(id: String, kind: MemberKind, section: &str, solid: Aabb, axis: usize, storey: usize) -> Member {
+    Member { id, kind, section: section.to_string(), solid, axis, storey: Some(storey as u32) }
+}
+
+/// "A1" for the first axes, "AA1" for the 27th x axis.
+fn axis_point(i: usize, j: usize) -> String {
+    let mut letters = Vec::new();
+    let mut rest = i + 1;
+    while rest > 0 {
+        letters.push(char::from(b'A' + ((rest - 1) % 26) as u8));
+        rest = (rest - 1) / 26;
+    }
+    let letters: String = letters.into_iter().rev().collect();
+    format!("{letters}{}", j + 1)
+}
+
+/// A coordinate rounded to a nanometre, so that sums of the same lengths give the same plane.
+pub fn clean(value: f64) -> f64 {
+    let rounded = (value * 1e9).round() / 1e9;
+    if rounded == 0.0 { 0.0 } else { rounded }
+}
+
+fn check_axes(fields: Fields<'_>, key: &str, axes: Option<&[f64]>, column: Option<f64>, found: &mut Vec<Diagnostic>) {
+    let items = fields.node.get(key).map_or(&[][..], |n| n.items());
+    for (pair, item) in axes.unwrap_or_default().windows(2).zip(items.iter().skip(1)) {
+        let distance = pair[1] - pair[0];
+        if distance <= 0.0 {
+            let error = Diagnostic::error("not-increasing", format!("the {key} axes do not increase"))
+                .at(item.span, format!("not above {}", show(pair[0], Dimension::Length)))
+                .help("give coordinates, not distances, in increasing order");
+            found.push(error);
+        } else if column.is_some_and(|c| distance <= c) {
+            let message = format!("the {key} axes are nearer to each other than a column is wide");
+            found.push(Diagnostic::error("overlap", message).at(item.span, show(distance, Dimension::Length)));
+        }
+    }
+}
+
+fn check_heights(fields: Fields<'_>, heights: Option<&[f64]>, deepest: f64, found: &mut Vec<Diagnostic>) {
+    let items = fields.node.get("storey_heights").map_or(&[][..], |n| n.items());
+    for (height, item) in heights.unwrap_or_default().iter().zip(items) {
+        if *height <= deepest {
+            let error = Diagnostic::error("low-storey", "this storey leaves no column below its beams and slab")
+                .at(item.span, show(*height, Dimension::Length))
+                .help(format!("beams and slab are {} deep", show(deepest, Dimension::Length)));
+            found.push(error);
+        }
+    }
+}

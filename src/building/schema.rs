@@ -1,0 +1,82 @@
+//! The JSON Schema of the building file (draft 2020-12), made from the table of keys that the reader uses.
+
+use super::format::{FILE, Kind, Quantity, SCHEMA_VERSION, Table};
+use crate::base::units::Dimension;
+use serde_json::{Map, Value, json};
+
+/// The JSON Schema of a building file.
+pub fn json_schema() -> Value {
+    let mut schema = of_table(&FILE, None);
+    if let Value::Object(object) = &mut schema {
+        object.insert("$schema".into(), json!("https://json-schema.org/draft/2020-12/schema"));
+        object.insert("title".into(), json!("Fallwerk building"));
+    }
+    schema
+}
+
+fn of_table(table: &Table, tag: Option<&str>) -> Value {
+    let mut properties = Map::new();
+    let mut required: Vec<&str> = Vec::new();
+    if let Some(tag) = tag {
+        properties.insert("kind".into(), json!({ "const": tag }));
+        required.push("kind");
+    }
+    for key in table.keys {
+        let mut value = of_kind(&key.kind);
+        if let Value::Object(object) = &mut value {
+            object.insert("description".into(), json!(key.doc));
+        }
+        properties.insert(key.name.into(), value);
+        if key.required {
+            required.push(key.name);
+        }
+    }
+    json!({
+        "type": "object",
+        "description": table.doc,
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
+
+fn of_kind(kind: &Kind) -> Value {
+    match kind {
+        Kind::Text(limit) => json!({ "type": "string", "maxLength": limit }),
+        Kind::Id | Kind::Reference(_) => json!({ "type": "string", "pattern": "^[A-Za-z0-9_.-]{1,80}$" }),
+        Kind::MemberPattern => json!({ "type": "string", "pattern": "^[A-Za-z0-9_.*-]{1,80}$" }),
+        Kind::Version => json!({ "const": SCHEMA_VERSION as i64 }),
+        Kind::Quantity(quantity) => of_quantity(quantity),
+        Kind::Count(min, max) => json!({ "type": "integer", "minimum": min, "maximum": max }),
+        Kind::Choice(words, _) => json!({ "enum": words }),
+        Kind::List(of, min, max) => {
+            json!({ "type": "array", "items": of_kind(of), "minItems": min, "maxItems": max })
+        }
+        Kind::Tuple(kinds) => {
+            let items: Vec<Value> = kinds.iter().map(of_kind).collect();
+            json!({ "type": "array", "prefixItems": items, "minItems": kinds.len(), "maxItems": kinds.len() })
+        }
+        Kind::Table(table) => of_table(table, None),
+        Kind::Variants(tables, _) => {
+            let kinds: Vec<Value> = tables.iter().map(|(tag, table)| of_table(table, Some(tag))).collect();
+            json!({ "oneOf": kinds })
+        }
+        Kind::Map(of) => json!({ "type": "object", "additionalProperties": of_kind(of) }),
+    }
+}
+
+fn of_quantity(quantity: &Quantity) -> Value {
+    let number = json!({ "type": "number", "minimum": quantity.min, "maximum": quantity.max });
+    let units: Vec<&str> = quantity.dimension.units().map(|u| u.symbol).collect();
+    let si = quantity.dimension.si_symbol();
+    let comment = if si.is_empty() { "a pure number".into() } else { format!("a plain number is in {si}") };
+    let text = json!({
+        "type": "string",
+        "pattern": format!("^[-+0-9.eE]+ *({})$", units.join("|")),
+        "examples": [quantity.dimension.example().trim_matches('"')],
+    });
+    if quantity.dimension == Dimension::Number {
+        return json!({ "anyOf": [number, { "type": "string", "pattern": "^[-+0-9.eE]+ *%$" }], "$comment": comment });
+    }
+    json!({ "anyOf": [number, text], "$comment": comment })
+}

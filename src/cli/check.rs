@@ -1,0 +1,116 @@
+//! `fallwerk check`: reads a building file and says what is in it, or all that is wrong with it.
+
+use super::{Outcome, colour_on_stderr, print};
+use crate::building::partition::Partition;
+use crate::building::{Building, Inspection, MemberKind, inspect_file};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Check a building file: all errors at once, or a summary
+///
+/// Reads a building (.toml or .json) and reports every error with its line, what was found there and
+/// what would be right. If there is none, prints members by kind, volume and mass.
+/// Exit codes: 0 the file is good (warnings do not count), 2 it has errors.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The building file
+    file: PathBuf,
+    /// Print JSON for programs instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Outcome {
+    let inspection = inspect_file(&arguments.file);
+    let outcome = if inspection.building.is_some() { Outcome::Done } else { Outcome::BadInput };
+    if arguments.json {
+        print(&format!("{:#}\n", as_json(&inspection)));
+        return outcome;
+    }
+    if !inspection.diagnostics.items().is_empty() {
+        eprint!("{}", inspection.diagnostics.render(colour_on_stderr()));
+    }
+    if let Some(building) = &inspection.building {
+        print(&summary(building));
+    }
+    outcome
+}
+
+/// Number, volume \[m³\] and mass \[kg\] of the members of one kind.
+struct Share {
+    kind: &'static str,
+    count: usize,
+    volume_m3: f64,
+    mass_kg: f64,
+}
+
+fn shares(building: &Building) -> Vec<Share> {
+    let volumes = Partition::of(building).volumes(building.members.len());
+    let kinds = [
+        (MemberKind::Column, "columns"),
+        (MemberKind::Beam, "beams"),
+        (MemberKind::Slab, "slabs"),
+        (MemberKind::Wall, "walls"),
+        (MemberKind::Footing, "footings"),
+    ];
+    let share = |(kind, name)| {
+        let mut share = Share { kind: name, count: 0, volume_m3: 0.0, mass_kg: 0.0 };
+        for (member, volume) in building.members.iter().zip(&volumes).filter(|(m, _)| m.kind == kind) {
+            share.count += 1;
+            share.volume_m3 += volume;
+            share.mass_kg += volume * building.law_of(member).density_kg_m3;
+        }
+        share
+    };
+    kinds.into_iter().map(share).filter(|s| s.count > 0).collect()
+}
+
+fn summary(building: &Building) -> String {
+    let shares = shares(building);
+    let mut text = format!("{}\n", building.name);
+    for share in &shares {
+        text += &format!("  {:4} {:10} {:9.3} m3 {:9.2} t\n", share.count, share.kind, share.volume_m3, share.mass_kg / 1e3);
+    }
+    let total = |of: fn(&Share) -> f64| shares.iter().map(of).sum::<f64>();
+    text += &format!(
+        "  {:4} {:10} {:9.3} m3 {:9.2} t\n",
+        building.members.len(),
+        "members",
+        total(|s| s.volume_m3),
+        total(|s| s.mass_kg) / 1e3
+    );
+    text += &format!(
+        "  {} supports, {} obstacles, {} preparations, {} events\n",
+        building.supports.len(),
+        building.obstacles.len(),
+        building.preparation.len(),
+        building.events.len()
+    );
+    text
+}
+
+fn as_json(inspection: &Inspection) -> serde_json::Value {
+    let summary = inspection.building.as_ref().map(|building| {
+        let shares = shares(building);
+        let kinds: Vec<_> = shares
+            .iter()
+            .map(|s| json!({ "kind": s.kind, "count": s.count, "volume_m3": s.volume_m3, "mass_kg": s.mass_kg }))
+            .collect();
+        json!({
+            "name": building.name,
+            "members": kinds,
+            "volume_m3": shares.iter().map(|s| s.volume_m3).sum::<f64>(),
+            "mass_kg": shares.iter().map(|s| s.mass_kg).sum::<f64>(),
+            "supports": building.supports.len(),
+            "obstacles": building.obstacles.len(),
+            "preparation": building.preparation.len(),
+            "events": building.events.len(),
+        })
+    });
+    json!({
+        "ok": inspection.building.is_some(),
+        "summary": summary,
+        "diagnostics": inspection.diagnostics.to_json(),
+    })
+}
