@@ -5,6 +5,7 @@
 mod check;
 mod init;
 mod schema;
+pub mod simulate;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -44,6 +45,8 @@ enum Command {
     Check(check::Arguments),
     Init(init::Arguments),
     Schema(schema::Arguments),
+    /// Run a multibody model file
+    Simulate(simulate::SimulateArgs),
 }
 
 /// Runs the command line of this process.
@@ -52,6 +55,13 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
+        Command::Simulate(arguments) => match simulate::run(arguments) {
+            Ok(()) => Outcome::Done,
+            Err(error) => {
+                eprintln!("error: {error}");
+                return ExitCode::from(error.exit_code());
+            }
+        },
     }
     .into()
 }

@@ -1,3 +1,34 @@
 //! The multibody model (a documented file format) and its solver.
+//!
+//! | file | owns |
+//! |---|---|
+//! | [`model`] | the types of the model file |
+//! | [`check`] | reading and checking a model file |
+//! | [`math`] | vectors, quaternions |
+//! | [`system`] | the compiled model: compact arrays of bodies and joints |
+//! | [`joint`] | forces and energy of a compliant joint with its hinge law |
+//! | [`frequency`] | the highest frequency, hence the time step |
+//! | [`preload`] | static equilibrium before `t = 0` |
+//! | [`narrow`] | box against box (the only file that knows `parry3d`) |
+//! | [`contact`] | who may touch, and the contact law |
+//! | [`step`] | the explicit integrator |
+//! | [`run`] | the whole run: events, outputs, energy balance |
+//! | [`result`] | what a run returns |
 
+pub mod check;
+pub mod contact;
+pub mod frequency;
+pub mod joint;
+pub mod math;
 pub mod model;
+pub mod narrow;
+pub mod preload;
+pub mod result;
+pub mod run;
+pub mod step;
+pub mod system;
+
+pub use check::ModelError;
+pub use model::Model;
+pub use result::RunResult;
+pub use run::{SolveError, SolverOptions, simulate, simulate_with};

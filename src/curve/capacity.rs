@@ -1,0 +1,142 @@
+//! Fast evaluation of a capacity: all levels on one common grid of plastic rotations.
+//!
+//! Each level is piecewise linear in the plastic rotation; on the union of all break points the
+//! interpolation in both directions stays exact and one segment search serves every level.
+
+use super::{CurveError, ResistanceCurve};
+
+/// A capacity ready for the time loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CapacityTable {
+    stiffness_nm_rad: f64,
+    alpha: Vec<f64>,
+    force: Vec<f64>,
+    /// Capacity at `[alpha * levels + level]` \[N m\].
+    value: Vec<f64>,
+    fracture: Vec<f64>,
+    peak: f64,
+}
+
+/// The segments used last; a search starts there.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct CapacityHint {
+    alpha: u32,
+    force: u32,
+}
+
+/// Result of one evaluation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Capacity {
+    /// Capacity `C` \[N m\].
+    pub moment_nm: f64,
+    /// Slope `dC/dα` \[N m/rad\], that of the segment to the right.
+    pub slope_nm_rad: f64,
+    /// Whether the axial force lies outside the levels (the nearest one is used).
+    pub out_of_range: bool,
+}
+
+impl CapacityTable {
+    /// Compiles a curve; `factor` scales the capacity (not the stiffness).
+    pub fn new(curve: &ResistanceCurve, factor: f64) -> Result<Self, CurveError> {
+        curve.check()?;
+        let mut alpha: Vec<f64> = curve.levels.iter().flat_map(|l| l.capacity.iter().map(|p| p[0])).collect();
+        alpha.sort_by(f64::total_cmp);
+        alpha.dedup_by(|a, b| *a - *b <= 1e-12);
+        let mut value = Vec::with_capacity(alpha.len() * curve.levels.len());
+        for &a in &alpha {
+            value.extend(curve.levels.iter().map(|l| factor * interpolate(&l.capacity, a)));
+        }
+        Ok(Self {
+            stiffness_nm_rad: curve.stiffness_nm_rad,
+            alpha,
+            force: curve.levels.iter().map(|l| l.axial_force_n).collect(),
+            value,
+            fracture: curve.levels.iter().map(|l| l.fracture_rotation_rad).collect(),
+            peak: factor * curve.peak_nm(),
+        })
+    }
+
+    /// Elastic stiffness \[N m/rad\].
+    pub fn stiffness_nm_rad(&self) -> f64 {
+        self.stiffness_nm_rad
+    }
+
+    /// Largest capacity of any level \[N m\].
+    pub fn peak_nm(&self) -> f64 {
+        self.peak
+    }
+
+    /// Level index below the axial force and the weight of the level above.
+    #[inline]
+    fn bracket(&self, force: f64, hint: &mut CapacityHint) -> (usize, f64, bool) {
+        let last = self.force.len() - 1;
+        if force <= self.force[0] {
+            return (0, 0.0, force < self.force[0]);
+        }
+        if force >= self.force[last] {
+            return (last.saturating_sub(1), if last == 0 { 0.0 } else { 1.0 }, force > self.force[last]);
+        }
+        let mut i = (hint.force as usize).min(last - 1);
+        while force < self.force[i] {
+            i -= 1;
+        }
+        while force >= self.force[i + 1] {
+            i += 1;
+        }
+        hint.force = i as u32;
+        (i, (force - self.force[i]) / (self.force[i + 1] - self.force[i]), false)
+    }
+
+    /// Capacity at accumulated plastic rotation `alpha` \[rad\] and axial force `axial_force_n`
+    /// (compression positive).
+    #[inline]
+    pub fn capacity(&self, alpha: f64, axial_force_n: f64, hint: &mut CapacityHint) -> Capacity {
+        let (level, weight, out_of_range) = self.bracket(axial_force_n, hint);
+        let levels = self.force.len();
+        let last = self.alpha.len() - 1;
+        let at = |i: usize| {
+            let row = i * levels + level;
+            let low = self.value[row];
+            if weight > 0.0 { low + weight * (self.value[row + 1] - low) } else { low }
+        };
+        if alpha >= self.alpha[last] {
+            return Capacity { moment_nm: at(last), slope_nm_rad: 0.0, out_of_range };
+        }
+        let mut i = (hint.alpha as usize).min(last - 1);
+        while i > 0 && alpha < self.alpha[i] {
+            i -= 1;
+        }
+        while alpha >= self.alpha[i + 1] {
+            i += 1;
+        }
+        hint.alpha = i as u32;
+        let (c0, c1) = (at(i), at(i + 1));
+        let slope = (c1 - c0) / (self.alpha[i + 1] - self.alpha[i]);
+        Capacity {
+            moment_nm: c0 + slope * (alpha - self.alpha[i]),
+            slope_nm_rad: slope,
+            out_of_range,
+        }
+    }
+
+    /// Accumulated plastic rotation at which the section separates \[rad\].
+    #[inline]
+    pub fn fracture_rotation_rad(&self, axial_force_n: f64, hint: &mut CapacityHint) -> f64 {
+        let (level, weight, _) = self.bracket(axial_force_n, hint);
+        let low = self.fracture[level];
+        if weight > 0.0 { low + weight * (self.fracture[level + 1] - low) } else { low }
+    }
+}
+
+/// Piecewise linear, constant beyond the ends.
+fn interpolate(points: &[[f64; 2]], x: f64) -> f64 {
+    let upper = points.partition_point(|p| p[0] <= x);
+    if upper == 0 {
+        return points[0][1];
+    }
+    if upper == points.len() {
+        return points[upper - 1][1];
+    }
+    let ([x0, y0], [x1, y1]) = (points[upper - 1], points[upper]);
+    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+}

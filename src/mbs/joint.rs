@@ -1,0 +1,202 @@
+//! Force and energy of a compliant joint.
+//!
+//! Let `J` be the joint frame carried by body A, `g = p_B - p_A` the gap of the joint point and
+//! `θ = log(R_Aᵀ R_B)` the rotation vector in that frame. With `d = Jᵀ g` the energy is
+//! `U = ½ Σ k_i d_i² + ½ Σ K_i (θ_i - θ_pi)²`. Its variation gives the force `F = J (k∘d)` and the torque
+//! `τ = J T⁻ᵀ m`, `m_i = K_i (θ_i - θ_pi)`, where `T⁻ᵀ m = m + ½ θ×m + c θ×(θ×m)` is the transposed inverse
+//! of the tangent map of the rotation vector (e.g. Cardona and Géradin, IJNME 26 (1988) 2403). Both bodies feel the
+//! force at the *same* point `p_B`, so momentum and angular momentum are conserved to round-off.
+
+use super::math::{self, M3, Q, V3};
+use super::model::Joint;
+use super::system::BodyState;
+use crate::curve::hinge::AxisLaw;
+use crate::curve::{CapacityTable, Hinge2};
+
+/// Marks an axis without a curve.
+const NO_TABLE: u32 = u32::MAX;
+
+/// A compiled joint and its history.
+#[derive(Debug, Clone)]
+pub struct JointData {
+    /// First body (the ground has the last index).
+    pub a: usize,
+    /// Second body.
+    pub b: usize,
+    /// Whether the joint is intact.
+    pub alive: bool,
+    point_a: V3,
+    point_b: V3,
+    frame_a: Q,
+    frame_b: Q,
+    /// Relative quaternion of the last evaluation: keeps the branch of the logarithm.
+    relative: Q,
+    /// Translational stiffness along the joint axes \[N/m\].
+    pub translation: V3,
+    /// Rotational stiffness about the joint axes (elastic part) \[N m/rad\].
+    pub rotation: V3,
+    table: [u32; 2],
+    /// Tension at which the joint separates \[N\].
+    pub tensile_capacity: f64,
+    /// Hinge about the axes 1 and 2.
+    pub hinge: Hinge2,
+    /// Rotation vector in the joint frame \[rad\].
+    pub theta: V3,
+    /// Axial force of the last evaluation, compression positive \[N\].
+    pub axial_force: f64,
+    /// Elastic energy of the last evaluation \[J\].
+    pub elastic_j: f64,
+    /// Whether the hinge flowed in the last evaluation.
+    pub flowing: bool,
+}
+
+impl JointData {
+    /// Compiles a joint; it is stress-free in the given poses.
+    pub fn new(joint: &Joint, a: usize, b: usize, bodies: &[BodyState]) -> Self {
+        let frame = math::mat_to_q(&math::transpose(&joint.axes));
+        let local = |i: usize| {
+            let body = &bodies[i];
+            (math::mul_t(&body.r, math::sub(joint.point_m, body.x)), math::qmul(math::qconj(body.q), frame))
+        };
+        let ((point_a, frame_a), (point_b, frame_b)) = (local(a), local(b));
+        let [s1, s2] = joint.shear_stiffness_n_m;
+        Self {
+            a,
+            b,
+            alive: true,
+            point_a,
+            point_b,
+            frame_a,
+            frame_b,
+            relative: [1.0, 0.0, 0.0, 0.0],
+            translation: [joint.axial_stiffness_n_m, s1, s2],
+            rotation: [joint.torsional_stiffness_nm_rad, 0.0, 0.0],
+            table: [NO_TABLE; 2],
+            tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
+            hinge: Hinge2::default(),
+            theta: [0.0; 3],
+            axial_force: 0.0,
+            elastic_j: 0.0,
+            flowing: false,
+        }
+    }
+
+    /// Makes bending axis `k` (0 or 1) linear elastic.
+    pub fn set_elastic(&mut self, k: usize, stiffness_nm_rad: f64) {
+        self.rotation[k + 1] = stiffness_nm_rad;
+        self.table[k] = NO_TABLE;
+    }
+
+    /// Gives bending axis `k` (0 or 1) a capacity.
+    pub fn set_curve(&mut self, k: usize, table: u32, tables: &[CapacityTable]) {
+        self.rotation[k + 1] = tables[table as usize].stiffness_nm_rad();
+        self.table[k] = table;
+    }
+
+    /// Whether any axis has a curve.
+    pub fn has_curve(&self) -> bool {
+        self.table != [NO_TABLE; 2]
+    }
+
+    /// Adds the joint's forces to its two bodies and advances its history.
+    #[inline]
+    pub fn apply(&mut self, bodies: &mut [BodyState], tables: &[CapacityTable]) {
+        let (a, b) = (&bodies[self.a], &bodies[self.b]);
+        let frame_q = math::qmul(a.q, self.frame_a);
+        let frame = math::qmat(frame_q);
+        let arm_b = math::mul(&b.r, self.point_b);
+        let arm_a = math::add(math::sub(b.x, a.x), arm_b);
+        let gap = math::mul_t(&frame, math::sub(arm_a, math::mul(&a.r, self.point_a)));
+        let mut q = math::qmul(math::qconj(frame_q), math::qmul(b.q, self.frame_b));
+        let same = q[0] * self.relative[0]
+            + q[1] * self.relative[1]
+            + q[2] * self.relative[2]
+            + q[3] * self.relative[3];
+        if same < 0.0 {
+            q = q.map(|v| -v);
+        }
+        self.relative = q;
+        let theta = math::qlog(q);
+        self.theta = theta;
+
+        let k = self.translation;
+        let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
+        self.axial_force = -local[0];
+        let moment = self.moments(theta, tables);
+        self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
+
+        let once = math::cross(theta, moment);
+        let twice = math::cross(theta, once);
+        let c = math::tangent_coefficient(math::dot(theta, theta));
+        let torque = math::mul(&frame, math::axpy(math::axpy(moment, 0.5, once), c, twice));
+        let force = math::mul(&frame, local);
+        let (turn_a, turn_b) = (math::cross(arm_a, force), math::cross(arm_b, force));
+        let a = &mut bodies[self.a];
+        a.force = math::add(a.force, force);
+        a.torque = math::add(a.torque, math::add(turn_a, torque));
+        let b = &mut bodies[self.b];
+        b.force = math::sub(b.force, force);
+        b.torque = math::sub(b.torque, math::add(turn_b, torque));
+    }
+
+    /// Moments about the joint axes; sets the bending part of the elastic energy.
+    #[inline]
+    fn moments(&mut self, theta: V3, tables: &[CapacityTable]) -> V3 {
+        let torsion = self.rotation[0] * theta[0];
+        if !self.has_curve() {
+            let m = [self.rotation[1] * theta[1], self.rotation[2] * theta[2]];
+            self.elastic_j = 0.5 * (m[0] * theta[1] + m[1] * theta[2]);
+            self.hinge.moment_nm = m;
+            return [torsion, m[0], m[1]];
+        }
+        let law = |k: usize| match self.table[k] {
+            NO_TABLE => AxisLaw::Elastic(self.rotation[k + 1]),
+            t => AxisLaw::Plastic(&tables[t as usize]),
+        };
+        let laws = [law(0), law(1)];
+        let step = self.hinge.step(laws, [theta[1], theta[2]], self.axial_force);
+        self.flowing = step.flowing;
+        self.elastic_j = step.elastic_j;
+        [torsion, self.hinge.moment_nm[0], self.hinge.moment_nm[1]]
+    }
+
+    /// The six rows of the joint's linearised kinematics in the current pose (see [`Row`]).
+    pub fn rows(&self, bodies: &[BodyState]) -> [Row; 6] {
+        let (a, b) = (&bodies[self.a], &bodies[self.b]);
+        let axes: M3 = math::transpose(&math::qmat(math::qmul(a.q, self.frame_a)));
+        let arm_b = math::mul(&b.r, self.point_b);
+        let arm_a = math::add(math::sub(b.x, a.x), arm_b);
+        std::array::from_fn(|i| {
+            let axis = axes[i % 3];
+            if i < 3 {
+                Row {
+                    stiffness: self.translation[i],
+                    a: self.a,
+                    b: self.b,
+                    force: axis,
+                    turn_a: math::cross(arm_a, axis),
+                    turn_b: math::cross(arm_b, axis),
+                }
+            } else {
+                Row { stiffness: self.rotation[i - 3], a: self.a, b: self.b, force: [0.0; 3], turn_a: axis, turn_b: axis }
+            }
+        })
+    }
+}
+
+/// One spring of a joint: its stretch is `force·(δx_b - δx_a) + turn_b·δφ_b - turn_a·δφ_a`.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// Stiffness \[N/m\] or \[N m/rad\].
+    pub stiffness: f64,
+    /// First body.
+    pub a: usize,
+    /// Second body.
+    pub b: usize,
+    /// Direction of the force, zero for a rotational spring.
+    pub force: V3,
+    /// Moment arm on the first body.
+    pub turn_a: V3,
+    /// Moment arm on the second body.
+    pub turn_b: V3,
+}

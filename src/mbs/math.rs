@@ -1,0 +1,215 @@
+//! Small vector, matrix and quaternion functions of the time loop: plain arrays, no dispatch.
+//!
+//! Quaternions are `[w, x, y, z]`, matrices are rows.
+
+/// A vector.
+pub type V3 = [f64; 3];
+/// A matrix by rows.
+pub type M3 = [[f64; 3]; 3];
+/// A unit quaternion `[w, x, y, z]`.
+pub type Q = [f64; 4];
+
+/// `a + b`.
+#[inline(always)]
+pub fn add(a: V3, b: V3) -> V3 {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+#[inline(always)]
+pub fn sub(a: V3, b: V3) -> V3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `s a`.
+#[inline(always)]
+pub fn scale(s: f64, a: V3) -> V3 {
+    [s * a[0], s * a[1], s * a[2]]
+}
+
+/// `a + s b`.
+#[inline(always)]
+pub fn axpy(a: V3, s: f64, b: V3) -> V3 {
+    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
+}
+
+/// Scalar product.
+#[inline(always)]
+pub fn dot(a: V3, b: V3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Vector product.
+#[inline(always)]
+pub fn cross(a: V3, b: V3) -> V3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Euclidean length.
+#[inline(always)]
+pub fn norm(a: V3) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// `M a`.
+#[inline(always)]
+pub fn mul(m: &M3, a: V3) -> V3 {
+    [dot(m[0], a), dot(m[1], a), dot(m[2], a)]
+}
+
+/// `Mᵀ a`.
+#[inline(always)]
+pub fn mul_t(m: &M3, a: V3) -> V3 {
+    [
+        m[0][0] * a[0] + m[1][0] * a[1] + m[2][0] * a[2],
+        m[0][1] * a[0] + m[1][1] * a[1] + m[2][1] * a[2],
+        m[0][2] * a[0] + m[1][2] * a[1] + m[2][2] * a[2],
+    ]
+}
+
+/// `A B`.
+#[inline]
+pub fn matmul(a: &M3, b: &M3) -> M3 {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
+}
+
+/// `Mᵀ`.
+#[inline]
+pub fn transpose(m: &M3) -> M3 {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
+}
+
+/// Determinant.
+pub fn det(m: &M3) -> f64 {
+    dot(m[0], cross(m[1], m[2]))
+}
+
+/// Inverse of a regular matrix.
+pub fn inverse(m: &M3) -> M3 {
+    let d = 1.0 / det(m);
+    transpose(&[scale(d, cross(m[1], m[2])), scale(d, cross(m[2], m[0])), scale(d, cross(m[0], m[1]))])
+}
+
+/// Quaternion product `a ⊗ b`.
+#[inline(always)]
+pub fn qmul(a: Q, b: Q) -> Q {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+}
+
+/// Conjugate.
+#[inline(always)]
+pub fn qconj(q: Q) -> Q {
+    [q[0], -q[1], -q[2], -q[3]]
+}
+
+/// Scales to unit length; one Newton step, for quaternions that are nearly unit.
+#[inline(always)]
+pub fn qrenormalise(q: Q) -> Q {
+    let s = 1.5 - 0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    [s * q[0], s * q[1], s * q[2], s * q[3]]
+}
+
+/// Rotation matrix (body to global).
+#[inline(always)]
+pub fn qmat(q: Q) -> M3 {
+    let [w, x, y, z] = q;
+    let (x2, y2, z2) = (x + x, y + y, z + z);
+    let (xx, yy, zz) = (x * x2, y * y2, z * z2);
+    let (xy, xz, yz) = (x * y2, x * z2, y * z2);
+    let (wx, wy, wz) = (w * x2, w * y2, w * z2);
+    [[1.0 - yy - zz, xy - wz, xz + wy], [xy + wz, 1.0 - xx - zz, yz - wx], [xz - wy, yz + wx, 1.0 - xx - yy]]
+}
+
+/// Quaternion of a rotation matrix (Shepperd's choice of the largest component).
+pub fn mat_to_q(m: &M3) -> Q {
+    let t = m[0][0] + m[1][1] + m[2][2];
+    let c = [t, m[0][0], m[1][1], m[2][2]];
+    let mut best = 0;
+    for i in 1..4 {
+        if c[i] > c[best] {
+            best = i;
+        }
+    }
+    let q = match best {
+        0 => [1.0 + t, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]],
+        1 => [m[2][1] - m[1][2], 1.0 + m[0][0] - m[1][1] - m[2][2], m[0][1] + m[1][0], m[0][2] + m[2][0]],
+        2 => [m[0][2] - m[2][0], m[0][1] + m[1][0], 1.0 - m[0][0] + m[1][1] - m[2][2], m[1][2] + m[2][1]],
+        _ => [m[1][0] - m[0][1], m[0][2] + m[2][0], m[1][2] + m[2][1], 1.0 - m[0][0] - m[1][1] + m[2][2]],
+    };
+    let n = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+    q.map(|v| v / n)
+}
+
+/// `exp` of a rotation vector as a quaternion; a series for the small angles of a time step.
+#[inline(always)]
+pub fn qexp(r: V3) -> Q {
+    let s2 = 0.25 * dot(r, r);
+    let (half_sinc, c) = if s2 < 0.01 {
+        // sin(s)/s and cos(s) with s = |r|/2 < 0.1: error below 1e-16.
+        (
+            0.5 * (1.0 - s2 / 6.0 * (1.0 - s2 / 20.0 * (1.0 - s2 / 42.0 * (1.0 - s2 / 72.0)))),
+            1.0 - s2 / 2.0 * (1.0 - s2 / 12.0 * (1.0 - s2 / 30.0 * (1.0 - s2 / 56.0 * (1.0 - s2 / 90.0)))),
+        )
+    } else {
+        let s = s2.sqrt();
+        (0.5 * s.sin() / s, s.cos())
+    };
+    [c, half_sinc * r[0], half_sinc * r[1], half_sinc * r[2]]
+}
+
+/// Rotation vector of a quaternion, of length up to 2π (the sign of the quaternion chooses the branch).
+#[inline(always)]
+pub fn qlog(q: Q) -> V3 {
+    let v = [q[1], q[2], q[3]];
+    let s2 = dot(v, v);
+    let factor = if s2 < 0.0025 && q[0] > 0.0 {
+        // 2 asin(s)/s
+        2.0 + s2
+            * (1.0 / 3.0
+                + s2 * (3.0 / 20.0 + s2 * (15.0 / 168.0 + s2 * (105.0 / 1728.0 + s2 * (945.0 / 21120.0)))))
+    } else {
+        let s = s2.sqrt();
+        if s < 1e-150 { 2.0 } else { 2.0 * s.atan2(q[0]) / s }
+    };
+    scale(factor, v)
+}
+
+/// `c(φ) = (1 - (φ/2) cot(φ/2))/φ²` of the inverse tangent map of the rotation vector, from `φ²`.
+#[inline(always)]
+pub fn tangent_coefficient(phi2: f64) -> f64 {
+    if phi2 < 0.04 {
+        1.0 / 12.0 + phi2 * (1.0 / 720.0 + phi2 * (1.0 / 30240.0 + phi2 * (1.0 / 1209600.0 + phi2 / 47900160.0)))
+    } else {
+        let half = 0.5 * phi2.sqrt();
+        (1.0 - half / half.tan()) / phi2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exp_and_log_are_inverse_on_both_branches() {
+        for angle in [0.0, 1e-9, 1e-3, 0.0999, 0.1001, 0.2, 1.0, 3.0, 3.5, 6.0] {
+            let axis = [2.0 / 7.0, -3.0 / 7.0, 6.0 / 7.0];
+            let back = qlog(qexp(scale(angle, axis)));
+            assert!(norm(sub(back, scale(angle, axis))) < 4e-15 * (1.0 + angle), "{angle}: {back:?}");
+        }
+    }
+
+    #[test]
+    fn matrix_and_quaternion_agree() {
+        let q = qexp([2.9, -0.3, 0.4]);
+        let m = qmat(q);
+        assert!((det(&m) - 1.0).abs() < 1e-14);
+        let p = mat_to_q(&m);
+        let same: f64 = (0..4).map(|i| p[i] * q[i]).sum();
+        assert!((same.abs() - 1.0).abs() < 1e-14);
+    }
+}

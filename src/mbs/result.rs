@@ -1,0 +1,165 @@
+//! What a run returns: histories, frames, energies, events.
+
+use serde::{Deserialize, Serialize};
+
+/// Version of the result file.
+pub const RESULT_SCHEMA: &str = "fallwerk-mbs-result/1";
+
+/// Result of a run. All histories have one entry per element of [`RunResult::times_s`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunResult {
+    /// Always [`RESULT_SCHEMA`].
+    pub schema: String,
+    /// Name of the scene.
+    pub name: String,
+    /// Output times \[s\].
+    pub times_s: Vec<f64>,
+    /// Displacements of the tracked points from the state at `t = 0` (after the preload).
+    pub tracked: Vec<TrackedHistory>,
+    /// Ids of the bodies in the order of the frames.
+    pub bodies: Vec<String>,
+    /// Poses of all bodies, one frame per output time. A removed body keeps its last pose.
+    pub frames: Vec<Frame>,
+    /// Energy balance.
+    pub energies: EnergyHistory,
+    /// Histories of the joints that have a curve.
+    pub hinges: Vec<HingeHistory>,
+    /// What happened, in order of time.
+    pub events: Vec<RunEvent>,
+    /// Time of the first contact of any body with the ground \[s\].
+    pub first_ground_contact_s: Option<f64>,
+    /// Number of steps.
+    pub steps: usize,
+    /// Largest step \[s\].
+    pub time_step_s: f64,
+    /// Highest angular frequency of the model, with margin \[rad/s\]; the stability limit is `2/ω`.
+    pub highest_frequency_rad_s: f64,
+    /// Newton iterations of the preload.
+    pub preload_iterations: Option<usize>,
+    /// Processor time of set-up, preload and run \[s\].
+    pub cpu_s: f64,
+    /// Largest error of the energy balance relative to the energy turned over.
+    pub energy_error: f64,
+    /// Remarks, such as an axial force outside the levels of a curve.
+    pub warnings: Vec<String>,
+}
+
+/// Displacement history of a point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrackedHistory {
+    /// Id of the point.
+    pub id: String,
+    /// Position at `t = 0` \[m\].
+    pub origin_m: [f64; 3],
+    /// Displacement from there \[m\].
+    pub displacement_m: Vec<[f64; 3]>,
+}
+
+/// Poses at one time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Centres of mass \[m\].
+    pub position_m: Vec<[f64; 3]>,
+    /// Quaternions `[w, x, y, z]`.
+    pub orientation: Vec<[f64; 4]>,
+}
+
+/// Terms of the energy balance \[J\]. Their sum is constant but for the error of the integration.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergyHistory {
+    /// Kinetic energy.
+    pub kinetic_j: Vec<f64>,
+    /// Potential energy of gravity of the present bodies, relative to `t = 0`.
+    pub gravity_j: Vec<f64>,
+    /// Elastic energy of the joints.
+    pub joints_elastic_j: Vec<f64>,
+    /// Dissipated in the hinges.
+    pub plastic_j: Vec<f64>,
+    /// Stored in contacts.
+    pub contact_elastic_j: Vec<f64>,
+    /// Dissipated in contacts along the normal, exchange of contact points included.
+    pub contact_damping_j: Vec<f64>,
+    /// Dissipated by friction.
+    pub friction_j: Vec<f64>,
+    /// Released by fracture of joints and removal of bodies.
+    pub released_j: Vec<f64>,
+}
+
+impl EnergyHistory {
+    /// The sum of all terms at an output \[J\].
+    pub fn total_j(&self, i: usize) -> f64 {
+        self.kinetic_j[i]
+            + self.gravity_j[i]
+            + self.joints_elastic_j[i]
+            + self.plastic_j[i]
+            + self.contact_elastic_j[i]
+            + self.contact_damping_j[i]
+            + self.friction_j[i]
+            + self.released_j[i]
+    }
+}
+
+/// History of a hinge, about the bending axes 1 and 2 of its joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HingeHistory {
+    /// Id of the joint.
+    pub joint: String,
+    /// Rotation \[rad\].
+    pub rotation_rad: Vec<[f64; 2]>,
+    /// Moment \[N m\].
+    pub moment_nm: Vec<[f64; 2]>,
+    /// Accumulated plastic rotation \[rad\].
+    pub plastic_rotation_rad: Vec<f64>,
+    /// Axial force, compression positive \[N\].
+    pub axial_force_n: Vec<f64>,
+}
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunEvent {
+    /// When \[s\].
+    pub time_s: f64,
+    /// What.
+    #[serde(flatten)]
+    pub kind: EventKind,
+}
+
+/// Kinds of events.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum EventKind {
+    /// A hinge flows for the first time.
+    Yield {
+        /// Id of the joint.
+        joint: String,
+    },
+    /// A joint separates.
+    Fracture {
+        /// Id of the joint.
+        joint: String,
+        /// Why.
+        cause: FractureCause,
+    },
+    /// Two bodies, or a body and the ground (`"ground"`) or an obstacle, meet for the first time.
+    Contact {
+        /// First body.
+        a: String,
+        /// What it met.
+        b: String,
+    },
+    /// Bodies vanish.
+    Removal {
+        /// Id of the event in the model.
+        event: String,
+    },
+}
+
+/// Why a joint separated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FractureCause {
+    /// The plastic rotation passed the fracture rotation of the curve.
+    Rotation,
+    /// The axial force passed the tensile capacity.
+    Tension,
+}

@@ -1,0 +1,567 @@
+//! A whole run: set-up, preload, time loop with events, outputs and the energy balance.
+//!
+//! Steps end exactly at every output and every event: between two such times the step is constant and
+//! at most the limit. The energies are taken at full steps, with the momenta of that time; the balance is
+//! a true one (states and trapezoidal dissipation), not an identity of the update formulas.
+
+use super::contact::{ContactSet, Partner};
+use super::math;
+use super::model::Model;
+use super::preload::{self, PreloadError};
+use super::result::{EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, RunEvent, RunResult, TrackedHistory};
+use super::system::System;
+use super::{ModelError, frequency, step};
+
+/// Largest automatic step \[s\]: resolves contacts at 10 m/s within a centimetre.
+pub const LARGEST_STEP_S: f64 = 1e-3;
+/// Most steps between two outputs; more points to a wrong stiffness or mass.
+const MOST_STEPS: f64 = 2e9;
+
+/// Options that are not part of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolverOptions {
+    /// Coefficient of restitution of all contacts, 0 to 1 (0.1: concrete on concrete at collapse speeds).
+    pub restitution: f64,
+    /// Relative energy error above which the run stops.
+    pub energy_limit: f64,
+}
+
+impl Default for SolverOptions {
+    fn default() -> Self {
+        Self { restitution: 0.1, energy_limit: 0.1 }
+    }
+}
+
+/// Why a run stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// The model is wrong.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A curve cannot be compiled.
+    #[error(transparent)]
+    Curve(#[from] crate::curve::CurveError),
+    /// The structure is a mechanism.
+    #[error("no static equilibrium: the structure is a mechanism, body \"{body}\" moves most freely (joints: {joints})")]
+    Mechanism {
+        /// The loosest body.
+        body: String,
+        /// Its joints.
+        joints: String,
+    },
+    /// The preload did not converge.
+    #[error("no static equilibrium found: largest residual at body \"{body}\", {residual:.1e} of the weight; the dead load exceeds what the hinges carry, or the structure buckles")]
+    Preload {
+        /// Body with the largest residual.
+        body: String,
+        /// Residual relative to the weight.
+        residual: f64,
+    },
+    /// The given step is unstable.
+    #[error("settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; leave it out to have it chosen")]
+    TimeStep {
+        /// The step given \[s\].
+        given_s: f64,
+        /// The limit \[s\].
+        limit_s: f64,
+    },
+    /// The run would take too many steps.
+    #[error("the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: a joint is too stiff for its bodies")]
+    TooManySteps {
+        /// The step \[s\].
+        step_s: f64,
+        /// The interval \[s\].
+        interval_s: f64,
+    },
+    /// A state is not a number.
+    #[error("at t = {time_s:.6} s the state of body \"{body}\" is not a number (joints: {joints})")]
+    NotANumber {
+        /// When \[s\].
+        time_s: f64,
+        /// Where.
+        body: String,
+        /// Its joints.
+        joints: String,
+    },
+    /// The energy balance is off.
+    #[error("at t = {time_s:.6} s the energy error is {error:.3}, above {limit}; fastest body \"{body}\" at {speed_m_s:.2} m/s, most stressed joint \"{joint}\"; a smaller settings.time_step_s may help (now {step_s:.3e})")]
+    Energy {
+        /// When \[s\].
+        time_s: f64,
+        /// Relative error.
+        error: f64,
+        /// Its limit.
+        limit: f64,
+        /// The fastest body.
+        body: String,
+        /// Its speed \[m/s\].
+        speed_m_s: f64,
+        /// The joint with the most elastic energy.
+        joint: String,
+        /// The step \[s\].
+        step_s: f64,
+    },
+}
+
+/// Checks and runs a model.
+pub fn simulate(model: &Model) -> Result<RunResult, SolveError> {
+    simulate_with(model, &SolverOptions::default())
+}
+
+/// Checks and runs a model with options.
+pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
+    model.check()?;
+    let clock = Clock::start();
+    let mut run = Run::new(model, options)?;
+    run.go()?;
+    run.result.cpu_s = clock.elapsed_s();
+    Ok(run.result)
+}
+
+struct Run<'a> {
+    model: &'a Model,
+    options: &'a SolverOptions,
+    system: System,
+    contacts: ContactSet,
+    result: RunResult,
+    time: f64,
+    /// Length of the last step, zero right after a start \[s\].
+    last_step: f64,
+    step_limit: f64,
+    start: Vec<math::V3>,
+    tracked: Vec<(usize, math::V3)>,
+    hinges: Vec<usize>,
+    yielded: Vec<bool>,
+    range_warned: Vec<bool>,
+    plastic_start: f64,
+    released: f64,
+    total_start: f64,
+    turnover: f64,
+    preloading: bool,
+}
+
+impl<'a> Run<'a> {
+    fn new(model: &'a Model, options: &'a SolverOptions) -> Result<Self, SolveError> {
+        let mut system = System::new(model)?;
+        let preload_iterations = if model.settings.preload {
+            Some(preload::equilibrate(&mut system).map_err(|e| preload_error(model, e))?)
+        } else {
+            None
+        };
+        let frequency = frequency::highest_rad_s(&system);
+        let step_limit = choose_step(model, frequency)?;
+        let contacts = ContactSet::new(model, &system, step_limit, options.restitution);
+        let initial = System::new(model)?;
+        let tracked: Vec<(usize, math::V3)> = model
+            .tracked
+            .iter()
+            .map(|t| {
+                let body = model.bodies.iter().position(|b| b.id == t.body).unwrap_or(0);
+                let state = &initial.bodies[body];
+                (body, math::mul_t(&state.r, math::sub(t.point_m, state.x)))
+            })
+            .collect();
+        let hinges: Vec<usize> = (0..system.joints.len()).filter(|i| system.joints[*i].has_curve()).collect();
+        let result = empty_result(model, &system, &tracked, &hinges, step_limit, frequency, preload_iterations);
+        let n = system.count();
+        Ok(Self {
+            start: system.bodies[..n].iter().map(|b| b.x).collect(),
+            yielded: system.joints.iter().map(|j| j.hinge.alpha_rad > 0.0).collect(),
+            range_warned: vec![false; system.joints.len()],
+            plastic_start: system.joints.iter().map(|j| j.hinge.dissipated_j).sum(),
+            model,
+            options,
+            system,
+            contacts,
+            result,
+            time: 0.0,
+            last_step: 0.0,
+            step_limit,
+            tracked,
+            hinges,
+            released: 0.0,
+            total_start: 0.0,
+            turnover: 0.0,
+            preloading: model.settings.preload,
+        })
+    }
+
+    fn go(&mut self) -> Result<(), SolveError> {
+        self.note_preload_yield();
+        self.forces(0.0);
+        self.output()?;
+        self.remove_at(0.0);
+        for (end, is_output) in self.stops() {
+            self.advance_to(end);
+            self.forces(self.last_step);
+            if is_output {
+                self.output()?;
+            }
+            self.remove_at(end);
+        }
+        Ok(())
+    }
+
+    /// Outputs and events after `t = 0` in order of time.
+    fn stops(&self) -> Vec<(f64, bool)> {
+        let s = &self.model.settings;
+        let count = (s.end_time_s / s.output_interval_s * (1.0 + 1e-12)).floor() as usize;
+        let mut stops: Vec<(f64, bool)> = (1..=count).map(|i| (i as f64 * s.output_interval_s, true)).collect();
+        if stops.last().is_none_or(|last| s.end_time_s - last.0 > 1e-9 * s.end_time_s) {
+            stops.push((s.end_time_s, true));
+        }
+        let events = self.model.events.iter().map(|e| e.time_s);
+        stops.extend(events.filter(|t| *t > 0.0 && *t <= s.end_time_s).map(|t| (t, false)));
+        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+        stops.dedup_by(|later, kept| {
+            let same = later.0 - kept.0 <= 1e-12 * s.end_time_s;
+            kept.1 |= same && later.1;
+            same
+        });
+        stops
+    }
+
+    /// Steps up to `end`. Forces at the current position are known; at the end they are not yet.
+    fn advance_to(&mut self, end: f64) {
+        let span = end - self.time;
+        let count = (span / self.step_limit - 1e-9).ceil().max(1.0);
+        let h = span / count;
+        let begin = self.time;
+        for i in 0..count as usize {
+            if i > 0 {
+                self.forces(h);
+            }
+            step::advance(&mut self.system, 0.5 * (self.last_step + h), h);
+            self.last_step = h;
+            self.time = begin + h * (i + 1) as f64;
+        }
+        self.time = end;
+        self.result.steps += count as usize;
+    }
+
+    /// Forces at the current position, reached by a step of `h`; fracture and first contacts.
+    #[inline]
+    fn forces(&mut self, h: f64) {
+        self.system.reset_forces();
+        self.system.add_joint_forces();
+        self.contacts.add_forces(&mut self.system, h);
+        if !self.contacts.touches.is_empty() {
+            self.record_touches();
+        }
+        let mut broken = false;
+        for i in 0..self.system.joints.len() {
+            let joint = &self.system.joints[i];
+            broken |= joint.alive && (joint.hinge.fractured || -joint.axial_force > joint.tensile_capacity);
+            if joint.flowing && (!self.yielded[i] || joint.hinge.out_of_range) {
+                self.note_yield(i);
+            }
+        }
+        if broken {
+            self.fracture();
+        }
+    }
+
+    #[cold]
+    fn note_yield(&mut self, i: usize) {
+        let id = &self.model.joints[i].id;
+        if !std::mem::replace(&mut self.yielded[i], true) {
+            self.result.events.push(RunEvent { time_s: self.time, kind: EventKind::Yield { joint: id.clone() } });
+        }
+        let joint = &self.system.joints[i];
+        if joint.hinge.out_of_range && !std::mem::replace(&mut self.range_warned[i], true) {
+            self.result.warnings.push(format!(
+                "joint \"{id}\": at t = {:.4} s the axial force {:.4e} N lies outside the levels of its curve; the nearest level is used",
+                self.time, joint.axial_force
+            ));
+        }
+    }
+
+    fn note_preload_yield(&mut self) {
+        for i in 0..self.system.joints.len() {
+            if self.preloading && self.yielded[i] {
+                let id = &self.model.joints[i].id;
+                self.result.warnings.push(format!("joint \"{id}\" flows under dead load already"));
+                let kind = EventKind::Yield { joint: id.clone() };
+                self.result.events.push(RunEvent { time_s: 0.0, kind });
+            }
+        }
+    }
+
+    #[cold]
+    fn fracture(&mut self) {
+        for i in 0..self.system.joints.len() {
+            let joint = &mut self.system.joints[i];
+            let tension = -joint.axial_force > joint.tensile_capacity;
+            if joint.alive && (joint.hinge.fractured || tension) {
+                joint.alive = false;
+                joint.flowing = false;
+                self.released += std::mem::take(&mut joint.elastic_j);
+                let cause = if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
+                let kind = EventKind::Fracture { joint: self.model.joints[i].id.clone(), cause };
+                self.result.events.push(RunEvent { time_s: self.time, kind });
+            }
+        }
+        self.contacts.update_blocks(&self.system);
+    }
+
+    #[cold]
+    fn record_touches(&mut self) {
+        for touch in std::mem::take(&mut self.contacts.touches) {
+            let b = match touch.b {
+                Partner::Body(i) => self.model.bodies[i].id.clone(),
+                Partner::Obstacle(i) => self.model.contact.obstacles[i].id.clone(),
+                Partner::Ground => {
+                    self.result.first_ground_contact_s.get_or_insert(self.time);
+                    "ground".into()
+                }
+            };
+            let kind = EventKind::Contact { a: self.model.bodies[touch.a].id.clone(), b };
+            self.result.events.push(RunEvent { time_s: self.time, kind });
+        }
+    }
+
+    /// Carries out the events of a time: momenta are brought to the full step, the bodies and their
+    /// joints vanish, forces are evaluated again.
+    fn remove_at(&mut self, time: f64) {
+        let model = self.model;
+        let tolerance = 1e-12 * model.settings.end_time_s;
+        let mut any = false;
+        for event in model.events.iter().filter(|e| (e.time_s - time).abs() <= tolerance) {
+            if !std::mem::replace(&mut any, true) {
+                self.synchronise();
+            }
+            for id in &event.remove_bodies {
+                if let Some(i) = model.bodies.iter().position(|b| b.id == *id) {
+                    self.remove_body(i);
+                }
+            }
+            self.result
+                .events
+                .push(RunEvent { time_s: self.time, kind: EventKind::Removal { event: event.id.clone() } });
+        }
+        if any {
+            self.contacts.update_blocks(&self.system);
+            self.forces(0.0);
+        }
+    }
+
+    fn synchronise(&mut self) {
+        let n = self.system.count();
+        for body in &mut self.system.bodies[..n] {
+            (body.p, body.l) = step::synchronised(body, 0.5 * self.last_step);
+        }
+        self.last_step = 0.0;
+    }
+
+    fn remove_body(&mut self, i: usize) {
+        if !self.system.data[i].alive {
+            return;
+        }
+        self.released += step::kinetic_j(&self.system.bodies[i], &self.system.data[i], 0.5 * self.last_step)
+            + self.gravity_energy(i);
+        self.system.data[i].alive = false;
+        let body = &mut self.system.bodies[i];
+        (body.p, body.l, body.v, body.w, body.w_body) = ([0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
+        for joint in self.system.joints.iter_mut().filter(|j| j.alive && (j.a == i || j.b == i)) {
+            joint.alive = false;
+            joint.flowing = false;
+            self.released += std::mem::take(&mut joint.elastic_j);
+        }
+    }
+
+    fn gravity_energy(&self, i: usize) -> f64 {
+        let rise = math::sub(self.system.bodies[i].x, self.start[i]);
+        -self.system.data[i].mass * math::dot(self.system.gravity, rise)
+    }
+
+    fn output(&mut self) -> Result<(), SolveError> {
+        let n = self.system.count();
+        if let Some(i) = (0..n).find(|i| !finite(&self.system.bodies[*i])) {
+            return Err(SolveError::NotANumber {
+                time_s: self.time,
+                body: self.model.bodies[i].id.clone(),
+                joints: joints_of(self.model, i),
+            });
+        }
+        self.result.times_s.push(self.time);
+        self.result.frames.push(Frame {
+            position_m: self.system.bodies[..n].iter().map(|b| b.x).collect(),
+            orientation: self.system.bodies[..n].iter().map(|b| b.q).collect(),
+        });
+        for (history, (body, local)) in self.result.tracked.iter_mut().zip(&self.tracked) {
+            let state = &self.system.bodies[*body];
+            let point = math::add(state.x, math::mul(&state.r, *local));
+            history.displacement_m.push(math::sub(point, history.origin_m));
+        }
+        for (history, i) in self.result.hinges.iter_mut().zip(&self.hinges) {
+            let joint = &self.system.joints[*i];
+            let moment = if joint.alive { joint.hinge.moment_nm } else { [0.0; 2] };
+            history.rotation_rad.push([joint.theta[1], joint.theta[2]]);
+            history.moment_nm.push(moment);
+            history.plastic_rotation_rad.push(joint.hinge.alpha_rad);
+            history.axial_force_n.push(if joint.alive { joint.axial_force } else { 0.0 });
+        }
+        self.balance()
+    }
+
+    /// Records the energies and checks their sum.
+    fn balance(&mut self) -> Result<(), SolveError> {
+        let n = self.system.count();
+        let alive = (0..n).filter(|i| self.system.data[*i].alive);
+        let (mut kinetic, mut gravity) = (0.0, 0.0);
+        for i in alive {
+            kinetic += step::kinetic_j(&self.system.bodies[i], &self.system.data[i], 0.5 * self.last_step);
+            gravity += self.gravity_energy(i);
+        }
+        let joints: f64 = self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum();
+        let plastic: f64 =
+            self.system.joints.iter().map(|j| j.hinge.dissipated_j).sum::<f64>() - self.plastic_start;
+        let contact = self.contacts.energy;
+        let e = &mut self.result.energies;
+        e.kinetic_j.push(kinetic);
+        e.gravity_j.push(gravity);
+        e.joints_elastic_j.push(joints);
+        e.plastic_j.push(plastic);
+        e.contact_elastic_j.push(contact.elastic_j);
+        e.contact_damping_j.push(contact.damping_j + contact.exchange_j);
+        e.friction_j.push(contact.friction_j);
+        e.released_j.push(self.released);
+        let total = e.total_j(e.kinetic_j.len() - 1);
+        if e.kinetic_j.len() == 1 {
+            self.total_start = total;
+            // One millimetre of fall: the scale of a model in which nothing happens.
+            let mass: f64 = self.system.data.iter().map(|d| d.mass).sum();
+            self.turnover = 1e-3 * mass * math::norm(self.system.gravity) + kinetic + joints;
+        }
+        self.turnover = self.turnover.max(kinetic + gravity.abs() + plastic.abs() + contact.friction_j.abs());
+        let error = (total - self.total_start).abs() / self.turnover;
+        self.result.energy_error = self.result.energy_error.max(error);
+        if error.is_nan() || error > self.options.energy_limit {
+            return Err(self.energy_error(error));
+        }
+        Ok(())
+    }
+
+    fn energy_error(&self, error: f64) -> SolveError {
+        let speed = |i: usize| math::norm(self.system.bodies[i].v);
+        let body = (0..self.system.count()).max_by(|a, b| speed(*a).total_cmp(&speed(*b))).unwrap_or(0);
+        let energy = |i: usize| self.system.joints[i].elastic_j;
+        let joint = (0..self.system.joints.len()).max_by(|a, b| energy(*a).total_cmp(&energy(*b)));
+        SolveError::Energy {
+            time_s: self.time,
+            error,
+            limit: self.options.energy_limit,
+            body: self.model.bodies[body].id.clone(),
+            speed_m_s: speed(body),
+            joint: joint.map_or_else(|| "none".into(), |i| self.model.joints[i].id.clone()),
+            step_s: self.step_limit,
+        }
+    }
+}
+
+fn finite(body: &super::system::BodyState) -> bool {
+    let sum: f64 = body.x.iter().chain(&body.q).chain(&body.p).chain(&body.l).map(|v| v * 0.0).sum();
+    sum == 0.0
+}
+
+fn choose_step(model: &Model, frequency: f64) -> Result<f64, SolveError> {
+    let limit = if frequency > 0.0 { 2.0 / frequency } else { f64::INFINITY };
+    let step = match model.settings.time_step_s {
+        Some(given) if given > limit => return Err(SolveError::TimeStep { given_s: given, limit_s: limit }),
+        Some(given) => given,
+        None => (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S),
+    };
+    let interval = model.settings.output_interval_s;
+    if !(interval / step < MOST_STEPS) {
+        return Err(SolveError::TooManySteps { step_s: step, interval_s: interval });
+    }
+    Ok(step)
+}
+
+fn preload_error(model: &Model, error: PreloadError) -> SolveError {
+    match error {
+        PreloadError::Mechanism { body } => {
+            SolveError::Mechanism { body: model.bodies[body].id.clone(), joints: joints_of(model, body) }
+        }
+        PreloadError::NoConvergence { body, residual } => {
+            SolveError::Preload { body: model.bodies[body].id.clone(), residual }
+        }
+    }
+}
+
+fn joints_of(model: &Model, body: usize) -> String {
+    let id = &model.bodies[body].id;
+    let own = model.joints.iter().filter(|j| j.body_b == *id || j.body_a.as_ref() == Some(id));
+    let list: Vec<&str> = own.map(|j| j.id.as_str()).collect();
+    if list.is_empty() { "none".into() } else { list.join(", ") }
+}
+
+fn empty_result(
+    model: &Model,
+    system: &System,
+    tracked: &[(usize, math::V3)],
+    hinges: &[usize],
+    step_limit: f64,
+    frequency: f64,
+    preload_iterations: Option<usize>,
+) -> RunResult {
+    let histories = model.tracked.iter().zip(tracked).map(|(point, (body, local))| {
+        let state = &system.bodies[*body];
+        TrackedHistory {
+            id: point.id.clone(),
+            origin_m: math::add(state.x, math::mul(&state.r, *local)),
+            displacement_m: Vec::new(),
+        }
+    });
+    let hinge_histories = hinges.iter().map(|i| HingeHistory {
+        joint: model.joints[*i].id.clone(),
+        rotation_rad: Vec::new(),
+        moment_nm: Vec::new(),
+        plastic_rotation_rad: Vec::new(),
+        axial_force_n: Vec::new(),
+    });
+    RunResult {
+        schema: RESULT_SCHEMA.into(),
+        name: model.name.clone(),
+        times_s: Vec::new(),
+        tracked: histories.collect(),
+        bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
+        frames: Vec::new(),
+        energies: Default::default(),
+        hinges: hinge_histories.collect(),
+        events: Vec::new(),
+        first_ground_contact_s: None,
+        steps: 0,
+        time_step_s: step_limit,
+        highest_frequency_rad_s: frequency,
+        preload_iterations,
+        cpu_s: 0.0,
+        energy_error: 0.0,
+        warnings: Vec::new(),
+    }
+}
+
+/// Processor time of this thread where the system tells it, else wall time.
+struct Clock {
+    wall: std::time::Instant,
+    processor: Option<f64>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { wall: std::time::Instant::now(), processor: thread_cpu_s() }
+    }
+
+    fn elapsed_s(&self) -> f64 {
+        match (self.processor, thread_cpu_s()) {
+            (Some(a), Some(b)) if b > a => b - a,
+            _ => self.wall.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// First field of Linux's schedstat: nanoseconds on a processor.
+fn thread_cpu_s() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split_whitespace().next()?.parse::<f64>().ok().map(|ns| 1e-9 * ns)
+}

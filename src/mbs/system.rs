@@ -1,0 +1,183 @@
+//! The compiled model: what the time loop needs, in compact arrays, and nothing else.
+//!
+//! Index `bodies.len() - 1` is the ground, a body that never moves; so joints and contacts need no
+//! special case for it.
+
+use super::joint::JointData;
+use super::math::{self, M3, Q, V3};
+use super::model::{Bending, Body, Model};
+use crate::curve::{CapacityTable, CurveError};
+use std::collections::BTreeMap;
+
+/// Moving state of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyState {
+    /// Centre of mass \[m\].
+    pub x: V3,
+    /// Orientation (body to global).
+    pub q: Q,
+    /// Rotation matrix of `q`.
+    pub r: M3,
+    /// Momentum, half a step behind the position \[kg m/s\].
+    pub p: V3,
+    /// Angular momentum about the centre of mass in the global frame, half a step behind \[kg m²/s\].
+    pub l: V3,
+    /// Velocity over the last step \[m/s\].
+    pub v: V3,
+    /// Angular velocity over the last step, global frame \[rad/s\].
+    pub w: V3,
+    /// The same in the body frame (starting guess of the next step) \[rad/s\].
+    pub w_body: V3,
+    /// Force at the current position \[N\].
+    pub force: V3,
+    /// Torque about the centre of mass at the current position \[N m\].
+    pub torque: V3,
+}
+
+/// Constants of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyData {
+    /// Mass \[kg\]; zero for the ground.
+    pub mass: f64,
+    /// `1/mass`; zero for the ground.
+    pub inverse_mass: f64,
+    /// Inertia in the body frame \[kg m²\].
+    pub inertia: M3,
+    /// Its inverse; zero for the ground.
+    pub inverse_inertia: M3,
+    /// Whether the body is still there.
+    pub alive: bool,
+}
+
+/// A compiled model.
+#[derive(Debug, Clone)]
+pub struct System {
+    /// Gravity \[m/s²\].
+    pub gravity: V3,
+    /// State of the bodies, the ground last.
+    pub bodies: Vec<BodyState>,
+    /// Constants of the bodies, the ground last.
+    pub data: Vec<BodyData>,
+    /// Joints.
+    pub joints: Vec<JointData>,
+    /// Capacities used by the joints.
+    pub tables: Vec<CapacityTable>,
+}
+
+impl System {
+    /// Compiles a checked model.
+    pub fn new(model: &Model) -> Result<Self, CurveError> {
+        let mut bodies: Vec<BodyState> = model.bodies.iter().map(BodyState::new).collect();
+        let mut data: Vec<BodyData> = model.bodies.iter().map(BodyData::new).collect();
+        bodies.push(BodyState::ground());
+        data.push(BodyData::ground());
+        let index: BTreeMap<&str, usize> =
+            model.bodies.iter().enumerate().map(|(i, b)| (b.id.as_str(), i)).collect();
+        let ground = model.bodies.len();
+        let mut tables = Vec::new();
+        let mut seen: BTreeMap<(&str, u64), u32> = BTreeMap::new();
+        let mut joints = Vec::with_capacity(model.joints.len());
+        for joint in &model.joints {
+            let a = joint.body_a.as_deref().and_then(|id| index.get(id).copied()).unwrap_or(ground);
+            let b = index.get(joint.body_b.as_str()).copied().unwrap_or(ground);
+            let mut compiled = JointData::new(joint, a, b, &bodies);
+            for k in 0..2 {
+                match &joint.bending[k] {
+                    Bending::Elastic { stiffness_nm_rad } => compiled.set_elastic(k, *stiffness_nm_rad),
+                    Bending::Curve { curve, strength_factor } => {
+                        let key = (curve.as_str(), strength_factor.to_bits());
+                        let table = match seen.get(&key) {
+                            Some(t) => *t,
+                            None => {
+                                tables.push(CapacityTable::new(&model.curves[curve], *strength_factor)?);
+                                let t = (tables.len() - 1) as u32;
+                                seen.insert(key, t);
+                                t
+                            }
+                        };
+                        compiled.set_curve(k, table, &tables);
+                    }
+                }
+            }
+            joints.push(compiled);
+        }
+        Ok(Self { gravity: model.gravity_m_s2, bodies, data, joints, tables })
+    }
+
+    /// Number of moving bodies.
+    pub fn count(&self) -> usize {
+        self.bodies.len() - 1
+    }
+
+    /// Sets gravity as the only force.
+    #[inline]
+    pub fn reset_forces(&mut self) {
+        for (body, data) in self.bodies.iter_mut().zip(&self.data) {
+            body.force = math::scale(data.mass, self.gravity);
+            body.torque = [0.0; 3];
+        }
+    }
+
+    /// Adds the forces of all intact joints; hinge histories advance.
+    #[inline]
+    pub fn add_joint_forces(&mut self) {
+        for joint in &mut self.joints {
+            if joint.alive {
+                joint.apply(&mut self.bodies, &self.tables);
+            }
+        }
+    }
+}
+
+impl BodyState {
+    fn new(body: &Body) -> Self {
+        let length = body.orientation.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let q = body.orientation.map(|v| v / length);
+        let r = math::qmat(q);
+        let w_body = math::mul_t(&r, body.angular_velocity_rad_s);
+        Self {
+            x: body.position_m,
+            q,
+            r,
+            p: math::scale(body.mass_kg, body.velocity_m_s),
+            l: math::mul(&r, math::mul(&body.inertia_kg_m2, w_body)),
+            v: body.velocity_m_s,
+            w: body.angular_velocity_rad_s,
+            w_body,
+            force: [0.0; 3],
+            torque: [0.0; 3],
+        }
+    }
+
+    fn ground() -> Self {
+        let zero = [0.0; 3];
+        let q = [1.0, 0.0, 0.0, 0.0];
+        let r = math::qmat(q);
+        Self { x: zero, q, r, p: zero, l: zero, v: zero, w: zero, w_body: zero, force: zero, torque: zero }
+    }
+
+    /// Turns the body by a rotation vector in the global frame.
+    pub fn rotate(&mut self, rotation: V3) {
+        self.q = math::qrenormalise(math::qmul(math::qexp(rotation), self.q));
+        self.r = math::qmat(self.q);
+    }
+}
+
+impl BodyData {
+    fn new(body: &Body) -> Self {
+        let m = &body.inertia_kg_m2;
+        let inertia: M3 = std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i])));
+        Self {
+            mass: body.mass_kg,
+            inverse_mass: 1.0 / body.mass_kg,
+            inertia,
+            inverse_inertia: math::inverse(&inertia),
+            alive: true,
+        }
+    }
+
+    fn ground() -> Self {
+        let zero = [[0.0; 3]; 3];
+        Self { mass: 0.0, inverse_mass: 0.0, inertia: zero, inverse_inertia: zero, alive: true }
+    }
+}

@@ -1,0 +1,132 @@
+//! Contact: friction, restitution, stacks, no tunnelling.
+
+use super::support::*;
+use fallwerk::mbs::model::*;
+use fallwerk::mbs::{SolverOptions, simulate, simulate_with};
+
+fn on_ground(name: &str, end_s: f64, friction: f64) -> Model {
+    let mut m = model(name, end_s, 0.01);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction });
+    m
+}
+
+#[test]
+fn sliding_box_stops_where_coulomb_says() {
+    let mut m = on_ground("slide", 1.5, 0.5);
+    let mut body = solid("box", [0.0, 0.0, 0.2], [1.0, 1.0, 0.4]);
+    body.velocity_m_s = [3.0, 4.0, 0.0];
+    m.bodies.push(body);
+    let result = simulate(&m).unwrap();
+    let x = result.frames.last().unwrap().position_m[0];
+    let distance = x[0].hypot(x[1]);
+    println!("sliding box: {distance:.6} m (2.548420), energy error {:.1e}", result.energy_error);
+    assert!((distance - 2.548419980).abs() < 2e-3);
+    assert!((x[1] / x[0] - 4.0 / 3.0).abs() < 1e-3);
+    let friction = result.energies.friction_j.last().unwrap();
+    assert!((friction / (0.5 * 1000.0 * 25.0) - 1.0).abs() < 2e-3, "{friction}");
+}
+
+#[test]
+fn box_on_an_incline_slides_or_stays() {
+    let tilt = 30.0_f64.to_radians();
+    for (friction, expected) in [(0.3, G * (tilt.sin() - 0.3 * tilt.cos())), (0.6, 0.0)] {
+        let mut m = on_ground("incline", 1.0, friction);
+        m.gravity_m_s2 = [G * tilt.sin(), 0.0, -G * tilt.cos()];
+        m.bodies.push(solid("box", [0.0, 0.0, 0.2], [1.0, 1.0, 0.4]));
+        let result = simulate(&m).unwrap();
+        let travelled = result.frames.last().unwrap().position_m[0][0];
+        println!("incline, friction {friction}: {travelled:.6} m ({:.6})", 0.5 * expected);
+        assert!((travelled - 0.5 * expected).abs() < 3e-3);
+    }
+}
+
+#[test]
+fn dropped_box_rebounds_with_its_restitution() {
+    for restitution in [0.5, 0.1, 1.0] {
+        let mut m = on_ground("bounce", 1.2, 0.5);
+        m.bodies.push(solid("box", [0.0, 0.0, 1.2], [0.4, 0.4, 0.4]));
+        let options = SolverOptions { restitution, ..Default::default() };
+        let result = simulate_with(&m, &options).unwrap();
+        let heights: Vec<f64> = result.frames.iter().map(|f| f.position_m[0][2] - 0.2).collect();
+        let hit = heights.iter().position(|h| *h < 0.02).unwrap();
+        let rebound = heights[hit + 5..].iter().copied().fold(0.0, f64::max);
+        println!("restitution {restitution}: rebound {rebound:.4} m, energy error {:.1e}", result.energy_error);
+        assert!((rebound.sqrt() - restitution).abs() < 0.05);
+    }
+}
+
+#[test]
+fn a_stack_of_three_stays_at_rest() {
+    let mut m = on_ground("stack", 3.0, 0.5);
+    m.contact.bodies = Some(BodyContact { friction: 0.5 });
+    for i in 0..3 {
+        m.bodies.push(solid(&format!("box{i}"), [0.02 * f64::from(i), 0.0, 0.2 + 0.4 * f64::from(i)], [0.6, 0.5, 0.4]));
+    }
+    let result = simulate(&m).unwrap();
+    let (first, last) = (&result.frames[0], result.frames.last().unwrap());
+    for i in 0..3 {
+        for k in 0..3 {
+            let moved = (last.position_m[i][k] - first.position_m[i][k]).abs();
+            assert!(moved < 5e-4, "box {i}, axis {k}: {moved}");
+        }
+    }
+    let kinetic = result.energies.kinetic_j.last().unwrap();
+    println!("stack: kinetic energy {kinetic:.1e} J at the end");
+    assert!(*kinetic < 1e-3);
+}
+
+#[test]
+fn slabs_at_ten_metres_per_second_do_not_pass_through() {
+    let mut m = on_ground("slabs", 0.6, 0.5);
+    m.contact.bodies = Some(BodyContact { friction: 0.5 });
+    m.contact.obstacles.push(ObstacleBox {
+        id: "plinth".into(),
+        min_m: [-1.0, -1.0, 0.0],
+        max_m: [1.0, 1.0, 0.5],
+        friction: 0.5,
+    });
+    m.settings.output_interval_s = 5e-4;
+    m.settings.time_step_s = Some(5e-4);
+    for (i, z) in [0.7, 1.2].into_iter().enumerate() {
+        let mut slab = solid(&format!("slab{i}"), [0.0, 0.0, z], [6.4, 5.4, 0.25]);
+        slab.velocity_m_s = [0.0, 0.0, -10.0];
+        m.bodies.push(slab);
+    }
+    let result = simulate(&m).unwrap();
+    let lowest = |i: usize| result.frames.iter().map(|f| f.position_m[i][2]).fold(f64::INFINITY, f64::min);
+    let gap = result.frames.iter().map(|f| f.position_m[1][2] - f.position_m[0][2]).fold(f64::INFINITY, f64::min);
+    println!("slabs: deepest {:.4} m below contact, {:.4} m into each other", 0.625 - lowest(0), 0.25 - gap);
+    assert!(0.625 - lowest(0) < 0.03 && 0.25 - gap < 0.03);
+    assert_eq!(result.events.len(), 2, "{:?}", result.events);
+}
+
+#[test]
+fn box_tumbling_off_an_edge_keeps_its_energy_balance() {
+    let mut m = on_ground("tumble", 3.0, 0.4);
+    m.contact.obstacles.push(ObstacleBox {
+        id: "step".into(),
+        min_m: [-2.0, -2.0, 0.0],
+        max_m: [0.0, 2.0, 1.0],
+        friction: 0.4,
+    });
+    let mut body = solid("box", [-0.3, 0.1, 1.45], [0.8, 0.6, 0.9]);
+    body.velocity_m_s = [1.5, 0.3, 0.0];
+    body.angular_velocity_rad_s = [0.3, 1.0, 0.2];
+    m.bodies.push(body);
+    let result = simulate(&m).unwrap();
+    let z = result.frames.last().unwrap().position_m[0][2];
+    println!("tumbling box: rests at z = {z:.4} m, energy error {:.2e}", result.energy_error);
+    assert!(z > 0.29 && z < 0.46);
+    assert!(result.energy_error < 0.05);
+    assert!(result.first_ground_contact_s.is_some());
+}
+
+#[test]
+fn falling_far_from_everything_costs_no_contact() {
+    let mut m = on_ground("far", 0.5, 0.4);
+    m.bodies.push(solid("box", [0.0, 0.0, 10.0], [1.0; 3]));
+    let result = simulate(&m).unwrap();
+    let exact = 10.0 - 0.5 * G * 0.25;
+    assert!((result.frames.last().unwrap().position_m[0][2] - exact).abs() < 1e-9);
+    assert!(result.first_ground_contact_s.is_none() && result.energy_error < 1e-9);
+}

@@ -1,0 +1,168 @@
+//! The hinge law: return mapping, energy, envelopes, toppling column.
+
+use super::support::*;
+use fallwerk::curve::hinge::AxisLaw;
+use fallwerk::curve::*;
+use fallwerk::mbs::simulate;
+
+fn softening_table() -> CapacityTable {
+    CapacityTable::new(&frame_curve(), 1.0).unwrap()
+}
+
+#[test]
+fn work_is_elastic_energy_plus_dissipation_in_every_step() {
+    let levels = [(0.0, 1.0), (8e5, 1.6)].map(|(axial_force_n, factor)| CapacityLevel {
+        axial_force_n,
+        capacity: vec![[0.0, 80e3 * factor], [0.01, 120e3 * factor], [0.05, 20e3], [0.08, 0.0]],
+        fracture_rotation_rad: 0.5,
+    });
+    let strong = CapacityTable::new(&ResistanceCurve { stiffness_nm_rad: 2e7, levels: levels.to_vec() }, 1.0).unwrap();
+    let weak = softening_table();
+    let laws = [AxisLaw::Plastic(&strong), AxisLaw::Plastic(&weak)];
+    let mut state = Hinge2::default();
+    let (mut work, mut old_theta, mut elastic) = (0.0, [0.0; 2], 0.0);
+    for i in 1..=4000 {
+        let s = f64::from(i) / 4000.0;
+        let theta = [0.06 * s * (9.0 * s).sin(), 0.05 * s * (5.0 * s).cos() - 0.02 * s];
+        let old = state;
+        let force = 1e6 * (3.0 * s).sin();
+        elastic = state.step(laws, theta, force).elastic_j;
+        work += (0..2).map(|k| 0.5 * (old.moment_nm[k] + state.moment_nm[k]) * (theta[k] - old_theta[k])).sum::<f64>();
+        let balance = elastic + state.dissipated_j - work;
+        assert!(balance.abs() < 1e-9 * (work.abs() + 1.0), "step {i}: {balance} of {work}");
+        let mut hints = [CapacityHint::default(); 2];
+        let c = [&strong, &weak].map(|t| t.capacity(state.alpha_rad, force, &mut hints[0]).moment_nm.max(1e-9));
+        let f = (state.moment_nm[0] / c[0]).hypot(state.moment_nm[1] / c[1]);
+        assert!(f <= 1.0 + 1e-9 || c[0].min(c[1]) < 1.0, "step {i}: outside the ellipse, f = {f}");
+        assert!(state.alpha_rad >= old.alpha_rad);
+        old_theta = theta;
+    }
+    assert!(state.dissipated_j > 1e3 && elastic >= 0.0);
+}
+
+#[test]
+fn monotonic_rotation_follows_the_capacity_and_dissipates_its_area() {
+    let table = softening_table();
+    let laws = [AxisLaw::Elastic(1e6), AxisLaw::Plastic(&table)];
+    let mut state = Hinge2::default();
+    for i in 1..=20000 {
+        state.step(laws, [0.0, 0.2 * f64::from(i) / 20000.0], 0.0);
+        if i == 9000 {
+            // theta = 0.09: the softening line of the total rotation.
+            assert!((state.moment_nm[1] - 120e3 * (0.15 - 0.09) / 0.12).abs() < 1e-4, "{}", state.moment_nm[1]);
+        }
+    }
+    let area = frame_curve().levels[0].energy_j();
+    assert!((area - 120e3 * (0.024 + 0.063)).abs() < 1e-6);
+    assert!((state.dissipated_j - area).abs() < 1e-4 * area, "{} {area}", state.dissipated_j);
+}
+
+#[test]
+fn equal_axes_flow_along_the_trial_moment() {
+    let table = CapacityTable::new(&curve(&[[0.0, 100e3], [1.0, 100e3]], 2.0), 1.0).unwrap();
+    let mut state = Hinge2::default();
+    state.step([AxisLaw::Plastic(&table); 2], [0.03, 0.04], 0.0);
+    assert!((state.moment_nm[0] - 60e3).abs() < 1e-6 && (state.moment_nm[1] - 80e3).abs() < 1e-6);
+    assert!((state.alpha_rad - (0.05 - 100e3 / 2e7)).abs() < 1e-12);
+}
+
+#[test]
+fn softening_faster_than_unloading_falls_to_the_next_admissible_point() {
+    // The capacity drops by 90 kN m within 1e-3 rad; elastic unloading gives back only 20 kN m per 1e-3 rad.
+    let table = CapacityTable::new(&curve(&[[0.0, 100e3], [0.01, 100e3], [0.011, 10e3], [1.0, 10e3]], 2.0), 1.0).unwrap();
+    let mut state = Hinge2::default();
+    let mut last = 0.0;
+    for i in 0..=3000 {
+        state.step([AxisLaw::Plastic(&table), AxisLaw::Elastic(0.0)], [0.02 * f64::from(i) / 3000.0, 0.0], 0.0);
+        let c = table.capacity(state.alpha_rad, 0.0, &mut CapacityHint::default()).moment_nm;
+        assert!(state.moment_nm[0] <= c * (1.0 + 1e-9), "{} above {c}", state.moment_nm[0]);
+        last = state.moment_nm[0];
+    }
+    assert!((last - 10e3).abs() < 1e-3);
+}
+
+#[test]
+fn envelopes_give_back_their_moments() {
+    let envelope = |n: f64, peak: f64, k: f64| Envelope {
+        axial_force_n: n,
+        points: vec![
+            [0.0, 0.0],
+            [0.5 * peak / k, 0.5 * peak],
+            [1.6 * peak / k, peak],
+            [0.03, 0.9 * peak],
+            [0.08, 0.2 * peak],
+            [0.12, 0.0],
+        ],
+    };
+    let curve = ResistanceCurve::from_envelopes(&[envelope(0.0, 80e3, 1e7), envelope(5e5, 130e3, 2e7)]).unwrap();
+    assert!((curve.stiffness_nm_rad - 2e7).abs() < 1.0);
+    for (n, peak) in [(0.0, 80e3), (5e5, 130e3)] {
+        let table = CapacityTable::new(&curve, 1.0).unwrap();
+        let mut state = Hinge2::default();
+        for i in 1..=8000 {
+            state.step([AxisLaw::Plastic(&table), AxisLaw::Elastic(0.0)], [1e-5 * f64::from(i), 0.0], n);
+            if i == 3000 {
+                assert!((state.moment_nm[0] - 0.9 * peak).abs() < 1e-6 * peak, "N = {n}: {}", state.moment_nm[0]);
+            }
+        }
+        assert!((state.moment_nm[0] - 0.2 * peak).abs() < 1e-6 * peak);
+    }
+    // 5 % of the peak lies a quarter of the way before the end of the last branch.
+    let plastic = curve.levels[0].fracture_rotation_rad;
+    assert!((plastic - (0.08 + 0.04 * 0.75 - 0.05 * 80e3 / 2e7)).abs() < 1e-9, "{plastic}");
+    assert!(ResistanceCurve::from_envelopes(&[Envelope { axial_force_n: 0.0, points: vec![[0.0, 0.0]] }]).is_err());
+}
+
+#[test]
+fn interpolation_in_axial_force_is_exact_between_levels_of_different_break_points() {
+    let level = |n, c: [[f64; 2]; 3]| CapacityLevel { axial_force_n: n, capacity: c.to_vec(), fracture_rotation_rad: 0.1 };
+    let curve = ResistanceCurve {
+        stiffness_nm_rad: 1e7,
+        levels: vec![
+            level(0.0, [[0.0, 10.0], [0.02, 20.0], [0.1, 0.0]]),
+            level(100.0, [[0.0, 30.0], [0.05, 40.0], [0.08, 0.0]]),
+        ],
+    };
+    let table = CapacityTable::new(&curve, 2.0).unwrap();
+    let mut hint = CapacityHint::default();
+    let c = table.capacity(0.03, 25.0, &mut hint);
+    assert!((c.moment_nm - 2.0 * (0.75 * 17.5 + 0.25 * 36.0)).abs() < 1e-9 && !c.out_of_range);
+    assert!((c.slope_nm_rad - 2.0 * (0.75 * -250.0 + 0.25 * 200.0)).abs() < 1e-6);
+    assert!(table.capacity(0.03, -1.0, &mut hint).out_of_range);
+}
+
+/// A column of 3.5 m on a hinge at its foot, released at 0.2 rad.
+fn topple(plastic_moment: f64, end_s: f64, step_s: Option<f64>) -> fallwerk::mbs::RunResult {
+    let mut m = model("topple", end_s, 1e-3);
+    let mut column = solid("column", [1.75 * 0.2_f64.sin(), 0.0, 1.75 * 0.2_f64.cos()], [0.4, 0.4, 3.5]);
+    column.orientation = [0.1_f64.cos(), 0.0, 0.1_f64.sin(), 0.0];
+    m.bodies.push(column);
+    m.curves.insert("foot".into(), curve(&[[0.0, plastic_moment], [10.0, plastic_moment]], 10.0));
+    m.joints.push(joint("foot", None, "column", [0.0; 3], 1e10, 1e7, [elastic(2e7), hinge("foot")]));
+    m.settings.time_step_s = step_s;
+    simulate(&m).unwrap()
+}
+
+#[test]
+fn toppling_column_reaches_the_ground_at_the_closed_form_speed() {
+    for (step, tolerance) in [(None, 2e-5), (Some(1e-4), 5e-6)] {
+        let result = topple(3e3, 1.85, step);
+        let angle: Vec<f64> = result.hinges[0].rotation_rad.iter().map(|r| r[1] + 0.2).collect();
+        let (time, speed) = crossing(&result.times_s, &angle, std::f64::consts::FRAC_PI_2);
+        println!(
+            "topple A: step {:.4} ms, speed {speed:.7} (exact 2.6038745), time {time:.7} (exact 1.8097588), energy error {:.1e}",
+            1e3 * result.time_step_s, result.energy_error
+        );
+        assert!((speed / 2.603874529595256 - 1.0).abs() < tolerance);
+        assert!((time / 1.80975871 - 1.0).abs() < tolerance);
+    }
+}
+
+#[test]
+fn strong_column_only_vibrates() {
+    let result = topple(60e3, 0.5, None);
+    let largest = result.hinges[0].rotation_rad.iter().map(|r| r[1]).fold(0.0, f64::max);
+    println!("topple C: {largest:.6e} (exact 4.780548e-4)");
+    assert!((largest / 4.780548e-4 - 1.0).abs() < 1e-3);
+    assert_eq!(result.energies.plastic_j.last(), Some(&0.0));
+}

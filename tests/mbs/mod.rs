@@ -1,0 +1,9 @@
+//! The MBS solver against closed forms and converged references.
+
+mod contact;
+mod frame;
+mod hinge;
+mod input;
+mod motion;
+mod statics;
+mod support;

@@ -1,0 +1,122 @@
+//! Preload, removal of supports, mechanisms.
+
+use super::support::*;
+use fallwerk::mbs::model::*;
+use fallwerk::mbs::result::EventKind;
+use fallwerk::mbs::{SolveError, simulate};
+
+#[test]
+fn preloaded_cantilever_hangs_at_the_closed_form_and_stays_there() {
+    let (arm, bending, shear) = (2.0, 4e7, 3e8);
+    let mut m = model("cantilever", 1.0, 0.1);
+    m.bodies.push(solid("beam", [arm, 0.0, 0.0], [4.0, 0.4, 0.4]));
+    m.settings.preload = true;
+    m.joints.push(Joint {
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        shear_stiffness_n_m: [shear; 2],
+        ..joint("clamp", None, "beam", [0.0; 3], 1e9, 1e7, [elastic(bending), elastic(bending)])
+    });
+    track(&mut m, "beam", [4.0, 0.0, 0.0]);
+    let result = simulate(&m).unwrap();
+    let weight = 1600.0 * G;
+    // Moment about the clamp in the deformed state: K θ = W a cos θ; gap: shear spring under W (the joint frame is the ground's).
+    let mut angle: f64 = 0.0;
+    for _ in 0..50 {
+        angle = weight * arm * angle.cos() / bending;
+    }
+    let sag = 2.0 * arm * angle.sin() + weight / shear;
+    let found = -result.tracked[0].origin_m[2];
+    println!("cantilever: {found:.9} m ({sag:.9}), {:?} iterations", result.preload_iterations);
+    assert!((found / sag - 1.0).abs() < 1e-9);
+    let drift = result.tracked[0].displacement_m.iter().flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    println!("cantilever: drift {drift:.1e} m");
+    assert!(drift < 1e-10);
+}
+
+/// A slab on four columns, hinges at both ends.
+fn table_frame() -> Model {
+    let mut m = model("table", 1.0, 0.01);
+    m.curves.insert("hinge".into(), frame_curve());
+    m.bodies.push(solid("slab", [3.0, 2.5, 3.5], [6.4, 5.4, 0.25]));
+    for (i, (x, y)) in [(0.0, 0.0), (6.0, 0.0), (0.0, 5.0), (6.0, 5.0)].into_iter().enumerate() {
+        let id = format!("column{i}");
+        m.bodies.push(solid(&id, [x, y, 1.75], [0.4, 0.4, 3.1]));
+        let ends = [hinge("hinge"), hinge("hinge")];
+        m.joints.push(joint(&format!("foot{i}"), None, &id, [x, y, 0.0], 1e9, 1e7, ends.clone()));
+        m.joints.push(joint(&format!("head{i}"), Some(&id), "slab", [x, y, 3.5], 1e9, 1e7, ends));
+    }
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5 });
+    m.contact.bodies = Some(BodyContact { friction: 0.5 });
+    m.settings.preload = true;
+    track(&mut m, "slab", [-0.2, -0.2, 3.5]);
+    m
+}
+
+#[test]
+fn a_preloaded_frame_stands_still() {
+    let result = simulate(&table_frame()).unwrap();
+    let drift = result.tracked[0].displacement_m.iter().flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    assert!(drift < 1e-9, "{drift}");
+    assert!(result.events.is_empty(), "{:?}", result.events);
+    let axial: f64 = (0..4).map(|i| result.hinges[2 * i].axial_force_n[0]).sum();
+    let weight = G * (21600.0 + 4.0 * 1240.0);
+    assert!((axial / weight - 1.0).abs() < 1e-4, "{axial} {weight}");
+}
+
+#[test]
+fn removing_two_columns_brings_the_slab_down_on_their_side() {
+    let mut m = table_frame();
+    m.settings.end_time_s = 2.5;
+    m.events.push(Event {
+        id: "charge".into(),
+        time_s: 0.1234,
+        remove_bodies: vec!["column0".into(), "column1".into()],
+        origin: Origin::default(),
+    });
+    let result = simulate(&m).unwrap();
+    let u = &result.tracked[0].displacement_m;
+    assert!(u[12].iter().all(|v| v.abs() < 1e-9), "moves before the charge: {:?}", u[12]);
+    let last = u.last().unwrap();
+    println!(
+        "two columns removed: corner at {last:?}, ground contact {:?} s, energy error {:.1e}, {} events",
+        result.first_ground_contact_s, result.energy_error, result.events.len()
+    );
+    assert!(last[2] < -3.0 && last[0].abs() < 0.05);
+    let removal = result.events.iter().find(|e| matches!(e.kind, EventKind::Removal { .. })).unwrap();
+    assert!((removal.time_s - 0.1234).abs() < 1e-12);
+    assert!(result.energy_error < 0.03);
+}
+
+#[test]
+fn a_mechanism_names_its_loosest_body() {
+    let mut m = table_frame();
+    m.joints.retain(|j| j.id != "foot2" && j.id != "head2");
+    match simulate(&m) {
+        Err(SolveError::Mechanism { body, .. }) => assert_eq!(body, "column2"),
+        other => panic!("{other:?}"),
+    }
+    // A column between two ball joints still turns about its own axis.
+    let mut m = table_frame();
+    for joint in m.joints.iter_mut().filter(|j| j.id.ends_with('1')) {
+        joint.torsional_stiffness_nm_rad = 0.0;
+        joint.bending = [elastic(0.0), elastic(0.0)];
+    }
+    match simulate(&m) {
+        Err(SolveError::Mechanism { body, .. }) => assert_eq!(body, "column1"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn tension_separates_a_joint() {
+    let mut m = model("tension", 0.3, 0.01);
+    m.bodies.push(solid("weight", [0.0, 0.0, -1.0], [1.0; 3]));
+    let mut rope = joint("rope", None, "weight", [0.0; 3], 1e8, 1e7, [elastic(1e7), elastic(1e7)]);
+    rope.tensile_capacity_n = Some(1.5 * 2500.0 * G);
+    m.joints.push(rope);
+    // From rest the spring swings to twice the weight, so it breaks at half as much again.
+    let result = simulate(&m).unwrap();
+    assert!(matches!(&result.events[..], [e] if matches!(e.kind, EventKind::Fracture { .. })), "{:?}", result.events);
+    assert!(result.frames.last().unwrap().position_m[0][2] < -1.2);
+    assert!(result.energy_error < 1e-2, "{}", result.energy_error);
+}
