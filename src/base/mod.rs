@@ -2,3 +2,5 @@
 //! hashes and atomic output.
 
 pub mod geom;
+pub mod hash;
+pub mod output;
