@@ -1,9 +1,11 @@
 //! What every module may use and none owns: axis-aligned boxes, units, source files as trees with
-//! places, diagnostics, and later hashes and atomic output.
+//! places, diagnostics, hashes, atomic output, time measurement.
 
 pub mod cpu;
 pub mod diagnostic;
 pub mod geom;
+pub mod hash;
+pub mod output;
 pub mod source;
 pub mod tree;
 pub mod units;

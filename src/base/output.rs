@@ -1,0 +1,311 @@
+//! Output that is whole or absent: files written by replacement, and result folders that appear at once.
+//!
+//! [`write_atomic`] writes a temporary sibling, brings it to the disk, renames it over the target and
+//! brings the folder entry to the disk. Whoever reads the target, also after a crash, sees the old
+//! content or the new, never a part.
+//!
+//! [`OutputFolder`] does the same for a folder of results: it is filled under a temporary sibling name and
+//! renamed into place at the end. An older result folder of this program (it holds the marker
+//! file [`MARKER`]) is replaced; a folder that is not ours is never touched.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Name of the file by which a result folder of this program is known.
+pub const MARKER: &str = ".fallwerk-output";
+
+const MARKER_TEXT: &str = "Results of fallwerk. This folder is replaced as a whole by the next run with the same target.\n";
+
+/// Prefix of temporary names; readers of a folder skip names that begin so.
+pub const TEMPORARY_PREFIX: &str = ".fallwerk-tmp-";
+
+/// Why a result folder could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The target exists and was not made by this program.
+    #[error("{path}: exists and is not a result folder of fallwerk (no {MARKER} in it); name another folder or remove it")]
+    NotOurs {
+        /// The target.
+        path: PathBuf,
+    },
+    /// The target cannot be a result folder.
+    #[error("{path}: {what}")]
+    BadTarget {
+        /// The target.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+    /// The file system refused.
+    #[error("{path}: {source}")]
+    Io {
+        /// What was being read or written.
+        path: PathBuf,
+        /// The file system's answer.
+        source: io::Error,
+    },
+}
+
+fn at(path: &Path) -> impl FnOnce(io::Error) -> OutputError + '_ {
+    move |source| OutputError::Io { path: path.to_path_buf(), source }
+}
+
+/// A number that differs between all temporary names of this process.
+fn next_number() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
+/// The folder that holds `path` (`.` for a bare name).
+fn parent_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Replaces the content of a file: temporary sibling, fsync, rename, fsync of the folder.
+///
+/// # Errors
+/// As the file system reports them; the target then holds its old content.
+pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_renamed(path, bytes)?;
+    sync_folder(parent_of(path))
+}
+
+/// [`write_atomic`] without the last step: for many files in one folder, followed by one [`sync_folder`].
+///
+/// # Errors
+/// As the file system reports them; the target then holds its old content.
+pub fn write_renamed(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let temporary = parent_of(path).join(format!("{TEMPORARY_PREFIX}{}-{}", std::process::id(), next_number()));
+    let written = File::create(&temporary)
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
+        .and_then(|()| fs::rename(&temporary, path));
+    if written.is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
+    written
+}
+
+/// Brings the entries of a folder (names, renames) to the disk.
+///
+/// # Errors
+/// As the file system reports them.
+pub fn sync_folder(folder: &Path) -> io::Result<()> {
+    // Folders cannot be opened as files everywhere; where they can, their entries are to be synced.
+    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}
+
+/// A result folder being filled. Dropping it without [`OutputFolder::commit`] leaves nothing behind.
+#[derive(Debug)]
+pub struct OutputFolder {
+    target: PathBuf,
+    temporary: PathBuf,
+    committed: bool,
+}
+
+impl OutputFolder {
+    /// Begins a result folder; the target itself is not touched before [`OutputFolder::commit`].
+    ///
+    /// What an earlier run left behind when it was killed is cleared, and a result folder it had set
+    /// aside is put back.
+    ///
+    /// # Errors
+    /// If the target exists and is not ours, has no name of its own (`.`, `..`, `/`), or cannot be written.
+    pub fn create(target: &Path) -> Result<Self, OutputError> {
+        let bad = |what| OutputError::BadTarget { path: target.to_path_buf(), what };
+        let name = target.file_name().ok_or_else(|| bad("is not the name of a new folder"))?.to_string_lossy().into_owned();
+        let parent = parent_of(target);
+        fs::create_dir_all(parent).map_err(at(parent))?;
+        recover(target, &name).map_err(at(target))?;
+        may_replace(target)?;
+        let temporary = parent.join(format!(".{name}.part-{}-{}", std::process::id(), next_number()));
+        fs::create_dir(&temporary).map_err(at(&temporary))?;
+        let folder = Self { target: target.to_path_buf(), temporary, committed: false };
+        folder.write(MARKER, MARKER_TEXT.as_bytes())?;
+        Ok(folder)
+    }
+
+    /// Where to write until the folder is committed.
+    pub fn path(&self) -> &Path {
+        &self.temporary
+    }
+
+    /// Where the folder will lie.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Writes one file; `name` may have folders in it, which are made.
+    ///
+    /// # Errors
+    /// As the file system reports them.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf, OutputError> {
+        let path = self.temporary.join(name);
+        let parent = parent_of(&path);
+        fs::create_dir_all(parent).map_err(at(parent))?;
+        fs::write(&path, bytes).map_err(at(&path))?;
+        Ok(path)
+    }
+
+    /// Puts the folder in its place and returns the target.
+    ///
+    /// # Errors
+    /// If the target has meanwhile become a folder that is not ours, or the file system refuses; an
+    /// older result folder is then still in place.
+    pub fn commit(mut self) -> Result<PathBuf, OutputError> {
+        sync_tree(&self.temporary).map_err(at(&self.temporary))?;
+        may_replace(&self.target)?;
+        let aside = self.temporary.with_file_name(
+            self.temporary.file_name().map(|n| n.to_string_lossy().replacen(".part-", ".old-", 1)).unwrap_or_default(),
+        );
+        let had_older = self.target.exists();
+        if had_older {
+            fs::rename(&self.target, &aside).map_err(at(&self.target))?;
+        }
+        if let Err(error) = fs::rename(&self.temporary, &self.target) {
+            if had_older {
+                let _ = fs::rename(&aside, &self.target);
+            }
+            return Err(at(&self.target)(error));
+        }
+        self.committed = true;
+        sync_folder(parent_of(&self.target)).map_err(at(&self.target))?;
+        if had_older {
+            fs::remove_dir_all(&aside).map_err(at(&aside))?;
+        }
+        Ok(self.target.clone())
+    }
+}
+
+impl Drop for OutputFolder {
+    fn drop(&mut self) {
+        if !self.committed {
+            let _ = fs::remove_dir_all(&self.temporary);
+        }
+    }
+}
+
+/// Whether the target is absent, empty, or a result folder of ours.
+fn may_replace(target: &Path) -> Result<(), OutputError> {
+    let Ok(meta) = fs::symlink_metadata(target) else { return Ok(()) };
+    if !meta.is_dir() {
+        return Err(OutputError::BadTarget { path: target.to_path_buf(), what: "exists and is not a folder" });
+    }
+    let ours = target.join(MARKER).is_file();
+    let empty = || fs::read_dir(target).map(|mut d| d.next().is_none()).map_err(at(target));
+    if ours || empty()? { Ok(()) } else { Err(OutputError::NotOurs { path: target.to_path_buf() }) }
+}
+
+/// Clears what killed runs left beside the target: unfinished folders go; a finished folder that was
+/// set aside returns to its place if the place is empty.
+fn recover(target: &Path, name: &str) -> io::Result<()> {
+    for item in fs::read_dir(parent_of(target))? {
+        let path = item?.path();
+        let Some(found) = path.file_name().and_then(|n| n.to_str()) else { continue };
+        let owner = |kind: &str| {
+            let rest = found.strip_prefix(&format!(".{name}.{kind}-"))?;
+            rest.split('-').next()?.parse::<u32>().ok()
+        };
+        let ours = || path.join(MARKER).is_file();
+        if owner("part").is_some_and(is_gone) && ours() {
+            fs::remove_dir_all(&path)?;
+        } else if owner("old").is_some_and(is_gone) && ours() {
+            if target.exists() {
+                fs::remove_dir_all(&path)?;
+            } else {
+                fs::rename(&path, target)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a process no longer runs. Unknown (no `/proc`) counts as running.
+fn is_gone(process: u32) -> bool {
+    Path::new("/proc/self").exists() && !Path::new("/proc").join(process.to_string()).exists()
+}
+
+fn sync_tree(folder: &Path) -> io::Result<()> {
+    for item in fs::read_dir(folder)? {
+        let path = item?.path();
+        let meta = fs::symlink_metadata(&path)?;
+        if meta.is_dir() {
+            sync_tree(&path)?;
+        } else if meta.is_file() {
+            File::open(&path)?.sync_all()?;
+        }
+    }
+    sync_folder(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_appears_whole_and_replaces_only_our_own() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("out/run");
+        let first = OutputFolder::create(&target).unwrap();
+        first.write("a/b.txt", b"one").unwrap();
+        assert!(!target.exists());
+        first.commit().unwrap();
+        assert_eq!(fs::read(target.join("a/b.txt")).unwrap(), b"one");
+
+        let second = OutputFolder::create(&target).unwrap();
+        second.write("c.txt", b"two").unwrap();
+        drop(second);
+        assert!(target.join("a/b.txt").exists(), "an abandoned run changes nothing");
+
+        let third = OutputFolder::create(&target).unwrap();
+        third.write("c.txt", b"three").unwrap();
+        third.commit().unwrap();
+        assert!(target.join("c.txt").exists() && !target.join("a").exists());
+        assert_eq!(fs::read_dir(target.parent().unwrap()).unwrap().count(), 1, "nothing is left beside it");
+    }
+
+    #[test]
+    fn a_foreign_folder_is_never_touched() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("thesis");
+        fs::create_dir(&target).unwrap();
+        fs::write(target.join("chapter.txt"), "years of work").unwrap();
+        assert!(matches!(OutputFolder::create(&target), Err(OutputError::NotOurs { .. })));
+        // It also holds when the folder turns up while a run is under way.
+        let late = room.path().join("late");
+        let run = OutputFolder::create(&late).unwrap();
+        fs::rename(&target, &late).unwrap();
+        assert!(matches!(run.commit(), Err(OutputError::NotOurs { .. })));
+        assert_eq!(fs::read_to_string(late.join("chapter.txt")).unwrap(), "years of work");
+        assert!(matches!(OutputFolder::create(Path::new("..")), Err(OutputError::BadTarget { .. })));
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_cleared_or_put_back() {
+        let room = tempfile::tempdir().unwrap();
+        let gone = u32::MAX - 7; // above the largest process id Linux gives out
+        for kind in ["part", "old"] {
+            let path = room.path().join(format!(".run.{kind}-{gone}-0"));
+            fs::create_dir(&path).unwrap();
+            fs::write(path.join(MARKER), "").unwrap();
+            fs::write(path.join(kind), "").unwrap();
+        }
+        let target = room.path().join("run");
+        let run = OutputFolder::create(&target).unwrap();
+        assert!(target.join("old").exists());
+        assert!(!room.path().join(format!(".run.part-{gone}-0")).exists());
+        drop(run);
+    }
+
+    #[test]
+    fn a_file_is_replaced_and_no_temporary_stays() {
+        let room = tempfile::tempdir().unwrap();
+        let path = room.path().join("file.json");
+        write_atomic(&path, b"one").unwrap();
+        write_atomic(&path, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert!(write_atomic(&room.path().join("absent/file"), b"x").is_err());
+        assert_eq!(fs::read_dir(room.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,62 @@
+//! What can go wrong with the store.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// An error of the store.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreError {
+    /// The file system refused.
+    #[error("{path}: {source}")]
+    Io {
+        /// What was being read or written.
+        path: PathBuf,
+        /// The file system's answer.
+        source: io::Error,
+    },
+    /// A text record does not hold what was once written.
+    #[error("{path}: damaged record: {what}; restore the file (version control, `library import`) or derive it again")]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// No record has this key.
+    #[error("no entry `{key}` in the library{hint}")]
+    NotFound {
+        /// The key asked for.
+        key: String,
+        /// A suggestion, or empty.
+        hint: String,
+    },
+    /// The store can be read only.
+    #[error("the library can only be read: {why}")]
+    ReadOnly {
+        /// Why.
+        why: String,
+    },
+    /// An entry that must not be stored.
+    #[error("entry `{key}`: {what}")]
+    Invalid {
+        /// Its key.
+        key: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// An exchange file that cannot be imported; nothing was changed.
+    #[error("{path}: {what}; nothing was imported")]
+    Import {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+}
+
+impl StoreError {
+    pub(super) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self + '_ {
+        move |source| Self::Io { path: path.to_path_buf(), source }
+    }
+}

@@ -1,0 +1,134 @@
+//! Verification, and the exchange of whole libraries as one JSON file.
+
+use super::entry::Entry;
+use super::error::StoreError;
+use super::store::{Put, Store};
+use super::text::Manifest;
+use crate::base::hash::{ContentHash, readable_json};
+use crate::base::output::write_atomic;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Format of an exchange file.
+pub const EXCHANGE_SCHEMA: &str = "fallwerk-library/1";
+
+/// What [`verify`] found.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct VerifyReport {
+    /// Number of text records.
+    pub records: usize,
+    /// Text records with a fault: file and what is wrong.
+    pub text: Vec<(PathBuf, String)>,
+    /// Differences of the working copy.
+    pub cache: Vec<String>,
+}
+
+impl VerifyReport {
+    /// Whether nothing was found.
+    pub fn is_clean(&self) -> bool {
+        self.text.is_empty() && self.cache.is_empty()
+    }
+}
+
+/// What [`import`] did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct ImportReport {
+    /// New records.
+    pub added: usize,
+    /// Records that were there already.
+    pub unchanged: usize,
+    /// Damaged records that were mended.
+    pub mended: usize,
+}
+
+/// Reads every text record from the disk and compares each record of the working copy with it.
+///
+/// # Errors
+/// If the library folder cannot be read.
+pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
+    let files = store.text().read_all()?;
+    let mut report = VerifyReport { records: files.len(), ..VerifyReport::default() };
+    let mut manifest = Manifest::new();
+    let mut good = std::collections::BTreeMap::new();
+    for file in &files {
+        manifest.insert(file.key.clone(), ContentHash::of_bytes(&file.bytes));
+        match store.text().parse(&file.key, &file.bytes) {
+            Ok(entry) => {
+                good.insert(file.key.clone(), entry);
+            }
+            Err(StoreError::Damaged { path, what }) => report.text.push((path, what)),
+            Err(other) => report.text.push((store.text().path_of(&file.key), other.to_string())),
+        }
+    }
+    for (key, entry) in &good {
+        let successor = entry.deprecated.as_ref().and_then(|d| d.successor.as_ref());
+        if let Some(successor) = successor.filter(|s| !good.contains_key(*s)) {
+            report.text.push((store.text().path_of(key), format!("its successor `{successor}` is not in the library")));
+        }
+    }
+    if let Some(cache) = store.cache() {
+        match cache.faults(&manifest, |key| good.contains_key(key)) {
+            Ok(faults) => report.cache = faults,
+            Err(fault) => report.cache.push(fault),
+        }
+    }
+    Ok(report)
+}
+
+/// Writes all entries into one file; returns their number.
+///
+/// # Errors
+/// If a record is damaged (an export is whole or not at all), or the file cannot be written.
+pub fn export(store: &Store, path: &Path) -> Result<usize, StoreError> {
+    if let Some((path, what)) = store.damaged().into_iter().next() {
+        return Err(StoreError::Damaged { path, what });
+    }
+    let mut entries = Vec::new();
+    for entry in store.list()? {
+        let invalid = |e: serde_json::Error| StoreError::Invalid { key: entry.key.clone(), what: e.to_string() };
+        let text = entry.to_text().map_err(invalid)?;
+        entries.push(serde_json::from_str::<Value>(&text).map_err(invalid)?);
+    }
+    let count = entries.len();
+    let text = readable_json(&json!({ "schema": EXCHANGE_SCHEMA, "entries": entries }))
+        .map_err(|e| StoreError::Invalid { key: String::new(), what: e.to_string() })?;
+    write_atomic(path, text.as_bytes()).map_err(StoreError::io(path))?;
+    Ok(count)
+}
+
+/// Takes over the entries of an exchange file. All are checked first: if one is damaged, or a key
+/// is held here with other content, nothing is imported.
+///
+/// # Errors
+/// [`StoreError::Import`] with the first fault, or what [`Store::put_all`] reports.
+pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError> {
+    let refuse = |what: String| StoreError::Import { path: path.to_path_buf(), what };
+    let text = fs::read_to_string(path).map_err(StoreError::io(path))?;
+    let mut value: Value = serde_json::from_str(&text).map_err(|e| refuse(format!("not JSON: {e}")))?;
+    if value["schema"] != EXCHANGE_SCHEMA {
+        return Err(refuse(format!("schema is {}, expected \"{EXCHANGE_SCHEMA}\"", value["schema"])));
+    }
+    let Value::Array(items) = value["entries"].take() else {
+        return Err(refuse("has no list `entries`".to_string()));
+    };
+    let mut report = ImportReport::default();
+    let mut entries: Vec<Entry> = Vec::with_capacity(items.len());
+    for (i, item) in items.into_iter().enumerate() {
+        let name = item["key"].as_str().unwrap_or("?").to_string();
+        let entry = Entry::from_value(item).map_err(|e| refuse(format!("entry {} (`{name}`): {e}", i + 1)))?;
+        match store.get(&entry.key) {
+            Ok(held) if held != entry => {
+                return Err(refuse(format!("entry {} (`{name}`) differs from the one in the library", i + 1)));
+            }
+            Err(StoreError::Damaged { .. }) => report.mended += 1,
+            _ => {}
+        }
+        entries.push(entry);
+    }
+    let done = store.put_all(&entries)?;
+    report.added = done.iter().filter(|d| **d == Put::Added).count();
+    report.unchanged = done.iter().filter(|d| **d == Put::Unchanged).count();
+    Ok(report)
+}

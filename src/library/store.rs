@@ -1,0 +1,439 @@
+//! The store: text records as the truth, a checked working copy beside them.
+
+use super::cache::{self, Cache};
+use super::entry::{Deprecation, Entry, Features, RECORD_LIMIT_BYTES};
+use super::error::StoreError;
+use super::find;
+use super::key;
+use super::text::{Manifest, TextFile, TextFolder};
+use crate::base::hash::ContentHash;
+use std::collections::BTreeMap;
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// How the store was opened.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Opened {
+    /// The working copy agrees with the text.
+    Checked,
+    /// The working copy was built from the text.
+    Rebuilt {
+        /// Why.
+        why: String,
+        /// Whether an older copy was set aside (as `db.bad`).
+        set_aside: bool,
+    },
+    /// No working copy: records are read from their files.
+    TextOnly {
+        /// Why.
+        why: String,
+        /// Whether records can be written.
+        writable: bool,
+    },
+}
+
+/// What a put did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Put {
+    /// A new record.
+    Added,
+    /// The same record was there.
+    Unchanged,
+    /// A record of the same inputs with other results was replaced.
+    Replaced,
+}
+
+/// The entry that fits best.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// The entry.
+    pub entry: Entry,
+    /// How well it fits.
+    pub fit: find::Match,
+}
+
+/// The nearest entry by key, for a message when none fits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nearest {
+    /// Its key.
+    pub key: String,
+    /// How well it fits.
+    pub fit: find::Match,
+}
+
+/// What queries need of each usable record.
+struct Indexed {
+    features: Features,
+    submodel_version: u32,
+    deprecated: bool,
+}
+
+/// The library of subsystems.
+pub struct Store {
+    text: TextFolder,
+    cache_folder: PathBuf,
+    cache: Option<Cache>,
+    /// Held as long as this process may write.
+    lock: Option<File>,
+    manifest: Manifest,
+    /// Records refused at opening, with the reason; key -> words.
+    damaged: BTreeMap<String, String>,
+    index: Mutex<Option<BTreeMap<String, Indexed>>>,
+    opened: Opened,
+}
+
+impl Store {
+    /// Opens the library in a folder, with the working copy in its `.cache`.
+    ///
+    /// A damaged record does not keep the store from opening; it is listed by [`Store::damaged`] and refused
+    /// by [`Store::get`]. If another process has the library open, the text is read and nothing can be written.
+    ///
+    /// # Errors
+    /// If the text records cannot be read.
+    pub fn open(library: &Path) -> Result<Self, StoreError> {
+        Self::open_with_cache(library, &library.join(".cache"))
+    }
+
+    /// As [`Store::open`], with the working copy elsewhere.
+    ///
+    /// # Errors
+    /// If the text records cannot be read.
+    pub fn open_with_cache(library: &Path, cache_folder: &Path) -> Result<Self, StoreError> {
+        let text = TextFolder::new(library);
+        let (lock, why_not) = match take_lock(library) {
+            Ok(lock) => (Some(lock), String::new()),
+            Err(why) => (None, why),
+        };
+        if lock.is_some() {
+            text.clear_temporaries();
+        }
+        let files = text.read_all()?;
+        let mut store = Self {
+            manifest: files.iter().map(|f| (f.key.clone(), ContentHash::of_bytes(&f.bytes))).collect(),
+            text,
+            cache_folder: cache_folder.to_path_buf(),
+            cache: None,
+            damaged: BTreeMap::new(),
+            index: Mutex::new(None),
+            opened: Opened::TextOnly { why: why_not, writable: false },
+            lock,
+        };
+        store.check_text(&files);
+        if store.lock.is_some() {
+            store.open_cache(&files);
+        }
+        Ok(store)
+    }
+
+    /// Checks all text records; notes the damaged ones and fills the index.
+    fn check_text(&mut self, files: &[TextFile]) {
+        let mut index = BTreeMap::new();
+        for file in files {
+            match self.text.parse(&file.key, &file.bytes) {
+                Ok(entry) => {
+                    index.insert(file.key.clone(), Indexed::of(&entry));
+                }
+                Err(StoreError::Damaged { what, .. }) => {
+                    self.damaged.insert(file.key.clone(), what);
+                }
+                Err(other) => {
+                    self.damaged.insert(file.key.clone(), other.to_string());
+                }
+            }
+        }
+        *self.index.get_mut().unwrap_or_else(PoisonError::into_inner) = Some(index);
+    }
+
+    /// Opens the working copy, or builds it anew if anything about it differs from the text.
+    fn open_cache(&mut self, files: &[TextFile]) {
+        let why = if Cache::exists(&self.cache_folder) {
+            let usable = |key: &str| !self.damaged.contains_key(key);
+            let opened = Cache::open(&self.cache_folder)
+                .and_then(|cache| cache.compare(&self.manifest, usable).map(|()| cache));
+            match opened {
+                Ok(cache) => {
+                    self.cache = Some(cache);
+                    self.opened = Opened::Checked;
+                    return;
+                }
+                Err(fault) => fault,
+            }
+        } else {
+            "there was none".to_string()
+        };
+        self.build_cache(files, why);
+    }
+
+    /// Sets the working copy aside and builds a new one.
+    fn build_cache(&mut self, files: &[TextFile], why: String) {
+        self.cache = None;
+        let set_aside = Cache::exists(&self.cache_folder);
+        let built = cache::set_aside(&self.cache_folder)
+            .and_then(|()| fs::create_dir_all(&self.cache_folder))
+            .map_err(|e| e.to_string())
+            .and_then(|()| Cache::open(&self.cache_folder))
+            .and_then(|cache| {
+                let good = files.iter().filter(|f| !self.damaged.contains_key(&f.key));
+                cache.put(good.map(|f| (f.key.as_str(), f.bytes.as_slice())), &self.manifest)?;
+                Ok(cache)
+            });
+        self.opened = match built {
+            Ok(cache) => {
+                self.cache = Some(cache);
+                Opened::Rebuilt { why, set_aside }
+            }
+            Err(fault) => Opened::TextOnly { why: format!("the working copy cannot be built: {fault}"), writable: true },
+        };
+    }
+
+    /// How it was opened.
+    pub fn opened(&self) -> &Opened {
+        &self.opened
+    }
+
+    /// The library folder.
+    pub fn folder(&self) -> &Path {
+        self.text.root()
+    }
+
+    /// Damaged text records: file and what is wrong.
+    pub fn damaged(&self) -> Vec<(PathBuf, String)> {
+        self.damaged.iter().map(|(key, what)| (self.text.path_of(key), what.clone())).collect()
+    }
+
+    /// Keys of all records, damaged ones too, sorted.
+    pub fn keys(&self) -> Vec<String> {
+        self.manifest.keys().cloned().collect()
+    }
+
+    /// The entry with this key.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`], or [`StoreError::Damaged`] naming the file.
+    pub fn get(&self, key: &str) -> Result<Entry, StoreError> {
+        if let Some(what) = self.damaged.get(key) {
+            return Err(StoreError::Damaged { path: self.text.path_of(key), what: what.clone() });
+        }
+        if !self.manifest.contains_key(key) {
+            return Err(self.not_found(key));
+        }
+        let copy = self.cache.as_ref().and_then(|cache| cache.get(key));
+        match copy.and_then(|bytes| self.text.parse(key, &bytes).ok()) {
+            Some(entry) => Ok(entry),
+            None => self.text.read(key),
+        }
+    }
+
+    /// The one key that is meant by a key, its hash, or the beginning of either.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`] if none or several are.
+    pub fn resolve(&self, text: &str) -> Result<String, StoreError> {
+        if self.manifest.contains_key(text) {
+            return Ok(text.to_string());
+        }
+        let meant: Vec<&String> = self
+            .manifest
+            .keys()
+            .filter(|key| !text.is_empty() && (key.starts_with(text) || key.split('@').nth(1).is_some_and(|h| h.starts_with(text))))
+            .collect();
+        match meant.as_slice() {
+            [one] => Ok((*one).clone()),
+            [] => Err(self.not_found(text)),
+            several => Err(StoreError::NotFound {
+                key: text.to_string(),
+                hint: format!(": it could mean {} entries, for instance `{}` and `{}`", several.len(), several[0], several[1]),
+            }),
+        }
+    }
+
+    fn not_found(&self, key: &str) -> StoreError {
+        let near = self.manifest.keys().map(|k| (strsim::jaro_winkler(k, key), k)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let hint = near.filter(|(likeness, _)| *likeness > 0.85).map(|(_, k)| format!("; did you mean `{k}`?"));
+        StoreError::NotFound { key: key.to_string(), hint: hint.unwrap_or_default() }
+    }
+
+    /// All usable entries, in order of their keys.
+    ///
+    /// # Errors
+    /// If a record that was whole at opening cannot be read any more.
+    pub fn list(&self) -> Result<Vec<Entry>, StoreError> {
+        self.manifest.keys().filter(|key| !self.damaged.contains_key(*key)).map(|key| self.get(key)).collect()
+    }
+
+    /// Stores an entry.
+    ///
+    /// # Errors
+    /// If the entry is not sound or too large, or the store cannot be written.
+    pub fn put(&mut self, entry: &Entry) -> Result<Put, StoreError> {
+        self.put_all(std::slice::from_ref(entry)).map(|done| done[0])
+    }
+
+    /// Stores entries: all are checked before the first is written; text first, then the working copy.
+    ///
+    /// # Errors
+    /// As [`Store::put`].
+    pub fn put_all(&mut self, entries: &[Entry]) -> Result<Vec<Put>, StoreError> {
+        if self.lock.is_none() {
+            let why = match &self.opened {
+                Opened::TextOnly { why, .. } => why.clone(),
+                _ => String::new(),
+            };
+            return Err(StoreError::ReadOnly { why });
+        }
+        let mut changed: Vec<(String, String)> = Vec::new();
+        let mut done = Vec::with_capacity(entries.len());
+        for entry in entries {
+            let text = sound_text(entry)?;
+            let hash = ContentHash::of_bytes(text.as_bytes());
+            done.push(match self.manifest.get(&entry.key) {
+                Some(held) if *held == hash => Put::Unchanged,
+                Some(_) => Put::Replaced,
+                None => Put::Added,
+            });
+            if done.last() != Some(&Put::Unchanged) {
+                changed.push((entry.key.clone(), text));
+            }
+        }
+        if changed.is_empty() {
+            return Ok(done);
+        }
+        self.text.write(&changed)?;
+        for (key, text) in &changed {
+            self.manifest.insert(key.clone(), ContentHash::of_bytes(text.as_bytes()));
+            self.damaged.remove(key);
+        }
+        let index = self.index.get_mut().unwrap_or_else(PoisonError::into_inner).get_or_insert_default();
+        for entry in entries {
+            index.insert(entry.key.clone(), Indexed::of(entry));
+        }
+        if let Some(cache) = &self.cache {
+            let records = changed.iter().map(|(key, text)| (key.as_str(), text.as_bytes()));
+            if let Err(fault) = cache.put(records, &self.manifest) {
+                // The text is written; the next opening builds the copy again.
+                self.cache = None;
+                self.opened = Opened::TextOnly { why: format!("the working copy failed: {fault}"), writable: true };
+            }
+        }
+        Ok(done)
+    }
+
+    /// The usable, not deprecated entry that fits best: an exact match first (of several the newest
+    /// submodel version, then the first key), else the nearest within `tolerance`
+    /// ([`find`] says what the distance means), else none.
+    ///
+    /// # Errors
+    /// If its record cannot be read.
+    pub fn find(&self, wanted: &Features, tolerance: f64) -> Result<Option<Found>, StoreError> {
+        match self.nearest(wanted) {
+            Some(near) if near.fit.exact || near.fit.distance <= tolerance => {
+                Ok(Some(Found { entry: self.get(&near.key)?, fit: near.fit }))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The best candidate without regard to a tolerance (its distance may be infinite); none only in a
+    /// library without usable entries. For messages, not for use.
+    pub fn nearest(&self, wanted: &Features) -> Option<Nearest> {
+        let index = self.index.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut best: Option<(Nearest, u32)> = None;
+        for (key, item) in index.iter().flatten().filter(|(_, item)| !item.deprecated) {
+            let fit = find::compare(&item.features, wanted);
+            let rank = |fit: &find::Match, version: u32| (!fit.exact, fit.distance, std::cmp::Reverse(version));
+            let better = best.as_ref().is_none_or(|(held, version)| {
+                let (a, b) = (rank(&fit, item.submodel_version), rank(&held.fit, *version));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)).is_lt()
+            });
+            if better {
+                best = Some((Nearest { key: key.clone(), fit }, item.submodel_version));
+            }
+        }
+        best.map(|(near, _)| near)
+    }
+
+    /// Marks an entry as no longer to be used.
+    ///
+    /// # Errors
+    /// If either entry is absent or damaged, the successor is the entry itself or deprecated, or the store
+    /// cannot be written.
+    pub fn deprecate(&mut self, key: &str, successor: Option<&str>, reason: &str) -> Result<(), StoreError> {
+        let mut entry = self.get(key)?;
+        let invalid = |what: &str| StoreError::Invalid { key: key.to_string(), what: what.to_string() };
+        if let Some(successor) = successor {
+            if successor == key {
+                return Err(invalid("cannot be its own successor"));
+            }
+            if self.get(successor)?.deprecated.is_some() {
+                return Err(invalid(&format!("its successor `{successor}` is itself deprecated")));
+            }
+        }
+        entry.deprecated = Some(Deprecation { reason: reason.to_string(), successor: successor.map(str::to_string) });
+        self.put(&entry).map(|_| ())
+    }
+
+    /// Reads all text again and builds the working copy anew; returns the number of usable records.
+    ///
+    /// # Errors
+    /// If the text cannot be read, or another process holds the library.
+    pub fn rebuild(&mut self) -> Result<usize, StoreError> {
+        if let (None, Opened::TextOnly { why, .. }) = (&self.lock, &self.opened) {
+            return Err(StoreError::ReadOnly { why: why.clone() });
+        }
+        let files = self.text.read_all()?;
+        self.manifest = files.iter().map(|f| (f.key.clone(), ContentHash::of_bytes(&f.bytes))).collect();
+        self.damaged.clear();
+        self.check_text(&files);
+        self.build_cache(&files, "it was asked for".to_string());
+        Ok(files.len() - self.damaged.len())
+    }
+
+    pub(super) fn text(&self) -> &TextFolder {
+        &self.text
+    }
+
+    pub(super) fn cache(&self) -> Option<&Cache> {
+        self.cache.as_ref()
+    }
+}
+
+impl Indexed {
+    fn of(entry: &Entry) -> Self {
+        Self {
+            features: entry.features.clone(),
+            submodel_version: entry.provenance.inputs.submodel_version,
+            deprecated: entry.deprecated.is_some(),
+        }
+    }
+}
+
+/// The text of an entry that may be stored.
+fn sound_text(entry: &Entry) -> Result<String, StoreError> {
+    let invalid = |what: String| StoreError::Invalid { key: entry.key.clone(), what };
+    super::check::entry(entry).map_err(invalid)?;
+    debug_assert!(key::is_key(&entry.key));
+    let text = entry.to_text().map_err(|e| invalid(e.to_string()))?;
+    // Written and read must be the same thing; this also refuses numbers that JSON cannot hold.
+    if Entry::from_text(&text).map_err(invalid)? != *entry {
+        return Err(invalid("does not read back as it was written".to_string()));
+    }
+    if text.len() >= RECORD_LIMIT_BYTES {
+        return Err(invalid(format!("its record has {} bytes, the limit is {RECORD_LIMIT_BYTES}", text.len())));
+    }
+    Ok(text)
+}
+
+/// The right to write: a lock on `library/.cache/lock`, given back when the file is closed.
+fn take_lock(library: &Path) -> Result<File, String> {
+    let folder = library.join(".cache");
+    let path = folder.join("lock");
+    let file = fs::create_dir_all(&folder)
+        .and_then(|()| File::options().create(true).truncate(false).write(true).open(&path))
+        .map_err(|e| format!("{}: {e}", path.display()))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err("another process has it open".to_string()),
+        Err(TryLockError::Error(e)) => Err(format!("{}: {e}", path.display())),
+    }
+}

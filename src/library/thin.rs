@@ -1,0 +1,115 @@
+//! Thinning of curves, so that a record stays below [`RECORD_LIMIT_BYTES`].
+//!
+//! Points are kept in the order of how much the polygon would change without them (the greedy
+//! refinement of Douglas and Peucker, 1973): the ends, the peak, then at each stage the point farthest
+//! (in moment) from the polygon of those kept. Kept points keep their coordinates.
+
+use super::entry::{Entry, RECORD_LIMIT_BYTES};
+
+/// Largest number of points of a curve, before the size of the record asks for fewer.
+pub const POINTS_LIMIT: usize = 40;
+
+/// At most `limit` (at least 3) points of a curve, chosen as above.
+pub fn thinned(points: &[[f64; 2]], limit: usize) -> Vec<[f64; 2]> {
+    let limit = limit.max(3);
+    if points.len() <= limit {
+        return points.to_vec();
+    }
+    let mut kept = vec![false; points.len()];
+    let peak = (0..points.len()).fold(0, |best, i| if points[i][1].abs() > points[best][1].abs() { i } else { best });
+    for index in [0, peak, points.len() - 1] {
+        kept[index] = true;
+    }
+    while kept.iter().filter(|k| **k).count() < limit {
+        let Some(farthest) = farthest(points, &kept) else { break };
+        kept[farthest] = true;
+    }
+    points.iter().zip(&kept).filter(|(_, k)| **k).map(|(p, _)| *p).collect()
+}
+
+/// The dropped point with the largest distance, in moment, from the polygon of the kept ones.
+fn farthest(points: &[[f64; 2]], kept: &[bool]) -> Option<usize> {
+    let mut best: Option<(usize, f64)> = None;
+    let mut left = 0;
+    while let Some(right) = (left + 1..points.len()).find(|&i| kept[i]) {
+        let (a, b) = (points[left], points[right]);
+        for (i, point) in points.iter().enumerate().take(right).skip(left + 1) {
+            let share = if b[0] > a[0] { (point[0] - a[0]) / (b[0] - a[0]) } else { 0.0 };
+            let distance = (point[1] - (a[1] + share * (b[1] - a[1]))).abs();
+            if best.is_none_or(|(_, largest)| distance > largest) {
+                best = Some((i, distance));
+            }
+        }
+        left = right;
+    }
+    best.filter(|(_, distance)| *distance > 0.0).map(|(i, _)| i)
+}
+
+/// Rounds and thins the curves of an entry until its text is below the limit (or no further gain is
+/// possible; the store then refuses the entry).
+pub(super) fn fit(entry: &mut Entry) -> Result<(), serde_json::Error> {
+    round_curves(entry);
+    let original = entry.axes.clone();
+    for limit in [POINTS_LIMIT, 32, 26, 20, 16, 12, 9, 7, 5] {
+        for (axis, full) in entry.axes.iter_mut().zip(&original) {
+            for (level, full) in axis.envelopes.iter_mut().zip(&full.envelopes) {
+                level.points = thinned(&full.points, limit);
+            }
+            for (level, full) in axis.curve.levels.iter_mut().zip(&full.curve.levels) {
+                level.capacity = thinned(&full.capacity, limit);
+            }
+        }
+        if entry.to_text()?.len() < RECORD_LIMIT_BYTES {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn round_curves(entry: &mut Entry) {
+    for axis in &mut entry.axes {
+        for level in &mut axis.envelopes {
+            level.points.iter_mut().flatten().for_each(|x| *x = rounded(*x));
+            level.points.dedup_by(|a, b| a[0] == b[0]);
+        }
+        for level in &mut axis.curve.levels {
+            level.capacity.iter_mut().flatten().for_each(|x| *x = rounded(*x));
+            level.capacity.dedup_by(|a, b| a[0] == b[0]);
+        }
+    }
+}
+
+/// A number with 9 significant digits (a relative change below 5·10⁻⁹, far below what an explicit run resolves).
+fn rounded(x: f64) -> f64 {
+    if x == 0.0 || !x.is_finite() { x } else { format!("{x:.8e}").parse().unwrap_or(x) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_ends_peak_and_shape() {
+        // Elastic to 0.01 rad, plateau, drop at 0.08 rad.
+        let moment = |x: f64| if x < 0.01 { x * 1e7 } else if x < 0.08 { 1e5 + 1e4 * x } else { 2e4 };
+        let points: Vec<[f64; 2]> = (0..=1000).map(|i| f64::from(i) * 1e-4).map(|x| [x, moment(x)]).collect();
+        let few = thinned(&points, 6);
+        assert!(few.len() <= 6);
+        assert_eq!((few[0], few[few.len() - 1]), (points[0], points[1000]));
+        let at = |x: f64| {
+            let right = few.iter().position(|p| p[0] >= x).unwrap().max(1);
+            let (a, b) = (few[right - 1], few[right]);
+            a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0])
+        };
+        let worst = points.iter().map(|p| (at(p[0]) - p[1]).abs()).fold(0.0, f64::max);
+        assert!(worst < 1.0, "{worst}");
+        assert_eq!(thinned(&points[..5], 6), &points[..5]);
+    }
+
+    #[test]
+    fn rounding_keeps_nine_digits() {
+        assert_eq!(rounded(123_456.789_123_456), 123_456.789);
+        assert_eq!(rounded(-1.234_567_894_9e-5), -1.234_567_89e-5);
+        assert_eq!(rounded(0.0), 0.0);
+    }
+}
