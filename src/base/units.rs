@@ -269,6 +269,14 @@ pub fn show(value: f64, dimension: Dimension) -> String {
     if symbol.is_empty() { format!("{number}") } else { format!("{number} {symbol}") }
 }
 
+/// A range such as "4 mm to 60 mm": both ends of a small length in mm, otherwise each as [`show`] does.
+pub fn show_range(min: f64, max: f64, dimension: Dimension) -> String {
+    if dimension == Dimension::Length && max < 1.0 {
+        return format!("{} mm to {} mm", round_to_digits(min * 1e3, 6), round_to_digits(max * 1e3, 6));
+    }
+    format!("{} to {}", show(min, dimension), show(max, dimension))
+}
+
 /// A number rounded to some significant digits, for messages.
 pub fn round_to_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
