@@ -111,8 +111,6 @@ impl Node {
 
 /// Deepest nesting of lists and tables that is read.
 const MAX_DEPTH: usize = 64;
-/// Most parts of a dotted key: each makes a table in a table.
-const MAX_KEY_PARTS: usize = 16;
 /// Most syntax errors that are reported.
 const MAX_SYNTAX_ERRORS: usize = 10;
 
@@ -125,9 +123,6 @@ pub fn parse(source: &Source, format: Format) -> Result<Node, Vec<Diagnostic>> {
 }
 
 fn parse_toml(source: &Source) -> Result<Node, Vec<Diagnostic>> {
-    if let Some(error) = long_dotted_key(source) {
-        return Err(vec![error]);
-    }
     let (table, mut errors) = DeTable::parse_recoverable(&source.text);
     if !errors.is_empty() {
         errors.sort_by_key(|e| e.span().map(|s| s.start));
@@ -138,24 +133,6 @@ fn parse_toml(source: &Source) -> Result<Node, Vec<Diagnostic>> {
     }
     let span = table.span().into();
     Ok(Node { span, value: toml_table(table.into_inner()) })
-}
-
-/// A key such as `a.b.c. ...` with very many parts: the tree would be too deep for the stack.
-fn long_dotted_key(source: &Source) -> Option<Diagnostic> {
-    let mut start = 0;
-    for line in source.text.split_inclusive('\n') {
-        let key = line.split('=').next().unwrap_or_default();
-        if key.matches('.').count() >= MAX_KEY_PARTS
-            && !key.trim_start().starts_with('#')
-            && line.contains(['=', '['])
-        {
-            let end = start + key.len();
-            let error = Diagnostic::error("syntax", format!("a key has more than {MAX_KEY_PARTS} parts"));
-            return Some(error.at((start..end).into(), ""));
-        }
-        start += line.len();
-    }
-    None
 }
 
 fn toml_error(source: &Source, error: &toml::de::Error) -> Diagnostic {

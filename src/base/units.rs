@@ -180,15 +180,21 @@ impl fmt::Display for UnitError {
     }
 }
 
+/// Longest text that can be a quantity.
+const MAX_QUANTITY_BYTES: usize = 64;
+
 /// Number and unit of a text, `None` if it does not begin with a number; the unit may be empty.
 pub fn split_quantity(text: &str) -> Option<(f64, String)> {
+    if text.len() > MAX_QUANTITY_BYTES {
+        return None;
+    }
     let text = text.trim().replace('\u{2212}', "-");
     let ends = text.char_indices().map(|(i, c)| i + c.len_utf8()).filter(|&end| {
         let head = &text[..end];
         head.ends_with(|c: char| c.is_ascii_digit() || c == '.')
     });
     // The longest beginning that is a number: "1e3 mm" is 1000 mm, "400mm" is 400 mm.
-    let (number, end) = ends.filter_map(|end| Some((text[..end].parse::<f64>().ok()?, end))).last()?;
+    let (number, end) = ends.filter_map(|end| Some((text[..end].parse::<f64>().ok()?, end))).next_back()?;
     Some((number, canonical_symbol(&text[end..])))
 }
 

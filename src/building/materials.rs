@@ -150,8 +150,11 @@ fn material_id(
     found: &mut Vec<Diagnostic>,
 ) -> Option<String> {
     let id = fields.node.get(key)?.text()?;
-    let of_kind: Vec<&str> =
-        materials.iter().filter(|(_, m)| m.item.0 == wanted).map(|(id, _)| id.as_str()).collect();
+    let of_kind: Vec<&str> = materials
+        .iter()
+        .filter(|(id, m)| m.item.0 == wanted && is_id(id))
+        .map(|(id, _)| id.as_str())
+        .collect();
     // A material whose own kind is wrong may be the one that is meant.
     let possible = materials.iter().filter(|(_, m)| m.item.0 == wanted || m.item.1.is_none());
     let possible = possible.filter(|(id, _)| is_id(id));

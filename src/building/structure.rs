@@ -342,7 +342,7 @@ fn unit_slip(node: &Node, value: f64, quantity: &Quantity) -> Option<String> {
 }
 
 fn wrong_unit(node: &Node, name: &str, error: &UnitError, quantity: &Quantity) -> Diagnostic {
-    let written = node.text().map_or_else(|| "this number".into(), |t| quoted(t));
+    let written = node.text().map_or_else(|| "this number".into(), quoted);
     let dimension = quantity.dimension;
     let message = match error {
         UnitError::WrongDimension { found } => {
