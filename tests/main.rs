@@ -1,4 +1,6 @@
-//! Integration tests, one module a subject.
+//! Integration tests, one module a subject: `building` reads and refuses building files, `library` keeps and mends
+//! the store, `mbs` verifies the multibody solver, `report` renders pages.
 
+mod building;
 mod mbs;
 mod report;

@@ -61,8 +61,9 @@ impl Source {
             let remedy = format!("the largest input is {} MiB", MAX_FILE_BYTES >> 20);
             return Err(problem("the file is too large", remedy));
         }
-        let bytes = std::fs::read(path)
-            .map_err(|error| problem(&format!("the file cannot be read: {error}"), "check its permissions".into()))?;
+        let bytes = std::fs::read(path).map_err(|error| {
+            problem(&format!("the file cannot be read: {error}"), "check its permissions".into())
+        })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             let message = format!("this is not a text file: byte {at} is not UTF-8");

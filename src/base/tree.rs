@@ -109,6 +109,11 @@ impl Node {
     }
 }
 
+/// Deepest nesting of lists and tables that is read.
+const MAX_DEPTH: usize = 64;
+/// Most syntax errors that are reported.
+const MAX_SYNTAX_ERRORS: usize = 10;
+
 /// Parses a source; all syntax errors come back at once (JSON stops at the first).
 pub fn parse(source: &Source, format: Format) -> Result<Node, Vec<Diagnostic>> {
     match format {
@@ -118,9 +123,13 @@ pub fn parse(source: &Source, format: Format) -> Result<Node, Vec<Diagnostic>> {
 }
 
 fn parse_toml(source: &Source) -> Result<Node, Vec<Diagnostic>> {
-    let (table, errors) = DeTable::parse_recoverable(&source.text);
+    let (table, mut errors) = DeTable::parse_recoverable(&source.text);
     if !errors.is_empty() {
-        return Err(errors.iter().map(|e| toml_error(source, e)).collect());
+        errors.sort_by_key(|e| e.span().map(|s| s.start));
+        // After a bracket that is not closed everything to the end of the file looks wrong.
+        let unclosed = errors.iter().position(|e| e.message().contains("array"));
+        let shown = unclosed.map_or(errors.len(), |at| at + 1).min(MAX_SYNTAX_ERRORS);
+        return Err(errors[..shown].iter().map(|e| toml_error(source, e)).collect());
     }
     let span = table.span().into();
     Ok(Node { span, value: toml_table(table.into_inner()) })
@@ -131,7 +140,11 @@ fn toml_error(source: &Source, error: &toml::de::Error) -> Diagnostic {
     let span = error.span().unwrap_or(end..end);
     Diagnostic::error("syntax", format!("this is not valid TOML: {}", error.message()))
         .at(span.into(), "")
-        .help("values are checked once the syntax is right")
+        .help(if error.message().contains("array") {
+            "is a `[` not closed, or a comma missing, before this?"
+        } else {
+            "values are checked once the syntax is right"
+        })
 }
 
 fn toml_table(table: DeTable<'_>) -> Value {
@@ -172,22 +185,47 @@ fn parse_json(source: &Source) -> Result<Node, Vec<Diagnostic>> {
     if let Err(error) = serde_json::from_str::<serde::de::IgnoredAny>(&source.text) {
         return Err(vec![json_error(source, &error)]);
     }
+    if let Some(at) = too_deep(&source.text) {
+        let error =
+            Diagnostic::error("syntax", format!("lists and tables are nested more than {MAX_DEPTH} deep"));
+        return Err(vec![error.at((at..at + 1).into(), "")]);
+    }
     let options = jsonc_parser::ParseOptions {
         allow_comments: false,
         allow_loose_object_property_names: false,
         allow_trailing_commas: false,
     };
-    let parsed = jsonc_parser::parse_to_ast(&source.text, &Default::default(), &options).map_err(|error| {
-        let range = error.range();
-        let message = format!("this is not valid JSON: {}", error.kind());
-        vec![Diagnostic::error("syntax", message).at((range.start..range.end).into(), "")]
-    })?;
+    let parsed =
+        jsonc_parser::parse_to_ast(&source.text, &Default::default(), &options).map_err(|error| {
+            let range = error.range();
+            let message = format!("this is not valid JSON: {}", error.kind());
+            vec![Diagnostic::error("syntax", message).at((range.start..range.end).into(), "")]
+        })?;
     let mut errors = Vec::new();
     let Some(value) = parsed.value else {
         return Err(vec![Diagnostic::error("syntax", "this is not valid JSON: the file is empty")]);
     };
     let node = json_node(&value, &mut errors);
     if errors.is_empty() { Ok(node) } else { Err(errors) }
+}
+
+/// Where valid JSON is nested too deeply: the parser that gives the places uses the stack.
+fn too_deep(text: &str) -> Option<usize> {
+    let (mut depth, mut in_text, mut escaped) = (0usize, false, false);
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_text => escaped = true,
+            b'"' => in_text = !in_text,
+            b'[' | b'{' if !in_text => depth += 1,
+            b']' | b'}' if !in_text => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > MAX_DEPTH {
+            return Some(at);
+        }
+    }
+    None
 }
 
 fn json_error(source: &Source, error: &serde_json::Error) -> Diagnostic {
@@ -220,7 +258,11 @@ fn json_node(value: &jsonc_parser::ast::Value<'_>, errors: &mut Vec<Diagnostic>)
                 let key_span: Span = (name.start..name.end).into();
                 if let Some(first) = seen.insert(key.clone(), key_span) {
                     let message = format!("the key {} is given twice", quoted(&key));
-                    errors.push(Diagnostic::error("syntax", message).at(key_span, "again here").also(first, "first here"));
+                    errors.push(
+                        Diagnostic::error("syntax", message)
+                            .at(key_span, "again here")
+                            .also(first, "first here"),
+                    );
                     continue;
                 }
                 entries.push(Entry { key, key_span, node: json_node(&property.value, errors) });

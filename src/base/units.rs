@@ -180,15 +180,21 @@ impl fmt::Display for UnitError {
     }
 }
 
+/// Longest text that can be a quantity.
+const MAX_QUANTITY_BYTES: usize = 64;
+
 /// Number and unit of a text, `None` if it does not begin with a number; the unit may be empty.
 pub fn split_quantity(text: &str) -> Option<(f64, String)> {
+    if text.len() > MAX_QUANTITY_BYTES {
+        return None;
+    }
     let text = text.trim().replace('\u{2212}', "-");
     let ends = text.char_indices().map(|(i, c)| i + c.len_utf8()).filter(|&end| {
         let head = &text[..end];
         head.ends_with(|c: char| c.is_ascii_digit() || c == '.')
     });
     // The longest beginning that is a number: "1e3 mm" is 1000 mm, "400mm" is 400 mm.
-    let (number, end) = ends.filter_map(|end| Some((text[..end].parse::<f64>().ok()?, end))).last()?;
+    let (number, end) = ends.filter_map(|end| Some((text[..end].parse::<f64>().ok()?, end))).next_back()?;
     Some((number, canonical_symbol(&text[end..])))
 }
 
@@ -267,6 +273,14 @@ pub fn show(value: f64, dimension: Dimension) -> String {
         .unwrap_or((dimension.si_symbol(), 1.0));
     let number = round_to_digits(value / factor, 6);
     if symbol.is_empty() { format!("{number}") } else { format!("{number} {symbol}") }
+}
+
+/// A range such as "4 mm to 60 mm": both ends of a small length in mm, otherwise each as [`show`] does.
+pub fn show_range(min: f64, max: f64, dimension: Dimension) -> String {
+    if dimension == Dimension::Length && max < 1.0 {
+        return format!("{} mm to {} mm", round_to_digits(min * 1e3, 6), round_to_digits(max * 1e3, 6));
+    }
+    format!("{} to {}", show(min, dimension), show(max, dimension))
 }
 
 /// A number rounded to some significant digits, for messages.

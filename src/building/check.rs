@@ -9,13 +9,13 @@ use super::partition::{COORDINATE_TOLERANCE_M, Partition};
 use super::plan::prepared;
 use super::read::Draft;
 use super::structure::list_words;
-use crate::base::diagnostic::{Diagnostic, quoted};
+use crate::base::diagnostic::{Diagnostic, Severity, quoted};
 use crate::base::source::Span;
 use crate::base::tree::Node;
-use crate::base::units::{Dimension, show};
+use crate::base::units::{Dimension, round_to_digits, show};
 
 /// Most cells of a partition and most elements of a mesh that pass.
-const MAX_CELLS: f64 = 3e7;
+const MAX_CELLS: f64 = 1e7;
 const MAX_ELEMENTS: f64 = 5e6;
 /// Most overlaps and the like that are reported one by one.
 const MAX_REPORTED: usize = 20;
@@ -25,13 +25,15 @@ pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     overlaps(draft, found);
     obstacles(draft, found);
     below_ground(draft, found);
-    unused(draft, found);
     events_on_removed(draft, found);
     mesh(root, draft, found);
     if draft.members.complete && !draft.members.list.is_empty() {
         removed_wholly(draft, found);
         support(root, draft, found);
         volumes(draft, found);
+    }
+    if found.iter().all(|d| d.severity == Severity::Warning) {
+        unused(draft, found);
     }
 }
 
@@ -47,7 +49,11 @@ fn overlaps(draft: &Draft, found: &mut Vec<Diagnostic>) {
             }
             let message = format!(
                 "the {} {} and the {} {} {}",
-                noun(a.item.kind), quoted(&a.item.id), noun(b.item.kind), quoted(&b.item.id), problem.0
+                noun(a.item.kind),
+                quoted(&a.item.id),
+                noun(b.item.kind),
+                quoted(&b.item.id),
+                problem.0
             );
             let mut error = Diagnostic::error("overlap", message).at(b.span, problem.1);
             if a.span != b.span {
@@ -59,7 +65,11 @@ fn overlaps(draft: &Draft, found: &mut Vec<Diagnostic>) {
 }
 
 /// What is wrong with the common volume of two members: message, label, remedy.
-fn overlap(a: &Member, b: &Member, all: &[Placed<Member>]) -> Option<(&'static str, String, Option<&'static str>)> {
+fn overlap(
+    a: &Member,
+    b: &Member,
+    all: &[Placed<Member>],
+) -> Option<(&'static str, String, Option<&'static str>)> {
     use MemberKind::{Beam, Column, Footing, Slab, Wall};
     let common = a.solid.intersection(&b.solid, COORDINATE_TOLERANCE_M)?;
     let volume = format!("{:.4} m3 of common volume", common.volume());
@@ -74,19 +84,16 @@ fn overlap(a: &Member, b: &Member, all: &[Placed<Member>]) -> Option<(&'static s
     match (a.kind, b.kind) {
         (Column, Column) | (Slab, Slab) | (Footing, Footing) | (Slab, Footing) | (Footing, Slab) => plain,
         (Wall, Wall) if a.axis == b.axis => plain,
+        // Two beams of one line may meet over a column; crossing beams make a joint anywhere.
         (Beam, Beam) if a.axis == b.axis => {
-            let over_column = |c: &Placed<Member>| {
-                c.item.kind == Column
-                    && (0..2).all(|i| {
-                        c.item.solid.min[i] <= common.min[i] + COORDINATE_TOLERANCE_M.max(0.5 * common.size()[i])
-                            && c.item.solid.max[i] >= common.max[i] - COORDINATE_TOLERANCE_M.max(0.5 * common.size()[i])
-                    })
-                    && (c.item.solid.min[a.axis] <= common.min[a.axis] + COORDINATE_TOLERANCE_M)
-                    && (c.item.solid.max[a.axis] >= common.max[a.axis] - COORDINATE_TOLERANCE_M)
-                    && c.item.solid.max[2] >= common.min[2] - COORDINATE_TOLERANCE_M
-                    && c.item.solid.min[2] <= common.max[2] + COORDINATE_TOLERANCE_M
+            let within = |c: &Member| {
+                let tolerance = COORDINATE_TOLERANCE_M;
+                c.solid.min[a.axis] <= common.min[a.axis] + tolerance
+                    && c.solid.max[a.axis] >= common.max[a.axis] - tolerance
+                    && super::connect::touch_box(&c.solid, &common)
             };
-            if all.iter().any(over_column) { None } else { plain }
+            let joint = all.iter().any(|c| c.item.kind == Column && within(&c.item));
+            if joint { None } else { plain }
         }
         (Column | Wall, Slab) => through(a, b),
         (Slab, Column | Wall) => through(b, a),
@@ -106,12 +113,19 @@ fn obstacles(draft: &Draft, found: &mut Vec<Diagnostic>) {
             let more = if hits.len() > 1 { format!(" and {} more", hits.len() - 1) } else { String::new() };
             let message = format!(
                 "the obstacle {} overlaps the {} {}{more}",
-                quoted(&obstacle.item.id), noun(first.item.kind), quoted(&first.item.id)
+                quoted(&obstacle.item.id),
+                noun(first.item.kind),
+                quoted(&first.item.id)
             );
-            found.push(Diagnostic::error("overlap", message).at(obstacle.span, "").also(first.span, "the member"));
+            found.push(
+                Diagnostic::error("overlap", message).at(obstacle.span, "").also(first.span, "the member"),
+            );
         }
         if draft.ground.is_some_and(|g| obstacle.item.solid.max[2] <= g.level_m) {
-            let warning = Diagnostic::warning("buried-obstacle", "this obstacle lies below the ground: nothing can hit it");
+            let warning = Diagnostic::warning(
+                "buried-obstacle",
+                "this obstacle lies below the ground: nothing can hit it",
+            );
             found.push(warning.at(obstacle.span, ""));
         }
     }
@@ -125,10 +139,12 @@ fn below_ground(draft: &Draft, found: &mut Vec<Diagnostic>) {
         if depth > COORDINATE_TOLERANCE_M && !seen.contains(&member.span) {
             seen.push(member.span);
             let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
-            let message = format!("the {noun} {id} reaches {} below the ground", show(depth, Dimension::Length));
-            let error = Diagnostic::error("below-ground", message)
-                .at(member.span, "")
-                .help(format!("the ground is at {}; only footings may lie below it", show(ground.level_m, Dimension::Length)));
+            let message =
+                format!("the {noun} {id} reaches {} below the ground", show(depth, Dimension::Length));
+            let error = Diagnostic::error("below-ground", message).at(member.span, "").help(format!(
+                "the ground is at {}; only footings may lie below it",
+                show(ground.level_m, Dimension::Length)
+            ));
             found.push(error);
         }
     }
@@ -158,14 +174,30 @@ fn is_cut(draft: &Draft, id: &str) -> bool {
 fn events_on_removed(draft: &Draft, found: &mut Vec<Diagnostic>) {
     for (i, event) in draft.events.iter().enumerate() {
         let member = &event.item.member;
-        if let Some(cut) = draft.preparation.iter().find(|p| is_cut(draft, member) && prepared(&p.item) == member) {
-            let message = format!("the event {} is on {}, which is cut away before", quoted(&event.item.id), quoted(member));
-            found.push(Diagnostic::error("removed-twice", message).at(event.span, "").also(cut.span, "cut here"));
+        if let Some(cut) =
+            draft.preparation.iter().find(|p| is_cut(draft, member) && prepared(&p.item) == member)
+        {
+            let message = format!(
+                "the event {} is on {}, which is cut away before",
+                quoted(&event.item.id),
+                quoted(member)
+            );
+            found.push(
+                Diagnostic::error("removed-twice", message).at(event.span, "").also(cut.span, "cut here"),
+            );
         }
         let whole = draft.events[..i].iter().find(|e| e.item.member == *member && e.item.stretch_m.is_none());
         if let Some(first) = whole {
-            let message = format!("the event {} is on {}, which is already removed", quoted(&event.item.id), quoted(member));
-            found.push(Diagnostic::error("removed-twice", message).at(event.span, "").also(first.span, "removed here"));
+            let message = format!(
+                "the event {} is on {}, which is already removed",
+                quoted(&event.item.id),
+                quoted(member)
+            );
+            found.push(
+                Diagnostic::error("removed-twice", message)
+                    .at(event.span, "")
+                    .also(first.span, "removed here"),
+            );
         }
     }
 }
@@ -176,7 +208,10 @@ fn removed_wholly(draft: &Draft, found: &mut Vec<Diagnostic>) {
         charged || is_cut(draft, &m.item.id)
     };
     if draft.members.list.iter().all(gone) {
-        let error = Diagnostic::error("all-removed", "the events and cuts remove the whole building: nothing is left to fall");
+        let error = Diagnostic::error(
+            "all-removed",
+            "the events and cuts remove the whole building: nothing is left to fall",
+        );
         let place = draft.events.first().map(|e| e.span).or(draft.preparation.first().map(|p| p.span));
         found.push(match place {
             Some(span) => error.at(span, ""),
@@ -205,7 +240,10 @@ fn support(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
         let ids: Vec<&str> = group.iter().map(|&i| list[i].item.id.as_str()).collect();
         let first = &list[group[0]];
         let (subject, label) = if group.len() == 1 {
-            (format!("the {} {} touches", noun(first.item.kind), quoted(ids[0])), "hangs in the air".to_string())
+            (
+                format!("the {} {} touches", noun(first.item.kind), quoted(ids[0])),
+                "hangs in the air".to_string(),
+            )
         } else {
             (format!("{} members touch", group.len()), some_of(&ids))
         };
@@ -218,10 +256,18 @@ fn support(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     if loose.is_empty() && present.contains(&false) {
         for group in unsupported_groups(&members, &present, &supported) {
             let ids: Vec<&str> = group.iter().map(|&i| list[i].item.id.as_str()).collect();
-            let Some(cut) = draft.preparation.iter().find(|p| matches!(p.item, Preparation::Cut { .. })) else { continue };
-            let error = Diagnostic::error("unsupported", "after the cuts, before ignition, a part hangs in the air")
-                .at(cut.span, some_of(&ids))
-                .help("a cut is made before the dead-load state; use an event to remove a member in the collapse");
+            let Some(cut) = draft.preparation.iter().find(|p| matches!(p.item, Preparation::Cut { .. }))
+            else {
+                continue;
+            };
+            let error = Diagnostic::error(
+                "unsupported",
+                "after the cuts, before ignition, a part hangs in the air",
+            )
+            .at(cut.span, some_of(&ids))
+            .help(
+                "a cut is made before the dead-load state; use an event to remove a member in the collapse",
+            );
             found.push(error);
         }
     }
@@ -232,11 +278,17 @@ fn high_supports(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(ground) = draft.ground else { return };
     let mut seen: Vec<Span> = Vec::new();
     for support in &draft.supports {
-        let Some(member) = draft.members.list.iter().find(|m| m.item.id == support.item.member) else { continue };
+        let Some(member) = draft.members.list.iter().find(|m| m.item.id == support.item.member) else {
+            continue;
+        };
         let height = member.item.solid.min[2] - ground.level_m;
         if height > COORDINATE_TOLERANCE_M && !seen.contains(&support.span) {
             seen.push(support.span);
-            let message = format!("{} is held {} above the ground", quoted(&support.item.member), show(height, Dimension::Length));
+            let message = format!(
+                "{} is held {} above the ground",
+                quoted(&support.item.member),
+                show(height, Dimension::Length)
+            );
             found.push(Diagnostic::warning("high-support", message).at(support.span, "is this meant?"));
         }
     }
@@ -256,15 +308,20 @@ fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(building) = draft.building() else { return };
     let planes: f64 = (0..3)
         .map(|i| {
-            let mut all: Vec<f64> = building.members.iter().flat_map(|m| [m.solid.min[i], m.solid.max[i]]).collect();
+            let mut all: Vec<f64> =
+                building.members.iter().flat_map(|m| [m.solid.min[i], m.solid.max[i]]).collect();
             all.sort_by(f64::total_cmp);
             all.dedup();
             all.len() as f64
         })
         .product();
     if planes > MAX_CELLS {
-        let error = Diagnostic::error("too-many", format!("the faces of all members make {planes:.1e} cells"))
-            .help(format!("at most {MAX_CELLS:.0e}: align the members' faces or describe a part of the building"));
+        let error =
+            Diagnostic::error("too-many", format!("the faces of all members make {planes:.1e} cells")).help(
+                format!(
+                    "at most {MAX_CELLS:.0e}: align the members' faces or describe a part of the building"
+                ),
+            );
         found.push(error);
         return;
     }
@@ -289,16 +346,24 @@ fn mesh(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     let volume: f64 = draft.members.list.iter().map(|m| m.item.solid.volume()).sum();
     let elements = volume / size.powi(3);
     if elements > MAX_ELEMENTS {
-        let error = Diagnostic::error("mesh-size", format!("this mesh size makes about {elements:.1e} elements"))
-            .at(span, show(size, Dimension::Length))
-            .help(format!("{} would make {:.0e}", show((volume / MAX_ELEMENTS).cbrt(), Dimension::Length), MAX_ELEMENTS));
+        let error =
+            Diagnostic::error("mesh-size", format!("this mesh size makes about {elements:.1e} elements"))
+                .at(span, show(size, Dimension::Length))
+                .help(format!(
+                    "with {} it is below {:.0e}",
+                    show(round_to_digits(1.05 * (volume / MAX_ELEMENTS).cbrt(), 2), Dimension::Length),
+                    MAX_ELEMENTS
+                ));
         found.push(error);
     }
     let longest = |m: &Placed<Member>| m.item.solid.size().into_iter().fold(0.0, f64::max);
     let shortest = draft.members.list.iter().min_by(|a, b| longest(a).total_cmp(&longest(b)));
     if let Some(member) = shortest.filter(|m| size > 0.5 * longest(m)) {
         let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
-        let message = format!("the mesh is too coarse for the {noun} {id}, which is {} long", show(longest(member), Dimension::Length));
+        let message = format!(
+            "the mesh is too coarse for the {noun} {id}, which is {} long",
+            show(longest(member), Dimension::Length)
+        );
         let error = Diagnostic::error("mesh-size", message)
             .at(span, "at most half the length of the shortest member");
         found.push(error);

@@ -2,14 +2,25 @@
 
 use super::model::Member;
 use super::partition::COORDINATE_TOLERANCE_M;
+use crate::base::geom::Aabb;
 use petgraph::unionfind::UnionFind;
 
 /// Whether two gross solids overlap or share a face with an area.
 pub fn touch(a: &Member, b: &Member) -> bool {
-    let overlap: Vec<f64> =
-        (0..3).map(|i| a.solid.max[i].min(b.solid.max[i]) - a.solid.min[i].max(b.solid.min[i])).collect();
-    let apart = overlap.iter().any(|o| *o < -COORDINATE_TOLERANCE_M);
-    !apart && overlap.iter().filter(|o| **o > COORDINATE_TOLERANCE_M).count() >= 2
+    touch_box(&a.solid, &b.solid)
+}
+
+/// Whether two boxes overlap or share a face with an area.
+pub fn touch_box(a: &Aabb, b: &Aabb) -> bool {
+    let mut with_extent = 0;
+    for i in 0..3 {
+        let overlap = a.max[i].min(b.max[i]) - a.min[i].max(b.min[i]);
+        if overlap < -COORDINATE_TOLERANCE_M {
+            return false;
+        }
+        with_extent += usize::from(overlap > COORDINATE_TOLERANCE_M);
+    }
+    with_extent >= 2
 }
 
 /// Groups of members that touch and contain no supported one; `present` leaves members out.

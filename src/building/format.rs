@@ -216,11 +216,21 @@ pub const BAR_LAYER: Table = Table {
     noun: "a layer of bars",
     doc: "Bars in one row along the width, evenly spaced.",
     keys: &[
-        must("face", Kind::Choice(&["bottom", "top"], &["left", "right"]), "\"bottom\"", "Face of the section."),
+        must(
+            "face",
+            Kind::Choice(&["bottom", "top"], &["left", "right"]),
+            "\"bottom\"",
+            "Face of the section.",
+        ),
         must("count", Kind::Count(1, 40), "3", "Number of bars."),
         must("diameter", BAR_DIAMETER, "\"20 mm\"", "Diameter."),
         must("edge_distance", EDGE_DISTANCE, "\"50 mm\"", "From the face to the bar centres."),
-        may("side_distance", EDGE_DISTANCE, "\"50 mm\"", "From the sides to the outer bars; default: edge_distance."),
+        may(
+            "side_distance",
+            EDGE_DISTANCE,
+            "\"50 mm\"",
+            "From the sides to the outer bars; default: edge_distance.",
+        ),
     ],
 };
 
@@ -248,7 +258,8 @@ pub const MESH: Table = Table {
 };
 
 const CONCRETE_ID: Key = must("concrete", Kind::Reference("material"), "\"C30\"", "Id of the concrete.");
-const STEEL_ID: Key = must("steel", Kind::Reference("material"), "\"B500\"", "Id of the steel of bars and ties.");
+const STEEL_ID: Key =
+    must("steel", Kind::Reference("material"), "\"B500\"", "Id of the steel of bars and ties.");
 const LAW_ID: Key = must("law", Kind::Reference("material"), "\"RC\"", "Id of the homogenised material.");
 const SIDE: Kind = length(0.1, 3.0, (0.15, 1.5));
 
@@ -262,9 +273,24 @@ pub const RECTANGLE: Table = Table {
         STEEL_ID,
         LAW_ID,
         must("width", SIDE, "\"400 mm\"", "Width: along x for a column, horizontal for a beam."),
-        must("depth", SIDE, "\"400 mm\"", "Depth: along y for a column; for a beam vertical, to the slab's top."),
-        may("bars", Kind::List(&Kind::Table(&BAR), 1, 200), "[{ x = 0, y = 0, diameter = \"20 mm\" }]", "Single bars."),
-        may("bar_layers", Kind::List(&Kind::Table(&BAR_LAYER), 1, 20), "[{ face = \"bottom\", count = 3, … }]", "Rows of bars."),
+        must(
+            "depth",
+            SIDE,
+            "\"400 mm\"",
+            "Depth: along y for a column; for a beam vertical, to the slab's top.",
+        ),
+        may(
+            "bars",
+            Kind::List(&Kind::Table(&BAR), 1, 200),
+            "[{ x = 0, y = 0, diameter = \"20 mm\" }]",
+            "Single bars.",
+        ),
+        may(
+            "bar_layers",
+            Kind::List(&Kind::Table(&BAR_LAYER), 1, 20),
+            "[{ face = \"bottom\", count = 3, … }]",
+            "Rows of bars.",
+        ),
         may("bars_around", Kind::Table(&BARS_AROUND), "{ per_face = 3, … }", "Bars along all four faces."),
         may("ties", Kind::Table(&TIES), "{ diameter = \"8 mm\", spacing = \"150 mm\" }", "Ties or stirrups."),
     ],
@@ -279,7 +305,12 @@ pub const PLATE: Table = Table {
         STEEL_ID,
         LAW_ID,
         must("thickness", length(0.05, 3.0, (0.1, 1.0)), "\"250 mm\"", "Thickness."),
-        must("mesh", Kind::Table(&MESH), "{ diameter = \"10 mm\", spacing = \"150 mm\", edge_distance = \"30 mm\" }", "Reinforcement."),
+        must(
+            "mesh",
+            Kind::Table(&MESH),
+            "{ diameter = \"10 mm\", spacing = \"150 mm\", edge_distance = \"30 mm\" }",
+            "Reinforcement.",
+        ),
     ],
 };
 
@@ -289,8 +320,18 @@ pub const GRID: Table = Table {
     doc: "A regular frame. It makes columns C<storey>-<x letter><y number>, beams B<storey>-<from>-<to> and \
           slabs S<storey>: C1-A1 stands in storey 1 at the first x axis and the first y axis.",
     keys: &[
-        must("x", Kind::List(&COORDINATE, 1, 60), "[0, \"6 m\"]", "Column axes along x, increasing; lettered A, B, ..."),
-        must("y", Kind::List(&COORDINATE, 1, 60), "[0, \"5 m\"]", "Column axes along y, increasing; numbered 1, 2, ..."),
+        must(
+            "x",
+            Kind::List(&COORDINATE, 1, 60),
+            "[0, \"6 m\"]",
+            "Column axes along x, increasing; lettered A, B, ...",
+        ),
+        must(
+            "y",
+            Kind::List(&COORDINATE, 1, 60),
+            "[0, \"5 m\"]",
+            "Column axes along y, increasing; numbered 1, 2, ...",
+        ),
         must(
             "storey_heights",
             Kind::List(&length(1.5, 20.0, (2.2, 6.0)), 1, 100),
@@ -299,10 +340,25 @@ pub const GRID: Table = Table {
         ),
         may("base", COORDINATE, "0", "Height of the lowest column feet; default: the ground level."),
         must("column_section", Kind::Reference("section"), "\"column\"", "Section of all columns."),
-        may("beams", Kind::Choice(&["perimeter", "all", "none"], &[]), "\"perimeter\"", "Axes that carry beams; default: perimeter."),
+        may(
+            "beams",
+            Kind::Choice(&["perimeter", "all", "none"], &[]),
+            "\"perimeter\"",
+            "Axes that carry beams; default: perimeter.",
+        ),
         may("beam_section", Kind::Reference("section"), "\"beam\"", "Section of all beams."),
-        may("slab_section", Kind::Reference("section"), "\"slab\"", "Section of all slabs; without it there are no slabs."),
-        may("slab_overhang", length(0.0, 5.0, (0.0, 2.0)), "\"200 mm\"", "Slab beyond the outer axes; default 0."),
+        may(
+            "slab_section",
+            Kind::Reference("section"),
+            "\"slab\"",
+            "Section of all slabs; without it there are no slabs.",
+        ),
+        may(
+            "slab_overhang",
+            length(0.0, 5.0, (0.0, 2.0)),
+            "\"200 mm\"",
+            "Slab beyond the outer axes; default 0.",
+        ),
     ],
 };
 
@@ -314,7 +370,15 @@ pub const MEMBER: Table = Table {
           corners of its middle plane.",
     keys: &[
         must("id", Kind::Id, "\"C9\"", "Unique id."),
-        must("kind", Kind::Choice(&["column", "beam", "slab", "wall", "footing"], &["brace", "truss", "shell", "stair", "pile"]), "\"column\"", "Kind."),
+        must(
+            "kind",
+            Kind::Choice(
+                &["column", "beam", "slab", "wall", "footing"],
+                &["brace", "truss", "shell", "stair", "pile"],
+            ),
+            "\"column\"",
+            "Kind.",
+        ),
         must("section", Kind::Reference("section"), "\"column\"", "Section id."),
         FROM,
         TO,
@@ -326,9 +390,24 @@ pub const SUPPORT: Table = Table {
     noun: "a support",
     doc: "Holds a face of members.",
     keys: &[
-        must("members", Kind::List(&Kind::MemberPattern, 1, 1000), "[\"C1-*\"]", "Member ids; `*` stands for any characters."),
-        may("face", Kind::Choice(&["bottom", "top"], &["left", "right"]), "\"bottom\"", "Face that is held; default: bottom."),
-        may("kind", Kind::Choice(&["clamped"], &["pinned", "roller", "spring", "hinged"]), "\"clamped\"", "How it is held; default: clamped."),
+        must(
+            "members",
+            Kind::List(&Kind::MemberPattern, 1, 1000),
+            "[\"C1-*\"]",
+            "Member ids; `*` stands for any characters.",
+        ),
+        may(
+            "face",
+            Kind::Choice(&["bottom", "top"], &["left", "right"]),
+            "\"bottom\"",
+            "Face that is held; default: bottom.",
+        ),
+        may(
+            "kind",
+            Kind::Choice(&["clamped"], &["pinned", "roller", "spring", "hinged"]),
+            "\"clamped\"",
+            "How it is held; default: clamped.",
+        ),
     ],
 };
 
@@ -354,8 +433,12 @@ pub const OBSTACLE: Table = Table {
     ],
 };
 
-const PREPARED: Key =
-    must("members", Kind::List(&Kind::MemberPattern, 1, 1000), "[\"C1-A2\"]", "Member ids; `*` stands for any characters.");
+const PREPARED: Key = must(
+    "members",
+    Kind::List(&Kind::MemberPattern, 1, 1000),
+    "[\"C1-A2\"]",
+    "Member ids; `*` stands for any characters.",
+);
 
 /// Weakening.
 pub const WEAKEN: Table = Table {
@@ -363,7 +446,12 @@ pub const WEAKEN: Table = Table {
     doc: "The strength of members is multiplied by a factor.",
     keys: &[
         PREPARED,
-        must("strength_factor", quantity(Dimension::Number, 0.01, 0.999, (0.1, 0.9)), "0.6", "Remaining share of the strength."),
+        must(
+            "strength_factor",
+            quantity(Dimension::Number, 0.01, 0.999, (0.1, 0.9)),
+            "0.6",
+            "Remaining share of the strength.",
+        ),
     ],
 };
 
@@ -393,12 +481,42 @@ pub const SETTINGS: Table = Table {
     noun: "[settings]",
     doc: "How the collapse is simulated.",
     keys: &[
-        may("end_time", quantity(Dimension::Time, 0.001, 600.0, (0.5, 20.0)), "\"2.5 s\"", "Simulated time after the first ignition; default 2.5 s."),
-        may("output_interval", quantity(Dimension::Time, 1e-5, 10.0, (0.001, 0.1)), "\"10 ms\"", "Interval of histories and frames; default 10 ms."),
-        may("removal_duration", quantity(Dimension::Time, 0.0, 10.0, (0.0, 0.1)), "\"0 ms\"", "Time over which removed members lose their stress; default 0."),
-        may("gravity", quantity(Dimension::Acceleration, 0.0, 30.0, (9.7, 9.9)), "\"9.81 m/s2\"", "Gravity, downwards; default 9.81 m/s2."),
-        may("mesh_size", length(0.01, 5.0, (0.05, 1.0)), "\"400 mm\"", "Target edge length of the FE mesh; default 0.4 m."),
-        may("critical_strain_rate", quantity(Dimension::Rate, 1e-3, 1e3, (0.05, 5.0)), "\"0.25 1/s\"", "Strain rate above which a part does not count as rigid; default 0.25 1/s."),
+        may(
+            "end_time",
+            quantity(Dimension::Time, 0.001, 600.0, (0.5, 20.0)),
+            "\"2.5 s\"",
+            "Simulated time after the first ignition; default 2.5 s.",
+        ),
+        may(
+            "output_interval",
+            quantity(Dimension::Time, 1e-5, 10.0, (0.001, 0.1)),
+            "\"10 ms\"",
+            "Interval of histories and frames; default 10 ms.",
+        ),
+        may(
+            "removal_duration",
+            quantity(Dimension::Time, 0.0, 10.0, (0.0, 0.1)),
+            "\"0 ms\"",
+            "Time over which removed members lose their stress; default 0.",
+        ),
+        may(
+            "gravity",
+            quantity(Dimension::Acceleration, 0.0, 30.0, (9.7, 9.9)),
+            "\"9.81 m/s2\"",
+            "Gravity, downwards; default 9.81 m/s2.",
+        ),
+        may(
+            "mesh_size",
+            length(0.01, 5.0, (0.05, 1.0)),
+            "\"400 mm\"",
+            "Target edge length of the FE mesh; default 0.4 m.",
+        ),
+        may(
+            "critical_strain_rate",
+            quantity(Dimension::Rate, 1e-3, 1e3, (0.05, 5.0)),
+            "\"0.25 1/s\"",
+            "Strain rate above which a part does not count as rigid; default 0.25 1/s.",
+        ),
     ],
 };
 
@@ -426,7 +544,7 @@ pub const FILE: Table = Table {
         may("grid", Kind::Table(&GRID), "", "A regular frame."),
         may("members", Kind::List(&Kind::Table(&MEMBER), 0, 5000), "", "Single members."),
         may("supports", Kind::List(&Kind::Table(&SUPPORT), 0, 1000), "", "Supports."),
-        must("ground", Kind::Table(&GROUND), "", "The ground."),
+        must("ground", Kind::Table(&GROUND), "", "The rigid ground, with `level` and `friction`."),
         may("obstacles", Kind::List(&Kind::Table(&OBSTACLE), 0, 1000), "", "Obstacles."),
         may("preparation", Kind::List(&PREPARATION, 0, 1000), "", "Work done before ignition."),
         may("events", Kind::List(&Kind::Table(&EVENT), 0, 1000), "", "Charges."),

@@ -46,7 +46,9 @@ impl<'a> Grid<'a> {
         found: &mut Vec<Diagnostic>,
     ) -> Option<Self> {
         let rectangle = |key, shape: &Option<SectionShape>| match (fields.text(key), shape) {
-            (Some(id), Some(SectionShape::Rectangle { width_m, depth_m, .. })) => Some((id, [*width_m, *depth_m])),
+            (Some(id), Some(SectionShape::Rectangle { width_m, depth_m, .. })) => {
+                Some((id, [*width_m, *depth_m]))
+            }
             _ => None,
         };
         let column = rectangle("column_section", &shapes.column);
@@ -63,6 +65,7 @@ impl<'a> Grid<'a> {
             _ => None,
         };
         let (x, y) = (fields.numbers("x"), fields.numbers("y"));
+        let before = found.len();
         for (key, axes, side) in [("x", &x, 0), ("y", &y, 1)] {
             check_axes(fields, key, axes.as_deref(), column.map(|(_, size)| size[side]), found);
         }
@@ -73,11 +76,16 @@ impl<'a> Grid<'a> {
             Some(_) => fields.number("base"),
             None => ground_level,
         };
+        if found.len() > before {
+            return None;
+        }
         let (x, y, heights, base) = (x?, y?, heights?, base?);
         let count = heights.len() * x.len() * y.len() * 3;
         if count > MAX_MEMBERS {
             let message = format!("the grid makes about {count} members");
-            found.push(Diagnostic::error("too-many", message).at(fields.node.span, format!("at most {MAX_MEMBERS}")));
+            found.push(
+                Diagnostic::error("too-many", message).at(fields.node.span, format!("at most {MAX_MEMBERS}")),
+            );
             return None;
         }
         let (beams, overhang) = (beams?, fields.number_or("slab_overhang", 0.0)?);
@@ -90,7 +98,16 @@ impl<'a> Grid<'a> {
             levels.push(clean(levels[i] + height));
         }
         let beam = beam.filter(|_| wants_beams);
-        Some(Self { x, y, levels, column: column?, beam, perimeter_only: beams == "perimeter", slab, overhang })
+        Some(Self {
+            x,
+            y,
+            levels,
+            column: column?,
+            beam,
+            perimeter_only: beams == "perimeter",
+            slab,
+            overhang,
+        })
     }
 
     /// The members in storey order: columns, beams along x, beams along y, slab.
@@ -138,7 +155,11 @@ impl<'a> Grid<'a> {
         for i in (0..self.x.len()).filter(|&i| self.has_beams(i, self.x.len())) {
             for j in 1..self.y.len() {
                 let solid = Aabb {
-                    min: [clean(self.x[i] - 0.5 * width), clean(self.y[j - 1] - reach(j - 1)), clean(top - depth)],
+                    min: [
+                        clean(self.x[i] - 0.5 * width),
+                        clean(self.y[j - 1] - reach(j - 1)),
+                        clean(top - depth),
+                    ],
                     max: [clean(self.x[i] + 0.5 * width), clean(self.y[j] + reach(j)), top],
                 };
                 let id = format!("B{storey}-{}-{}", axis_point(i, j - 1), axis_point(i, j));
@@ -153,7 +174,8 @@ impl<'a> Grid<'a> {
 
     fn slab(&self, storey: usize, members: &mut Vec<Member>) {
         let Some((section, thickness)) = self.slab else { return };
-        let ends = |axes: &[f64]| (clean(axes[0] - self.overhang), clean(axes[axes.len() - 1] + self.overhang));
+        let ends =
+            |axes: &[f64]| (clean(axes[0] - self.overhang), clean(axes[axes.len() - 1] + self.overhang));
         let ((x0, x1), (y0, y1), top) = (ends(&self.x), ends(&self.y), self.levels[storey]);
         let solid = Aabb { min: [x0, y0, clean(top - thickness)], max: [x1, y1, top] };
         members.push(member(format!("S{storey}"), MemberKind::Slab, section, solid, 2, storey));
@@ -182,7 +204,13 @@ pub fn clean(value: f64) -> f64 {
     if rounded == 0.0 { 0.0 } else { rounded }
 }
 
-fn check_axes(fields: Fields<'_>, key: &str, axes: Option<&[f64]>, column: Option<f64>, found: &mut Vec<Diagnostic>) {
+fn check_axes(
+    fields: Fields<'_>,
+    key: &str,
+    axes: Option<&[f64]>,
+    column: Option<f64>,
+    found: &mut Vec<Diagnostic>,
+) {
     let items = fields.node.get(key).map_or(&[][..], |n| n.items());
     for (pair, item) in axes.unwrap_or_default().windows(2).zip(items.iter().skip(1)) {
         let distance = pair[1] - pair[0];
@@ -193,7 +221,8 @@ fn check_axes(fields: Fields<'_>, key: &str, axes: Option<&[f64]>, column: Optio
             found.push(error);
         } else if column.is_some_and(|c| distance <= c) {
             let message = format!("the {key} axes are nearer to each other than a column is wide");
-            found.push(Diagnostic::error("overlap", message).at(item.span, show(distance, Dimension::Length)));
+            found
+                .push(Diagnostic::error("overlap", message).at(item.span, show(distance, Dimension::Length)));
         }
     }
 }
@@ -202,9 +231,10 @@ fn check_heights(fields: Fields<'_>, heights: Option<&[f64]>, deepest: f64, foun
     let items = fields.node.get("storey_heights").map_or(&[][..], |n| n.items());
     for (height, item) in heights.unwrap_or_default().iter().zip(items) {
         if *height <= deepest {
-            let error = Diagnostic::error("low-storey", "this storey leaves no column below its beams and slab")
-                .at(item.span, show(*height, Dimension::Length))
-                .help(format!("beams and slab are {} deep", show(deepest, Dimension::Length)));
+            let error =
+                Diagnostic::error("low-storey", "this storey leaves no column below its beams and slab")
+                    .at(item.span, show(*height, Dimension::Length))
+                    .help(format!("beams and slab are {} deep", show(deepest, Dimension::Length)));
             found.push(error);
         }
     }

@@ -4,8 +4,10 @@ use super::fields::{Fields, Placed, number_of};
 use super::format::{
     BAR, BAR_LAYER, BARS_AROUND, CONCRETE, HOMOGENISED, Kind, MESH, PLATE, RECTANGLE, STEEL, TIES,
 };
-use super::model::{Bar, Concrete, HardeningPoint, Homogenised, Material, Section, SectionShape, Steel, Ties};
-use super::structure::list_words;
+use super::model::{
+    Bar, Concrete, HardeningPoint, Homogenised, Material, Section, SectionShape, Steel, Ties,
+};
+use super::structure::{is_id, list_words};
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::source::Span;
 use crate::base::tree::Node;
@@ -82,7 +84,8 @@ fn hardening(fields: Fields<'_>, found: &mut Vec<Diagnostic>) -> Option<Vec<Hard
     let mut complete = true;
     for pair in fields.child("hardening")?.items() {
         let [strain, stress] = pair.items() else { return None };
-        let (Some(plastic_strain), Some(stress_pa)) = (number_of(strain, strain_kind), number_of(stress, stress_kind))
+        let (Some(plastic_strain), Some(stress_pa)) =
+            (number_of(strain, strain_kind), number_of(stress, stress_kind))
         else {
             complete = false;
             continue;
@@ -124,7 +127,15 @@ pub fn sections(root: &Node, materials: &Defined<Material>, found: &mut Vec<Diag
         let mut material = |key, wanted| material_id(fields, key, wanted, materials, found);
         let (concrete, steel, law) =
             (material("concrete", "concrete"), material("steel", "steel"), material("law", "homogenised"));
-        let section = || Some(Section { id: entry.key.clone(), shape: shape?, concrete: concrete?, steel: steel?, law: law? });
+        let section = || {
+            Some(Section {
+                id: entry.key.clone(),
+                shape: shape?,
+                concrete: concrete?,
+                steel: steel?,
+                law: law?,
+            })
+        };
         let item = (kind.to_string(), section());
         sections.insert(entry.key.clone(), Placed { item, span: entry.key_span });
     }
@@ -139,9 +150,15 @@ fn material_id(
     found: &mut Vec<Diagnostic>,
 ) -> Option<String> {
     let id = fields.node.get(key)?.text()?;
-    let of_kind: Vec<&str> =
-        materials.iter().filter(|(_, m)| m.item.0 == wanted).map(|(id, _)| id.as_str()).collect();
-    let help = || match closest(id, of_kind.iter().copied()) {
+    let of_kind: Vec<&str> = materials
+        .iter()
+        .filter(|(id, m)| m.item.0 == wanted && is_id(id))
+        .map(|(id, _)| id.as_str())
+        .collect();
+    // A material whose own kind is wrong may be the one that is meant.
+    let possible = materials.iter().filter(|(_, m)| m.item.0 == wanted || m.item.1.is_none());
+    let possible = possible.filter(|(id, _)| is_id(id));
+    let help = || match closest(id, possible.map(|(id, _)| id.as_str())) {
         Some(near) => Some(format!("did you mean `{near}`?")),
         None if of_kind.is_empty() => Some(format!("define one with `kind = \"{wanted}\"`")),
         None => Some(format!("the {wanted} materials of this file are {}", list_words(&of_kind))),
@@ -154,8 +171,15 @@ fn material_id(
             found.push(error);
             None
         }
-        Some(material) if !material.item.0.is_empty() && material.item.0 != wanted => {
-            let message = format!("`{key}` needs a {wanted} material, but {} is of kind `{}`", quoted(id), material.item.0);
+        Some(material)
+            if ["concrete", "steel", "homogenised"].contains(&material.item.0.as_str())
+                && material.item.0 != wanted =>
+        {
+            let message = format!(
+                "`{key}` needs a {wanted} material, but {} is of kind `{}`",
+                quoted(id),
+                material.item.0
+            );
             let error = Diagnostic::error("wrong-kind", message)
                 .at(fields.span(key), "")
                 .also(material.span, "defined here")
@@ -255,8 +279,10 @@ fn check_bars(bars: &[Placed<Bar>], size: [f64; 2], tie_diameter: f64, found: &m
         let cover = to_face - 0.5 * diameter_m;
         if cover < -1e-9 {
             let message = format!("the bar at x = {}, y = {} is not inside the section", mm(x_m), mm(y_m));
-            let error = Diagnostic::error("bar-outside", message)
-                .at(bar.span, format!("the section is {} x {}, the origin its centre", mm(size[0]), mm(size[1])));
+            let error = Diagnostic::error("bar-outside", message).at(
+                bar.span,
+                format!("the section is {} x {}, the origin its centre", mm(size[0]), mm(size[1])),
+            );
             report(bar.span, error);
         } else if cover - tie_diameter < LEAST_COVER_M - 1e-9 {
             let ties = if tie_diameter > 0.0 { "the ties" } else { "the bars" };
@@ -305,5 +331,10 @@ fn plate(fields: Fields<'_>, found: &mut Vec<Diagnostic>) -> Option<SectionShape
             .at(place, format!("the plate is {} thick", show(thickness_m, Dimension::Length)));
         found.push(error);
     }
-    Some(SectionShape::Plate { thickness_m, bar_diameter_m, bar_spacing_m: mesh.number("spacing")?, bar_cover_m })
+    Some(SectionShape::Plate {
+        thickness_m,
+        bar_diameter_m,
+        bar_spacing_m: mesh.number("spacing")?,
+        bar_cover_m,
+    })
 }

@@ -29,7 +29,12 @@ pub struct Members {
 }
 
 /// Reads `[grid]` and `[[members]]`.
-pub fn members(root: &Node, ground_level: Option<f64>, sections: &Defined<Section>, found: &mut Vec<Diagnostic>) -> Members {
+pub fn members(
+    root: &Node,
+    ground_level: Option<f64>,
+    sections: &Defined<Section>,
+    found: &mut Vec<Diagnostic>,
+) -> Members {
     let mut members = Members { list: Vec::new(), complete: true, used_sections: Vec::new() };
     if let Some(node) = root.get("grid") {
         let made = grid(Fields { node, table: &GRID }, ground_level, sections, &mut members, found);
@@ -55,9 +60,12 @@ fn duplicates(list: &[Placed<Member>], found: &mut Vec<Diagnostic>) {
     let mut seen = std::collections::BTreeMap::new();
     for member in list {
         if let Some(first) = seen.insert(&member.item.id, member.span) {
-            let error = Diagnostic::error("duplicate-id", format!("two members have the id {}", quoted(&member.item.id)))
-                .at(member.span, "again here")
-                .also(first, "first here");
+            let error = Diagnostic::error(
+                "duplicate-id",
+                format!("two members have the id {}", quoted(&member.item.id)),
+            )
+            .at(member.span, "again here")
+            .also(first, "first here");
             found.push(error);
         }
     }
@@ -101,8 +109,8 @@ fn section_shape(
             None if names.is_empty() => None,
             None => Some(format!("the sections of this file are {}", list_words(&names))),
         };
-        let error =
-            Diagnostic::error("unknown-id", format!("there is no section {}", quoted(id))).at(span, "not defined");
+        let error = Diagnostic::error("unknown-id", format!("there is no section {}", quoted(id)))
+            .at(span, "not defined");
         found.push(error.help_if(help));
         return None;
     };
@@ -165,7 +173,12 @@ struct Place {
 
 impl Place {
     /// The gross solid and its axis; without a shape only the points are checked.
-    fn solid(&self, kind: MemberKind, shape: Option<&SectionShape>, found: &mut Vec<Diagnostic>) -> Option<(Aabb, usize)> {
+    fn solid(
+        &self,
+        kind: MemberKind,
+        shape: Option<&SectionShape>,
+        found: &mut Vec<Diagnostic>,
+    ) -> Option<(Aabb, usize)> {
         let runs: Vec<usize> = (0..3).filter(|&i| (self.to[i] - self.from[i]).abs() > SAME_M).collect();
         let (axis, wanted) = match (kind, runs.as_slice()) {
             (MemberKind::Column, [2]) => (2, ""),
@@ -173,7 +186,9 @@ impl Place {
             (MemberKind::Beam, [axis @ (0 | 1)]) => (*axis, ""),
             (MemberKind::Beam, _) => (0, "a beam runs along x or along y: only one of them may differ"),
             (MemberKind::Slab | MemberKind::Footing, [0, 1]) => (2, ""),
-            (MemberKind::Slab | MemberKind::Footing, _) => (2, "a horizontal plate: x and y must differ, z must not"),
+            (MemberKind::Slab | MemberKind::Footing, _) => {
+                (2, "a horizontal plate: x and y must differ, z must not")
+            }
             (MemberKind::Wall, [0, 2]) => (1, ""),
             (MemberKind::Wall, [1, 2]) => (0, ""),
             (MemberKind::Wall, _) => (0, "a wall is vertical along x or y: z and one of them must differ"),
@@ -209,11 +224,17 @@ impl Place {
     }
 
     fn check_length(&self, kind: MemberKind, runs: &[usize], found: &mut Vec<Diagnostic>) -> Option<()> {
-        let longest = if matches!(kind, MemberKind::Column | MemberKind::Beam) { LONGEST_M.0 } else { LONGEST_M.1 };
+        let longest =
+            if matches!(kind, MemberKind::Column | MemberKind::Beam) { LONGEST_M.0 } else { LONGEST_M.1 };
         for &i in runs {
             let length = (self.to[i] - self.from[i]).abs();
             if !(0.2..=longest).contains(&length) {
-                let message = format!("this {} is {} long in {}", noun(kind), show(length, Dimension::Length), ["x", "y", "z"][i]);
+                let message = format!(
+                    "this {} is {} long in {}",
+                    noun(kind),
+                    show(length, Dimension::Length),
+                    ["x", "y", "z"][i]
+                );
                 let error = Diagnostic::error("out-of-range", message)
                     .at(self.to_span, format!("plausible: 0.2 m to {longest} m"))
                     .also(self.from_span, "");

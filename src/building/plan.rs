@@ -36,17 +36,20 @@ pub fn settings(root: &Node, found: &mut Vec<Diagnostic>) -> Settings {
     };
     let span = fields.span("output_interval");
     if settings.output_interval_s > settings.end_time_s {
-        let error = Diagnostic::error("out-of-range", "the output interval is longer than the simulated time")
-            .at(span, format!("the simulated time is {}", show(settings.end_time_s, Dimension::Time)));
+        let error =
+            Diagnostic::error("out-of-range", "the output interval is longer than the simulated time")
+                .at(span, format!("the simulated time is {}", show(settings.end_time_s, Dimension::Time)));
         found.push(error);
     } else if settings.end_time_s / settings.output_interval_s > MAX_FRAMES {
         let frames = settings.end_time_s / settings.output_interval_s;
-        let error = Diagnostic::error("out-of-range", format!("this output interval makes {frames:.0} frames"))
-            .at(span, format!("at most {MAX_FRAMES} are written"));
+        let error =
+            Diagnostic::error("out-of-range", format!("this output interval makes {frames:.0} frames"))
+                .at(span, format!("at most {MAX_FRAMES} are written"));
         found.push(error);
     }
     if settings.gravity_m_s2 == 0.0 {
-        let warning = Diagnostic::warning("no-gravity", "without gravity nothing collapses").at(fields.span("gravity"), "");
+        let warning = Diagnostic::warning("no-gravity", "without gravity nothing collapses")
+            .at(fields.span("gravity"), "");
         found.push(warning);
     }
     settings
@@ -63,9 +66,10 @@ pub fn obstacles(root: &Node, found: &mut Vec<Diagnostic>) -> Vec<Placed<Obstacl
         };
         let Some(item) = read() else { continue };
         if item.solid.size().iter().any(|s| *s < 0.01) {
-            let error = Diagnostic::error("bad-place", format!("the obstacle {} has no volume", quoted(&item.id)))
-                .at(fields.span("to"), "must differ from `from` by at least 10 mm in x, y and z")
-                .also(fields.span("from"), "");
+            let error =
+                Diagnostic::error("bad-place", format!("the obstacle {} has no volume", quoted(&item.id)))
+                    .at(fields.span("to"), "must differ from `from` by at least 10 mm in x, y and z")
+                    .also(fields.span("from"), "");
             found.push(error);
             continue;
         }
@@ -133,7 +137,11 @@ fn unknown_member(id: &str, span: Span, members: &Members) -> Diagnostic {
         (Some(near), ..) => Some(format!("did you mean `{near}`?")),
         (None, Some(first), Some(last)) => {
             let count = members.list.len();
-            Some(format!("the {count} members of this building are {} to {}", quoted(&first.item.id), quoted(&last.item.id)))
+            Some(format!(
+                "the {count} members of this building are {} to {}",
+                quoted(&first.item.id),
+                quoted(&last.item.id)
+            ))
         }
         _ => None,
     };
@@ -191,7 +199,12 @@ pub fn prepared(preparation: &Preparation) -> &str {
 }
 
 /// Reads `[[events]]`, in order of time (then of the file).
-pub fn events(root: &Node, members: &Members, end_time_s: f64, found: &mut Vec<Diagnostic>) -> Vec<Placed<Charge>> {
+pub fn events(
+    root: &Node,
+    members: &Members,
+    end_time_s: f64,
+    found: &mut Vec<Diagnostic>,
+) -> Vec<Placed<Charge>> {
     let mut list: Vec<Placed<Charge>> = Vec::new();
     for node in root.get("events").map_or(&[][..], Node::items) {
         list.extend(event(Fields { node, table: &EVENT }, members, found));
@@ -204,10 +217,14 @@ pub fn events(root: &Node, members: &Members, end_time_s: f64, found: &mut Vec<D
     }
     let first = list.iter().map(|e| e.item.time_s).fold(f64::INFINITY, f64::min);
     for event in list.iter().filter(|e| e.item.time_s >= first + end_time_s) {
-        let message = format!("the event {} comes after the end of the simulated time", quoted(&event.item.id));
+        let message =
+            format!("the event {} comes after the end of the simulated time", quoted(&event.item.id));
         let error = Diagnostic::error("late-event", message)
             .at(event.span, format!("ignites at {}", show(event.item.time_s, Dimension::Time)))
-            .help(format!("`settings.end_time` is {} after the first ignition", show(end_time_s, Dimension::Time)));
+            .help(format!(
+                "`settings.end_time` is {} after the first ignition",
+                show(end_time_s, Dimension::Time)
+            ));
         found.push(error);
     }
     list.sort_by(|a, b| a.item.time_s.total_cmp(&b.item.time_s));
@@ -243,7 +260,10 @@ fn check_stretch(member: &Member, [from, to]: [f64; 2], span: Span, found: &mut 
         let error = Diagnostic::error("not-supported", message).at(span, "").help("remove the whole member");
         found.push(error);
     } else if from >= to {
-        let error = Diagnostic::error("bad-stretch", "the stretch does not go upwards from its first to its second end");
+        let error = Diagnostic::error(
+            "bad-stretch",
+            "the stretch does not go upwards from its first to its second end",
+        );
         found.push(error.at(span, ""));
     } else if to > length + 1e-9 {
         let message = format!("the stretch ends outside the member {}", quoted(&member.id));

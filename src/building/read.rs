@@ -99,7 +99,8 @@ pub struct Draft {
 
 fn draft(root: &Node, found: &mut Vec<Diagnostic>) -> Draft {
     found.extend(structure::check(root));
-    if found.iter().any(|d| d.code == "schema-version") {
+    let other_version = found.iter().any(|d| d.code == "schema-version");
+    if other_version || !matches!(root.value, tree::Value::Table(_)) {
         return Draft::default();
     }
     let text = |key: &str| root.get(key).and_then(Node::text).map(|t| t.trim().to_string());

@@ -4,12 +4,18 @@
 use super::format::{FILE, Key, Kind, Quantity, SCHEMA_VERSION, Table};
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::source::Span;
-use crate::base::tree::{Node, Value};
-use crate::base::units::{Dimension, UnitError, parse_quantity, round_to_digits, show, split_quantity};
+use crate::base::tree::{Entry, Node, Value};
+use crate::base::units::{
+    Dimension, UnitError, parse_quantity, round_to_digits, show, show_range, split_quantity,
+};
 
 /// All structural errors of a file.
 pub fn check(root: &Node) -> Vec<Diagnostic> {
     let mut walk = Walk { found: Vec::new() };
+    if !matches!(root.value, Value::Table(_)) {
+        walk.wrong_type(root, "the file", "a table of keys and values", None);
+        return walk.found;
+    }
     let version_only = version_is_other(root);
     walk.table(root, root.span, &FILE, "the file", false);
     if version_only {
@@ -57,7 +63,11 @@ impl Walk {
             }
         }
         for key in table.keys.iter().filter(|key| key.required && node.get(key.name).is_none()) {
-            self.missing_key(header, key, table);
+            // A misspelt key has been reported with its remedy.
+            let unknown = |e: &&Entry| table.key(&e.key).is_none();
+            if !entries.iter().filter(unknown).any(|e| suggestion(&e.key, table) == Some(key.name)) {
+                self.missing_key(header, key, table);
+            }
         }
     }
 
@@ -118,7 +128,15 @@ impl Walk {
         }
     }
 
-    fn list(&mut self, node: &Node, header: Span, name: &str, of: &Kind, limits: (usize, usize), key: Option<&Key>) {
+    fn list(
+        &mut self,
+        node: &Node,
+        header: Span,
+        name: &str,
+        of: &Kind,
+        limits: (usize, usize),
+        key: Option<&Key>,
+    ) {
         let Value::List(items) = &node.value else {
             return self.wrong_type(node, name, "a list", key);
         };
@@ -145,7 +163,9 @@ impl Walk {
 
     fn text(&mut self, node: &Node, name: &str, limit: usize, key: Option<&Key>) {
         let Some(text) = node.text() else { return self.wrong_type(node, name, "a text in quotes", key) };
-        if name == "name" && (text.trim().is_empty() || text.contains(['/', '\\']) || text.chars().any(char::is_control)) {
+        if name == "name"
+            && (text.trim().is_empty() || text.contains(['/', '\\']) || text.chars().any(char::is_control))
+        {
             let error = Diagnostic::error("bad-name", format!("{} is no usable name", quoted(text)))
                 .at(node.span, "it becomes part of file names")
                 .help("use letters, digits, spaces, `-` and `_`");
@@ -168,7 +188,11 @@ impl Walk {
     fn version(&mut self, node: &Node) {
         if node.value != Value::Number(SCHEMA_VERSION) {
             let newer = matches!(node.value, Value::Number(v) if v > SCHEMA_VERSION);
-            let help = if newer { "this file needs a newer Fallwerk, or write `schema = 1`" } else { "write `schema = 1`" };
+            let help = if newer {
+                "this file needs a newer Fallwerk, or write `schema = 1`"
+            } else {
+                "write `schema = 1`"
+            };
             let error = Diagnostic::error("schema-version", "this version of the file format is not known")
                 .at(node.span, "Fallwerk reads version 1")
                 .help(help);
@@ -177,7 +201,9 @@ impl Walk {
     }
 
     fn count(&mut self, node: &Node, name: &str, (min, max): (u32, u32), key: Option<&Key>) {
-        let Value::Number(value) = node.value else { return self.wrong_type(node, name, "a whole number", key) };
+        let Value::Number(value) = node.value else {
+            return self.wrong_type(node, name, "a whole number", key);
+        };
         if value.fract() != 0.0 || !(f64::from(min)..=f64::from(max)).contains(&value) {
             let error = Diagnostic::error("out-of-range", format!("`{name}` cannot be {value}"))
                 .at(node.span, format!("a whole number from {min} to {max}"));
@@ -209,8 +235,13 @@ impl Walk {
             Ok(value) if value >= quantity.min && value <= quantity.max => {}
             Ok(value) => self.found.push(out_of_range(node, name, value, quantity)),
             Err(UnitError::NotANumber) if node.text().is_none() => {
-                let expected = format!("{} such as {}", quantity.dimension.noun(), quantity.dimension.example());
+                let expected =
+                    format!("{} such as {}", quantity.dimension.noun(), quantity.dimension.example());
                 self.wrong_type(node, name, &expected, key);
+            }
+            Err(UnitError::NotFinite) => {
+                let error = Diagnostic::error("not-finite", format!("`{name}` is not a finite number"));
+                self.found.push(error.at(node.span, ""));
             }
             Err(error) => self.found.push(wrong_unit(node, name, &error, quantity)),
         }
@@ -225,10 +256,12 @@ impl Walk {
     }
 
     fn unknown_key(&mut self, key: &str, span: Span, table: &Table) {
-        let names: Vec<&str> = table.keys.iter().map(|k| k.name).collect();
-        let help = match closest(key, names.iter().copied()) {
+        let help = match suggestion(key, table) {
             Some(name) => format!("did you mean `{name}`?"),
-            None => format!("the keys here are {}", list_words(&names)),
+            None => {
+                let names: Vec<&str> = table.keys.iter().map(|k| k.name).collect();
+                format!("the keys here are {}", list_words(&names))
+            }
         };
         let error = Diagnostic::error("unknown-key", format!("unknown key {}", quoted(key)))
             .at(span, format!("not a key of {}", table.noun))
@@ -239,7 +272,11 @@ impl Walk {
     fn missing_key(&mut self, header: Span, key: &Key, table: &Table) {
         let message = format!("{} needs the key `{}`", table.noun, key.name);
         let help = if key.example.is_empty() {
-            let section = if matches!(key.kind, Kind::Map(_)) { format!("[{}.ID]", key.name) } else { format!("[{}]", key.name) };
+            let section = if matches!(key.kind, Kind::Map(_)) {
+                format!("[{}.ID]", key.name)
+            } else {
+                format!("[{}]", key.name)
+            };
             format!("add `{section}`: {}", key.doc)
         } else {
             format!("add `{} = {}`: {}", key.name, key.example, key.doc)
@@ -252,6 +289,11 @@ impl Walk {
         }
         self.found.push(error);
     }
+}
+
+/// The known key that a misspelt one probably means.
+fn suggestion(key: &str, table: &Table) -> Option<&'static str> {
+    closest(key, table.keys.iter().map(|k| k.name))
 }
 
 fn place_of_table(node: &Node, header: Span) -> Span {
@@ -274,10 +316,13 @@ pub fn list_words(words: &[&str]) -> String {
 
 fn out_of_range(node: &Node, name: &str, value: f64, quantity: &Quantity) -> Diagnostic {
     let dimension = quantity.dimension;
-    let label = format!("plausible: {} to {}", show(quantity.min, dimension), show(quantity.max, dimension));
-    Diagnostic::error("out-of-range", format!("`{name}` is {}, which is out of range", show(value, dimension)))
-        .at(node.span, label)
-        .help_if(unit_slip(node, value, quantity).map(|meant| format!("did you mean `\"{meant}\"`?")))
+    let label = format!("plausible: {}", show_range(quantity.min, quantity.max, dimension));
+    Diagnostic::error(
+        "out-of-range",
+        format!("`{name}` is {}, which is out of range", show(value, dimension)),
+    )
+    .at(node.span, label)
+    .help_if(unit_slip(node, value, quantity).map(|meant| format!("did you mean `\"{meant}\"`?")))
 }
 
 /// The same digits with another unit, if that gives a usual value.
@@ -289,14 +334,15 @@ fn unit_slip(node: &Node, value: f64, quantity: &Quantity) -> Option<String> {
     let (least, most) = quantity.usual;
     let usual = |unit: &&crate::base::units::Unit| {
         let meant = number * unit.factor;
-        number != 0.0 && unit.symbol != "%" && meant >= least && meant <= most
+        let common = !matches!(unit.symbol, "%" | "dm" | "km" | "us" | "min");
+        number != 0.0 && common && meant >= least && meant <= most
     };
     let unit = quantity.dimension.units().find(usual)?;
     Some(format!("{} {}", round_to_digits(number, 9), unit.symbol))
 }
 
 fn wrong_unit(node: &Node, name: &str, error: &UnitError, quantity: &Quantity) -> Diagnostic {
-    let written = node.text().map_or_else(|| "this number".into(), |t| quoted(t));
+    let written = node.text().map_or_else(|| "this number".into(), quoted);
     let dimension = quantity.dimension;
     let message = match error {
         UnitError::WrongDimension { found } => {
@@ -309,11 +355,17 @@ fn wrong_unit(node: &Node, name: &str, error: &UnitError, quantity: &Quantity) -
     let help = match error {
         UnitError::UnknownUnit { similar: Some(unit), .. } => Some(format!("did you mean `{unit}`?")),
         UnitError::UnknownUnit { similar: None, .. } => Some(format!("the units are {}", list_words(&units))),
-        UnitError::MissingUnit { number } if dimension == Dimension::Number => Some(format!("write {number} without quotes")),
-        UnitError::MissingUnit { number } => {
-            Some(format!("write {number} without quotes for {}, or add a unit: {}", dimension.si_symbol(), list_words(&units)))
+        UnitError::MissingUnit { number } if dimension == Dimension::Number => {
+            Some(format!("write {number} without quotes"))
         }
-        UnitError::DecimalComma => node.text().map(|t| format!("write \"{}\"", t.replacen(',', ".", 1).escape_debug())),
+        UnitError::MissingUnit { number } => Some(format!(
+            "write {number} without quotes for {}, or add a unit: {}",
+            dimension.si_symbol(),
+            list_words(&units)
+        )),
+        UnitError::DecimalComma => {
+            node.text().map(|t| format!("write \"{}\"", t.replacen(',', ".", 1).escape_debug()))
+        }
         UnitError::NotANumber => Some(format!("write {} as {}", dimension.noun(), dimension.example())),
         _ => None,
     };

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 ///
 /// Reads a building (.toml or .json) and reports every error with its line, what was found there and
 /// what would be right. If there is none, prints members by kind, volume and mass.
-/// Exit codes: 0 the file is good (warnings do not count), 2 it has errors.
+/// Exit codes: 0 the file is good (warnings do not count), 1 it has errors, 2 it cannot be read.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The building file
@@ -23,7 +23,12 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Outcome {
     let inspection = inspect_file(&arguments.file);
-    let outcome = if inspection.building.is_some() { Outcome::Done } else { Outcome::BadInput };
+    let unreadable = inspection.diagnostics.items().iter().any(|d| d.code == "unreadable");
+    let outcome = match inspection.building {
+        Some(_) => Outcome::Done,
+        None if unreadable => Outcome::BadInput,
+        None => Outcome::CheckFailed,
+    };
     if arguments.json {
         print(&format!("{:#}\n", as_json(&inspection)));
         return outcome;
@@ -70,7 +75,13 @@ fn summary(building: &Building) -> String {
     let shares = shares(building);
     let mut text = format!("{}\n", building.name);
     for share in &shares {
-        text += &format!("  {:4} {:10} {:9.3} m3 {:9.2} t\n", share.count, share.kind, share.volume_m3, share.mass_kg / 1e3);
+        text += &format!(
+            "  {:4} {:10} {:9.3} m3 {:9.2} t\n",
+            share.count,
+            share.kind,
+            share.volume_m3,
+            share.mass_kg / 1e3
+        );
     }
     let total = |of: fn(&Share) -> f64| shares.iter().map(of).sum::<f64>();
     text += &format!(
@@ -81,7 +92,7 @@ fn summary(building: &Building) -> String {
         total(|s| s.mass_kg) / 1e3
     );
     text += &format!(
-        "  {} supports, {} obstacles, {} preparations, {} events\n",
+        "  supports: {}, obstacles: {}, preparations: {}, events: {}\n",
         building.supports.len(),
         building.obstacles.len(),
         building.preparation.len(),

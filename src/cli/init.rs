@@ -23,15 +23,22 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Outcome {
-    let path = if arguments.path.is_dir() { arguments.path.join("building.toml") } else { arguments.path.clone() };
+    let path =
+        if arguments.path.is_dir() { arguments.path.join("building.toml") } else { arguments.path.clone() };
     let shown = path.display();
     if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("toml")) {
-        eprintln!("error: {shown} does not end in .toml\n  = help: the example is TOML; give a name such as building.toml");
+        eprintln!(
+            "error: {shown} does not end in .toml\n  = help: the example is TOML; give a name such as building.toml"
+        );
         return Outcome::BadInput;
     }
     let mut options = OpenOptions::new();
     options.write(true);
-    if arguments.force { options.create(true).truncate(true) } else { options.create_new(true) };
+    if arguments.force {
+        options.create(true).truncate(true)
+    } else {
+        options.create_new(true)
+    };
     match options.open(&path).and_then(|mut file| file.write_all(EXAMPLE.as_bytes())) {
         Ok(()) => {
             eprintln!("wrote {shown}\nnext: fallwerk check {shown}");

@@ -1,1 +1,173 @@
-//! (module)
+//! The simulation manager: building + rules + library -> MBS model, with a reason for each part.
+//!
+//! Rigid bodies come from the members by the rules (a column is one body; a slab and its beams are one), joints stand at the
+//! member ends for which a rule asks for a hinge, and each hinge carries the curves of the library entry computed from exactly
+//! this member end. Where no rule decides or no entry exists, generation stops and says so: there is no default curve.
+
+pub mod bodies;
+mod decide;
+mod joints;
+
+pub use decide::{Decision, Trace};
+
+use crate::building::ends::{MemberEnd, member_ends};
+use crate::building::partition::Partition;
+use crate::building::tracked::tracked_points;
+use crate::building::{Building, MemberKind, Preparation};
+use crate::fe::mesh::Mesh;
+use crate::library::derive::DeriveError;
+use crate::library::{Entry, Store, StoreError};
+use crate::mbs::model::{
+    Body, BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RunSettings, TrackedPoint,
+};
+use crate::rules::RuleBase;
+use std::collections::BTreeMap;
+
+/// What to do about member ends that the library has no entry for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Derive {
+    /// Stop with an error that names them.
+    Never,
+    /// Compute the curves for this model, do not store them.
+    #[default]
+    Run,
+    /// Compute the curves and add them to the library.
+    Keep,
+}
+
+/// A generated model with its reasons.
+#[derive(Debug, Clone)]
+pub struct Generated {
+    /// The model.
+    pub model: Model,
+    /// Why each part is there, in the order of the model.
+    pub trace: Vec<Trace>,
+    /// What an analyst should look at.
+    pub notes: Vec<String>,
+    /// Keys of entries that were computed on the way.
+    pub derived: Vec<String>,
+    /// The entries used, by key.
+    pub entries: BTreeMap<String, Entry>,
+    /// Joint id and member end id of each hinge.
+    pub hinge_ends: Vec<(String, String)>,
+}
+
+/// A model that cannot be generated.
+#[derive(Debug, thiserror::Error)]
+pub enum GenerateError {
+    /// No rule says what a part becomes.
+    #[error("no rule decides about {}: add a rule under rules/ that applies to it, or describe the part otherwise", .0.join(", "))]
+    Gap(Vec<String>),
+    /// The library lacks entries.
+    #[error("the library has no entry for {}; run with `--derive` to compute what is missing", .0.join(", "))]
+    Missing(Vec<String>),
+    /// A stretch of a member cannot be removed from a rigid body.
+    #[error("charge `{0}` removes a stretch of `{1}`: the MBS model takes whole members away only; give the charge without a stretch, or split the member")]
+    Stretch(String, String),
+    /// A column ends in the air.
+    #[error("member end {0} touches nothing")]
+    Loose(String),
+    /// A submodel failed.
+    #[error(transparent)]
+    Derive(#[from] DeriveError),
+    /// The store failed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// Generates the model of a building. `progress` hears what is being derived.
+pub fn generate(
+    building: &Building,
+    rules: &RuleBase,
+    store: &mut Store,
+    derive: Derive,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Generated, GenerateError> {
+    let partition = Partition::of(building);
+    let ends = member_ends(building, &partition);
+    let decision = Decision::of(building, &ends, rules)?;
+    if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
+        return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
+    }
+    let present: Vec<bool> = building.members.iter().map(|m| !is_cut(building, &m.id)).collect();
+    let clusters = bodies::clusters(&partition, &present, |a, b| decision.merges[a] && decision.merges[b]);
+    let list: Vec<Body> =
+        clusters.iter().map(|c| bodies::body(building, &partition, c, decision.rules_of(building, c))).collect();
+    let mut owner = vec![None; building.members.len()];
+    for (index, members) in clusters.iter().enumerate() {
+        members.iter().for_each(|m| owner[*m] = Some(index));
+    }
+    let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
+    let place = joints::Place { building, partition: &partition, mesh: &mesh, bodies: &list, owner: &owner };
+    let hinged: Vec<&MemberEnd> = ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
+    let found = joints::entries(&place, &hinged, store, derive, progress)?;
+    let mut notes = decision.notes.clone();
+    let hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
+    let model = Model {
+        schema: MODEL_SCHEMA.to_string(),
+        name: building.name.clone(),
+        gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
+        curves: found.curves(),
+        joints: hinges.joints,
+        contact: contact(building),
+        events: events(building, &list, &owner),
+        tracked: tracked(building, &partition, &list, &owner),
+        settings: RunSettings {
+            end_time_s: building.settings.end_time_s,
+            output_interval_s: building.settings.output_interval_s,
+            preload: true,
+            time_step_s: None,
+        },
+        bodies: list,
+    };
+    let trace = decision.trace(building, &model);
+    Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries, hinge_ends: hinges.ends })
+}
+
+fn is_cut(building: &Building, member: &str) -> bool {
+    building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
+}
+
+fn contact(building: &Building) -> Contact {
+    Contact {
+        ground: Some(GroundPlane { level_m: building.ground.level_m, friction: building.ground.friction }),
+        obstacles: building
+            .obstacles
+            .iter()
+            .map(|o| ObstacleBox { id: o.id.clone(), min_m: o.solid.min, max_m: o.solid.max, friction: o.friction })
+            .collect(),
+        bodies: Some(BodyContact { friction: building.ground.friction }),
+    }
+}
+
+/// Charges take whole bodies away.
+fn events(building: &Building, bodies: &[Body], owner: &[Option<usize>]) -> Vec<Event> {
+    building
+        .events
+        .iter()
+        .filter_map(|charge| {
+            let member = building.members.iter().position(|m| m.id == charge.member)?;
+            Some(Event {
+                id: charge.id.clone(),
+                time_s: charge.time_s,
+                remove_bodies: vec![bodies[owner[member]?].id.clone()],
+                origin: Origin { members: vec![charge.member.clone()], ..Origin::default() },
+            })
+        })
+        .collect()
+}
+
+fn tracked(building: &Building, partition: &Partition, bodies: &[Body], owner: &[Option<usize>]) -> Vec<TrackedPoint> {
+    tracked_points(building, partition)
+        .into_iter()
+        .filter_map(|t| {
+            let member = building.members.iter().position(|m| m.id == t.member)?;
+            Some(TrackedPoint { id: t.id, body: bodies[owner[member]?].id.clone(), point_m: t.point_m })
+        })
+        .collect()
+}
+
+/// Whether a member is a bar that may get hinges of its own.
+fn is_column(building: &Building, member: usize) -> bool {
+    building.members[member].kind == MemberKind::Column
+}

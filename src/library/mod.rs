@@ -16,6 +16,7 @@
 
 mod cache;
 mod check;
+pub mod derive;
 pub mod entry;
 mod error;
 pub mod exchange;

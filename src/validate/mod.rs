@@ -1,1 +1,223 @@
-//! (module)
+//! Error measures between an MBS run and an FE run of the same building, and their verdict.
+
+pub mod measure;
+
+use crate::building::Building;
+use crate::fe::dynamics::Death;
+use crate::fe::result::FeRun;
+use crate::mbs::Model;
+use crate::mbs::result::{EventKind, RunResult};
+use crate::study::{COLLAPSE_DROP_M, Facts};
+use measure::{Footprint, Sites, at, error_curve};
+use serde::{Deserialize, Serialize};
+
+/// Version of `validation.json`.
+pub const VALIDATION_SCHEMA: u32 = 1;
+/// Plastic rotation from which a hinge counts as a found site \[rad\]; the same order as the rotation capacity of reinforced
+/// concrete in EN 1992-1-1, figure 5.6N.
+pub const ACTIVE_ROTATION_RAD: f64 = 0.02;
+/// Largest error up to the first contact at which the model counts as agreeing.
+pub const LIMIT_TO_CONTACT: f64 = 0.10;
+/// Largest relative difference of the first contact times.
+pub const LIMIT_CONTACT_TIME: f64 = 0.05;
+/// Largest energy error of either run.
+pub const LIMIT_ENERGY: f64 = 0.02;
+/// Smallest ratio of FE to MBS processor time.
+pub const LIMIT_SPEED: f64 = 300.0;
+
+/// A figure for each run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Both<T> {
+    /// Of the FE run.
+    pub fe: T,
+    /// Of the MBS run.
+    pub mbs: T,
+}
+
+/// One member end in both runs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SiteComparison {
+    /// Member end id.
+    pub id: String,
+    /// Whether the FE run shows a zone above the critical strain rate.
+    pub fe_zone: bool,
+    /// Whether the MBS model has a hinge there.
+    pub hinge: bool,
+    /// Largest plastic rotation of that hinge \[rad\].
+    pub plastic_rotation_rad: f64,
+    /// First yield of that hinge \[s\].
+    pub yield_s: Option<f64>,
+    /// Fracture of that hinge \[s\].
+    pub fracture_s: Option<f64>,
+}
+
+/// Energy dissipated by plastic flow \[J\].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Validation {
+    /// Always [`VALIDATION_SCHEMA`].
+    pub schema: u32,
+    /// Name of the building.
+    pub building: String,
+    /// Error up to the first ground contact of the FE run, or to the end if there is none.
+    pub e_to_contact: f64,
+    /// Error over the whole run.
+    pub e_total: f64,
+    /// First ground contact \[s\].
+    pub first_contact_s: Both<Option<f64>>,
+    /// Hinges that turned plastically by more than [`ACTIVE_ROTATION_RAD`] against FE zones, whole run.
+    pub hinges: Sites,
+    /// Hinges placed against FE zones at column ends.
+    pub hinges_placed: Sites,
+    /// Whether the structure collapsed.
+    pub collapsed: Both<bool>,
+    /// Energy error of each run.
+    pub energy_error: Both<f64>,
+    /// Energy dissipated by the end: internal, hourglass and contact work in FE, plastic and contact work in the MBS \[J\].
+    pub dissipated_j: Both<f64>,
+    /// Area of the common debris footprint over that of the union at the end.
+    pub footprint_overlap: f64,
+    /// Processor time \[s\].
+    pub cpu_s: Both<f64>,
+    /// Wall time \[s\].
+    pub wall_s: Both<f64>,
+    /// FE over MBS processor time.
+    pub speed_ratio: f64,
+    /// `e(T)` at the output times.
+    pub e_curve: Vec<f64>,
+    /// Output times \[s\].
+    pub times_s: Vec<f64>,
+    /// Member ends.
+    pub sites: Vec<SiteComparison>,
+}
+
+impl Validation {
+    /// Compares an MBS run with an FE run of the same building. `mbs_wall_s` is the wall time of the MBS run \[s\].
+    pub fn of(building: &Building, fe: &FeRun, facts: &Facts, model: &Model, mbs: &RunResult, mbs_wall_s: f64) -> Self {
+        let times = fe.times_s.len().min(mbs.times_s.len());
+        let pairs: Vec<(&measure::Displacement, &measure::Displacement)> = fe
+            .tracked
+            .iter()
+            .filter_map(|f| {
+                let m = mbs.tracked.iter().find(|m| m.id == f.id)?;
+                Some((&m.displacement_m[..times], &f.displacement_m[..times]))
+            })
+            .collect();
+        let times_s = fe.times_s[..times].to_vec();
+        let e_curve = error_curve(&times_s, &pairs);
+        let contact = facts.first_contact_s.unwrap_or(f64::INFINITY);
+        let sites = compare_sites(facts, model, mbs);
+        let fell = |u: &[[f64; 3]]| u.iter().any(|u| -u[2] > COLLAPSE_DROP_M);
+        let fe_end = fe.energies.last().copied().unwrap_or_default();
+        let e = &mbs.energies;
+        let last = |v: &[f64]| v.last().copied().unwrap_or(0.0);
+        Self {
+            schema: VALIDATION_SCHEMA,
+            building: building.name.clone(),
+            e_to_contact: at(&times_s, &e_curve, contact).unwrap_or(0.0),
+            e_total: last(&e_curve),
+            first_contact_s: Both { fe: facts.first_contact_s, mbs: mbs.first_ground_contact_s },
+            hinges: Sites::of(sites.iter().map(|s| (s.fe_zone, s.plastic_rotation_rad > ACTIVE_ROTATION_RAD))),
+            hinges_placed: Sites::of(
+                sites.iter().filter(|s| s.hinge || s.fe_zone).map(|s| (s.fe_zone, s.hinge)),
+            ),
+            collapsed: Both { fe: facts.collapsed, mbs: mbs.tracked.iter().any(|t| fell(&t.displacement_m)) },
+            energy_error: Both { fe: fe.summary.energy_error, mbs: mbs.energy_error },
+            dissipated_j: Both {
+                fe: fe_end.internal_j + fe_end.hourglass_j + fe_end.viscous_j - fe_end.contact_j - fe_end.friction_j,
+                mbs: last(&e.plastic_j) + last(&e.contact_damping_j) + last(&e.friction_j),
+            },
+            footprint_overlap: fe_footprint(fe).overlap(&mbs_footprint(model, mbs)),
+            cpu_s: Both { fe: fe.summary.elapsed.cpu_s, mbs: mbs.cpu_s },
+            wall_s: Both { fe: fe.summary.elapsed.wall_s, mbs: mbs_wall_s },
+            speed_ratio: fe.summary.elapsed.cpu_s / mbs.cpu_s.max(1e-9),
+            e_curve,
+            times_s,
+            sites,
+        }
+    }
+
+    /// Difference of the first contact times over that of FE; `None` where only one of them touches or neither does.
+    pub fn contact_time_error(&self) -> Option<f64> {
+        let (fe, mbs) = (self.first_contact_s.fe?, self.first_contact_s.mbs?);
+        Some((mbs - fe).abs() / fe)
+    }
+
+    /// Whether both runs tell the same story up to the first contact within the limits of this module.
+    pub fn agrees(&self) -> bool {
+        let contact = match self.first_contact_s {
+            Both { fe: None, mbs: None } => true,
+            _ => self.contact_time_error().is_some_and(|e| e <= LIMIT_CONTACT_TIME),
+        };
+        self.e_to_contact <= LIMIT_TO_CONTACT
+            && contact
+            && self.collapsed.fe == self.collapsed.mbs
+            && self.energy_error.fe <= LIMIT_ENERGY
+            && self.energy_error.mbs <= LIMIT_ENERGY
+    }
+}
+
+/// Member ends of both runs.
+fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteComparison> {
+    let first = |joint: &str, fracture: bool| {
+        mbs.events.iter().find_map(|e| match &e.kind {
+            EventKind::Yield { joint: j } if j == joint && !fracture => Some(e.time_s),
+            EventKind::Fracture { joint: j, .. } if j == joint && fracture => Some(e.time_s),
+            _ => None,
+        })
+    };
+    facts
+        .ends
+        .iter()
+        .map(|zone| {
+            let turned = mbs.hinges.iter().find(|h| h.joint == zone.id);
+            SiteComparison {
+                id: zone.id.clone(),
+                fe_zone: zone.first_s.is_some(),
+                hinge: model.joints.iter().any(|j| j.id == zone.id),
+                plastic_rotation_rad: turned.map_or(0.0, |h| h.plastic_rotation_rad.iter().copied().fold(0.0, f64::max)),
+                yield_s: first(&zone.id, false),
+                fracture_s: first(&zone.id, true),
+            }
+        })
+        .collect()
+}
+
+/// Plan projection of the elements that are left at the end.
+fn fe_footprint(run: &FeRun) -> Footprint {
+    let mut footprint = Footprint::default();
+    let Some(frame) = run.frames_m.last() else { return footprint };
+    let mut gone = vec![false; run.mesh.elements.len()];
+    run.deaths.iter().for_each(|d| gone[d.element] = true);
+    debug_assert!(run.deaths.iter().all(|d| matches!(d.cause, Death::Eroded | Death::Collapsed | Death::Removed)));
+    for (element, _) in run.mesh.elements.iter().zip(&gone).filter(|(_, gone)| !**gone) {
+        let plan: Vec<[f64; 2]> =
+            element.nodes.iter().map(|n| [f64::from(frame[*n][0]), f64::from(frame[*n][1])]).collect();
+        footprint.add(&plan);
+    }
+    footprint
+}
+
+/// Plan projection of the bodies that are left at the end.
+fn mbs_footprint(model: &Model, run: &RunResult) -> Footprint {
+    let mut footprint = Footprint::default();
+    let Some(frame) = run.frames.last() else { return footprint };
+    let removed = |id: &str| model.events.iter().any(|e| e.remove_bodies.iter().any(|b| b == id));
+    for (index, body) in model.bodies.iter().enumerate().filter(|(_, b)| !removed(&b.id)) {
+        let [w, x, y, z] = frame.orientation[index];
+        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+        for shape in &body.shapes {
+            let corners: Vec<[f64; 2]> = (0..8)
+                .map(|c| {
+                    let local = nalgebra::Vector3::from_fn(|i, _| {
+                        let sign = if c >> i & 1 == 0 { -1.0 } else { 1.0 };
+                        shape.center_m[i] + sign * shape.half_extents_m[i]
+                    });
+                    let at = turn * local;
+                    [frame.position_m[index][0] + at.x, frame.position_m[index][1] + at.y]
+                })
+                .collect();
+            footprint.add(&corners);
+        }
+    }
+    footprint
+}

@@ -1,0 +1,162 @@
+//! Hinges at member ends with the curves of their library entries.
+
+use super::bodies::neighbours;
+use super::decide::Decision;
+use super::{Derive, GenerateError};
+use crate::building::ends::MemberEnd;
+use crate::building::partition::Partition;
+use crate::building::{Building, Face};
+use crate::curve::ResistanceCurve;
+use crate::fe::mesh::Mesh;
+use crate::library::derive::{Wanted, beyond};
+use crate::library::{Entry, Store, StoreError};
+use crate::mbs::model::{Bending, Body, Joint, Origin};
+use std::collections::BTreeMap;
+
+/// What the joints are placed in.
+pub struct Place<'a> {
+    pub building: &'a Building,
+    pub partition: &'a Partition,
+    pub mesh: &'a Mesh,
+    pub bodies: &'a [Body],
+    pub owner: &'a [Option<usize>],
+}
+
+/// Entries for member ends.
+#[derive(Debug, Default)]
+pub struct Entries {
+    pub entries: BTreeMap<String, Entry>,
+    /// Key of each member end's entry.
+    pub of_end: BTreeMap<String, String>,
+    pub derived: Vec<String>,
+}
+
+impl Entries {
+    /// The curves of all entries, `KEY/axis-1` and `KEY/axis-2`.
+    pub fn curves(&self) -> BTreeMap<String, ResistanceCurve> {
+        self.entries
+            .iter()
+            .flat_map(|(key, e)| [0, 1].map(|axis| (curve_id(key, axis), e.axes[axis].curve.clone())))
+            .collect()
+    }
+}
+
+fn curve_id(key: &str, axis: usize) -> String {
+    format!("{key}/axis-{}", axis + 1)
+}
+
+/// Finds, or computes, the entry of each end. Ends that are mirror images share one.
+pub fn entries(
+    place: &Place,
+    ends: &[&MemberEnd],
+    store: &mut Store,
+    derive: Derive,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Entries, GenerateError> {
+    let mut found = Entries::default();
+    let mut wanted: BTreeMap<String, (String, Wanted)> = BTreeMap::new();
+    for end in ends {
+        let Some(query) = Wanted::of(place.building, place.partition, place.mesh, end) else {
+            return Err(GenerateError::Loose(end.id.clone()));
+        };
+        let key = query.key().map_err(crate::library::derive::DeriveError::from)?;
+        found.of_end.insert(end.id.clone(), key.clone());
+        wanted.entry(key).or_insert_with(|| (end.id.clone(), query));
+    }
+    let known = store.keys();
+    let mut missing = Vec::new();
+    for (key, (end, query)) in wanted {
+        if known.binary_search(&key).is_ok() {
+            found.entries.insert(key.clone(), store.get(&key)?);
+        } else {
+            missing.push((key, end, query));
+        }
+    }
+    if derive == Derive::Never && !missing.is_empty() {
+        return Err(GenerateError::Missing(missing.into_iter().map(|(_, end, _)| end).collect()));
+    }
+    let count = missing.len();
+    for (number, (key, end, query)) in missing.into_iter().enumerate() {
+        let entry = query.derive(&end, &|done, all| {
+            progress(&format!("curves of {end} ({} of {count}): push {done} of {all}", number + 1));
+        })?;
+        if derive == Derive::Keep {
+            store.put(&entry)?;
+        }
+        found.derived.push(key.clone());
+        found.entries.insert(key, entry);
+    }
+    Ok(found)
+}
+
+/// Joints with the member end each stands for.
+pub struct Hinges {
+    pub joints: Vec<Joint>,
+    pub ends: Vec<(String, String)>,
+}
+
+/// One joint for each hinged end.
+pub fn hinges(
+    place: &Place,
+    ends: &[&MemberEnd],
+    found: &Entries,
+    decision: &Decision,
+    notes: &mut Vec<String>,
+) -> Result<Hinges, GenerateError> {
+    let mut hinges = Hinges { joints: Vec::new(), ends: Vec::new() };
+    let touching = neighbours(place.partition);
+    for end in ends {
+        let Some(own) = place.owner[end.member] else { continue };
+        let other = beyond(place.partition, end).and_then(|m| place.owner[m]);
+        if other.is_none() && !on_support(place.building, end) {
+            notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
+            continue;
+        }
+        debug_assert!(other.is_none() || !touching.is_empty());
+        let key = &found.of_end[&end.id];
+        let entry = found.entries.get(key).ok_or_else(|| StoreError::NotFound { key: key.clone(), hint: String::new() })?;
+        let bending = [0, 1].map(|axis| Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 });
+        hinges.joints.push(Joint {
+            id: end.id.clone(),
+            body_a: other.map(|o| place.bodies[o].id.clone()),
+            body_b: place.bodies[own].id.clone(),
+            point_m: end.point_m,
+            axes: axes(end),
+            axial_stiffness_n_m: entry.stiffness.axial_n_m,
+            shear_stiffness_n_m: entry.stiffness.shear_n_m,
+            torsional_stiffness_nm_rad: entry.stiffness.torsion_nm_rad,
+            bending,
+            tensile_capacity_n: entry.tensile_capacity_n,
+            origin: Origin {
+                members: vec![end.id.clone()],
+                rules: decision.hinges[&end.id].clone(),
+                entries: vec![key.clone()],
+            },
+        });
+        hinges.ends.push((end.id.clone(), end.id.clone()));
+    }
+    Ok(hinges)
+}
+
+/// Joint axes: axis 0 points from the other body into the member, so that a positive axial displacement is tension;
+/// axes 1 and 2 follow the section's directions, turned to stay right-handed.
+fn axes(end: &MemberEnd) -> [[f64; 3]; 3] {
+    let unit = |i: usize, sign: f64| {
+        let mut e = [0.0; 3];
+        e[i] = sign;
+        e
+    };
+    [unit(end.axis, end.outward), unit((end.axis + 1) % 3, 1.0), unit((end.axis + 2) % 3, end.outward)]
+}
+
+/// Whether an end stands on a supported face.
+fn on_support(building: &Building, end: &MemberEnd) -> bool {
+    let member = &building.members[end.member];
+    building.supports.iter().filter(|s| s.member == member.id).any(|s| {
+        let z = match s.face {
+            Face::Bottom => member.solid.min[2],
+            Face::Top => member.solid.max[2],
+        };
+        end.axis == 2 && (end.point_m[2] - z).abs() < 1e-6
+    })
+}

@@ -1,0 +1,162 @@
+//! Entries for the member ends of a building, computed by the submodel.
+
+use super::entry::{
+    Adjoining, AxisRecord, ColumnEnd, Computed, Entry, EntryKind, EnvelopeLevel, Features, Inputs, LawFeatures, Quality,
+    Stiffness, Validity,
+};
+use super::key::key_of;
+use super::thin::thinned;
+use crate::base::hash::ContentHash;
+use crate::building::Building;
+use crate::building::ends::{End, MemberEnd};
+use crate::building::partition::Partition;
+use crate::curve::{CurveError, Envelope, ResistanceCurve};
+use crate::fe::mesh::Mesh;
+use crate::rc::{EndCurves, EndModel, PushoverError};
+use std::collections::BTreeMap;
+
+/// Version of the submodel procedure; part of every key, so that a change of procedure never reuses old curves.
+pub const SUBMODEL_VERSION: u32 = 1;
+/// Points that a stored envelope keeps.
+const ENVELOPE_POINTS: usize = 48;
+
+/// A member end, described so that an entry for it can be looked up or computed.
+#[derive(Debug, Clone)]
+pub struct Wanted {
+    /// Features for the query.
+    pub features: Features,
+    /// Everything the entry would be computed from.
+    pub inputs: Inputs,
+    /// The submodel.
+    pub model: EndModel,
+}
+
+/// Why an entry cannot be computed.
+#[derive(Debug, thiserror::Error)]
+pub enum DeriveError {
+    /// The push failed.
+    #[error(transparent)]
+    Push(#[from] PushoverError),
+    /// The envelopes do not make a curve.
+    #[error("the envelopes of {end} make no resistance curve: {source}")]
+    Curve {
+        /// Member end id.
+        end: String,
+        /// Why.
+        source: CurveError,
+    },
+    /// The entry cannot be written as text.
+    #[error("the entry cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+}
+
+impl Wanted {
+    /// Describes a column end; `None` for one without own volume.
+    pub fn of(building: &Building, partition: &Partition, mesh: &Mesh, end: &MemberEnd) -> Option<Self> {
+        let member = &building.members[end.member];
+        let model = EndModel::cut(building, mesh, &member.id, end.end)?;
+        let section = building.sections[&member.section].clone();
+        let law = building.law_of(member).clone();
+        let strength = model.mesh.elements[model.section_elements[0]].strength;
+        let mut further = BTreeMap::new();
+        if strength != 1.0 {
+            further.insert("strength_factor".to_string(), strength);
+        }
+        let geometry = BTreeMap::from([
+            ("width_m".to_string(), model.section_m[0]),
+            ("depth_m".to_string(), model.section_m[1]),
+            ("length_m".to_string(), model.length_m),
+            ("elements".to_string(), model.mesh.elements.len() as f64),
+        ]);
+        let shape = ContentHash::of_value(&model.canonical_geometry()).ok()?;
+        let settings = BTreeMap::from([
+            ("geometry_hash".to_string(), shape.to_string().into()),
+            ("mesh_size_m".to_string(), building.settings.mesh_size_m.into()),
+            ("axial_shares".to_string(), crate::rc::pushover::AXIAL_SHARES.to_vec().into()),
+        ]);
+        let features = Features {
+            width_m: model.section_m[0],
+            depth_m: model.section_m[1],
+            length_to_inflection_m: model.length_m,
+            end: match end.end {
+                End::Lower => ColumnEnd::Bottom,
+                End::Upper => ColumnEnd::Top,
+            },
+            adjoining: adjoining(building, partition, end),
+            law: LawFeatures::of(&section.law, &law),
+            mesh_size_m: building.settings.mesh_size_m,
+            further,
+        };
+        Some(Self { features, inputs: Inputs { section, law, geometry, settings, submodel_version: SUBMODEL_VERSION }, model })
+    }
+
+    /// The key that an entry computed from these inputs has.
+    pub fn key(&self) -> Result<String, serde_json::Error> {
+        Ok(key_of(EntryKind::ColumnHinge, &self.features, &ContentHash::of_value(&self.inputs)?))
+    }
+
+    /// Computes the entry; `progress` is told after each push (done, all).
+    pub fn derive(&self, end: &str, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Entry, DeriveError> {
+        let curves = crate::rc::derive(&self.model, progress)?;
+        let record = |axis: usize| axis_record(&curves, axis, end);
+        let computed = Computed {
+            axes: [record(0)?, record(1)?],
+            stiffness: Stiffness {
+                axial_n_m: curves.axial_stiffness_n_m,
+                shear_n_m: curves.shear_stiffness_n_m,
+                torsion_nm_rad: curves.torsional_stiffness_nm_rad,
+            },
+            tensile_capacity_n: Some(curves.tensile_capacity_n),
+            quality: Quality {
+                kinetic_energy_ratio: curves.axes.iter().flatten().map(|p| p.kinetic_share).fold(0.0, f64::max),
+                elements: curves.elements as u64,
+                asymmetry: curves.asymmetry,
+            },
+            validity: validity(&curves),
+        };
+        Ok(Entry::new(EntryKind::ColumnHinge, self.features.clone(), self.inputs.clone(), computed)?)
+    }
+}
+
+/// What lies beyond an end.
+fn adjoining(building: &Building, partition: &Partition, end: &MemberEnd) -> Adjoining {
+    use crate::building::MemberKind;
+    match beyond(partition, end).map(|m| building.members[m].kind) {
+        Some(MemberKind::Beam) => Adjoining::Beam,
+        Some(_) => Adjoining::Slab,
+        None => Adjoining::Ground,
+    }
+}
+
+/// The member just beyond an end.
+pub fn beyond(partition: &Partition, end: &MemberEnd) -> Option<usize> {
+    let mut probe = end.point_m;
+    probe[end.axis] -= 1e-4 * end.outward;
+    partition.cells().find(|(c, _)| partition.cell_box(*c).contains(probe, 1e-9)).map(|(_, owner)| owner)
+}
+
+fn axis_record(curves: &EndCurves, axis: usize, end: &str) -> Result<AxisRecord, DeriveError> {
+    let pushes = &curves.axes[axis];
+    let measured: Vec<Envelope> =
+        pushes.iter().map(|p| Envelope { axial_force_n: p.axial_force_n, points: p.points.clone() }).collect();
+    let curve = ResistanceCurve::from_envelopes(&measured)
+        .map_err(|source| DeriveError::Curve { end: end.to_string(), source })?;
+    let envelopes = pushes
+        .iter()
+        .map(|p| EnvelopeLevel {
+            axial_force_n: p.axial_force_n,
+            points: thinned(&p.points, ENVELOPE_POINTS),
+            fracture_rotation_rad: p.failed.then(|| p.points.last().map_or(0.0, |q| q[0])),
+        })
+        .collect();
+    Ok(AxisRecord { envelopes, curve })
+}
+
+fn validity(curves: &EndCurves) -> Validity {
+    let forces = curves.axes[0].iter().map(|p| p.axial_force_n);
+    let rotation = curves.axes.iter().flatten().filter_map(|p| p.points.last()).map(|p| p[0]).fold(f64::INFINITY, f64::min);
+    Validity {
+        axial_force_n: [forces.clone().fold(f64::INFINITY, f64::min), forces.fold(f64::NEG_INFINITY, f64::max)],
+        rotation_rad: [0.0, rotation],
+    }
+}

@@ -1,0 +1,175 @@
+//! Error measures between two displacement histories.
+//!
+//! `e(T) = sqrt( Σ_p ∫_0^T |u_a - u_b|² dt / Σ_p ∫_0^T |u_b|² dt )` over tracked points p, with u the displacement from
+//! the preloaded state and b the reference (FE). Integrals by the trapezoidal rule over common output times.
+
+/// Displacements of one point: times × 3 \[m\].
+pub type Displacement = [[f64; 3]];
+
+/// `e(T)` at every output time; zero where the reference has not moved.
+///
+/// `pairs` are `(candidate, reference)` histories of the same points on the times `times_s`.
+pub fn error_curve(times_s: &[f64], pairs: &[(&Displacement, &Displacement)]) -> Vec<f64> {
+    let mut curve = Vec::with_capacity(times_s.len());
+    let (mut difference, mut reference) = (0.0, 0.0);
+    let (mut last_difference, mut last_reference) = (0.0, 0.0);
+    for (i, time) in times_s.iter().enumerate() {
+        let (mut d, mut r) = (0.0, 0.0);
+        for (a, b) in pairs {
+            d += (0..3).map(|k| (a[i][k] - b[i][k]).powi(2)).sum::<f64>();
+            r += (0..3).map(|k| b[i][k].powi(2)).sum::<f64>();
+        }
+        if i > 0 {
+            let dt = time - times_s[i - 1];
+            difference += 0.5 * dt * (last_difference + d);
+            reference += 0.5 * dt * (last_reference + r);
+        }
+        (last_difference, last_reference) = (d, r);
+        curve.push(if reference > 0.0 { (difference / reference).sqrt() } else { 0.0 });
+    }
+    curve
+}
+
+/// The value of a curve at the last output time not after `time_s`.
+pub fn at(times_s: &[f64], curve: &[f64], time_s: f64) -> Option<f64> {
+    let count = times_s.partition_point(|t| *t <= time_s + 1e-9);
+    count.checked_sub(1).and_then(|i| curve.get(i).copied())
+}
+
+/// Precision, recall and F1 of found sites against true sites.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Sites {
+    /// Share of the found sites that are true; 1 if nothing was found.
+    pub precision: f64,
+    /// Share of the true sites that were found; 1 if there are none.
+    pub recall: f64,
+    /// Harmonic mean of both.
+    pub f1: f64,
+    /// True sites.
+    pub expected: usize,
+    /// Found sites.
+    pub found: usize,
+    /// Both.
+    pub common: usize,
+}
+
+impl Sites {
+    /// Compares flags over the same list of places.
+    pub fn of(places: impl Iterator<Item = (bool, bool)>) -> Self {
+        let (mut expected, mut found, mut common) = (0, 0, 0);
+        for (truth, claim) in places {
+            expected += usize::from(truth);
+            found += usize::from(claim);
+            common += usize::from(truth && claim);
+        }
+        let share = |of: usize| if of == 0 { 1.0 } else { common as f64 / of as f64 };
+        let (precision, recall) = (share(found), share(expected));
+        let f1 = if precision + recall > 0.0 { 2.0 * precision * recall / (precision + recall) } else { 0.0 };
+        Self { precision, recall, f1, expected, found, common }
+    }
+}
+
+/// Cells of a plan raster covered by debris.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Footprint {
+    cells: std::collections::BTreeSet<(i64, i64)>,
+}
+
+impl Footprint {
+    /// Raster width \[m\].
+    pub const CELL_M: f64 = 0.1;
+
+    /// Adds the plan projection of a convex set of points (its convex hull) \[m\].
+    pub fn add(&mut self, points: &[[f64; 2]]) {
+        let hull = convex_hull(points);
+        if hull.len() < 3 {
+            return;
+        }
+        let cell = |v: f64| (v / Self::CELL_M).floor() as i64;
+        let bound = |i: usize, f: fn(f64, f64) -> f64, start: f64| hull.iter().map(|p| p[i]).fold(start, f);
+        let (x0, x1) = (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
+        let (y0, y1) = (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
+        for i in cell(x0)..=cell(x1) {
+            for j in cell(y0)..=cell(y1) {
+                let c = [(i as f64 + 0.5) * Self::CELL_M, (j as f64 + 0.5) * Self::CELL_M];
+                if inside(&hull, c) {
+                    self.cells.insert((i, j));
+                }
+            }
+        }
+    }
+
+    /// Covered area \[m²\].
+    pub fn area_m2(&self) -> f64 {
+        self.cells.len() as f64 * Self::CELL_M * Self::CELL_M
+    }
+
+    /// Area of the intersection over area of the union; 1 for two empty footprints.
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let union = self.cells.union(&other.cells).count();
+        if union == 0 { 1.0 } else { self.cells.intersection(&other.cells).count() as f64 / union as f64 }
+    }
+}
+
+fn cross(o: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0])
+}
+
+/// Convex hull, counter-clockwise (Andrew's monotone chain).
+fn convex_hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut sorted = points.to_vec();
+    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    sorted.dedup();
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() >= 2 && cross(chain[chain.len() - 2], chain[chain.len() - 1], p) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut sorted.iter().copied());
+    hull.extend(half(&mut sorted.iter().rev().copied()));
+    hull
+}
+
+fn inside(hull: &[[f64; 2]], p: [f64; 2]) -> bool {
+    (0..hull.len()).all(|i| cross(hull[i], hull[(i + 1) % hull.len()], p) >= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn error_of_a_scaled_history_is_the_scale() {
+        let times: Vec<f64> = (0..11).map(|i| 0.1 * f64::from(i)).collect();
+        let b: Vec<[f64; 3]> = times.iter().map(|t| [0.0, t * t, -3.0 * t]).collect();
+        let a: Vec<[f64; 3]> = b.iter().map(|u| u.map(|c| 1.1 * c)).collect();
+        let e = error_curve(&times, &[(&a, &b), (&b, &b)]);
+        assert!((e[10] - 0.1 / 2.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(at(&times, &e, 0.55), Some(e[5]));
+        assert_eq!(at(&times, &e, -1.0), None);
+    }
+
+    #[test]
+    fn sites_count_misses_and_false_alarms() {
+        let s = Sites::of([(true, true), (true, false), (false, true), (false, false)].into_iter());
+        assert_eq!((s.precision, s.recall, s.f1, s.expected, s.found, s.common), (0.5, 0.5, 0.5, 2, 2, 1));
+        let none = Sites::of(std::iter::empty());
+        assert_eq!((none.precision, none.recall), (1.0, 1.0));
+    }
+
+    #[test]
+    fn footprint_of_two_shifted_squares() {
+        let square = |x: f64| [[x, 0.0], [x + 2.0, 0.0], [x, 2.0], [x + 2.0, 2.0]];
+        let (mut a, mut b) = (Footprint::default(), Footprint::default());
+        a.add(&square(0.0));
+        b.add(&square(1.0));
+        assert!((a.area_m2() - 4.0).abs() < 1e-9);
+        assert!((a.overlap(&b) - 1.0 / 3.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,62 @@
+//! Malformed and absurd files: each must give exactly the messages of its snapshot.
+
+use fallwerk::base::tree::Format;
+use fallwerk::building::{inspect, read};
+use std::path::{Path, PathBuf};
+
+fn files() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/building/bad");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn messages_of_bad_files() {
+    let files = files();
+    assert!(files.len() >= 30);
+    for path in files {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let inspection = inspect(&text, Format::of_path(&path).unwrap(), name);
+        assert!(inspection.building.is_none(), "{name} was accepted");
+        assert!(inspection.diagnostics.errors() > 0, "{name} has no error");
+        let json = inspection.diagnostics.to_json();
+        assert_eq!(json.as_array().unwrap().len(), inspection.diagnostics.items().len());
+        let mut settings = insta::Settings::clone_current();
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        settings.bind(|| insta::assert_snapshot!(name, inspection.diagnostics.render(false)));
+    }
+}
+
+/// Every error of a file at once, not only the first.
+#[test]
+fn errors_come_together() {
+    let text = fallwerk::building::EXAMPLE
+        .replace("kind = \"steel\" ", "kind = \"steal\" ")
+        .replace("width = \"300 mm\"", "width = \"300 MPa\"")
+        .replace("x = [0, 6] ", "x = [6, 0] ")
+        .replace("friction = 0.5", "friktion = 0.5");
+    let found = inspect(&text, Format::Toml, "a.toml").diagnostics;
+    let codes: Vec<&str> = found.items().iter().map(|d| d.code).collect();
+    assert_eq!(codes, ["unknown-word", "wrong-unit", "not-increasing", "unknown-key"]);
+    for item in found.items() {
+        assert!(!item.help.is_empty() || item.code == "wrong-unit", "{item:?}");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let message = |name: &str| read(&path(name)).unwrap_err().render(false);
+    std::fs::write(path("house.toml"), "schema = 1").unwrap();
+    assert!(message("huose.toml").contains("there is no such file"));
+    assert!(message("huose.toml").contains("house.toml`?"));
+    assert!(read(folder.path()).unwrap_err().render(false).contains("this is a directory"));
+    std::fs::write(path("binary.toml"), [0x7f, b'E', b'L', b'F', 0xff, 0xfe, 0]).unwrap();
+    assert!(message("binary.toml").contains("not a text file: byte 4"));
+    std::fs::write(path("house.ifc"), "ISO-10303-21;").unwrap();
+    assert!(message("house.ifc").contains("neither in .toml nor in .json"));
+}

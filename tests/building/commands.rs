@@ -1,0 +1,58 @@
+//! The commands `check`, `init` and `schema` as a user runs them.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn fallwerk(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let Output { status, stdout, stderr } =
+        Command::new(env!("CARGO_BIN_EXE_fallwerk")).args(arguments).current_dir(folder).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status.code().unwrap(), text(stdout), text(stderr))
+}
+
+#[test]
+fn init_then_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| fallwerk(folder.path(), arguments);
+    assert_eq!(run(&["init"]).0, 0);
+    let written = std::fs::read_to_string(folder.path().join("building.toml")).unwrap();
+    assert_eq!(written, fallwerk::building::EXAMPLE);
+    let (code, out, err) = run(&["check", "building.toml"]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.contains("12 columns") && out.contains("36.750 m3") && out.contains("91.88 t"), "{out}");
+
+    std::fs::write(folder.path().join("building.toml"), "mine").unwrap();
+    let (code, _, err) = run(&["init"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("--force"), "{err}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("building.toml")).unwrap(), "mine");
+    assert_eq!(run(&["init", "--force"]).0, 0);
+    assert_eq!(run(&["check", "building.toml"]).0, 0);
+    assert_eq!(run(&["init", "house.json"]).0, 2);
+    assert_eq!(run(&["init", "nowhere/house.toml"]).0, 2);
+}
+
+#[test]
+fn check_reports_and_exits() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/building/bad");
+    let (code, out, err) = fallwerk(&folder, &["check", "wrong-unit.toml"]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert!(err.contains("wrong-unit.toml:31:9") && err.ends_with("3 errors in wrong-unit.toml\n"), "{err}");
+    let (code, out, err) = fallwerk(&folder, &["check", "--json", "wrong-unit.toml"]);
+    assert_eq!((code, err.as_str()), (1, ""));
+    let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(json["diagnostics"][1]["line"], 31);
+    assert_eq!(json["diagnostics"][1]["column"], 9);
+    assert_eq!(json["ok"], false);
+    assert_eq!(fallwerk(&folder, &["check", "missing.toml"]).0, 2);
+    assert_eq!(fallwerk(&folder, &["check", "."]).0, 2);
+    assert_eq!(fallwerk(&folder, &["chekc"]).0, 2);
+}
+
+#[test]
+fn schema_is_json() {
+    let (code, out, _) = fallwerk(Path::new("."), &["schema"]);
+    assert_eq!(code, 0);
+    let schema: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(schema, fallwerk::building::schema::json_schema());
+}

@@ -1,0 +1,7 @@
+//! The building file: reading, messages, the reference building.
+
+mod bad;
+mod commands;
+mod mutate;
+mod reference;
+mod schema;
