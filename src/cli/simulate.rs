@@ -99,7 +99,8 @@ pub fn displacements_csv(result: &RunResult) -> String {
 pub fn hinges_csv(result: &RunResult) -> String {
     let mut text = String::from("time_s");
     for hinge in &result.hinges {
-        for column in ["rotation1_rad", "rotation2_rad", "moment1_nm", "moment2_nm", "plastic_rad", "axial_n"] {
+        for column in ["rotation1_rad", "rotation2_rad", "moment1_nm", "moment2_nm", "plastic_rad", "axial_n"]
+        {
             let _ = write!(text, ",{}_{column}", hinge.joint);
         }
     }

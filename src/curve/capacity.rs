@@ -112,11 +112,7 @@ impl CapacityTable {
         hint.alpha = i as u32;
         let (c0, c1) = (at(i), at(i + 1));
         let slope = (c1 - c0) / (self.alpha[i + 1] - self.alpha[i]);
-        Capacity {
-            moment_nm: c0 + slope * (alpha - self.alpha[i]),
-            slope_nm_rad: slope,
-            out_of_range,
-        }
+        Capacity { moment_nm: c0 + slope * (alpha - self.alpha[i]), slope_nm_rad: slope, out_of_range }
     }
 
     /// Accumulated plastic rotation at which the section separates \[rad\].

@@ -59,7 +59,9 @@ impl Envelope {
             if !(rotation.is_finite() && moment.is_finite() && rotation > previous) {
                 return Err(Self::error(
                     level,
-                    format!("point {i} is [{rotation}, {moment}], expected finite, increasing rotations from zero"),
+                    format!(
+                        "point {i} is [{rotation}, {moment}], expected finite, increasing rotations from zero"
+                    ),
                 ));
             }
             previous = rotation;
@@ -72,7 +74,8 @@ impl Envelope {
         let mut before = [0.0, 0.0];
         for &point in &self.points {
             if point[1] >= half {
-                let share = if point[1] > before[1] { (half - before[1]) / (point[1] - before[1]) } else { 1.0 };
+                let share =
+                    if point[1] > before[1] { (half - before[1]) / (point[1] - before[1]) } else { 1.0 };
                 let rotation = before[0] + share * (point[0] - before[0]);
                 if !(rotation > 0.0) {
                     return Err(Self::error(level, "half of the peak is reached at zero rotation"));
@@ -99,7 +102,9 @@ impl Envelope {
             let [last_plastic, last_moment] = capacity[capacity.len() - 1];
             if plastic <= last_plastic + 1e-12 {
                 // Stiffer than the chosen elastic line: no plastic rotation yet.
-                if moment > last_moment && let Some(last) = capacity.last_mut() {
+                if moment > last_moment
+                    && let Some(last) = capacity.last_mut()
+                {
                     last[1] = moment;
                 }
                 continue;

@@ -85,9 +85,11 @@ impl Model {
         }
         self.check_contact(&mut list);
         for (i, event) in self.events.iter().enumerate() {
-            list.require(event.time_s >= 0.0 && event.time_s.is_finite(), &format!("events[{i}].time_s"), || {
-                format!("is {}, expected a finite time of at least zero", event.time_s)
-            });
+            list.require(
+                event.time_s >= 0.0 && event.time_s.is_finite(),
+                &format!("events[{i}].time_s"),
+                || format!("is {}, expected a finite time of at least zero", event.time_s),
+            );
             for (k, id) in event.remove_bodies.iter().enumerate() {
                 list.known(&known, id, &format!("events[{i}].remove_bodies[{k}]"));
             }
@@ -128,7 +130,10 @@ impl Model {
                 }
                 Bending::Curve { curve, strength_factor } => {
                     list.require(self.curves.contains_key(curve), &format!("{at}.curve"), || {
-                        format!("\"{curve}\" is not in curves{}", closest(curve, self.curves.keys().map(String::as_str)))
+                        format!(
+                            "\"{curve}\" is not in curves{}",
+                            closest(curve, self.curves.keys().map(String::as_str))
+                        )
                     });
                     list.positive(&format!("{at}.strength_factor"), *strength_factor);
                 }
@@ -137,6 +142,9 @@ impl Model {
         list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
         if let Some(t) = joint.tensile_capacity_n {
             list.not_negative(&format!("{path}.tensile_capacity_n"), t);
+        }
+        if let Some(c) = joint.compressive_capacity_n {
+            list.positive(&format!("{path}.compressive_capacity_n"), c);
         }
     }
 
@@ -241,7 +249,9 @@ impl List {
         });
     }
     fn positive(&mut self, path: &str, value: f64) {
-        self.require(value > 0.0 && value.is_finite(), path, || format!("is {value}, expected a positive number"));
+        self.require(value > 0.0 && value.is_finite(), path, || {
+            format!("is {value}, expected a positive number")
+        });
     }
     fn not_negative(&mut self, path: &str, value: f64) {
         self.require(value >= 0.0 && value.is_finite(), path, || {

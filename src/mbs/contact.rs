@@ -4,7 +4,9 @@
 //! approach speed `v`: `f = k δ (a + b sat(v/v₀))`, `a = (1+e²)/2`, `b = (1-e²)/2`. Well above `v₀` loading
 //! follows `kδ` and unloading `e²kδ`, so that the energy returned is `e²` of that received, whatever the speed; below
 //! `v₀` it is a Hunt-Crossley damper (J. Appl. Mech. 42 (1975) 440) and bodies come to rest. `v₀` grows with the
-//! penetration where the lagged velocity would make the damper unstable. The force never pulls.
+//! penetration where the lagged velocity would make the damper unstable. The force never pulls. An impact is
+//! resolved by about seven steps whatever their length, so the restitution met is somewhat above the one asked for when
+//! that is low: a dropped cube returns with 0.26 for 0.1, 0.52 for 0.5 (`tests/mbs/contact.rs`).
 //!
 //! **Tangential**: an elastic slider `s` with `|k_t s| <= μ f` (Cundall and Strack, Géotechnique 29 (1979) 47)
 //! and a small damper inside the same cone.
@@ -32,7 +34,8 @@ const TANGENTIAL: f64 = 0.5;
 const TANGENTIAL_DAMPING: f64 = 0.1;
 /// Approach speed from which restitution is full \[m/s\].
 const SATURATION_SPEED_M_S: f64 = 0.02;
-/// Largest `c h w` of the normal damper (above 1 the lagged velocity makes it unstable).
+/// Largest `c h w` of the normal damper. The lagged velocity makes a single contact unstable above 2, and a
+/// body between two contacts (a stack) above 1.
 const DAMPER_LIMIT: f64 = 0.7;
 
 /// History of one contact point.

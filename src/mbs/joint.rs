@@ -5,7 +5,8 @@
 //! `U = ½ Σ k_i d_i² + ½ Σ K_i (θ_i - θ_pi)²`. Its variation gives the force `F = J (k∘d)` and the torque
 //! `τ = J T⁻ᵀ m`, `m_i = K_i (θ_i - θ_pi)`, where `T⁻ᵀ m = m + ½ θ×m + c θ×(θ×m)` is the transposed inverse
 //! of the tangent map of the rotation vector (e.g. Cardona and Géradin, IJNME 26 (1988) 2403). Both bodies feel the
-//! force at the *same* point `p_B`, so momentum and angular momentum are conserved to round-off.
+//! force at the *same* point `p_B`, so momentum and angular momentum are conserved to round-off. In compression
+//! the axial spring may flow at a constant force (crushing); its work is booked by the trapezoidal rule like the hinge's.
 
 use super::math::{self, M3, Q, V3};
 use super::model::Joint;
@@ -36,8 +37,16 @@ pub struct JointData {
     /// Rotational stiffness about the joint axes (elastic part) \[N m/rad\].
     pub rotation: V3,
     table: [u32; 2],
+    /// 1 if axis 0 points from A's side to B's, else -1: a gap along it is then tension.
+    outward: f64,
     /// Tension at which the joint separates \[N\].
     pub tensile_capacity: f64,
+    /// Compression at which the axial spring flows \[N\].
+    compressive_capacity: f64,
+    /// Plastic shortening, in the sense of the gap along axis 0 \[m\].
+    pub crushed: f64,
+    /// Energy dissipated by crushing \[J\].
+    pub crush_j: f64,
     /// Hinge about the axes 1 and 2.
     pub hinge: Hinge2,
     /// Rotation vector in the joint frame \[rad\].
@@ -60,6 +69,8 @@ impl JointData {
         };
         let ((point_a, frame_a), (point_b, frame_b)) = (local(a), local(b));
         let [s1, s2] = joint.shear_stiffness_n_m;
+        let center_a = if a + 1 == bodies.len() { joint.point_m } else { bodies[a].x };
+        let towards_b = math::dot(joint.axes[0], math::sub(bodies[b].x, center_a));
         Self {
             a,
             b,
@@ -72,7 +83,11 @@ impl JointData {
             translation: [joint.axial_stiffness_n_m, s1, s2],
             rotation: [joint.torsional_stiffness_nm_rad, 0.0, 0.0],
             table: [NO_TABLE; 2],
+            outward: if towards_b < 0.0 { -1.0 } else { 1.0 },
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
+            compressive_capacity: joint.compressive_capacity_n.unwrap_or(f64::INFINITY),
+            crushed: 0.0,
+            crush_j: 0.0,
             hinge: Hinge2::default(),
             theta: [0.0; 3],
             axial_force: 0.0,
@@ -106,7 +121,7 @@ impl JointData {
         let frame = math::qmat(frame_q);
         let arm_b = math::mul(&b.r, self.point_b);
         let arm_a = math::add(math::sub(b.x, a.x), arm_b);
-        let gap = math::mul_t(&frame, math::sub(arm_a, math::mul(&a.r, self.point_a)));
+        let mut gap = math::mul_t(&frame, math::sub(arm_a, math::mul(&a.r, self.point_a)));
         let mut q = math::qmul(math::qconj(frame_q), math::qmul(b.q, self.frame_b));
         let same = q[0] * self.relative[0]
             + q[1] * self.relative[1]
@@ -120,8 +135,17 @@ impl JointData {
         self.theta = theta;
 
         let k = self.translation;
+        let old = self.axial_force;
+        gap[0] -= self.crushed;
+        self.axial_force = -self.outward * k[0] * gap[0];
+        if self.axial_force > self.compressive_capacity {
+            let flow = (self.axial_force - self.compressive_capacity) / k[0];
+            self.axial_force = self.compressive_capacity;
+            self.crush_j += 0.5 * (old + self.axial_force) * flow;
+            self.crushed -= self.outward * flow;
+            gap[0] += self.outward * flow;
+        }
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
-        self.axial_force = -local[0];
         let moment = self.moments(theta, tables);
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
 
@@ -178,7 +202,14 @@ impl JointData {
                     turn_b: math::cross(arm_b, axis),
                 }
             } else {
-                Row { stiffness: self.rotation[i - 3], a: self.a, b: self.b, force: [0.0; 3], turn_a: axis, turn_b: axis }
+                Row {
+                    stiffness: self.rotation[i - 3],
+                    a: self.a,
+                    b: self.b,
+                    force: [0.0; 3],
+                    turn_a: axis,
+                    turn_b: axis,
+                }
             }
         })
     }

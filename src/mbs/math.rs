@@ -70,7 +70,9 @@ pub fn mul_t(m: &M3, a: V3) -> V3 {
 /// `A B`.
 #[inline]
 pub fn matmul(a: &M3, b: &M3) -> M3 {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j])
+    })
 }
 
 /// `Mᵀ`.
@@ -183,7 +185,8 @@ pub fn qlog(q: Q) -> V3 {
 #[inline(always)]
 pub fn tangent_coefficient(phi2: f64) -> f64 {
     if phi2 < 0.04 {
-        1.0 / 12.0 + phi2 * (1.0 / 720.0 + phi2 * (1.0 / 30240.0 + phi2 * (1.0 / 1209600.0 + phi2 / 47900160.0)))
+        1.0 / 12.0
+            + phi2 * (1.0 / 720.0 + phi2 * (1.0 / 30240.0 + phi2 * (1.0 / 1209600.0 + phi2 / 47900160.0)))
     } else {
         let half = 0.5 * phi2.sqrt();
         (1.0 - half / half.tan()) / phi2

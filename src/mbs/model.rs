@@ -101,7 +101,8 @@ pub struct Shape {
 ///
 /// In the joint frame, carried by `a`, axis 0 is the member axis: translation 0 is axial, 1 and 2
 /// are shear; rotation 0 is torsion, 1 and 2 are bending about the axes 1 and 2. The joint is stress-free
-/// in the initial poses of the file.
+/// in the initial poses of the file. Bodies moving apart along axis 0 are in tension: apart means along the
+/// sense of axis 0 that points from the centre of mass of `a` (from the joint point, if `a` is the ground) to that of `b`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
@@ -126,6 +127,10 @@ pub struct Joint {
     /// Tension \[N\] at which the joint separates; `None`: never.
     #[serde(default)]
     pub tensile_capacity_n: Option<f64>,
+    /// Compression \[N\] at which the member crushes: the axial spring is elastic-perfectly plastic there;
+    /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
+    #[serde(default)]
+    pub compressive_capacity_n: Option<f64>,
     /// Provenance.
     #[serde(default)]
     pub origin: Origin,

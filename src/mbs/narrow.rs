@@ -91,7 +91,11 @@ impl Manifold {
     }
 
     /// The points in the global frame.
-    pub fn points<'a>(&'a mut self, a: &'a OrientedBox, b: &'a OrientedBox) -> impl Iterator<Item = ContactPoint<'a>> {
+    pub fn points<'a>(
+        &'a mut self,
+        a: &'a OrientedBox,
+        b: &'a OrientedBox,
+    ) -> impl Iterator<Item = ContactPoint<'a>> {
         self.0.points.iter_mut().map(|point| {
             let (p1, p2) = (point.local_p1, point.local_p2);
             let p1 = math::add(a.center, math::mul(&a.r, [p1.x, p1.y, p1.z]));

@@ -44,12 +44,10 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
         Ok(factor) => factor,
         Err(loose) => return Err(PreloadError::Mechanism { body: loose }),
     };
-    let virgin: Vec<_> = system.joints.iter().map(|j| j.hinge).collect();
+    let virgin = system.joints.clone();
     let mut last = (0, f64::INFINITY);
     for iteration in 0..ITERATIONS {
-        for (joint, hinge) in system.joints.iter_mut().zip(&virgin) {
-            joint.hinge = *hinge;
-        }
+        system.joints.clone_from(&virgin);
         system.reset_forces();
         system.add_joint_forces();
         let mut residual = DVector::zeros(6 * n);
@@ -86,7 +84,8 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
 /// A length that makes rotations and displacements comparable: the largest lever arm of a joint.
 fn characteristic_length(system: &System) -> f64 {
     let arms = frequency::rows(system).into_iter().filter(|r| r.force != [0.0; 3]);
-    let largest = arms.map(|r| math::norm(r.turn_b).max(if r.a == system.count() { 0.0 } else { math::norm(r.turn_a) }));
+    let largest = arms
+        .map(|r| math::norm(r.turn_b).max(if r.a == system.count() { 0.0 } else { math::norm(r.turn_a) }));
     let length = largest.fold(0.0, f64::max);
     if length > 0.0 { length } else { 1.0 }
 }

@@ -73,7 +73,7 @@ pub struct EnergyHistory {
     pub gravity_j: Vec<f64>,
     /// Elastic energy of the joints.
     pub joints_elastic_j: Vec<f64>,
-    /// Dissipated in the hinges.
+    /// Dissipated in the joints: plastic rotation and crushing.
     pub plastic_j: Vec<f64>,
     /// Stored in contacts.
     pub contact_elastic_j: Vec<f64>,

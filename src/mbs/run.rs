@@ -8,7 +8,9 @@ use super::contact::{ContactSet, Partner};
 use super::math;
 use super::model::Model;
 use super::preload::{self, PreloadError};
-use super::result::{EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, RunEvent, RunResult, TrackedHistory};
+use super::result::{
+    EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, RunEvent, RunResult, TrackedHistory,
+};
 use super::system::System;
 use super::{ModelError, frequency, step};
 
@@ -42,7 +44,9 @@ pub enum SolveError {
     #[error(transparent)]
     Curve(#[from] crate::curve::CurveError),
     /// The structure is a mechanism.
-    #[error("no static equilibrium: the structure is a mechanism, body \"{body}\" moves most freely (joints: {joints})")]
+    #[error(
+        "no static equilibrium: the structure is a mechanism, body \"{body}\" moves most freely (joints: {joints})"
+    )]
     Mechanism {
         /// The loosest body.
         body: String,
@@ -50,7 +54,9 @@ pub enum SolveError {
         joints: String,
     },
     /// The preload did not converge.
-    #[error("no static equilibrium found: largest residual at body \"{body}\", {residual:.1e} of the weight; the dead load exceeds what the hinges carry, or the structure buckles")]
+    #[error(
+        "no static equilibrium found: largest residual at body \"{body}\", {residual:.1e} of the weight; the dead load exceeds what the hinges carry, or the structure buckles"
+    )]
     Preload {
         /// Body with the largest residual.
         body: String,
@@ -58,7 +64,9 @@ pub enum SolveError {
         residual: f64,
     },
     /// The given step is unstable.
-    #[error("settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; leave it out to have it chosen")]
+    #[error(
+        "settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; leave it out to have it chosen"
+    )]
     TimeStep {
         /// The step given \[s\].
         given_s: f64,
@@ -66,7 +74,9 @@ pub enum SolveError {
         limit_s: f64,
     },
     /// The run would take too many steps.
-    #[error("the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: a joint is too stiff for its bodies")]
+    #[error(
+        "the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: a joint is too stiff for its bodies"
+    )]
     TooManySteps {
         /// The step \[s\].
         step_s: f64,
@@ -84,7 +94,9 @@ pub enum SolveError {
         joints: String,
     },
     /// The energy balance is off.
-    #[error("at t = {time_s:.6} s the energy error is {error:.3}, above {limit}; fastest body \"{body}\" at {speed_m_s:.2} m/s, most stressed joint \"{joint}\"; a smaller settings.time_step_s may help (now {step_s:.3e})")]
+    #[error(
+        "at t = {time_s:.6} s the energy error is {error:.3}, above {limit}; fastest body \"{body}\" at {speed_m_s:.2} m/s, most stressed joint \"{joint}\"; a smaller settings.time_step_s may help (now {step_s:.3e})"
+    )]
     Energy {
         /// When \[s\].
         time_s: f64,
@@ -162,13 +174,14 @@ impl<'a> Run<'a> {
             })
             .collect();
         let hinges: Vec<usize> = (0..system.joints.len()).filter(|i| system.joints[*i].has_curve()).collect();
-        let result = empty_result(model, &system, &tracked, &hinges, step_limit, frequency, preload_iterations);
+        let result =
+            empty_result(model, &system, &tracked, &hinges, step_limit, frequency, preload_iterations);
         let n = system.count();
         Ok(Self {
             start: system.bodies[..n].iter().map(|b| b.x).collect(),
             yielded: system.joints.iter().map(|j| j.hinge.alpha_rad > 0.0).collect(),
             range_warned: vec![false; system.joints.len()],
-            plastic_start: system.joints.iter().map(|j| j.hinge.dissipated_j).sum(),
+            plastic_start: system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum(),
             model,
             options,
             system,
@@ -206,7 +219,8 @@ impl<'a> Run<'a> {
     fn stops(&self) -> Vec<(f64, bool)> {
         let s = &self.model.settings;
         let count = (s.end_time_s / s.output_interval_s * (1.0 + 1e-12)).floor() as usize;
-        let mut stops: Vec<(f64, bool)> = (1..=count).map(|i| (i as f64 * s.output_interval_s, true)).collect();
+        let mut stops: Vec<(f64, bool)> =
+            (1..=count).map(|i| (i as f64 * s.output_interval_s, true)).collect();
         if stops.last().is_none_or(|last| s.end_time_s - last.0 > 1e-9 * s.end_time_s) {
             stops.push((s.end_time_s, true));
         }
@@ -265,7 +279,9 @@ impl<'a> Run<'a> {
     fn note_yield(&mut self, i: usize) {
         let id = &self.model.joints[i].id;
         if !std::mem::replace(&mut self.yielded[i], true) {
-            self.result.events.push(RunEvent { time_s: self.time, kind: EventKind::Yield { joint: id.clone() } });
+            self.result
+                .events
+                .push(RunEvent { time_s: self.time, kind: EventKind::Yield { joint: id.clone() } });
         }
         let joint = &self.system.joints[i];
         if joint.hinge.out_of_range && !std::mem::replace(&mut self.range_warned[i], true) {
@@ -296,7 +312,8 @@ impl<'a> Run<'a> {
                 joint.alive = false;
                 joint.flowing = false;
                 self.released += std::mem::take(&mut joint.elastic_j);
-                let cause = if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
+                let cause =
+                    if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
                 let kind = EventKind::Fracture { joint: self.model.joints[i].id.clone(), cause };
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
@@ -414,8 +431,8 @@ impl<'a> Run<'a> {
             gravity += self.gravity_energy(i);
         }
         let joints: f64 = self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum();
-        let plastic: f64 =
-            self.system.joints.iter().map(|j| j.hinge.dissipated_j).sum::<f64>() - self.plastic_start;
+        let plastic: f64 = self.system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum::<f64>()
+            - self.plastic_start;
         let contact = self.contacts.energy;
         let e = &mut self.result.energies;
         e.kinetic_j.push(kinetic);

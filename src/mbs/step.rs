@@ -68,5 +68,6 @@ pub fn synchronised(body: &BodyState, half_s: f64) -> (V3, V3) {
 pub fn kinetic_j(body: &BodyState, data: &BodyData, half_s: f64) -> f64 {
     let (p, l) = synchronised(body, half_s);
     let l_body = math::mul_t(&body.r, l);
-    0.5 * data.inverse_mass * math::dot(p, p) + 0.5 * math::dot(l_body, math::mul(&data.inverse_inertia, l_body))
+    0.5 * data.inverse_mass * math::dot(p, p)
+        + 0.5 * math::dot(l_body, math::mul(&data.inverse_inertia, l_body))
 }

@@ -29,14 +29,28 @@ fn frame(rows: &[f64], slab: [f64; 3], translation: f64, end_s: f64, remove_belo
                 }
                 let ends = [hinge("hinge"), hinge("hinge")];
                 let below = (storey > 1).then(|| format!("slab{}", storey - 1));
-                let foot = joint(&format!("foot_{id}"), below.as_deref(), &id, [x, y, top - 3.5], translation, 2e7, ends.clone());
+                let foot = joint(
+                    &format!("foot_{id}"),
+                    below.as_deref(),
+                    &id,
+                    [x, y, top - 3.5],
+                    translation,
+                    2e7,
+                    ends.clone(),
+                );
                 let slab = format!("slab{storey}");
-                let head = joint(&format!("head_{id}"), Some(&id), &slab, [x, y, top], translation, 2e7, ends);
+                let head =
+                    joint(&format!("head_{id}"), Some(&id), &slab, [x, y, top], translation, 2e7, ends);
                 m.joints.extend([foot, head]);
             }
         }
     }
-    m.events.push(Event { id: "charge".into(), time_s: 0.0, remove_bodies: removed, origin: Origin::default() });
+    m.events.push(Event {
+        id: "charge".into(),
+        time_s: 0.0,
+        remove_bodies: removed,
+        origin: Origin::default(),
+    });
     track(&mut m, "slab3", [6.2, -0.2, 10.5]);
     m
 }
@@ -67,7 +81,10 @@ const REFERENCE: [(f64, f64, f64); 15] = [
 #[test]
 fn collapsing_frame_follows_the_reference_before_contact() {
     for (stiffness, tolerance) in [(1e9, 0.02), (1e10, 0.005)] {
-        let result = simulate(&frame4(stiffness, 2.0)).unwrap();
+        let mut m = frame4(stiffness, 2.0);
+        // Rigid columns of the reference stop all storeys at once; here they crush at 40 MPa.
+        m.joints.iter_mut().for_each(|j| j.compressive_capacity_n = Some(6.4e6));
+        let result = simulate(&m).unwrap();
         let mut worst = 0.0_f64;
         for (t, y, z) in REFERENCE {
             let u = result.tracked[0].displacement_m[(t / 0.01_f64).round() as usize];
@@ -93,11 +110,17 @@ fn collapsing_frame_follows_the_reference_before_contact() {
             1e3 * result.time_step_s,
             1e6 * result.cpu_s / result.steps as f64
         );
+        // After the contact four engines with rigid columns lie within 4 cm of each other.
+        for (i, low, high) in [(100, 6.4336, 6.4701), (130, 5.7494, 5.7857), (150, 4.8895, 4.9094)] {
+            let z = result.tracked[0].displacement_m[i][2] + 10.5;
+            println!("    t = {:.1}: z = {z:.4} ({low} to {high})", 0.01 * i as f64);
+            assert!(z > low - 0.15 && z < high + 0.15);
+        }
         assert!(worst < tolerance);
         assert!((fractures[0] - 0.7615).abs() < 2e-3);
         assert!((result.first_ground_contact_s.unwrap() - 0.8012).abs() < 3e-3);
         assert_eq!(fractures.len(), 28);
-        assert!((end[2] + 10.5 - 0.125).abs() < 0.03);
+        assert!((-5.1..-4.4).contains(&(end[1] - 0.2)));
     }
 }
 

@@ -16,7 +16,8 @@ fn work_is_elastic_energy_plus_dissipation_in_every_step() {
         capacity: vec![[0.0, 80e3 * factor], [0.01, 120e3 * factor], [0.05, 20e3], [0.08, 0.0]],
         fracture_rotation_rad: 0.5,
     });
-    let strong = CapacityTable::new(&ResistanceCurve { stiffness_nm_rad: 2e7, levels: levels.to_vec() }, 1.0).unwrap();
+    let strong =
+        CapacityTable::new(&ResistanceCurve { stiffness_nm_rad: 2e7, levels: levels.to_vec() }, 1.0).unwrap();
     let weak = softening_table();
     let laws = [AxisLaw::Plastic(&strong), AxisLaw::Plastic(&weak)];
     let mut state = Hinge2::default();
@@ -27,11 +28,14 @@ fn work_is_elastic_energy_plus_dissipation_in_every_step() {
         let old = state;
         let force = 1e6 * (3.0 * s).sin();
         elastic = state.step(laws, theta, force).elastic_j;
-        work += (0..2).map(|k| 0.5 * (old.moment_nm[k] + state.moment_nm[k]) * (theta[k] - old_theta[k])).sum::<f64>();
+        work += (0..2)
+            .map(|k| 0.5 * (old.moment_nm[k] + state.moment_nm[k]) * (theta[k] - old_theta[k]))
+            .sum::<f64>();
         let balance = elastic + state.dissipated_j - work;
         assert!(balance.abs() < 1e-9 * (work.abs() + 1.0), "step {i}: {balance} of {work}");
         let mut hints = [CapacityHint::default(); 2];
-        let c = [&strong, &weak].map(|t| t.capacity(state.alpha_rad, force, &mut hints[0]).moment_nm.max(1e-9));
+        let c =
+            [&strong, &weak].map(|t| t.capacity(state.alpha_rad, force, &mut hints[0]).moment_nm.max(1e-9));
         let f = (state.moment_nm[0] / c[0]).hypot(state.moment_nm[1] / c[1]);
         assert!(f <= 1.0 + 1e-9 || c[0].min(c[1]) < 1.0, "step {i}: outside the ellipse, f = {f}");
         assert!(state.alpha_rad >= old.alpha_rad);
@@ -49,7 +53,11 @@ fn monotonic_rotation_follows_the_capacity_and_dissipates_its_area() {
         state.step(laws, [0.0, 0.2 * f64::from(i) / 20000.0], 0.0);
         if i == 9000 {
             // theta = 0.09: the softening line of the total rotation.
-            assert!((state.moment_nm[1] - 120e3 * (0.15 - 0.09) / 0.12).abs() < 1e-4, "{}", state.moment_nm[1]);
+            assert!(
+                (state.moment_nm[1] - 120e3 * (0.15 - 0.09) / 0.12).abs() < 1e-4,
+                "{}",
+                state.moment_nm[1]
+            );
         }
     }
     let area = frame_curve().levels[0].energy_j();
@@ -69,11 +77,17 @@ fn equal_axes_flow_along_the_trial_moment() {
 #[test]
 fn softening_faster_than_unloading_falls_to_the_next_admissible_point() {
     // The capacity drops by 90 kN m within 1e-3 rad; elastic unloading gives back only 20 kN m per 1e-3 rad.
-    let table = CapacityTable::new(&curve(&[[0.0, 100e3], [0.01, 100e3], [0.011, 10e3], [1.0, 10e3]], 2.0), 1.0).unwrap();
+    let table =
+        CapacityTable::new(&curve(&[[0.0, 100e3], [0.01, 100e3], [0.011, 10e3], [1.0, 10e3]], 2.0), 1.0)
+            .unwrap();
     let mut state = Hinge2::default();
     let mut last = 0.0;
     for i in 0..=3000 {
-        state.step([AxisLaw::Plastic(&table), AxisLaw::Elastic(0.0)], [0.02 * f64::from(i) / 3000.0, 0.0], 0.0);
+        state.step(
+            [AxisLaw::Plastic(&table), AxisLaw::Elastic(0.0)],
+            [0.02 * f64::from(i) / 3000.0, 0.0],
+            0.0,
+        );
         let c = table.capacity(state.alpha_rad, 0.0, &mut CapacityHint::default()).moment_nm;
         assert!(state.moment_nm[0] <= c * (1.0 + 1e-9), "{} above {c}", state.moment_nm[0]);
         last = state.moment_nm[0];
@@ -94,7 +108,8 @@ fn envelopes_give_back_their_moments() {
             [0.12, 0.0],
         ],
     };
-    let curve = ResistanceCurve::from_envelopes(&[envelope(0.0, 80e3, 1e7), envelope(5e5, 130e3, 2e7)]).unwrap();
+    let curve =
+        ResistanceCurve::from_envelopes(&[envelope(0.0, 80e3, 1e7), envelope(5e5, 130e3, 2e7)]).unwrap();
     assert!((curve.stiffness_nm_rad - 2e7).abs() < 1.0);
     for (n, peak) in [(0.0, 80e3), (5e5, 130e3)] {
         let table = CapacityTable::new(&curve, 1.0).unwrap();
@@ -102,7 +117,11 @@ fn envelopes_give_back_their_moments() {
         for i in 1..=8000 {
             state.step([AxisLaw::Plastic(&table), AxisLaw::Elastic(0.0)], [1e-5 * f64::from(i), 0.0], n);
             if i == 3000 {
-                assert!((state.moment_nm[0] - 0.9 * peak).abs() < 1e-6 * peak, "N = {n}: {}", state.moment_nm[0]);
+                assert!(
+                    (state.moment_nm[0] - 0.9 * peak).abs() < 1e-6 * peak,
+                    "N = {n}: {}",
+                    state.moment_nm[0]
+                );
             }
         }
         assert!((state.moment_nm[0] - 0.2 * peak).abs() < 1e-6 * peak);
@@ -110,12 +129,19 @@ fn envelopes_give_back_their_moments() {
     // 5 % of the peak lies a quarter of the way before the end of the last branch.
     let plastic = curve.levels[0].fracture_rotation_rad;
     assert!((plastic - (0.08 + 0.04 * 0.75 - 0.05 * 80e3 / 2e7)).abs() < 1e-9, "{plastic}");
-    assert!(ResistanceCurve::from_envelopes(&[Envelope { axial_force_n: 0.0, points: vec![[0.0, 0.0]] }]).is_err());
+    assert!(
+        ResistanceCurve::from_envelopes(&[Envelope { axial_force_n: 0.0, points: vec![[0.0, 0.0]] }])
+            .is_err()
+    );
 }
 
 #[test]
 fn interpolation_in_axial_force_is_exact_between_levels_of_different_break_points() {
-    let level = |n, c: [[f64; 2]; 3]| CapacityLevel { axial_force_n: n, capacity: c.to_vec(), fracture_rotation_rad: 0.1 };
+    let level = |n, c: [[f64; 2]; 3]| CapacityLevel {
+        axial_force_n: n,
+        capacity: c.to_vec(),
+        fracture_rotation_rad: 0.1,
+    };
     let curve = ResistanceCurve {
         stiffness_nm_rad: 1e7,
         levels: vec![
@@ -151,7 +177,8 @@ fn toppling_column_reaches_the_ground_at_the_closed_form_speed() {
         let (time, speed) = crossing(&result.times_s, &angle, std::f64::consts::FRAC_PI_2);
         println!(
             "topple A: step {:.4} ms, speed {speed:.7} (exact 2.6038745), time {time:.7} (exact 1.8097588), energy error {:.1e}",
-            1e3 * result.time_step_s, result.energy_error
+            1e3 * result.time_step_s,
+            result.energy_error
         );
         assert!((speed / 2.603874529595256 - 1.0).abs() < tolerance);
         assert!((time / 1.80975871 - 1.0).abs() < tolerance);

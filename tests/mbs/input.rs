@@ -18,14 +18,23 @@ fn every_wrong_value_is_named() {
         (|m| m.schema = "x".into(), "schema: "),
         (|m| m.bodies[0].mass_kg = 0.0, "bodies[0].mass_kg: "),
         (|m| m.bodies[0].inertia_kg_m2[1][1] = -1.0, "bodies[0].inertia_kg_m2: is not positive definite"),
-        (|m| m.bodies[0].inertia_kg_m2[1][1] *= 3.0, "bodies[0].inertia_kg_m2: violates the triangle inequality"),
+        (
+            |m| m.bodies[0].inertia_kg_m2[1][1] *= 3.0,
+            "bodies[0].inertia_kg_m2: violates the triangle inequality",
+        ),
         (|m| m.bodies[0].position_m[2] = f64::NAN, "bodies[0].position_m: "),
         (|m| m.bodies[0].orientation[0] = 0.5, "bodies[0].orientation: "),
         (|m| m.bodies.push(solid("a", [0.0; 3], [1.0; 3])), "bodies[1].id: \"a\" is used twice"),
-        (|m| m.joints[0].body_b = "aa".into(), "joints[0].body_b: \"aa\" is not the id of a body (did you mean \"a\"?)"),
+        (
+            |m| m.joints[0].body_b = "aa".into(),
+            "joints[0].body_b: \"aa\" is not the id of a body (did you mean \"a\"?)",
+        ),
         (|m| m.joints[0].axes[0] = [0.0, 0.1, 1.0], "joints[0].axes: "),
         (|m| m.joints[0].bending[0] = hinge("d"), "joints[0].bending[0].curve: \"d\" is not in curves"),
-        (|m| m.curves.get_mut("c").unwrap().levels[0].capacity[1][0] = -1.0, "curves.c: levels[0].capacity[1]"),
+        (
+            |m| m.curves.get_mut("c").unwrap().levels[0].capacity[1][0] = -1.0,
+            "curves.c: levels[0].capacity[1]",
+        ),
         (|m| m.settings.end_time_s = -1.0, "settings.end_time_s: "),
         (
             |m| m.tracked.push(TrackedPoint { id: "t".into(), body: "b".into(), point_m: [0.0; 3] }),
@@ -48,7 +57,8 @@ fn a_model_survives_its_file_and_the_command_writes_the_histories() {
     std::fs::write(&path, serde_json::to_string(&good()).unwrap()).unwrap();
     assert_eq!(Model::read(&path).unwrap(), good());
     let output = folder.path().join("out");
-    let args = fallwerk::cli::simulate::SimulateArgs { model: path, output: Some(output.clone()), json: true };
+    let args =
+        fallwerk::cli::simulate::SimulateArgs { model: path, output: Some(output.clone()), json: true };
     fallwerk::cli::simulate::run(args).unwrap();
     for name in ["result.json", "displacements.csv", "hinges.csv", "energies.csv"] {
         assert!(output.join(name).exists(), "{name}");

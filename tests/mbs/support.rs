@@ -46,7 +46,15 @@ pub fn solid(id: &str, center: [f64; 3], size: [f64; 3]) -> Body {
 }
 
 /// A joint with stiff translations and the given bending.
-pub fn joint(id: &str, a: Option<&str>, b: &str, point: [f64; 3], translation: f64, torsion: f64, bending: [Bending; 2]) -> Joint {
+pub fn joint(
+    id: &str,
+    a: Option<&str>,
+    b: &str,
+    point: [f64; 3],
+    translation: f64,
+    torsion: f64,
+    bending: [Bending; 2],
+) -> Joint {
     Joint {
         id: id.into(),
         body_a: a.map(Into::into),
@@ -58,6 +66,7 @@ pub fn joint(id: &str, a: Option<&str>, b: &str, point: [f64; 3], translation: f
         torsional_stiffness_nm_rad: torsion,
         bending,
         tensile_capacity_n: None,
+        compressive_capacity_n: None,
         origin: Origin::default(),
     }
 }
@@ -71,7 +80,11 @@ pub fn hinge(curve: &str) -> Bending {
 }
 
 pub fn track(model: &mut Model, body: &str, point: [f64; 3]) {
-    model.tracked.push(TrackedPoint { id: format!("{body}{}", model.tracked.len()), body: body.into(), point_m: point });
+    model.tracked.push(TrackedPoint {
+        id: format!("{body}{}", model.tracked.len()),
+        body: body.into(),
+        point_m: point,
+    });
 }
 
 /// Elastic stiffness 2e7 N m/rad and a capacity that does not depend on the axial force.
@@ -97,7 +110,9 @@ pub fn crossing(times: &[f64], values: &[f64], level: f64) -> (f64, f64) {
     let from = i.saturating_sub(2).min(values.len() - 4);
     let (t, v) = (&times[from..from + 4], &values[from..from + 4]);
     let value = |x: f64| -> f64 {
-        (0..4).map(|k| v[k] * (0..4).filter(|j| *j != k).map(|j| (x - t[j]) / (t[k] - t[j])).product::<f64>()).sum()
+        (0..4)
+            .map(|k| v[k] * (0..4).filter(|j| *j != k).map(|j| (x - t[j]) / (t[k] - t[j])).product::<f64>())
+            .sum()
     };
     let (mut low, mut high) = (times[i - 1], times[i]);
     for _ in 0..60 {
