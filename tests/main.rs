@@ -1,5 +1,5 @@
-//! Integration tests, one module a subject: `building` reads and refuses building files, `library` keeps and mends
-//! the store, `mbs` verifies the multibody solver, `report` renders pages.
+//! Integration tests, one module a subject: `building` reads and refuses building files, `mbs` verifies the multibody
+//! solver, `report` renders pages.
 
 mod building;
 mod mbs;

@@ -67,7 +67,7 @@ impl Envelope {
             previous = rotation;
         }
         let peak = self.points.iter().map(|p| p[1]).fold(0.0, f64::max);
-        if !(peak > 0.0) {
+        if peak <= 0.0 {
             return Err(Self::error(level, "no positive moment"));
         }
         let half = SECANT_FRACTION * peak;
@@ -77,7 +77,7 @@ impl Envelope {
                 let share =
                     if point[1] > before[1] { (half - before[1]) / (point[1] - before[1]) } else { 1.0 };
                 let rotation = before[0] + share * (point[0] - before[0]);
-                if !(rotation > 0.0) {
+                if rotation <= 0.0 {
                     return Err(Self::error(level, "half of the peak is reached at zero rotation"));
                 }
                 return Ok((half / rotation, half));
@@ -121,7 +121,7 @@ impl Envelope {
             capacity.push([plastic, moment]);
         }
         let end = capacity[capacity.len() - 1][0];
-        if !(end > 0.0) {
+        if end <= 0.0 {
             return Err(Self::error(level, "no plastic rotation: the envelope ends on its elastic line"));
         }
         Ok(CapacityLevel {

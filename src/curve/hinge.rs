@@ -102,8 +102,8 @@ impl Hinge2 {
     fn excess(&mut self, laws: [AxisLaw<'_>; 2], trial: [f64; 2], x: f64, length: f64, n: f64) -> (f64, f64) {
         let mut f2 = 0.0;
         let mut slope = 0.0;
-        for i in 0..2 {
-            if let AxisLaw::Plastic(table) = laws[i] {
+        for (i, law) in laws.iter().enumerate() {
+            if let AxisLaw::Plastic(table) = law {
                 let capacity = table.capacity(self.alpha_rad + x, n, &mut self.hint[i]);
                 let floor = CAPACITY_FLOOR * table.peak_nm();
                 let (c, dc) = if capacity.moment_nm > floor {
@@ -150,9 +150,9 @@ impl Hinge2 {
     #[inline]
     fn beyond_fracture(&mut self, laws: [AxisLaw<'_>; 2], n: f64) -> bool {
         let mut beyond = false;
-        for i in 0..2 {
-            if let AxisLaw::Plastic(table) = laws[i] {
-                beyond |= self.alpha_rad >= table.fracture_rotation_rad(n, &mut self.hint[i]);
+        for (law, hint) in laws.iter().zip(&mut self.hint) {
+            if let AxisLaw::Plastic(table) = law {
+                beyond |= self.alpha_rad >= table.fracture_rotation_rad(n, hint);
             }
         }
         beyond

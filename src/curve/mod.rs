@@ -157,7 +157,7 @@ impl CapacityLevel {
             }
             previous = rotation;
         }
-        if !(self.peak_nm() > 0.0) {
+        if self.peak_nm() <= 0.0 {
             return Err(CurveError::NoCapacity { level });
         }
         if !(self.fracture_rotation_rad > 0.0 && self.fracture_rotation_rad.is_finite()) {

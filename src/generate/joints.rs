@@ -127,6 +127,7 @@ pub fn hinges(
             torsional_stiffness_nm_rad: entry.stiffness.torsion_nm_rad,
             bending,
             tensile_capacity_n: entry.tensile_capacity_n,
+            compressive_capacity_n: None,
             origin: Origin {
                 members: vec![end.id.clone()],
                 rules: decision.hinges[&end.id].clone(),

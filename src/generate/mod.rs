@@ -85,7 +85,7 @@ pub fn generate(
 ) -> Result<Generated, GenerateError> {
     let partition = Partition::of(building);
     let ends = member_ends(building, &partition);
-    let decision = Decision::of(building, &ends, rules)?;
+    let decision = Decision::of(building, &partition, &ends, rules)?;
     if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
         return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
     }
@@ -120,7 +120,7 @@ pub fn generate(
         },
         bodies: list,
     };
-    let trace = decision.trace(building, &model);
+    let trace = decision.trace(&model);
     Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries, hinge_ends: hinges.ends })
 }
 

@@ -10,13 +10,18 @@
 //! | [`frequency`] | the highest frequency, hence the time step |
 //! | [`preload`] | static equilibrium before `t = 0` |
 //! | [`narrow`] | box against box (the only file that knows `parry3d`) |
-//! | [`contact`] | who may touch, and the contact law |
+//! | [`contact`] | who may touch, and when to look |
+//! | [`contact_law`] | force and energy of one contact point |
 //! | [`step`] | the explicit integrator |
 //! | [`run`] | the whole run: events, outputs, energy balance |
 //! | [`result`] | what a run returns |
+//! | [`error`] | why a run stopped |
 
 pub mod check;
+mod clock;
 pub mod contact;
+pub mod contact_law;
+pub mod error;
 pub mod frequency;
 pub mod joint;
 pub mod math;
@@ -29,6 +34,7 @@ pub mod step;
 pub mod system;
 
 pub use check::ModelError;
+pub use error::SolveError;
 pub use model::Model;
 pub use result::RunResult;
-pub use run::{SolveError, SolverOptions, simulate, simulate_with};
+pub use run::{SolverOptions, simulate, simulate_with};

@@ -3,7 +3,7 @@
 //! [`separation`] is a cheap lower bound of the distance; [`Manifold`] holds the contact points of a
 //! touching pair, matched over time by the features that make them, each with its own history.
 
-use super::contact::PointState;
+use super::contact_law::PointState;
 use super::math::{self, M3, Q, V3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
 use parry3d_f64::query::ContactManifold;

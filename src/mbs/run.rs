@@ -4,7 +4,9 @@
 //! at most the limit. The energies are taken at full steps, with the momenta of that time; the balance is
 //! a true one (states and trapezoidal dissipation), not an identity of the update formulas.
 
+use super::clock::Clock;
 use super::contact::{ContactSet, Partner};
+use super::error::SolveError;
 use super::math;
 use super::model::Model;
 use super::preload::{self, PreloadError};
@@ -12,7 +14,7 @@ use super::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, RunEvent, RunResult, TrackedHistory,
 };
 use super::system::System;
-use super::{ModelError, frequency, step};
+use super::{frequency, step};
 
 /// Largest automatic step \[s\]: resolves contacts at 10 m/s within a centimetre.
 pub const LARGEST_STEP_S: f64 = 1e-3;
@@ -32,87 +34,6 @@ impl Default for SolverOptions {
     fn default() -> Self {
         Self { restitution: 0.1, energy_limit: 0.1 }
     }
-}
-
-/// Why a run stopped.
-#[derive(Debug, thiserror::Error)]
-pub enum SolveError {
-    /// The model is wrong.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// A curve cannot be compiled.
-    #[error(transparent)]
-    Curve(#[from] crate::curve::CurveError),
-    /// The structure is a mechanism.
-    #[error(
-        "no static equilibrium: the structure is a mechanism, body \"{body}\" moves most freely (joints: {joints})"
-    )]
-    Mechanism {
-        /// The loosest body.
-        body: String,
-        /// Its joints.
-        joints: String,
-    },
-    /// The preload did not converge.
-    #[error(
-        "no static equilibrium found: largest residual at body \"{body}\", {residual:.1e} of the weight; the dead load exceeds what the hinges carry, or the structure buckles"
-    )]
-    Preload {
-        /// Body with the largest residual.
-        body: String,
-        /// Residual relative to the weight.
-        residual: f64,
-    },
-    /// The given step is unstable.
-    #[error(
-        "settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; leave it out to have it chosen"
-    )]
-    TimeStep {
-        /// The step given \[s\].
-        given_s: f64,
-        /// The limit \[s\].
-        limit_s: f64,
-    },
-    /// The run would take too many steps.
-    #[error(
-        "the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: a joint is too stiff for its bodies"
-    )]
-    TooManySteps {
-        /// The step \[s\].
-        step_s: f64,
-        /// The interval \[s\].
-        interval_s: f64,
-    },
-    /// A state is not a number.
-    #[error("at t = {time_s:.6} s the state of body \"{body}\" is not a number (joints: {joints})")]
-    NotANumber {
-        /// When \[s\].
-        time_s: f64,
-        /// Where.
-        body: String,
-        /// Its joints.
-        joints: String,
-    },
-    /// The energy balance is off.
-    #[error(
-        "at t = {time_s:.6} s the energy error is {error:.3}, above {limit}; fastest body \"{body}\" at {speed_m_s:.2} m/s, most stressed joint \"{joint}\"; a smaller settings.time_step_s may help (now {step_s:.3e})"
-    )]
-    Energy {
-        /// When \[s\].
-        time_s: f64,
-        /// Relative error.
-        error: f64,
-        /// Its limit.
-        limit: f64,
-        /// The fastest body.
-        body: String,
-        /// Its speed \[m/s\].
-        speed_m_s: f64,
-        /// The joint with the most elastic energy.
-        joint: String,
-        /// The step \[s\].
-        step_s: f64,
-    },
 }
 
 /// Checks and runs a model.
@@ -489,7 +410,7 @@ fn choose_step(model: &Model, frequency: f64) -> Result<f64, SolveError> {
         None => (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S),
     };
     let interval = model.settings.output_interval_s;
-    if !(interval / step < MOST_STEPS) {
+    if interval / step >= MOST_STEPS {
         return Err(SolveError::TooManySteps { step_s: step, interval_s: interval });
     }
     Ok(step)
@@ -556,29 +477,4 @@ fn empty_result(
         energy_error: 0.0,
         warnings: Vec::new(),
     }
-}
-
-/// Processor time of this thread where the system tells it, else wall time.
-struct Clock {
-    wall: std::time::Instant,
-    processor: Option<f64>,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self { wall: std::time::Instant::now(), processor: thread_cpu_s() }
-    }
-
-    fn elapsed_s(&self) -> f64 {
-        match (self.processor, thread_cpu_s()) {
-            (Some(a), Some(b)) if b > a => b - a,
-            _ => self.wall.elapsed().as_secs_f64(),
-        }
-    }
-}
-
-/// First field of Linux's schedstat: nanoseconds on a processor.
-fn thread_cpu_s() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split_whitespace().next()?.parse::<f64>().ok().map(|ns| 1e-9 * ns)
 }

@@ -1,0 +1,84 @@
+//! Why a run stopped, with time, body and joint.
+
+use super::ModelError;
+
+/// Why a run stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum SolveError {
+    /// The model is wrong.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A curve cannot be compiled.
+    #[error(transparent)]
+    Curve(#[from] crate::curve::CurveError),
+    /// The structure is a mechanism.
+    #[error(
+        "no static equilibrium: the structure is a mechanism, body \"{body}\" moves most freely (joints: {joints})"
+    )]
+    Mechanism {
+        /// The loosest body.
+        body: String,
+        /// Its joints.
+        joints: String,
+    },
+    /// The preload did not converge.
+    #[error(
+        "no static equilibrium found: largest residual at body \"{body}\", {residual:.1e} of the weight; the dead load exceeds what the hinges carry, or the structure buckles"
+    )]
+    Preload {
+        /// Body with the largest residual.
+        body: String,
+        /// Residual relative to the weight.
+        residual: f64,
+    },
+    /// The given step is unstable.
+    #[error(
+        "settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; leave it out to have it chosen"
+    )]
+    TimeStep {
+        /// The step given \[s\].
+        given_s: f64,
+        /// The limit \[s\].
+        limit_s: f64,
+    },
+    /// The run would take too many steps.
+    #[error(
+        "the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: a joint is too stiff for its bodies"
+    )]
+    TooManySteps {
+        /// The step \[s\].
+        step_s: f64,
+        /// The interval \[s\].
+        interval_s: f64,
+    },
+    /// A state is not a number.
+    #[error("at t = {time_s:.6} s the state of body \"{body}\" is not a number (joints: {joints})")]
+    NotANumber {
+        /// When \[s\].
+        time_s: f64,
+        /// Where.
+        body: String,
+        /// Its joints.
+        joints: String,
+    },
+    /// The energy balance is off.
+    #[error(
+        "at t = {time_s:.6} s the energy error is {error:.3}, above {limit}; fastest body \"{body}\" at {speed_m_s:.2} m/s, most stressed joint \"{joint}\"; a smaller settings.time_step_s may help (now {step_s:.3e})"
+    )]
+    Energy {
+        /// When \[s\].
+        time_s: f64,
+        /// Relative error.
+        error: f64,
+        /// Its limit.
+        limit: f64,
+        /// The fastest body.
+        body: String,
+        /// Its speed \[m/s\].
+        speed_m_s: f64,
+        /// The joint with the most elastic energy.
+        joint: String,
+        /// The step \[s\].
+        step_s: f64,
+    },
+}
