@@ -1,0 +1,170 @@
+//! Asks the rules about every member and member end, and keeps their answers.
+
+use super::{GenerateError, is_column};
+use crate::building::ends::{End, MemberEnd};
+use crate::building::partition::Partition;
+use crate::building::{Building, MemberKind, Preparation};
+use crate::library::derive::beyond;
+use crate::mbs::Model;
+use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, SubjectKind};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// One reason: a rule that fired for a part of the building.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Trace {
+    /// Body or joint of the model.
+    pub part: String,
+    /// Member or member end that the rule decided about.
+    pub subject: String,
+    /// Rule id.
+    pub rule: String,
+    /// What the rule decided.
+    pub action: String,
+    /// The rule in words.
+    pub words: String,
+    /// Whether the subject lies in the rule's range of evidence.
+    pub in_range: bool,
+    /// Library entries of the part.
+    pub entries: Vec<String>,
+}
+
+/// What the rules decided.
+#[derive(Debug, Clone, Default)]
+pub struct Decision {
+    /// Members that may be one rigid body with neighbours of which the same is true.
+    pub merges: Vec<bool>,
+    /// Hinged member ends with the ids of the rules that put hinge and springs there.
+    pub hinges: BTreeMap<String, Vec<String>>,
+    /// All firings, by subject.
+    firings: BTreeMap<String, Vec<Firing>>,
+    /// What an analyst should look at.
+    pub notes: Vec<String>,
+}
+
+impl Decision {
+    /// Asks the rules. An end of a member that merges with its neighbours needs no decision of its own.
+    pub fn of(building: &Building, partition: &Partition, ends: &[MemberEnd], rules: &RuleBase) -> Result<Self, GenerateError> {
+        let mut this = Self { merges: vec![false; building.members.len()], ..Self::default() };
+        let mut gaps = Vec::new();
+        for index in 0..building.members.len() {
+            let subject = member_subject(building, partition, index);
+            match this.ask(rules, &subject, Aspect::Body) {
+                Some(Action::MergeRigid) => this.merges[index] = true,
+                Some(Action::RigidBody) => {}
+                _ => gaps.push(subject.id),
+            }
+        }
+        for end in ends.iter().filter(|e| is_column(building, e.member)) {
+            let subject = end_subject(building, partition, end);
+            match this.ask(rules, &subject, Aspect::Rotation) {
+                Some(Action::Hinge) => {
+                    let fired = this.firings[&end.id].iter().map(|f| f.rule.clone()).collect();
+                    this.hinges.insert(end.id.clone(), fired);
+                }
+                _ => gaps.push(end.id.clone()),
+            }
+        }
+        if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
+    }
+
+    /// Fires the rules for a subject; the answer to one question.
+    fn ask(&mut self, rules: &RuleBase, subject: &Subject, aspect: Aspect) -> Option<Action> {
+        let firings = rules.evaluate(subject);
+        for firing in firings.iter().filter(|f| !f.in_range) {
+            self.notes.push(format!("rule `{}` is used outside its range of evidence for {}", firing.rule, subject.id));
+        }
+        let answer = firings.iter().find(|f| f.action.spec().aspect == aspect).map(|f| f.action);
+        self.firings.insert(subject.id.clone(), firings);
+        answer
+    }
+
+    /// Rules that made some members one body.
+    pub fn rules_of(&self, building: &Building, members: &[usize]) -> Vec<String> {
+        let mut rules: Vec<String> = members
+            .iter()
+            .flat_map(|m| self.firings.get(&building.members[*m].id).into_iter().flatten())
+            .filter(|f| f.action.spec().aspect == Aspect::Body)
+            .map(|f| f.rule.clone())
+            .collect();
+        rules.sort();
+        rules.dedup();
+        rules
+    }
+
+    /// The reasons of each part, in the order of the model.
+    pub fn trace(&self, model: &Model) -> Vec<Trace> {
+        let bodies = model.bodies.iter().map(|b| (&b.id, &b.origin));
+        let joints = model.joints.iter().map(|j| (&j.id, &j.origin));
+        bodies
+            .chain(joints)
+            .flat_map(|(part, origin)| {
+                origin.members.iter().flat_map(move |subject| {
+                    self.firings.get(subject).into_iter().flatten().map(move |f| Trace {
+                        part: part.clone(),
+                        subject: subject.clone(),
+                        rule: f.rule.clone(),
+                        action: f.action.spec().name.to_string(),
+                        words: f.words.clone(),
+                        in_range: f.in_range,
+                        entries: origin.entries.clone(),
+                    })
+                })
+            })
+            .collect()
+    }
+}
+
+fn kind_name(kind: MemberKind) -> &'static str {
+    match kind {
+        MemberKind::Column => "column",
+        MemberKind::Beam => "beam",
+        MemberKind::Slab => "slab",
+        MemberKind::Wall => "wall",
+        MemberKind::Footing => "footing",
+    }
+}
+
+/// What is known of a member before any run.
+fn member_subject(building: &Building, partition: &Partition, index: usize) -> Subject {
+    let member = &building.members[index];
+    let range = crate::building::tracked::clear_range(partition, index, member.axis);
+    let size = member.solid.size();
+    let bar = matches!(member.kind, MemberKind::Column | MemberKind::Beam);
+    let length = if bar { range.map_or(0.0, |r| r[1] - r[0]) } else { size.iter().copied().fold(0.0, f64::max) };
+    let least = size.iter().copied().fold(f64::INFINITY, f64::min);
+    let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
+    Subject::new(SubjectKind::Member, &member.id)
+        .with("member.kind", kind_name(member.kind))
+        .with("member.charged", building.events.iter().any(|e| e.member == member.id))
+        .with("member.weakened", is_weakened(building, &member.id))
+        .with("member.length", length)
+        .with("member.slenderness", length / least)
+        .with("collapse.phase", "before_contact")
+        .with("critical_strain_rate", building.settings.critical_strain_rate_1_s)
+        .with("storeys", f64::from(storeys))
+}
+
+/// What is known of a member end before any run.
+fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd) -> Subject {
+    let mut subject = member_subject(building, partition, end.member);
+    let adjoining = beyond(partition, end).map(|m| kind_name(building.members[m].kind));
+    let column = is_column(building, end.member);
+    let position = match (column, end.end) {
+        (true, End::Lower) => "bottom",
+        (true, End::Upper) => "top",
+        (false, End::Lower) => "start",
+        (false, End::Upper) => "end",
+    };
+    let clamped = adjoining.is_none() && building.supports.iter().any(|s| s.member == building.members[end.member].id);
+    subject.id.clone_from(&end.id);
+    subject.kind = SubjectKind::MemberEnd;
+    subject
+        .with("end.position", position)
+        .with("end.clamped", clamped)
+        .with("end.adjoining", adjoining.unwrap_or(if clamped { "ground" } else { "none" }))
+}
+
+fn is_weakened(building: &Building, member: &str) -> bool {
+    building.preparation.iter().any(|p| matches!(p, Preparation::Weaken { member: m, .. } if m == member))
+}
