@@ -120,14 +120,14 @@ pub fn hinges(
             id: end.id.clone(),
             body_a: other.map(|o| place.bodies[o].id.clone()),
             body_b: place.bodies[own].id.clone(),
-            point_m: end.point_m,
+            point_m: hinge_point(end, entry.hinge_offset_m),
             axes: axes(end),
             axial_stiffness_n_m: entry.stiffness.axial_n_m,
             shear_stiffness_n_m: entry.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: entry.stiffness.torsion_nm_rad,
             bending,
             tensile_capacity_n: entry.tensile_capacity_n,
-            compressive_capacity_n: None,
+            compressive_capacity_n: entry.compressive_capacity_n,
             origin: Origin {
                 members: vec![end.id.clone()],
                 rules: decision.hinges[&end.id].clone(),
@@ -137,6 +137,13 @@ pub fn hinges(
         hinges.ends.push((end.id.clone(), end.id.clone()));
     }
     Ok(hinges)
+}
+
+/// The hinge stands inside the member, where the library found its pole \[m\].
+fn hinge_point(end: &MemberEnd, offset_m: f64) -> [f64; 3] {
+    let mut point = end.point_m;
+    point[end.axis] += end.outward * offset_m;
+    point
 }
 
 /// Joint axes: axis 0 points from the other body into the member, so that a positive axial displacement is tension;

@@ -63,9 +63,9 @@ impl Wanted {
             further.insert("strength_factor".to_string(), strength);
         }
         let geometry = BTreeMap::from([
-            ("width_m".to_string(), model.section_m[0]),
-            ("depth_m".to_string(), model.section_m[1]),
-            ("length_m".to_string(), model.length_m),
+            ("width_m".to_string(), micrometres(model.section_m[0])),
+            ("depth_m".to_string(), micrometres(model.section_m[1])),
+            ("length_m".to_string(), micrometres(model.length_m)),
             ("elements".to_string(), model.mesh.elements.len() as f64),
         ]);
         let shape = ContentHash::of_value(&model.canonical_geometry()).ok()?;
@@ -75,9 +75,9 @@ impl Wanted {
             ("axial_shares".to_string(), crate::rc::pushover::AXIAL_SHARES.to_vec().into()),
         ]);
         let features = Features {
-            width_m: model.section_m[0],
-            depth_m: model.section_m[1],
-            length_to_inflection_m: model.length_m,
+            width_m: micrometres(model.section_m[0]),
+            depth_m: micrometres(model.section_m[1]),
+            length_to_inflection_m: micrometres(model.length_m),
             end: match end.end {
                 End::Lower => ColumnEnd::Bottom,
                 End::Upper => ColumnEnd::Top,
@@ -107,6 +107,8 @@ impl Wanted {
                 torsion_nm_rad: curves.torsional_stiffness_nm_rad,
             },
             tensile_capacity_n: Some(curves.tensile_capacity_n),
+            compressive_capacity_n: Some(curves.tensile_capacity_n),
+            hinge_offset_m: curves.hinge_offset_m,
             quality: Quality {
                 kinetic_energy_ratio: curves.axes.iter().flatten().map(|p| p.kinetic_share).fold(0.0, f64::max),
                 elements: curves.elements as u64,
@@ -116,6 +118,11 @@ impl Wanted {
         };
         Ok(Entry::new(EntryKind::ColumnHinge, self.features.clone(), self.inputs.clone(), computed)?)
     }
+}
+
+/// Rounds a length to micrometres, so that ends that differ by round-off share an entry \[m\].
+fn micrometres(length_m: f64) -> f64 {
+    (length_m * 1e6).round() / 1e6
 }
 
 /// What lies beyond an end.

@@ -225,6 +225,10 @@ pub struct Entry {
     pub stiffness: Stiffness,
     /// Tension at which the end separates \[N\].
     pub tensile_capacity_n: Option<f64>,
+    /// Axial force at which the section crushes \[N\].
+    pub compressive_capacity_n: Option<f64>,
+    /// Distance of the hinge from the end section, along the member \[m\].
+    pub hinge_offset_m: f64,
     /// How good the computation was.
     pub quality: Quality,
     /// Where it comes from.
@@ -245,6 +249,10 @@ pub struct Computed {
     pub stiffness: Stiffness,
     /// Tension at which the end separates \[N\].
     pub tensile_capacity_n: Option<f64>,
+    /// Axial force at which the section crushes \[N\].
+    pub compressive_capacity_n: Option<f64>,
+    /// Distance of the hinge from the end section, along the member \[m\].
+    pub hinge_offset_m: f64,
     /// How good the computation was.
     pub quality: Quality,
     /// Where it holds.
@@ -267,6 +275,8 @@ impl Entry {
             axes: computed.axes,
             stiffness: computed.stiffness,
             tensile_capacity_n: computed.tensile_capacity_n,
+            compressive_capacity_n: computed.compressive_capacity_n,
+            hinge_offset_m: computed.hinge_offset_m,
             quality: computed.quality,
             provenance: Provenance {
                 inputs,

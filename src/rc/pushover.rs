@@ -4,8 +4,14 @@
 //! member's chord. The moment of the end section is the sum of the nodal forces of the member's own elements about the
 //! section's current centre: the integral of the section's stresses in the discrete sense. It does not
 //! contain the second-order moment `N w`; the MBS model has that from its geometry, so P-Δ acts once.
-//! The rotation is that of the chord, so that the curve contains the flexibility of half the member and of
-//! the joint; an MBS hinge between rigid bodies then has the member's stiffness.
+//!
+//! **Where the hinge is.** A plastic region has a length, so the member turns about a point at some distance `c` from the end
+//! section. It is found from the motion of the far section while the hinge flows: the pole of its plane
+//! displacement between two rotations. The envelope is given about this point: with `l` the distance of the sections, the rotation is
+//! `atan2(l sin θ, l cos θ - c)` for the chord rotation θ, and the moment there is `M (1 - c / l)`, as the moment vanishes at the far
+//! section. Work is the same in both descriptions. The rotation is that of the chord, not of the section, so that the
+//! curve contains the flexibility of half the member and of the joint; an MBS hinge between rigid bodies then has the
+//! member's stiffness.
 //!
 //! Quasi-static by explicit integration: the speed rises from zero, and the ratio of kinetic to internal energy is
 //! recorded as a quality figure.
@@ -28,6 +34,10 @@ pub const FAILED_SHARE: f64 = 0.05;
 const SPEEDS: [f64; 2] = [0.1, 0.8];
 /// Times at which the two speeds are reached \[s\].
 const RAMPS: [f64; 2] = [0.1, 0.4];
+/// Chord rotations between which the pole is found \[rad\].
+const POLE_ROTATIONS: [f64; 2] = [0.08, 0.2];
+/// Largest distance of the hinge from the end section, in section depths.
+const POLE_LIMIT_DEPTHS: f64 = 1.5;
 /// Interval over which section forces are averaged \[rad\], elastic and later.
 const SAMPLE: [f64; 2] = [2.0e-4, 4.0e-3];
 
@@ -42,8 +52,8 @@ pub struct Push {
     pub failed: bool,
     /// Largest kinetic over internal energy beyond 1 % rotation.
     pub kinetic_share: f64,
-    /// Length of the member that eroded \[m\].
-    pub eroded_length_m: f64,
+    /// Distance from the end section of the point about which the far section turned while the hinge flowed \[m\].
+    pub pole_m: Option<f64>,
 }
 
 /// All curves of one member end.
@@ -51,6 +61,8 @@ pub struct Push {
 pub struct EndCurves {
     /// Envelopes about the directions `axis + 1` and `axis + 2`, by axial force.
     pub axes: [Vec<Push>; 2],
+    /// Distance of the hinge from the end section, along the member \[m\].
+    pub hinge_offset_m: f64,
     /// Axial stiffness of the end: half the member and the joint \[N/m\].
     pub axial_stiffness_n_m: f64,
     /// Shear stiffness `G A_s / l` along `axis + 1` and `axis + 2` \[N/m\].
@@ -117,8 +129,13 @@ pub fn derive(model: &EndModel, progress: &(dyn Fn(usize, usize) + Sync)) -> Res
         .fold(0.0, f64::max);
     let shear_modulus = 0.5 * law.youngs_modulus_pa * sample.smear / (1.0 + law.poisson_ratio);
     let shear = shear_modulus * 5.0 / 6.0 * area / model.length_m;
+    let depth = model.section_m[0].max(model.section_m[1]);
+    let poles: Vec<f64> = pushes[..2 * count].iter().filter_map(|p| p.0.pole_m).collect();
+    let hinge_offset_m = median(poles).clamp(0.0, POLE_LIMIT_DEPTHS * depth);
+    let about_hinge = |p: &Push| Push { points: moved(&p.points, model.length_m, hinge_offset_m), ..p.clone() };
     Ok(EndCurves {
-        axes: [0, 1].map(|axis| pushes[axis * count..(axis + 1) * count].iter().map(|p| p.0.clone()).collect()),
+        axes: [0, 1].map(|axis| pushes[axis * count..(axis + 1) * count].iter().map(|p| about_hinge(&p.0)).collect()),
+        hinge_offset_m,
         axial_stiffness_n_m: pushes[2].1,
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: shear_modulus * torsion_constant(model.section_m) / model.length_m,
@@ -126,6 +143,24 @@ pub fn derive(model: &EndModel, progress: &(dyn Fn(usize, usize) + Sync)) -> Res
         asymmetry,
         elements: model.mesh.elements.len(),
     })
+}
+
+/// Median; zero for an empty list.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// An envelope over chord rotation about the end section, described about a point `c` further along the member.
+fn moved(points: &[[f64; 2]], length: f64, c: f64) -> Vec<[f64; 2]> {
+    let turn = |r: f64| (length * r.sin()).atan2(length * r.cos() - c);
+    points.iter().map(|[r, m]| [turn(*r), m * (1.0 - c / length)]).collect()
+}
+
+/// Pole of a plane motion: `p`, `q` two positions of a point and `angle` the rotation between them, in a frame whose first axis
+/// points along the member. Returns its coordinate along the member.
+fn pole(p: [f64; 2], q: [f64; 2], angle: f64) -> f64 {
+    0.5 * (p[0] + q[0]) - 0.5 * (q[1] - p[1]) / (0.5 * angle).tan()
 }
 
 /// Torsion constant of a rectangle (Roark's formulas for stress and strain, table 10.1, case 4) \[m⁴\].
@@ -156,6 +191,7 @@ fn push(model: &EndModel, bending: usize, axial_force_n: f64, sense: f64) -> Res
     let guides = center_line(model, direction);
     let start = tip_center(model, &body);
     let mut recorder = Recorder::default();
+    let mut poses: Vec<([f64; 2], f64)> = Vec::new();
     loop {
         let rotation = chord_rotation(model, &body, start, direction);
         let speed = speed_at(body.time_s) * model.length_m * rotation.cos().max(0.1);
@@ -175,15 +211,21 @@ fn push(model: &EndModel, bending: usize, axial_force_n: f64, sense: f64) -> Res
             }
             recorder.note_kinetic(rotation, body.kinetic_j() / body.blocks.energies_j()[0].max(1.0));
         }
+        if poses.len() < 2 && rotation >= POLE_ROTATIONS[poses.len()] {
+            poses.push(tip_pose(model, &body, start, direction));
+        }
         let separated = !body.deaths.is_empty() && is_separated(model, &body);
         if separated {
             recorder.points.push([rotation, 0.0]);
         }
         let failed = separated || recorder.failed();
         if failed || rotation >= LARGEST_ROTATION {
-            let eroded_length_m = eroded_length(model, &body);
-            let points = recorder.points;
-            return Ok((Push { axial_force_n, points, failed, kinetic_share: recorder.kinetic, eroded_length_m }, axial_stiffness));
+            let pole_m = match poses[..] {
+                [(p, a), (q, b)] => Some(pole(p, q, b - a)),
+                _ => None,
+            };
+            let push = Push { axial_force_n, points: recorder.points, failed, kinetic_share: recorder.kinetic, pole_m };
+            return Ok((push, axial_stiffness));
         }
     }
 }
@@ -249,6 +291,24 @@ fn tip_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {
     std::array::from_fn(|i| model.tip_nodes.iter().map(|(k, share)| body.x[*k][i] * share).sum())
 }
 
+/// Position of the far section's centre, along the member from the end section and sideways in the sense of the push, and the
+/// rotation of the section in that sense \[rad\].
+fn tip_pose(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize) -> ([f64; 2], f64) {
+    let tip = tip_center(model, body);
+    let side = tip[direction] - start[direction];
+    let middle = model.point_m[direction];
+    let (mut across, mut along) = (0.0, 0.0);
+    for (n, share) in &model.tip_nodes {
+        let sign = (model.mesh.nodes[*n][direction] - middle).signum();
+        if (model.mesh.nodes[*n][direction] - middle).abs() > 1e-9 {
+            across += share * sign * body.x[*n][direction];
+            along += share * sign * body.x[*n][model.axis];
+        }
+    }
+    let rotation = (-model.outward * along * side.signum()).atan2(across);
+    ([model.outward * (tip[model.axis] - model.point_m[model.axis]), side.abs()], rotation)
+}
+
 /// Rotation of the chord from the end section's undeformed centre to the far section \[rad\], positive.
 fn chord_rotation(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize) -> f64 {
     let tip = tip_center(model, body);
@@ -293,19 +353,22 @@ fn is_separated(model: &EndModel, body: &Dynamics) -> bool {
     alive.values().any(|a| !a)
 }
 
-/// Length of the member over which at least one element has eroded \[m\].
-fn eroded_length(model: &EndModel, body: &Dynamics) -> f64 {
-    let part = model.mesh.elements[model.section_elements[0]].part;
-    let mut layers: Vec<(i64, f64)> = (0..model.mesh.elements.len())
-        .filter(|e| model.mesh.elements[*e].part == part && body.blocks.share(*e) == 0.0)
-        .map(|e| {
-            let along = model.mesh.elements[e].nodes.map(|n| model.mesh.nodes[n][model.axis]);
-            let low = along.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            ((low * 1e6).round() as i64, high - low)
-        })
-        .collect();
-    layers.sort_by_key(|l| l.0);
-    layers.dedup_by_key(|l| l.0);
-    layers.iter().map(|l| l.1).sum()
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pole_of_a_rotation_about_a_known_point() {
+        let (c, radius) = (0.31, 1.2);
+        let at = |angle: f64| [c + radius * angle.cos(), radius * angle.sin()];
+        assert!((pole(at(0.1), at(0.45), 0.35) - c).abs() < 1e-12);
+    }
+
+    #[test]
+    fn moving_an_envelope_keeps_its_work() {
+        let points: Vec<[f64; 2]> = (0..400).map(|i| [1e-4 * f64::from(i), 250e3]).collect();
+        let work = |p: &[[f64; 2]]| p.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum::<f64>();
+        let about = moved(&points, 1.5, 0.3);
+        assert!((work(&about) / work(&points) - 1.0).abs() < 1e-3);
+    }
 }
