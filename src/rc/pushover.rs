@@ -50,7 +50,7 @@ pub struct Push {
     pub points: Vec<[f64; 2]>,
     /// Whether the section failed within [`LARGEST_ROTATION`].
     pub failed: bool,
-    /// Largest kinetic over internal energy beyond 1 % rotation.
+    /// Largest kinetic over internal energy beyond 1 % rotation, while the section bears 80 % of its peak.
     pub kinetic_share: f64,
     /// Distance from the end section of the point about which the far section turned while the hinge flowed \[m\].
     pub pole_m: Option<f64>,
@@ -271,7 +271,8 @@ impl Recorder {
     }
 
     fn note_kinetic(&mut self, rotation: f64, share: f64) {
-        if rotation > 0.01 && !self.failed() {
+        let bears = self.points.last().is_some_and(|p| p[1] >= 0.8 * self.peak);
+        if rotation > 0.01 && bears {
             self.kinetic = self.kinetic.max(share);
         }
     }
