@@ -127,6 +127,7 @@ pub fn hinges(
             torsional_stiffness_nm_rad: entry.stiffness.torsion_nm_rad,
             bending,
             tensile_capacity_n: entry.tensile_capacity_n,
+            tensile_elongation_m: entry.tensile_elongation_m,
             compressive_capacity_n: entry.compressive_capacity_n,
             origin: Origin {
                 members: vec![end.id.clone()],

@@ -107,6 +107,7 @@ impl Wanted {
                 torsion_nm_rad: curves.torsional_stiffness_nm_rad,
             },
             tensile_capacity_n: Some(curves.tensile_capacity_n),
+            tensile_elongation_m: Some(curves.tensile_elongation_m),
             compressive_capacity_n: Some(curves.tensile_capacity_n),
             hinge_offset_m: curves.hinge_offset_m,
             quality: Quality {

@@ -225,6 +225,8 @@ pub struct Entry {
     pub stiffness: Stiffness,
     /// Tension at which the end separates \[N\].
     pub tensile_capacity_n: Option<f64>,
+    /// Plastic elongation of the end at that tension before it separates \[m\].
+    pub tensile_elongation_m: Option<f64>,
     /// Axial force at which the section crushes \[N\].
     pub compressive_capacity_n: Option<f64>,
     /// Distance of the hinge from the end section, along the member \[m\].
@@ -249,6 +251,8 @@ pub struct Computed {
     pub stiffness: Stiffness,
     /// Tension at which the end separates \[N\].
     pub tensile_capacity_n: Option<f64>,
+    /// Plastic elongation of the end at that tension before it separates \[m\].
+    pub tensile_elongation_m: Option<f64>,
     /// Axial force at which the section crushes \[N\].
     pub compressive_capacity_n: Option<f64>,
     /// Distance of the hinge from the end section, along the member \[m\].
@@ -275,6 +279,7 @@ impl Entry {
             axes: computed.axes,
             stiffness: computed.stiffness,
             tensile_capacity_n: computed.tensile_capacity_n,
+            tensile_elongation_m: computed.tensile_elongation_m,
             compressive_capacity_n: computed.compressive_capacity_n,
             hinge_offset_m: computed.hinge_offset_m,
             quality: computed.quality,

@@ -140,6 +140,9 @@ impl Model {
             }
         }
         list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
+        if let Some(t) = joint.tensile_elongation_m {
+            list.not_negative(&format!("{path}.tensile_elongation_m"), t);
+        }
         if let Some(t) = joint.tensile_capacity_n {
             list.not_negative(&format!("{path}.tensile_capacity_n"), t);
         }

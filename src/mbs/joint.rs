@@ -41,11 +41,15 @@ pub struct JointData {
     outward: f64,
     /// Tension at which the joint separates \[N\].
     pub tensile_capacity: f64,
+    /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
+    tensile_elongation: f64,
+    /// Plastic elongation so far \[m\].
+    elongated: f64,
     /// Compression at which the axial spring flows \[N\].
     compressive_capacity: f64,
-    /// Plastic shortening, in the sense of the gap along axis 0 \[m\].
+    /// Plastic shortening less elongation, in the sense of the gap along axis 0 \[m\].
     pub crushed: f64,
-    /// Energy dissipated by crushing \[J\].
+    /// Energy dissipated by crushing and stretching \[J\].
     pub crush_j: f64,
     /// Hinge about the axes 1 and 2.
     pub hinge: Hinge2,
@@ -85,6 +89,8 @@ impl JointData {
             table: [NO_TABLE; 2],
             outward: if towards_b < 0.0 { -1.0 } else { 1.0 },
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
+            tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
+            elongated: 0.0,
             compressive_capacity: joint.compressive_capacity_n.unwrap_or(f64::INFINITY),
             crushed: 0.0,
             crush_j: 0.0,
@@ -106,6 +112,15 @@ impl JointData {
     pub fn set_curve(&mut self, k: usize, table: u32, tables: &[CapacityTable]) {
         self.rotation[k + 1] = tables[table as usize].stiffness_nm_rad();
         self.table[k] = table;
+    }
+
+    /// Whether tension has separated the joint.
+    pub fn is_pulled_apart(&self) -> bool {
+        if self.tensile_elongation > 0.0 {
+            self.elongated >= self.tensile_elongation
+        } else {
+            -self.axial_force > self.tensile_capacity
+        }
     }
 
     /// Whether any axis has a curve.
@@ -138,11 +153,14 @@ impl JointData {
         let old = self.axial_force;
         gap[0] -= self.crushed;
         self.axial_force = -self.outward * k[0] * gap[0];
-        if self.axial_force > self.compressive_capacity {
-            let flow = (self.axial_force - self.compressive_capacity) / k[0];
-            self.axial_force = self.compressive_capacity;
-            self.crush_j += 0.5 * (old + self.axial_force) * flow;
+        let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
+        let admissible = self.axial_force.clamp(lowest, self.compressive_capacity);
+        if admissible != self.axial_force {
+            let flow = (self.axial_force - admissible) / k[0];
+            self.axial_force = admissible;
+            self.crush_j += 0.5 * (old + admissible) * flow;
             self.crushed -= self.outward * flow;
+            self.elongated += (-flow).max(0.0);
             gap[0] += self.outward * flow;
         }
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];

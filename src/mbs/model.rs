@@ -127,6 +127,10 @@ pub struct Joint {
     /// Tension \[N\] at which the joint separates; `None`: never.
     #[serde(default)]
     pub tensile_capacity_n: Option<f64>,
+    /// Plastic elongation \[m\] that the member bears at its tensile capacity before it separates; `None`: none, it
+    /// separates as soon as the capacity is reached.
+    #[serde(default)]
+    pub tensile_elongation_m: Option<f64>,
     /// Compression \[N\] at which the member crushes: the axial spring is elastic-perfectly plastic there;
     /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
     #[serde(default)]

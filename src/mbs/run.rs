@@ -186,7 +186,7 @@ impl<'a> Run<'a> {
         let mut broken = false;
         for i in 0..self.system.joints.len() {
             let joint = &self.system.joints[i];
-            broken |= joint.alive && (joint.hinge.fractured || -joint.axial_force > joint.tensile_capacity);
+            broken |= joint.alive && (joint.hinge.fractured || joint.is_pulled_apart());
             if joint.flowing && (!self.yielded[i] || joint.hinge.out_of_range) {
                 self.note_yield(i);
             }
@@ -228,7 +228,7 @@ impl<'a> Run<'a> {
     fn fracture(&mut self) {
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
-            let tension = -joint.axial_force > joint.tensile_capacity;
+            let tension = joint.is_pulled_apart();
             if joint.alive && (joint.hinge.fractured || tension) {
                 joint.alive = false;
                 joint.flowing = false;

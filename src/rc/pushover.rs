@@ -71,6 +71,8 @@ pub struct EndCurves {
     pub torsional_stiffness_nm_rad: f64,
     /// Tension at which the section separates, `σ_y(ε_crit) A` \[N\].
     pub tensile_capacity_n: f64,
+    /// Plastic elongation at that tension, `ε_crit l`: the law hardens, so that the bar stretches along its whole length \[m\].
+    pub tensile_elongation_m: f64,
     /// Difference of the peaks for the two senses of rotation over their mean, larger of both axes.
     pub asymmetry: f64,
     /// Elements of the submodel.
@@ -140,6 +142,7 @@ pub fn derive(model: &EndModel, progress: &(dyn Fn(usize, usize) + Sync)) -> Res
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: shear_modulus * torsion_constant(model.section_m) / model.length_m,
         tensile_capacity_n: scale * table.at(law.critical_plastic_strain).0 * area,
+        tensile_elongation_m: law.critical_plastic_strain * model.length_m,
         asymmetry,
         elements: model.mesh.elements.len(),
     })

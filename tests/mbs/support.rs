@@ -67,6 +67,7 @@ pub fn joint(
         bending,
         tensile_capacity_n: None,
         compressive_capacity_n: None,
+        tensile_elongation_m: None,
         origin: Origin::default(),
     }
 }
