@@ -135,7 +135,18 @@ impl Dynamics {
     }
 
     /// One step. Returns the kinetic energy at the full step \[J\] if `measure`.
+    ///
+    /// Threads: called from outside the rayon pool, every step has to wake a worker and be woken by it (tens of
+    /// microseconds); a long run should enter the pool once, with `rayon::scope(|_| ...)` around its loop.
     pub fn step(&mut self, measure: bool) -> f64 {
+        if self.parallel && rayon::current_thread_index().is_none() {
+            rayon::scope(|_| self.step_here(measure))
+        } else {
+            self.step_here(measure)
+        }
+    }
+
+    fn step_here(&mut self, measure: bool) -> f64 {
         let dt = self.dt_s;
         self.move_nodes(dt);
         self.update_elements(KernelStep { dt_s: dt, viscous: true }, dt);

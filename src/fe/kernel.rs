@@ -6,7 +6,7 @@
 //!
 //! Per step from configuration n to n+1, with the displacement increment Δu:
 //! * `B_iI = ∫ ∂N_I/∂x_i dV` at n+1, exact for any hexahedron; `b = B / V`;
-//! * `L = Δu_iI b_jI`, taken to the mid-step configuration by `L_mid = L (I - L/2)^-1` (series to third order): a finite
+//! * `L = Δu_iI b_jI`, taken to the mid-step configuration by `L_mid = L (I - L/2)^-1`: a finite
 //!   rotation increment then strains nothing (Hughes and Winget 1980);
 //! * the strain increment is turned into the element's own frame, where the stress lives; no spin terms are needed;
 //! * twelve generalised hourglass strains `q_iα = γ_αI Δu_iI` in the element's frame drive the stresses `Q_iα`.
@@ -27,7 +27,7 @@
 //! No fused multiply-add: results are the same bytes on every instruction set. Elements with share 0 strain no more: their
 //! state is frozen and their forces are zero, whatever their nodes do.
 
-use super::hexahedron::{Vec3, add, cbrt, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns};
+use super::hexahedron::{Vec3, add, cbrt, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns};
 use crate::material::j2::HardeningTable;
 
 /// Elements a block holds.
@@ -277,16 +277,21 @@ fn patterns(field: &BlockForce, l: usize) -> [Vec3; 7] {
     out
 }
 
-/// Symmetric part of `L + L²/2 + L³/4`, turned into the frame: xx, yy, zz, xy, yz, zx.
+/// Symmetric part of `L (I - L/2)^-1`, turned into the frame: xx, yy, zz, xy, yz, zx.
 #[inline(always)]
 fn turned_strain(g: &[Vec3; 3], rows: &[Vec3; 3]) -> [f64; 6] {
-    let mut inner = [[0.0; 3]; 3];
-    for i in 0..3 {
-        inner[i] = add(g[i], scaled(0.5, to_global(g, g[i])));
-    }
+    let m = [
+        [1.0 - 0.5 * g[0][0], -0.5 * g[0][1], -0.5 * g[0][2]],
+        [-0.5 * g[1][0], 1.0 - 0.5 * g[1][1], -0.5 * g[1][2]],
+        [-0.5 * g[2][0], -0.5 * g[2][1], 1.0 - 0.5 * g[2][2]],
+    ];
+    let columns = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
+    let inverse = 1.0 / dot(m[0], columns[0]);
     let mut mid = [[0.0; 3]; 3];
     for i in 0..3 {
-        mid[i] = add(g[i], scaled(0.5, to_global(&inner, g[i])));
+        for j in 0..3 {
+            mid[i][j] = inverse * dot(g[i], columns[j]);
+        }
     }
     let (xy, yz, zx) =
         (0.5 * (mid[0][1] + mid[1][0]), 0.5 * (mid[1][2] + mid[2][1]), 0.5 * (mid[0][2] + mid[2][0]));
