@@ -1,24 +1,39 @@
 //! The elements of a mesh packed into blocks for the kernel, and the nodes' list of element forces.
 
-use super::kernel::{BlockForce, BlockMaterial, BlockState, LANES};
+use super::hexahedron::volume_m3;
+use super::kernel::{self, BlockForce, BlockMaterial, BlockState, KernelStep, LANES};
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
+use rayon::prelude::*;
+
+/// Blocks handed to a thread at a time. No result depends on it.
+const CHUNK: usize = 16;
+/// Bits of a scatter offset that count within a block.
+const WITHIN: u32 = 8;
+
+/// Nodal values of a block on cache-line boundaries.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+struct Aligned(BlockForce);
 
 /// Eight elements of one law.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub struct Block {
-    /// Node indices `[lane][node]`; unused lanes repeat the last element.
-    pub nodes: [[u32; 8]; LANES],
-    /// Element index of each used lane.
-    pub elements: Vec<usize>,
     /// Constants.
     pub material: BlockMaterial,
     /// History.
     pub state: BlockState,
-    /// Forces of the last kernel call.
-    pub force: BlockForce,
-    /// Frequency bounds of the last kernel call \[1/s²\].
+    /// Frequency bounds of the last kernel call \[1/s²\], zero where nothing acts.
     pub bound: [f64; LANES],
+    /// Node indices `[lane][node]`; unused lanes repeat the last element.
+    pub nodes: [[u32; 8]; LANES],
+    /// Element index of each used lane.
+    pub elements: Vec<usize>,
+    /// Largest of `bound`.
+    pub largest_bound: f64,
+    /// Whether an acting element has reached its critical strain or has no positive frequency bound.
+    pub alarm: bool,
 }
 
 /// All blocks with the scatter map.
@@ -32,8 +47,11 @@ pub struct Blocks {
     pub place: Vec<(u32, u8)>,
     /// Start of each node's contributions in `contributions`, one more than nodes.
     starts: Vec<u32>,
-    /// `(block, 3 * local node, lane)` in a fixed order.
-    contributions: Vec<(u32, u8, u8)>,
+    /// Where the x force stands, in a fixed order: block, and place in its flat list of forces; y and z follow `LANES`
+    /// and `2 LANES` after.
+    contributions: Vec<u32>,
+    /// Forces of the last kernel call, one for each block.
+    forces: Vec<Aligned>,
 }
 
 impl Blocks {
@@ -54,17 +72,31 @@ impl Blocks {
             first += same;
         }
         let (starts, contributions) = scatter_map(mesh, &place);
-        Self { blocks, tables, place, starts, contributions }
+        let forces = vec![Aligned([[0.0; LANES]; 24]); blocks.len()];
+        Self { blocks, tables, place, starts, contributions, forces }
+    }
+
+    /// Kernel over all blocks that still act, with the displacement increments `dt_s * v`.
+    pub fn update(&mut self, x: &[[f64; 3]], v: &[[f64; 3]], dt_s: f64, step: KernelStep, parallel: bool) {
+        let tables = &self.tables[..];
+        if parallel {
+            let chunks = self.blocks.par_chunks_mut(CHUNK).zip(self.forces.par_chunks_mut(CHUNK));
+            chunks.for_each(|(blocks, forces)| update_chunk(blocks, forces, tables, x, v, dt_s, step));
+        } else {
+            update_chunk(&mut self.blocks, &mut self.forces, tables, x, v, dt_s, step);
+        }
     }
 
     /// Internal force on a node \[N\]: the sum over its elements in a fixed order.
+    #[inline]
     pub fn force_on(&self, node: usize) -> [f64; 3] {
         let mut sum = [0.0; 3];
-        for &(block, local, lane) in &self.contributions[self.starts[node] as usize..self.starts[node + 1] as usize] {
-            let force = &self.blocks[block as usize].force;
-            for (i, s) in sum.iter_mut().enumerate() {
-                *s += force[local as usize + i][lane as usize];
-            }
+        for &at in &self.contributions[self.starts[node] as usize..self.starts[node + 1] as usize] {
+            let (block, first) = split(at);
+            let from_here = &self.forces[block].0.as_flattened()[first..first + 2 * LANES + 1];
+            sum[0] += from_here[0];
+            sum[1] += from_here[LANES];
+            sum[2] += from_here[2 * LANES];
         }
         sum
     }
@@ -72,15 +104,36 @@ impl Blocks {
     /// Forces of one element on its nodes \[N\].
     pub fn element_force(&self, element: usize) -> [[f64; 3]; 8] {
         let (block, lane) = self.place[element];
-        let force = &self.blocks[block as usize].force;
+        let force = &self.forces[block as usize].0;
         std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
+    }
+
+    /// Ends an element: share and forces become zero.
+    pub(super) fn end(&mut self, block: usize, lane: usize) {
+        self.forces[block].0.iter_mut().for_each(|f| f[lane] = 0.0);
+        let block = &mut self.blocks[block];
+        block.state.share[lane] = 0.0;
+        block.bound[lane] = 0.0;
+        block.largest_bound = block.bound.iter().fold(0.0, |a, b| a.max(*b));
+    }
+
+    /// Forgets the last forces of elements that no longer act (blocks that are skipped keep theirs).
+    pub(super) fn clear_forces_of_dead(&mut self) {
+        for (block, force) in self.blocks.iter().zip(&mut self.forces) {
+            for lane in 0..LANES {
+                if block.state.share[lane] == 0.0 {
+                    force.0.iter_mut().for_each(|f| f[lane] = 0.0);
+                }
+            }
+        }
     }
 
     /// Elements that touch a node.
     pub fn elements_at(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
         self.contributions[self.starts[node] as usize..self.starts[node + 1] as usize]
             .iter()
-            .map(|&(block, _, lane)| self.blocks[block as usize].elements[lane as usize])
+            .map(|&at| split(at))
+            .map(|(block, first)| self.blocks[block].elements[first % LANES])
     }
 
     /// Acting share of an element.
@@ -144,6 +197,48 @@ impl Blocks {
     }
 }
 
+/// Gathers, calls the kernel and notes what the time loop needs to know. The instruction set is chosen once a call.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+fn update_chunk(
+    blocks: &mut [Block],
+    forces: &mut [Aligned],
+    tables: &[HardeningTable],
+    x: &[[f64; 3]],
+    v: &[[f64; 3]],
+    dt_s: f64,
+    step: KernelStep,
+) {
+    let (mut at, mut moved) = (Aligned([[0.0; LANES]; 24]), Aligned([[0.0; LANES]; 24]));
+    for (block, force) in blocks.iter_mut().zip(forces) {
+        if block.state.share.iter().all(|s| *s == 0.0) {
+            block.largest_bound = 0.0;
+            block.alarm = false;
+            continue;
+        }
+        for (lane, nodes) in block.nodes.iter().enumerate() {
+            for (local, n) in nodes.iter().enumerate() {
+                let (p, w) = (x[*n as usize], v[*n as usize]);
+                for i in 0..3 {
+                    at.0[3 * local + i][lane] = p[i];
+                    moved.0[3 * local + i][lane] = w[i];
+                }
+            }
+        }
+        let table = &tables[block.material.table];
+        let bound = kernel::update(&at.0, &moved.0, dt_s, &block.material, table, &mut block.state, &mut force.0, step);
+        let (mut largest, mut alarms) = (0.0, 0);
+        for l in 0..LANES {
+            let reached = block.state.plastic_strain[l] >= block.material.critical_strain[l];
+            let valid = bound[l] > 0.0;
+            alarms += u32::from(block.state.share[l] > 0.0 && (reached || !valid));
+            largest = if bound[l] > largest { bound[l] } else { largest };
+        }
+        block.bound = bound;
+        block.largest_bound = largest;
+        block.alarm = alarms > 0;
+    }
+}
+
 /// Packs elements of one law into a block.
 fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
     let mut material = BlockMaterial { table: mesh.elements[elements[0]].law, ..Default::default() };
@@ -159,30 +254,15 @@ fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
         material.lambda_pa[lane] = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
         material.mu_pa[lane] = 0.5 * e / (1.0 + nu);
         material.yield_scale[lane] = element.smear * element.strength;
-        material.mass_kg[lane] = law.density_kg_m3 * element.smear * volume(mesh, index);
+        material.mass_kg[lane] = law.density_kg_m3 * element.smear * volume_m3(&element.nodes.map(|n| mesh.nodes[n]));
         material.critical_strain[lane] = law.critical_plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
-    Block { nodes, elements, material, state, force: [[0.0; LANES]; 24], bound: [0.0; LANES] }
-}
-
-/// Volume of an undeformed element \[m³\], by its six tetrahedra around the diagonal 0-6.
-fn volume(mesh: &Mesh, element: usize) -> f64 {
-    let p = mesh.elements[element].nodes.map(|n| mesh.nodes[n]);
-    const RING: [usize; 7] = [1, 2, 3, 7, 4, 5, 1];
-    let edge = |a: usize| -> [f64; 3] { std::array::from_fn(|i| p[a][i] - p[0][i]) };
-    let axis = edge(6);
-    RING.windows(2)
-        .map(|w| {
-            let (a, b) = (edge(w[0]), edge(w[1]));
-            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-            (0..3).map(|i| cross[i] * axis[i]).sum::<f64>() / 6.0
-        })
-        .sum()
+    Block { material, state, bound: [0.0; LANES], nodes, elements, largest_bound: 0.0, alarm: false }
 }
 
 /// For each node, where its element forces stand.
-fn scatter_map(mesh: &Mesh, place: &[(u32, u8)]) -> (Vec<u32>, Vec<(u32, u8, u8)>) {
+fn scatter_map(mesh: &Mesh, place: &[(u32, u8)]) -> (Vec<u32>, Vec<u32>) {
     let mut starts = vec![0u32; mesh.nodes.len() + 1];
     for element in &mesh.elements {
         for n in element.nodes {
@@ -193,13 +273,19 @@ fn scatter_map(mesh: &Mesh, place: &[(u32, u8)]) -> (Vec<u32>, Vec<(u32, u8, u8)
         starts[i] += starts[i - 1];
     }
     let mut next = starts.clone();
-    let mut contributions = vec![(0, 0, 0); starts[mesh.nodes.len()] as usize];
+    let mut contributions = vec![0; starts[mesh.nodes.len()] as usize];
     for (index, element) in mesh.elements.iter().enumerate() {
         let (block, lane) = place[index];
         for (local, n) in element.nodes.iter().enumerate() {
-            contributions[next[*n] as usize] = (block, 3 * local as u8, lane);
+            contributions[next[*n] as usize] = (block << WITHIN) + (3 * LANES * local) as u32 + u32::from(lane);
             next[*n] += 1;
         }
     }
     (starts, contributions)
+}
+
+/// Block and place within it of a scatter offset.
+#[inline(always)]
+fn split(at: u32) -> (usize, usize) {
+    ((at >> WITHIN) as usize, (at & ((1 << WITHIN) - 1)) as usize)
 }

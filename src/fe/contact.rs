@@ -36,6 +36,14 @@ impl RigidSurfaces {
         self.touched = vec![false; nodes];
     }
 
+    /// Whether a node at `x` with the trial velocity `new` needs [`Self::resolve`].
+    #[inline]
+    pub fn reached(&self, dt: f64, x: &[f64; 3], new: &[f64; 3]) -> bool {
+        let below = self.ground.is_some_and(|(level, _)| x[2] + dt * new[2] < level);
+        let inside = |solid: &Aabb| (0..3).all(|i| (solid.min[i]..solid.max[i]).contains(&(x[i] + dt * new[i])));
+        below || self.boxes.iter().any(|(solid, _)| inside(solid))
+    }
+
     /// Corrects the trial velocity of one node at `x`; returns the work on the node by normal and by
     /// friction impulses \[J\].
     #[inline]

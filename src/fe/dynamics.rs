@@ -4,9 +4,9 @@
 //! Elements for Continua and Structures, section 6.2). Stable for `Δt <= 2/ω_max`; bulk viscosity of damping
 //! ratio ξ lowers the limit by `sqrt(1 + ξ²) - ξ`.
 
-use super::blocks::{Block, Blocks};
+use super::blocks::Blocks;
 use super::contact::RigidSurfaces;
-use super::kernel::{BULK_LINEAR, BlockForce, KernelStep, LANES, update_block};
+use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use rayon::prelude::*;
 
@@ -15,8 +15,10 @@ use rayon::prelude::*;
 pub const STEP_SAFETY: f64 = 0.9;
 /// An element whose own critical step falls below this share of the first step is eroded: it has collapsed.
 pub const STEP_COLLAPSE: f64 = 0.1;
-/// Blocks or nodes handed to a thread at a time.
-const CHUNK: usize = 64;
+/// Nodes handed to a thread at a time. Sums over nodes are sums over the sums of chunks, on any number of threads.
+const CHUNK: usize = 256;
+/// Elements from which threads are used.
+const PARALLEL_ELEMENTS: usize = 512;
 
 /// What ended an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,7 +101,7 @@ impl Dynamics {
             deaths: Vec::new(),
             internal_n: vec![[0.0; 3]; n],
             blocks,
-            parallel: parallel && mesh.elements.len() > 8 * CHUNK,
+            parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
         };
         this.surfaces.resize(n);
         this.assemble_mass(mesh, |_| true);
@@ -122,51 +124,29 @@ impl Dynamics {
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments.
     pub fn update_elements(&mut self, step: KernelStep, dt_s: f64) {
-        let (x, v, tables) = (&self.x, &self.v, &self.blocks.tables);
-        let one = |block: &mut Block| {
-            if block.state.share.iter().all(|s| *s == 0.0) {
-                return;
-            }
-            let (mut at, mut du): (BlockForce, BlockForce) = ([[0.0; LANES]; 24], [[0.0; LANES]; 24]);
-            let acts = |lane: usize| block.state.share[lane] > 0.0;
-            let stand_in = (0..LANES).find(|l| acts(*l)).unwrap_or(0);
-            for lane in 0..LANES {
-                // a dead lane takes the place of a live one, at rest: its own nodes may be anywhere
-                let (nodes, dt) = if acts(lane) { (&block.nodes[lane], dt_s) } else { (&block.nodes[stand_in], 0.0) };
-                for (local, n) in nodes.iter().enumerate() {
-                    let (p, w) = (x[*n as usize], v[*n as usize]);
-                    for i in 0..3 {
-                        at[3 * local + i][lane] = p[i];
-                        du[3 * local + i][lane] = w[i] * dt;
-                    }
-                }
-            }
-            let table = &tables[block.material.table];
-            block.bound = update_block(&at, &du, &block.material, table, &mut block.state, &mut block.force, step);
-        };
-        if self.parallel {
-            self.blocks.blocks.par_chunks_mut(CHUNK).for_each(|chunk| chunk.iter_mut().for_each(one));
-        } else {
-            self.blocks.blocks.iter_mut().for_each(one);
-        }
+        self.blocks.update(&self.x, &self.v, dt_s, step, self.parallel);
     }
 
     /// The time step that the acting elements allow \[s\].
     pub fn allowed_step_s(&self) -> f64 {
-        let mut largest: f64 = 0.0;
-        for block in &self.blocks.blocks {
-            for lane in 0..block.elements.len() {
-                if block.state.share[lane] > 0.0 {
-                    largest = largest.max(block.bound[lane]);
-                }
-            }
-        }
+        let largest = self.blocks.blocks.iter().map(|b| b.largest_bound).fold(0.0, f64::max);
         let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
         if largest > 0.0 { STEP_SAFETY * viscous * 2.0 / largest.sqrt() } else { self.dt_s }
     }
 
     /// One step. Returns the kinetic energy at the full step \[J\] if `measure`.
+    ///
+    /// Threads: called from outside the rayon pool, every step has to wake a worker and be woken by it (tens of
+    /// microseconds); a long run should enter the pool once, with `rayon::scope(|_| ...)` around its loop.
     pub fn step(&mut self, measure: bool) -> f64 {
+        if self.parallel && rayon::current_thread_index().is_none() {
+            rayon::scope(|_| self.step_here(measure))
+        } else {
+            self.step_here(measure)
+        }
+    }
+
+    fn step_here(&mut self, measure: bool) -> f64 {
         let dt = self.dt_s;
         self.move_nodes(dt);
         self.update_elements(KernelStep { dt_s: dt, viscous: true }, dt);
@@ -184,10 +164,15 @@ impl Dynamics {
     }
 
     fn move_nodes(&mut self, dt: f64) {
-        for (x, v) in self.x.iter_mut().zip(&self.v) {
-            for i in 0..3 {
-                x[i] += dt * v[i];
+        let drift = |(x, v): (&mut [[f64; 3]], &[[f64; 3]])| {
+            for (x, v) in x.as_flattened_mut().iter_mut().zip(v.as_flattened()) {
+                *x += dt * v;
             }
+        };
+        if self.parallel {
+            self.x.par_chunks_mut(CHUNK).zip(self.v.par_chunks(CHUNK)).for_each(drift);
+        } else {
+            drift((&mut self.x, &self.v));
         }
     }
 
@@ -195,8 +180,13 @@ impl Dynamics {
     fn erode(&mut self) {
         self.deaths.clear();
         let limit = (2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2);
-        for block in &mut self.blocks.blocks {
+        for index in 0..self.blocks.blocks.len() {
+            let block = &self.blocks.blocks[index];
+            if !block.alarm && block.largest_bound <= limit {
+                continue;
+            }
             for lane in 0..block.elements.len() {
+                let block = &self.blocks.blocks[index];
                 if block.state.share[lane] == 0.0 {
                     continue;
                 }
@@ -205,71 +195,66 @@ impl Dynamics {
                 if healthy && !eroded {
                     continue;
                 }
-                block.state.share[lane] = 0.0;
-                block.force.iter_mut().for_each(|f| f[lane] = 0.0);
                 self.deaths.push((block.elements[lane], if eroded { Death::Eroded } else { Death::Collapsed }));
+                self.blocks.end(index, lane);
             }
         }
     }
 
-    /// New velocities from all forces, with contact; books the work of contact and drives.
+    /// New velocities from all forces, with contact; books the work of gravity, contact and drives.
     fn accelerate(&mut self, dt: f64, measure: bool) -> f64 {
-        self.refresh_internal_forces();
+        let common = NodeStep {
+            dt,
+            measure,
+            gravity_m_s2: self.gravity_m_s2,
+            damping_1_s: self.damping_1_s,
+            blocks: &self.blocks,
+            surfaces: &self.surfaces,
+            x: &self.x,
+            mass_kg: &self.mass_kg,
+            applied_n: &self.applied_n,
+            prescribed_m_s: &self.prescribed_m_s,
+        };
+        let (v, internal_n) = (&mut self.v, &mut self.internal_n);
+        let parts: Vec<NodeSums> = if self.parallel {
+            let chunks = v.par_chunks_mut(CHUNK).zip(internal_n.par_chunks_mut(CHUNK)).enumerate();
+            chunks.map(|(c, (v, internal_n))| common.chunk(c * CHUNK, v, internal_n)).collect()
+        } else {
+            let chunks = v.chunks_mut(CHUNK).zip(internal_n.chunks_mut(CHUNK)).enumerate();
+            chunks.map(|(c, (v, internal_n))| common.chunk(c * CHUNK, v, internal_n)).collect()
+        };
         let mut kinetic = 0.0;
-        for n in 0..self.x.len() {
-            let mass = self.mass_kg[n];
-            if mass == 0.0 {
-                self.v[n] = [0.0; 3];
-                continue;
-            }
-            let old = self.v[n];
-            let weight = [0.0, 0.0, -mass * self.gravity_m_s2];
-            let mut new: [f64; 3] = std::array::from_fn(|i| {
-                let force = self.applied_n[n][i] + weight[i] - self.internal_n[n][i] - self.damping_1_s * mass * old[i];
-                old[i] + dt * force / mass
-            });
-            let drive = &self.prescribed_m_s[n];
-            if drive.iter().all(Option::is_none) {
+        for part in parts {
+            kinetic += part.kinetic_j;
+            self.gravity_j += part.gravity_j;
+            self.driven_j += part.driven_j;
+            for (n, mut new) in part.touching {
+                let (mass, old) = (self.mass_kg[n], self.v[n]);
                 let work = self.surfaces.resolve(n, mass, dt, self.x[n], &old, &mut new);
                 self.contact_j[0] += work[0];
                 self.contact_j[1] += work[1];
-            } else {
+                let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
+                kinetic += 0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
+                self.gravity_j -= mass * self.gravity_m_s2 * middle[2] * dt;
                 for i in 0..3 {
-                    new[i] = drive[i].unwrap_or(new[i]);
+                    self.driven_j += (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * dt;
                 }
+                self.v[n] = new;
             }
-            if measure {
-                kinetic += (0..3).map(|i| 0.125 * mass * (old[i] + new[i]).powi(2)).sum::<f64>();
-            }
-            let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (old[i] + new[i]) * dt);
-            self.gravity_j += weight[2] * middle[2];
-            self.v[n] = new;
         }
         kinetic
     }
 
     /// Sums the element forces of the last kernel call at the nodes.
     pub fn refresh_internal_forces(&mut self) {
-        let blocks = &self.blocks;
-        if self.parallel {
-            self.internal_n
-                .par_chunks_mut(8 * CHUNK)
-                .enumerate()
-                .for_each(|(c, chunk)| chunk.iter_mut().enumerate().for_each(|(i, f)| *f = blocks.force_on(8 * CHUNK * c + i)));
-        } else {
-            self.internal_n.iter_mut().enumerate().for_each(|(n, f)| *f = blocks.force_on(n));
+        for (n, force) in self.internal_n.iter_mut().enumerate() {
+            *force = self.blocks.force_on(n);
         }
     }
 
     /// Forgets the last forces of elements that no longer act (blocks that are skipped keep theirs).
     pub fn clear_forces_of_dead(&mut self) {
-        for block in &mut self.blocks.blocks {
-            for lane in 0..LANES {
-                if block.state.share[lane] == 0.0 {
-                    block.force.iter_mut().for_each(|f| f[lane] = 0.0);
-                }
-            }
-        }
+        self.blocks.clear_forces_of_dead();
     }
 
     /// Kinetic energy of the half-step velocities \[J\].
@@ -280,5 +265,76 @@ impl Dynamics {
     /// First node with a position or velocity that is not a number.
     pub fn broken_node(&self) -> Option<usize> {
         (0..self.x.len()).find(|n| self.x[*n].iter().chain(&self.v[*n]).any(|c| !c.is_finite()))
+    }
+}
+
+/// What the update of nodal velocities reads.
+struct NodeStep<'a> {
+    dt: f64,
+    measure: bool,
+    gravity_m_s2: f64,
+    damping_1_s: f64,
+    blocks: &'a Blocks,
+    surfaces: &'a RigidSurfaces,
+    x: &'a [[f64; 3]],
+    mass_kg: &'a [f64],
+    applied_n: &'a [[f64; 3]],
+    prescribed_m_s: &'a [[Option<f64>; 3]],
+}
+
+/// What it leaves besides velocities.
+#[derive(Default)]
+struct NodeSums {
+    gravity_j: f64,
+    driven_j: f64,
+    kinetic_j: f64,
+    /// Nodes that reach a surface, with their trial velocities: not yet updated, nor in the sums.
+    touching: Vec<(usize, [f64; 3])>,
+}
+
+impl NodeStep<'_> {
+    /// Nodes `first..`, whose velocities and internal forces are given.
+    fn chunk(&self, first: usize, v: &mut [[f64; 3]], internal_n: &mut [[f64; 3]]) -> NodeSums {
+        let mut sums = NodeSums::default();
+        for (i, (v, internal_n)) in v.iter_mut().zip(internal_n).enumerate() {
+            let n = first + i;
+            *internal_n = self.blocks.force_on(n);
+            let mass = self.mass_kg[n];
+            if mass == 0.0 {
+                *v = [0.0; 3];
+                continue;
+            }
+            let weight = [0.0, 0.0, -mass * self.gravity_m_s2];
+            let per_force = self.dt / mass;
+            let (mut driven, mut force, mut new) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+            for i in 0..3 {
+                driven[i] = self.applied_n[n][i] - self.damping_1_s * mass * v[i];
+                force[i] = driven[i] + weight[i] - internal_n[i];
+                new[i] = v[i] + per_force * force[i];
+            }
+            let drive = &self.prescribed_m_s[n];
+            if drive.iter().any(Option::is_some) {
+                for i in 0..3 {
+                    if let Some(given) = drive[i] {
+                        driven[i] += mass / self.dt * (given - new[i]);
+                        new[i] = given;
+                    }
+                }
+            } else if self.surfaces.reached(self.dt, &self.x[n], &new) {
+                sums.touching.push((n, new));
+                continue;
+            }
+            let mut middle = [0.0; 3];
+            for i in 0..3 {
+                middle[i] = 0.5 * (v[i] + new[i]);
+                sums.driven_j += driven[i] * middle[i] * self.dt;
+            }
+            sums.gravity_j += weight[2] * middle[2] * self.dt;
+            if self.measure {
+                sums.kinetic_j += 0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
+            }
+            *v = new;
+        }
+        sums
     }
 }

@@ -4,6 +4,7 @@ pub mod blocks;
 pub mod contact;
 pub mod dynamics;
 pub mod grid;
+pub mod hexahedron;
 pub mod kernel;
 pub mod mesh;
 pub mod preload;

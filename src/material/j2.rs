@@ -57,17 +57,50 @@ impl HardeningTable {
             return (0.0, scale * slope_now);
         }
         let first = self.segments.partition_point(|s| s.strain <= plastic_strain).max(1) - 1;
-        let mut result = (f64::NAN, 0.0);
         for (index, s) in self.segments.iter().enumerate().skip(first) {
             let yield_here = scale * (s.stress_pa + s.slope_pa * (plastic_strain - s.strain));
             let increment = (q_trial_pa - yield_here) / (3.0 * shear_modulus_pa + scale * s.slope_pa);
-            result = (increment.max(0.0), scale * s.slope_pa);
-            let end = self.segments.get(index + 1).map_or(f64::INFINITY, |next| next.strain);
+            let end = self.end_of(index);
             if plastic_strain + increment <= end {
-                break;
+                return (increment.max(0.0), scale * s.slope_pa);
             }
         }
-        result
+        (0.0, 0.0) // not a number
+    }
+
+    /// [`Self::plastic_increment`] of eight points at once, the same bytes: `increment` and `slope` receive the results.
+    #[inline(always)]
+    pub fn plastic_increments(
+        &self,
+        q_trial_pa: &[f64; 8],
+        plastic_strain: &[f64; 8],
+        shear_modulus_pa: &[f64; 8],
+        scale: &[f64; 8],
+        increment: &mut [f64; 8],
+        slope: &mut [f64; 8],
+    ) {
+        let mut open = [1.0; 8];
+        for (index, s) in self.segments.iter().enumerate() {
+            let end = self.end_of(index);
+            if (0..8).all(|l| open[l] == 0.0 || plastic_strain[l] >= end) {
+                continue;
+            }
+            for l in 0..8 {
+                let p = plastic_strain[l];
+                let here = scale[l] * (s.stress_pa + s.slope_pa * (p - s.strain));
+                let stiffness = 3.0 * shear_modulus_pa[l] + scale[l] * s.slope_pa;
+                let found = (q_trial_pa[l] - here) / stiffness;
+                let hit = open[l] == 1.0 && p < end && p + found <= end;
+                increment[l] = if hit { if found > 0.0 { found } else { 0.0 } } else { increment[l] };
+                slope[l] = if hit { scale[l] * s.slope_pa } else { slope[l] };
+                open[l] = if hit { 0.0 } else { open[l] };
+            }
+        }
+    }
+
+    /// Plastic strain at which a segment ends.
+    fn end_of(&self, index: usize) -> f64 {
+        self.segments.get(index + 1).map_or(f64::INFINITY, |next| next.strain)
     }
 }
 
@@ -89,6 +122,9 @@ mod tests {
         for p in [0.0, 0.004, 0.01, 0.05, 0.3] {
             for q in [15.1e6, 17e6, 60e6, 700e6, 5e9] {
                 let (dp, _) = table().plastic_increment(q, p, g, 0.8);
+                let (mut eight, mut slopes) = ([0.0; 8], [0.0; 8]);
+                table().plastic_increments(&[q; 8], &[p; 8], &[g; 8], &[0.8; 8], &mut eight, &mut slopes);
+                assert_eq!((eight[3], slopes[5]), table().plastic_increment(q, p, g, 0.8));
                 let residual = q - 3.0 * g * dp - 0.8 * table().at(p + dp).0;
                 assert!(dp == 0.0 && residual <= 0.0 || residual.abs() < 1e-3, "p={p} q={q}: {residual}");
             }

@@ -1,0 +1,65 @@
+//! Cantilever 10 x 1 x 1 m under suddenly applied gravity: E 30 GPa, ν 0.2, 2500 kg/m³, against OpenRadioss
+//! (one-point hexahedra with physical stabilisation, and the mesh limit of all its elements).
+
+use super::mesh::{bilinear, elastic, grid, nearest};
+use fallwerk::building::Homogenised;
+use fallwerk::fe::contact::RigidSurfaces;
+use fallwerk::fe::dynamics::Dynamics;
+
+struct History {
+    /// Tip displacement at 0.1, 0.2, ... 0.5 s \[mm\].
+    tenths_mm: Vec<f64>,
+    /// First peak \[mm\] and its time \[s\].
+    peak: (f64, f64),
+    /// Largest and smallest hourglass over internal energy.
+    hourglass: (f64, f64),
+    /// Energy residual over the work of gravity at the end.
+    residual: f64,
+}
+
+fn run(along: usize, law: Homogenised) -> History {
+    let deep = along / 10;
+    let mesh = grid([along, deep, deep], [10.0, 1.0, 1.0], law, |p| p[0] == 0.0);
+    let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);
+    let tip = nearest(&mesh, [10.0, 0.5, 0.5]);
+    let mut seen = History { tenths_mm: Vec::new(), peak: (0.0, 0.0), hourglass: (0.0, f64::INFINITY), residual: 0.0 };
+    while seen.tenths_mm.len() < 5 {
+        let kinetic = body.step(true);
+        let down = 1e3 * (body.x[tip][2] - 0.5);
+        if body.time_s < 0.12 && down < seen.peak.0 {
+            seen.peak = (down, body.time_s);
+        }
+        if body.time_s >= 0.1 * (seen.tenths_mm.len() + 1) as f64 {
+            seen.tenths_mm.push(down);
+            let [internal, hourglass, viscous] = body.blocks.energies_j();
+            seen.hourglass.0 = seen.hourglass.0.max(hourglass / internal);
+            seen.hourglass.1 = seen.hourglass.1.min(hourglass / internal);
+            seen.residual = (kinetic + internal + hourglass + viscous - body.gravity_j).abs() / body.gravity_j.abs().max(internal);
+        }
+    }
+    seen
+}
+
+#[test]
+fn elastic_cantilever() {
+    let seen = run(20, elastic());
+    let (peak, time) = seen.peak;
+    assert!((peak / -24.918 - 1.0).abs() < 0.005, "peak {peak}");
+    assert!((time / 0.08956 - 1.0).abs() < 0.005, "at {time}");
+    for (tenth, expected) in [(0, -23.929), (2, -18.539), (4, -9.881)] {
+        let got = seen.tenths_mm[tenth];
+        assert!((got / expected - 1.0).abs() < 0.02, "tenth {tenth}: {got} against {expected}");
+    }
+    assert!(seen.residual < 1e-3, "energy residual {}", seen.residual);
+}
+
+#[test]
+fn plastic_cantilever() {
+    for (along, tolerance) in [(20, 0.12), (40, 0.03)] {
+        let seen = run(along, bilinear(30e9, 0.2, 2500.0, 2e6, 300e6));
+        let tip = seen.tenths_mm[4];
+        assert!((tip / -660.0 - 1.0).abs() < tolerance, "{along}: tip {tip}");
+        assert!(seen.hourglass.1 > 0.0 && seen.hourglass.0 < 0.06, "{along}: hourglass shares {:?}", seen.hourglass);
+        assert!(seen.residual < 5e-3, "{along}: energy residual {}", seen.residual);
+    }
+}
