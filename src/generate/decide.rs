@@ -6,13 +6,13 @@ use crate::building::partition::Partition;
 use crate::building::{Building, MemberKind, Preparation};
 use crate::library::derive::beyond;
 use crate::mbs::Model;
-use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, SubjectKind};
+use crate::rules::{Action, Aspect, RuleBase, Subject, SubjectKind, Trace};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// One reason: a rule that fired for a part of the building.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Trace {
+pub struct Reason {
     /// Body or joint of the model.
     pub part: String,
     /// Member or member end that the rule decided about.
@@ -36,8 +36,8 @@ pub struct Decision {
     pub merges: Vec<bool>,
     /// Hinged member ends with the ids of the rules that put hinge and springs there.
     pub hinges: BTreeMap<String, Vec<String>>,
-    /// All firings, by subject.
-    firings: BTreeMap<String, Vec<Firing>>,
+    /// What the rules said, by subject.
+    traces: BTreeMap<String, Trace>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
 }
@@ -49,42 +49,50 @@ impl Decision {
         let mut gaps = Vec::new();
         for index in 0..building.members.len() {
             let subject = member_subject(building, partition, index);
-            match this.ask(rules, &subject, Aspect::Body) {
+            match this.ask(rules, &subject, Aspect::Body)? {
                 Some(Action::MergeRigid) => this.merges[index] = true,
                 Some(Action::RigidBody) => {}
-                _ => gaps.push(subject.id),
+                Some(other) => return Err(unsupported(&subject, other)),
+                None => gaps.push(subject.id),
             }
         }
         for end in ends.iter().filter(|e| is_column(building, e.member)) {
             let subject = end_subject(building, partition, end);
-            match this.ask(rules, &subject, Aspect::Rotation) {
+            match this.ask(rules, &subject, Aspect::Rotation)? {
                 Some(Action::Hinge) => {
-                    let fired = this.firings[&end.id].iter().map(|f| f.rule.clone()).collect();
+                    let fired = this.traces[&end.id].firings.iter().filter(|f| f.overruled_by.is_none());
+                    let fired = fired.map(|f| f.rule.clone()).collect();
                     this.hinges.insert(end.id.clone(), fired);
                 }
-                _ => gaps.push(end.id.clone()),
+                Some(other) => return Err(unsupported(&subject, other)),
+                None => gaps.push(end.id.clone()),
             }
         }
         if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
     }
 
-    /// Fires the rules for a subject; the answer to one question.
-    fn ask(&mut self, rules: &RuleBase, subject: &Subject, aspect: Aspect) -> Option<Action> {
-        let firings = rules.evaluate(subject);
-        for firing in firings.iter().filter(|f| !f.in_range) {
-            self.notes.push(format!("rule `{}` is used outside its range of evidence for {}", firing.rule, subject.id));
+    /// Asks the rules about a subject; the answer to one question.
+    fn ask(&mut self, rules: &RuleBase, subject: &Subject, aspect: Aspect) -> Result<Option<Action>, GenerateError> {
+        let trace = rules.trace(subject)?;
+        for firing in trace.firings.iter().filter(|f| !f.in_range && f.overruled_by.is_none()) {
+            let why: Vec<&str> = firing.outside.iter().chain(&firing.missing).map(String::as_str).collect();
+            self.notes.push(format!(
+                "rule `{}` is used outside its range of evidence for {} ({})",
+                firing.rule,
+                subject.id,
+                why.join(", ")
+            ));
         }
-        let answer = firings.iter().find(|f| f.action.spec().aspect == aspect).map(|f| f.action);
-        self.firings.insert(subject.id.clone(), firings);
-        answer
+        let answer = trace.decision(aspect).map(|f| f.action);
+        self.traces.insert(subject.id.clone(), trace);
+        Ok(answer)
     }
 
     /// Rules that made some members one body.
     pub fn rules_of(&self, building: &Building, members: &[usize]) -> Vec<String> {
         let mut rules: Vec<String> = members
             .iter()
-            .flat_map(|m| self.firings.get(&building.members[*m].id).into_iter().flatten())
-            .filter(|f| f.action.spec().aspect == Aspect::Body)
+            .filter_map(|m| self.traces.get(&building.members[*m].id)?.decision(Aspect::Body))
             .map(|f| f.rule.clone())
             .collect();
         rules.sort();
@@ -93,26 +101,32 @@ impl Decision {
     }
 
     /// The reasons of each part, in the order of the model.
-    pub fn trace(&self, model: &Model) -> Vec<Trace> {
+    pub fn reasons(&self, rules: &RuleBase, model: &Model) -> Vec<Reason> {
         let bodies = model.bodies.iter().map(|b| (&b.id, &b.origin));
         let joints = model.joints.iter().map(|j| (&j.id, &j.origin));
-        bodies
-            .chain(joints)
-            .flat_map(|(part, origin)| {
-                origin.members.iter().flat_map(move |subject| {
-                    self.firings.get(subject).into_iter().flatten().map(move |f| Trace {
+        let mut reasons = Vec::new();
+        for (part, origin) in bodies.chain(joints) {
+            for trace in origin.members.iter().filter_map(|subject| self.traces.get(subject)) {
+                for firing in trace.firings.iter().filter(|f| f.overruled_by.is_none()) {
+                    reasons.push(Reason {
                         part: part.clone(),
-                        subject: subject.clone(),
-                        rule: f.rule.clone(),
-                        action: f.action.spec().name.to_string(),
-                        words: f.words.clone(),
-                        in_range: f.in_range,
+                        subject: trace.subject.clone(),
+                        rule: firing.rule.clone(),
+                        action: firing.action.spec().name.to_string(),
+                        words: rules.rule(&firing.rule).map(|r| r.words.clone()).unwrap_or_default(),
+                        in_range: firing.in_range,
                         entries: origin.entries.clone(),
-                    })
-                })
-            })
-            .collect()
+                    });
+                }
+            }
+        }
+        reasons
     }
+}
+
+/// A decision that this version of the generator cannot carry out.
+fn unsupported(subject: &Subject, action: Action) -> GenerateError {
+    GenerateError::Unsupported(action.spec().name.to_string(), subject.id.clone())
 }
 
 fn kind_name(kind: MemberKind) -> &'static str {

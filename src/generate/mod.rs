@@ -8,7 +8,7 @@ pub mod bodies;
 mod decide;
 mod joints;
 
-pub use decide::{Decision, Trace};
+pub use decide::{Decision, Reason};
 
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::partition::Partition;
@@ -41,7 +41,7 @@ pub struct Generated {
     /// The model.
     pub model: Model,
     /// Why each part is there, in the order of the model.
-    pub trace: Vec<Trace>,
+    pub trace: Vec<Reason>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
     /// Keys of entries that were computed on the way.
@@ -58,6 +58,12 @@ pub enum GenerateError {
     /// No rule says what a part becomes.
     #[error("no rule decides about {}: add a rule under rules/ that applies to it, or describe the part otherwise", .0.join(", "))]
     Gap(Vec<String>),
+    /// A rule decides something that the generator cannot do.
+    #[error("a rule decides `{0}` for {1}, which the generator does not support yet")]
+    Unsupported(String, String),
+    /// A subject does not fit the catalogue of features.
+    #[error(transparent)]
+    Subject(#[from] crate::rules::SubjectError),
     /// The library lacks entries.
     #[error("the library has no entry for {}; run with `--derive` to compute what is missing", .0.join(", "))]
     Missing(Vec<String>),
@@ -120,7 +126,7 @@ pub fn generate(
         },
         bodies: list,
     };
-    let trace = decision.trace(&model);
+    let trace = decision.reasons(rules, &model);
     Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries, hinge_ends: hinges.ends })
 }
 
