@@ -1,7 +1,10 @@
 //! Integration tests, one module a subject: `building` reads and refuses building files, `fe` verifies the finite
-//! elements, `mbs` the multibody solver, `report` renders pages.
+//! elements, `mbs` the multibody solver, `rc` the submodel of a member end, `generate` the model of the reference building,
+//! `report` renders pages.
 
 mod building;
 mod fe;
+mod generate;
 mod mbs;
+mod rc;
 mod report;
