@@ -201,14 +201,14 @@ fn push(model: &EndModel, bending: usize, axial_force_n: f64, sense: f64) -> Res
         for n in &guides {
             body.prescribed_m_s[*n][direction] = Some(sense * speed);
         }
-        if body.steps % 16 == 0 {
+        if body.steps.is_multiple_of(16) {
             apply(&mut body);
         }
         body.step(false);
-        if body.steps % 8 == 0 {
+        if body.steps.is_multiple_of(8) {
             recorder.add(rotation, section_moment(model, &body, direction));
         }
-        if body.steps % 1024 == 0 {
+        if body.steps.is_multiple_of(1024) {
             if body.broken_node().is_some() {
                 return Err(PushoverError::NotFinite { axial_force_n, rotation_rad: rotation });
             }
