@@ -5,7 +5,7 @@
 //! compared with the built-in explicit finite element (FE) solver.
 //!
 //! The modules stand in the order of the data flow; each may use only those above it
-//! (`tests/architecture.rs` holds them to it):
+//! (`tests/architecture` holds them to it):
 //!
 //! | module | owns |
 //! |---|---|

@@ -1,7 +1,8 @@
-//! Integration tests, one module a subject: `building` reads and refuses building files, `fe` verifies the finite
-//! elements, `mbs` the multibody solver, `rc` the submodel of a member end, `generate` the model of the reference building,
-//! `report` renders pages.
+//! Integration tests, one module a subject: `architecture` holds the direction of use between modules, `building` reads
+//! and refuses building files, `fe` verifies the finite elements, `mbs` the multibody solver, `rc` the submodel of a
+//! member end, `generate` the model of the reference building, `report` renders pages.
 
+mod architecture;
 mod building;
 mod fe;
 mod generate;
