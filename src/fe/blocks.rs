@@ -8,13 +8,8 @@ use rayon::prelude::*;
 
 /// Blocks handed to a thread at a time. No result depends on it.
 const CHUNK: usize = 16;
-/// Bits of a scatter offset that count within a block.
-const WITHIN: u32 = 8;
-
-/// Nodal values of a block on cache-line boundaries.
-#[derive(Debug, Clone)]
-#[repr(C, align(64))]
-struct Aligned(BlockForce);
+/// Values in the forces of a block.
+const FORCES: usize = 24 * LANES;
 
 /// Eight elements of one law.
 #[derive(Debug, Clone)]
@@ -47,11 +42,10 @@ pub struct Blocks {
     pub place: Vec<(u32, u8)>,
     /// Start of each node's contributions in `contributions`, one more than nodes.
     starts: Vec<u32>,
-    /// Where the x force stands, in a fixed order: block, and place in its flat list of forces; y and z follow `LANES`
-    /// and `2 LANES` after.
+    /// Where the x force stands in the flat list of forces, in a fixed order; y and z follow `LANES` and `2 LANES` after.
     contributions: Vec<u32>,
     /// Forces of the last kernel call, one for each block.
-    forces: Vec<Aligned>,
+    forces: Vec<BlockForce>,
 }
 
 impl Blocks {
@@ -72,7 +66,7 @@ impl Blocks {
             first += same;
         }
         let (starts, contributions) = scatter_map(mesh, &place);
-        let forces = vec![Aligned([[0.0; LANES]; 24]); blocks.len()];
+        let forces = vec![[[0.0; LANES]; 24]; blocks.len()];
         Self { blocks, tables, place, starts, contributions, forces }
     }
 
@@ -90,10 +84,10 @@ impl Blocks {
     /// Internal force on a node \[N\]: the sum over its elements in a fixed order.
     #[inline]
     pub fn force_on(&self, node: usize) -> [f64; 3] {
+        let flat = self.forces.as_flattened().as_flattened();
         let mut sum = [0.0; 3];
         for &at in &self.contributions[self.starts[node] as usize..self.starts[node + 1] as usize] {
-            let (block, first) = split(at);
-            let from_here = &self.forces[block].0.as_flattened()[first..first + 2 * LANES + 1];
+            let from_here = &flat[at as usize..at as usize + 2 * LANES + 1];
             sum[0] += from_here[0];
             sum[1] += from_here[LANES];
             sum[2] += from_here[2 * LANES];
@@ -104,13 +98,13 @@ impl Blocks {
     /// Forces of one element on its nodes \[N\].
     pub fn element_force(&self, element: usize) -> [[f64; 3]; 8] {
         let (block, lane) = self.place[element];
-        let force = &self.forces[block as usize].0;
+        let force = &self.forces[block as usize];
         std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
     }
 
     /// Ends an element: share and forces become zero.
     pub(super) fn end(&mut self, block: usize, lane: usize) {
-        self.forces[block].0.iter_mut().for_each(|f| f[lane] = 0.0);
+        self.forces[block].iter_mut().for_each(|f| f[lane] = 0.0);
         let block = &mut self.blocks[block];
         block.state.share[lane] = 0.0;
         block.bound[lane] = 0.0;
@@ -122,7 +116,7 @@ impl Blocks {
         for (block, force) in self.blocks.iter().zip(&mut self.forces) {
             for lane in 0..LANES {
                 if block.state.share[lane] == 0.0 {
-                    force.0.iter_mut().for_each(|f| f[lane] = 0.0);
+                    force.iter_mut().for_each(|f| f[lane] = 0.0);
                 }
             }
         }
@@ -132,8 +126,7 @@ impl Blocks {
     pub fn elements_at(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
         self.contributions[self.starts[node] as usize..self.starts[node + 1] as usize]
             .iter()
-            .map(|&at| split(at))
-            .map(|(block, first)| self.blocks[block].elements[first % LANES])
+            .map(|&at| self.blocks[at as usize / FORCES].elements[at as usize % LANES])
     }
 
     /// Acting share of an element.
@@ -201,14 +194,14 @@ impl Blocks {
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 fn update_chunk(
     blocks: &mut [Block],
-    forces: &mut [Aligned],
+    forces: &mut [BlockForce],
     tables: &[HardeningTable],
     x: &[[f64; 3]],
     v: &[[f64; 3]],
     dt_s: f64,
     step: KernelStep,
 ) {
-    let (mut at, mut moved) = (Aligned([[0.0; LANES]; 24]), Aligned([[0.0; LANES]; 24]));
+    let (mut at, mut moved): (BlockForce, BlockForce) = ([[0.0; LANES]; 24], [[0.0; LANES]; 24]);
     for (block, force) in blocks.iter_mut().zip(forces) {
         if block.state.share.iter().all(|s| *s == 0.0) {
             block.largest_bound = 0.0;
@@ -219,14 +212,15 @@ fn update_chunk(
             for (local, n) in nodes.iter().enumerate() {
                 let (p, w) = (x[*n as usize], v[*n as usize]);
                 for i in 0..3 {
-                    at.0[3 * local + i][lane] = p[i];
-                    moved.0[3 * local + i][lane] = w[i];
+                    at[3 * local + i][lane] = p[i];
+                    moved[3 * local + i][lane] = w[i];
                 }
             }
         }
         let table = &tables[block.material.table];
-        let bound = kernel::update(&at.0, &moved.0, dt_s, &block.material, table, &mut block.state, &mut force.0, step);
+        let bound = kernel::update(&at, &moved, dt_s, &block.material, table, &mut block.state, force, step);
         let (mut largest, mut alarms) = (0.0, 0);
+        #[expect(clippy::needless_range_loop, reason = "lanes of several arrays run together")]
         for l in 0..LANES {
             let reached = block.state.plastic_strain[l] >= block.material.critical_strain[l];
             let valid = bound[l] > 0.0;
@@ -254,7 +248,8 @@ fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
         material.lambda_pa[lane] = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
         material.mu_pa[lane] = 0.5 * e / (1.0 + nu);
         material.yield_scale[lane] = element.smear * element.strength;
-        material.mass_kg[lane] = law.density_kg_m3 * element.smear * volume_m3(&element.nodes.map(|n| mesh.nodes[n]));
+        material.mass_kg[lane] =
+            law.density_kg_m3 * element.smear * volume_m3(&element.nodes.map(|n| mesh.nodes[n]));
         material.critical_strain[lane] = law.critical_plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
@@ -277,15 +272,10 @@ fn scatter_map(mesh: &Mesh, place: &[(u32, u8)]) -> (Vec<u32>, Vec<u32>) {
     for (index, element) in mesh.elements.iter().enumerate() {
         let (block, lane) = place[index];
         for (local, n) in element.nodes.iter().enumerate() {
-            contributions[next[*n] as usize] = (block << WITHIN) + (3 * LANES * local) as u32 + u32::from(lane);
+            contributions[next[*n] as usize] =
+                block * FORCES as u32 + (3 * LANES * local) as u32 + u32::from(lane);
             next[*n] += 1;
         }
     }
     (starts, contributions)
-}
-
-/// Block and place within it of a scatter offset.
-#[inline(always)]
-fn split(at: u32) -> (usize, usize) {
-    ((at >> WITHIN) as usize, (at & ((1 << WITHIN) - 1)) as usize)
 }

@@ -195,7 +195,8 @@ impl Dynamics {
                 if healthy && !eroded {
                     continue;
                 }
-                self.deaths.push((block.elements[lane], if eroded { Death::Eroded } else { Death::Collapsed }));
+                self.deaths
+                    .push((block.elements[lane], if eroded { Death::Eroded } else { Death::Collapsed }));
                 self.blocks.end(index, lane);
             }
         }
@@ -234,10 +235,12 @@ impl Dynamics {
                 self.contact_j[0] += work[0];
                 self.contact_j[1] += work[1];
                 let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
-                kinetic += 0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
+                kinetic +=
+                    0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
                 self.gravity_j -= mass * self.gravity_m_s2 * middle[2] * dt;
                 for i in 0..3 {
-                    self.driven_j += (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * dt;
+                    self.driven_j +=
+                        (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * dt;
                 }
                 self.v[n] = new;
             }
@@ -259,7 +262,11 @@ impl Dynamics {
 
     /// Kinetic energy of the half-step velocities \[J\].
     pub fn kinetic_j(&self) -> f64 {
-        self.v.iter().zip(&self.mass_kg).map(|(v, m)| 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])).sum()
+        self.v
+            .iter()
+            .zip(&self.mass_kg)
+            .map(|(v, m)| 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]))
+            .sum()
     }
 
     /// First node with a position or velocity that is not a number.
@@ -331,7 +338,8 @@ impl NodeStep<'_> {
             }
             sums.gravity_j += weight[2] * middle[2] * self.dt;
             if self.measure {
-                sums.kinetic_j += 0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
+                sums.kinetic_j +=
+                    0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
             }
             *v = new;
         }

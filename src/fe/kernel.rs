@@ -31,7 +31,11 @@
 //! No fused multiply-add: results are the same bytes on every instruction set. Elements with share 0 strain no more: their
 //! state is frozen and their forces are zero, whatever their nodes do.
 
-use super::hexahedron::{Vec3, add, cbrt, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns};
+#![expect(clippy::needless_range_loop, reason = "components and lanes of several arrays run together")]
+
+use super::hexahedron::{
+    Vec3, add, cbrt, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
+};
 use crate::material::j2::HardeningTable;
 
 /// Elements a block holds.
@@ -84,6 +88,8 @@ pub struct BlockState {
     pub hourglass_j: Lane,
     /// Work done against bulk viscosity \[J\].
     pub viscous_j: Lane,
+    /// Bulk viscosity pressure of the last step \[Pa\], negative in compression.
+    pub viscous_pa: Lane,
     /// Share of the element's forces that acts: 1, falling to 0 while it is removed, 0 once eroded or removed.
     pub share: Lane,
 }
@@ -303,7 +309,14 @@ fn turned_strain(g: &[Vec3; 3], rows: &[Vec3; 3]) -> [f64; 6] {
         (0.5 * (mid[0][1] + mid[1][0]), 0.5 * (mid[1][2] + mid[2][1]), 0.5 * (mid[0][2] + mid[2][0]));
     let d = [[mid[0][0], xy, zx], [xy, mid[1][1], yz], [zx, yz, mid[2][2]]];
     let (t0, t1, t2) = (to_local(&d, rows[0]), to_local(&d, rows[1]), to_local(&d, rows[2]));
-    [dot(t0, rows[0]), dot(t1, rows[1]), dot(t2, rows[2]), dot(t0, rows[1]), dot(t1, rows[2]), dot(t2, rows[0])]
+    [
+        dot(t0, rows[0]),
+        dot(t1, rows[1]),
+        dot(t2, rows[2]),
+        dot(t0, rows[1]),
+        dot(t1, rows[2]),
+        dot(t2, rows[0]),
+    ]
 }
 
 /// Radial return of the lanes that exceed their yield stress: factor on the deviator, share of the elastic
@@ -368,10 +381,13 @@ fn resist(
         state.window_strain[i][l] += strain[i];
     }
     let trace = strain[0] + strain[1] + strain[2];
-    let pressure = bulk_viscosity(rate_factor * trace, volume, material.mass_kg[l], inverse_mass, lambda + 2.0 * mu);
+    let pressure =
+        bulk_viscosity(rate_factor * trace, volume, material.mass_kg[l], inverse_mass, lambda + 2.0 * mu);
     let scale = if acts { volume * share } else { 0.0 };
     state.internal_j[l] += scale * power;
-    state.viscous_j[l] += scale * pressure * trace;
+    // the force of this step acts over half of the next increment too: only the mean of two steps books its true work
+    state.viscous_j[l] += scale * 0.5 * (state.viscous_pa[l] + pressure) * trace;
+    state.viscous_pa[l] = pressure;
 
     let mut rows = [[0.0; 3]; 3];
     for i in 0..3 {

@@ -31,7 +31,7 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
                 if let Some(u) = u {
                     let force = residual(body, n, i);
                     rhs[(*u, 0)] = force;
-                    largest = largest.max(force.abs());
+                    largest = if force.is_finite() { largest.max(force.abs()) } else { f64::INFINITY };
                 }
             }
         }

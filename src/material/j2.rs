@@ -51,7 +51,13 @@ impl HardeningTable {
 
     /// Solves `q_trial - 3 G Δp = scale σ_y(p + Δp)`; returns `(Δp, hardening modulus at the end)`, both
     /// already including `scale`. `Δp = 0` where the trial stress is admissible.
-    pub fn plastic_increment(&self, q_trial_pa: f64, plastic_strain: f64, shear_modulus_pa: f64, scale: f64) -> (f64, f64) {
+    pub fn plastic_increment(
+        &self,
+        q_trial_pa: f64,
+        plastic_strain: f64,
+        shear_modulus_pa: f64,
+        scale: f64,
+    ) -> (f64, f64) {
         let (yield_now, slope_now) = self.at(plastic_strain);
         if q_trial_pa <= scale * yield_now {
             return (0.0, scale * slope_now);

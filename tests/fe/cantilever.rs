@@ -22,19 +22,25 @@ fn run(along: usize, law: Homogenised) -> History {
     let mesh = grid([along, deep, deep], [10.0, 1.0, 1.0], law, |p| p[0] == 0.0);
     let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);
     let tip = nearest(&mesh, [10.0, 0.5, 0.5]);
-    let mut seen = History { tenths_mm: Vec::new(), peak: (0.0, 0.0), hourglass: (0.0, f64::INFINITY), residual: 0.0 };
+    let mut seen =
+        History { tenths_mm: Vec::new(), peak: (0.0, 0.0), hourglass: (0.0, f64::INFINITY), residual: 0.0 };
+    let (mut down, mut work) = (0.0, 0.0_f64);
     while seen.tenths_mm.len() < 5 {
+        let moved_s = body.dt_s;
         let kinetic = body.step(true);
-        let down = 1e3 * (body.x[tip][2] - 0.5);
+        let before = down;
+        down = 1e3 * (body.x[tip][2] - 0.5);
         if body.time_s < 0.12 && down < seen.peak.0 {
             seen.peak = (down, body.time_s);
         }
-        if body.time_s >= 0.1 * (seen.tenths_mm.len() + 1) as f64 {
-            seen.tenths_mm.push(down);
+        let late = body.time_s - 0.1 * (seen.tenths_mm.len() + 1) as f64;
+        if late >= 0.0 {
+            seen.tenths_mm.push(down + (before - down) * late / moved_s);
             let [internal, hourglass, viscous] = body.blocks.energies_j();
             seen.hourglass.0 = seen.hourglass.0.max(hourglass / internal);
             seen.hourglass.1 = seen.hourglass.1.min(hourglass / internal);
-            seen.residual = (kinetic + internal + hourglass + viscous - body.gravity_j).abs() / body.gravity_j.abs().max(internal);
+            work = work.max(body.gravity_j.abs());
+            seen.residual = (kinetic + internal + hourglass + viscous - body.gravity_j).abs() / work;
         }
     }
     seen
@@ -48,18 +54,26 @@ fn elastic_cantilever() {
     assert!((time / 0.08956 - 1.0).abs() < 0.005, "at {time}");
     for (tenth, expected) in [(0, -23.929), (2, -18.539), (4, -9.881)] {
         let got = seen.tenths_mm[tenth];
-        assert!((got / expected - 1.0).abs() < 0.02, "tenth {tenth}: {got} against {expected}");
+        // the last value stands on a steep flank: 0.07 % of the period is 1.5 % of it
+        assert!(
+            (got / expected - 1.0).abs() < if tenth == 4 { 0.025 } else { 0.005 },
+            "tenth {tenth}: {got} against {expected}"
+        );
     }
     assert!(seen.residual < 1e-3, "energy residual {}", seen.residual);
 }
 
 #[test]
 fn plastic_cantilever() {
-    for (along, tolerance) in [(20, 0.12), (40, 0.03)] {
+    for (along, tolerance, hourglass) in [(20, 0.12, 0.08), (40, 0.03, 0.04)] {
         let seen = run(along, bilinear(30e9, 0.2, 2500.0, 2e6, 300e6));
         let tip = seen.tenths_mm[4];
         assert!((tip / -660.0 - 1.0).abs() < tolerance, "{along}: tip {tip}");
-        assert!(seen.hourglass.1 > 0.0 && seen.hourglass.0 < 0.06, "{along}: hourglass shares {:?}", seen.hourglass);
+        assert!(
+            seen.hourglass.1 > 0.0 && seen.hourglass.0 < hourglass,
+            "{along}: hourglass shares {:?}",
+            seen.hourglass
+        );
         assert!(seen.residual < 5e-3, "{along}: energy residual {}", seen.residual);
     }
 }

@@ -11,7 +11,13 @@ pub fn point(plastic_strain: f64, stress_pa: f64) -> HardeningPoint {
 }
 
 /// A law with a yield stress and a modulus over total strain, without erosion.
-pub fn bilinear(youngs_modulus_pa: f64, poisson_ratio: f64, density_kg_m3: f64, yield_pa: f64, tangent_pa: f64) -> Homogenised {
+pub fn bilinear(
+    youngs_modulus_pa: f64,
+    poisson_ratio: f64,
+    density_kg_m3: f64,
+    yield_pa: f64,
+    tangent_pa: f64,
+) -> Homogenised {
     let hardening_pa = tangent_pa / (1.0 - tangent_pa / youngs_modulus_pa);
     let hardening = if hardening_pa == 0.0 {
         vec![point(0.0, yield_pa)]
@@ -27,7 +33,12 @@ pub fn elastic() -> Homogenised {
 }
 
 /// A box of `counts` elements with a corner at the origin; `fixed` chooses nodes by position.
-pub fn grid(counts: [usize; 3], size_m: [f64; 3], law: Homogenised, fixed: impl Fn([f64; 3]) -> bool) -> Mesh {
+pub fn grid(
+    counts: [usize; 3],
+    size_m: [f64; 3],
+    law: Homogenised,
+    fixed: impl Fn([f64; 3]) -> bool,
+) -> Mesh {
     let [nx, ny, nz] = counts;
     let id = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
     let mut nodes = Vec::new();
@@ -53,7 +64,12 @@ pub fn grid(counts: [usize; 3], size_m: [f64; 3], law: Homogenised, fixed: impl 
     of_hexahedra(nodes, hexahedra, law, fixed)
 }
 
-pub fn of_hexahedra(nodes: Vec<[f64; 3]>, hexahedra: Vec<[usize; 8]>, law: Homogenised, fixed: Vec<usize>) -> Mesh {
+pub fn of_hexahedra(
+    nodes: Vec<[f64; 3]>,
+    hexahedra: Vec<[usize; 8]>,
+    law: Homogenised,
+    fixed: Vec<usize>,
+) -> Mesh {
     let element = |nodes| Element { nodes, part: 0, law: 0, smear: 1.0, strength: 1.0 };
     let elements = hexahedra.into_iter().map(element).collect();
     Mesh { nodes, elements, laws: vec![law], fixed, parts: vec!["body".into()] }
