@@ -220,7 +220,6 @@ fn update_chunk(
         let table = &tables[block.material.table];
         let bound = kernel::update(&at, &moved, dt_s, &block.material, table, &mut block.state, force, step);
         let (mut largest, mut alarms) = (0.0, 0);
-        #[expect(clippy::needless_range_loop, reason = "lanes of several arrays run together")]
         for l in 0..LANES {
             let reached = block.state.plastic_strain[l] >= block.material.critical_strain[l];
             let valid = bound[l] > 0.0;
