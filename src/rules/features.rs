@@ -1,0 +1,132 @@
+//! The catalogue of features: what a rule may ask about, of which subjects, in which unit.
+//!
+//! This is the only place where features are named; rule files are checked against it when they are
+//! loaded, and subjects when they are evaluated.
+
+use super::value::{SubjectKind, Value};
+use SubjectKind::{ContactEvent, FractureEvent, Member, MemberEnd, Section};
+
+/// Type of a feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FeatureType {
+    /// A number in the given unit (`1` for a ratio).
+    Number {
+        /// SI unit.
+        unit: &'static str,
+    },
+    /// One of these names.
+    Names(&'static [&'static str]),
+    /// True or false.
+    Flag,
+}
+
+/// One feature.
+#[derive(Debug, Clone, Copy)]
+pub struct Feature {
+    /// Name in conditions.
+    pub name: &'static str,
+    /// Type and unit.
+    pub kind: FeatureType,
+    /// Which subjects have it.
+    pub subjects: &'static [SubjectKind],
+    /// What it is.
+    pub meaning: &'static str,
+}
+
+impl Feature {
+    /// Whether a value fits the type.
+    pub fn admits(&self, value: &Value) -> bool {
+        match (self.kind, value) {
+            (FeatureType::Number { .. }, Value::Number(x)) => x.is_finite(),
+            (FeatureType::Names(names), Value::Name(name)) => names.contains(&name.as_str()),
+            (FeatureType::Flag, Value::Flag(_)) => true,
+            _ => false,
+        }
+    }
+
+    /// The type in words.
+    pub fn type_words(&self) -> String {
+        match self.kind {
+            FeatureType::Number { unit: "1" } => "a ratio".to_string(),
+            FeatureType::Number { unit } => format!("a number in {unit}"),
+            FeatureType::Names(names) => format!("one of '{}'", names.join("', '")),
+            FeatureType::Flag => "true or false".to_string(),
+        }
+    }
+}
+
+/// Names of `member.kind`.
+pub const MEMBER_KINDS: &[&str] = &["column", "beam", "slab", "wall", "footing"];
+
+const ALL: &[SubjectKind] = &[Member, MemberEnd, Section, ContactEvent, FractureEvent];
+const PARTS: &[SubjectKind] = &[Member, MemberEnd, Section];
+const EVENTS: &[SubjectKind] = &[ContactEvent, FractureEvent];
+
+const fn number(name: &'static str, unit: &'static str, subjects: &'static [SubjectKind], meaning: &'static str) -> Feature {
+    Feature { name, kind: FeatureType::Number { unit }, subjects, meaning }
+}
+
+const fn names(name: &'static str, names: &'static [&'static str], subjects: &'static [SubjectKind], meaning: &'static str) -> Feature {
+    Feature { name, kind: FeatureType::Names(names), subjects, meaning }
+}
+
+const fn flag(name: &'static str, subjects: &'static [SubjectKind], meaning: &'static str) -> Feature {
+    Feature { name, kind: FeatureType::Flag, subjects, meaning }
+}
+
+/// All features, by name.
+pub const CATALOGUE: &[Feature] = &[
+    names("collapse.phase", &["before_contact", "after_contact"], ALL, "before or after the first contact of a falling part"),
+    number("contact.approach_speed", "m/s", &[ContactEvent], "speed at which the two parts approach along the contact normal"),
+    names("contact.partner", &["ground", "obstacle", "part"], &[ContactEvent], "what the part has met"),
+    number("critical_strain_rate", "1/s", ALL, "strain rate above which a part does not count as rigid (seed paper, equation 2)"),
+    names("end.adjoining", &["slab", "beam", "column", "wall", "footing", "ground", "none"], &[MemberEnd], "what the end is joined to"),
+    flag("end.clamped", &[MemberEnd], "the end is held by a support"),
+    number("end.demand_ratio", "1", &[MemberEnd], "elastic moment after the removal over moment capacity at the dead-load axial force"),
+    names("end.position", &["bottom", "top", "start", "end"], &[MemberEnd], "which end: bottom and top of a column, start and end of a beam"),
+    number("event.time", "s", EVENTS, "time since the first ignition"),
+    names("fracture.place", &["end", "span"], &[FractureEvent], "whether the part broke at an end or in between"),
+    number("member.axial_ratio", "1", PARTS, "dead-load axial force over area times first yield stress, compression positive"),
+    flag("member.charged", PARTS, "a charge removes the member or a stretch of it"),
+    names("member.kind", MEMBER_KINDS, ALL, "kind of the member (of the member that was struck or broke, for an event)"),
+    number("member.length", "m", PARTS, "clear length along the axis; the longer side of a plate"),
+    number("member.slenderness", "1", PARTS, "clear length over least width of the section"),
+    number("member.strain_rate", "1/s", ALL, "largest strain rate of the member's body between its ends, over the time considered"),
+    flag("member.weakened", PARTS, "preparatory work has reduced its strength"),
+    number("section.demand_ratio", "1", &[Section], "elastic moment after the removal over moment capacity at this section"),
+    number("section.position", "1", &[Section], "place along the member, 0 at the lower end or start, 1 at the other"),
+    number("section.strain_rate", "1/s", &[Section], "largest strain rate around the section over the time considered"),
+    number("storeys", "1", ALL, "number of storeys of the building"),
+];
+
+/// The feature with this name.
+pub fn find(name: &str) -> Option<&'static Feature> {
+    CATALOGUE.iter().find(|feature| feature.name == name)
+}
+
+/// The known name most like an unknown one, if any is like it.
+pub fn suggestion<'a>(unknown: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .map(|name| (strsim::jaro_winkler(unknown, name), name))
+        .filter(|(likeness, _)| *likeness > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))
+        .map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_catalogue_is_sorted_and_without_doubles() {
+        assert!(CATALOGUE.windows(2).all(|w| w[0].name < w[1].name));
+        assert!(CATALOGUE.iter().all(|f| !f.subjects.is_empty() && !f.meaning.is_empty()));
+    }
+
+    #[test]
+    fn suggestions_are_near_or_absent() {
+        let known = || CATALOGUE.iter().map(|f| f.name);
+        assert_eq!(suggestion("membr.kind", known()), Some("member.kind"));
+        assert_eq!(suggestion("colour", known()), None);
+    }
+}
