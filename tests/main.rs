@@ -1,1 +1,4 @@
+//! Integration tests; one module a subsystem.
+
 mod library;
+mod rules;

@@ -1,3 +1,4 @@
 //! (module)
 
 pub mod library;
+pub mod rules;
