@@ -114,24 +114,40 @@ fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
         LibraryCommand::Rebuild => {
             let records = store.rebuild()?;
             let damaged = store.damaged().len();
-            let words = format!("working copy built from {records} records{}", plural(damaged, ", {} damaged left out"));
+            let words = format!(
+                "working copy built from {records} records{}",
+                plural(damaged, ", {} damaged left out")
+            );
             report(args.json, out, json!({ "records": records, "damaged": damaged }), &words)?;
             Ok(u8::from(damaged > 0))
         }
         LibraryCommand::Export { file } => {
             let entries = exchange::export(&store, file)?;
-            report(args.json, out, json!({ "entries": entries }), &format!("{entries} entries in {}", file.display()))
+            report(
+                args.json,
+                out,
+                json!({ "entries": entries }),
+                &format!("{entries} entries in {}", file.display()),
+            )
         }
         LibraryCommand::Import { file } => {
             let done = exchange::import(&mut store, file)?;
-            let words = format!("{} added, {} mended, {} were there already", done.added, done.mended, done.unchanged);
+            let words = format!(
+                "{} added, {} mended, {} were there already",
+                done.added, done.mended, done.unchanged
+            );
             report(args.json, out, json!(done), &words)
         }
         LibraryCommand::Deprecate { key, successor, reason } => {
             let key = store.resolve(key)?;
             let successor = successor.as_ref().map(|s| store.resolve(s)).transpose()?;
             store.deprecate(&key, successor.as_deref(), reason)?;
-            report(args.json, out, json!({ "deprecated": key, "successor": successor }), &format!("{key} is deprecated"))
+            report(
+                args.json,
+                out,
+                json!({ "deprecated": key, "successor": successor }),
+                &format!("{key} is deprecated"),
+            )
         }
     }
 }
@@ -146,9 +162,14 @@ fn say_how_opened(store: &Store, err: &mut dyn Write) -> io::Result<()> {
         Opened::TextOnly { why, writable: false } => {
             writeln!(err, "note: {why}; the text records are read directly, and nothing can be written")?;
         }
-        Opened::TextOnly { why, writable: true } => writeln!(err, "note: {why}; the text records are used directly")?,
+        Opened::TextOnly { why, writable: true } => {
+            writeln!(err, "note: {why}; the text records are used directly")?
+        }
     }
-    store.damaged().iter().try_for_each(|(path, what)| writeln!(err, "warning: {}: damaged record: {what}", path.display()))
+    store
+        .damaged()
+        .iter()
+        .try_for_each(|(path, what)| writeln!(err, "warning: {}: damaged record: {what}", path.display()))
 }
 
 fn report(json: bool, out: &mut dyn Write, value: Value, words: &str) -> Result<u8, Failure> {
@@ -191,7 +212,11 @@ fn peak_moment_nm(entry: &Entry) -> f64 {
 fn remark(entry: &Entry) -> String {
     match &entry.deprecated {
         None => String::new(),
-        Some(d) => format!("deprecated ({}{})", d.reason, d.successor.as_ref().map_or(String::new(), |s| format!(", use {s}"))),
+        Some(d) => format!(
+            "deprecated ({}{})",
+            d.reason,
+            d.successor.as_ref().map_or(String::new(), |s| format!(", use {s}"))
+        ),
     }
 }
 
@@ -205,23 +230,36 @@ fn show(entry: &Entry, json: bool, out: &mut dyn Write) -> Result<u8, Failure> {
     if entry.deprecated.is_some() {
         writeln!(out, "  {}", remark(entry))?;
     }
-    writeln!(out, "  section          {} x {} m, {} m to the point of zero moment", f.width_m, f.depth_m, f.length_to_inflection_m)?;
+    writeln!(
+        out,
+        "  section          {} x {} m, {} m to the point of zero moment",
+        f.width_m, f.depth_m, f.length_to_inflection_m
+    )?;
     writeln!(out, "  place            {:?} end at {:?}", f.end, f.adjoining)?;
     writeln!(out, "  law              `{}` ({}), mesh {} m", f.law.id, f.law.hash, f.mesh_size_m)?;
     writeln!(
         out,
         "  stiffness        axial {:.4e} N/m, shear {:.4e} and {:.4e} N/m, torsion {:.4e} N m/rad",
-        entry.stiffness.axial_n_m, entry.stiffness.shear_n_m[0], entry.stiffness.shear_n_m[1], entry.stiffness.torsion_nm_rad
+        entry.stiffness.axial_n_m,
+        entry.stiffness.shear_n_m[0],
+        entry.stiffness.shear_n_m[1],
+        entry.stiffness.torsion_nm_rad
     )?;
     for (axis, record) in (1..).zip(&entry.axes) {
         writeln!(out, "  axis {axis}           bending {:.4e} N m/rad", record.curve.stiffness_nm_rad)?;
         for level in &record.envelopes {
-            let peak = level.points.iter().fold([0.0, 0.0], |a: [f64; 2], p| if p[1].abs() > a[1].abs() { *p } else { a });
-            let fracture = level.fracture_rotation_rad.map_or("none".to_string(), |r| format!("at {r:.4} rad"));
+            let peak = level
+                .points
+                .iter()
+                .fold([0.0, 0.0], |a: [f64; 2], p| if p[1].abs() > a[1].abs() { *p } else { a });
+            let fracture =
+                level.fracture_rotation_rad.map_or("none".to_string(), |r| format!("at {r:.4} rad"));
             writeln!(
                 out,
                 "    N {:9.1} kN   M {:8.2} kN m at {:.4} rad, fracture {fracture}",
-                level.axial_force_n / 1e3, peak[1] / 1e3, peak[0]
+                level.axial_force_n / 1e3,
+                peak[1] / 1e3,
+                peak[0]
             )?;
         }
     }
@@ -232,7 +270,11 @@ fn show(entry: &Entry, json: bool, out: &mut dyn Write) -> Result<u8, Failure> {
         q.elements, q.kinetic_energy_ratio, q.asymmetry
     )?;
     let p = &entry.provenance;
-    writeln!(out, "  computed         fallwerk {}, submodel version {}", p.program_version, p.inputs.submodel_version)?;
+    writeln!(
+        out,
+        "  computed         fallwerk {}, submodel version {}",
+        p.program_version, p.inputs.submodel_version
+    )?;
     writeln!(out, "  inputs           {}", p.inputs_hash)?;
     Ok(0)
 }

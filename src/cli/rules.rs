@@ -101,7 +101,14 @@ fn list(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
         write_json(out, &json!({ "rules": base.rules() }))?;
     } else {
         for rule in base.rules() {
-            writeln!(out, "{:4}  {:38} {:14} {}", rule.priority, rule.id, rule.applies_to.name(), rule.action.spec().name)?;
+            writeln!(
+                out,
+                "{:4}  {:38} {:14} {}",
+                rule.priority,
+                rule.id,
+                rule.applies_to.name(),
+                rule.action.spec().name
+            )?;
         }
     }
     Ok(0)
@@ -116,7 +123,8 @@ fn show(rule: &Rule, json: bool, out: &mut dyn Write) -> io::Result<u8> {
     writeln!(out, "  {}", rule.words)?;
     writeln!(out, "  about       {}", rule.applies_to)?;
     writeln!(out, "  when        {}", rule.when)?;
-    let parameters: Vec<String> = rule.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    let parameters: Vec<String> =
+        rule.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
     writeln!(out, "  action      {} {}", rule.action.spec().name, parameters.join(", "))?;
     writeln!(out, "              ({})", rule.action.spec().meaning)?;
     writeln!(out, "  priority    {}", rule.priority)?;
@@ -141,7 +149,8 @@ fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
         for gap in &gaps {
             writeln!(out, "{gap}")?;
         }
-        let verdict = if gaps.is_empty() { "no conflict, no gap".to_string() } else { format!("{} gaps", gaps.len()) };
+        let verdict =
+            if gaps.is_empty() { "no conflict, no gap".to_string() } else { format!("{} gaps", gaps.len()) };
         writeln!(out, "{} rules: {verdict}", base.rules().len())?;
     }
     Ok(u8::from(!gaps.is_empty()))
@@ -157,7 +166,14 @@ fn list_features(json: bool, out: &mut dyn Write) -> io::Result<u8> {
         write_json(out, &json!({ "features": rows }))?;
     } else {
         for f in features::CATALOGUE {
-            writeln!(out, "{}: {}\n    {}\n    of {}", f.name, f.meaning, f.type_words(), subjects(f).join(", "))?;
+            writeln!(
+                out,
+                "{}: {}\n    {}\n    of {}",
+                f.name,
+                f.meaning,
+                f.type_words(),
+                subjects(f).join(", ")
+            )?;
         }
     }
     Ok(0)

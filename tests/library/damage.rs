@@ -33,7 +33,11 @@ fn copy_folder(from: &Path, to: &Path) {
     for item in fs::read_dir(from).unwrap() {
         let path = item.unwrap().path();
         let target = to.join(path.file_name().unwrap());
-        if path.is_dir() { copy_folder(&path, &target) } else { fs::copy(&path, &target).map(|_| ()).unwrap() }
+        if path.is_dir() {
+            copy_folder(&path, &target)
+        } else {
+            fs::copy(&path, &target).map(|_| ()).unwrap()
+        }
     }
 }
 
@@ -83,7 +87,11 @@ fn sixty_random_damages_of_the_working_copy_cost_no_record() {
         assert_eq!(store.keys().len(), entries.len());
         assert!(exchange::verify(&store).unwrap().is_clean(), "trial {trial}");
         drop(store);
-        assert_eq!(*Store::open(&folder).unwrap().opened(), Opened::Checked, "trial {trial}: mended for good");
+        assert_eq!(
+            *Store::open(&folder).unwrap().opened(),
+            Opened::Checked,
+            "trial {trial}: mended for good"
+        );
         fs::remove_dir_all(&folder).unwrap();
     }
     println!("{rebuilt} of 60 copies were built anew");
@@ -202,4 +210,55 @@ fn a_write_that_was_cut_off_leaves_the_old_record() {
     assert!(matches!(store.opened(), Opened::Rebuilt { .. }));
     assert_eq!(store.get(&newer.key).unwrap(), newer);
     assert!(entries.iter().all(|e| store.get(&e.key).unwrap() == *e));
+}
+
+/// Names the folder in which the test below, run as a child process, writes until it is killed.
+const CHILD_FOLDER: &str = "FALLWERK_TEST_WRITER_FOLDER";
+
+fn two_results(seed: u32) -> [Entry; 2] {
+    let first = entry(seed);
+    let second = super::entry_of(first.features.clone(), first.provenance.inputs.law.clone(), 1, seed + 1);
+    [first, second]
+}
+
+#[test]
+fn a_killed_writer_leaves_each_record_old_or_new() {
+    if let Some(folder) = std::env::var_os(CHILD_FOLDER) {
+        let mut store = Store::open(Path::new(&folder)).unwrap();
+        for round in 0.. {
+            for seed in 0..3 {
+                store.put(&two_results(seed)[(round + 1) % 2]).unwrap();
+                fs::write(Path::new(&folder).join(".rounds"), round.to_string()).unwrap();
+            }
+        }
+    }
+    let room = tempfile::tempdir().unwrap();
+    for seed in 0..3 {
+        Store::open(room.path()).unwrap().put(&two_results(seed)[0]).unwrap();
+    }
+    for kill in 0..8u64 {
+        let progress = room.path().join(".rounds");
+        let _ = fs::remove_file(&progress);
+        let mut child = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", "library::damage::a_killed_writer_leaves_each_record_old_or_new"])
+            .env(CHILD_FOLDER, room.path())
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        let start = std::time::Instant::now();
+        while !progress.exists() {
+            assert!(start.elapsed().as_secs() < 60, "the writer never wrote");
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20 + 13 * kill));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let store = Store::open(room.path()).unwrap();
+        assert!(!matches!(store.opened(), Opened::TextOnly { .. }), "the lock of a dead process is free");
+        assert!(exchange::verify(&store).unwrap().is_clean());
+        for seed in 0..3 {
+            let results = two_results(seed);
+            assert!(results.contains(&store.get(&results[0].key).unwrap()), "kill {kill}, record {seed}");
+        }
+    }
 }

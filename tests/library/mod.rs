@@ -45,8 +45,11 @@ pub fn features(width_m: f64, end: ColumnEnd, adjoining: Adjoining, law: &Homoge
 pub fn entry(seed: u32) -> Entry {
     let width_m = 0.2 + 0.01 * f64::from(seed % 40);
     let law = law(12e6 + 1e3 * f64::from(seed));
-    let (end, adjoining) =
-        if seed.is_multiple_of(2) { (ColumnEnd::Bottom, Adjoining::Ground) } else { (ColumnEnd::Top, Adjoining::Beam) };
+    let (end, adjoining) = if seed.is_multiple_of(2) {
+        (ColumnEnd::Bottom, Adjoining::Ground)
+    } else {
+        (ColumnEnd::Top, Adjoining::Beam)
+    };
     entry_of(features(width_m, end, adjoining, &law), law, 1, seed)
 }
 
@@ -81,12 +84,17 @@ fn section(width_m: f64) -> Section {
 
 /// Curves with `levels` axial forces and `points` points each.
 pub fn computed(seed: u32, levels: u32, points: u32) -> Computed {
-    let moment = |level: u32, x: f64| (1e5 + 3.7e3 * f64::from(seed % 97)) * (1.0 + 0.1 * f64::from(level)) * (x / 0.013).tanh();
+    let moment = |level: u32, x: f64| {
+        (1e5 + 3.7e3 * f64::from(seed % 97)) * (1.0 + 0.1 * f64::from(level)) * (x / 0.013).tanh()
+    };
     let axis = |factor: f64| AxisRecord {
         envelopes: (0..levels)
             .map(|level| EnvelopeLevel {
                 axial_force_n: 2e5 * f64::from(level),
-                points: (0..points).map(|i| f64::from(i) * 0.1 / 59.0).map(|x| [x, factor * moment(level, x)]).collect(),
+                points: (0..points)
+                    .map(|i| f64::from(i) * 0.1 / 59.0)
+                    .map(|x| [x, factor * moment(level, x)])
+                    .collect(),
                 fracture_rotation_rad: (level > 2).then_some(0.09),
             })
             .collect(),
@@ -95,7 +103,10 @@ pub fn computed(seed: u32, levels: u32, points: u32) -> Computed {
             levels: (0..levels)
                 .map(|level| CapacityLevel {
                     axial_force_n: 2e5 * f64::from(level),
-                    capacity: (0..points).map(|i| f64::from(i) * 0.1 / 59.0).map(|x| [x, factor * moment(level, 0.05 + x)]).collect(),
+                    capacity: (0..points)
+                        .map(|i| f64::from(i) * 0.1 / 59.0)
+                        .map(|x| [x, factor * moment(level, 0.05 + x)])
+                        .collect(),
                     fracture_rotation_rad: 0.1,
                 })
                 .collect(),

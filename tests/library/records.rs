@@ -31,7 +31,13 @@ fn what_is_put_comes_back_bit_for_bit() {
 fn records_stay_below_the_limit() {
     let large = {
         let small = entry(3);
-        Entry::new(EntryKind::ColumnHinge, small.features.clone(), small.provenance.inputs.clone(), computed(3, 7, 2000)).unwrap()
+        Entry::new(
+            EntryKind::ColumnHinge,
+            small.features.clone(),
+            small.provenance.inputs.clone(),
+            computed(3, 7, 2000),
+        )
+        .unwrap()
     };
     let size = large.to_text().unwrap().len();
     assert!(size < 16_000 && size > 8_000, "{size}");
@@ -40,7 +46,13 @@ fn records_stay_below_the_limit() {
     let mut store = Store::open(room.path()).unwrap();
     store.put(&large).unwrap();
     // An entry that cannot be thinned enough is refused, with the number.
-    let huge = Entry::new(EntryKind::ColumnHinge, large.features.clone(), large.provenance.inputs.clone(), computed(3, 80, 2000)).unwrap();
+    let huge = Entry::new(
+        EntryKind::ColumnHinge,
+        large.features.clone(),
+        large.provenance.inputs.clone(),
+        computed(3, 80, 2000),
+    )
+    .unwrap();
     let message = store.put(&huge).unwrap_err().to_string();
     assert!(message.contains("the limit is 16000"), "{message}");
 }
@@ -73,7 +85,10 @@ fn unsound_entries_are_refused_and_nothing_is_written() {
         let (good, mut bad) = (entry(1), entry(2));
         spoil(&mut bad);
         let error = store.put_all(&[good, bad]).unwrap_err();
-        assert!(matches!(error, StoreError::Invalid { .. }) && error.to_string().contains(expected), "{error}");
+        assert!(
+            matches!(error, StoreError::Invalid { .. }) && error.to_string().contains(expected),
+            "{error}"
+        );
         assert!(store.keys().is_empty());
     }
     assert!(!room.path().join("column_hinge").exists());
@@ -95,7 +110,9 @@ fn a_new_result_of_the_same_inputs_replaces_the_record() {
 fn a_large_batch_goes_in_and_comes_out() {
     let room = tempfile::tempdir().unwrap();
     let entries: Vec<Entry> = (0..600).map(entry).collect();
-    let timed = |name: &str, start: std::time::Instant| println!("{name}: {:.0} ms", start.elapsed().as_secs_f64() * 1e3);
+    let timed = |name: &str, start: std::time::Instant| {
+        println!("{name}: {:.0} ms", start.elapsed().as_secs_f64() * 1e3)
+    };
     let start = std::time::Instant::now();
     let mut store = Store::open(room.path()).unwrap();
     assert!(store.put_all(&entries).unwrap().iter().all(|p| *p == Put::Added));
@@ -111,6 +128,7 @@ fn a_large_batch_goes_in_and_comes_out() {
     let start = std::time::Instant::now();
     assert!(entries.iter().all(|e| store.get(&e.key).unwrap() == *e));
     timed("get 600", start);
-    let bytes: u64 = store.keys().iter().map(|k| fs::metadata(room.path().join(format!("{k}.json"))).unwrap().len()).sum();
+    let bytes: u64 =
+        store.keys().iter().map(|k| fs::metadata(room.path().join(format!("{k}.json"))).unwrap().len()).sum();
     println!("mean record: {} bytes", bytes / 600);
 }

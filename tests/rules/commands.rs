@@ -43,10 +43,16 @@ fn problems_and_gaps_have_their_exit_codes() {
     let file = room.path().join("sub/one.toml");
     fs::write(&file, format!("schema = 1\n{}", rule("a", &[]))).unwrap();
     let (code, out, _) = fallwerk(room.path(), &["check"]);
-    assert!(code == 1 && out.contains("gap: no rule says how the member becomes bodies for a member of a beam"), "{out}");
+    assert!(
+        code == 1 && out.contains("gap: no rule says how the member becomes bodies for a member of a beam"),
+        "{out}"
+    );
     fs::write(&file, format!("schema = 1\n{}", rule("a", &["action = \"fly\""]))).unwrap();
     let (code, _, err) = fallwerk(room.path(), &["check"]);
-    assert!(code == 1 && err.contains("sub/one.toml:7:10: unknown action `fly`") && err.contains("1 problems"), "{err}");
+    assert!(
+        code == 1 && err.contains("sub/one.toml:7:10: unknown action `fly`") && err.contains("1 problems"),
+        "{err}"
+    );
     assert_eq!(fallwerk(room.path(), &["list"]).0, 2);
     let (code, out, _) = fallwerk(room.path(), &["check", "--json"]);
     let value: serde_json::Value = serde_json::from_str(&out).unwrap();

@@ -38,8 +38,11 @@ fn what_is_not_known_makes_a_rule_silent_with_a_reason() {
     .unwrap();
     let trace = rules.trace(&column()).unwrap();
     assert_eq!(trace.firings.iter().map(|f| f.rule.as_str()).collect::<Vec<_>>(), ["either"]);
-    let silent: Vec<(&str, Vec<&str>)> =
-        trace.silent.iter().map(|s| (s.rule.as_str(), s.missing.iter().map(String::as_str).collect())).collect();
+    let silent: Vec<(&str, Vec<&str>)> = trace
+        .silent
+        .iter()
+        .map(|s| (s.rule.as_str(), s.missing.iter().map(String::as_str).collect()))
+        .collect();
     assert_eq!(
         silent,
         [
@@ -58,14 +61,18 @@ fn what_is_not_known_makes_a_rule_silent_with_a_reason() {
 
 #[test]
 fn firings_outside_the_range_of_evidence_say_so() {
-    let rules = base(&[rule("a", &["range = { storeys = [1, 4], \"member.length\" = [2.0, 4.0] }"])]).unwrap();
+    let rules =
+        base(&[rule("a", &["range = { storeys = [1, 4], \"member.length\" = [2.0, 4.0] }"])]).unwrap();
     let fire = |storeys: f64, length: f64| {
         rules.evaluate(&column().with("storeys", storeys).with("member.length", length)).unwrap().remove(0)
     };
     assert!(fire(4.0, 2.0).in_range);
     let outside = fire(6.0, 5.0);
     assert!(!outside.in_range);
-    assert_eq!(outside.outside, ["member.length is 5 m, evidence from 2 to 4 m", "storeys is 6, evidence from 1 to 4"]);
+    assert_eq!(
+        outside.outside,
+        ["member.length is 5 m, evidence from 2 to 4 m", "storeys is 6, evidence from 1 to 4"]
+    );
     let unknown = rules.evaluate(&column()).unwrap().remove(0);
     assert!(!unknown.in_range && unknown.missing == ["member.length", "storeys"]);
 }
@@ -74,7 +81,10 @@ fn firings_outside_the_range_of_evidence_say_so() {
 fn a_rule_supersedes_another_only_within_its_range() {
     let rules = base(&[
         rule("old", &["priority = 9"]),
-        rule("new", &["priority = 1", DIVIDE[0], DIVIDE[1], "supersedes = [\"old\"]", "range = { storeys = [1, 4] }"]),
+        rule(
+            "new",
+            &["priority = 1", DIVIDE[0], DIVIDE[1], "supersedes = [\"old\"]", "range = { storeys = [1, 4] }"],
+        ),
     ])
     .unwrap();
     let decides = |storeys: f64| {
@@ -82,7 +92,8 @@ fn a_rule_supersedes_another_only_within_its_range() {
     };
     assert_eq!(decides(3.0), "new");
     assert_eq!(decides(5.0), "old");
-    let circle = base(&[rule("a", &["supersedes = [\"b\"]"]), rule("b", &["supersedes = [\"a\"]"])]).unwrap_err();
+    let circle =
+        base(&[rule("a", &["supersedes = [\"b\"]"]), rule("b", &["supersedes = [\"a\"]"])]).unwrap_err();
     assert!(circle.contains("supersedes itself, directly or through others"), "{circle}");
 }
 
@@ -90,7 +101,10 @@ fn a_rule_supersedes_another_only_within_its_range() {
 fn subjects_are_checked_against_the_catalogue() {
     let rules = base(&[rule("a", &[])]).unwrap();
     let error = |subject: Subject| rules.evaluate(&subject).unwrap_err().to_string();
-    assert_eq!(error(column().with("memberkind", "column")), "subject `C1`: unknown feature `memberkind`; did you mean `member.kind`?");
+    assert_eq!(
+        error(column().with("memberkind", "column")),
+        "subject `C1`: unknown feature `memberkind`; did you mean `member.kind`?"
+    );
     assert!(error(column().with("member.length", "long")).contains("is a number in m, not 'long'"));
     assert!(error(column().with("end.clamped", true)).contains("a member has no feature `end.clamped`"));
     assert!(error(column().with("member.length", f64::NAN)).contains("is a number in m, not NaN"));
@@ -99,9 +113,11 @@ fn subjects_are_checked_against_the_catalogue() {
 #[test]
 fn neither_the_order_of_files_nor_of_rules_changes_the_answer() {
     use fallwerk::rules::{RuleBase, Source};
-    let texts: Vec<String> = (0..9).map(|i| rule(&format!("r{i}"), &[&format!("priority = {}", i % 3)])).collect();
+    let texts: Vec<String> =
+        (0..9).map(|i| rule(&format!("r{i}"), &[&format!("priority = {}", i % 3)])).collect();
     let load = |order: &[usize]| {
-        let source = |i: &usize| Source { name: format!("{i}.toml"), text: format!("schema = 1\n{}", texts[*i]) };
+        let source =
+            |i: &usize| Source { name: format!("{i}.toml"), text: format!("schema = 1\n{}", texts[*i]) };
         let rules = RuleBase::from_sources(order.iter().map(source).collect()).unwrap();
         serde_json::to_string(&rules.trace(&column()).unwrap()).unwrap()
     };

@@ -10,25 +10,46 @@ fn message(rules: &[String]) -> String {
 #[test]
 fn faults_of_one_rule_are_named_with_what_would_be_right() {
     for (lines, expected) in [
-        (&["when = \"membr.kind == 'column'\""][..], "test.toml:6:9: unknown feature `membr.kind`; did you mean `member.kind`?"),
+        (
+            &["when = \"membr.kind == 'column'\""][..],
+            "test.toml:6:9: unknown feature `membr.kind`; did you mean `member.kind`?",
+        ),
         (&["when = \"member.kind == 'colunm'\""], "not 'colunm'; did you mean 'column'?"),
         (&["when = \"member.kind == column\""], "unknown feature `column`"),
         (&["when = \"member.kind < 'column'\""], "it can be equal or not, but not less or greater"),
         (&["when = \"member.length == true\""], "`member.length` is a number in m, not true"),
-        (&["when = \"member.length > member.slenderness\""], "`member.length` is a number in m, `member.slenderness` is a ratio"),
+        (
+            &["when = \"member.length > member.slenderness\""],
+            "`member.length` is a number in m, `member.slenderness` is a ratio",
+        ),
         (&["when = \"member.charged == member.weakened\""], "cannot be compared: only numbers can"),
         (&["when = \"end.clamped\""], "a member has no feature `end.clamped` (only: member_end)"),
         (&["when = \"member.kind = 'column'\""], "equality is written `==`"),
         (&["when = \"(member.charged\""], "expected `)`, found the end"),
-        (&["when = \"member.slenderness < 3 and member.slenderness > 4\""], "the condition of `a` can never hold"),
+        (
+            &["when = \"member.slenderness < 3 and member.slenderness > 4\""],
+            "the condition of `a` can never hold",
+        ),
         (&["applies_to = \"members\""], "unknown kind of subject `members`; did you mean `member`?"),
         (&["action = \"hnge\""], "unknown action `hnge`; did you mean `hinge`?"),
-        (&["action = \"hinge\"", "parameters = { curve = \"library\" }"], "action `hinge` is for member_end, not for a member"),
+        (
+            &["action = \"hinge\"", "parameters = { curve = \"library\" }"],
+            "action `hinge` is for member_end, not for a member",
+        ),
         (&["parameters = { colour = 1 }"], "unknown parameter of `rigid_body` `colour`; known: none"),
         (&["action = \"subdivide\""], "action `subdivide` needs the parameter `pieces`"),
-        (&["action = \"subdivide\"", "parameters = { pieces = 1 }"], "`pieces` must be a whole number, at least 2"),
-        (&["action = \"subdivide\"", "parameters = { pieces = 2, least_length_m = 0 }"], "`least_length_m` must be a number above 0, in m"),
-        (&["action = \"merge_rigid\"", "parameters = { with = \"all\" }"], "one of 'adjoining_slab', 'storey_floor'"),
+        (
+            &["action = \"subdivide\"", "parameters = { pieces = 1 }"],
+            "`pieces` must be a whole number, at least 2",
+        ),
+        (
+            &["action = \"subdivide\"", "parameters = { pieces = 2, least_length_m = 0 }"],
+            "`least_length_m` must be a number above 0, in m",
+        ),
+        (
+            &["action = \"merge_rigid\"", "parameters = { with = \"all\" }"],
+            "one of 'adjoining_slab', 'storey_floor'",
+        ),
         (&["range = { member.kind = [0, 1] }"], "unknown feature `member`"),
         (&["range = { \"member.kind\" = [0, 1] }"], "only numbers have a range"),
         (&["range = { storeys = [3, 1] }"], "a range goes from low to high, not from 3 to 1"),
@@ -101,7 +122,10 @@ fn contradicting_rules_are_a_conflict_only_where_both_can_hold() {
         rule("b", &[&when, "action = \"subdivide\"", "parameters = { pieces = 2 }", &priority])
     };
     let found = message(&[columns.clone(), subdivide("member.slenderness > 5", "10")]);
-    assert!(found.contains("conflict: `b` (subdivide) and `a` (rigid_body, test.toml:3) both have priority 10"), "{found}");
+    assert!(
+        found.contains("conflict: `b` (subdivide) and `a` (rigid_body, test.toml:3) both have priority 10"),
+        "{found}"
+    );
     assert!(found.contains("when member.kind == 'column' and member.slenderness > 5"), "{found}");
     base(&[columns.clone(), subdivide("member.slenderness > 5", "11")]).unwrap();
     base(&[columns.clone(), subdivide("member.slenderness > 5 and member.kind != 'column'", "10")]).unwrap();
@@ -123,6 +147,12 @@ fn gaps_are_named_with_a_case() {
     let words: Vec<String> = found.iter().map(ToString::to_string).collect();
     let about_members: Vec<&String> = words.iter().filter(|w| w.contains("for a member of")).collect();
     assert_eq!(about_members.len(), 2, "{words:#?}");
-    assert!(about_members[0].contains("a member of a column when critical_strain_rate < member.strain_rate"), "{}", about_members[0]);
-    assert!(words.iter().any(|w| w.contains("how it resists rotation for a member_end of a column when always")));
+    assert!(
+        about_members[0].contains("a member of a column when critical_strain_rate < member.strain_rate"),
+        "{}",
+        about_members[0]
+    );
+    assert!(
+        words.iter().any(|w| w.contains("how it resists rotation for a member_end of a column when always"))
+    );
 }

@@ -2,6 +2,7 @@
 
 mod commands;
 mod engine;
+mod facts;
 mod malformed;
 mod seed;
 
@@ -34,5 +35,6 @@ pub fn rule(id: &str, lines: &[&str]) -> String {
 /// A rule base of one file with these rules.
 pub fn base(rules: &[String]) -> Result<RuleBase, String> {
     let text = format!("schema = 1\n{}", rules.concat());
-    RuleBase::from_sources(vec![Source { name: "test.toml".into(), text }]).map_err(|problems| problems.to_string())
+    RuleBase::from_sources(vec![Source { name: "test.toml".into(), text }])
+        .map_err(|problems| problems.to_string())
 }

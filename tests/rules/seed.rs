@@ -49,7 +49,10 @@ fn columns_are_one_body_with_hinges_and_springs_at_both_ends() {
         let reason = if clamped { "seed/clamped-foot-hinge" } else { "seed/column-end-hinge" };
         assert_eq!(hinge.rule, reason);
         let spring = trace.decision(Aspect::Translation).unwrap();
-        assert_eq!((spring.action, spring.parameters["directions"].clone()), (Action::TranslationalSpring, "axial_and_shear".into()));
+        assert_eq!(
+            (spring.action, spring.parameters["directions"].clone()),
+            (Action::TranslationalSpring, "axial_and_shear".into())
+        );
         assert!(trace.undecided.is_empty());
     }
 }
@@ -64,7 +67,9 @@ fn floors_are_one_body_until_the_strain_rate_or_contact_says_otherwise() {
     }
     // With a strain rate, the rule of the strain rate is the reason, and it knows its range.
     let trace = |critical: f64| -> Trace {
-        let slab = Subject::new(SubjectKind::Member, "S1").with("member.kind", "slab").with("member.strain_rate", 0.1);
+        let slab = Subject::new(SubjectKind::Member, "S1")
+            .with("member.kind", "slab")
+            .with("member.strain_rate", 0.1);
         seed().trace(&slab.with("critical_strain_rate", critical)).unwrap()
     };
     let decision = |t: &Trace| t.decision(Aspect::Body).map(|f| (f.rule.clone(), f.in_range)).unwrap();
@@ -84,5 +89,11 @@ fn events_change_the_model_and_ask_for_a_new_look_at_rigidity() {
     }
     let charged = member("column").with("member.charged", true);
     assert_eq!(rules.trace(&charged).unwrap().decision(Aspect::Charge).unwrap().action, Action::RemoveBody);
-    assert!(rules.trace(&member("column").with("member.charged", false)).unwrap().decision(Aspect::Charge).is_none());
+    assert!(
+        rules
+            .trace(&member("column").with("member.charged", false))
+            .unwrap()
+            .decision(Aspect::Charge)
+            .is_none()
+    );
 }
