@@ -1,11 +1,14 @@
 //! Integration tests, one module a subject: `architecture` holds the direction of use between modules, `building` reads
 //! and refuses building files, `fe` verifies the finite elements, `mbs` the multibody solver, `rc` the submodel of a
-//! member end, `generate` the model of the reference building, `report` renders pages.
+//! member end, `library` keeps and mends the store, `rules` reads, checks and fires rules, `generate` makes the model of
+//! the reference building, `report` renders pages.
 
 mod architecture;
 mod building;
 mod fe;
 mod generate;
+mod library;
 mod mbs;
 mod rc;
 mod report;
+mod rules;

@@ -137,7 +137,9 @@ mod tests {
     #[test]
     fn numbers_come_back_bit_for_bit() {
         // Values that a parser without exact rounding gets wrong by one unit in the last place.
-        for bits in (0..20_000u64).map(|i| 0x3f00_0000_0000_0000 + i * 0x0000_1a2b_3c4d_5e6f % 0x0100_0000_0000_0000) {
+        for bits in
+            (0..20_000u64).map(|i| 0x3f00_0000_0000_0000 + i * 0x0000_1a2b_3c4d_5e6f % 0x0100_0000_0000_0000)
+        {
             let number = f64::from_bits(bits);
             let back: f64 = serde_json::from_str(&serde_json::to_string(&number).unwrap()).unwrap();
             assert_eq!(number.to_bits(), back.to_bits());
@@ -147,6 +149,9 @@ mod tests {
     #[test]
     fn readable_layout_keeps_points_on_a_line() {
         let text = readable_json(&json!({"z": [[0.0, 1.0], [2.0, 3.0]], "a": [{"k": 1}], "e": {}})).unwrap();
-        assert_eq!(text, "{\n  \"a\": [\n    {\n      \"k\": 1\n    }\n  ],\n  \"e\": {},\n  \"z\": [[0.0,1.0],[2.0,3.0]]\n}\n");
+        assert_eq!(
+            text,
+            "{\n  \"a\": [\n    {\n      \"k\": 1\n    }\n  ],\n  \"e\": {},\n  \"z\": [[0.0,1.0],[2.0,3.0]]\n}\n"
+        );
     }
 }

@@ -16,7 +16,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Name of the file by which a result folder of this program is known.
 pub const MARKER: &str = ".fallwerk-output";
 
-const MARKER_TEXT: &str = "Results of fallwerk. This folder is replaced as a whole by the next run with the same target.\n";
+const MARKER_TEXT: &str =
+    "Results of fallwerk. This folder is replaced as a whole by the next run with the same target.\n";
 
 /// Prefix of temporary names; readers of a folder skip names that begin so.
 pub const TEMPORARY_PREFIX: &str = ".fallwerk-tmp-";
@@ -25,7 +26,9 @@ pub const TEMPORARY_PREFIX: &str = ".fallwerk-tmp-";
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The target exists and was not made by this program.
-    #[error("{path}: exists and is not a result folder of fallwerk (no {MARKER} in it); name another folder or remove it")]
+    #[error(
+        "{path}: exists and is not a result folder of fallwerk (no {MARKER} in it); name another folder or remove it"
+    )]
     NotOurs {
         /// The target.
         path: PathBuf,
@@ -77,7 +80,8 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// As the file system reports them; the target then holds its old content.
 pub fn write_renamed(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let temporary = parent_of(path).join(format!("{TEMPORARY_PREFIX}{}-{}", std::process::id(), next_number()));
+    let temporary =
+        parent_of(path).join(format!("{TEMPORARY_PREFIX}{}-{}", std::process::id(), next_number()));
     let written = File::create(&temporary)
         .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
         .and_then(|()| fs::rename(&temporary, path));
@@ -114,7 +118,11 @@ impl OutputFolder {
     /// If the target exists and is not ours, has no name of its own (`.`, `..`, `/`), or cannot be written.
     pub fn create(target: &Path) -> Result<Self, OutputError> {
         let bad = |what| OutputError::BadTarget { path: target.to_path_buf(), what };
-        let name = target.file_name().ok_or_else(|| bad("is not the name of a new folder"))?.to_string_lossy().into_owned();
+        let name = target
+            .file_name()
+            .ok_or_else(|| bad("is not the name of a new folder"))?
+            .to_string_lossy()
+            .into_owned();
         let parent = parent_of(target);
         fs::create_dir_all(parent).map_err(at(parent))?;
         recover(target, &name).map_err(at(target))?;
@@ -157,7 +165,10 @@ impl OutputFolder {
         sync_tree(&self.temporary).map_err(at(&self.temporary))?;
         may_replace(&self.target)?;
         let aside = self.temporary.with_file_name(
-            self.temporary.file_name().map(|n| n.to_string_lossy().replacen(".part-", ".old-", 1)).unwrap_or_default(),
+            self.temporary
+                .file_name()
+                .map(|n| n.to_string_lossy().replacen(".part-", ".old-", 1))
+                .unwrap_or_default(),
         );
         let had_older = self.target.exists();
         if had_older {
@@ -190,7 +201,10 @@ impl Drop for OutputFolder {
 fn may_replace(target: &Path) -> Result<(), OutputError> {
     let Ok(meta) = fs::symlink_metadata(target) else { return Ok(()) };
     if !meta.is_dir() {
-        return Err(OutputError::BadTarget { path: target.to_path_buf(), what: "exists and is not a folder" });
+        return Err(OutputError::BadTarget {
+            path: target.to_path_buf(),
+            what: "exists and is not a folder",
+        });
     }
     let ours = target.join(MARKER).is_file();
     let empty = || fs::read_dir(target).map(|mut d| d.next().is_none()).map_err(at(target));

@@ -4,6 +4,8 @@
 
 mod check;
 mod init;
+pub mod library;
+pub mod rules;
 mod schema;
 pub mod simulate;
 
@@ -47,6 +49,10 @@ enum Command {
     Schema(schema::Arguments),
     /// Run a multibody model file
     Simulate(simulate::SimulateArgs),
+    /// The library of subsystems: list, show, verify, rebuild, export, import, deprecate
+    Library(library::LibraryArgs),
+    /// The rules: list, check, show, features
+    Rules(rules::RulesArgs),
 }
 
 /// Runs the command line of this process.
@@ -55,6 +61,8 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
+        Command::Library(arguments) => return ExitCode::from(library::run(&arguments)),
+        Command::Rules(arguments) => return ExitCode::from(rules::run(&arguments)),
         Command::Simulate(arguments) => match simulate::run(arguments) {
             Ok(()) => Outcome::Done,
             Err(error) => {

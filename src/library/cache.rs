@@ -105,7 +105,11 @@ impl Cache {
     ///
     /// # Errors
     /// If sled refuses or panics.
-    pub fn put<'a>(&self, records: impl Iterator<Item = (&'a str, &'a [u8])>, manifest: &Manifest) -> Result<(), Fault> {
+    pub fn put<'a>(
+        &self,
+        records: impl Iterator<Item = (&'a str, &'a [u8])>,
+        manifest: &Manifest,
+    ) -> Result<(), Fault> {
         guarded("writing", || {
             for (key, bytes) in records {
                 let mut value = blake3::hash(bytes).as_bytes().to_vec();
@@ -123,9 +127,7 @@ impl Cache {
 impl Drop for Cache {
     fn drop(&mut self) {
         if let Some(db) = self.db.take() {
-            let _ = guarded("closing", || {
-                db.flush().map(|_| ())
-            });
+            let _ = guarded("closing", || db.flush().map(|_| ()));
         }
     }
 }

@@ -61,13 +61,18 @@ fn axis(axis: &AxisRecord) -> Result<(), String> {
     increasing("curve.levels", axis.curve.levels.iter().map(|l| l.axial_force_n))?;
     for (i, level) in axis.envelopes.iter().enumerate() {
         points(&format!("envelopes[{i}]"), &level.points)?;
-        positive(&format!("envelopes[{i}].fracture_rotation_rad"), level.fracture_rotation_rad.unwrap_or(1.0))?;
+        positive(
+            &format!("envelopes[{i}].fracture_rotation_rad"),
+            level.fracture_rotation_rad.unwrap_or(1.0),
+        )?;
     }
     for (i, level) in axis.curve.levels.iter().enumerate() {
         let name = format!("curve.levels[{i}]");
         points(&name, &level.capacity)?;
         if level.capacity[0][0] != 0.0 || level.capacity.iter().any(|p| p[1] < 0.0) {
-            return Err(format!("{name}: capacity must start at zero plastic rotation and never be negative"));
+            return Err(format!(
+                "{name}: capacity must start at zero plastic rotation and never be negative"
+            ));
         }
         positive(&format!("{name}.fracture_rotation_rad"), level.fracture_rotation_rad)?;
     }
@@ -91,5 +96,9 @@ fn increasing(name: &str, values: impl Iterator<Item = f64>) -> Result<(), Strin
 }
 
 fn positive(name: &str, value: f64) -> Result<(), String> {
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(format!("`{name}` must be positive, is {value}")) }
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(format!("`{name}` must be positive, is {value}"))
+    }
 }

@@ -269,7 +269,12 @@ impl Entry {
     ///
     /// # Errors
     /// If the inputs or the result cannot be written as JSON.
-    pub fn new(kind: EntryKind, features: Features, inputs: Inputs, computed: Computed) -> Result<Self, serde_json::Error> {
+    pub fn new(
+        kind: EntryKind,
+        features: Features,
+        inputs: Inputs,
+        computed: Computed,
+    ) -> Result<Self, serde_json::Error> {
         let hash = ContentHash::of_value(&inputs)?;
         let mut entry = Self {
             schema: ENTRY_SCHEMA,

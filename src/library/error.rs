@@ -16,7 +16,9 @@ pub enum StoreError {
         source: io::Error,
     },
     /// A text record does not hold what was once written.
-    #[error("{path}: damaged record: {what}; restore the file (version control, `library import`) or derive it again")]
+    #[error(
+        "{path}: damaged record: {what}; restore the file (version control, `library import`) or derive it again"
+    )]
     Damaged {
         /// The file.
         path: PathBuf,

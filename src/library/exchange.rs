@@ -65,7 +65,10 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
     for (key, entry) in &good {
         let successor = entry.deprecated.as_ref().and_then(|d| d.successor.as_ref());
         if let Some(successor) = successor.filter(|s| !good.contains_key(*s)) {
-            report.text.push((store.text().path_of(key), format!("its successor `{successor}` is not in the library")));
+            report.text.push((
+                store.text().path_of(key),
+                format!("its successor `{successor}` is not in the library"),
+            ));
         }
     }
     if let Some(cache) = store.cache() {
@@ -87,7 +90,8 @@ pub fn export(store: &Store, path: &Path) -> Result<usize, StoreError> {
     }
     let mut entries = Vec::new();
     for entry in store.list()? {
-        let invalid = |e: serde_json::Error| StoreError::Invalid { key: entry.key.clone(), what: e.to_string() };
+        let invalid =
+            |e: serde_json::Error| StoreError::Invalid { key: entry.key.clone(), what: e.to_string() };
         let text = entry.to_text().map_err(invalid)?;
         entries.push(serde_json::from_str::<Value>(&text).map_err(invalid)?);
     }
@@ -117,10 +121,14 @@ pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError
     let mut entries: Vec<Entry> = Vec::with_capacity(items.len());
     for (i, item) in items.into_iter().enumerate() {
         let name = item["key"].as_str().unwrap_or("?").to_string();
-        let entry = Entry::from_value(item).map_err(|e| refuse(format!("entry {} (`{name}`): {e}", i + 1)))?;
+        let entry =
+            Entry::from_value(item).map_err(|e| refuse(format!("entry {} (`{name}`): {e}", i + 1)))?;
         match store.get(&entry.key) {
             Ok(held) if held != entry => {
-                return Err(refuse(format!("entry {} (`{name}`) differs from the one in the library", i + 1)));
+                return Err(refuse(format!(
+                    "entry {} (`{name}`) differs from the one in the library",
+                    i + 1
+                )));
             }
             Err(StoreError::Damaged { .. }) => report.mended += 1,
             _ => {}

@@ -8,9 +8,12 @@
 use super::entry::Features;
 use super::key::{adjoining_name, end_name};
 
+/// How a number is read from the features.
+type Number = fn(&Features) -> f64;
+
 /// Weights of the logarithmic ratios. A section depth enters the capacity about its own axis squared;
 /// both depths are depths about one of the axes.
-const WEIGHTS: [(&str, f64, fn(&Features) -> f64); 8] = [
+const WEIGHTS: [(&str, f64, Number); 8] = [
     ("width_m", 2.0, |f| f.width_m),
     ("depth_m", 2.0, |f| f.depth_m),
     ("length_to_inflection_m", 1.0, |f| f.length_to_inflection_m),
@@ -46,9 +49,12 @@ pub fn compare(entry: &Features, wanted: &Features) -> Match {
     }
     let mut parts: Vec<(f64, String)> = WEIGHTS
         .iter()
-        .map(|(name, weight, value)| (weight * log_ratio(value(entry), value(wanted)), difference(name, value(entry), value(wanted))))
+        .map(|(name, weight, value)| {
+            (weight * log_ratio(value(entry), value(wanted)), difference(name, value(entry), value(wanted)))
+        })
         .collect();
-    let names: std::collections::BTreeSet<&String> = entry.further.keys().chain(wanted.further.keys()).collect();
+    let names: std::collections::BTreeSet<&String> =
+        entry.further.keys().chain(wanted.further.keys()).collect();
     for name in names {
         parts.push(match (entry.further.get(name), wanted.further.get(name)) {
             (Some(a), Some(b)) => (log_ratio(*a, *b), difference(name, *a, *b)),

@@ -27,7 +27,8 @@ pub fn key_of(kind: EntryKind, features: &Features, inputs: &ContentHash) -> Str
 /// become part of a path.
 pub fn is_key(text: &str) -> bool {
     let plain = |s: &str| {
-        !s.is_empty() && s.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_' || b == b'-')
+        !s.is_empty()
+            && s.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_' || b == b'-')
     };
     let Some((path, hash)) = text.split_once('@') else { return false };
     let Some((folder, name)) = path.split_once('/') else { return false };

@@ -183,7 +183,9 @@ impl Store {
                 self.cache = Some(cache);
                 Opened::Rebuilt { why, set_aside }
             }
-            Err(fault) => Opened::TextOnly { why: format!("the working copy cannot be built: {fault}"), writable: true },
+            Err(fault) => {
+                Opened::TextOnly { why: format!("the working copy cannot be built: {fault}"), writable: true }
+            }
         };
     }
 
@@ -236,21 +238,34 @@ impl Store {
         let meant: Vec<&String> = self
             .manifest
             .keys()
-            .filter(|key| !text.is_empty() && (key.starts_with(text) || key.split('@').nth(1).is_some_and(|h| h.starts_with(text))))
+            .filter(|key| {
+                !text.is_empty()
+                    && (key.starts_with(text) || key.split('@').nth(1).is_some_and(|h| h.starts_with(text)))
+            })
             .collect();
         match meant.as_slice() {
             [one] => Ok((*one).clone()),
             [] => Err(self.not_found(text)),
             several => Err(StoreError::NotFound {
                 key: text.to_string(),
-                hint: format!(": it could mean {} entries, for instance `{}` and `{}`", several.len(), several[0], several[1]),
+                hint: format!(
+                    ": it could mean {} entries, for instance `{}` and `{}`",
+                    several.len(),
+                    several[0],
+                    several[1]
+                ),
             }),
         }
     }
 
     fn not_found(&self, key: &str) -> StoreError {
-        let near = self.manifest.keys().map(|k| (strsim::jaro_winkler(k, key), k)).max_by(|a, b| a.0.total_cmp(&b.0));
-        let hint = near.filter(|(likeness, _)| *likeness > 0.85).map(|(_, k)| format!("; did you mean `{k}`?"));
+        let near = self
+            .manifest
+            .keys()
+            .map(|k| (strsim::jaro_winkler(k, key), k))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let hint =
+            near.filter(|(likeness, _)| *likeness > 0.85).map(|(_, k)| format!("; did you mean `{k}`?"));
         StoreError::NotFound { key: key.to_string(), hint: hint.unwrap_or_default() }
     }
 
@@ -313,7 +328,8 @@ impl Store {
             if let Err(fault) = cache.put(records, &self.manifest) {
                 // The text is written; the next opening builds the copy again.
                 self.cache = None;
-                self.opened = Opened::TextOnly { why: format!("the working copy failed: {fault}"), writable: true };
+                self.opened =
+                    Opened::TextOnly { why: format!("the working copy failed: {fault}"), writable: true };
             }
         }
         Ok(done)
@@ -341,7 +357,8 @@ impl Store {
         let mut best: Option<(Nearest, u32)> = None;
         for (key, item) in index.iter().flatten().filter(|(_, item)| !item.deprecated) {
             let fit = find::compare(&item.features, wanted);
-            let rank = |fit: &find::Match, version: u32| (!fit.exact, fit.distance, std::cmp::Reverse(version));
+            let rank =
+                |fit: &find::Match, version: u32| (!fit.exact, fit.distance, std::cmp::Reverse(version));
             let better = best.as_ref().is_none_or(|(held, version)| {
                 let (a, b) = (rank(&fit, item.submodel_version), rank(&held.fit, *version));
                 a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)).is_lt()
@@ -369,7 +386,8 @@ impl Store {
                 return Err(invalid(&format!("its successor `{successor}` is itself deprecated")));
             }
         }
-        entry.deprecated = Some(Deprecation { reason: reason.to_string(), successor: successor.map(str::to_string) });
+        entry.deprecated =
+            Some(Deprecation { reason: reason.to_string(), successor: successor.map(str::to_string) });
         self.put(&entry).map(|_| ())
     }
 
@@ -419,7 +437,10 @@ fn sound_text(entry: &Entry) -> Result<String, StoreError> {
         return Err(invalid("does not read back as it was written".to_string()));
     }
     if text.len() >= RECORD_LIMIT_BYTES {
-        return Err(invalid(format!("its record has {} bytes, the limit is {RECORD_LIMIT_BYTES}", text.len())));
+        return Err(invalid(format!(
+            "its record has {} bytes, the limit is {RECORD_LIMIT_BYTES}",
+            text.len()
+        )));
     }
     Ok(text)
 }

@@ -115,7 +115,10 @@ impl TextFolder {
             }
             write_renamed(&path, text.as_bytes()).map_err(StoreError::io(&path))?;
         }
-        folders.iter().chain((!folders.is_empty()).then_some(&self.root)).try_for_each(|folder| sync_folder(folder).map_err(StoreError::io(folder)))
+        folders
+            .iter()
+            .chain((!folders.is_empty()).then_some(&self.root))
+            .try_for_each(|folder| sync_folder(folder).map_err(StoreError::io(folder)))
     }
 
     /// Removes temporary files of writers that were killed. Only the one writer may call this.

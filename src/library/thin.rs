@@ -16,7 +16,8 @@ pub fn thinned(points: &[[f64; 2]], limit: usize) -> Vec<[f64; 2]> {
         return points.to_vec();
     }
     let mut kept = vec![false; points.len()];
-    let peak = (0..points.len()).fold(0, |best, i| if points[i][1].abs() > points[best][1].abs() { i } else { best });
+    let peak = (0..points.len())
+        .fold(0, |best, i| if points[i][1].abs() > points[best][1].abs() { i } else { best });
     for index in [0, peak, points.len() - 1] {
         kept[index] = true;
     }
@@ -91,7 +92,15 @@ mod tests {
     #[test]
     fn thinning_keeps_ends_peak_and_shape() {
         // Elastic to 0.01 rad, plateau, drop at 0.08 rad.
-        let moment = |x: f64| if x < 0.01 { x * 1e7 } else if x < 0.08 { 1e5 + 1e4 * x } else { 2e4 };
+        let moment = |x: f64| {
+            if x < 0.01 {
+                x * 1e7
+            } else if x < 0.08 {
+                1e5 + 1e4 * x
+            } else {
+                2e4
+            }
+        };
         let points: Vec<[f64; 2]> = (0..=1000).map(|i| f64::from(i) * 1e-4).map(|x| [x, moment(x)]).collect();
         let few = thinned(&points, 6);
         assert!(few.len() <= 6);

@@ -137,7 +137,7 @@ const fn optional(name: &'static str, kind: ParameterType) -> Parameter {
 }
 
 /// All actions.
-pub const CATALOGUE: &[ActionSpec] = &[
+pub static CATALOGUE: &[ActionSpec] = &[
     ActionSpec {
         action: Action::RigidBody,
         name: "rigid_body",

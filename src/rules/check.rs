@@ -24,7 +24,14 @@ pub struct Gap {
 
 impl std::fmt::Display for Gap {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "gap: no rule says {} for a {} of a {} when {}", self.aspect.question(), self.subject, self.member, self.case)
+        write!(
+            f,
+            "gap: no rule says {} for a {} of a {} when {}",
+            self.aspect.question(),
+            self.subject,
+            self.member,
+            self.case
+        )
     }
 }
 
@@ -46,7 +53,10 @@ fn doubles(rules: &[Rule]) -> Vec<Problem> {
     let mut found = Vec::new();
     for rule in rules {
         match first.get(rule.id.as_str()) {
-            Some(held) => found.push(at(rule, format!("the id `{}` is taken by the rule in {}", rule.id, held.place.short()))),
+            Some(held) => found.push(at(
+                rule,
+                format!("the id `{}` is taken by the rule in {}", rule.id, held.place.short()),
+            )),
             None => {
                 first.insert(&rule.id, rule);
             }
@@ -61,9 +71,17 @@ fn superseding(rules: &[Rule]) -> Vec<Problem> {
     for rule in rules {
         for id in &rule.supersedes {
             match by_id.get(id.as_str()) {
-                None => found.push(at(rule, format!("`{}` supersedes `{id}`, which does not exist", rule.id))),
-                Some(other) if other.applies_to != rule.applies_to || other.action.spec().aspect != rule.action.spec().aspect => {
-                    found.push(at(rule, format!("`{}` supersedes `{id}`, which decides something else", rule.id)));
+                None => {
+                    found.push(at(rule, format!("`{}` supersedes `{id}`, which does not exist", rule.id)))
+                }
+                Some(other)
+                    if other.applies_to != rule.applies_to
+                        || other.action.spec().aspect != rule.action.spec().aspect =>
+                {
+                    found.push(at(
+                        rule,
+                        format!("`{}` supersedes `{id}`, which decides something else", rule.id),
+                    ));
                 }
                 Some(_) => {}
             }
@@ -92,7 +110,11 @@ fn reaches(start: &Rule, goal: &Rule, by_id: &BTreeMap<&str, &Rule>) -> bool {
 
 fn never(rules: &[Rule]) -> Vec<Problem> {
     let refuted = |rule: &&Rule| logic::cases(&rule.condition, false).is_some_and(|cases| cases.is_empty());
-    rules.iter().filter(refuted).map(|rule| at(rule, format!("the condition of `{}` can never hold", rule.id))).collect()
+    rules
+        .iter()
+        .filter(refuted)
+        .map(|rule| at(rule, format!("the condition of `{}` can never hold", rule.id)))
+        .collect()
 }
 
 /// Whether two rules answer the same question differently with the same right.
@@ -107,7 +129,8 @@ fn contradict(a: &Rule, b: &Rule) -> bool {
 }
 
 fn conflicts(rules: &[Rule]) -> Vec<Problem> {
-    let cases: Vec<Option<Vec<Conjunction>>> = rules.iter().map(|r| logic::cases(&r.condition, false)).collect();
+    let cases: Vec<Option<Vec<Conjunction>>> =
+        rules.iter().map(|r| logic::cases(&r.condition, false)).collect();
     let mut found = Vec::new();
     for (j, b) in rules.iter().enumerate() {
         for (i, a) in rules.iter().enumerate().take(j).filter(|(_, a)| contradict(a, b)) {
@@ -150,8 +173,10 @@ pub fn gaps(rules: &[Rule]) -> Vec<Gap> {
     let mut found = Vec::new();
     for subject in SubjectKind::ALL {
         for aspect in Aspect::required(subject) {
-            let deciding: Vec<&Rule> =
-                rules.iter().filter(|r| r.applies_to == subject && r.action.spec().aspect == *aspect).collect();
+            let deciding: Vec<&Rule> = rules
+                .iter()
+                .filter(|r| r.applies_to == subject && r.action.spec().aspect == *aspect)
+                .collect();
             for member in member_kinds(subject) {
                 let start = Atom::OneOf("member.kind".to_string(), [member.to_string()].into());
                 let Some(case) = uncovered(vec![vec![start.clone()]], &deciding) else { continue };

@@ -112,7 +112,8 @@ impl RuleBase {
     /// # Errors
     /// None in a released program: the files are tested.
     pub fn seed() -> Result<Self, Problems> {
-        let source = |name: &str, text: &str| Source { name: format!("rules/seed/{name}"), text: text.to_string() };
+        let source =
+            |name: &str, text: &str| Source { name: format!("rules/seed/{name}"), text: text.to_string() };
         Self::from_sources(vec![
             source("bodies.toml", include_str!("../../rules/seed/bodies.toml")),
             source("events.toml", include_str!("../../rules/seed/events.toml")),

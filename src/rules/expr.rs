@@ -90,7 +90,9 @@ pub fn parse(text: &str) -> Result<Expr, SyntaxError> {
     let expr = parser.condition()?;
     match parser.peek() {
         None => Ok(expr),
-        Some(token) => Err(error(&token.span, format!("expected `and`, `or` or the end, found {}", token.kind))),
+        Some(token) => {
+            Err(error(&token.span, format!("expected `and`, `or` or the end, found {}", token.kind)))
+        }
     }
 }
 
@@ -146,13 +148,16 @@ fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
             Kind::Word(text[at..end].to_string())
         } else if first == b'\'' || first == b'"' {
             let close = bytes[at + 1..].iter().position(|b| *b == first);
-            let length = close.ok_or_else(|| error(&(at..bytes.len()), "this name has no closing quote".to_string()))?;
+            let length = close
+                .ok_or_else(|| error(&(at..bytes.len()), "this name has no closing quote".to_string()))?;
             end = at + length + 2;
             Kind::Name(text[at + 1..end - 1].to_string())
         } else if first.is_ascii_digit() || first == b'.' || first == b'-' {
             end = number_end(bytes, at);
             let number = text[at..end].parse::<f64>().ok().filter(|x| x.is_finite());
-            Kind::Number(number.ok_or_else(|| error(&(at..end), format!("`{}` is no number", &text[at..end])))?)
+            Kind::Number(
+                number.ok_or_else(|| error(&(at..end), format!("`{}` is no number", &text[at..end])))?,
+            )
         } else if let Some(symbol) = SYMBOLS.iter().find(|s| text[at..].starts_with(**s)) {
             end = at + symbol.len();
             Kind::Symbol(symbol)
@@ -193,7 +198,9 @@ impl<'a> Parser<'a> {
     }
 
     fn take(&mut self, expected: &str) -> Result<&'a Token, SyntaxError> {
-        let token = self.peek().ok_or_else(|| error(&(self.end..self.end), format!("expected {expected}, found the end")))?;
+        let token = self
+            .peek()
+            .ok_or_else(|| error(&(self.end..self.end), format!("expected {expected}, found the end")))?;
         self.next += 1;
         Ok(token)
     }

@@ -62,11 +62,21 @@ const ALL: &[SubjectKind] = &[Member, MemberEnd, Section, ContactEvent, Fracture
 const PARTS: &[SubjectKind] = &[Member, MemberEnd, Section];
 const EVENTS: &[SubjectKind] = &[ContactEvent, FractureEvent];
 
-const fn number(name: &'static str, unit: &'static str, subjects: &'static [SubjectKind], meaning: &'static str) -> Feature {
+const fn number(
+    name: &'static str,
+    unit: &'static str,
+    subjects: &'static [SubjectKind],
+    meaning: &'static str,
+) -> Feature {
     Feature { name, kind: FeatureType::Number { unit }, subjects, meaning }
 }
 
-const fn names(name: &'static str, names: &'static [&'static str], subjects: &'static [SubjectKind], meaning: &'static str) -> Feature {
+const fn names(
+    name: &'static str,
+    names: &'static [&'static str],
+    subjects: &'static [SubjectKind],
+    meaning: &'static str,
+) -> Feature {
     Feature { name, kind: FeatureType::Names(names), subjects, meaning }
 }
 
@@ -76,26 +86,91 @@ const fn flag(name: &'static str, subjects: &'static [SubjectKind], meaning: &'s
 
 /// All features, by name.
 pub const CATALOGUE: &[Feature] = &[
-    names("collapse.phase", &["before_contact", "after_contact"], ALL, "before or after the first contact of a falling part"),
-    number("contact.approach_speed", "m/s", &[ContactEvent], "speed at which the two parts approach along the contact normal"),
+    names(
+        "collapse.phase",
+        &["before_contact", "after_contact"],
+        ALL,
+        "before or after the first contact of a falling part",
+    ),
+    number(
+        "contact.approach_speed",
+        "m/s",
+        &[ContactEvent],
+        "speed at which the two parts approach along the contact normal",
+    ),
     names("contact.partner", &["ground", "obstacle", "part"], &[ContactEvent], "what the part has met"),
-    number("critical_strain_rate", "1/s", ALL, "strain rate above which a part does not count as rigid (seed paper, equation 2)"),
-    names("end.adjoining", &["slab", "beam", "column", "wall", "footing", "ground", "none"], &[MemberEnd], "what the end is joined to"),
+    number(
+        "critical_strain_rate",
+        "1/s",
+        ALL,
+        "strain rate above which a part does not count as rigid (seed paper, equation 2)",
+    ),
+    names(
+        "end.adjoining",
+        &["slab", "beam", "column", "wall", "footing", "ground", "none"],
+        &[MemberEnd],
+        "what the end is joined to",
+    ),
     flag("end.clamped", &[MemberEnd], "the end is held by a support"),
-    number("end.demand_ratio", "1", &[MemberEnd], "elastic moment after the removal over moment capacity at the dead-load axial force"),
-    names("end.position", &["bottom", "top", "start", "end"], &[MemberEnd], "which end: bottom and top of a column, start and end of a beam"),
+    number(
+        "end.demand_ratio",
+        "1",
+        &[MemberEnd],
+        "elastic moment after the removal over moment capacity at the dead-load axial force",
+    ),
+    names(
+        "end.position",
+        &["bottom", "top", "start", "end"],
+        &[MemberEnd],
+        "which end: bottom and top of a column, start and end of a beam",
+    ),
     number("event.time", "s", EVENTS, "time since the first ignition"),
-    names("fracture.place", &["end", "span"], &[FractureEvent], "whether the part broke at an end or in between"),
-    number("member.axial_ratio", "1", PARTS, "dead-load axial force over area times first yield stress, compression positive"),
+    names(
+        "fracture.place",
+        &["end", "span"],
+        &[FractureEvent],
+        "whether the part broke at an end or in between",
+    ),
+    number(
+        "member.axial_ratio",
+        "1",
+        PARTS,
+        "dead-load axial force over area times first yield stress, compression positive",
+    ),
     flag("member.charged", PARTS, "a charge removes the member or a stretch of it"),
-    names("member.kind", MEMBER_KINDS, ALL, "kind of the member (of the member that was struck or broke, for an event)"),
+    names(
+        "member.kind",
+        MEMBER_KINDS,
+        ALL,
+        "kind of the member (of the member that was struck or broke, for an event)",
+    ),
     number("member.length", "m", PARTS, "clear length along the axis; the longer side of a plate"),
     number("member.slenderness", "1", PARTS, "clear length over least width of the section"),
-    number("member.strain_rate", "1/s", ALL, "largest strain rate of the member's body between its ends, over the time considered"),
+    number(
+        "member.strain_rate",
+        "1/s",
+        ALL,
+        "largest strain rate of the member's body between its ends, over the time considered",
+    ),
     flag("member.weakened", PARTS, "preparatory work has reduced its strength"),
-    number("section.demand_ratio", "1", &[Section], "elastic moment after the removal over moment capacity at this section"),
-    number("section.position", "1", &[Section], "place along the member, 0 at the lower end or start, 1 at the other"),
-    number("section.strain_rate", "1/s", &[Section], "largest strain rate around the section over the time considered"),
+    number(
+        "section.demand_ratio",
+        "1",
+        &[Section],
+        "elastic moment after the removal over moment capacity at this section",
+    ),
+    number(
+        "section.position",
+        "1",
+        &[Section],
+        "place along the member, 0 at the lower end or start, 1 at the other",
+    ),
+    number(
+        "section.strain_rate",
+        "1/s",
+        &[Section],
+        "largest strain rate around the section over the time considered",
+    ),
     number("storeys", "1", ALL, "number of storeys of the building"),
 ];
 

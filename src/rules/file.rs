@@ -151,7 +151,10 @@ impl Reader<'_> {
         };
         if let Some(subject) = subject.filter(|subject| !spec.subjects.contains(subject)) {
             let kinds: Vec<&str> = spec.subjects.iter().map(|k| k.name()).collect();
-            self.problem(raw.span(), format!("action `{}` is for {}, not for a {subject}", spec.name, kinds.join(" or ")));
+            self.problem(
+                raw.span(),
+                format!("action `{}` is for {}, not for a {subject}", spec.name, kinds.join(" or ")),
+            );
         }
         Some(spec)
     }
@@ -161,35 +164,53 @@ impl Reader<'_> {
         for (name, value) in &raw.parameters {
             let Some(parameter) = spec.parameters.iter().find(|p| p.name == name.get_ref()) else {
                 let what = format!("parameter of `{}`", spec.name);
-                self.problem(name.span(), unknown(&what, name.get_ref(), spec.parameters.iter().map(|p| p.name)));
+                self.problem(
+                    name.span(),
+                    unknown(&what, name.get_ref(), spec.parameters.iter().map(|p| p.name)),
+                );
                 continue;
             };
             match parameter_value(parameter.kind, value.get_ref()) {
                 Ok(value) => {
                     values.insert(parameter.name.to_string(), value);
                 }
-                Err(expected) => self.problem(value.span(), format!("`{}` must be {expected}", parameter.name)),
+                Err(expected) => {
+                    self.problem(value.span(), format!("`{}` must be {expected}", parameter.name))
+                }
             }
         }
         for parameter in spec.parameters.iter().filter(|p| p.required) {
             if !raw.parameters.keys().any(|name| name.get_ref() == parameter.name) {
-                self.problem(raw.action.span(), format!("action `{}` needs the parameter `{}`", spec.name, parameter.name));
+                self.problem(
+                    raw.action.span(),
+                    format!("action `{}` needs the parameter `{}`", spec.name, parameter.name),
+                );
             }
         }
         values
     }
 
-    fn range(&mut self, subject: SubjectKind, raw: &BTreeMap<Spanned<String>, Spanned<[f64; 2]>>) -> BTreeMap<String, [f64; 2]> {
+    fn range(
+        &mut self,
+        subject: SubjectKind,
+        raw: &BTreeMap<Spanned<String>, Spanned<[f64; 2]>>,
+    ) -> BTreeMap<String, [f64; 2]> {
         let mut ranges = BTreeMap::new();
         for (name, range) in raw {
             let [low, high] = *range.get_ref();
             match typing::lookup(name.get_ref(), subject) {
                 Err(message) => self.problem(name.span(), message),
                 Ok(feature) if !matches!(feature.kind, FeatureType::Number { .. }) => {
-                    self.problem(name.span(), format!("`{}` is {}: only numbers have a range", feature.name, feature.type_words()));
+                    self.problem(
+                        name.span(),
+                        format!("`{}` is {}: only numbers have a range", feature.name, feature.type_words()),
+                    );
                 }
                 Ok(_) if low.is_nan() || high.is_nan() || low > high => {
-                    self.problem(range.span(), format!("a range goes from low to high, not from {low} to {high}"));
+                    self.problem(
+                        range.span(),
+                        format!("a range goes from low to high, not from {low} to {high}"),
+                    );
                 }
                 Ok(feature) => {
                     ranges.insert(feature.name.to_string(), [low, high]);
@@ -230,12 +251,19 @@ fn parameter_value(kind: ParameterType, value: &toml::Value) -> Result<Value, St
         _ => None,
     };
     match kind {
-        ParameterType::Positive(unit) => number
-            .filter(|x| x.is_finite() && *x > 0.0)
-            .map(Value::Number)
-            .ok_or_else(|| if unit == "1" { "a number above 0".to_string() } else { format!("a number above 0, in {unit}") }),
+        ParameterType::Positive(unit) => {
+            number.filter(|x| x.is_finite() && *x > 0.0).map(Value::Number).ok_or_else(|| {
+                if unit == "1" {
+                    "a number above 0".to_string()
+                } else {
+                    format!("a number above 0, in {unit}")
+                }
+            })
+        }
         ParameterType::Count(least) => match value {
-            toml::Value::Integer(n) if *n >= i64::from(least) && *n <= i64::from(u32::MAX) => Ok(Value::Number(*n as f64)),
+            toml::Value::Integer(n) if *n >= i64::from(least) && *n <= i64::from(u32::MAX) => {
+                Ok(Value::Number(*n as f64))
+            }
             _ => Err(format!("a whole number, at least {least}")),
         },
         ParameterType::Names(names) => match value {

@@ -114,7 +114,9 @@ fn order(a: &str, mask: u8, factor: f64, b: &str) -> Atom {
     }
     // a ? f b is b ?' a / f, with the order turned round for a positive factor only.
     let turned = if factor > 0.0 {
-        (mask & EQUAL) | if mask & LESS != 0 { GREATER } else { 0 } | if mask & GREATER != 0 { LESS } else { 0 }
+        (mask & EQUAL)
+            | if mask & LESS != 0 { GREATER } else { 0 }
+            | if mask & GREATER != 0 { LESS } else { 0 }
     } else {
         mask
     };
@@ -136,7 +138,9 @@ pub fn possible(conjunction: &[Atom]) -> bool {
             Atom::Order(a, mask, factor, b) => *orders.entry((a, factor.to_bits(), b)).or_insert(7) &= mask,
         }
     }
-    let same = |(a, factor, b): &(&str, u64, &str), mask: u8| a != b || f64::from_bits(*factor) != 1.0 || mask & EQUAL != 0;
+    let same = |(a, factor, b): &(&str, u64, &str), mask: u8| {
+        a != b || f64::from_bits(*factor) != 1.0 || mask & EQUAL != 0
+    };
     sets.values().all(|values| !values.is_empty())
         && bounds.values().all(|b| interval_left(b))
         && orders.iter().all(|(key, mask)| *mask != 0 && same(key, *mask))
@@ -150,7 +154,15 @@ fn interval_left(bounds: &[(u8, f64)]) -> bool {
     let mut tries = vec![f64::NEG_INFINITY, f64::INFINITY];
     tries.extend(values.windows(2).map(|w| 0.5 * w[0] + 0.5 * w[1]));
     tries.extend(&values);
-    let order = |x: f64, v: f64| if x < v { LESS } else if x > v { GREATER } else { EQUAL };
+    let order = |x: f64, v: f64| {
+        if x < v {
+            LESS
+        } else if x > v {
+            GREATER
+        } else {
+            EQUAL
+        }
+    };
     tries.into_iter().any(|x| bounds.iter().all(|(mask, v)| mask & order(x, *v) != 0))
 }
 
@@ -213,13 +225,25 @@ mod tests {
     fn overlaps() {
         assert!(overlap("member.kind == 'column'", "member.slenderness > 3"));
         assert!(!overlap("member.kind == 'column'", "member.kind in ['beam', 'slab']"));
-        assert!(!overlap("member.kind != 'column'", "not member.kind in ['beam', 'slab', 'wall', 'footing']"));
+        assert!(!overlap(
+            "member.kind != 'column'",
+            "not member.kind in ['beam', 'slab', 'wall', 'footing']"
+        ));
         assert!(!overlap("member.slenderness < 3", "member.slenderness >= 3"));
         assert!(overlap("member.slenderness <= 3", "member.slenderness >= 3"));
         assert!(!overlap("member.slenderness <= 3 and member.slenderness != 3", "member.slenderness >= 3"));
-        assert!(!overlap("member.strain_rate <= critical_strain_rate", "critical_strain_rate < member.strain_rate"));
-        assert!(!overlap("member.strain_rate > 2 * critical_strain_rate", "critical_strain_rate >= 0.5 * member.strain_rate"));
-        assert!(overlap("member.strain_rate <= critical_strain_rate", "member.strain_rate >= critical_strain_rate"));
+        assert!(!overlap(
+            "member.strain_rate <= critical_strain_rate",
+            "critical_strain_rate < member.strain_rate"
+        ));
+        assert!(!overlap(
+            "member.strain_rate > 2 * critical_strain_rate",
+            "critical_strain_rate >= 0.5 * member.strain_rate"
+        ));
+        assert!(overlap(
+            "member.strain_rate <= critical_strain_rate",
+            "member.strain_rate >= critical_strain_rate"
+        ));
         assert!(!overlap("end.clamped", "not end.clamped"));
         assert!(!overlap("always", "member.length < member.length"));
         assert!(!overlap("storeys in [1, 2]", "storeys not in [1, 2]"));

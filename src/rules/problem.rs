@@ -63,7 +63,8 @@ impl fmt::Display for Problem {
         let gutter = line.to_string().len();
         let text = text.trim_end_matches('\r');
         // Tabs stay tabs in front of the mark, so that it stands below what it marks.
-        let indent: String = text.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let indent: String =
+            text.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
         writeln!(f, "{}:{line}:{column}: {}", place.source.name, self.message)?;
         writeln!(f, "{line} | {text}")?;
         write!(f, "{:gutter$} | {indent}{}", "", "^".repeat(mark))

@@ -38,7 +38,9 @@ pub fn lookup(name: &str, subject: SubjectKind) -> Result<&'static Feature, Stri
         }
         None => Err(match suggestion(name, own()) {
             Some(near) => format!("unknown feature `{name}`; did you mean `{near}`?"),
-            None => format!("unknown feature `{name}`; a {subject} has: {}", own().collect::<Vec<_>>().join(", ")),
+            None => {
+                format!("unknown feature `{name}`; a {subject} has: {}", own().collect::<Vec<_>>().join(", "))
+            }
         }),
     }
 }
@@ -51,7 +53,10 @@ fn check(test: &Test, subject: SubjectKind, found: &mut Vec<Fault>) {
     };
     let is_number = |f: &Feature| matches!(f.kind, FeatureType::Number { .. });
     if test.relation != Relation::Equal && !is_number(feature) {
-        return found.push((test.span.clone(), format!("`{name}` is {}: it can be equal or not, but not less or greater", feature.type_words())));
+        return found.push((
+            test.span.clone(),
+            format!("`{name}` is {}: it can be equal or not, but not less or greater", feature.type_words()),
+        ));
     }
     for (operand, span) in &test.operands {
         match operand {
@@ -61,10 +66,21 @@ fn check(test: &Test, subject: SubjectKind, found: &mut Vec<Fault>) {
                 Err(message) => found.push((span.clone(), message)),
                 Ok(other) if !(is_number(feature) && is_number(other)) => {
                     // A bare word where a name is meant lacks its quotes.
-                    found.push((span.clone(), format!("`{name}` and `{}` cannot be compared: only numbers can", other.name)));
+                    found.push((
+                        span.clone(),
+                        format!("`{name}` and `{}` cannot be compared: only numbers can", other.name),
+                    ));
                 }
                 Ok(other) if other.kind != feature.kind => {
-                    found.push((span.clone(), format!("`{name}` is {}, `{}` is {}", feature.type_words(), other.name, other.type_words())));
+                    found.push((
+                        span.clone(),
+                        format!(
+                            "`{name}` is {}, `{}` is {}",
+                            feature.type_words(),
+                            other.name,
+                            other.type_words()
+                        ),
+                    ));
                 }
                 Ok(_) => {}
             },

@@ -1,0 +1,180 @@
+//! `fallwerk rules`: list, show and check the rules.
+//!
+//! Exit codes: 0 done; 1 a check failed (problems or gaps); 2 bad input or usage.
+
+use crate::base::hash::readable_json;
+use crate::rules::{Rule, RuleBase, features};
+use clap::{Args, Subcommand};
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+/// Arguments of `fallwerk rules`.
+#[derive(Debug, Clone, Args)]
+pub struct RulesArgs {
+    /// The folder of rule files [default: `rules` if it exists, else the seed rules of the program]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub rules: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// What to do
+    #[command(subcommand)]
+    pub command: RulesCommand,
+}
+
+/// The commands of `fallwerk rules`.
+#[derive(Debug, Clone, Subcommand)]
+pub enum RulesCommand {
+    /// List the rules in the order of evaluation
+    List,
+    /// Check all rule files: names, types, conflicts, gaps
+    Check,
+    /// Show one rule
+    Show {
+        /// Id of the rule
+        id: String,
+    },
+    /// List the features that conditions can name
+    Features,
+}
+
+/// Runs the command on standard output and error; returns the exit code.
+pub fn run(args: &RulesArgs) -> u8 {
+    execute(args, &mut io::stdout().lock(), &mut io::stderr().lock())
+}
+
+/// Runs the command; results go to `out`, messages to `err`. Returns the exit code.
+pub fn execute(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> u8 {
+    match attempt(args, out, err) {
+        Ok(code) => code,
+        // Whoever reads the output has seen enough (`| head`).
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => 0,
+        Err(error) => {
+            let _ = writeln!(err, "error: cannot write the output: {error}");
+            2
+        }
+    }
+}
+
+fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
+    if matches!(args.command, RulesCommand::Features) {
+        return list_features(args.json, out);
+    }
+    let folder = args.rules.clone().or_else(|| Some(PathBuf::from("rules")).filter(|p| p.is_dir()));
+    let loaded = folder.as_deref().map_or_else(RuleBase::seed, RuleBase::load);
+    let checking = matches!(args.command, RulesCommand::Check);
+    let base = match loaded {
+        Ok(base) => base,
+        Err(problems) if checking && args.json => {
+            let list: Vec<String> = problems.0.iter().map(ToString::to_string).collect();
+            write_json(out, &json!({ "problems": list, "gaps": [] }))?;
+            return Ok(1);
+        }
+        Err(problems) => {
+            writeln!(err, "{problems}\n{} problems", problems.0.len())?;
+            return Ok(if checking { 1 } else { 2 });
+        }
+    };
+    match &args.command {
+        RulesCommand::List => list(&base, args.json, out),
+        RulesCommand::Check => check(&base, args.json, out),
+        RulesCommand::Show { id } => match base.rule(id) {
+            Some(rule) => show(rule, args.json, out),
+            None => {
+                let near = features::suggestion(id, base.rules().iter().map(|r| r.id.as_str()));
+                let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+                writeln!(err, "error: no rule `{id}`{hint}")?;
+                Ok(2)
+            }
+        },
+        RulesCommand::Features => list_features(args.json, out),
+    }
+}
+
+fn write_json(out: &mut dyn Write, value: &Value) -> io::Result<()> {
+    out.write_all(readable_json(value).map_err(io::Error::from)?.as_bytes())
+}
+
+fn list(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
+    if json {
+        write_json(out, &json!({ "rules": base.rules() }))?;
+    } else {
+        for rule in base.rules() {
+            writeln!(
+                out,
+                "{:4}  {:38} {:14} {}",
+                rule.priority,
+                rule.id,
+                rule.applies_to.name(),
+                rule.action.spec().name
+            )?;
+        }
+    }
+    Ok(0)
+}
+
+fn show(rule: &Rule, json: bool, out: &mut dyn Write) -> io::Result<u8> {
+    if json {
+        write_json(out, &json!(rule))?;
+        return Ok(0);
+    }
+    writeln!(out, "{}  ({})", rule.id, rule.place.short())?;
+    writeln!(out, "  {}", rule.words)?;
+    writeln!(out, "  about       {}", rule.applies_to)?;
+    writeln!(out, "  when        {}", rule.when)?;
+    let parameters: Vec<String> =
+        rule.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    writeln!(out, "  action      {} {}", rule.action.spec().name, parameters.join(", "))?;
+    writeln!(out, "              ({})", rule.action.spec().meaning)?;
+    writeln!(out, "  priority    {}", rule.priority)?;
+    writeln!(out, "  source      {}", rule.source)?;
+    for id in &rule.evidence {
+        writeln!(out, "  study       {id}")?;
+    }
+    for (name, [low, high]) in &rule.range {
+        writeln!(out, "  range       {name} from {low} to {high}")?;
+    }
+    for id in &rule.supersedes {
+        writeln!(out, "  supersedes  {id}")?;
+    }
+    Ok(0)
+}
+
+fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
+    let gaps = base.gaps();
+    if json {
+        write_json(out, &json!({ "rules": base.rules().len(), "problems": [], "gaps": gaps }))?;
+    } else {
+        for gap in &gaps {
+            writeln!(out, "{gap}")?;
+        }
+        let verdict =
+            if gaps.is_empty() { "no conflict, no gap".to_string() } else { format!("{} gaps", gaps.len()) };
+        writeln!(out, "{} rules: {verdict}", base.rules().len())?;
+    }
+    Ok(u8::from(!gaps.is_empty()))
+}
+
+fn list_features(json: bool, out: &mut dyn Write) -> io::Result<u8> {
+    let subjects = |f: &features::Feature| f.subjects.iter().map(|k| k.name()).collect::<Vec<_>>();
+    if json {
+        let rows: Vec<Value> = features::CATALOGUE
+            .iter()
+            .map(|f| json!({ "name": f.name, "type": f.type_words(), "subjects": subjects(f), "meaning": f.meaning }))
+            .collect();
+        write_json(out, &json!({ "features": rows }))?;
+    } else {
+        for f in features::CATALOGUE {
+            writeln!(
+                out,
+                "{}: {}\n    {}\n    of {}",
+                f.name,
+                f.meaning,
+                f.type_words(),
+                subjects(f).join(", ")
+            )?;
+        }
+    }
+    Ok(0)
+}

@@ -1,0 +1,62 @@
+//! Export and import of whole libraries.
+
+use super::{entry, entry_of};
+use fallwerk::library::{Entry, Store, exchange};
+use std::fs;
+
+#[test]
+fn export_and_import_carry_everything() {
+    let room = tempfile::tempdir().unwrap();
+    let (from, to, file) = (room.path().join("from"), room.path().join("to"), room.path().join("all.json"));
+    let entries: Vec<Entry> = (0..8).map(entry).collect();
+    let mut store = Store::open(&from).unwrap();
+    store.put_all(&entries).unwrap();
+    store.deprecate(&entries[1].key, Some(&entries[0].key), "coarse").unwrap();
+    assert_eq!(exchange::export(&store, &file).unwrap(), 8);
+
+    let mut target = Store::open(&to).unwrap();
+    target.put(&entries[5]).unwrap();
+    let report = exchange::import(&mut target, &file).unwrap();
+    assert_eq!((report.added, report.unchanged, report.mended), (7, 1, 0));
+    assert_eq!(target.list().unwrap(), store.list().unwrap());
+    let again = room.path().join("again.json");
+    exchange::export(&target, &again).unwrap();
+    assert_eq!(fs::read(&file).unwrap(), fs::read(&again).unwrap(), "the same library gives the same file");
+    // A damaged record is mended by an import.
+    drop(target);
+    fs::write(to.join(format!("{}.json", entries[3].key)), "").unwrap();
+    let mut target = Store::open(&to).unwrap();
+    assert!(exchange::export(&target, &again).is_err(), "an export is whole or not at all");
+    assert_eq!(exchange::import(&mut target, &file).unwrap().mended, 1);
+    assert_eq!(target.get(&entries[3].key).unwrap(), entries[3]);
+    assert!(target.damaged().is_empty());
+}
+
+#[test]
+fn a_bad_import_changes_nothing() {
+    let room = tempfile::tempdir().unwrap();
+    let file = room.path().join("all.json");
+    let mut store = Store::open(&room.path().join("from")).unwrap();
+    store.put_all(&[entry(1), entry(2), entry(3)]).unwrap();
+    exchange::export(&store, &file).unwrap();
+    let text = fs::read_to_string(&file).unwrap();
+
+    let mut target = Store::open(&room.path().join("to")).unwrap();
+    let mut expect = |content: &str, words: &str| {
+        fs::write(&file, content).unwrap();
+        let message = exchange::import(&mut target, &file).unwrap_err().to_string();
+        assert!(message.contains(words) && message.contains("nothing was imported"), "{message}");
+        assert!(target.keys().is_empty());
+    };
+    expect(&text[..text.len() - 40], "not JSON");
+    expect(&text.replace("fallwerk-library/1", "fallwerk-library/9"), "expected \"fallwerk-library/1\"");
+    let last = text.rfind("\"elements\": 5000").unwrap();
+    expect(&format!("{}\"elements\": 5001{}", &text[..last], &text[last + 16..]), "entry 3");
+    // The same key with another result is a matter for people, not for an import.
+    let other = entry_of(entry(2).features, entry(2).provenance.inputs.law, 1, 8);
+    target.put(&other).unwrap();
+    fs::write(&file, &text).unwrap();
+    let message = exchange::import(&mut target, &file).unwrap_err().to_string();
+    assert!(message.contains("differs from the one in the library"), "{message}");
+    assert_eq!(target.keys().len(), 1);
+}

@@ -1,0 +1,60 @@
+//! `fallwerk rules …`: output and exit codes.
+
+use super::rule;
+use clap::Parser;
+use fallwerk::cli::rules::{RulesArgs, execute};
+use std::fs;
+use std::path::Path;
+
+#[derive(Parser)]
+struct Program {
+    #[command(flatten)]
+    args: RulesArgs,
+}
+
+fn fallwerk(rules: &Path, words: &[&str]) -> (u8, String, String) {
+    let all = ["rules", "--rules", rules.to_str().unwrap()].into_iter().chain(words.iter().copied());
+    let program = Program::try_parse_from(all).unwrap();
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let code = execute(&program.args, &mut out, &mut err);
+    (code, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap())
+}
+
+#[test]
+fn the_rules_of_the_repository_pass_their_check() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules");
+    let (code, out, err) = fallwerk(&folder, &["check"]);
+    assert!(code == 0 && out.contains("no conflict, no gap"), "{out}{err}");
+    let (code, out, _) = fallwerk(&folder, &["list", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(code == 0 && value["rules"].as_array().unwrap().len() > 15);
+    let (code, out, _) = fallwerk(&folder, &["show", "seed/column-end-hinge"]);
+    assert!(code == 0 && out.contains("hinges.toml:5") && out.contains("section 3.4"), "{out}");
+    let (code, _, err) = fallwerk(&folder, &["show", "seed/colum-end-hinge"]);
+    assert!(code == 2 && err.contains("did you mean `seed/column-end-hinge`?"), "{err}");
+    let (code, out, _) = fallwerk(&folder, &["features"]);
+    assert!(code == 0 && out.contains("critical_strain_rate"));
+}
+
+#[test]
+fn problems_and_gaps_have_their_exit_codes() {
+    let room = tempfile::tempdir().unwrap();
+    fs::create_dir(room.path().join("sub")).unwrap();
+    let file = room.path().join("sub/one.toml");
+    fs::write(&file, format!("schema = 1\n{}", rule("a", &[]))).unwrap();
+    let (code, out, _) = fallwerk(room.path(), &["check"]);
+    assert!(
+        code == 1 && out.contains("gap: no rule says how the member becomes bodies for a member of a beam"),
+        "{out}"
+    );
+    fs::write(&file, format!("schema = 1\n{}", rule("a", &["action = \"fly\""]))).unwrap();
+    let (code, _, err) = fallwerk(room.path(), &["check"]);
+    assert!(
+        code == 1 && err.contains("sub/one.toml:7:10: unknown action `fly`") && err.contains("1 problems"),
+        "{err}"
+    );
+    assert_eq!(fallwerk(room.path(), &["list"]).0, 2);
+    let (code, out, _) = fallwerk(room.path(), &["check", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(code == 1 && value["problems"][0].as_str().unwrap().contains("unknown action"));
+}
