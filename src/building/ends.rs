@@ -51,7 +51,8 @@ pub fn member_ends(building: &Building, partition: &Partition) -> Vec<MemberEnd>
         if member.kind == MemberKind::Beam {
             range = clear_span(building, index, range);
         }
-        let depth_m = (0..3).filter(|i| *i != member.axis).map(|i| member.solid.size()[i]).fold(0.0, f64::max);
+        let depth_m =
+            (0..3).filter(|i| *i != member.axis).map(|i| member.solid.size()[i]).fold(0.0, f64::max);
         for (end, name, at, outward) in
             [(End::Lower, names[0], range[0], 1.0), (End::Upper, names[1], range[1], -1.0)]
         {

@@ -58,7 +58,9 @@ impl Partition {
         let of_kind = |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind);
         for (column_index, column) in of_kind(MemberKind::Column) {
             for (beam_index, beam) in of_kind(MemberKind::Beam) {
-                let Some(common) = column.solid.intersection(&beam.solid, COORDINATE_TOLERANCE_M) else { continue };
+                let Some(common) = column.solid.intersection(&beam.solid, COORDINATE_TOLERANCE_M) else {
+                    continue;
+                };
                 for k in cells_within(&self.planes[2], common.min[2], common.max[2]) {
                     for j in cells_within(&self.planes[1], column.solid.min[1], column.solid.max[1]) {
                         for i in cells_within(&self.planes[0], column.solid.min[0], column.solid.max[0]) {
@@ -158,8 +160,14 @@ fn cells_within(planes: &[f64], low: f64, high: f64) -> std::ops::Range<usize> {
 fn merge_along(mut boxes: Vec<Aabb>, axis: usize) -> Vec<Aabb> {
     let others = [(axis + 1) % 3, (axis + 2) % 3];
     boxes.sort_by(|a, b| {
-        let key = |x: &Aabb| [x.min[others[1]], x.min[others[0]], x.max[others[1]], x.max[others[0]], x.min[axis]];
-        key(a).iter().zip(key(b)).map(|(p, q)| p.total_cmp(&q)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+        let key =
+            |x: &Aabb| [x.min[others[1]], x.min[others[0]], x.max[others[1]], x.max[others[0]], x.min[axis]];
+        key(a)
+            .iter()
+            .zip(key(b))
+            .map(|(p, q)| p.total_cmp(&q))
+            .find(|o| o.is_ne())
+            .unwrap_or(std::cmp::Ordering::Equal)
     });
     let mut merged: Vec<Aabb> = Vec::new();
     for next in boxes {

@@ -40,14 +40,23 @@ impl RigidSurfaces {
     #[inline]
     pub fn reached(&self, dt: f64, x: &[f64; 3], new: &[f64; 3]) -> bool {
         let below = self.ground.is_some_and(|(level, _)| x[2] + dt * new[2] < level);
-        let inside = |solid: &Aabb| (0..3).all(|i| (solid.min[i]..solid.max[i]).contains(&(x[i] + dt * new[i])));
+        let inside =
+            |solid: &Aabb| (0..3).all(|i| (solid.min[i]..solid.max[i]).contains(&(x[i] + dt * new[i])));
         below || self.boxes.iter().any(|(solid, _)| inside(solid))
     }
 
     /// Corrects the trial velocity of one node at `x`; returns the work on the node by normal and by
     /// friction impulses \[J\].
     #[inline]
-    pub fn resolve(&mut self, node: usize, mass: f64, dt: f64, x: [f64; 3], old: &[f64; 3], new: &mut [f64; 3]) -> [f64; 2] {
+    pub fn resolve(
+        &mut self,
+        node: usize,
+        mass: f64,
+        dt: f64,
+        x: [f64; 3],
+        old: &[f64; 3],
+        new: &mut [f64; 3],
+    ) -> [f64; 2] {
         let mut work = [0.0; 2];
         if let Some((level, friction)) = self.ground
             && x[2] + dt * new[2] < level
@@ -90,13 +99,21 @@ fn add(sum: &mut [f64; 2], more: [f64; 2]) {
 
 /// The face of the box that the node is beyond, or the nearest one.
 fn entered_face(solid: &Aabb, x: [f64; 3]) -> (usize, f64) {
-    let candidates = (0..3).flat_map(|i| [(i, solid.min[i], solid.min[i] - x[i]), (i, solid.max[i], x[i] - solid.max[i])]);
+    let candidates =
+        (0..3).flat_map(|i| [(i, solid.min[i], solid.min[i] - x[i]), (i, solid.max[i], x[i] - solid.max[i])]);
     let best = candidates.max_by(|a, b| a.2.total_cmp(&b.2)).expect("six faces");
     (best.0, best.1)
 }
 
 /// Sets the normal velocity and takes friction; returns the work of both impulses.
-fn stop(mass: f64, axis: usize, normal_velocity: f64, friction: f64, old: &[f64; 3], new: &mut [f64; 3]) -> [f64; 2] {
+fn stop(
+    mass: f64,
+    axis: usize,
+    normal_velocity: f64,
+    friction: f64,
+    old: &[f64; 3],
+    new: &mut [f64; 3],
+) -> [f64; 2] {
     let change = normal_velocity - new[axis];
     let normal = mass * change * 0.5 * (old[axis] + normal_velocity);
     new[axis] = normal_velocity;

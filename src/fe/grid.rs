@@ -81,7 +81,8 @@ fn subdivided(building: &Building, solids: &[Aabb], kept: &[f64], axis: usize, s
             continue; // along a bar, or in the plane of a plate
         }
         let covers = |i: usize| {
-            kept[i] > solid.min[axis] - COORDINATE_TOLERANCE_M && kept[i + 1] < solid.max[axis] + COORDINATE_TOLERANCE_M
+            kept[i] > solid.min[axis] - COORDINATE_TOLERANCE_M
+                && kept[i + 1] < solid.max[axis] + COORDINATE_TOLERANCE_M
         };
         let inside: Vec<usize> = (0..count.len()).filter(|i| covers(*i)).collect();
         let total: usize = inside.iter().map(|i| count[*i]).sum();

@@ -31,7 +31,6 @@
 //! No fused multiply-add: results are the same bytes on every instruction set. Elements with share 0 strain no more: their
 //! state is frozen and their forces are zero, whatever their nodes do.
 
-
 use super::hexahedron::{
     Vec3, add, cbrt, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
 };

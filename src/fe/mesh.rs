@@ -158,7 +158,11 @@ pub fn strength_factor(building: &Building, member: &str) -> f64 {
 }
 
 /// Nodes on the supported faces.
-fn supported_nodes(building: &Building, solids: &[crate::base::geom::Aabb], nodes: &[[f64; 3]]) -> Vec<usize> {
+fn supported_nodes(
+    building: &Building,
+    solids: &[crate::base::geom::Aabb],
+    nodes: &[[f64; 3]],
+) -> Vec<usize> {
     let faces: Vec<([f64; 3], [f64; 3])> = building
         .supports
         .iter()

@@ -18,9 +18,9 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
     let unknown = number_unknowns(body);
     let count = unknown.iter().flatten().filter(|u| u.is_some()).count();
     let stiffness = assemble(mesh, body, &unknown, count).map_err(|e| format!("stiffness matrix: {e}"))?;
-    let factor = stiffness
-        .sp_cholesky(faer::Side::Lower)
-        .map_err(|_| "the structure is a mechanism: its stiffness matrix is not positive definite".to_string())?;
+    let factor = stiffness.sp_cholesky(faer::Side::Lower).map_err(|_| {
+        "the structure is a mechanism: its stiffness matrix is not positive definite".to_string()
+    })?;
     let weight: f64 = body.mass_kg.iter().sum::<f64>() * body.gravity_m_s2
         + body.applied_n.iter().flatten().map(|f| f.abs()).sum::<f64>();
     for iteration in 0..ITERATIONS {
@@ -52,7 +52,9 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
         body.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 1.0);
         body.refresh_internal_forces();
     }
-    Err(format!("no equilibrium under dead load after {ITERATIONS} iterations: the structure yields under its own weight"))
+    Err(format!(
+        "no equilibrium under dead load after {ITERATIONS} iterations: the structure yields under its own weight"
+    ))
 }
 
 fn residual(body: &Dynamics, n: usize, i: usize) -> f64 {
@@ -70,7 +72,9 @@ fn number_unknowns(body: &Dynamics) -> Vec<[Option<usize>; 3]> {
         })
     };
     (0..body.x.len())
-        .map(|n| std::array::from_fn(|i| number(body.mass_kg[n] > 0.0 && body.prescribed_m_s[n][i].is_none())))
+        .map(|n| {
+            std::array::from_fn(|i| number(body.mass_kg[n] > 0.0 && body.prescribed_m_s[n][i].is_none()))
+        })
         .collect()
 }
 
@@ -100,7 +104,15 @@ fn assemble(
             du[column] = [UNIT_M; LANES];
             let mut state = BlockState { share: block.state.share, ..BlockState::default() };
             let mut force = [[0.0; LANES]; 24];
-            update_block(&x, &du, &elastic, table, &mut state, &mut force, KernelStep { dt_s: 1.0, viscous: false });
+            update_block(
+                &x,
+                &du,
+                &elastic,
+                table,
+                &mut state,
+                &mut force,
+                KernelStep { dt_s: 1.0, viscous: false },
+            );
             for lane in 0..block.elements.len() {
                 let Some(c) = unknown[block.nodes[lane][column / 3] as usize][column % 3] else { continue };
                 for (row, values) in force.iter().enumerate() {

@@ -36,7 +36,9 @@ pub enum FeError {
     #[error("no dead-load state: {0}")]
     Preload(String),
     /// Not a number.
-    #[error("at t = {time_s:.6} s node {node} of part `{part}` has no finite position or velocity; try a smaller time step or a finer mesh")]
+    #[error(
+        "at t = {time_s:.6} s node {node} of part `{part}` has no finite position or velocity; try a smaller time step or a finer mesh"
+    )]
     NotFinite {
         /// Time \[s\].
         time_s: f64,
@@ -46,7 +48,9 @@ pub enum FeError {
         part: String,
     },
     /// More energy than was put in.
-    #[error("at t = {time_s:.6} s the energy balance is off by {percent:.1} % of the work done; the run is not trustworthy")]
+    #[error(
+        "at t = {time_s:.6} s the energy balance is off by {percent:.1} % of the work done; the run is not trustworthy"
+    )]
     Energy {
         /// Time \[s\].
         time_s: f64,
@@ -59,7 +63,11 @@ pub enum FeError {
 pub const ENERGY_LIMIT: f64 = 0.10;
 
 /// Runs a building. `report` is called at every output time.
-pub fn run(building: &Building, options: &FeOptions, report: &mut dyn FnMut(Progress)) -> Result<FeRun, FeError> {
+pub fn run(
+    building: &Building,
+    options: &FeOptions,
+    report: &mut dyn FnMut(Progress),
+) -> Result<FeRun, FeError> {
     let watch = Stopwatch::start();
     let settings = &building.settings;
     let (mesh, snapped) = Mesh::of(building, options.mesh_size_m.unwrap_or(settings.mesh_size_m));
@@ -186,8 +194,10 @@ impl Recorder {
             .collect();
         let start_m: Vec<[f64; 3]> =
             probes.iter().map(|p| p.position(mesh, &body.blocks, &body.x).unwrap_or(p.point_m)).collect();
-        let tracked = probes.iter().map(|p| History { id: p.id.clone(), displacement_m: Vec::new() }).collect();
-        let standing = building.members.iter().map(|m| building.supports.iter().any(|s| s.member == m.id)).collect();
+        let tracked =
+            probes.iter().map(|p| History { id: p.id.clone(), displacement_m: Vec::new() }).collect();
+        let standing =
+            building.members.iter().map(|m| building.supports.iter().any(|s| s.member == m.id)).collect();
         Self {
             last_m: start_m.clone(),
             probes,
@@ -216,7 +226,9 @@ impl Recorder {
             self.deaths.push(ElementDeath { element: *element, time_s: body.time_s, cause: *cause });
         }
         for (node, surface) in std::mem::take(&mut body.surfaces.new_touches) {
-            let Some(element) = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0) else { continue };
+            let Some(element) = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0) else {
+                continue;
+            };
             let part = mesh.elements[element].part;
             let surface = match surface {
                 0 => "ground".to_string(),
@@ -233,10 +245,21 @@ impl Recorder {
     }
 
     /// One output.
-    fn record(&mut self, building: &Building, mesh: &Mesh, body: &mut Dynamics, kinetic_j: f64, interval: f64) -> Result<(), FeError> {
+    fn record(
+        &mut self,
+        building: &Building,
+        mesh: &Mesh,
+        body: &mut Dynamics,
+        kinetic_j: f64,
+        interval: f64,
+    ) -> Result<(), FeError> {
         let time_s = self.times_s.len() as f64 * interval;
         if let Some(node) = body.broken_node() {
-            let part = body.blocks.elements_at(node).next().map_or("?".into(), |e| mesh.parts[mesh.elements[e].part].clone());
+            let part = body
+                .blocks
+                .elements_at(node)
+                .next()
+                .map_or("?".into(), |e| mesh.parts[mesh.elements[e].part].clone());
             return Err(FeError::NotFinite { time_s: body.time_s, node, part });
         }
         self.times_s.push(time_s);
@@ -253,7 +276,12 @@ impl Recorder {
 
     fn balance(&mut self, building: &Building, body: &Dynamics, kinetic_j: f64) -> Result<(), FeError> {
         let [internal_j, hourglass_j, viscous_j] = body.blocks.energies_j();
-        let eroded_j = self.deaths.iter().filter(|d| d.cause != Death::Removed).map(|d| body.blocks.internal_j(d.element)).sum();
+        let eroded_j = self
+            .deaths
+            .iter()
+            .filter(|d| d.cause != Death::Removed)
+            .map(|d| body.blocks.internal_j(d.element))
+            .sum();
         let [contact_j, friction_j] = body.contact_j;
         let supplied = self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j;
         let residual_j = kinetic_j + internal_j + hourglass_j + viscous_j - supplied;
@@ -269,7 +297,11 @@ impl Recorder {
             removed_j: self.removed_j,
             residual_j,
         });
-        let largest = self.energies.iter().map(|e| e.gravity_j.abs().max(e.kinetic_j + e.internal_j)).fold(1e-9, f64::max);
+        let largest = self
+            .energies
+            .iter()
+            .map(|e| e.gravity_j.abs().max(e.kinetic_j + e.internal_j))
+            .fold(1e-9, f64::max);
         let error = residual_j.abs() / largest;
         let fall_j = 0.01 * body.mass_kg.iter().sum::<f64>() * building.settings.gravity_m_s2;
         if body.gravity_j > fall_j {

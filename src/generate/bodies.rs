@@ -11,7 +11,11 @@ use std::collections::BTreeMap;
 ///
 /// `merges(a, b)` says whether two members may form one rigid body. The result lists member indices, sorted, bodies in the order of
 /// their first member; members without own volume or cut away are left out.
-pub fn clusters(partition: &Partition, members: &[bool], merges: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+pub fn clusters(
+    partition: &Partition,
+    members: &[bool],
+    merges: impl Fn(usize, usize) -> bool,
+) -> Vec<Vec<usize>> {
     let mut root: Vec<usize> = (0..members.len()).collect();
     fn find(root: &mut [usize], mut i: usize) -> usize {
         while root[i] != i {
@@ -63,8 +67,9 @@ pub fn body(building: &Building, partition: &Partition, members: &[usize], rules
         })
         .collect();
     let mass: f64 = pieces.iter().map(|(b, d)| b.volume() * d).sum();
-    let center: [f64; 3] =
-        std::array::from_fn(|i| pieces.iter().map(|(b, d)| b.volume() * d * b.center()[i]).sum::<f64>() / mass);
+    let center: [f64; 3] = std::array::from_fn(|i| {
+        pieces.iter().map(|(b, d)| b.volume() * d * b.center()[i]).sum::<f64>() / mass
+    });
     let mut inertia = [[0.0; 3]; 3];
     for (solid, density) in &pieces {
         let m = solid.volume() * density;

@@ -44,7 +44,12 @@ pub struct Decision {
 
 impl Decision {
     /// Asks the rules. An end of a member that merges with its neighbours needs no decision of its own.
-    pub fn of(building: &Building, partition: &Partition, ends: &[MemberEnd], rules: &RuleBase) -> Result<Self, GenerateError> {
+    pub fn of(
+        building: &Building,
+        partition: &Partition,
+        ends: &[MemberEnd],
+        rules: &RuleBase,
+    ) -> Result<Self, GenerateError> {
         let mut this = Self { merges: vec![false; building.members.len()], ..Self::default() };
         let mut gaps = Vec::new();
         for index in 0..building.members.len() {
@@ -72,7 +77,12 @@ impl Decision {
     }
 
     /// Asks the rules about a subject; the answer to one question.
-    fn ask(&mut self, rules: &RuleBase, subject: &Subject, aspect: Aspect) -> Result<Option<Action>, GenerateError> {
+    fn ask(
+        &mut self,
+        rules: &RuleBase,
+        subject: &Subject,
+        aspect: Aspect,
+    ) -> Result<Option<Action>, GenerateError> {
         let trace = rules.trace(subject)?;
         for firing in trace.firings.iter().filter(|f| !f.in_range && f.overruled_by.is_none()) {
             let why: Vec<&str> = firing.outside.iter().chain(&firing.missing).map(String::as_str).collect();
@@ -145,7 +155,8 @@ fn member_subject(building: &Building, partition: &Partition, index: usize) -> S
     let range = crate::building::tracked::clear_range(partition, index, member.axis);
     let size = member.solid.size();
     let bar = matches!(member.kind, MemberKind::Column | MemberKind::Beam);
-    let length = if bar { range.map_or(0.0, |r| r[1] - r[0]) } else { size.iter().copied().fold(0.0, f64::max) };
+    let length =
+        if bar { range.map_or(0.0, |r| r[1] - r[0]) } else { size.iter().copied().fold(0.0, f64::max) };
     let least = size.iter().copied().fold(f64::INFINITY, f64::min);
     let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
     Subject::new(SubjectKind::Member, &member.id)
@@ -170,7 +181,8 @@ fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd) -> S
         (false, End::Lower) => "start",
         (false, End::Upper) => "end",
     };
-    let clamped = adjoining.is_none() && building.supports.iter().any(|s| s.member == building.members[end.member].id);
+    let clamped =
+        adjoining.is_none() && building.supports.iter().any(|s| s.member == building.members[end.member].id);
     subject.id.clone_from(&end.id);
     subject.kind = SubjectKind::MemberEnd;
     subject

@@ -114,7 +114,10 @@ pub fn hinges(
         }
         debug_assert!(other.is_none() || !touching.is_empty());
         let key = &found.of_end[&end.id];
-        let entry = found.entries.get(key).ok_or_else(|| StoreError::NotFound { key: key.clone(), hint: String::new() })?;
+        let entry = found
+            .entries
+            .get(key)
+            .ok_or_else(|| StoreError::NotFound { key: key.clone(), hint: String::new() })?;
         let bending = [0, 1].map(|axis| Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 });
         hinges.joints.push(Joint {
             id: end.id.clone(),

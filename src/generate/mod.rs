@@ -18,7 +18,8 @@ use crate::fe::mesh::Mesh;
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    Body, BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RunSettings, TrackedPoint,
+    Body, BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RunSettings,
+    TrackedPoint,
 };
 use crate::rules::RuleBase;
 use std::collections::BTreeMap;
@@ -68,7 +69,9 @@ pub enum GenerateError {
     #[error("the library has no entry for {}; run with `--derive` to compute what is missing", .0.join(", "))]
     Missing(Vec<String>),
     /// A stretch of a member cannot be removed from a rigid body.
-    #[error("charge `{0}` removes a stretch of `{1}`: the MBS model takes whole members away only; give the charge without a stretch, or split the member")]
+    #[error(
+        "charge `{0}` removes a stretch of `{1}`: the MBS model takes whole members away only; give the charge without a stretch, or split the member"
+    )]
     Stretch(String, String),
     /// A column ends in the air.
     #[error("member end {0} touches nothing")]
@@ -97,15 +100,18 @@ pub fn generate(
     }
     let present: Vec<bool> = building.members.iter().map(|m| !is_cut(building, &m.id)).collect();
     let clusters = bodies::clusters(&partition, &present, |a, b| decision.merges[a] && decision.merges[b]);
-    let list: Vec<Body> =
-        clusters.iter().map(|c| bodies::body(building, &partition, c, decision.rules_of(building, c))).collect();
+    let list: Vec<Body> = clusters
+        .iter()
+        .map(|c| bodies::body(building, &partition, c, decision.rules_of(building, c)))
+        .collect();
     let mut owner = vec![None; building.members.len()];
     for (index, members) in clusters.iter().enumerate() {
         members.iter().for_each(|m| owner[*m] = Some(index));
     }
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
     let place = joints::Place { building, partition: &partition, mesh: &mesh, bodies: &list, owner: &owner };
-    let hinged: Vec<&MemberEnd> = ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
+    let hinged: Vec<&MemberEnd> =
+        ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
     let found = joints::entries(&place, &hinged, store, derive, progress)?;
     let mut notes = decision.notes.clone();
     let hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
@@ -127,7 +133,14 @@ pub fn generate(
         bodies: list,
     };
     let trace = decision.reasons(rules, &model);
-    Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries, hinge_ends: hinges.ends })
+    Ok(Generated {
+        model,
+        trace,
+        notes,
+        derived: found.derived,
+        entries: found.entries,
+        hinge_ends: hinges.ends,
+    })
 }
 
 fn is_cut(building: &Building, member: &str) -> bool {
@@ -140,7 +153,12 @@ fn contact(building: &Building) -> Contact {
         obstacles: building
             .obstacles
             .iter()
-            .map(|o| ObstacleBox { id: o.id.clone(), min_m: o.solid.min, max_m: o.solid.max, friction: o.friction })
+            .map(|o| ObstacleBox {
+                id: o.id.clone(),
+                min_m: o.solid.min,
+                max_m: o.solid.max,
+                friction: o.friction,
+            })
             .collect(),
         bodies: Some(BodyContact { friction: building.ground.friction }),
     }
@@ -163,7 +181,12 @@ fn events(building: &Building, bodies: &[Body], owner: &[Option<usize>]) -> Vec<
         .collect()
 }
 
-fn tracked(building: &Building, partition: &Partition, bodies: &[Body], owner: &[Option<usize>]) -> Vec<TrackedPoint> {
+fn tracked(
+    building: &Building,
+    partition: &Partition,
+    bodies: &[Body],
+    owner: &[Option<usize>],
+) -> Vec<TrackedPoint> {
     tracked_points(building, partition)
         .into_iter()
         .filter_map(|t| {

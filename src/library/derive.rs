@@ -1,8 +1,8 @@
 //! Entries for the member ends of a building, computed by the submodel.
 
 use super::entry::{
-    Adjoining, AxisRecord, ColumnEnd, Computed, Entry, EntryKind, EnvelopeLevel, Features, Inputs, LawFeatures, Quality,
-    Stiffness, Validity,
+    Adjoining, AxisRecord, ColumnEnd, Computed, Entry, EntryKind, EnvelopeLevel, Features, Inputs,
+    LawFeatures, Quality, Stiffness, Validity,
 };
 use super::key::key_of;
 use super::thin::thinned;
@@ -87,7 +87,11 @@ impl Wanted {
             mesh_size_m: building.settings.mesh_size_m,
             further,
         };
-        Some(Self { features, inputs: Inputs { section, law, geometry, settings, submodel_version: SUBMODEL_VERSION }, model })
+        Some(Self {
+            features,
+            inputs: Inputs { section, law, geometry, settings, submodel_version: SUBMODEL_VERSION },
+            model,
+        })
     }
 
     /// The key that an entry computed from these inputs has.
@@ -111,7 +115,12 @@ impl Wanted {
             compressive_capacity_n: Some(curves.tensile_capacity_n),
             hinge_offset_m: curves.hinge_offset_m,
             quality: Quality {
-                kinetic_energy_ratio: curves.axes.iter().flatten().map(|p| p.kinetic_share).fold(0.0, f64::max),
+                kinetic_energy_ratio: curves
+                    .axes
+                    .iter()
+                    .flatten()
+                    .map(|p| p.kinetic_share)
+                    .fold(0.0, f64::max),
                 elements: curves.elements as u64,
                 asymmetry: curves.asymmetry,
             },
@@ -145,8 +154,10 @@ pub fn beyond(partition: &Partition, end: &MemberEnd) -> Option<usize> {
 
 fn axis_record(curves: &EndCurves, axis: usize, end: &str) -> Result<AxisRecord, DeriveError> {
     let pushes = &curves.axes[axis];
-    let measured: Vec<Envelope> =
-        pushes.iter().map(|p| Envelope { axial_force_n: p.axial_force_n, points: p.points.clone() }).collect();
+    let measured: Vec<Envelope> = pushes
+        .iter()
+        .map(|p| Envelope { axial_force_n: p.axial_force_n, points: p.points.clone() })
+        .collect();
     let curve = ResistanceCurve::from_envelopes(&measured)
         .map_err(|source| DeriveError::Curve { end: end.to_string(), source })?;
     let envelopes = pushes
@@ -162,9 +173,18 @@ fn axis_record(curves: &EndCurves, axis: usize, end: &str) -> Result<AxisRecord,
 
 fn validity(curves: &EndCurves) -> Validity {
     let forces = curves.axes[0].iter().map(|p| p.axial_force_n);
-    let rotation = curves.axes.iter().flatten().filter_map(|p| p.points.last()).map(|p| p[0]).fold(f64::INFINITY, f64::min);
+    let rotation = curves
+        .axes
+        .iter()
+        .flatten()
+        .filter_map(|p| p.points.last())
+        .map(|p| p[0])
+        .fold(f64::INFINITY, f64::min);
     Validity {
-        axial_force_n: [forces.clone().fold(f64::INFINITY, f64::min), forces.fold(f64::NEG_INFINITY, f64::max)],
+        axial_force_n: [
+            forces.clone().fold(f64::INFINITY, f64::min),
+            forces.fold(f64::NEG_INFINITY, f64::max),
+        ],
         rotation_rad: [0.0, rotation],
     }
 }

@@ -55,10 +55,12 @@ impl EndModel {
         clamp_cut(mesh, &keep, part, &old, &mut piece);
         let on = |n: &usize, plane: f64| (piece.nodes[*n][axis] - plane).abs() < COORDINATE_TOLERANCE_M;
         let own: Vec<usize> = (0..piece.elements.len()).filter(|e| piece.elements[*e].part == part).collect();
-        let mut section_nodes: Vec<usize> = own.iter().flat_map(|e| piece.elements[*e].nodes).filter(|n| on(n, at)).collect();
+        let mut section_nodes: Vec<usize> =
+            own.iter().flat_map(|e| piece.elements[*e].nodes).filter(|n| on(n, at)).collect();
         section_nodes.sort_unstable();
         section_nodes.dedup();
-        let section_elements = own.iter().copied().filter(|e| piece.elements[*e].nodes.iter().any(|n| on(n, at))).collect();
+        let section_elements =
+            own.iter().copied().filter(|e| piece.elements[*e].nodes.iter().any(|n| on(n, at))).collect();
         let tip_nodes = tip_shares(&piece, &own, axis, far);
         let across: [f64; 2] = std::array::from_fn(|i| {
             let other = (axis + 1 + i) % 3;
@@ -90,8 +92,10 @@ impl EndModel {
                         [self.outward * r[self.axis], signs[0] * r[p], signs[1] * r[q]]
                     });
                     let micrometres = |v: f64| (v * 1e6).round() as i64;
-                    let low = |i: usize| micrometres(turned.iter().map(|t| t[i]).fold(f64::INFINITY, f64::min));
-                    let high = |i: usize| micrometres(turned.iter().map(|t| t[i]).fold(f64::NEG_INFINITY, f64::max));
+                    let low =
+                        |i: usize| micrometres(turned.iter().map(|t| t[i]).fold(f64::INFINITY, f64::min));
+                    let high =
+                        |i: usize| micrometres(turned.iter().map(|t| t[i]).fold(f64::NEG_INFINITY, f64::max));
                     let factors = (micrometres(element.smear), micrometres(element.strength));
                     [low(0), high(0), low(1), high(1), low(2), high(2), factors.0, factors.1]
                 })
@@ -115,7 +119,15 @@ fn far_plane(mesh: &Mesh, part: usize, axis: usize, middle: f64) -> f64 {
 }
 
 /// The member's elements up to the far section, and elements of adjoining plates and beams within reach.
-fn kept_elements(building: &Building, mesh: &Mesh, part: usize, owner: &Member, point: [f64; 3], far: f64, outward: f64) -> Vec<bool> {
+fn kept_elements(
+    building: &Building,
+    mesh: &Mesh,
+    part: usize,
+    owner: &Member,
+    point: [f64; 3],
+    far: f64,
+    outward: f64,
+) -> Vec<bool> {
     let depth = (0..3).filter(|i| *i != owner.axis).map(|i| owner.solid.size()[i]).fold(0.0, f64::max);
     (0..mesh.elements.len())
         .map(|e| {
@@ -156,8 +168,11 @@ fn tip_shares(mesh: &Mesh, own: &[usize], axis: usize, far: f64) -> Vec<(usize, 
     let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut shares = std::collections::BTreeMap::new();
     for e in own {
-        let nodes: Vec<usize> =
-            mesh.elements[*e].nodes.into_iter().filter(|n| (mesh.nodes[*n][axis] - far).abs() < COORDINATE_TOLERANCE_M).collect();
+        let nodes: Vec<usize> = mesh.elements[*e]
+            .nodes
+            .into_iter()
+            .filter(|n| (mesh.nodes[*n][axis] - far).abs() < COORDINATE_TOLERANCE_M)
+            .collect();
         if nodes.len() != 4 {
             continue;
         }

@@ -101,7 +101,10 @@ pub enum PushoverError {
 }
 
 /// All curves of a member end; `progress` is told after each push (done, all).
-pub fn derive(model: &EndModel, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<EndCurves, PushoverError> {
+pub fn derive(
+    model: &EndModel,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<EndCurves, PushoverError> {
     let law = &model.mesh.laws[model.mesh.elements[model.section_elements[0]].law];
     let sample = &model.mesh.elements[model.section_elements[0]];
     let area = model.section_m[0] * model.section_m[1];
@@ -134,9 +137,11 @@ pub fn derive(model: &EndModel, progress: &(dyn Fn(usize, usize) + Sync)) -> Res
     let depth = model.section_m[0].max(model.section_m[1]);
     let poles: Vec<f64> = pushes[..2 * count].iter().filter_map(|p| p.0.pole_m).collect();
     let hinge_offset_m = median(poles).clamp(0.0, POLE_LIMIT_DEPTHS * depth);
-    let about_hinge = |p: &Push| Push { points: moved(&p.points, model.length_m, hinge_offset_m), ..p.clone() };
+    let about_hinge =
+        |p: &Push| Push { points: moved(&p.points, model.length_m, hinge_offset_m), ..p.clone() };
     Ok(EndCurves {
-        axes: [0, 1].map(|axis| pushes[axis * count..(axis + 1) * count].iter().map(|p| about_hinge(&p.0)).collect()),
+        axes: [0, 1]
+            .map(|axis| pushes[axis * count..(axis + 1) * count].iter().map(|p| about_hinge(&p.0)).collect()),
         hinge_offset_m,
         axial_stiffness_n_m: pushes[2].1,
         shear_stiffness_n_m: [shear; 2],
@@ -173,7 +178,12 @@ pub fn torsion_constant(section_m: [f64; 2]) -> f64 {
 }
 
 /// One push about the direction `axis + 1 + bending`; also returns the axial stiffness.
-fn push(model: &EndModel, bending: usize, axial_force_n: f64, sense: f64) -> Result<(Push, f64), PushoverError> {
+fn push(
+    model: &EndModel,
+    bending: usize,
+    axial_force_n: f64,
+    sense: f64,
+) -> Result<(Push, f64), PushoverError> {
     let mut body = Dynamics::new(&model.mesh, 0.0, RigidSurfaces::default(), false);
     let apply = |body: &mut Dynamics| {
         let (base, tip) = (section_center(model, body), tip_center(model, body));
@@ -186,7 +196,8 @@ fn push(model: &EndModel, bending: usize, axial_force_n: f64, sense: f64) -> Res
     let rest = tip_center(model, &body)[model.axis];
     apply(&mut body);
     let force_or_probe = if axial_force_n == 0.0 { 1.0 } else { axial_force_n };
-    preload::equilibrate(&model.mesh, &mut body).map_err(|reason| PushoverError::Preload { axial_force_n, reason })?;
+    preload::equilibrate(&model.mesh, &mut body)
+        .map_err(|reason| PushoverError::Preload { axial_force_n, reason })?;
     let shortening = -model.outward * (tip_center(model, &body)[model.axis] - rest);
     let axial_stiffness = force_or_probe / shortening;
     // rotation about `axis + 1` moves the tip along `axis + 2` and the other way round
@@ -227,7 +238,13 @@ fn push(model: &EndModel, bending: usize, axial_force_n: f64, sense: f64) -> Res
                 [(p, a), (q, b)] => Some(pole(p, q, b - a)),
                 _ => None,
             };
-            let push = Push { axial_force_n, points: recorder.points, failed, kinetic_share: recorder.kinetic, pole_m };
+            let push = Push {
+                axial_force_n,
+                points: recorder.points,
+                failed,
+                kinetic_share: recorder.kinetic,
+                pole_m,
+            };
             return Ok((push, axial_stiffness));
         }
     }
@@ -351,7 +368,8 @@ fn is_separated(model: &EndModel, body: &Dynamics) -> bool {
     let mut alive = std::collections::BTreeMap::new();
     let part = model.mesh.elements[model.section_elements[0]].part;
     for (e, element) in model.mesh.elements.iter().enumerate().filter(|(_, e)| e.part == part) {
-        let low = element.nodes.map(|n| model.mesh.nodes[n][model.axis]).into_iter().fold(f64::INFINITY, f64::min);
+        let low =
+            element.nodes.map(|n| model.mesh.nodes[n][model.axis]).into_iter().fold(f64::INFINITY, f64::min);
         *alive.entry((low * 1e6).round() as i64).or_insert(false) |= body.blocks.share(e) > 0.0;
     }
     alive.values().any(|a| !a)
@@ -371,7 +389,9 @@ mod tests {
     #[test]
     fn moving_an_envelope_keeps_its_work() {
         let points: Vec<[f64; 2]> = (0..400).map(|i| [1e-4 * f64::from(i), 250e3]).collect();
-        let work = |p: &[[f64; 2]]| p.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum::<f64>();
+        let work = |p: &[[f64; 2]]| {
+            p.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum::<f64>()
+        };
         let about = moved(&points, 1.5, 0.3);
         assert!((work(&about) / work(&points) - 1.0).abs() < 1e-3);
     }

@@ -98,10 +98,12 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
     let contact = run.summary.first_ground_contact_s.unwrap_or(f64::INFINITY);
     let members = (0..building.members.len())
         .filter_map(|part| {
-            let own: Vec<usize> =
-                (0..in_end.len()).filter(|e| run.mesh.elements[*e].part == part && !in_end[*e] && !removed[*e]).collect();
+            let own: Vec<usize> = (0..in_end.len())
+                .filter(|e| run.mesh.elements[*e].part == part && !in_end[*e] && !removed[*e])
+                .collect();
             let share = |until: f64| {
-                own.iter().filter(|e| history.first_s[**e].is_none_or(|t| t >= until)).count() as f64 / own.len() as f64
+                own.iter().filter(|e| history.first_s[**e].is_none_or(|t| t >= until)).count() as f64
+                    / own.len() as f64
             };
             (!own.is_empty()).then(|| MemberFacts {
                 member: building.members[part].id.clone(),
@@ -146,7 +148,13 @@ impl ElementHistory {
     }
 }
 
-fn zone(building: &Building, run: &FeRun, history: &ElementHistory, end: &MemberEnd, elements: &[usize]) -> EndZone {
+fn zone(
+    building: &Building,
+    run: &FeRun,
+    history: &ElementHistory,
+    end: &MemberEnd,
+    elements: &[usize],
+) -> EndZone {
     let largest = |f: &dyn Fn(usize) -> f64| elements.iter().map(|e| f(*e)).fold(0.0, f64::max);
     let first = elements.iter().filter_map(|e| history.first_s[*e]).fold(f64::INFINITY, f64::min);
     let mut layers = std::collections::BTreeMap::<i64, f64>::new();
@@ -163,7 +171,8 @@ fn zone(building: &Building, run: &FeRun, history: &ElementHistory, end: &Member
         first_s: first.is_finite().then_some(first),
         peak_rate_1_s: largest(&|e| history.peak[e]),
         plastic_strain: largest(&|e| run.plastic_strain[e]),
-        eroded: elements.iter().filter(|e| history.death_s[**e].is_finite()).count() as f64 / elements.len() as f64,
+        eroded: elements.iter().filter(|e| history.death_s[**e].is_finite()).count() as f64
+            / elements.len() as f64,
         fracture_s: fracture.is_finite().then_some(fracture),
     }
 }

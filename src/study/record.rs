@@ -32,7 +32,13 @@ pub struct Study {
 
 impl Study {
     /// A record of a run.
-    pub fn new(building: &str, building_hash: String, mesh_size_m: f64, summary: &FeSummary, facts: Facts) -> Self {
+    pub fn new(
+        building: &str,
+        building_hash: String,
+        mesh_size_m: f64,
+        summary: &FeSummary,
+        facts: Facts,
+    ) -> Self {
         Self {
             schema: STUDY_SCHEMA,
             building: building.to_string(),

@@ -92,7 +92,14 @@ pub struct Validation {
 
 impl Validation {
     /// Compares an MBS run with an FE run of the same building. `mbs_wall_s` is the wall time of the MBS run \[s\].
-    pub fn of(building: &Building, fe: &FeRun, facts: &Facts, model: &Model, mbs: &RunResult, mbs_wall_s: f64) -> Self {
+    pub fn of(
+        building: &Building,
+        fe: &FeRun,
+        facts: &Facts,
+        model: &Model,
+        mbs: &RunResult,
+        mbs_wall_s: f64,
+    ) -> Self {
         let times = fe.times_s.len().min(mbs.times_s.len());
         let pairs: Vec<(&measure::Displacement, &measure::Displacement)> = fe
             .tracked
@@ -116,14 +123,18 @@ impl Validation {
             e_to_contact: at(&times_s, &e_curve, contact).unwrap_or(0.0),
             e_total: last(&e_curve),
             first_contact_s: Both { fe: facts.first_contact_s, mbs: mbs.first_ground_contact_s },
-            hinges: Sites::of(sites.iter().map(|s| (s.fe_zone, s.plastic_rotation_rad > ACTIVE_ROTATION_RAD))),
+            hinges: Sites::of(
+                sites.iter().map(|s| (s.fe_zone, s.plastic_rotation_rad > ACTIVE_ROTATION_RAD)),
+            ),
             hinges_placed: Sites::of(
                 sites.iter().filter(|s| s.hinge || s.fe_zone).map(|s| (s.fe_zone, s.hinge)),
             ),
             collapsed: Both { fe: facts.collapsed, mbs: mbs.tracked.iter().any(|t| fell(&t.displacement_m)) },
             energy_error: Both { fe: fe.summary.energy_error, mbs: mbs.energy_error },
             dissipated_j: Both {
-                fe: fe_end.internal_j + fe_end.hourglass_j + fe_end.viscous_j - fe_end.contact_j - fe_end.friction_j,
+                fe: fe_end.internal_j + fe_end.hourglass_j + fe_end.viscous_j
+                    - fe_end.contact_j
+                    - fe_end.friction_j,
                 mbs: last(&e.plastic_j) + last(&e.contact_damping_j) + last(&e.friction_j),
             },
             footprint_overlap: fe_footprint(fe).overlap(&mbs_footprint(model, mbs)),
@@ -174,7 +185,8 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
                 id: zone.id.clone(),
                 fe_zone: zone.first_s.is_some(),
                 hinge: model.joints.iter().any(|j| j.id == zone.id),
-                plastic_rotation_rad: turned.map_or(0.0, |h| h.plastic_rotation_rad.iter().copied().fold(0.0, f64::max)),
+                plastic_rotation_rad: turned
+                    .map_or(0.0, |h| h.plastic_rotation_rad.iter().copied().fold(0.0, f64::max)),
                 yield_s: first(&zone.id, false),
                 fracture_s: first(&zone.id, true),
             }
@@ -188,7 +200,9 @@ fn fe_footprint(run: &FeRun) -> Footprint {
     let Some(frame) = run.frames_m.last() else { return footprint };
     let mut gone = vec![false; run.mesh.elements.len()];
     run.deaths.iter().for_each(|d| gone[d.element] = true);
-    debug_assert!(run.deaths.iter().all(|d| matches!(d.cause, Death::Eroded | Death::Collapsed | Death::Removed)));
+    debug_assert!(
+        run.deaths.iter().all(|d| matches!(d.cause, Death::Eroded | Death::Collapsed | Death::Removed))
+    );
     for (element, _) in run.mesh.elements.iter().zip(&gone).filter(|(_, gone)| !**gone) {
         let plan: Vec<[f64; 2]> =
             element.nodes.iter().map(|n| [f64::from(frame[*n][0]), f64::from(frame[*n][1])]).collect();

@@ -16,7 +16,8 @@ fn knowledge() -> (RuleBase, Store, tempfile::TempDir) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let cache = tempfile::tempdir().unwrap();
     let rules = RuleBase::load(&root.join("rules")).expect("the shipped rules are sound");
-    let store = Store::open_with_cache(&root.join("library"), cache.path()).expect("the shipped library is sound");
+    let store =
+        Store::open_with_cache(&root.join("library"), cache.path()).expect("the shipped library is sound");
     (rules, store, cache)
 }
 
@@ -61,7 +62,9 @@ fn every_part_names_members_rules_and_entries() {
         assert!(!joint.origin.entries.is_empty() && joint.origin.rules.len() >= 2, "{}", joint.id);
         assert!(joint.origin.rules.iter().all(|r| rules.rule(r).is_some()));
     }
-    for part in generated.model.bodies.iter().map(|b| &b.id).chain(generated.model.joints.iter().map(|j| &j.id)) {
+    for part in
+        generated.model.bodies.iter().map(|b| &b.id).chain(generated.model.joints.iter().map(|j| &j.id))
+    {
         assert!(generated.trace.iter().any(|r| r.part == *part && !r.words.is_empty()), "{part}");
     }
 }

@@ -116,6 +116,9 @@ pub fn computed(seed: u32, levels: u32, points: u32) -> Computed {
         axes: [axis(1.0), axis(1.01)],
         stiffness: Stiffness { axial_n_m: 3.1e9, shear_n_m: [1.1e8, 1.2e8], torsion_nm_rad: 4.4e7 },
         tensile_capacity_n: Some(1.2e6),
+        tensile_elongation_m: Some(0.12),
+        compressive_capacity_n: Some(1.2e6),
+        hinge_offset_m: 0.3,
         quality: Quality { kinetic_energy_ratio: 0.011, elements: 5000, asymmetry: 0.002 },
         validity: Validity { axial_force_n: [0.0, 8e5], rotation_rad: [0.0, 0.1] },
     }

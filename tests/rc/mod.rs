@@ -7,7 +7,8 @@ use fallwerk::rc::pushover::torsion_constant;
 use fallwerk::rc::{EndCurves, EndModel, derive};
 
 fn reference() -> Building {
-    fallwerk::building::parse(EXAMPLE, fallwerk::base::tree::Format::Toml, "reference").expect("the reference is sound")
+    fallwerk::building::parse(EXAMPLE, fallwerk::base::tree::Format::Toml, "reference")
+        .expect("the reference is sound")
 }
 
 fn foot(mesh_size_m: f64) -> (EndModel, EndCurves) {
@@ -34,7 +35,8 @@ fn elastic_stiffness_of_a_clamped_foot_is_that_of_a_cantilever() {
     let bending = 3.0 * e * i / l;
     let shear = 1.0 + 3.0 * e * i / (e / (2.0 * (1.0 + nu)) * 5.0 / 6.0 * b * b * l * l);
     let expected = bending / shear * (1.0 - curves.hinge_offset_m / l).powi(2);
-    let early: Vec<[f64; 2]> = curves.axes[0][1].points.iter().copied().filter(|p| p[0] > 5e-4 && p[0] < 3e-3).collect();
+    let early: Vec<[f64; 2]> =
+        curves.axes[0][1].points.iter().copied().filter(|p| p[0] > 5e-4 && p[0] < 3e-3).collect();
     let (first, last) = (early[0], early[early.len() - 1]);
     let found = (last[1] - first[1]) / (last[0] - first[0]);
     assert!((found / expected - 1.0).abs() < 0.12, "found {found:.4e}, beam theory {expected:.4e}");
@@ -44,7 +46,11 @@ fn elastic_stiffness_of_a_clamped_foot_is_that_of_a_cantilever() {
 fn axial_stiffness_of_a_clamped_foot_is_ea_over_l() {
     let (model, curves) = foot(0.4);
     let expected = 16.5e9 * 0.16 / model.length_m;
-    assert!((curves.axial_stiffness_n_m / expected - 1.0).abs() < 0.03, "{:.4e} {expected:.4e}", curves.axial_stiffness_n_m);
+    assert!(
+        (curves.axial_stiffness_n_m / expected - 1.0).abs() < 0.03,
+        "{:.4e} {expected:.4e}",
+        curves.axial_stiffness_n_m
+    );
 }
 
 #[test]
@@ -81,7 +87,8 @@ fn axial_force_lowers_the_moment_and_every_push_fails() {
 fn mirror_images_have_one_description() {
     let building = reference();
     let (mesh, _) = Mesh::of(&building, 0.4);
-    let shape = |member: &str, end| EndModel::cut(&building, &mesh, member, end).unwrap().canonical_geometry();
+    let shape =
+        |member: &str, end| EndModel::cut(&building, &mesh, member, end).unwrap().canonical_geometry();
     for other in ["C2-A2", "C2-B1", "C2-B2"] {
         assert_eq!(shape("C2-A1", End::Upper), shape(other, End::Upper), "{other}");
     }
