@@ -452,9 +452,18 @@ fn take_lock(library: &Path) -> Result<File, String> {
     let file = fs::create_dir_all(&folder)
         .and_then(|()| File::options().create(true).truncate(false).write(true).open(&path))
         .map_err(|e| format!("{}: {e}", path.display()))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err("another process has it open".to_string()),
-        Err(TryLockError::Error(e)) => Err(format!("{}: {e}", path.display())),
+    for _ in 0..LOCK_TRIES {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(LOCK_PAUSE),
+            Err(TryLockError::Error(e)) => return Err(format!("{}: {e}", path.display())),
+        }
     }
+    Err("another process has it open".to_string())
 }
+
+/// How often the lock is asked for: a process that is just ending, or being started by one that holds the lock,
+/// keeps it for some milliseconds longer.
+const LOCK_TRIES: u32 = 20;
+/// Pause between two tries.
+const LOCK_PAUSE: std::time::Duration = std::time::Duration::from_millis(10);
