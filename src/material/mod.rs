@@ -1,1 +1,3 @@
-//! (module)
+//! Constitutive laws, and what follows from them for a section.
+
+pub mod section_capacity;
