@@ -370,12 +370,13 @@ mod tests {
         }
     }
 
-    /// 300 x 300 mm, f_c 25 MPa, 4 bars of 16 mm at 35 mm.
+    /// 300 x 300 mm, f_c 25 MPa, 4 bars of 16 mm at 35 mm. The last row is concreteproperties' value;
+    /// the other solver reports 112.43 there, at the first curvature step beyond `ε_cu2`.
     #[test]
     fn ultimate_moment_of_a_section_with_four_bars() {
         let edge = CompressedEdge::DepthHigh;
         let section = FibreSection::rectangle([0.3; 2], &bars(0.115, 0.016, false), 25e6, STEEL, edge);
-        check(&section, &[[0.0, 54.36], [225.0, 78.08], [675.0, 115.65], [1350.0, 112.43]]);
+        check(&section, &[[0.0, 54.36], [225.0, 78.08], [675.0, 115.65], [1350.0, 112.12]]);
     }
 
     #[test]
