@@ -17,16 +17,16 @@
 //! | [`demand`] | end forces before and after the removal, against capacities |
 
 pub mod contact;
-// pub mod demand;
+pub mod demand;
 pub mod ends;
 pub mod frame;
-// pub mod idealise;
+pub mod idealise;
 pub mod mass;
 pub mod paths;
 pub mod structure;
 
 pub use contact::{ContactFace, NearMiss};
-// pub use demand::{Demands, EndDemand, demands};
+pub use demand::{Demands, EndDemand, EndState, demands};
 pub use ends::{End, MemberEnd};
 pub use mass::MassProperties;
 pub use paths::{LoadPath, VerticalPath};
