@@ -27,7 +27,11 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, building: &Building) -> String {
     let structure = Structure::of(building);
     let demands = demands(&structure, building);
-    if arguments.json { format!("{:#}\n", as_json(building, &structure, &demands)) } else { text(building, &structure, &demands) }
+    if arguments.json {
+        format!("{:#}\n", as_json(building, &structure, &demands))
+    } else {
+        text(building, &structure, &demands)
+    }
 }
 
 /// Everything as JSON.
@@ -76,9 +80,9 @@ fn members(out: &mut String, structure: &Structure) {
             member.id,
             m.volume_m3,
             m.mass_kg / 1e3,
-            c[0],
-            c[1],
-            c[2]
+            milli(c[0]),
+            milli(c[1]),
+            milli(c[2])
         );
     }
 }
@@ -86,9 +90,13 @@ fn members(out: &mut String, structure: &Structure) {
 fn connections(out: &mut String, structure: &Structure) {
     let _ = writeln!(out, "\nConnections{:>34}   normal   eccentricity of the first (mm)", "area (m2)");
     for c in structure.connections() {
-        let e = c.eccentricity_m[0].map(|v| v * 1e3);
+        let e = c.eccentricity_m[0].map(|v| tenth(v * 1e3));
         let normal = ["x", "y", "z"][c.faces[0].axis];
-        let _ = writeln!(out, "  {:<33}{:>10.4}   {normal:<6}   {:.1} {:.1} {:.1}", c.id, c.area_m2, e[0], e[1], e[2]);
+        let _ = writeln!(
+            out,
+            "  {:<33}{:>10.4}   {normal:<6}   {:.1} {:.1} {:.1}",
+            c.id, c.area_m2, e[0], e[1], e[2]
+        );
     }
     let _ = writeln!(out, "\nSupports");
     for support in structure.supports() {
@@ -97,7 +105,11 @@ fn connections(out: &mut String, structure: &Structure) {
     for miss in &structure.near_misses {
         let [a, b] = &miss.members;
         let axis = ["x", "y", "z"][miss.axis];
-        let _ = writeln!(out, "  warning: {a} and {b} do not touch: a gap of {:.1} mm along {axis}", miss.gap_m * 1e3);
+        let _ = writeln!(
+            out,
+            "  warning: {a} and {b} do not touch: a gap of {:.1} mm along {axis}",
+            miss.gap_m * 1e3
+        );
     }
     for note in &structure.notes {
         let _ = writeln!(out, "  warning: {note}");
@@ -128,14 +140,19 @@ fn paths(out: &mut String, building: &Building, structure: &Structure) {
         return;
     }
     let names: Vec<&str> = removed.iter().map(|m| building.members[*m].id.as_str()).collect();
-    let _ = writeln!(out, "\nVertical load paths without {}", names.join(", "));
+    let _ = writeln!(out, "\nVertical load paths lost without {}", names.join(", "));
+    let intact = structure.load_paths(building, &BTreeSet::new());
     for path in structure.load_paths(building, &removed) {
+        if path.vertical == intact[path.member].vertical {
+            continue;
+        }
         let state = match &path.vertical {
             VerticalPath::Kept => continue,
             VerticalPath::Lost => "lost".to_string(),
             VerticalPath::Partial { lost } => format!("lost at {}", lost.join(", ")),
         };
-        let _ = writeln!(out, "  {:<20}{state}; connected to {} supports", path.member_id, path.supports.len());
+        let _ =
+            writeln!(out, "  {:<20}{state}; connected to {} supports", path.member_id, path.supports.len());
     }
 }
 
@@ -144,8 +161,14 @@ fn states(out: &mut String, demands: &Demands) {
     let _ = writeln!(out, "\nElastic dead-load states");
     for (name, summary) in states.iter().filter_map(|(name, s)| s.map(|s| (name, s))) {
         let line = match summary {
-            StateSummary::Equilibrium { weight_n, reaction_sum_n, largest_displacement_m, unplaced, .. } => {
-                let rest = if unplaced.is_empty() { String::new() } else { format!("; resting on nothing: {}", unplaced.join(", ")) };
+            StateSummary::Equilibrium {
+                weight_n, reaction_sum_n, largest_displacement_m, unplaced, ..
+            } => {
+                let rest = if unplaced.is_empty() {
+                    String::new()
+                } else {
+                    format!("; resting on nothing: {}", unplaced.join(", "))
+                };
                 format!(
                     "weight {:.3} kN, supports {:.3} kN, largest displacement {:.2} mm{rest}",
                     weight_n / 1e3,
@@ -165,7 +188,13 @@ fn states(out: &mut String, demands: &Demands) {
     let head = format!("{:>10}{:>10}{:>10}{:>8}{:>8}", "N kN", "M1 kNm", "M2 kNm", "RC", "hom.");
     let _ = writeln!(out, "  {:<20}{head}  |{head}", "");
     for end in &demands.ends {
-        let _ = writeln!(out, "  {:<20}{}  |{}", end.id, columns(end.before.as_ref()), columns(end.after.as_ref()));
+        let _ = writeln!(
+            out,
+            "  {:<20}{}  |{}",
+            end.id,
+            columns(end.before.as_ref()),
+            columns(end.after.as_ref())
+        );
     }
 }
 
@@ -174,11 +203,21 @@ fn columns(state: Option<&EndState>) -> String {
         None => format!("{:>10}{:>10}{:>10}{:>8}{:>8}", "-", "-", "-", "-", "-"),
         Some(s) => format!(
             "{:>10.1}{:>10.1}{:>10.1}{:>8.3}{:>8.3}",
-            s.forces.axial_n / 1e3,
-            s.forces.moment_nm[0] / 1e3,
-            s.forces.moment_nm[1] / 1e3,
+            tenth(s.forces.axial_n / 1e3),
+            tenth(s.forces.moment_nm[0] / 1e3),
+            tenth(s.forces.moment_nm[1] / 1e3),
             s.section.ratio,
             s.homogenised.ratio
         ),
     }
+}
+
+/// Rounded to one decimal, without a sign on zero.
+fn tenth(value: f64) -> f64 {
+    (value * 10.0).round() / 10.0 + 0.0
+}
+
+/// Rounded to three decimals, without a sign on zero.
+fn milli(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3 + 0.0
 }

@@ -36,8 +36,8 @@ impl ContactFace {
         let (mut area_m2, mut first) = (0.0, [0.0; 3]);
         for r in rectangles {
             area_m2 += area_of(r);
-            for i in 0..3 {
-                first[i] += area_of(r) * r.center()[i];
+            for (i, sum) in first.iter_mut().enumerate() {
+                *sum += area_of(r) * r.center()[i];
                 bounds.min[i] = bounds.min[i].min(r.min[i]);
                 bounds.max[i] = bounds.max[i].max(r.max[i]);
             }
@@ -93,8 +93,25 @@ pub struct NearMiss {
     pub facing_area_m2: f64,
 }
 
-/// The gap between two gross solids `(axis, gap [m], facing area [m²])` if it is a near miss.
-pub fn near_miss(a: &Aabb, b: &Aabb) -> Option<(usize, f64, f64)> {
+/// The near miss of two members that do not touch, from their own boxes: axis, gap \[m\] and facing
+/// area \[m²\] of the narrowest gap. What lies inside another member (a column's head under a slab) does not
+/// count, which is why gross solids will not do.
+pub fn near_miss(a: &[Aabb], b: &[Aabb]) -> Option<(usize, f64, f64)> {
+    let mut found: Option<(usize, f64, f64)> = None;
+    for (axis, gap, area) in a.iter().flat_map(|x| b.iter().filter_map(|y| facing(x, y))) {
+        found = match found {
+            Some((old, least, sum)) if axis == old && (gap - least).abs() < COORDINATE_TOLERANCE_M => {
+                Some((axis, least, sum + area))
+            }
+            Some((_, least, _)) if gap > least - COORDINATE_TOLERANCE_M => found,
+            _ => Some((axis, gap, area)),
+        };
+    }
+    found
+}
+
+/// Two boxes that face each other across a narrow gap: axis, gap \[m\], facing area \[m²\].
+fn facing(a: &Aabb, b: &Aabb) -> Option<(usize, f64, f64)> {
     let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]);
     let axis = (0..3).find(|&i| gap(i) > COORDINATE_TOLERANCE_M)?;
     let others = [(axis + 1) % 3, (axis + 2) % 3];
@@ -103,4 +120,9 @@ pub fn near_miss(a: &Aabb, b: &Aabb) -> Option<(usize, f64, f64)> {
         let area = others.map(|i| a.max[i].min(b.max[i]) - a.min[i].max(b.min[i]));
         (axis, gap(axis), area[0] * area[1])
     })
+}
+
+/// Whether two gross solids are within the near-miss distance of each other in all directions.
+pub fn are_near(a: &Aabb, b: &Aabb) -> bool {
+    (0..3).all(|i| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]) < NEAR_MISS_M)
 }

@@ -172,7 +172,13 @@ pub fn against_section(building: &Building, end: &MemberEnd, forces: &SectionFor
     let factor = strength_factor(building, &member.id);
     let axial = forces.axial_n / factor;
     let fibres: [FibreSection; 2] = std::array::from_fn(|i| {
-        FibreSection::of_section(section, concrete, steel, end.size_m[0], compressed_edge(i, forces.moment_nm[i]))
+        FibreSection::of_section(
+            section,
+            concrete,
+            steel,
+            end.size_m[0],
+            compressed_edge(i, forces.moment_nm[i]),
+        )
     });
     let [tension, compression] = fibres[0].axial_limits_n();
     let axial_ratio = if axial >= 0.0 { axial / compression } else { axial / tension };
@@ -200,13 +206,20 @@ pub fn against_law(building: &Building, end: &MemberEnd, forces: &SectionForces)
     let factor = strength_factor(building, &member.id);
     let [width, depth] = end.size_m;
     let axial = forces.axial_n / factor;
-    let capacities =
-        [HomogenisedCapacity::of_rectangle(law, width, depth), HomogenisedCapacity::of_rectangle(law, depth, width)];
+    let capacities = [
+        HomogenisedCapacity::of_rectangle(law, width, depth),
+        HomogenisedCapacity::of_rectangle(law, depth, width),
+    ];
     let n = (axial / capacities[0].plastic_force_n).abs();
     utilisation(capacities.map(|c| factor * c.moment_nm(axial)), forces, n, 1.73 + 1.8 * n.powi(3))
 }
 
-fn utilisation(capacity_nm: [f64; 2], forces: &SectionForces, axial_ratio: f64, exponent: f64) -> Utilisation {
+fn utilisation(
+    capacity_nm: [f64; 2],
+    forces: &SectionForces,
+    axial_ratio: f64,
+    exponent: f64,
+) -> Utilisation {
     if axial_ratio >= 1.0 || capacity_nm.iter().any(|c| *c <= 0.0) {
         return Utilisation { capacity_nm: [0.0; 2], ratio: axial_ratio.max(1.0) };
     }

@@ -153,7 +153,8 @@ pub fn member_ends(
                 point_m[axis] = coordinate;
                 let beyond = members_beyond(building, partition, index, axis, coordinate, end);
                 let outermost = span == if end == End::Low { 0 } else { spans.len() - 1 };
-                let opposite = |i: &usize| building.members[*i].kind == MemberKind::Footing && supported(*i, End::Low);
+                let opposite =
+                    |i: &usize| building.members[*i].kind == MemberKind::Footing && supported(*i, End::Low);
                 let number = if spans.len() > 1 { format!(".{}", span + 1) } else { String::new() };
                 let size_m = section_size_m(member);
                 ends.push(MemberEnd {
@@ -198,7 +199,9 @@ fn members_beyond(
         beyond.push(owner);
         if !is_upright(&building.members[index]) {
             let columns = building.members.iter().enumerate();
-            beyond.extend(columns.filter(|(_, m)| is_upright(m) && m.solid.contains(center, 0.0)).map(|(i, _)| i));
+            beyond.extend(
+                columns.filter(|(_, m)| is_upright(m) && m.solid.contains(center, 0.0)).map(|(i, _)| i),
+            );
         }
     }
     beyond.sort_unstable();

@@ -40,8 +40,11 @@ impl MassProperties {
             let own: [f64; 3] = std::array::from_fn(|i| size[i] * size[i] / 12.0 + arm[i] * arm[i]);
             for i in 0..3 {
                 for j in 0..3 {
-                    inertia_kg_m2[i][j] +=
-                        if i == j { mass * (own[(i + 1) % 3] + own[(i + 2) % 3]) } else { -mass * arm[i] * arm[j] };
+                    inertia_kg_m2[i][j] += if i == j {
+                        mass * (own[(i + 1) % 3] + own[(i + 2) % 3])
+                    } else {
+                        -mass * arm[i] * arm[j]
+                    };
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use super::ends::is_upright;
 use super::structure::{Connection, Link, Node, Structure};
+use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, MemberKind, Preparation};
 use petgraph::graph::NodeIndex;
@@ -150,7 +151,9 @@ impl Structure {
 
     fn stands_on_footing(&self, member: usize, removed: &BTreeSet<usize>) -> bool {
         self.graph.neighbors(NodeIndex::new(member)).any(|n| match &self.graph[n] {
-            Node::Member(m) => m.kind == MemberKind::Footing && !removed.contains(&m.index) && self.is_supported(m.index),
+            Node::Member(m) => {
+                m.kind == MemberKind::Footing && !removed.contains(&m.index) && self.is_supported(m.index)
+            }
             Node::Ground => false,
         })
     }
@@ -215,15 +218,20 @@ impl Structure {
     }
 }
 
-/// Whether an upright ends inside or under another solid and overlaps it in plan.
-fn bears(upright: &crate::base::geom::Aabb, carried: &crate::base::geom::Aabb) -> bool {
+/// Whether an upright ends inside or under another solid and overlaps it or abuts on it in plan (a beam that
+/// ends at the face of the column).
+fn bears(upright: &Aabb, carried: &Aabb) -> bool {
     let top = upright.max[2];
-    let reaches = top >= carried.min[2] - COORDINATE_TOLERANCE_M && top <= carried.max[2] + COORDINATE_TOLERANCE_M;
-    reaches && upright.min[2] < carried.min[2] && plan_overlap(upright, carried).is_some()
+    let reaches =
+        top >= carried.min[2] - COORDINATE_TOLERANCE_M && top <= carried.max[2] + COORDINATE_TOLERANCE_M;
+    let gaps = [0, 1].map(|i| (upright.min[i] - carried.max[i]).max(carried.min[i] - upright.max[i]));
+    let meets =
+        gaps.iter().all(|g| *g < COORDINATE_TOLERANCE_M) && gaps.iter().any(|g| *g < -COORDINATE_TOLERANCE_M);
+    reaches && upright.min[2] < carried.min[2] && meets
 }
 
 /// Centre of the common area of two solids in plan \[m\].
-pub(super) fn plan_overlap(a: &crate::base::geom::Aabb, b: &crate::base::geom::Aabb) -> Option<[f64; 2]> {
+pub(super) fn plan_overlap(a: &Aabb, b: &Aabb) -> Option<[f64; 2]> {
     let range = [0, 1].map(|i| [a.min[i].max(b.min[i]), a.max[i].min(b.max[i])]);
     range.iter().all(|r| r[1] - r[0] > COORDINATE_TOLERANCE_M).then(|| range.map(|r| 0.5 * (r[0] + r[1])))
 }

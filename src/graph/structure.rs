@@ -1,6 +1,6 @@
 //! The graph itself: members and the ground as nodes, contact faces and supports as edges.
 
-use super::contact::{ContactFace, NearMiss, Touching, near_miss, touching_pairs};
+use super::contact::{ContactFace, NearMiss, Touching, are_near, near_miss, touching_pairs};
 use super::ends::{End, MemberEnd, bar_axis, is_upright, member_ends};
 use super::mass::MassProperties;
 use crate::base::geom::Aabb;
@@ -106,7 +106,8 @@ impl Structure {
         for (cell, owner) in partition.cells() {
             boxes[owner].push(partition.cell_box(cell));
         }
-        let density_kg_m3: Vec<f64> = building.members.iter().map(|m| building.law_of(m).density_kg_m3).collect();
+        let density_kg_m3: Vec<f64> =
+            building.members.iter().map(|m| building.law_of(m).density_kg_m3).collect();
         let supports = support_faces(building, &boxes);
         let held = |index: usize, end: End| {
             let face = if end == End::Low { Face::Bottom } else { Face::Top };
@@ -114,12 +115,17 @@ impl Structure {
         };
         let ends = member_ends(building, &partition, &held);
         let pairs = touching_pairs(&partition);
-        let near_misses = near_misses(building, &pairs.keys().copied().collect());
+        let near_misses = near_misses(building, &boxes, &pairs.keys().copied().collect());
 
         let mut graph = UnGraph::default();
         for (index, member) in building.members.iter().enumerate() {
             let mass = MassProperties::of_boxes(boxes[index].iter().map(|b| (b, density_kg_m3[index])));
-            graph.add_node(Node::Member(MemberNode { index, id: member.id.clone(), kind: member.kind, mass }));
+            graph.add_node(Node::Member(MemberNode {
+                index,
+                id: member.id.clone(),
+                kind: member.kind,
+                mass,
+            }));
         }
         let ground = graph.add_node(Node::Ground);
         for (pair, touching) in &pairs {
@@ -230,8 +236,8 @@ fn connections_of_pair(building: &Building, pair: (usize, usize), touching: &Tou
         by_place.entry(place).or_default().push(face);
     }
     by_place
-        .into_iter()
-        .map(|(_, mut faces)| {
+        .into_values()
+        .map(|mut faces| {
             faces.sort_by(|a, b| b.area_m2.total_cmp(&a.area_m2));
             connection(building, members, faces)
         })
@@ -246,7 +252,9 @@ fn place(member: &crate::building::Member, face: &ContactFace) -> (u8, &'static 
             let end = if low { End::Low } else { End::High };
             (end as u8, end.name(member.kind))
         }
-        _ if face.axis == 2 => (if face.outward < 0.0 { 2 } else { 3 }, if face.outward < 0.0 { "bottom" } else { "top" }),
+        _ if face.axis == 2 => {
+            (if face.outward < 0.0 { 2 } else { 3 }, if face.outward < 0.0 { "bottom" } else { "top" })
+        }
         _ => (4, "side"),
     }
 }
@@ -258,7 +266,8 @@ fn connection(building: &Building, members: [usize; 2], faces: Vec<ContactFace>)
     let centroid_m: [f64; 3] =
         std::array::from_fn(|i| faces.iter().map(|f| f.area_m2 * f.centroid_m[i]).sum::<f64>() / area_m2);
     let (order, name) = place(first, &faces[0]);
-    let end = (bar_axis(first) == Some(faces[0].axis)).then_some(if order == 0 { End::Low } else { End::High });
+    let end =
+        (bar_axis(first) == Some(faces[0].axis)).then_some(if order == 0 { End::Low } else { End::High });
     let eccentricity_m = [first, second].map(|member| {
         let center = member.solid.center();
         std::array::from_fn(|i| match bar_axis(member) {
@@ -316,12 +325,18 @@ fn support_faces(building: &Building, boxes: &[Vec<Aabb>]) -> Vec<SupportFace> {
 }
 
 /// Near misses among the pairs that do not touch.
-fn near_misses(building: &Building, touching: &BTreeSet<(usize, usize)>) -> Vec<NearMiss> {
+fn near_misses(
+    building: &Building,
+    boxes: &[Vec<Aabb>],
+    touching: &BTreeSet<(usize, usize)>,
+) -> Vec<NearMiss> {
     let mut misses = Vec::new();
     for (i, a) in building.members.iter().enumerate() {
         for (j, b) in building.members.iter().enumerate().skip(i + 1) {
-            let Some((axis, gap_m, facing_area_m2)) = near_miss(&a.solid, &b.solid) else { continue };
-            if !touching.contains(&(i, j)) {
+            if touching.contains(&(i, j)) || !are_near(&a.solid, &b.solid) {
+                continue;
+            }
+            if let Some((axis, gap_m, facing_area_m2)) = near_miss(&boxes[i], &boxes[j]) {
                 misses.push(NearMiss { members: [a.id.clone(), b.id.clone()], axis, gap_m, facing_area_m2 });
             }
         }
@@ -330,7 +345,12 @@ fn near_misses(building: &Building, touching: &BTreeSet<(usize, usize)>) -> Vec<
 }
 
 /// What looks wrong about a graph.
-fn notes(building: &Building, boxes: &[Vec<Aabb>], ends: &[MemberEnd], graph: &UnGraph<Node, Link>) -> Vec<String> {
+fn notes(
+    building: &Building,
+    boxes: &[Vec<Aabb>],
+    ends: &[MemberEnd],
+    graph: &UnGraph<Node, Link>,
+) -> Vec<String> {
     let mut notes = Vec::new();
     for (index, member) in building.members.iter().enumerate() {
         if boxes[index].is_empty() {

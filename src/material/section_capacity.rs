@@ -125,7 +125,8 @@ impl FibreSection {
     ) -> Self {
         let along_width = matches!(edge, CompressedEdge::WidthHigh | CompressedEdge::WidthLow);
         let (height_m, breadth_m) = if along_width { (width_m, depth_m) } else { (depth_m, width_m) };
-        let sign = if matches!(edge, CompressedEdge::WidthHigh | CompressedEdge::DepthHigh) { 1.0 } else { -1.0 };
+        let sign =
+            if matches!(edge, CompressedEdge::WidthHigh | CompressedEdge::DepthHigh) { 1.0 } else { -1.0 };
         let mut bars: Vec<(f64, f64)> = bars
             .iter()
             .map(|bar| {

@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 
 /// An empty building with the materials and sections of the reference frame.
 pub fn empty() -> Building {
-    let concrete = Concrete { density_kg_m3: 2500.0, strength_pa: 30e6, youngs_modulus_pa: 33e9, poisson_ratio: 0.2 };
+    let concrete =
+        Concrete { density_kg_m3: 2500.0, strength_pa: 30e6, youngs_modulus_pa: 33e9, poisson_ratio: 0.2 };
     let steel = Steel {
         yield_strength_pa: 500e6,
         ultimate_strength_pa: 540e6,
@@ -36,16 +37,15 @@ pub fn empty() -> Building {
         bars,
         ties: Some(Ties { diameter_m: 0.008, spacing_m: 0.15 }),
     };
-    let plate =
-        SectionShape::Plate { thickness_m: 0.25, bar_diameter_m: 0.010, bar_spacing_m: 0.15, bar_cover_m: 0.035 };
+    let plate = SectionShape::Plate {
+        thickness_m: 0.25,
+        bar_diameter_m: 0.010,
+        bar_spacing_m: 0.15,
+        bar_cover_m: 0.035,
+    };
     let section = |id: &str, shape| {
-        let section = Section {
-            id: id.into(),
-            shape,
-            concrete: "c30".into(),
-            steel: "b500".into(),
-            law: "rc".into(),
-        };
+        let section =
+            Section { id: id.into(), shape, concrete: "c30".into(), steel: "b500".into(), law: "rc".into() };
         (id.to_string(), section)
     };
     Building {
@@ -87,7 +87,12 @@ pub fn support(building: &mut Building, id: &str) {
 
 /// A charge on a whole member.
 pub fn charge(building: &mut Building, id: &str) {
-    building.events.push(Charge { id: format!("charge-{id}"), member: id.into(), stretch_m: None, time_s: 0.0 });
+    building.events.push(Charge {
+        id: format!("charge-{id}"),
+        member: id.into(),
+        stretch_m: None,
+        time_s: 0.0,
+    });
 }
 
 /// A coordinate without rounding noise, as the reader gives it.

@@ -12,7 +12,14 @@ fn element(nodes: [usize; 2], frame: &Frame, section: BeamSection) -> Element {
     let ends_m = nodes.map(|n| frame.nodes[n].point_m);
     let upright = (ends_m[0][2] - ends_m[1][2]).abs() > 0.1;
     let axis1 = if upright { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    Element { member: format!("bar {}-{}", nodes[0], nodes[1]), nodes, ends_m, axis1, section, loads: Vec::new() }
+    Element {
+        member: format!("bar {}-{}", nodes[0], nodes[1]),
+        nodes,
+        ends_m,
+        axis1,
+        section,
+        loads: Vec::new(),
+    }
 }
 
 fn close(computed: f64, exact: f64, tolerance: f64) {
@@ -56,6 +63,7 @@ fn rigid_offset() {
     frame.nodes[1].load[2] = -10e3;
     let mut bar = element([0, 1], &frame, section);
     bar.ends_m = [[0.2, 0.0, 0.0], [2.2, 0.0, 0.0]];
+    bar.axis1 = [0.0, 1.0, 0.0];
     frame.elements.push(bar);
     let solution = frame.solve().unwrap();
     close(solution.forces[0][0].moment_nm[0], 10e3 * 2.3, 1e-10);
@@ -95,7 +103,12 @@ fn portal() {
     let k = height / width;
     for lateral in [false, true] {
         let mut frame = Frame::default();
-        for (id, x, z) in [("left foot", 0.0, 0.0), ("left", 0.0, height), ("right", width, height), ("right foot", width, 0.0)] {
+        for (id, x, z) in [
+            ("left foot", 0.0, 0.0),
+            ("left", 0.0, height),
+            ("right", width, height),
+            ("right foot", width, 0.0),
+        ] {
             let mut node = FrameNode::free(id, [x, 0.0, z]);
             node.fixed = if z == 0.0 { [true; 6] } else { [false, true, false, true, false, true] };
             frame.nodes.push(node);

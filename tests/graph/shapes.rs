@@ -92,7 +92,8 @@ fn beam_in_one_piece_over_three_columns() {
     }
     add(&mut building, "B", MemberKind::Beam, [-0.2, -0.15, 3.0], [10.2, 0.15, 3.5]);
     let (structure, demands) = solved(&building);
-    let ids: Vec<&str> = structure.ends.iter().filter(|e| e.member_id == "B").map(|e| e.id.as_str()).collect();
+    let ids: Vec<&str> =
+        structure.ends.iter().filter(|e| e.member_id == "B").map(|e| e.id.as_str()).collect();
     assert_eq!(ids, ["B.1.start", "B.1.end", "B.2.start", "B.2.end"]);
     let feet = ["C-A.bottom", "C-B.bottom", "C-C.bottom"].map(|id| axial(&demands, id));
     assert!((feet[0] / feet[2] - 1.0).abs() < 1e-9 && feet[1] > 1.5 * feet[0], "{feet:?}");
@@ -111,7 +112,9 @@ fn footing_and_wall() {
     // The slab's centre is 1 m beside the wall: but a slab on one upright rests at its joint.
     let above = structure.mass_of(&[1, 2]).mass_kg * 9.81;
     assert!((axial(&demands, "W.bottom") / above - 1.0).abs() < 1e-9);
-    assert!(structure.load_paths(&building, &Default::default()).iter().all(|p| p.vertical == VerticalPath::Kept));
+    assert!(
+        structure.load_paths(&building, &Default::default()).iter().all(|p| p.vertical == VerticalPath::Kept)
+    );
 }
 
 #[test]

@@ -135,7 +135,9 @@ impl Element {
                 p[6] += weight * local[0] * x;
                 for (plane, (u, r, sign)) in PLANES.into_iter().enumerate() {
                     let n = shape(x, length, self.shear_ratio(plane));
-                    for (slot, value, turn) in [(u, n[0], 1.0), (r, n[1], sign), (u + 6, n[2], 1.0), (r + 6, n[3], sign)] {
+                    for (slot, value, turn) in
+                        [(u, n[0], 1.0), (r, n[1], sign), (u + 6, n[2], 1.0), (r + 6, n[3], sign)]
+                    {
                         p[slot] += weight * local[u] * value * turn;
                     }
                 }

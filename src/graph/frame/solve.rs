@@ -98,8 +98,10 @@ impl Frame {
         for element in &self.elements {
             parts.union(element.nodes[0], element.nodes[1]);
         }
-        let held: BTreeSet<usize> =
-            (0..self.nodes.len()).filter(|n| self.nodes[*n].fixed.contains(&true)).map(|n| parts.find(n)).collect();
+        let held: BTreeSet<usize> = (0..self.nodes.len())
+            .filter(|n| self.nodes[*n].fixed.contains(&true))
+            .map(|n| parts.find(n))
+            .collect();
         let loose = self.elements.iter().filter(|e| !held.contains(&parts.find(e.nodes[0])));
         unique(loose.map(|e| e.member.clone()))
     }
@@ -131,9 +133,10 @@ impl Frame {
             unknowns += 3;
         }
         for (n, node) in self.nodes.iter().enumerate().filter(|(n, _)| used[*n]) {
-            for i in 0..6 {
-                if !node.fixed[i] && !(in_diaphragm[n] && matches!(i, 0 | 1 | 5)) {
-                    ties[n][i] = vec![(unknowns, 1.0)];
+            for (i, tie) in ties[n].iter_mut().enumerate() {
+                let settled = node.fixed[i] || in_diaphragm[n] && matches!(i, 0 | 1 | 5);
+                if !settled {
+                    *tie = vec![(unknowns, 1.0)];
                     unknowns += 1;
                 }
             }
@@ -159,12 +162,12 @@ impl Frame {
             for i in 0..12 {
                 let (node_i, freedom_i) = slot(i);
                 apply(node_i, freedom_i, p[i]);
-                for j in 0..12 {
+                for (j, &stiffness) in k[i].iter().enumerate() {
                     let (node_j, freedom_j) = slot(j);
                     for (row, row_share) in &ties[node_i][freedom_i] {
                         for (column, column_share) in &ties[node_j][freedom_j] {
-                            if row >= column && k[i][j] != 0.0 {
-                                triplets.push((*row, *column, row_share * column_share * k[i][j]));
+                            if row >= column && stiffness != 0.0 {
+                                triplets.push((*row, *column, row_share * column_share * stiffness));
                             }
                         }
                     }
@@ -233,8 +236,10 @@ impl Scaled {
     fn factor(&self, shift: f64) -> Result<Llt<usize, f64>, String> {
         let n = self.scale.len();
         let shifts = (0..n).map(|i| Triplet::new(i, i, shift));
-        let entries: Vec<_> = self.matrix.iter().map(|&(i, j, v)| Triplet::new(i, j, v)).chain(shifts).collect();
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).map_err(|e| format!("{e:?}"))?;
+        let entries: Vec<_> =
+            self.matrix.iter().map(|&(i, j, v)| Triplet::new(i, j, v)).chain(shifts).collect();
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries)
+            .map_err(|e| format!("{e:?}"))?;
         matrix.sp_cholesky(Side::Lower).map_err(|e| format!("{e:?}"))
     }
 
@@ -253,7 +258,8 @@ impl Scaled {
     /// The smallest eigenvalue (Rayleigh quotient) and its vector in unscaled unknowns.
     fn smallest(&self, factor: &Llt<usize, f64>) -> (f64, Vec<f64>) {
         // A start without symmetry, so that no mode is missed: fractions of multiples of the golden ratio.
-        let mut x: Vec<f64> = (0..self.scale.len()).map(|i| (0.618_033_988_75 * (i + 1) as f64).fract() - 0.5).collect();
+        let mut x: Vec<f64> =
+            (0..self.scale.len()).map(|i| (0.618_033_988_75 * (i + 1) as f64).fract() - 0.5).collect();
         for _ in 0..ITERATIONS {
             x = back_substitute(factor, &x);
             let norm = x.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -308,7 +314,8 @@ fn transposed_times(a: &Matrix12, x: &Vector12) -> Vector12 {
 
 /// `bᵀ k b`.
 fn congruent(b: &Matrix12, k: &Matrix12) -> Matrix12 {
-    let kb: Matrix12 = std::array::from_fn(|i| std::array::from_fn(|j| (0..12).map(|m| k[i][m] * b[m][j]).sum()));
+    let kb: Matrix12 =
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..12).map(|m| k[i][m] * b[m][j]).sum()));
     std::array::from_fn(|i| std::array::from_fn(|j| (0..12).map(|m| b[m][i] * kb[m][j]).sum()))
 }
 

@@ -36,9 +36,10 @@ pub(super) fn find(structure: &Structure, building: &Building) -> Vec<Joint> {
             .iter()
             .copied()
             .filter(|&e| structure.ends[e].end == End::Low && level(e) > level(top) - COORDINATE_TOLERANCE_M)
-            .filter(|&e| plan_overlap(solid(e), solid(top)).is_some_and(|p| {
-                structure.is_solid_between(p, level(top), level(e))
-            }))
+            .filter(|&e| {
+                plan_overlap(solid(e), solid(top))
+                    .is_some_and(|p| structure.is_solid_between(p, level(top), level(e)))
+            })
             .collect();
         let nearest = above.iter().map(|e| level(*e)).fold(f64::INFINITY, f64::min);
         for &bottom in above.iter().filter(|e| level(**e) < nearest + COORDINATE_TOLERANCE_M) {
@@ -77,18 +78,20 @@ impl Builder<'_> {
         for index in 0..self.joints.len() {
             let joint = &self.joints[index];
             let count = joint.ends.len() as f64;
-            let mean = |i: usize| {
-                joint.ends.iter().map(|e| self.structure.ends[*e].point_m[i]).sum::<f64>() / count
-            };
+            let mean =
+                |i: usize| joint.ends.iter().map(|e| self.structure.ends[*e].point_m[i]).sum::<f64>() / count;
             let beams: Vec<f64> = self
                 .structure
                 .ends
                 .iter()
-                .filter(|e| !self.upright(e.member) && self.frames_into(joint, e.member, e.axis, e.point_m[e.axis]))
+                .filter(|e| {
+                    !self.upright(e.member) && self.frames_into(joint, e.member, e.axis, e.point_m[e.axis])
+                })
                 .map(|e| e.point_m[2])
                 .collect();
             let middle = 0.5 * (joint.range_m[0] + joint.range_m[1]);
-            let level = if beams.is_empty() { middle } else { beams.iter().sum::<f64>() / beams.len() as f64 };
+            let level =
+                if beams.is_empty() { middle } else { beams.iter().sum::<f64>() / beams.len() as f64 };
             let id = format!("joint at {}", self.structure.ends[joint.ends[0]].id);
             let node = FrameNode::free(id, [mean(0), mean(1), level]);
             self.joints[index].node = self.nodes.len();
@@ -179,7 +182,8 @@ impl Builder<'_> {
     fn seat_lone_joints(&mut self) {
         for index in 0..self.joints.len() {
             let (node, range) = (self.joints[index].node, self.joints[index].range_m);
-            let is_end = |span: &Span| !self.upright(span.member) && span.nodes.iter().any(|(_, n)| *n == node);
+            let is_end =
+                |span: &Span| !self.upright(span.member) && span.nodes.iter().any(|(_, n)| *n == node);
             if self.spans.iter().any(is_end) {
                 continue;
             }

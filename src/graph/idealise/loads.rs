@@ -45,8 +45,9 @@ impl Builder<'_> {
 
     /// A bar: cells along its spans as line loads, the rest at the nearest end node.
     fn place_bar(&mut self, member: usize) -> bool {
-        let spans: Vec<usize> =
-            (0..self.spans.len()).filter(|s| self.spans[*s].member == member && self.spans[*s].ends.is_some()).collect();
+        let spans: Vec<usize> = (0..self.spans.len())
+            .filter(|s| self.spans[*s].member == member && self.spans[*s].ends.is_some())
+            .collect();
         let Some(&first) = spans.first() else { return false };
         let (axis, weight) = (self.spans[first].axis, self.specific_weight(member));
         for cell in self.structure.boxes(member) {
@@ -76,7 +77,8 @@ impl Builder<'_> {
             .filter(|e| e.supported && self.left(e.member) && e.connected.contains(id))
             .map(|e| e.id.clone())
             .collect();
-        let nodes: Vec<usize> = (0..self.nodes.len()).filter(|n| on_it.contains(&self.nodes[*n].id)).collect();
+        let nodes: Vec<usize> =
+            (0..self.nodes.len()).filter(|n| on_it.contains(&self.nodes[*n].id)).collect();
         let force = self.specific_weight(member) * self.structure.mass_of(&[member]).volume_m3;
         nodes.iter().for_each(|n| self.nodes[*n].load[2] -= force / nodes.len() as f64);
         !nodes.is_empty()
@@ -88,10 +90,12 @@ impl Builder<'_> {
         if carriers.is_empty() {
             return self.place_slab_on_joints(slab, weight);
         }
-        let mut bins: Vec<Vec<f64>> = carriers.iter().map(|c| vec![0.0; bin_count(&self.spans[*c])]).collect();
+        let mut bins: Vec<Vec<f64>> =
+            carriers.iter().map(|c| vec![0.0; bin_count(&self.spans[*c])]).collect();
         for cell in self.structure.boxes(slab) {
             for (point, force) in samples(cell, weight) {
-                let projected: Vec<(f64, f64)> = carriers.iter().map(|c| project(&self.spans[*c], point)).collect();
+                let projected: Vec<(f64, f64)> =
+                    carriers.iter().map(|c| project(&self.spans[*c], point)).collect();
                 let least = projected.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
                 let near: Vec<usize> =
                     (0..carriers.len()).filter(|i| projected[*i].0 < least + TIE_M).collect();
@@ -138,7 +142,8 @@ impl Builder<'_> {
                     (at[0] - point[0]).hypot(at[1] - point[1])
                 };
                 let least = nodes.iter().map(|n| distance(*n)).fold(f64::INFINITY, f64::min);
-                let near: Vec<usize> = nodes.iter().copied().filter(|n| distance(*n) < least + TIE_M).collect();
+                let near: Vec<usize> =
+                    nodes.iter().copied().filter(|n| distance(*n) < least + TIE_M).collect();
                 near.iter().for_each(|n| self.nodes[*n].load[2] -= force / near.len() as f64);
             }
         }

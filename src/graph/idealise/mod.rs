@@ -181,7 +181,8 @@ impl Builder<'_> {
                 })
                 .iter()
                 .sum();
-            let (low, high) = (slab.solid.min[2].max(beam.solid.min[2]), slab.solid.max[2].min(beam.solid.max[2]));
+            let (low, high) =
+                (slab.solid.min[2].max(beam.solid.min[2]), slab.solid.max[2].min(beam.solid.max[2]));
             if high - low > COORDINATE_TOLERANCE_M && width > 0.0 {
                 let sum = found.map_or(0.0, |f| f.0) + width;
                 found = Some((sum, high - low, 0.5 * (low + high)));
@@ -247,7 +248,8 @@ impl Builder<'_> {
         let solid = &self.member(slab).solid;
         let carries = |span: &Span| {
             span.member == slab
-                || (self.member(span.member).kind == MemberKind::Beam && meet(&self.member(span.member).solid, solid))
+                || (self.member(span.member).kind == MemberKind::Beam
+                    && meet(&self.member(span.member).solid, solid))
         };
         (0..self.spans.len()).filter(|s| carries(&self.spans[*s])).collect()
     }

@@ -55,7 +55,9 @@ impl Builder<'_> {
     fn strip(&self, slab: usize, joints: &[usize], [from, to]: [usize; 2], axis: usize) -> Option<Span> {
         let nodes = [from, to].map(|j| self.joints[j].node);
         let joined = self.spans.iter().any(|s| {
-            !self.upright(s.member) && s.member != slab && nodes.iter().all(|n| s.nodes.iter().any(|(_, m)| m == n))
+            !self.upright(s.member)
+                && s.member != slab
+                && nodes.iter().all(|n| s.nodes.iter().any(|(_, m)| m == n))
         });
         if joined {
             return None;
