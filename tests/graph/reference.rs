@@ -13,11 +13,12 @@ const VOLUME_M3: f64 =
     12.0 * 0.16 * 3.0 + 3.0 * 6.4 * 5.4 * 0.25 + 6.0 * 5.6 * 0.075 + 6.0 * 4.6 * 0.075 + 12.0 * 0.16 * 0.25;
 const WEIGHT_N: f64 = VOLUME_M3 * 2500.0 * 9.81;
 
-fn equilibrium(summary: &StateSummary) -> (f64, [f64; 3], Vec<(String, [f64; 6])>) {
+/// Weight \[N\], sum of the support forces \[N\] and number of supports of a solved state.
+fn equilibrium(summary: &StateSummary) -> (f64, [f64; 3], usize) {
     match summary {
         StateSummary::Equilibrium { weight_n, reaction_sum_n, reactions, unplaced, .. } => {
             assert!(unplaced.is_empty(), "{unplaced:?}");
-            (*weight_n, *reaction_sum_n, reactions.clone())
+            (*weight_n, *reaction_sum_n, reactions.len())
         }
         other => panic!("{other:?}"),
     }
@@ -165,7 +166,7 @@ fn after_removal_the_rear_columns_take_the_overturning_moment() {
     let demands = demands(&structure, &building);
     let (weight, sum, reactions) = equilibrium(demands.after.as_ref().unwrap());
     assert!((sum[2] / weight - 1.0).abs() < 1e-9);
-    assert_eq!(reactions.len(), 2);
+    assert_eq!(reactions, 2);
     let left: Vec<usize> =
         (0..building.members.len()).filter(|m| !charged_members(&building).contains(m)).collect();
     let mass = structure.mass_of(&left);
