@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 a check failed, 2 bad input or usage.
 
 mod check;
+pub mod graph;
 mod init;
 pub mod library;
 pub mod rules;
@@ -47,6 +48,7 @@ enum Command {
     Check(check::Arguments),
     Init(init::Arguments),
     Schema(schema::Arguments),
+    Graph(graph::Arguments),
     /// Run a multibody model file
     Simulate(simulate::SimulateArgs),
     /// The library of subsystems: list, show, verify, rebuild, export, import, deprecate
@@ -61,6 +63,7 @@ pub fn run() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
+        Command::Graph(arguments) => show_graph(&arguments),
         Command::Library(arguments) => return ExitCode::from(library::run(&arguments)),
         Command::Rules(arguments) => return ExitCode::from(rules::run(&arguments)),
         Command::Simulate(arguments) => match simulate::run(arguments) {
@@ -72,6 +75,16 @@ pub fn run() -> ExitCode {
         },
     }
     .into()
+}
+
+fn show_graph(arguments: &graph::Arguments) -> Outcome {
+    let inspection = crate::building::inspect_file(&arguments.file);
+    if !inspection.diagnostics.items().is_empty() {
+        eprint!("{}", inspection.diagnostics.render(colour_on_stderr()));
+    }
+    let Some(building) = inspection.building else { return Outcome::BadInput };
+    print(&graph::run(arguments, &building));
+    Outcome::Done
 }
 
 /// Writes to standard output; a closed pipe (`| head`) is no error.

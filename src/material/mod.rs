@@ -1,3 +1,4 @@
-//! Constitutive laws.
+//! Constitutive laws and the strength of sections.
 
 pub mod j2;
+pub mod section_capacity;

@@ -1,0 +1,228 @@
+//! Elastic demands at the member ends before and after the removal, against the capacity of the sections.
+//!
+//! Two capacities stand side by side: that of the reinforced section ([`FibreSection`], perfectly plastic
+//! steel) and that of the homogenised law which the global FE model uses ([`HomogenisedCapacity`]).
+//! Demands are linear elastic and of first order: a ratio above 1 says where the structure yields
+//! first, not that it collapses, and says nothing about the dynamic increase after a sudden removal.
+
+use super::ends::MemberEnd;
+use super::frame::{FrameError, Mechanism, SectionForces};
+use super::idealise::idealise;
+use super::paths::{charged_members, cut_members};
+use super::structure::Structure;
+use crate::building::{Building, Material, Preparation};
+use crate::material::section_capacity::{CompressedEdge, FibreSection, HomogenisedCapacity};
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+/// Demand against one capacity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Utilisation {
+    /// Moment capacity about axes 1 and 2 at the axial force of the demand, for the sense of the
+    /// demand \[N m\]; zero beyond the axial limits.
+    pub capacity_nm: [f64; 2],
+    /// Demand over capacity; the axial ratio if the axial force is beyond its limit.
+    pub ratio: f64,
+}
+
+/// Demand at one member end in one state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EndState {
+    /// Section forces.
+    pub forces: SectionForces,
+    /// Against the reinforced section.
+    pub section: Utilisation,
+    /// Against the homogenised law.
+    pub homogenised: Utilisation,
+}
+
+/// Demand at one member end.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EndDemand {
+    /// Id of the member end.
+    pub id: String,
+    /// Before the charges; `None` if the member was cut away in preparation or there is no solution.
+    pub before: Option<EndState>,
+    /// After the charges; `None` if the member is gone or there is no solution.
+    pub after: Option<EndState>,
+}
+
+/// One solved state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "state", rename_all = "snake_case")]
+pub enum StateSummary {
+    /// A static equilibrium exists in linear theory.
+    Equilibrium {
+        /// Weight of the members left \[N\].
+        weight_n: f64,
+        /// Sum of the support forces \[N\].
+        reaction_sum_n: [f64; 3],
+        /// Support forces \[N\] and moments \[N m\] by the id of the supported end.
+        reactions: Vec<(String, [f64; 6])>,
+        /// Largest nodal displacement \[m\].
+        largest_displacement_m: f64,
+        /// Number of unknowns.
+        unknowns: usize,
+        /// Members whose weight rests on nothing and was left out.
+        unplaced: Vec<String>,
+    },
+    /// Parts can move freely.
+    Mechanism(Mechanism),
+    /// The solver failed.
+    Failed {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// Demands of a building.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Demands {
+    /// The dead-load state after the preparation.
+    pub before: StateSummary,
+    /// After all charges; `None` if the building has none.
+    pub after: Option<StateSummary>,
+    /// All member ends, in the order of `Structure::ends`.
+    pub ends: Vec<EndDemand>,
+}
+
+/// Solves the frame before and after the charges and compares with the capacities.
+pub fn demands(structure: &Structure, building: &Building) -> Demands {
+    let cut = cut_members(building);
+    let gone: BTreeSet<usize> = charged_members(building).union(&cut).copied().collect();
+    let (before, before_ends) = state(structure, building, &cut);
+    let after = (gone != cut).then(|| state(structure, building, &gone));
+    let (after, after_ends) = match after {
+        Some((summary, ends)) => (Some(summary), ends),
+        None => (None, vec![None; structure.ends.len()]),
+    };
+    let ends = structure
+        .ends
+        .iter()
+        .zip(before_ends.into_iter().zip(after_ends))
+        .map(|(end, (before, after))| EndDemand { id: end.id.clone(), before, after })
+        .collect();
+    Demands { before, after, ends }
+}
+
+/// One state: its summary and the state of each end.
+pub fn state(
+    structure: &Structure,
+    building: &Building,
+    removed: &BTreeSet<usize>,
+) -> (StateSummary, Vec<Option<EndState>>) {
+    let none = vec![None; structure.ends.len()];
+    let ideal = idealise(structure, building, removed);
+    let solution = match ideal.frame.solve() {
+        Ok(solution) => solution,
+        Err(FrameError::Mechanism(mechanism)) => return (StateSummary::Mechanism(mechanism), none),
+        Err(FrameError::Factorisation(reason)) => return (StateSummary::Failed { reason }, none),
+    };
+    let length = |u: &[f64; 6]| (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
+    let summary = StateSummary::Equilibrium {
+        weight_n: ideal.weight_n,
+        reaction_sum_n: solution.reaction_sum_n(),
+        reactions: solution.reactions.iter().map(|(n, r)| (ideal.frame.nodes[*n].id.clone(), *r)).collect(),
+        largest_displacement_m: solution.displacement.iter().map(length).fold(0.0, f64::max),
+        unknowns: solution.unknowns,
+        unplaced: ideal.unplaced.clone(),
+    };
+    let ends = ideal.ends.iter().zip(&structure.ends).map(|(place, end)| {
+        let (element, side) = (*place)?;
+        let forces = solution.forces[element][side];
+        Some(EndState {
+            forces,
+            section: against_section(building, end, &forces)?,
+            homogenised: against_law(building, end, &forces),
+        })
+    });
+    (summary, ends.collect())
+}
+
+/// The share of its strength that preparatory weakening leaves a member.
+fn strength_factor(building: &Building, member_id: &str) -> f64 {
+    let factors = building.preparation.iter().filter_map(|p| match p {
+        Preparation::Weaken { member, strength_factor } if member == member_id => Some(*strength_factor),
+        _ => None,
+    });
+    factors.product()
+}
+
+/// The compressed edge for a moment about axis 1 or 2 (see [`SectionForces::moment_nm`]).
+fn compressed_edge(about: usize, moment_nm: f64) -> CompressedEdge {
+    match (about, moment_nm >= 0.0) {
+        (0, true) => CompressedEdge::DepthLow,
+        (0, false) => CompressedEdge::DepthHigh,
+        (_, true) => CompressedEdge::WidthHigh,
+        (_, false) => CompressedEdge::WidthLow,
+    }
+}
+
+/// Against the reinforced section: uniaxial capacities at the axial force, combined as in EN 1992-1-1, 5.8.9
+/// (4), eq. 5.39. `None` if the section's materials are not concrete and steel.
+pub fn against_section(building: &Building, end: &MemberEnd, forces: &SectionForces) -> Option<Utilisation> {
+    let member = building.member(&end.member_id)?;
+    let section = building.sections.get(&member.section)?;
+    let (Some(Material::Concrete(concrete)), Some(Material::Steel(steel))) =
+        (building.materials.get(&section.concrete), building.materials.get(&section.steel))
+    else {
+        return None;
+    };
+    // Strength and force scaled alike: M(N) of the weakened section is f M(N / f).
+    let factor = strength_factor(building, &member.id);
+    let axial = forces.axial_n / factor;
+    let fibres: [FibreSection; 2] = std::array::from_fn(|i| {
+        FibreSection::of_section(
+            section,
+            concrete,
+            steel,
+            end.size_m[0],
+            compressed_edge(i, forces.moment_nm[i]),
+        )
+    });
+    let [tension, compression] = fibres[0].axial_limits_n();
+    let axial_ratio = if axial >= 0.0 { axial / compression } else { axial / tension };
+    let capacity_nm: [f64; 2] = std::array::from_fn(|i| factor * fibres[i].ultimate_moment_nm(axial));
+    let exponent = biaxial_exponent(axial.max(0.0) / compression);
+    Some(utilisation(capacity_nm, forces, axial_ratio, exponent))
+}
+
+/// Exponent of the biaxial interaction of a rectangular section over `N/N_Rd`, EN 1992-1-1, 5.8.9 (4).
+fn biaxial_exponent(axial_ratio: f64) -> f64 {
+    if axial_ratio <= 0.7 {
+        1.0 + 0.5 * ((axial_ratio - 0.1) / 0.6).max(0.0)
+    } else {
+        1.5 + 0.5 * ((axial_ratio - 0.7) / 0.3).min(1.0)
+    }
+}
+
+/// Against the homogenised law: rectangle, biaxial exponent `1.73 + 1.8 n³` (ENV 1993-1-1:1992, 5.4.8.1 (11),
+/// solid rectangles).
+pub fn against_law(building: &Building, end: &MemberEnd, forces: &SectionForces) -> Utilisation {
+    let Some(member) = building.member(&end.member_id) else {
+        return Utilisation { capacity_nm: [0.0; 2], ratio: 0.0 };
+    };
+    let law = building.law_of(member);
+    let factor = strength_factor(building, &member.id);
+    let [width, depth] = end.size_m;
+    let axial = forces.axial_n / factor;
+    let capacities = [
+        HomogenisedCapacity::of_rectangle(law, width, depth),
+        HomogenisedCapacity::of_rectangle(law, depth, width),
+    ];
+    let n = (axial / capacities[0].plastic_force_n).abs();
+    utilisation(capacities.map(|c| factor * c.moment_nm(axial)), forces, n, 1.73 + 1.8 * n.powi(3))
+}
+
+fn utilisation(
+    capacity_nm: [f64; 2],
+    forces: &SectionForces,
+    axial_ratio: f64,
+    exponent: f64,
+) -> Utilisation {
+    if axial_ratio >= 1.0 || capacity_nm.iter().any(|c| *c <= 0.0) {
+        return Utilisation { capacity_nm: [0.0; 2], ratio: axial_ratio.max(1.0) };
+    }
+    let sum: f64 = (0..2).map(|i| (forces.moment_nm[i].abs() / capacity_nm[i]).powf(exponent)).sum();
+    Utilisation { capacity_nm, ratio: sum.powf(1.0 / exponent) }
+}

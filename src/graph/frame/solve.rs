@@ -1,0 +1,326 @@
+//! Assembly, sparse Cholesky solution (faer), section forces, reactions, and the search for mechanisms.
+//!
+//! The system is scaled to a unit diagonal, so that translations and rotations compare. A frame moves
+//! freely if a part has no fixed node, or if the scaled matrix has an eigenvalue below
+//! [`MECHANISM_EIGENVALUE`]; the smallest one is found by inverse iteration.
+
+use super::element::{Matrix12, Vector12};
+use super::{Frame, SectionForces};
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::Llt;
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{Mat, Side};
+use petgraph::unionfind::UnionFind;
+use serde::Serialize;
+use std::collections::BTreeSet;
+
+/// Smallest eigenvalue of the scaled stiffness below which the frame counts as a mechanism. Rounding leaves
+/// about 1e-15 of a true mechanism; the most slender sensible frame stays above 1e-9.
+pub const MECHANISM_EIGENVALUE: f64 = 1e-12;
+/// Shift that makes a singular scaled matrix factorable for the inverse iteration.
+const SHIFT: f64 = 1e-9;
+/// Inverse iterations; each gains the ratio of the two smallest eigenvalues, and one is mostly enough.
+const ITERATIONS: usize = 4;
+/// A node takes part in a mechanism if it moves by more than this share of the largest motion.
+const PARTICIPATION: f64 = 1e-4;
+
+/// Members that can move without straining anything.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
+#[error("not held: {}", members.join(", "))]
+pub struct Mechanism {
+    /// Ids of the members, in the order of the elements.
+    pub members: Vec<String>,
+}
+
+/// Why a frame has no solution.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FrameError {
+    /// Part of it is a mechanism.
+    #[error("the frame is a mechanism; {0}")]
+    Mechanism(Mechanism),
+    /// The factorisation failed for another reason.
+    #[error("the stiffness matrix could not be factored: {0}")]
+    Factorisation(String),
+}
+
+/// The static solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameSolution {
+    /// Displacement \[m\] and rotation \[rad\] of each node.
+    pub displacement: Vec<[f64; 6]>,
+    /// Section forces at the first and second end of each element.
+    pub forces: Vec<[SectionForces; 2]>,
+    /// `(node, force [N] and moment [N m] of the support on the frame)` for each fixed node.
+    pub reactions: Vec<(usize, [f64; 6])>,
+    /// Number of unknowns.
+    pub unknowns: usize,
+}
+
+impl FrameSolution {
+    /// Sum of the support forces \[N\].
+    pub fn reaction_sum_n(&self) -> [f64; 3] {
+        std::array::from_fn(|i| self.reactions.iter().map(|(_, r)| r[i]).sum())
+    }
+}
+
+/// Each freedom of a node as a combination of unknowns; empty if it is held.
+type Ties = Vec<[Vec<(usize, f64)>; 6]>;
+
+impl Frame {
+    /// Solves for the static equilibrium under the loads.
+    pub fn solve(&self) -> Result<FrameSolution, FrameError> {
+        let loose = self.without_support();
+        if !loose.is_empty() {
+            return Err(FrameError::Mechanism(Mechanism { members: loose }));
+        }
+        let (ties, unknowns) = self.ties();
+        let (triplets, load) = self.assemble(&ties, unknowns);
+        let scaled = Scaled::of(triplets, unknowns)?;
+        let solution = match scaled.factor(0.0) {
+            Ok(factor) => {
+                let (eigenvalue, vector) = scaled.smallest(&factor);
+                if eigenvalue > MECHANISM_EIGENVALUE { Ok(scaled.solve(&factor, &load)) } else { Err(vector) }
+            }
+            Err(_) => {
+                let factor = scaled.factor(SHIFT).map_err(FrameError::Factorisation)?;
+                Err(scaled.smallest(&factor).1)
+            }
+        };
+        match solution {
+            Ok(values) => Ok(self.results(&ties, &values, unknowns)),
+            Err(vector) => Err(FrameError::Mechanism(self.moving(&expand(&ties, &vector)))),
+        }
+    }
+
+    /// Members in parts of the frame that no support holds.
+    fn without_support(&self) -> Vec<String> {
+        let mut parts = UnionFind::new(self.nodes.len());
+        for element in &self.elements {
+            parts.union(element.nodes[0], element.nodes[1]);
+        }
+        let held: BTreeSet<usize> = (0..self.nodes.len())
+            .filter(|n| self.nodes[*n].fixed.contains(&true))
+            .map(|n| parts.find(n))
+            .collect();
+        let loose = self.elements.iter().filter(|e| !held.contains(&parts.find(e.nodes[0])));
+        unique(loose.map(|e| e.member.clone()))
+    }
+
+    /// Numbers the unknowns: three for each diaphragm, the rest node by node. Freedoms of nodes without an
+    /// element are held.
+    fn ties(&self) -> (Ties, usize) {
+        let mut used = vec![false; self.nodes.len()];
+        self.elements.iter().flat_map(|e| e.nodes).for_each(|n| used[n] = true);
+        let mut ties: Ties = vec![Default::default(); self.nodes.len()];
+        let mut in_diaphragm = vec![false; self.nodes.len()];
+        let mut unknowns = 0;
+        for diaphragm in &self.diaphragms {
+            let nodes: Vec<usize> = diaphragm.nodes.iter().copied().filter(|n| used[*n]).collect();
+            nodes.iter().for_each(|&n| in_diaphragm[n] = true);
+            let held = nodes.iter().any(|&n| [0, 1, 5].iter().any(|&i| self.nodes[n].fixed[i]));
+            if held || nodes.is_empty() {
+                continue;
+            }
+            let count = nodes.len() as f64;
+            let center: [f64; 2] =
+                std::array::from_fn(|i| nodes.iter().map(|&n| self.nodes[n].point_m[i]).sum::<f64>() / count);
+            for &n in &nodes {
+                let [x, y] = [0, 1].map(|i| self.nodes[n].point_m[i] - center[i]);
+                ties[n][0] = vec![(unknowns, 1.0), (unknowns + 2, -y)];
+                ties[n][1] = vec![(unknowns + 1, 1.0), (unknowns + 2, x)];
+                ties[n][5] = vec![(unknowns + 2, 1.0)];
+            }
+            unknowns += 3;
+        }
+        for (n, node) in self.nodes.iter().enumerate().filter(|(n, _)| used[*n]) {
+            for (i, tie) in ties[n].iter_mut().enumerate() {
+                let settled = node.fixed[i] || in_diaphragm[n] && matches!(i, 0 | 1 | 5);
+                if !settled {
+                    *tie = vec![(unknowns, 1.0)];
+                    unknowns += 1;
+                }
+            }
+        }
+        (ties, unknowns)
+    }
+
+    /// Stiffness as triplets (lower triangle) and the load vector.
+    fn assemble(&self, ties: &Ties, unknowns: usize) -> (Vec<(usize, usize, f64)>, Vec<f64>) {
+        let mut triplets = Vec::new();
+        let mut load = vec![0.0; unknowns];
+        let mut apply = |n: usize, i: usize, value: f64| {
+            ties[n][i].iter().for_each(|(unknown, share)| load[*unknown] += share * value);
+        };
+        for (n, node) in self.nodes.iter().enumerate() {
+            (0..6).for_each(|i| apply(n, i, node.load[i]));
+        }
+        for element in &self.elements {
+            let b = element.from_nodes(element.nodes.map(|n| self.nodes[n].point_m));
+            let p = transposed_times(&b, &element.equivalent_load());
+            let k = congruent(&b, &element.stiffness());
+            let slot = |i: usize| (element.nodes[i / 6], i % 6);
+            for i in 0..12 {
+                let (node_i, freedom_i) = slot(i);
+                apply(node_i, freedom_i, p[i]);
+                for (j, &stiffness) in k[i].iter().enumerate() {
+                    let (node_j, freedom_j) = slot(j);
+                    for (row, row_share) in &ties[node_i][freedom_i] {
+                        for (column, column_share) in &ties[node_j][freedom_j] {
+                            if row >= column && stiffness != 0.0 {
+                                triplets.push((*row, *column, row_share * column_share * stiffness));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        (triplets, load)
+    }
+
+    /// Section forces and reactions from the unknowns.
+    fn results(&self, ties: &Ties, values: &[f64], unknowns: usize) -> FrameSolution {
+        let displacement = expand(ties, values);
+        let mut forces = Vec::new();
+        let mut on_nodes: Vec<[f64; 6]> = self.nodes.iter().map(|n| n.load.map(|l| -l)).collect();
+        for element in &self.elements {
+            let b = element.from_nodes(element.nodes.map(|n| self.nodes[n].point_m));
+            let at_nodes: Vector12 = std::array::from_fn(|i| displacement[element.nodes[i / 6]][i % 6]);
+            let local = times(&b, &at_nodes);
+            let (elastic, p) = (times(&element.stiffness(), &local), element.equivalent_load());
+            let end: Vector12 = std::array::from_fn(|i| elastic[i] - p[i]);
+            for (i, value) in transposed_times(&b, &end).into_iter().enumerate() {
+                on_nodes[element.nodes[i / 6]][i % 6] += value;
+            }
+            // The end forces act on the element; at its first end the section's normal points inward.
+            forces.push([section_forces(&end[..6], -1.0), section_forces(&end[6..], 1.0)]);
+        }
+        let fixed = |n: &usize| self.nodes[*n].fixed.contains(&true);
+        let reactions = (0..self.nodes.len())
+            .filter(fixed)
+            .map(|n| (n, std::array::from_fn(|i| if self.nodes[n].fixed[i] { on_nodes[n][i] } else { 0.0 })))
+            .collect();
+        FrameSolution { displacement, forces, reactions, unknowns }
+    }
+
+    /// Members of which an end moves in a given motion.
+    fn moving(&self, motion: &[[f64; 6]]) -> Mechanism {
+        let amplitude = |n: usize| motion[n].iter().fold(0.0f64, |a, c| a.max(c.abs()));
+        let largest = (0..motion.len()).map(amplitude).fold(0.0, f64::max);
+        let moves = |n: &usize| amplitude(*n) > PARTICIPATION * largest;
+        let moving = self.elements.iter().filter(|e| e.nodes.iter().any(moves));
+        Mechanism { members: unique(moving.map(|e| e.member.clone())) }
+    }
+}
+
+/// A symmetric matrix scaled to a unit diagonal.
+struct Scaled {
+    /// Lower triangle.
+    matrix: Vec<(usize, usize, f64)>,
+    /// `1/sqrt(diagonal)`.
+    scale: Vec<f64>,
+}
+
+impl Scaled {
+    /// Scales by the diagonal. An unknown without stiffness keeps a zero on its diagonal.
+    fn of(mut matrix: Vec<(usize, usize, f64)>, unknowns: usize) -> Result<Self, FrameError> {
+        let mut diagonal = vec![0.0; unknowns];
+        matrix.iter().filter(|(i, j, _)| i == j).for_each(|(i, _, value)| diagonal[*i] += value);
+        if let Some(bad) = diagonal.iter().find(|d| !d.is_finite()) {
+            return Err(FrameError::Factorisation(format!("a stiffness is {bad}")));
+        }
+        let scale: Vec<f64> = diagonal.iter().map(|d| if *d > 0.0 { 1.0 / d.sqrt() } else { 1.0 }).collect();
+        matrix.iter_mut().for_each(|(i, j, value)| *value *= scale[*i] * scale[*j]);
+        Ok(Self { matrix, scale })
+    }
+
+    fn factor(&self, shift: f64) -> Result<Llt<usize, f64>, String> {
+        let n = self.scale.len();
+        let shifts = (0..n).map(|i| Triplet::new(i, i, shift));
+        let entries: Vec<_> =
+            self.matrix.iter().map(|&(i, j, v)| Triplet::new(i, j, v)).chain(shifts).collect();
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries)
+            .map_err(|e| format!("{e:?}"))?;
+        matrix.sp_cholesky(Side::Lower).map_err(|e| format!("{e:?}"))
+    }
+
+    /// Product with the scaled matrix.
+    fn times(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        for &(i, j, value) in &self.matrix {
+            y[i] += value * x[j];
+            if i != j {
+                y[j] += value * x[i];
+            }
+        }
+        y
+    }
+
+    /// The smallest eigenvalue (Rayleigh quotient) and its vector in unscaled unknowns.
+    fn smallest(&self, factor: &Llt<usize, f64>) -> (f64, Vec<f64>) {
+        // A start without symmetry, so that no mode is missed: fractions of multiples of the golden ratio.
+        let mut x: Vec<f64> =
+            (0..self.scale.len()).map(|i| (0.618_033_988_75 * (i + 1) as f64).fract() - 0.5).collect();
+        for _ in 0..ITERATIONS {
+            x = back_substitute(factor, &x);
+            let norm = x.iter().map(|v| v * v).sum::<f64>().sqrt();
+            if !(norm.is_finite() && norm > 0.0) {
+                return (0.0, x);
+            }
+            x.iter_mut().for_each(|v| *v /= norm);
+        }
+        let eigenvalue = self.times(&x).iter().zip(&x).map(|(a, b)| a * b).sum();
+        (eigenvalue, x.iter().zip(&self.scale).map(|(v, s)| v * s).collect())
+    }
+
+    /// Solution in unscaled unknowns, with one step of iterative refinement.
+    fn solve(&self, factor: &Llt<usize, f64>, load: &[f64]) -> Vec<f64> {
+        let scaled: Vec<f64> = load.iter().zip(&self.scale).map(|(l, s)| l * s).collect();
+        let mut x = back_substitute(factor, &scaled);
+        let residual: Vec<f64> = scaled.iter().zip(self.times(&x)).map(|(l, k)| l - k).collect();
+        let correction = back_substitute(factor, &residual);
+        x.iter_mut().zip(correction).for_each(|(v, c)| *v += c);
+        x.iter().zip(&self.scale).map(|(v, s)| v * s).collect()
+    }
+}
+
+fn back_substitute(factor: &Llt<usize, f64>, load: &[f64]) -> Vec<f64> {
+    let mut x = Mat::from_fn(load.len(), 1, |i, _| load[i]);
+    factor.solve_in_place(&mut x);
+    (0..load.len()).map(|i| x[(i, 0)]).collect()
+}
+
+/// Freedoms of the nodes from the unknowns.
+fn expand(ties: &Ties, values: &[f64]) -> Vec<[f64; 6]> {
+    let one = |tie: &Vec<(usize, f64)>| tie.iter().map(|(unknown, share)| share * values[*unknown]).sum();
+    ties.iter().map(|node| std::array::from_fn(|i| one(&node[i]))).collect()
+}
+
+fn section_forces(end: &[f64], side: f64) -> SectionForces {
+    SectionForces {
+        axial_n: -side * end[0],
+        shear_n: [side * end[1], side * end[2]],
+        torsion_nm: side * end[3],
+        moment_nm: [side * end[4], side * end[5]],
+    }
+}
+
+fn times(a: &Matrix12, x: &Vector12) -> Vector12 {
+    std::array::from_fn(|i| (0..12).map(|j| a[i][j] * x[j]).sum())
+}
+
+fn transposed_times(a: &Matrix12, x: &Vector12) -> Vector12 {
+    std::array::from_fn(|i| (0..12).map(|j| a[j][i] * x[j]).sum())
+}
+
+/// `bᵀ k b`.
+fn congruent(b: &Matrix12, k: &Matrix12) -> Matrix12 {
+    let kb: Matrix12 =
+        std::array::from_fn(|i| std::array::from_fn(|j| (0..12).map(|m| k[i][m] * b[m][j]).sum()));
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..12).map(|m| b[m][i] * kb[m][j]).sum()))
+}
+
+/// Names without repetition, in their order.
+fn unique(names: impl Iterator<Item = String>) -> Vec<String> {
+    let mut seen = BTreeSet::new();
+    names.filter(|name| seen.insert(name.clone())).collect()
+}

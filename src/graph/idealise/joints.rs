@@ -1,0 +1,198 @@
+//! Joints: where uprights meet each other and the beams, and the nodes that stand for them.
+
+use super::{Builder, Span};
+use crate::building::partition::COORDINATE_TOLERANCE_M;
+use crate::building::{Building, MemberKind};
+use crate::graph::ends::{End, is_upright};
+use crate::graph::frame::FrameNode;
+use crate::graph::paths::plan_overlap;
+use crate::graph::structure::Structure;
+use petgraph::unionfind::UnionFind;
+use std::collections::BTreeMap;
+
+/// A joint block over and under uprights.
+pub(super) struct Joint {
+    /// Indices into `Structure::ends` of the uprights' ends in it.
+    pub ends: Vec<usize>,
+    /// The uprights, removed ones too: the block stays when its column goes.
+    pub uprights: Vec<usize>,
+    /// Lowest and highest level \[m\].
+    pub range_m: [f64; 2],
+    /// Its node.
+    pub node: usize,
+}
+
+/// Joints of a building: unsupported ends of uprights, joined where only solid lies between a top and the
+/// next bottom above it.
+pub(super) fn find(structure: &Structure, building: &Building) -> Vec<Joint> {
+    let upright: Vec<usize> = (0..structure.ends.len())
+        .filter(|e| is_upright(&building.members[structure.ends[*e].member]) && !structure.ends[*e].supported)
+        .collect();
+    let level = |e: usize| structure.ends[e].point_m[2];
+    let solid = |e: usize| &building.members[structure.ends[e].member].solid;
+    let mut sets = UnionFind::new(structure.ends.len());
+    for &top in upright.iter().filter(|e| structure.ends[**e].end == End::High) {
+        let above: Vec<usize> = upright
+            .iter()
+            .copied()
+            .filter(|&e| structure.ends[e].end == End::Low && level(e) > level(top) - COORDINATE_TOLERANCE_M)
+            .filter(|&e| {
+                plan_overlap(solid(e), solid(top))
+                    .is_some_and(|p| structure.is_solid_between(p, level(top), level(e)))
+            })
+            .collect();
+        let nearest = above.iter().map(|e| level(*e)).fold(f64::INFINITY, f64::min);
+        for &bottom in above.iter().filter(|e| level(**e) < nearest + COORDINATE_TOLERANCE_M) {
+            sets.union(top, bottom);
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut first_of = BTreeMap::new();
+    for &e in &upright {
+        let first = *first_of.entry(sets.find(e)).or_insert(e);
+        groups.entry(first).or_default().push(e);
+    }
+    groups
+        .into_values()
+        .map(|ends| {
+            let tops = ends.iter().filter(|e| structure.ends[**e].end == End::High);
+            let bottoms = ends.iter().filter(|e| structure.ends[**e].end == End::Low);
+            let low = tops.clone().map(|e| level(*e)).fold(f64::INFINITY, f64::min);
+            let high = bottoms.map(|e| level(*e)).fold(f64::NEG_INFINITY, f64::max);
+            let roof = tops.map(|e| solid(*e).max[2]).fold(f64::NEG_INFINITY, f64::max);
+            let range_m = match (low.is_finite(), high.is_finite()) {
+                (true, true) => [low, high],
+                (true, false) => [low, roof],
+                _ => [high, high],
+            };
+            let mut uprights: Vec<usize> = ends.iter().map(|e| structure.ends[*e].member).collect();
+            uprights.dedup();
+            Joint { ends, uprights, range_m, node: usize::MAX }
+        })
+        .collect()
+}
+
+impl Builder<'_> {
+    /// One node for each joint: on the mean axis of its uprights, at the mean level of its beams.
+    pub(super) fn place_joints(&mut self) {
+        for index in 0..self.joints.len() {
+            let joint = &self.joints[index];
+            let count = joint.ends.len() as f64;
+            let mean =
+                |i: usize| joint.ends.iter().map(|e| self.structure.ends[*e].point_m[i]).sum::<f64>() / count;
+            let beams: Vec<f64> = self
+                .structure
+                .ends
+                .iter()
+                .filter(|e| {
+                    !self.upright(e.member) && self.frames_into(joint, e.member, e.axis, e.point_m[e.axis])
+                })
+                .map(|e| e.point_m[2])
+                .collect();
+            let middle = 0.5 * (joint.range_m[0] + joint.range_m[1]);
+            let level =
+                if beams.is_empty() { middle } else { beams.iter().sum::<f64>() / beams.len() as f64 };
+            let id = format!("joint at {}", self.structure.ends[joint.ends[0]].id);
+            let node = FrameNode::free(id, [mean(0), mean(1), level]);
+            self.joints[index].node = self.nodes.len();
+            self.nodes.push(node);
+        }
+    }
+
+    /// Whether a beam's end section at `coordinate` lies in a joint.
+    fn frames_into(&self, joint: &Joint, beam: usize, axis: usize, coordinate: f64) -> bool {
+        let beam = &self.member(beam).solid;
+        let across = 1 - axis;
+        let gap = |low: f64, high: f64, i: usize| (beam.min[i] - high).max(low - beam.max[i]);
+        gap(joint.range_m[0], joint.range_m[1], 2) < COORDINATE_TOLERANCE_M
+            && joint.uprights.iter().any(|u| {
+                let solid = &self.member(*u).solid;
+                let within = coordinate > solid.min[axis] - COORDINATE_TOLERANCE_M
+                    && coordinate < solid.max[axis] + COORDINATE_TOLERANCE_M;
+                within && gap(solid.min[across], solid.max[across], across) < -COORDINATE_TOLERANCE_M
+            })
+    }
+
+    /// Ties the ends of all bars to nodes: a clamp, a joint, another beam, or nothing.
+    pub(super) fn tie_bars(&mut self) {
+        for span in 0..self.spans.len() {
+            let Some(ends) = self.spans[span].ends else { continue };
+            for end in ends {
+                let node = self.node_of_end(end, span);
+                let coordinate = self.structure.ends[end].point_m[self.spans[span].axis];
+                self.spans[span].nodes.push((coordinate, node));
+            }
+        }
+        self.seat_lone_joints();
+        for span in &mut self.spans {
+            span.nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+    }
+
+    fn node_of_end(&mut self, index: usize, span: usize) -> usize {
+        let end = &self.structure.ends[index];
+        if end.supported {
+            self.nodes.push(FrameNode::clamped(end.id.clone(), end.point_m));
+            return self.nodes.len() - 1;
+        }
+        let joint = self.joints.iter().find(|joint| {
+            if self.upright(end.member) {
+                joint.ends.contains(&index)
+            } else {
+                self.frames_into(joint, end.member, end.axis, end.point_m[end.axis])
+            }
+        });
+        if let Some(joint) = joint {
+            return joint.node;
+        }
+        if let Some((other, coordinate)) = self.beam_at(end.point_m, span) {
+            return self.node_on(other, coordinate);
+        }
+        self.nodes.push(FrameNode::free(end.id.clone(), end.point_m));
+        self.nodes.len() - 1
+    }
+
+    /// Another beam that contains a point, and the coordinate along it.
+    fn beam_at(&self, point: [f64; 3], except: usize) -> Option<(usize, f64)> {
+        self.spans.iter().enumerate().find_map(|(index, span)| {
+            let coordinate = point[span.axis];
+            let on = index != except
+                && self.member(span.member).kind == MemberKind::Beam
+                && self.member(span.member).solid.contains(point, COORDINATE_TOLERANCE_M)
+                && coordinate > span.range[0] - COORDINATE_TOLERANCE_M
+                && coordinate < span.range[1] + COORDINATE_TOLERANCE_M;
+            on.then_some((index, coordinate))
+        })
+    }
+
+    /// The node of a span at a coordinate inside it, a new one if there is none.
+    fn node_on(&mut self, span: usize, coordinate: f64) -> usize {
+        let here = |(at, _): &&(f64, usize)| (at - coordinate).abs() < COORDINATE_TOLERANCE_M;
+        if let Some((_, node)) = self.spans[span].nodes.iter().find(here) {
+            return *node;
+        }
+        let point = self.spans[span].point(coordinate);
+        self.nodes.push(FrameNode::free(format!("on {}", self.spans[span].name), point));
+        let node = self.nodes.len() - 1;
+        self.spans[span].nodes.push((coordinate, node));
+        node
+    }
+
+    /// A joint into which no beam ends but through which one passes (a column under or on a beam's span).
+    fn seat_lone_joints(&mut self) {
+        for index in 0..self.joints.len() {
+            let (node, range) = (self.joints[index].node, self.joints[index].range_m);
+            let is_end =
+                |span: &Span| !self.upright(span.member) && span.nodes.iter().any(|(_, n)| *n == node);
+            if self.spans.iter().any(is_end) {
+                continue;
+            }
+            let [x, y, _] = self.nodes[node].point_m;
+            for level in range {
+                let Some((span, coordinate)) = self.beam_at([x, y, level], usize::MAX) else { continue };
+                self.spans[span].nodes.push((coordinate, node));
+                break;
+            }
+        }
+    }
+}

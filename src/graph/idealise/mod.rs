@@ -1,0 +1,314 @@
+//! The building as a frame.
+//!
+//! * Columns, walls (as wide columns) and clear beams are Timoshenko beams on the centre lines of their gross
+//!   sections, uncracked, of the homogenised law's modulus. A beam carries the slab as a flange of the
+//!   effective width of EN 1992-1-1, 5.3.2.1 with `l_0 = 0.7 l`.
+//! * Joint blocks are rigid: a node at the column's axis in the middle of the beams' depth, with rigid
+//!   offsets to the end sections. Two uprights meet in a joint if only solid lies between them.
+//! * A slab is rigid in its plane (diaphragm). Out of plane it acts through the flanges; between aligned
+//!   columns that no beam joins it is a strip as wide as half the distance to the neighbours.
+//! * Dead load: each member's own cells. Uprights and beams carry theirs as a line load, joint blocks at their
+//!   node; each point of a slab loads the nearest beam or strip (45° envelope of a panel), in bins of
+//!   [`LOAD_BIN_M`]. The torsion that a slab's edge gives its beam is left out.
+//! * Supported ends are clamped, also through a supported footing.
+
+mod joints;
+mod loads;
+mod strips;
+
+use super::ends::{MemberEnd, is_upright};
+use super::frame::{BeamSection, Diaphragm, Element, Frame, FrameNode};
+use super::structure::Structure;
+use crate::base::geom::Aabb;
+use crate::building::partition::COORDINATE_TOLERANCE_M;
+use crate::building::{Building, Member, MemberKind};
+use joints::Joint;
+use petgraph::unionfind::UnionFind;
+use std::collections::BTreeSet;
+
+/// Length of the stretches over which a slab's load on a beam is taken as uniform \[m\].
+pub const LOAD_BIN_M: f64 = 0.25;
+/// Distance of the sample points of a slab's load \[m\].
+pub const LOAD_SAMPLE_M: f64 = 0.1;
+
+/// A frame with the way back to the building.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Idealised {
+    /// The frame.
+    pub frame: Frame,
+    /// For each of `Structure::ends`: its element and which end of it; `None` if the member is gone.
+    pub ends: Vec<Option<(usize, usize)>>,
+    /// Weight of the members that are left \[N\].
+    pub weight_n: f64,
+    /// Members whose weight found nothing to rest on; it is not in the frame.
+    pub unplaced: Vec<String>,
+}
+
+/// A straight bar between joints, before it is cut into elements.
+struct Span {
+    /// Member index (of the slab, for a strip).
+    member: usize,
+    /// Name for messages.
+    name: String,
+    /// Axis along which it runs.
+    axis: usize,
+    /// A point on its centre line; the coordinate along `axis` is free \[m\].
+    line: [f64; 3],
+    /// Clear range along the axis \[m\].
+    range: [f64; 2],
+    /// Direction of the section's width.
+    axis1: [f64; 3],
+    section: BeamSection,
+    /// Indices into `Structure::ends`; `None` for a strip.
+    ends: Option<[usize; 2]>,
+    /// `(coordinate, node)` of the nodes on it.
+    nodes: Vec<(f64, usize)>,
+    /// Vertical loads: stretch \[m\] and force \[N/m\], positive downwards.
+    loads: Vec<([f64; 2], f64)>,
+}
+
+impl Span {
+    fn point(&self, coordinate: f64) -> [f64; 3] {
+        let mut point = self.line;
+        point[self.axis] = coordinate;
+        point
+    }
+}
+
+struct Builder<'a> {
+    structure: &'a Structure,
+    building: &'a Building,
+    removed: &'a BTreeSet<usize>,
+    spans: Vec<Span>,
+    joints: Vec<Joint>,
+    nodes: Vec<FrameNode>,
+    unplaced: Vec<String>,
+}
+
+/// The building without the `removed` members as a frame.
+pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<usize>) -> Idealised {
+    let mut builder = Builder {
+        structure,
+        building,
+        removed,
+        spans: Vec::new(),
+        joints: joints::find(structure, building),
+        nodes: Vec::new(),
+        unplaced: Vec::new(),
+    };
+    builder.add_bars();
+    builder.place_joints();
+    builder.tie_bars();
+    builder.add_strips();
+    builder.clamp_slabs();
+    builder.place_loads();
+    let diaphragms = builder.diaphragms();
+    builder.finish(diaphragms)
+}
+
+/// Whether two solids overlap in plan and meet in height.
+fn meet(a: &Aabb, b: &Aabb) -> bool {
+    let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]);
+    gap(0) < -COORDINATE_TOLERANCE_M && gap(1) < -COORDINATE_TOLERANCE_M && gap(2) < COORDINATE_TOLERANCE_M
+}
+
+impl Builder<'_> {
+    fn left(&self, member: usize) -> bool {
+        !self.removed.contains(&member)
+    }
+
+    fn member(&self, index: usize) -> &Member {
+        &self.building.members[index]
+    }
+
+    /// A span for each clear length of a bar that is left. Its ends stand side by side in `ends`.
+    fn add_bars(&mut self) {
+        let structure = self.structure;
+        for (pair, ends) in structure.ends.chunks_exact(2).enumerate() {
+            let low: &MemberEnd = &ends[0];
+            if !self.left(low.member) {
+                continue;
+            }
+            self.spans.push(Span {
+                member: low.member,
+                name: low.member_id.clone(),
+                axis: low.axis,
+                line: low.point_m,
+                range: [low.point_m[low.axis], ends[1].point_m[low.axis]],
+                axis1: low.axes[1],
+                section: self.section_of(low),
+                ends: Some([2 * pair, 2 * pair + 1]),
+                nodes: Vec::new(),
+                loads: Vec::new(),
+            });
+        }
+    }
+
+    /// Elastic section of a bar; a beam with the slab as its flange.
+    fn section_of(&self, end: &MemberEnd) -> BeamSection {
+        let law = self.building.law_of(self.member(end.member));
+        let mut section = BeamSection::rectangle(law.youngs_modulus_pa, law.poisson_ratio, end.size_m);
+        let Some((width, thickness, level)) = self.flange(end) else { return section };
+        let depth = end.size_m[1];
+        let (web, flange) = (end.area_m2, width * thickness);
+        let arm = level - end.point_m[2];
+        let centroid = flange * arm / (web + flange);
+        section.inertia_m4[0] = end.size_m[0] * depth.powi(3) / 12.0
+            + web * centroid * centroid
+            + width * thickness.powi(3) / 12.0
+            + flange * (arm - centroid).powi(2);
+        section.area_m2 = web + flange;
+        section
+    }
+
+    /// Width beyond the web, thickness and mid-level of the flange that slabs give a beam \[m\].
+    fn flange(&self, end: &MemberEnd) -> Option<(f64, f64, f64)> {
+        let beam = self.member(end.member);
+        if beam.kind != MemberKind::Beam {
+            return None;
+        }
+        let across = 1 - end.axis;
+        let reference = 0.7 * end.clear_length_m;
+        let mut found: Option<(f64, f64, f64)> = None;
+        for (index, slab) in self.building.members.iter().enumerate() {
+            if slab.kind != MemberKind::Slab || !self.left(index) || !meet(&slab.solid, &beam.solid) {
+                continue;
+            }
+            let width: f64 = [-1.0, 1.0]
+                .map(|side| {
+                    let outstand = self.outstand_m(beam, slab, across, side);
+                    (0.2 * outstand + 0.1 * reference).min(0.2 * reference).min(outstand)
+                })
+                .iter()
+                .sum();
+            let (low, high) =
+                (slab.solid.min[2].max(beam.solid.min[2]), slab.solid.max[2].min(beam.solid.max[2]));
+            if high - low > COORDINATE_TOLERANCE_M && width > 0.0 {
+                let sum = found.map_or(0.0, |f| f.0) + width;
+                found = Some((sum, high - low, 0.5 * (low + high)));
+            }
+        }
+        found
+    }
+
+    /// Slab beside a beam, to its edge or to halfway to the next parallel beam \[m\].
+    fn outstand_m(&self, beam: &Member, slab: &Member, across: usize, side: f64) -> f64 {
+        let (face, edge) = if side < 0.0 {
+            (-beam.solid.min[across], -slab.solid.min[across])
+        } else {
+            (beam.solid.max[across], slab.solid.max[across])
+        };
+        let neighbour = self.building.members.iter().filter(|other| {
+            other.kind == MemberKind::Beam && other.axis == beam.axis && meet(&other.solid, &slab.solid)
+        });
+        let gaps = neighbour
+            .map(|o| if side < 0.0 { -o.solid.max[across] } else { o.solid.min[across] } - face)
+            .filter(|gap| *gap > COORDINATE_TOLERANCE_M);
+        gaps.fold((edge - face).max(0.0), |least, gap| least.min(0.5 * gap))
+    }
+
+    /// One diaphragm for each set of slabs that share a node.
+    fn diaphragms(&self) -> Vec<Diaphragm> {
+        let mut sets = UnionFind::new(self.nodes.len());
+        let mut in_slab = BTreeSet::new();
+        for slab in (0..self.building.members.len()).filter(|m| self.left(*m)) {
+            if self.member(slab).kind != MemberKind::Slab {
+                continue;
+            }
+            let nodes = self.nodes_of_slab(slab);
+            nodes.windows(2).for_each(|pair| {
+                sets.union(pair[0], pair[1]);
+            });
+            in_slab.extend(nodes);
+        }
+        let mut diaphragms: Vec<(usize, Diaphragm)> = Vec::new();
+        for node in in_slab {
+            let root = sets.find(node);
+            match diaphragms.iter_mut().find(|(r, _)| *r == root) {
+                Some((_, diaphragm)) => diaphragm.nodes.push(node),
+                None => diaphragms.push((root, Diaphragm { nodes: vec![node] })),
+            }
+        }
+        diaphragms.into_iter().map(|(_, d)| d).filter(|d| d.nodes.len() > 1).collect()
+    }
+
+    /// Nodes of the beams, strips and joints that a slab meets, without repetition.
+    fn nodes_of_slab(&self, slab: usize) -> Vec<usize> {
+        let mut nodes: Vec<usize> = self.joints_in_slab(slab).iter().map(|j| self.joints[*j].node).collect();
+        for span in self.carriers(slab) {
+            nodes.extend(self.spans[span].nodes.iter().map(|(_, node)| *node));
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    /// Spans that carry a slab: beams that it meets and its own strips.
+    fn carriers(&self, slab: usize) -> Vec<usize> {
+        let solid = &self.member(slab).solid;
+        let carries = |span: &Span| {
+            span.member == slab
+                || (self.member(span.member).kind == MemberKind::Beam
+                    && meet(&self.member(span.member).solid, solid))
+        };
+        (0..self.spans.len()).filter(|s| carries(&self.spans[*s])).collect()
+    }
+
+    /// Joints whose uprights overlap a slab in plan and whose block meets it in height.
+    fn joints_in_slab(&self, slab: usize) -> Vec<usize> {
+        let solid = &self.member(slab).solid;
+        let meets = |joint: &Joint| {
+            joint.uprights.iter().any(|u| {
+                let mut block = self.member(*u).solid;
+                block.min[2] = joint.range_m[0];
+                block.max[2] = joint.range_m[1];
+                meet(&block, solid)
+            })
+        };
+        (0..self.joints.len()).filter(|j| meets(&self.joints[*j])).collect()
+    }
+
+    /// A support named for a slab clamps the joints in it.
+    fn clamp_slabs(&mut self) {
+        let held = self.structure.supports().map(|s| s.member);
+        let slabs: Vec<usize> = held.filter(|m| self.member(*m).kind == MemberKind::Slab).collect();
+        for slab in slabs {
+            for joint in self.joints_in_slab(slab) {
+                self.nodes[self.joints[joint].node].fixed = [true; 6];
+            }
+        }
+    }
+
+    /// Cuts the spans into elements.
+    fn finish(self, diaphragms: Vec<Diaphragm>) -> Idealised {
+        let mut elements = Vec::new();
+        let mut ends = vec![None; self.structure.ends.len()];
+        for span in &self.spans {
+            let first = elements.len();
+            for pair in span.nodes.windows(2) {
+                let [(from, a), (to, b)] = [pair[0], pair[1]];
+                elements.push(Element {
+                    member: span.name.clone(),
+                    nodes: [a, b],
+                    ends_m: [span.point(from), span.point(to)],
+                    axis1: span.axis1,
+                    section: span.section,
+                    loads: loads::on_stretch(&span.loads, from, to),
+                });
+            }
+            if let Some([low, high]) = span.ends {
+                ends[low] = Some((first, 0));
+                ends[high] = Some((elements.len() - 1, 1));
+            }
+        }
+        let left: Vec<f64> =
+            self.structure.members().filter(|m| self.left(m.index)).map(|m| m.mass.mass_kg).collect();
+        let weight_n = left.iter().sum::<f64>() * self.building.settings.gravity_m_s2;
+        let frame = Frame { nodes: self.nodes, elements, diaphragms };
+        Idealised { frame, ends, weight_n, unplaced: self.unplaced }
+    }
+
+    fn upright(&self, member: usize) -> bool {
+        is_upright(self.member(member))
+    }
+}

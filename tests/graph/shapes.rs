@@ -1,0 +1,147 @@
+//! Other shapes of buildings: flat slab, secondary beam, transfer, footing, wall, weakening.
+
+use super::buildings::{add, empty, reference, support};
+use fallwerk::building::*;
+use fallwerk::graph::demand::StateSummary;
+use fallwerk::graph::*;
+
+/// Solves the dead-load state and checks that the supports carry the weight.
+fn solved(building: &Building) -> (Structure, Demands) {
+    let structure = Structure::of(building);
+    let demands = demands(&structure, building);
+    match &demands.before {
+        StateSummary::Equilibrium { weight_n, reaction_sum_n, unplaced, .. } => {
+            assert!(unplaced.is_empty(), "{unplaced:?}");
+            assert!((reaction_sum_n[2] / weight_n - 1.0).abs() < 1e-9, "{reaction_sum_n:?} {weight_n}");
+        }
+        other => panic!("{other:?}"),
+    }
+    (structure, demands)
+}
+
+fn axial(demands: &Demands, id: &str) -> f64 {
+    demands.ends.iter().find(|e| e.id == id).unwrap().before.unwrap().forces.axial_n
+}
+
+/// Four columns at the corners of 6 x 5 m up to `top`.
+fn columns(building: &mut Building, top: f64) {
+    for (id, x, y) in [("C-A1", 0.0, 0.0), ("C-A2", 0.0, 5.0), ("C-B1", 6.0, 0.0), ("C-B2", 6.0, 5.0)] {
+        add(building, id, MemberKind::Column, [x - 0.2, y - 0.2, 0.0], [x + 0.2, y + 0.2, top]);
+        support(building, id);
+    }
+}
+
+#[test]
+fn flat_slab_on_strips() {
+    let mut building = empty();
+    columns(&mut building, 3.5);
+    add(&mut building, "S", MemberKind::Slab, [-0.2, -0.2, 3.25], [6.2, 5.2, 3.5]);
+    let (structure, demands) = solved(&building);
+    assert_eq!(structure.end("C-A1.top").unwrap().connected, ["S"]);
+    let weight = structure.mass_of(&[0, 1, 2, 3, 4]).mass_kg * 9.81;
+    for id in ["C-A1.bottom", "C-A2.bottom", "C-B1.bottom", "C-B2.bottom"] {
+        assert!((axial(&demands, id) / (0.25 * weight) - 1.0).abs() < 1e-9);
+    }
+    // The strips clamp the column tops: without them there would be no moment.
+    let top = demands.ends.iter().find(|e| e.id == "C-A1.top").unwrap().before.unwrap();
+    assert!(top.forces.moment_nm.iter().all(|m| m.abs() > 1e3), "{top:?}");
+}
+
+/// Four columns, two beams along y on them, a secondary beam between their middles.
+#[test]
+fn secondary_beam_hangs_on_the_main_beams() {
+    let mut building = empty();
+    columns(&mut building, 3.5);
+    add(&mut building, "B-A", MemberKind::Beam, [-0.15, -0.2, 3.0], [0.15, 5.2, 3.5]);
+    add(&mut building, "B-B", MemberKind::Beam, [5.85, -0.2, 3.0], [6.15, 5.2, 3.5]);
+    add(&mut building, "B-2", MemberKind::Beam, [0.0, 2.35, 3.0], [6.0, 2.65, 3.5]);
+    let (structure, demands) = solved(&building);
+    let end = structure.end("B-2.start").unwrap();
+    assert!((end.point_m[0] - 0.15).abs() < 1e-12);
+    assert_eq!(end.connected, ["B-A"]);
+    let feet = ["C-A1.bottom", "C-A2.bottom", "C-B1.bottom", "C-B2.bottom"].map(|id| axial(&demands, id));
+    assert!(feet.iter().all(|n| (n / feet[0] - 1.0).abs() < 1e-9), "{feet:?}");
+}
+
+/// A column that stands on the middle of a beam: half of its weight goes to either side.
+#[test]
+fn transfer_beam() {
+    let mut building = empty();
+    for (id, x) in [("C-A", 0.0), ("C-B", 6.0)] {
+        add(&mut building, id, MemberKind::Column, [x - 0.2, -0.2, 0.0], [x + 0.2, 0.2, 3.5]);
+        support(&mut building, id);
+    }
+    add(&mut building, "B", MemberKind::Beam, [-0.2, -0.15, 3.0], [6.2, 0.15, 3.5]);
+    add(&mut building, "C-top", MemberKind::Column, [2.8, -0.2, 3.5], [3.2, 0.2, 6.5]);
+    let (structure, demands) = solved(&building);
+    let weight = structure.mass_of(&[0, 1, 2, 3]).mass_kg * 9.81;
+    let feet = ["C-A.bottom", "C-B.bottom"].map(|id| axial(&demands, id));
+    assert!(feet.iter().all(|n| (n / (0.5 * weight) - 1.0).abs() < 1e-9), "{feet:?} {weight}");
+    let paths = structure.load_paths(&building, &Default::default());
+    assert_eq!(paths[3].vertical, VerticalPath::Lost, "it stands on a beam, not on a column");
+    assert_eq!(paths[3].supports.len(), 2);
+}
+
+/// A beam through over three columns in one piece has two clear spans, numbered.
+#[test]
+fn beam_in_one_piece_over_three_columns() {
+    let mut building = empty();
+    for (id, x) in [("C-A", 0.0), ("C-B", 5.0), ("C-C", 10.0)] {
+        add(&mut building, id, MemberKind::Column, [x - 0.2, -0.2, 0.0], [x + 0.2, 0.2, 3.5]);
+        support(&mut building, id);
+    }
+    add(&mut building, "B", MemberKind::Beam, [-0.2, -0.15, 3.0], [10.2, 0.15, 3.5]);
+    let (structure, demands) = solved(&building);
+    let ids: Vec<&str> =
+        structure.ends.iter().filter(|e| e.member_id == "B").map(|e| e.id.as_str()).collect();
+    assert_eq!(ids, ["B.1.start", "B.1.end", "B.2.start", "B.2.end"]);
+    let feet = ["C-A.bottom", "C-B.bottom", "C-C.bottom"].map(|id| axial(&demands, id));
+    assert!((feet[0] / feet[2] - 1.0).abs() < 1e-9 && feet[1] > 1.5 * feet[0], "{feet:?}");
+}
+
+#[test]
+fn footing_and_wall() {
+    let mut building = empty();
+    add(&mut building, "F", MemberKind::Footing, [-1.0, -1.0, -0.5], [1.0, 4.0, 0.0]);
+    support(&mut building, "F");
+    add(&mut building, "W", MemberKind::Wall, [-0.125, 0.0, 0.0], [0.125, 3.0, 3.0]);
+    add(&mut building, "S", MemberKind::Slab, [-1.0, -0.5, 3.0], [3.0, 3.5, 3.25]);
+    let (structure, demands) = solved(&building);
+    let foot = structure.end("W.bottom").unwrap();
+    assert!(foot.supported && foot.connected == ["F"]);
+    // The slab's centre is 1 m beside the wall: but a slab on one upright rests at its joint.
+    let above = structure.mass_of(&[1, 2]).mass_kg * 9.81;
+    assert!((axial(&demands, "W.bottom") / above - 1.0).abs() < 1e-9);
+    assert!(
+        structure.load_paths(&building, &Default::default()).iter().all(|p| p.vertical == VerticalPath::Kept)
+    );
+}
+
+#[test]
+fn weakening_scales_capacity_and_demand_ratio() {
+    let mut building = reference();
+    let ratio = |b: &Building| {
+        let (structure, d) = solved(b);
+        let index = structure.ends.iter().position(|e| e.id == "C1-A1.bottom").unwrap();
+        let state = d.ends[index].before.unwrap();
+        (state.homogenised.ratio, state.homogenised.capacity_nm[0])
+    };
+    let (full, full_capacity) = ratio(&building);
+    let weaken = Preparation::Weaken { member: "C1-A1".into(), strength_factor: 0.5 };
+    building.preparation.push(weaken);
+    let (weak, capacity) = ratio(&building);
+    assert!(weak > 2.0 * full && capacity < 0.5 * full_capacity, "{full} {weak}");
+}
+
+#[test]
+fn cut_members_are_gone_before_the_dead_load_state() {
+    let mut building = reference();
+    building.events.clear();
+    building.preparation.push(Preparation::Cut { member: "C1-A1".into() });
+    let (_, demands) = solved(&building);
+    assert!(demands.after.is_none());
+    assert!(demands.ends.iter().find(|e| e.id == "C1-A1.top").unwrap().before.is_none());
+    // Three columns: the diagonal neighbour is relieved, the others take more.
+    let [a2, b1, b2] = ["C1-A2.bottom", "C1-B1.bottom", "C1-B2.bottom"].map(|id| axial(&demands, id));
+    assert!(b2 < a2 && b2 < b1, "{a2} {b1} {b2}");
+}
