@@ -36,7 +36,7 @@ impl Partition {
     pub fn of(building: &Building) -> Self {
         let planes = std::array::from_fn(|axis| {
             let solids = building.members.iter().map(|m| m.solid);
-            merged(solids.flat_map(|s| [s.min[axis], s.max[axis]]).collect())
+            distinct(solids.flat_map(|s| [s.min[axis], s.max[axis]]).collect())
         });
         Self::on_planes(building, planes)
     }
@@ -134,17 +134,19 @@ impl Partition {
 
     /// The boxes that make up one member's own volume, merged along x, then y, then z.
     pub fn boxes_of(&self, member: usize) -> Vec<Aabb> {
-        let mut boxes: Vec<Aabb> =
+        let cells: Vec<Aabb> =
             self.cells().filter(|(_, o)| *o == member).map(|(c, _)| self.cell_box(c)).collect();
-        for axis in 0..3 {
-            boxes = merge_along(boxes, axis);
-        }
-        boxes
+        merged(&cells)
     }
 }
 
+/// Boxes of a grid merged along x, then y, then z where they fill a larger box.
+pub fn merged(cells: &[Aabb]) -> Vec<Aabb> {
+    (0..3).fold(cells.to_vec(), merge_along)
+}
+
 /// Sorted coordinates with those closer than the tolerance merged.
-fn merged(mut values: Vec<f64>) -> Vec<f64> {
+fn distinct(mut values: Vec<f64>) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
     values.dedup_by(|a, b| *a - *b < COORDINATE_TOLERANCE_M);
     values

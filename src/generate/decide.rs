@@ -4,6 +4,7 @@ use super::{GenerateError, is_column};
 use crate::building::ends::{End, MemberEnd};
 use crate::building::partition::Partition;
 use crate::building::{Building, MemberKind, Preparation};
+use crate::graph::Demands;
 use crate::library::derive::beyond;
 use crate::mbs::Model;
 use crate::rules::{Action, Aspect, RuleBase, Subject, SubjectKind, Trace};
@@ -48,6 +49,7 @@ impl Decision {
         building: &Building,
         partition: &Partition,
         ends: &[MemberEnd],
+        demands: &Demands,
         rules: &RuleBase,
     ) -> Result<Self, GenerateError> {
         let mut this = Self { merges: vec![false; building.members.len()], ..Self::default() };
@@ -62,7 +64,7 @@ impl Decision {
             }
         }
         for end in ends.iter().filter(|e| is_column(building, e.member)) {
-            let subject = end_subject(building, partition, end);
+            let subject = end_subject(building, partition, end, demands);
             match this.ask(rules, &subject, Aspect::Rotation)? {
                 Some(Action::Hinge) => {
                     let fired = this.traces[&end.id].firings.iter().filter(|f| f.overruled_by.is_none());
@@ -171,7 +173,7 @@ fn member_subject(building: &Building, partition: &Partition, index: usize) -> S
 }
 
 /// What is known of a member end before any run.
-fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd) -> Subject {
+fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd, demands: &Demands) -> Subject {
     let mut subject = member_subject(building, partition, end.member);
     let adjoining = beyond(partition, end).map(|m| kind_name(building.members[m].kind));
     let column = is_column(building, end.member);
@@ -185,6 +187,9 @@ fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd) -> S
         adjoining.is_none() && building.supports.iter().any(|s| s.member == building.members[end.member].id);
     subject.id.clone_from(&end.id);
     subject.kind = SubjectKind::MemberEnd;
+    if let Some(state) = demands.ends.iter().find(|d| d.id == end.id).and_then(|d| d.after) {
+        subject = subject.with("end.demand_ratio", state.section.ratio);
+    }
     subject
         .with("end.position", position)
         .with("end.clamped", clamped)

@@ -1,6 +1,5 @@
 //! Hinges at member ends with the curves of their library entries.
 
-use super::bodies::neighbours;
 use super::decide::Decision;
 use super::{Derive, GenerateError};
 use crate::building::ends::MemberEnd;
@@ -104,7 +103,6 @@ pub fn hinges(
     notes: &mut Vec<String>,
 ) -> Result<Hinges, GenerateError> {
     let mut hinges = Hinges { joints: Vec::new(), ends: Vec::new() };
-    let touching = neighbours(place.partition);
     for end in ends {
         let Some(own) = place.owner[end.member] else { continue };
         let other = beyond(place.partition, end).and_then(|m| place.owner[m]);
@@ -112,7 +110,6 @@ pub fn hinges(
             notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
             continue;
         }
-        debug_assert!(other.is_none() || !touching.is_empty());
         let key = &found.of_end[&end.id];
         let entry = found
             .entries

@@ -15,6 +15,7 @@ use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
 use crate::building::{Building, MemberKind, Preparation};
 use crate::fe::mesh::Mesh;
+use crate::graph::{Demands, Structure, demands};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
@@ -94,15 +95,21 @@ pub fn generate(
 ) -> Result<Generated, GenerateError> {
     let partition = Partition::of(building);
     let ends = member_ends(building, &partition);
-    let decision = Decision::of(building, &partition, &ends, rules)?;
+    let structure = Structure::of(building);
+    let demands = demands(&structure, building);
+    let decision = Decision::of(building, &partition, &ends, &demands, rules)?;
     if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
         return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
     }
     let present: Vec<bool> = building.members.iter().map(|m| !is_cut(building, &m.id)).collect();
-    let clusters = bodies::clusters(&partition, &present, |a, b| decision.merges[a] && decision.merges[b]);
+    let clusters: Vec<Vec<usize>> = structure
+        .clusters(|c| c.members.iter().all(|m| present[*m] && decision.merges[*m]))
+        .into_iter()
+        .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
+        .collect();
     let list: Vec<Body> = clusters
         .iter()
-        .map(|c| bodies::body(building, &partition, c, decision.rules_of(building, c)))
+        .map(|c| bodies::body(building, &structure, c, decision.rules_of(building, c)))
         .collect();
     let mut owner = vec![None; building.members.len()];
     for (index, members) in clusters.iter().enumerate() {
@@ -114,6 +121,7 @@ pub fn generate(
         ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
     let found = joints::entries(&place, &hinged, store, derive, progress)?;
     let mut notes = decision.notes.clone();
+    notes.extend(overloaded_rigid_ends(&demands, &decision));
     let hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
     let model = Model {
         schema: MODEL_SCHEMA.to_string(),
@@ -141,6 +149,26 @@ pub fn generate(
         entries: found.entries,
         hinge_ends: hinges.ends,
     })
+}
+
+/// Ends without a hinge whose reinforced section would yield in linear theory after the removal, worst first.
+fn overloaded_rigid_ends(demands: &Demands, decision: &Decision) -> Vec<String> {
+    let mut ends: Vec<(f64, &str)> = demands
+        .ends
+        .iter()
+        .filter(|e| !decision.hinges.contains_key(&e.id))
+        .filter_map(|e| Some((e.after.as_ref()?.section.ratio, e.id.as_str())))
+        .filter(|(ratio, _)| *ratio > 1.0)
+        .collect();
+    ends.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
+    ends.iter()
+        .map(|(ratio, id)| {
+            format!(
+                "{id} stays rigid by rule, though its reinforced section would yield after the removal \
+                 (elastic demand over capacity {ratio:.1})"
+            )
+        })
+        .collect()
 }
 
 fn is_cut(building: &Building, member: &str) -> bool {
