@@ -2,13 +2,15 @@
 //!
 //! Exit codes: 0 done; 1 a check failed (damage found); 2 bad input or usage.
 
+use super::library_derive::{LibraryDeriveError, derive_for};
+use super::progress::Progress;
 use crate::base::hash::readable_json;
 use crate::library::entry::Entry;
 use crate::library::{Opened, Store, StoreError, exchange};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `fallwerk library`.
 #[derive(Debug, Clone, Args)]
@@ -27,6 +29,14 @@ pub struct LibraryArgs {
 /// The commands of `fallwerk library`.
 #[derive(Debug, Clone, Subcommand)]
 pub enum LibraryCommand {
+    /// Compute the entries that a building's column ends need and add them
+    Derive {
+        /// The building file
+        building: PathBuf,
+        /// Compute entries that are there anew
+        #[arg(long)]
+        again: bool,
+    },
     /// List the entries
     List,
     /// Show one entry
@@ -70,6 +80,10 @@ pub fn run(args: &LibraryArgs) -> u8 {
 pub fn execute(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> u8 {
     match attempt(args, out, err) {
         Ok(code) => code,
+        Err(Failure::Derive(message)) => {
+            let _ = writeln!(err, "error: {message}");
+            1
+        }
         Err(Failure::Store(error)) => {
             let _ = writeln!(err, "error: {error}");
             if matches!(error, StoreError::Damaged { .. }) { 1 } else { 2 }
@@ -83,7 +97,33 @@ pub fn execute(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> 
     }
 }
 
+/// Entries for the column ends of a building.
+fn derive(
+    store: &mut Store,
+    building: &Path,
+    again: bool,
+    json: bool,
+    out: &mut dyn Write,
+) -> Result<u8, Failure> {
+    let Ok(building) = super::read_building(building, json) else { return Ok(2) };
+    let progress = Progress::on_stderr();
+    progress.stage("curves");
+    let done = derive_for(&building, store, again, &|text| progress.note(text));
+    progress.finish();
+    match done {
+        Ok(derived) => {
+            let words =
+                format!("{} added, {} were there already", derived.added.len(), derived.present.len());
+            let value = json!({ "added": derived.added, "present": derived.present });
+            report(json, out, value, &words)
+        }
+        Err(LibraryDeriveError::Store(error)) => Err(Failure::Store(error)),
+        Err(error) => Err(Failure::Derive(error.to_string())),
+    }
+}
+
 enum Failure {
+    Derive(String),
     Store(StoreError),
     Output(io::Error),
 }
@@ -108,6 +148,7 @@ fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
     let mut store = Store::open(&args.library)?;
     say_how_opened(&store, err)?;
     match &args.command {
+        LibraryCommand::Derive { building, again } => derive(&mut store, building, *again, args.json, out),
         LibraryCommand::List => list(&store, args.json, out),
         LibraryCommand::Show { key } => show(&store.get(&store.resolve(key)?)?, args.json, out),
         LibraryCommand::Verify => verify(&store, args.json, out),

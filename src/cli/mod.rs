@@ -3,14 +3,27 @@
 //! Exit codes: 0 done, 1 a check failed, 2 bad input or usage.
 
 mod check;
+pub mod compose;
+pub mod explain;
+pub mod fe;
+pub mod generate_mbs;
 pub mod graph;
 mod init;
+pub mod knowledge;
 pub mod library;
+pub mod library_derive;
+pub mod progress;
 pub mod rules;
 mod schema;
 pub mod simulate;
+mod study;
+mod summary;
+pub mod verdict;
 
+use crate::base::output::OutputFolder;
+use crate::building::{Building, inspect_file};
 use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// What a command ends with; its number is the exit code.
@@ -30,6 +43,27 @@ impl From<Outcome> for ExitCode {
     }
 }
 
+/// Why a command did not get to its end.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Failure {
+    /// What is wrong; empty if it has been said already.
+    pub message: String,
+    /// What the command ends with.
+    pub outcome: Outcome,
+}
+
+impl Failure {
+    /// Bad input, or an output that cannot be written.
+    pub fn input(message: String) -> Self {
+        Self { message, outcome: Outcome::BadInput }
+    }
+
+    /// A run that stopped.
+    pub fn stopped(message: String) -> Self {
+        Self { message, outcome: Outcome::CheckFailed }
+    }
+}
+
 #[derive(Parser)]
 #[command(
     name = "fallwerk",
@@ -46,26 +80,34 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Command {
     Check(check::Arguments),
+    Explain(explain::Arguments),
+    Fe(fe::Arguments),
+    GenerateMbs(generate_mbs::Arguments),
     Init(init::Arguments),
     Schema(schema::Arguments),
     Graph(graph::Arguments),
     /// Run a multibody model file
     Simulate(simulate::SimulateArgs),
-    /// The library of subsystems: list, show, verify, rebuild, export, import, deprecate
+    /// The library of subsystems: derive, list, show, verify, rebuild, export, import, deprecate
     Library(library::LibraryArgs),
     /// The rules: list, check, show, features
     Rules(rules::RulesArgs),
+    Study(study::Arguments),
 }
 
 /// Runs the command line of this process.
 pub fn run() -> ExitCode {
     match Arguments::parse().command {
         Command::Check(arguments) => check::run(&arguments),
+        Command::Explain(arguments) => finish(explain::run(&arguments)),
+        Command::Fe(arguments) => finish(fe::run(&arguments)),
+        Command::GenerateMbs(arguments) => finish(generate_mbs::run(&arguments)),
         Command::Init(arguments) => init::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),
-        Command::Graph(arguments) => show_graph(&arguments),
+        Command::Graph(arguments) => finish(show_graph(&arguments)),
         Command::Library(arguments) => return ExitCode::from(library::run(&arguments)),
         Command::Rules(arguments) => return ExitCode::from(rules::run(&arguments)),
+        Command::Study(arguments) => finish(study::run(&arguments)),
         Command::Simulate(arguments) => match simulate::run(arguments) {
             Ok(()) => Outcome::Done,
             Err(error) => {
@@ -77,14 +119,55 @@ pub fn run() -> ExitCode {
     .into()
 }
 
-fn show_graph(arguments: &graph::Arguments) -> Outcome {
-    let inspection = crate::building::inspect_file(&arguments.file);
+/// Reads a building and shows its structure graph.
+fn show_graph(arguments: &graph::Arguments) -> Result<Outcome, Failure> {
+    let building = read_building(&arguments.file, arguments.json)?;
+    print(&graph::run(arguments, &building));
+    Ok(Outcome::Done)
+}
+
+/// Says why a command failed.
+fn finish(result: Result<Outcome, Failure>) -> Outcome {
+    result.unwrap_or_else(|failure| {
+        if !failure.message.is_empty() {
+            eprintln!("error: {}", failure.message);
+        }
+        failure.outcome
+    })
+}
+
+/// Reads a building; says all that is wrong with it, as `check` does (with `json` on standard output).
+fn read_building(path: &Path, json: bool) -> Result<Building, Failure> {
+    let inspection = inspect_file(path);
     if !inspection.diagnostics.items().is_empty() {
         eprint!("{}", inspection.diagnostics.render(colour_on_stderr()));
     }
-    let Some(building) = inspection.building else { return Outcome::BadInput };
-    print(&graph::run(arguments, &building));
-    Outcome::Done
+    inspection.building.ok_or_else(|| {
+        if json {
+            let value = serde_json::json!({ "ok": false, "diagnostics": inspection.diagnostics.to_json() });
+            print(&format!("{value:#}\n"));
+        }
+        Failure::input(String::new())
+    })
+}
+
+/// `out/` and the building's name as a file name.
+fn default_output(building: &Building, ending: &str) -> PathBuf {
+    let plain = |c: char| if c.is_alphanumeric() || c == '_' { c } else { '-' };
+    let name: String = building.name.chars().map(plain).collect();
+    let name = name.trim_matches('-');
+    Path::new("out").join(format!("{}{ending}", if name.is_empty() { "building" } else { name }))
+}
+
+/// A pool of this many threads, or of one a core.
+fn thread_pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from));
+    builder.build().map_err(|e| Failure::stopped(format!("threads cannot be started: {e}")))
+}
+
+/// Writes a text file into a result folder.
+fn write(output: &OutputFolder, name: &str, text: &str) -> Result<(), Failure> {
+    output.write(name, text.as_bytes()).map(|_| ()).map_err(|e| Failure::input(e.to_string()))
 }
 
 /// Writes to standard output; a closed pipe (`| head`) is no error.

@@ -1,0 +1,63 @@
+//! What happened when, in both runs.
+
+use super::Pieces;
+use crate::fe::dynamics::Death;
+use crate::mbs::result::{EventKind, FractureCause};
+use crate::report::TimedEvent;
+
+/// Events of both runs in order of time.
+pub fn events(p: &Pieces) -> Vec<TimedEvent> {
+    let mut events: Vec<TimedEvent> = fe_events(p).into_iter().chain(mbs_events(p)).collect();
+    events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    events
+}
+
+fn fe_events(p: &Pieces) -> Vec<TimedEvent> {
+    let event = |time_s: f64, what: String| TimedEvent { time_s, run: "FE".into(), what };
+    let mut events: Vec<TimedEvent> = p
+        .building
+        .events
+        .iter()
+        .map(|c| event(c.time_s, format!("charge {} removes {}", c.id, c.member)))
+        .collect();
+    for zone in &p.facts.ends {
+        let zones = [
+            (zone.first_s, "exceeds the critical strain rate"),
+            (zone.fracture_s, "has lost a whole layer of elements"),
+        ];
+        events
+            .extend(zones.iter().filter_map(|(t, what)| t.map(|t| event(t, format!("{} {what}", zone.id)))));
+    }
+    if let Some(death) = p.fe.deaths.iter().find(|d| d.cause != Death::Removed) {
+        let part = &p.fe.mesh.parts[p.fe.mesh.elements[death.element].part];
+        events.push(event(death.time_s, format!("the first element erodes, in {part}")));
+    }
+    events.extend(
+        p.fe.touches.iter().map(|t| event(t.time_s, format!("{} touches {}", t.part, surface(&t.surface)))),
+    );
+    events
+}
+
+fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
+    let words = |kind: &EventKind| match kind {
+        EventKind::Yield { joint } => format!("hinge {joint} yields"),
+        EventKind::Fracture { joint, cause: FractureCause::Rotation } => {
+            format!("hinge {joint} separates: rotation capacity used up")
+        }
+        EventKind::Fracture { joint, cause: FractureCause::Tension } => {
+            format!("hinge {joint} separates in tension")
+        }
+        EventKind::Contact { a, b } => format!("{a} touches {}", surface(b)),
+        EventKind::Removal { event } => format!("charge {event} removes its bodies"),
+    };
+    let event = |e: &crate::mbs::result::RunEvent| TimedEvent {
+        time_s: e.time_s,
+        run: "MBS".into(),
+        what: words(&e.kind),
+    };
+    p.mbs.events.iter().map(event).collect()
+}
+
+fn surface(name: &str) -> &str {
+    if name == "ground" { "the ground" } else { name }
+}

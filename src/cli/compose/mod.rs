@@ -1,0 +1,251 @@
+//! From building, model, both runs and their comparison to the input of the report.
+//!
+//! The report knows no solver and no building model; here its plain data are filled.
+
+mod events;
+mod model;
+mod scene;
+
+pub use model::entry_words;
+
+use super::verdict;
+use crate::building::Building;
+use crate::fe::result::FeRun;
+use crate::generate::Generated;
+use crate::mbs::RunResult;
+use crate::report::{
+    ErrorMeasure, FeEnergy, FirstContact, HingeSite, History, MbsEnergy, Note, ReportInput, RunCost, Setting,
+    Severity,
+};
+use crate::study::Facts;
+use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, Validation};
+
+/// Everything that a report is made of.
+pub struct Pieces<'a> {
+    /// The building.
+    pub building: &'a Building,
+    /// The generated model with its reasons.
+    pub generated: &'a Generated,
+    /// The FE run.
+    pub fe: &'a FeRun,
+    /// Its facts.
+    pub facts: &'a Facts,
+    /// The MBS run; its `cpu_s` is what the report shows.
+    pub mbs: &'a RunResult,
+    /// The comparison.
+    pub validation: &'a Validation,
+    /// Threads of the FE run.
+    pub threads: usize,
+    /// Runs of the MBS over which its run time is the median.
+    pub mbs_runs: usize,
+}
+
+impl Pieces<'_> {
+    /// Number of output times that both runs have.
+    fn outputs(&self) -> usize {
+        self.fe.times_s.len().min(self.mbs.times_s.len())
+    }
+}
+
+/// The input of the report.
+pub fn report_input(p: &Pieces) -> ReportInput {
+    let v = p.validation;
+    ReportInput {
+        title: format!("{}: MBS against FE", p.building.name),
+        building_name: p.building.name.clone(),
+        building_description: p.building.description.clone(),
+        program_version: format!("fallwerk {}", env!("CARGO_PKG_VERSION")),
+        verdict: verdict::verdict(v),
+        checks: verdict::checks(v),
+        settings: settings(p),
+        first_contact: FirstContact { fe_s: v.first_contact_s.fe, mbs_s: v.first_contact_s.mbs },
+        histories: histories(p),
+        error: Some(ErrorMeasure {
+            time_s: v.times_s.clone(),
+            e: v.e_curve.clone(),
+            contact_s: v.first_contact_s.fe,
+            until_contact: Some(v.e_to_contact),
+            until_end: Some(v.e_total),
+            limit_until_contact: Some(LIMIT_TO_CONTACT),
+            limit_until_end: None,
+        }),
+        hinge_sites: hinge_sites(p),
+        fe_energy: Some(fe_energy(p.fe)),
+        mbs_energy: Some(mbs_energy(p.mbs)),
+        fe_run: Some(fe_cost(p)),
+        mbs_run: Some(mbs_cost(p)),
+        model: model::summary(p.generated),
+        curves: model::curves(p.generated),
+        notes: notes(p),
+        events: events::events(p),
+        scene: Some(scene::scene(p)),
+    }
+}
+
+fn settings(p: &Pieces) -> Vec<Setting> {
+    let s = &p.building.settings;
+    let line = |name: &str, value: String| Setting { name: name.into(), value };
+    vec![
+        line("Simulated time", format!("{} s", s.end_time_s)),
+        line("Output interval", format!("{} s", s.output_interval_s)),
+        line("Time over which removed members lose their stress", format!("{} s", s.removal_duration_s)),
+        line("Gravity", format!("{} m/s²", s.gravity_m_s2)),
+        line("Target edge length of the FE mesh", format!("{} m", s.mesh_size_m)),
+        line("Critical strain rate", format!("{} 1/s", p.facts.critical_rate_1_s)),
+        line(
+            "Plastic rotation from which an MBS hinge counts as yielded",
+            format!("{ACTIVE_ROTATION_RAD} rad"),
+        ),
+        line("Run time of the MBS", format!("median of {} runs", p.mbs_runs)),
+    ]
+}
+
+fn histories(p: &Pieces) -> Vec<History> {
+    let n = p.outputs();
+    let pair = |f: &crate::fe::result::History| {
+        let m = p.mbs.tracked.iter().find(|m| m.id == f.id)?;
+        Some(History {
+            point: f.id.clone(),
+            time_s: p.fe.times_s[..n].to_vec(),
+            fe_m: f.displacement_m[..n].to_vec(),
+            mbs_m: m.displacement_m[..n].to_vec(),
+        })
+    };
+    p.fe.tracked.iter().filter_map(pair).collect()
+}
+
+/// All member ends of the FE facts, then hinges elsewhere (at members that a charge takes away).
+///
+/// A hinge below [`ACTIVE_ROTATION_RAD`] is shown as not yielded, so that the page counts as [`Validation`] does.
+fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
+    let joints = &p.generated.model.joints;
+    let at_end = p.facts.ends.iter().zip(&p.validation.sites).map(|(zone, site)| HingeSite {
+        member_end: zone.id.clone(),
+        point_m: zone.point_m,
+        body: joints.iter().find(|j| j.id == zone.id).map(|j| j.body_b.clone()),
+        fe_zone: Some(site.fe_zone),
+        fe_first_s: zone.first_s,
+        fe_peak_strain_rate_1_s: Some(zone.peak_rate_1_s),
+        fe_max_plastic_strain: Some(zone.plastic_strain),
+        mbs_hinge: site.hinge,
+        mbs_yielded_s: site.yield_s.filter(|_| site.plastic_rotation_rad > ACTIVE_ROTATION_RAD),
+        mbs_max_plastic_rotation_rad: site.hinge.then_some(site.plastic_rotation_rad),
+        mbs_fractured_s: site.fracture_s,
+    });
+    let known = |id: &str| p.facts.ends.iter().any(|z| z.id == id);
+    let elsewhere = joints.iter().filter(|j| !known(&j.id)).map(|j| HingeSite {
+        member_end: j.id.clone(),
+        point_m: j.point_m,
+        body: Some(j.body_b.clone()),
+        mbs_hinge: true,
+        ..HingeSite::default()
+    });
+    at_end.chain(elsewhere).collect()
+}
+
+/// Bulk viscosity counts as internal energy; what leaves with removed members counts as external work.
+fn fe_energy(run: &FeRun) -> FeEnergy {
+    let of = |f: fn(&crate::fe::result::FeEnergies) -> f64| run.energies.iter().map(f).collect::<Vec<f64>>();
+    FeEnergy {
+        time_s: run.times_s.clone(),
+        kinetic_j: of(|e| e.kinetic_j),
+        internal_j: of(|e| e.internal_j + e.viscous_j),
+        hourglass_j: of(|e| e.hourglass_j),
+        contact_j: of(|e| -e.contact_j - e.friction_j),
+        external_work_j: of(|e| e.gravity_j + e.removed_j),
+        eroded_j: of(|e| e.eroded_j),
+        residual_j: of(|e| e.residual_j),
+    }
+}
+
+/// What separation and removal release counts as plastic, energy stored in contacts as elastic.
+fn mbs_energy(run: &RunResult) -> MbsEnergy {
+    let e = &run.energies;
+    let sum = |lists: &[&Vec<f64>]| -> Vec<f64> {
+        (0..run.times_s.len()).map(|i| lists.iter().map(|l| l[i]).sum()).collect()
+    };
+    MbsEnergy {
+        time_s: run.times_s.clone(),
+        kinetic_j: e.kinetic_j.clone(),
+        potential_j: e.gravity_j.clone(),
+        elastic_j: sum(&[&e.joints_elastic_j, &e.contact_elastic_j]),
+        plastic_j: sum(&[&e.plastic_j, &e.released_j]),
+        contact_j: sum(&[&e.contact_damping_j, &e.friction_j]),
+        residual_j: (0..run.times_s.len()).map(|i| e.total_j(i) - e.total_j(0)).collect(),
+    }
+}
+
+fn mean_step_s(times_s: &[f64], steps: u64) -> Option<f64> {
+    times_s.last().map(|end| end / steps.max(1) as f64)
+}
+
+fn fe_cost(p: &Pieces) -> RunCost {
+    let s = &p.fe.summary;
+    RunCost {
+        cpu_s: Some(p.validation.cpu_s.fe),
+        wall_s: Some(p.validation.wall_s.fe),
+        steps: Some(s.steps),
+        step_s: mean_step_s(&p.fe.times_s, s.steps),
+        parts: Some(s.elements as u64),
+        dofs: Some(3 * (s.nodes - p.fe.mesh.fixed.len()) as u64),
+        threads: Some(p.threads as u64),
+    }
+}
+
+fn mbs_cost(p: &Pieces) -> RunCost {
+    let bodies = p.mbs.bodies.len() as u64;
+    RunCost {
+        cpu_s: Some(p.validation.cpu_s.mbs),
+        wall_s: Some(p.validation.wall_s.mbs),
+        steps: Some(p.mbs.steps as u64),
+        step_s: mean_step_s(&p.mbs.times_s, p.mbs.steps as u64),
+        parts: Some(bodies),
+        dofs: Some(6 * bodies),
+        threads: Some(1),
+    }
+}
+
+fn notes(p: &Pieces) -> Vec<Note> {
+    let warning = |text: &String| Note { severity: Severity::Warning, text: text.clone() };
+    let note = |text: String| Note { severity: Severity::Note, text };
+    let mut notes: Vec<Note> = p.generated.notes.iter().map(warning).collect();
+    notes.extend(p.mbs.warnings.iter().map(|w| warning(&format!("MBS: {w}"))));
+    notes.push(note(
+        "FE: contact between parts of the structure is not computed yet; nodes are tested against ground and obstacles. \
+         What falls on other parts passes through them."
+            .into(),
+    ));
+    if let Some(text) = snapped(p.fe) {
+        notes.push(note(text));
+    }
+    if !p.generated.derived.is_empty() {
+        notes.push(note(format!(
+            "Computed for this model, as the library had no entry: {}.",
+            p.generated.derived.join(", ")
+        )));
+    }
+    notes.push(note(
+        "Energies: FE internal energy includes bulk viscosity, FE external work what leaves with removed members; MBS \
+         plastic energy includes what separation of joints and removal of bodies release, MBS elastic energy that stored \
+         in contacts."
+            .into(),
+    ));
+    notes
+}
+
+/// Members whose faces were moved to mesh planes, in a sentence.
+fn snapped(run: &FeRun) -> Option<String> {
+    let worst = run.snapped.iter().max_by(|a, b| {
+        let off = |s: &crate::fe::mesh::Snapped| s.volume_ratio.max(1.0 / s.volume_ratio);
+        off(a).total_cmp(&off(b))
+    })?;
+    let names: Vec<&str> = run.snapped.iter().map(|s| s.member.as_str()).collect();
+    Some(format!(
+        "FE: the faces of {} members were moved to mesh planes ({}); density, stiffness and strength were scaled by real over \
+         meshed volume, {:.3} at most away from 1 ({}).",
+        names.len(),
+        names.join(", "),
+        worst.volume_ratio,
+        worst.member
+    ))
+}

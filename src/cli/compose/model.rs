@@ -1,0 +1,106 @@
+//! The generated model in tables, and the resistance curves it uses.
+
+use crate::generate::Generated;
+use crate::library::Entry;
+use crate::library::entry::{Adjoining, ColumnEnd};
+use crate::mbs::model::{Bending, Joint};
+use crate::report::{BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, RuleRow, TraceRow};
+use std::collections::BTreeMap;
+
+/// An entry in words, such as `column 0.40 x 0.40 m, top at a beam, 1.71 m to the point of zero moment`.
+pub fn entry_words(entry: &Entry) -> String {
+    let f = &entry.features;
+    let end = match f.end {
+        ColumnEnd::Top => "top",
+        ColumnEnd::Bottom => "bottom",
+    };
+    let beside = match f.adjoining {
+        Adjoining::Slab => "a slab",
+        Adjoining::Beam => "a beam",
+        Adjoining::Ground => "the ground",
+    };
+    let weakened = f.further.get("strength_factor").map_or(String::new(), |x| format!(", strength × {x}"));
+    format!(
+        "column {:.2} x {:.2} m, {end} at {beside}, {:.2} m to the point of zero moment{weakened}",
+        f.width_m, f.depth_m, f.length_to_inflection_m
+    )
+}
+
+/// All tables of the model.
+pub fn summary(generated: &Generated) -> ModelSummary {
+    let model = &generated.model;
+    ModelSummary {
+        bodies: model
+            .bodies
+            .iter()
+            .map(|b| BodyRow { id: b.id.clone(), mass_kg: b.mass_kg, members: b.origin.members.clone() })
+            .collect(),
+        joints: model.joints.iter().map(joint).collect(),
+        entries: generated
+            .entries
+            .iter()
+            .map(|(key, entry)| EntryRow {
+                key: key.clone(),
+                description: entry_words(entry),
+                uses: model.joints.iter().filter(|j| j.origin.entries.contains(key)).count() as u64,
+            })
+            .collect(),
+        rules: rules(generated),
+        trace: generated
+            .trace
+            .iter()
+            .map(|t| TraceRow {
+                part: t.part.clone(),
+                rule: t.rule.clone(),
+                words: format!("{} → {}: {}", t.subject, t.action, t.words),
+                entries: t.entries.clone(),
+            })
+            .collect(),
+    }
+}
+
+fn joint(joint: &Joint) -> JointRow {
+    let curve = |b: &Bending| match b {
+        Bending::Curve { curve, .. } => Some(curve.clone()),
+        Bending::Elastic { .. } => None,
+    };
+    let curves: Vec<String> = joint.bending.iter().filter_map(curve).collect();
+    JointRow {
+        id: joint.id.clone(),
+        joins: format!("{} – {}", joint.body_a.as_deref().unwrap_or("ground"), joint.body_b),
+        kind: if curves.is_empty() { "elastic" } else { "hinge" }.into(),
+        curves,
+    }
+}
+
+fn rules(generated: &Generated) -> Vec<RuleRow> {
+    let mut rules: BTreeMap<&str, RuleRow> = BTreeMap::new();
+    for t in &generated.trace {
+        let row = rules.entry(&t.rule).or_insert_with(|| RuleRow {
+            id: t.rule.clone(),
+            text: t.words.clone(),
+            ..RuleRow::default()
+        });
+        row.fired += 1;
+        row.out_of_range |= !t.in_range;
+    }
+    rules.into_values().collect()
+}
+
+/// The computed envelopes of the entries used.
+pub fn curves(generated: &Generated) -> Vec<CurveFamily> {
+    let family = |key: &str, entry: &Entry, axis: usize| CurveFamily {
+        id: format!("{key}/axis-{}", axis + 1),
+        description: format!("{}, bending about axis {}", entry_words(entry), axis + 1),
+        levels: entry.axes[axis]
+            .envelopes
+            .iter()
+            .map(|level| CurveLevel {
+                axial_force_n: level.axial_force_n,
+                points: level.points.clone(),
+                fracture_rotation_rad: level.fracture_rotation_rad,
+            })
+            .collect(),
+    };
+    generated.entries.iter().flat_map(|(key, entry)| [family(key, entry, 0), family(key, entry, 1)]).collect()
+}

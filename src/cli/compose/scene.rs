@@ -1,0 +1,85 @@
+//! The 3D scene: the skin of the FE mesh and the boxes of the MBS bodies over common times.
+
+use super::Pieces;
+use crate::building::{Building, MemberKind};
+use crate::mbs::model::Body;
+use crate::report::{
+    BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneObstacle,
+    ScenePart, faces_of_hexes,
+};
+
+/// Colour group of a member; the same word in both views.
+fn group(building: &Building, member: &str) -> String {
+    let word = match building.member(member).map(|m| m.kind) {
+        Some(MemberKind::Column) => "column",
+        Some(MemberKind::Beam) => "beam",
+        Some(MemberKind::Slab) => "slab",
+        Some(MemberKind::Wall) => "wall",
+        Some(MemberKind::Footing) => "footing",
+        None => "other",
+    };
+    word.to_string()
+}
+
+/// The scene of both runs.
+pub fn scene(p: &Pieces) -> Scene {
+    Scene {
+        time_s: p.fe.times_s[..p.outputs()].to_vec(),
+        ground_level_m: Some(p.building.ground.level_m),
+        obstacles: p
+            .building
+            .obstacles
+            .iter()
+            .map(|o| SceneObstacle { label: o.id.clone(), solid: o.solid })
+            .collect(),
+        fe: Some(fe_scene(p)),
+        mbs: Some(mbs_scene(p)),
+    }
+}
+
+fn fe_scene(p: &Pieces) -> FeScene {
+    let mesh = &p.fe.mesh;
+    let mut elements: Vec<SceneElement> =
+        mesh.elements.iter().map(|e| SceneElement { part: e.part as u32, death_s: None }).collect();
+    for death in &p.fe.deaths {
+        elements[death.element].death_s.get_or_insert(death.time_s);
+    }
+    let hexes: Vec<[u32; 8]> = mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect();
+    FeScene {
+        parts: mesh
+            .parts
+            .iter()
+            .map(|id| ScenePart { id: id.clone(), group: group(p.building, id) })
+            .collect(),
+        faces: faces_of_hexes(&hexes, &elements),
+        elements,
+        frames_m: p.fe.frames_m[..p.outputs()].to_vec(),
+        plastic_strain: PlasticStrain::Final(p.fe.plastic_strain.iter().map(|s| *s as f32).collect()),
+    }
+}
+
+fn mbs_scene(p: &Pieces) -> MbsScene {
+    let model = &p.generated.model;
+    let removed_s = |body: &Body| {
+        model.events.iter().filter(|e| e.remove_bodies.contains(&body.id)).map(|e| e.time_s).reduce(f64::min)
+    };
+    let body = |body: &Body| SceneBody {
+        id: body.id.clone(),
+        group: group(p.building, &body.id),
+        boxes: body
+            .shapes
+            .iter()
+            .map(|s| BodyBox { center_m: s.center_m, half_extents_m: s.half_extents_m })
+            .collect(),
+        appears_s: None,
+        removed_s: removed_s(body),
+    };
+    let poses = |frame: &crate::mbs::result::Frame| {
+        let pairs = frame.position_m.iter().zip(&frame.orientation);
+        pairs.map(|(position, turn)| Pose { position_m: *position, orientation: *turn }).collect()
+    };
+    MbsScene {
+        bodies: model.bodies.iter().map(body).collect(),
+        frames: p.mbs.frames[..p.outputs()].iter().map(poses).collect(),
+    }
+}

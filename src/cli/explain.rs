@@ -1,0 +1,319 @@
+//! `fallwerk explain`: why a part of a generated model is there. Also the trace file that holds the reasons.
+
+use super::compose::entry_words;
+use super::{Failure, Outcome, knowledge, print};
+use crate::base::diagnostic::{closest, quoted};
+use crate::building::Building;
+use crate::generate::Generated;
+use crate::library::Entry;
+use crate::library::entry::{Quality, Validity};
+use crate::mbs::Model;
+use crate::mbs::model::{Body, Joint, Origin};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Version of `trace.json`.
+pub const TRACE_SCHEMA: u32 = 1;
+
+/// Explain a body or joint of a generated model
+///
+/// Prints the members that the part stands for, the rules that made it and the library entries it uses, from the trace.json
+/// beside the model; without one, from the model, the rule base and the library. A member that is part of a body is
+/// found too.
+/// Exit codes: 0 done, 2 bad input.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The model file
+    model: PathBuf,
+    /// Id of a body, joint or member
+    part: String,
+    /// Library folder [default: library, else the program's]
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
+    /// Rules folder [default: rules, else the program's]
+    #[arg(long, value_name = "DIR")]
+    rules: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// `trace.json`: the reasons of each part of a model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TraceFile {
+    /// Always [`TRACE_SCHEMA`].
+    pub schema: u32,
+    /// Name of the building.
+    pub building: String,
+    /// Hash of the resolved building.
+    pub building_hash: String,
+    /// Version of the program.
+    pub program_version: String,
+    /// Rules that fired, in the order of the model.
+    pub reasons: Vec<Reason>,
+    /// The library entries used, by key.
+    pub entries: BTreeMap<String, EntryFacts>,
+    /// What an analyst should look at.
+    pub notes: Vec<String>,
+}
+
+/// A rule that fired for a part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Reason {
+    /// Body or joint of the model.
+    pub part: String,
+    /// Member or member end that the rule decided about.
+    pub subject: String,
+    /// Rule id.
+    pub rule: String,
+    /// What the rule decided.
+    pub action: String,
+    /// The rule in words.
+    pub words: String,
+    /// Whether the subject lies in the rule's range of evidence.
+    pub in_range: bool,
+    /// Library entries of the part.
+    pub entries: Vec<String>,
+}
+
+/// What is to be known of a library entry without its curves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EntryFacts {
+    /// What it describes.
+    pub words: String,
+    /// How good the computation was.
+    pub quality: Quality,
+    /// Where it holds.
+    pub validity: Validity,
+    /// Largest moment of any axial force, about the bending axes 1 and 2 \[N m\].
+    pub peak_moment_nm: [f64; 2],
+    /// Hash of what it was computed from.
+    pub inputs_hash: String,
+    /// Version of the program that computed it.
+    pub program_version: String,
+}
+
+impl EntryFacts {
+    fn of(entry: &Entry) -> Self {
+        Self {
+            words: entry_words(entry),
+            quality: entry.quality.clone(),
+            validity: entry.validity,
+            peak_moment_nm: [0, 1].map(|axis: usize| entry.axes[axis].curve.peak_nm()),
+            inputs_hash: entry.provenance.inputs_hash.clone(),
+            program_version: entry.provenance.program_version.clone(),
+        }
+    }
+}
+
+impl TraceFile {
+    /// The trace of a generated model.
+    pub fn of(building: &Building, building_hash: &str, generated: &Generated) -> Self {
+        Self {
+            schema: TRACE_SCHEMA,
+            building: building.name.clone(),
+            building_hash: building_hash.to_string(),
+            program_version: env!("CARGO_PKG_VERSION").to_string(),
+            reasons: generated
+                .trace
+                .iter()
+                .map(|t| Reason {
+                    part: t.part.clone(),
+                    subject: t.subject.clone(),
+                    rule: t.rule.clone(),
+                    action: t.action.clone(),
+                    words: t.words.clone(),
+                    in_range: t.in_range,
+                    entries: t.entries.clone(),
+                })
+                .collect(),
+            entries: generated
+                .entries
+                .iter()
+                .map(|(key, entry)| (key.clone(), EntryFacts::of(entry)))
+                .collect(),
+            notes: generated.notes.clone(),
+        }
+    }
+
+    /// The trace beside a model file; `None` if there is no such file.
+    fn beside(model: &Path) -> Result<Option<Self>, Failure> {
+        let path = model.with_file_name("trace.json");
+        let Ok(text) = std::fs::read_to_string(&path) else { return Ok(None) };
+        let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
+        let trace: Self = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        if trace.schema == TRACE_SCHEMA {
+            Ok(Some(trace))
+        } else {
+            Err(wrong(format!("schema {}, this program reads schema {TRACE_SCHEMA}", trace.schema)))
+        }
+    }
+}
+
+/// A part of a model.
+enum Part<'a> {
+    Body(&'a Body),
+    Joint(&'a Joint),
+}
+
+impl<'a> Part<'a> {
+    /// The body or joint with this id, else the body that a member is part of.
+    fn find(model: &'a Model, id: &str) -> Option<Self> {
+        let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
+        body(&|b| b.id == id)
+            .or_else(|| model.joints.iter().find(|j| j.id == id).map(Self::Joint))
+            .or_else(|| body(&|b| b.origin.members.iter().any(|m| m == id)))
+    }
+
+    fn id(&self) -> &'a str {
+        match self {
+            Self::Body(b) => &b.id,
+            Self::Joint(j) => &j.id,
+        }
+    }
+
+    fn origin(&self) -> &'a Origin {
+        match self {
+            Self::Body(b) => &b.origin,
+            Self::Joint(j) => &j.origin,
+        }
+    }
+
+    fn words(&self) -> String {
+        match self {
+            Self::Body(b) => format!("rigid body of {:.3} t", b.mass_kg / 1e3),
+            Self::Joint(j) => format!(
+                "joint between {} and {} at ({:.3}, {:.3}, {:.3}) m",
+                j.body_a.as_deref().unwrap_or("the ground"),
+                j.body_b,
+                j.point_m[0],
+                j.point_m[1],
+                j.point_m[2]
+            ),
+        }
+    }
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
+    let part = Part::find(&model, &arguments.part).ok_or_else(|| unknown(&model, &arguments.part))?;
+    let trace = TraceFile::beside(&arguments.model)?;
+    let (reasons, entries) = match &trace {
+        Some(trace) => known(&part, trace),
+        None => looked_up(&part, arguments)?,
+    };
+    if arguments.json {
+        let value = json!({
+            "part": part.id(),
+            "what": part.words(),
+            "members": part.origin().members,
+            "reasons": reasons,
+            "entries": entries,
+        });
+        print(&format!("{value:#}\n"));
+    } else {
+        print(&text(&arguments.part, &part, &reasons, &entries));
+    }
+    Ok(Outcome::Done)
+}
+
+fn unknown(model: &Model, id: &str) -> Failure {
+    let members = model.bodies.iter().flat_map(|b| b.origin.members.iter().map(String::as_str));
+    let ids = model.bodies.iter().map(|b| b.id.as_str()).chain(model.joints.iter().map(|j| j.id.as_str()));
+    let help = match closest(id, ids.chain(members)) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => {
+            let first = |ids: Vec<&str>| ids.into_iter().take(3).collect::<Vec<_>>().join(", ");
+            format!(
+                "bodies are for instance {}; joints {}",
+                first(model.bodies.iter().map(|b| b.id.as_str()).collect()),
+                first(model.joints.iter().map(|j| j.id.as_str()).collect())
+            )
+        }
+    };
+    Failure::input(format!("the model has no body or joint {}\n  = help: {help}", quoted(id)))
+}
+
+/// Reasons of a part and its entries by key; `None` for an entry of which nothing is known.
+type Found = (Vec<Reason>, BTreeMap<String, Option<EntryFacts>>);
+
+/// Reasons and entries of a part by its trace.
+fn known(part: &Part, trace: &TraceFile) -> Found {
+    let reasons = trace.reasons.iter().filter(|r| r.part == part.id()).cloned().collect();
+    let entries =
+        part.origin().entries.iter().map(|key| (key.clone(), trace.entries.get(key).cloned())).collect();
+    (reasons, entries)
+}
+
+/// Reasons and entries of a part whose model has no trace: what rule base and library hold today.
+fn looked_up(part: &Part, arguments: &Arguments) -> Result<Found, Failure> {
+    let rules = knowledge::rules(arguments.rules.as_deref())?;
+    let origin = part.origin();
+    let reasons = origin
+        .rules
+        .iter()
+        .map(|rule| Reason {
+            part: part.id().to_string(),
+            subject: origin.members.join(", "),
+            rule: rule.clone(),
+            action: String::new(),
+            words: knowledge::words_of(&rules, rule).unwrap_or_else(|| "(not in the rule base)".into()),
+            in_range: true,
+            entries: origin.entries.clone(),
+        })
+        .collect();
+    if origin.entries.is_empty() {
+        return Ok((reasons, BTreeMap::new()));
+    }
+    let store = knowledge::library(arguments.library.as_deref(), false)?;
+    let facts = |key: &String| (key.clone(), store.get(key).ok().map(|e| EntryFacts::of(&e)));
+    Ok((reasons, origin.entries.iter().map(facts).collect()))
+}
+
+fn text(
+    asked: &str,
+    part: &Part,
+    reasons: &[Reason],
+    entries: &BTreeMap<String, Option<EntryFacts>>,
+) -> String {
+    let mut text = String::new();
+    if asked != part.id() {
+        text += &format!("{asked} is part of {}\n", part.id());
+    }
+    text += &format!("{}: {}\n  stands for {}\n", part.id(), part.words(), part.origin().members.join(", "));
+    for r in reasons {
+        let what = if r.action.is_empty() { String::new() } else { format!(" -> {}", r.action) };
+        let outside = if r.in_range { "" } else { " (outside the rule's range of evidence)" };
+        text += &format!("  {}: rule {}{what}{outside}\n    {}\n", r.subject, r.rule, r.words);
+    }
+    for (key, facts) in entries {
+        text += &format!("  entry {key}\n");
+        match facts {
+            Some(f) => text += &entry_text(f),
+            None => text += "    not in the library\n",
+        }
+    }
+    text
+}
+
+fn entry_text(f: &EntryFacts) -> String {
+    format!(
+        "    {}\n    peak moments {:.1} and {:.1} kN m; axial force {:.0} to {:.0} kN, rotation up to {:.3} rad\n    \
+         quality: {} elements, kinetic over internal energy {:.3}, difference between the senses of rotation {:.3}\n    \
+         computed by version {} from inputs {}\n",
+        f.words,
+        f.peak_moment_nm[0] / 1e3,
+        f.peak_moment_nm[1] / 1e3,
+        f.validity.axial_force_n[0] / 1e3,
+        f.validity.axial_force_n[1] / 1e3,
+        f.validity.rotation_rad[1],
+        f.quality.elements,
+        f.quality.kinetic_energy_ratio,
+        f.quality.asymmetry,
+        f.program_version,
+        f.inputs_hash.get(..16).unwrap_or(&f.inputs_hash),
+    )
+}

@@ -1,0 +1,219 @@
+//! `fallwerk generate-mbs`: from a building to an MBS model, its run and, with `--validate`, the comparison with FE.
+
+use super::compose::{self, Pieces};
+use super::explain::TraceFile;
+use super::progress::Progress;
+use super::summary::{Summary, as_json, as_text};
+use super::{Failure, Outcome, fe, knowledge, print, read_building, simulate, thread_pool, write};
+use crate::base::hash::{ContentHash, readable_json};
+use crate::base::output::OutputFolder;
+use crate::building::Building;
+use crate::fe::result::FeRun;
+use crate::fe::run::FeOptions;
+use crate::generate::{Derive, Generated, generate};
+use crate::mbs::RunResult;
+use crate::study::{Facts, Study, facts};
+use crate::validate::Validation;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Runs of the MBS over which its run time is the median: one run takes some ten milliseconds, in which the scheduler counts.
+const MBS_RUNS: usize = 3;
+/// The result that costs most.
+const VALIDATION_FILE: &str = "validation.json";
+
+/// Generate the MBS model of a building, run it and compare it with FE
+///
+/// Rules decide which members become rigid bodies and where hinges stand; the library holds the hinges' resistance curves.
+/// Writes model.json, trace.json, mbs.json and histories as CSV into a result folder; with --validate also fe.json,
+/// study.json, validation.json and report.html. Run times are in validation.json and report.html only: all other files
+/// are the same for the same input, whatever the number of threads.
+/// Exit codes: 0 done (with --validate: the MBS agrees with FE), 1 it does not, or a run stopped, 2 bad input.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The building file
+    building: PathBuf,
+    /// Result folder [default: out/NAME]; one of an earlier run is replaced
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Run FE as well and compare
+    #[arg(long)]
+    validate: bool,
+    /// What to do about hinges that the library has no curves for
+    #[arg(long, value_enum, default_value = "never", default_missing_value = "run", num_args = 0..=1, require_equals = true)]
+    derive: DeriveArgument,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Library folder [default: library, else the program's]
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
+    /// Rules folder [default: rules, else the program's]
+    #[arg(long, value_name = "DIR")]
+    rules: Option<PathBuf>,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+    /// Replace the results of a run with --validate by those of one without
+    #[arg(long)]
+    force: bool,
+}
+
+/// Values of `--derive`.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum DeriveArgument {
+    /// Stop and name them
+    Never,
+    /// Compute the curves for this run
+    Run,
+    /// Compute the curves and add them to the library
+    Keep,
+}
+
+/// The FE side of a run with `--validate`.
+pub struct Comparison {
+    /// The FE run.
+    pub fe: FeRun,
+    /// Its facts.
+    pub facts: Facts,
+    /// Errors of the MBS against it.
+    pub validation: Validation,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let building = read_building(&arguments.building, arguments.json)?;
+    let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, ""));
+    keep_validation(arguments, &target)?;
+    let output = OutputFolder::create(&target).map_err(|e| Failure::input(e.to_string()))?;
+    let pool = thread_pool(arguments.threads)?;
+    let progress = Progress::on_stderr();
+    let result = pool.install(|| compute(arguments, &building, &output, &progress));
+    progress.finish();
+    let computed = result?;
+    let folder = output.commit().map_err(|e| Failure::input(e.to_string()))?;
+    let summary = Summary {
+        building: &building,
+        generated: &computed.generated,
+        mbs: &computed.mbs,
+        comparison: computed.comparison.as_ref(),
+        folder: &folder,
+    };
+    print(&if arguments.json { format!("{:#}\n", as_json(&summary)) } else { as_text(&summary) });
+    let agrees = computed.comparison.as_ref().is_none_or(|c| c.validation.agrees());
+    Ok(if agrees { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+/// A validation takes long; a quick run without one does not replace it unasked.
+fn keep_validation(arguments: &Arguments, target: &Path) -> Result<(), Failure> {
+    if arguments.validate || arguments.force || !target.join(VALIDATION_FILE).exists() {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "{} holds the results of a run with --validate\n  = help: --force replaces them, --output names another folder",
+        target.display()
+    )))
+}
+
+struct Computed {
+    generated: Generated,
+    mbs: RunResult,
+    comparison: Option<Comparison>,
+}
+
+/// Generates, runs, compares, and writes each file as soon as it is known.
+fn compute(
+    arguments: &Arguments,
+    building: &Building,
+    output: &OutputFolder,
+    progress: &Progress,
+) -> Result<Computed, Failure> {
+    let generated = generated(arguments, building, progress)?;
+    let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
+    write_json(output, "model.json", &generated.model)?;
+    write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;
+    let (mbs, wall_s) = run_mbs(&generated)?;
+    write_mbs(output, &mbs)?;
+    if !arguments.validate {
+        return Ok(Computed { generated, mbs, comparison: None });
+    }
+    let fe = fe::run_with_progress(building, &FeOptions::default(), progress).map_err(Failure::stopped)?;
+    let facts = facts(building, &fe);
+    let validation = Validation::of(building, &fe, &facts, &generated.model, &mbs, wall_s);
+    fe::write(output, building, &fe, building.settings.mesh_size_m)?;
+    let study = Study::new(&building.name, hash, building.settings.mesh_size_m, &fe.summary, facts.clone());
+    write_json(output, "study.json", &study)?;
+    write_json(output, VALIDATION_FILE, &validation)?;
+    let pieces = Pieces {
+        building,
+        generated: &generated,
+        fe: &fe,
+        facts: &facts,
+        mbs: &mbs,
+        validation: &validation,
+        threads: rayon::current_num_threads(),
+        mbs_runs: MBS_RUNS,
+    };
+    let page = crate::report::render(&compose::report_input(&pieces))
+        .map_err(|e| Failure::stopped(e.to_string()))?;
+    write(output, "report.html", &page)?;
+    Ok(Computed { generated, mbs, comparison: Some(Comparison { fe, facts, validation }) })
+}
+
+fn generated(arguments: &Arguments, building: &Building, progress: &Progress) -> Result<Generated, Failure> {
+    let derive = match arguments.derive {
+        DeriveArgument::Never => Derive::Never,
+        DeriveArgument::Run => Derive::Run,
+        DeriveArgument::Keep => Derive::Keep,
+    };
+    let rules = knowledge::rules(arguments.rules.as_deref())?;
+    let mut store = knowledge::library(arguments.library.as_deref(), derive == Derive::Keep)?;
+    progress.stage("generating the model");
+    generate(building, &rules, &mut store, derive, &|text| progress.note(text))
+        .map_err(|e| Failure::input(e.to_string()))
+}
+
+/// Runs the model [`MBS_RUNS`] times; the result carries the median processor time. Also returns the median wall time \[s\].
+fn run_mbs(generated: &Generated) -> Result<(RunResult, f64), Failure> {
+    let (mut cpu_s, mut wall_s, mut first) = (Vec::new(), Vec::new(), None);
+    for _ in 0..MBS_RUNS {
+        let began = Instant::now();
+        let result = crate::mbs::simulate(&generated.model)
+            .map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
+        wall_s.push(began.elapsed().as_secs_f64());
+        cpu_s.push(result.cpu_s);
+        first.get_or_insert(result);
+    }
+    let mut result = first.ok_or_else(|| Failure::stopped("no MBS run".into()))?;
+    result.cpu_s = median(cpu_s);
+    Ok((result, median(wall_s)))
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The run without its processor time, which differs from run to run.
+fn write_mbs(output: &OutputFolder, mbs: &RunResult) -> Result<(), Failure> {
+    write_json(output, "mbs.json", &RunResult { cpu_s: 0.0, ..mbs.clone() })?;
+    write(output, "mbs-displacements.csv", &simulate::displacements_csv(mbs))?;
+    write(output, "mbs-hinges.csv", &simulate::hinges_csv(mbs))?;
+    write(output, "mbs-energies.csv", &simulate::energies_csv(mbs))
+}
+
+fn write_json<T: serde::Serialize>(output: &OutputFolder, name: &str, value: &T) -> Result<(), Failure> {
+    let text = readable_json(value).map_err(|e| Failure::input(format!("{name}: {e}")))?;
+    write(output, name, &text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::median;
+
+    #[test]
+    fn the_median_ignores_an_outlier() {
+        assert_eq!(median(vec![0.9, 0.02, 0.03]), 0.03);
+        assert_eq!(median(Vec::new()), 0.0);
+    }
+}

@@ -1,0 +1,93 @@
+//! Entries of the library for all column ends of a building, whatever the rules make of them.
+
+use crate::building::ends::member_ends;
+use crate::building::partition::Partition;
+use crate::building::{Building, MemberKind, Preparation};
+use crate::fe::mesh::Mesh;
+use crate::library::derive::{DeriveError, Wanted};
+use crate::library::{Store, StoreError};
+use std::collections::BTreeMap;
+
+/// What became of the entries of a building, by key.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Derived {
+    /// Computed and put into the library.
+    pub added: Vec<String>,
+    /// Already there.
+    pub present: Vec<String>,
+}
+
+/// Why entries could not be derived. Those computed before are in the library.
+#[derive(Debug, thiserror::Error)]
+pub enum LibraryDeriveError {
+    /// The submodel failed.
+    #[error("{end}: {source}")]
+    Derive {
+        /// Member end id.
+        end: String,
+        /// Why.
+        source: DeriveError,
+    },
+    /// The library refused.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+}
+
+/// Computes what the library lacks for the column ends of a building and stores each entry as soon as it is done.
+///
+/// With `again` entries that are there are computed anew. Ends that are mirror images share an entry; columns cut away in
+/// preparation have none. `progress` hears what is being computed.
+///
+/// # Errors
+/// If a submodel fails or the library cannot be written.
+pub fn derive_for(
+    building: &Building,
+    store: &mut Store,
+    again: bool,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Derived, LibraryDeriveError> {
+    let mut derived = Derived::default();
+    let mut missing = Vec::new();
+    for (key, (end, wanted)) in wanted(building)? {
+        if again || store.keys().binary_search(&key).is_err() {
+            missing.push((key, end, wanted));
+        } else {
+            derived.present.push(key);
+        }
+    }
+    let count = missing.len();
+    for (number, (key, end, wanted)) in missing.into_iter().enumerate() {
+        let tell = |done, all| {
+            progress(&format!("curves of {end} ({} of {count}): push {done} of {all}", number + 1));
+        };
+        let entry = wanted.derive(&end, &tell).map_err(failed(&end))?;
+        store.put(&entry)?;
+        derived.added.push(key);
+    }
+    Ok(derived)
+}
+
+/// The entries that the column ends ask for, by key, each with the first end that does.
+fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Wanted)>, LibraryDeriveError> {
+    let partition = Partition::of(building);
+    let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
+    let is_cut = |id: &str| {
+        building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member } if member == id))
+    };
+    let mut wanted = BTreeMap::new();
+    for end in member_ends(building, &partition) {
+        let member = &building.members[end.member];
+        if member.kind != MemberKind::Column || is_cut(&member.id) {
+            continue;
+        }
+        if let Some(query) = Wanted::of(building, &partition, &mesh, &end) {
+            let key = query.key().map_err(DeriveError::from).map_err(failed(&end.id))?;
+            wanted.entry(key).or_insert((end.id, query));
+        }
+    }
+    Ok(wanted)
+}
+
+fn failed(end: &str) -> impl FnOnce(DeriveError) -> LibraryDeriveError + '_ {
+    move |source| LibraryDeriveError::Derive { end: end.to_string(), source }
+}

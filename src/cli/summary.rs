@@ -1,0 +1,159 @@
+//! The summary of `generate-mbs`, for people and for programs.
+
+use super::generate_mbs::Comparison;
+use super::verdict::{collapse_words, percent, seconds, verdict};
+use crate::building::Building;
+use crate::generate::Generated;
+use crate::mbs::RunResult;
+use crate::study::COLLAPSE_DROP_M;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What a summary is made of.
+pub struct Summary<'a> {
+    /// The building.
+    pub building: &'a Building,
+    /// Its model.
+    pub generated: &'a Generated,
+    /// The MBS run.
+    pub mbs: &'a RunResult,
+    /// The FE run and the comparison, if there was one.
+    pub comparison: Option<&'a Comparison>,
+    /// The result folder.
+    pub folder: &'a Path,
+}
+
+impl Summary<'_> {
+    /// Number of firings of each rule.
+    fn rules(&self) -> BTreeMap<&str, usize> {
+        let mut rules = BTreeMap::new();
+        self.generated.trace.iter().for_each(|t| *rules.entry(t.rule.as_str()).or_insert(0) += 1);
+        rules
+    }
+
+    fn mbs_collapsed(&self) -> bool {
+        self.mbs.tracked.iter().any(|t| t.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M))
+    }
+}
+
+/// The summary as text.
+pub fn as_text(s: &Summary) -> String {
+    let model = &s.generated.model;
+    let fired: Vec<String> = s.rules().iter().map(|(rule, n)| format!("{rule} ({n})")).collect();
+    let mut text = format!(
+        "{}\n  \
+         model      {} bodies, {} joints, {} curves from {} library entries\n  \
+         rules      {}\n",
+        s.building.name,
+        model.bodies.len(),
+        model.joints.len(),
+        model.curves.len(),
+        s.generated.entries.len(),
+        fired.join(", "),
+    );
+    if !s.generated.derived.is_empty() {
+        text += &format!("  derived    {}\n", s.generated.derived.join("\n             "));
+    }
+    text += &format!(
+        "  MBS run    {} in {} steps, {:.1} ms processor (median of three); energy error {}\n",
+        collapse_words(s.mbs_collapsed()),
+        s.mbs.steps,
+        1e3 * s.mbs.cpu_s,
+        percent(s.mbs.energy_error),
+    );
+    match s.comparison {
+        Some(c) => text += &comparison_text(c),
+        None => {
+            text +=
+                &format!("  contact    first ground contact at {}\n", seconds(s.mbs.first_ground_contact_s))
+        }
+    }
+    for note in s.generated.notes.iter().chain(&s.mbs.warnings) {
+        text += &format!("  note       {note}\n");
+    }
+    text += &format!("  results    {}\n", s.folder.display());
+    if s.comparison.is_some() {
+        text += &format!("  report     {}\n", s.folder.join("report.html").display());
+    }
+    text
+}
+
+fn comparison_text(c: &Comparison) -> String {
+    let (v, fe) = (&c.validation, &c.fe.summary);
+    let words = verdict(v);
+    format!(
+        "  FE run     {} in {} steps of {} elements, {:.1} s wall, {:.1} s processor; energy error {}\n  \
+         error      e = {:.3} up to the first contact, {:.3} over the whole run\n  \
+         contact    FE {}, MBS {}\n  \
+         hinges     precision {:.2}, recall {:.2}, F1 {:.2} ({} FE zones, {} active hinges, {} common)\n  \
+         debris     footprints overlap by {:.0} %\n  \
+         speed      MBS {:.0} times faster (processor time)\n  \
+         verdict    {}\n",
+        collapse_words(v.collapsed.fe),
+        fe.steps,
+        fe.elements,
+        v.wall_s.fe,
+        v.cpu_s.fe,
+        percent(v.energy_error.fe),
+        v.e_to_contact,
+        v.e_total,
+        seconds(v.first_contact_s.fe),
+        seconds(v.first_contact_s.mbs),
+        v.hinges.precision,
+        v.hinges.recall,
+        v.hinges.f1,
+        v.hinges.expected,
+        v.hinges.found,
+        v.hinges.common,
+        100.0 * v.footprint_overlap,
+        v.speed_ratio,
+        words.headline,
+    )
+}
+
+/// The summary as JSON.
+pub fn as_json(s: &Summary) -> Value {
+    let model = &s.generated.model;
+    let validation = s.comparison.map(|c| {
+        let v = &c.validation;
+        json!({
+            "agrees": v.agrees(),
+            "verdict": verdict(v).headline,
+            "e_to_contact": v.e_to_contact,
+            "e_total": v.e_total,
+            "first_contact_s": v.first_contact_s,
+            "collapsed": v.collapsed,
+            "hinges": v.hinges,
+            "hinges_placed": v.hinges_placed,
+            "energy_error": v.energy_error,
+            "footprint_overlap": v.footprint_overlap,
+            "cpu_s": v.cpu_s,
+            "wall_s": v.wall_s,
+            "speed_ratio": v.speed_ratio,
+            "fe_elements": c.fe.summary.elements,
+            "fe_steps": c.fe.summary.steps,
+        })
+    });
+    json!({
+        "ok": true,
+        "building": s.building.name,
+        "bodies": model.bodies.len(),
+        "joints": model.joints.len(),
+        "curves": model.curves.len(),
+        "entries": s.generated.entries.keys().collect::<Vec<_>>(),
+        "derived": s.generated.derived,
+        "rules": s.rules(),
+        "notes": s.generated.notes,
+        "mbs": {
+            "collapsed": s.mbs_collapsed(),
+            "steps": s.mbs.steps,
+            "cpu_s": s.mbs.cpu_s,
+            "energy_error": s.mbs.energy_error,
+            "first_ground_contact_s": s.mbs.first_ground_contact_s,
+            "warnings": s.mbs.warnings,
+        },
+        "validation": validation,
+        "output": s.folder,
+    })
+}

@@ -1,0 +1,125 @@
+//! The comparison of both runs in words: checks against the limits of [`crate::validate`], and a verdict.
+
+use crate::report::{Check, Status, Verdict};
+use crate::validate::{
+    ACTIVE_ROTATION_RAD, LIMIT_CONTACT_TIME, LIMIT_ENERGY, LIMIT_SPEED, LIMIT_TO_CONTACT, Validation,
+};
+
+/// Number of the checks, from the first, that [`Validation::agrees`] is made of.
+const DECISIVE: usize = 5;
+
+fn status(holds: bool) -> Status {
+    if holds { Status::Pass } else { Status::Fail }
+}
+
+fn check(label: &str, value: String, limit: String, status: Status, explanation: &str) -> Check {
+    Check { label: label.into(), value, limit, status, explanation: explanation.into() }
+}
+
+/// "collapses" or "does not collapse".
+pub fn collapse_words(collapsed: bool) -> &'static str {
+    if collapsed { "collapses" } else { "does not collapse" }
+}
+
+/// A time or "none".
+pub fn seconds(time_s: Option<f64>) -> String {
+    time_s.map_or("none".into(), |t| format!("{t:.3} s"))
+}
+
+/// All checks, those that decide the agreement first.
+pub fn checks(v: &Validation) -> Vec<Check> {
+    let energy = |label: &str, error: f64| {
+        let words = "largest residual of the energy balance over the energy turned over";
+        let (value, limit) = (percent(error), format!("≤ {}", percent(LIMIT_ENERGY)));
+        check(label, value, limit, status(error <= LIMIT_ENERGY), words)
+    };
+    vec![
+        check(
+            "Displacement error up to the first contact",
+            format!("e = {:.3}", v.e_to_contact),
+            format!("≤ {LIMIT_TO_CONTACT:.2}"),
+            status(v.e_to_contact <= LIMIT_TO_CONTACT),
+            "relative error over all tracked points, up to the first ground contact of the FE run (to the end if there is none)",
+        ),
+        contact(v),
+        check(
+            "Collapse",
+            format!("FE {}, MBS {}", collapse_words(v.collapsed.fe), collapse_words(v.collapsed.mbs)),
+            "the same".into(),
+            status(v.collapsed.fe == v.collapsed.mbs),
+            "a structure has collapsed if a tracked point falls by more than 1 m",
+        ),
+        energy("Energy error of the FE run", v.energy_error.fe),
+        energy("Energy error of the MBS run", v.energy_error.mbs),
+        check(
+            "Speed",
+            format!("{:.0} times", v.speed_ratio),
+            format!("≥ {LIMIT_SPEED:.0} times"),
+            status(v.speed_ratio >= LIMIT_SPEED),
+            "processor time of FE over that of the MBS; says nothing about the agreement",
+        ),
+    ]
+}
+
+fn contact(v: &Validation) -> Check {
+    let both = v.first_contact_s;
+    let (value, status) = match (both.fe, both.mbs, v.contact_time_error()) {
+        (None, None, _) => ("none in either run".into(), Status::Pass),
+        (_, _, Some(error)) => (
+            format!("{} apart (FE {}, MBS {})", percent(error), seconds(both.fe), seconds(both.mbs)),
+            status(error <= LIMIT_CONTACT_TIME),
+        ),
+        _ => (format!("FE {}, MBS {}", seconds(both.fe), seconds(both.mbs)), Status::Fail),
+    };
+    let limit = format!("≤ {}", percent(LIMIT_CONTACT_TIME));
+    check("Time of the first ground contact", value, limit, status, "difference over the time of the FE run")
+}
+
+/// The verdict: agreement up to the first contact, or what fails.
+pub fn verdict(v: &Validation) -> Verdict {
+    let phase =
+        if v.first_contact_s.fe.is_some() { "up to the first contact" } else { "up to the end of the run" };
+    let headline = if v.agrees() {
+        format!("The MBS agrees with FE {phase}: e = {:.3}", v.e_to_contact)
+    } else {
+        let failed: Vec<String> = checks(v)
+            .into_iter()
+            .take(DECISIVE)
+            .filter(|c| c.status == Status::Fail)
+            .map(|c| format!("{}: {} (limit {})", lower(&c.label), c.value, c.limit))
+            .collect();
+        format!("The MBS does not agree with FE {phase}. Outside its limit: {}", failed.join("; "))
+    };
+    Verdict { headline, status: status(v.agrees()), detail: detail(v) }
+}
+
+fn detail(v: &Validation) -> String {
+    let collapse = match (v.collapsed.fe, v.collapsed.mbs) {
+        (true, true) => "The structure collapses in both runs.".to_string(),
+        (false, false) => "The structure does not collapse in either run.".to_string(),
+        (fe, mbs) => format!(
+            "The structure {} in the FE run and {} in the MBS run.",
+            collapse_words(fe),
+            collapse_words(mbs)
+        ),
+    };
+    format!(
+        "{collapse} Over the whole run e = {:.3}; the debris footprints overlap by {:.0} %. Hinges (plastic rotation above \
+         {ACTIVE_ROTATION_RAD} rad) against FE zones: precision {:.2}, recall {:.2}.",
+        v.e_total,
+        100.0 * v.footprint_overlap,
+        v.hinges.precision,
+        v.hinges.recall,
+    )
+}
+
+/// A share in per cent with two or three digits.
+pub fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{percent:.2} %") }
+}
+
+fn lower(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+}
