@@ -30,7 +30,7 @@ pub fn seconds(time_s: Option<f64>) -> String {
 pub fn checks(v: &Validation) -> Vec<Check> {
     let energy = |label: &str, error: f64| {
         let words = "largest residual of the energy balance over the energy turned over";
-        let (value, limit) = (percent(error), format!("≤ {}", percent(LIMIT_ENERGY)));
+        let (value, limit) = (percent(error), format!("≤ {:.0} %", 100.0 * LIMIT_ENERGY));
         check(label, value, limit, status(error <= LIMIT_ENERGY), words)
     };
     vec![
@@ -71,7 +71,7 @@ fn contact(v: &Validation) -> Check {
         ),
         _ => (format!("FE {}, MBS {}", seconds(both.fe), seconds(both.mbs)), Status::Fail),
     };
-    let limit = format!("≤ {}", percent(LIMIT_CONTACT_TIME));
+    let limit = format!("≤ {:.0} %", 100.0 * LIMIT_CONTACT_TIME);
     check("Time of the first ground contact", value, limit, status, "difference over the time of the FE run")
 }
 
