@@ -1,6 +1,6 @@
 //! The summary of `generate-mbs`, for people and for programs.
 
-use super::generate_mbs::Comparison;
+use super::generate_mbs::{Comparison, MBS_RUNS};
 use super::verdict::{collapse_words, percent, seconds, verdict};
 use crate::building::Building;
 use crate::generate::Generated;
@@ -56,7 +56,7 @@ pub fn as_text(s: &Summary) -> String {
         text += &format!("  derived    {}\n", s.generated.derived.join("\n             "));
     }
     text += &format!(
-        "  MBS run    {} in {} steps, {:.1} ms processor (median of three); energy error {}\n",
+        "  MBS run    {} in {} steps, {:.1} ms processor (median of {MBS_RUNS} runs); energy error {}\n",
         collapse_words(s.mbs_collapsed()),
         s.mbs.steps,
         1e3 * s.mbs.cpu_s,
@@ -69,8 +69,15 @@ pub fn as_text(s: &Summary) -> String {
                 &format!("  contact    first ground contact at {}\n", seconds(s.mbs.first_ground_contact_s))
         }
     }
-    for note in s.generated.notes.iter().chain(&s.mbs.warnings) {
+    for note in &s.generated.notes {
         text += &format!("  note       {note}\n");
+    }
+    match s.mbs.warnings.as_slice() {
+        [] => {}
+        [one] => text += &format!("  note       MBS run: {one}\n"),
+        [first, rest @ ..] => {
+            text += &format!("  note       MBS run: {first} ({} more in mbs.json)\n", rest.len())
+        }
     }
     text += &format!("  results    {}\n", s.folder.display());
     if s.comparison.is_some() {
@@ -125,7 +132,7 @@ pub fn as_json(s: &Summary) -> Value {
             "first_contact_s": v.first_contact_s,
             "collapsed": v.collapsed,
             "hinges": v.hinges,
-            "hinges_placed": v.hinges_placed,
+            "missed_column_ends": v.missed_column_ends,
             "energy_error": v.energy_error,
             "footprint_overlap": v.footprint_overlap,
             "cpu_s": v.cpu_s,

@@ -30,7 +30,7 @@ pub fn seconds(time_s: Option<f64>) -> String {
 pub fn checks(v: &Validation) -> Vec<Check> {
     let energy = |label: &str, error: f64| {
         let words = "largest residual of the energy balance over the energy turned over";
-        let (value, limit) = (percent(error), format!("≤ {}", percent(LIMIT_ENERGY)));
+        let (value, limit) = (percent(error), format!("≤ {:.0} %", 100.0 * LIMIT_ENERGY));
         check(label, value, limit, status(error <= LIMIT_ENERGY), words)
     };
     vec![
@@ -48,6 +48,13 @@ pub fn checks(v: &Validation) -> Vec<Check> {
             "the same".into(),
             status(v.collapsed.fe == v.collapsed.mbs),
             "a structure has collapsed if a tracked point falls by more than 1 m",
+        ),
+        check(
+            "FE zones at column ends missed by the MBS",
+            if v.missed_column_ends.is_empty() { "none".into() } else { v.missed_column_ends.join(", ") },
+            "none".into(),
+            status(v.missed_column_ends.is_empty()),
+            "column ends above the critical strain rate in FE whose hinge did not turn plastically",
         ),
         energy("Energy error of the FE run", v.energy_error.fe),
         energy("Energy error of the MBS run", v.energy_error.mbs),
@@ -71,7 +78,7 @@ fn contact(v: &Validation) -> Check {
         ),
         _ => (format!("FE {}, MBS {}", seconds(both.fe), seconds(both.mbs)), Status::Fail),
     };
-    let limit = format!("≤ {}", percent(LIMIT_CONTACT_TIME));
+    let limit = format!("≤ {:.0} %", 100.0 * LIMIT_CONTACT_TIME);
     check("Time of the first ground contact", value, limit, status, "difference over the time of the FE run")
 }
 

@@ -51,7 +51,7 @@ impl Pieces<'_> {
 pub fn report_input(p: &Pieces) -> ReportInput {
     let v = p.validation;
     ReportInput {
-        title: format!("{}: MBS against FE", p.building.name),
+        title: "MBS against FE".into(),
         building_name: p.building.name.clone(),
         building_description: p.building.description.clone(),
         program_version: format!("fallwerk {}", env!("CARGO_PKG_VERSION")),
@@ -209,7 +209,12 @@ fn notes(p: &Pieces) -> Vec<Note> {
     let warning = |text: &String| Note { severity: Severity::Warning, text: text.clone() };
     let note = |text: String| Note { severity: Severity::Note, text };
     let mut notes: Vec<Note> = p.generated.notes.iter().map(warning).collect();
-    notes.extend(p.mbs.warnings.iter().map(|w| warning(&format!("MBS: {w}"))));
+    let remarks = &p.mbs.warnings;
+    if let Some(first) = remarks.first() {
+        let more = remarks.len() - 1;
+        let rest = if more > 0 { format!(" ({more} more of the run under Notes)") } else { String::new() };
+        notes.push(warning(&format!("MBS run: {first}{rest}")));
+    }
     notes.push(note(
         "FE: contact between parts of the structure is not computed yet; nodes are tested against ground and obstacles. \
          What falls on other parts passes through them."
@@ -230,6 +235,7 @@ fn notes(p: &Pieces) -> Vec<Note> {
          in contacts."
             .into(),
     ));
+    notes.extend(remarks.iter().skip(1).map(|w| note(format!("MBS run: {w}"))));
     notes
 }
 

@@ -1,0 +1,219 @@
+//! The commands as a user runs them: what they refuse, what they leave behind.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn fallwerk(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let Output { status, stdout, stderr } =
+        Command::new(env!("CARGO_BIN_EXE_fallwerk")).args(arguments).current_dir(folder).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status.code().unwrap(), text(stdout), text(stderr))
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+/// A folder with the reference building in it, `building.toml`, changed by `edit`.
+fn room(edit: impl Fn(&str) -> String) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("building.toml"), edit(fallwerk::building::EXAMPLE)).unwrap();
+    folder
+}
+
+#[test]
+fn bad_input_ends_with_2_and_leaves_nothing() {
+    let room = room(|text| text.replacen("= \"", "= \"nonsense ", 400));
+    fs::create_dir(room.path().join("empty")).unwrap();
+    let before = names(room.path());
+    for verb in ["generate-mbs", "fe"] {
+        let (code, out, err) = fallwerk(room.path(), &[verb, "missing.toml", "-o", "out/x"]);
+        assert_eq!((code, out.as_str()), (2, ""), "{verb}");
+        assert!(err.contains("missing.toml"), "{err}");
+        let (code, out, err) = fallwerk(room.path(), &[verb, "building.toml", "--json"]);
+        assert_eq!(code, 2, "{verb}: {err}");
+        assert!(err.contains("building.toml:"), "the place is named: {err}");
+        let json: Value = serde_json::from_str(&out).unwrap();
+        assert_eq!(json["ok"], false);
+        assert!(!json["diagnostics"].as_array().unwrap().is_empty());
+        assert_eq!(fallwerk(room.path(), &[verb, "building.toml", "--threads", "0"]).0, 2);
+    }
+    assert_eq!(names(room.path()), before);
+}
+
+#[test]
+fn a_missing_library_or_an_empty_one_is_named() {
+    let room = room(str::to_string);
+    fs::create_dir(room.path().join("empty")).unwrap();
+    let (code, _, err) =
+        fallwerk(room.path(), &["generate-mbs", "building.toml", "--library", "typo", "-o", "run"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("--library") && err.contains("typo"), "{err}");
+    let (code, _, err) =
+        fallwerk(room.path(), &["generate-mbs", "building.toml", "--library", "empty", "-o", "run"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("no entry") && err.contains("--derive") && err.contains("C1-A1.bottom"), "{err}");
+    let (code, _, err) =
+        fallwerk(room.path(), &["generate-mbs", "building.toml", "--rules", "typo", "-o", "run"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("--rules") && err.contains("typo"), "{err}");
+    assert_eq!(names(room.path()), ["building.toml", "empty"]);
+}
+
+#[test]
+fn a_foreign_folder_is_refused_before_any_work() {
+    let room = room(str::to_string);
+    let thesis = room.path().join("thesis");
+    fs::create_dir(&thesis).unwrap();
+    fs::write(thesis.join("chapter.txt"), "years of work").unwrap();
+    for verb in ["generate-mbs", "fe"] {
+        let (code, _, err) = fallwerk(room.path(), &[verb, "building.toml", "-o", "thesis"]);
+        assert_eq!(code, 2);
+        assert!(err.contains("thesis") && err.contains("not a result folder"), "{err}");
+        assert_eq!(fallwerk(room.path(), &[verb, "building.toml", "-o", "building.toml"]).0, 2);
+    }
+    let (code, _, _) = fallwerk(room.path(), &["generate-mbs", "building.toml", "-o", "thesis", "--force"]);
+    assert_eq!(code, 2, "--force is no licence to delete what is not ours");
+    assert_eq!(names(&thesis), ["chapter.txt"]);
+    assert_eq!(names(room.path()), ["building.toml", "thesis"]);
+}
+
+#[test]
+fn a_quick_run_does_not_replace_a_validation_unasked() {
+    let room = room(str::to_string);
+    let results = room.path().join("results");
+    fs::create_dir(&results).unwrap();
+    fs::write(results.join(fallwerk::base::output::MARKER), "").unwrap();
+    fs::write(results.join("validation.json"), "{}").unwrap();
+    fs::create_dir(room.path().join("empty")).unwrap();
+    let quick = ["generate-mbs", "building.toml", "-o", "results", "--library", "empty"];
+    let (code, _, err) = fallwerk(room.path(), &quick);
+    assert_eq!(code, 2);
+    assert!(err.contains("--validate") && err.contains("--force"), "{err}");
+    let (_, _, err) = fallwerk(room.path(), &[&quick[..], &["--force"]].concat());
+    assert!(err.contains("no entry"), "with --force the next obstacle is met: {err}");
+    assert!(results.join("validation.json").exists(), "a run that fails replaces nothing");
+}
+
+#[test]
+fn fe_limits_what_the_command_line_may_ask() {
+    let room = room(str::to_string);
+    for bad in [
+        ["--mesh-size", "0"],
+        ["--mesh-size", "nan"],
+        ["--mesh-size", "0.001"],
+        ["--end-time", "-1"],
+        ["--end-time", "1e9"],
+    ] {
+        let (code, out, err) =
+            fallwerk(room.path(), &[&["fe", "building.toml", "-o", "run"], &bad[..]].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{bad:?}: {err}");
+        assert!(err.contains(bad[0]), "{bad:?}: {err}");
+    }
+    assert_eq!(names(room.path()), ["building.toml"]);
+}
+
+#[test]
+fn fe_leaves_whole_results_that_do_not_depend_on_threads() {
+    let room = room(str::to_string);
+    let run = |threads: &str, folder: &str| {
+        let arguments =
+            ["fe", "building.toml", "--end-time", "0.02", "--threads", threads, "-o", folder, "--json"];
+        let (code, out, err) = fallwerk(room.path(), &arguments);
+        assert_eq!(code, 0, "{err}");
+        serde_json::from_str::<Value>(&out).unwrap()
+    };
+    let summary = run("1", "one");
+    run("2", "two");
+    assert_eq!(summary["collapsed"], false, "nothing falls a metre in 20 ms");
+    assert!(summary["elements"].as_u64().unwrap() > 100);
+    let (one, two) = (room.path().join("one"), room.path().join("two"));
+    assert_eq!(
+        names(&one),
+        [fallwerk::base::output::MARKER, "fe-displacements.csv", "fe-energies.csv", "fe.json"]
+    );
+    for file in names(&one) {
+        assert!(fs::read(one.join(&file)).unwrap() == fs::read(two.join(&file)).unwrap(), "{file} differs");
+    }
+    let record: Value = serde_json::from_str(&fs::read_to_string(one.join("fe.json")).unwrap()).unwrap();
+    let times = record["times_s"].as_array().unwrap().len();
+    assert_eq!(times, 3);
+    for point in record["tracked"].as_array().unwrap() {
+        assert_eq!(point["displacement_m"].as_array().unwrap().len(), times);
+    }
+    assert_eq!(record["energies"].as_array().unwrap().len(), times);
+    let csv = fs::read_to_string(one.join("fe-displacements.csv")).unwrap();
+    let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert_eq!(columns, vec![1 + 3 * record["tracked"].as_array().unwrap().len(); 1 + times]);
+    assert!(!record.to_string().contains("cpu_s") && !record.to_string().contains("wall_s"));
+}
+
+/// A model of a slab on a column with the reasons beside it.
+fn write_model(folder: &Path, with_trace: bool) {
+    let body = |id: &str, height: f64, members: &[&str]| {
+        serde_json::json!({
+            "id": id, "mass_kg": 1000.0, "position_m": [0.0, 0.0, height],
+            "inertia_kg_m2": [[100.0, 0.0, 0.0], [0.0, 100.0, 0.0], [0.0, 0.0, 100.0]],
+            "origin": { "members": members, "rules": ["some-rule"], "entries": [] },
+        })
+    };
+    let elastic = serde_json::json!({ "kind": "elastic", "stiffness_nm_rad": 1e8 });
+    let model = serde_json::json!({
+        "schema": "fallwerk-mbs/1", "name": "table", "gravity_m_s2": [0.0, 0.0, -9.81],
+        "bodies": [body("C1", 1.5, &["C1"]), body("S1", 3.1, &["S1", "B1-x"])],
+        "joints": [{
+            "id": "C1.top", "body_a": "S1", "body_b": "C1", "point_m": [0.0, 0.0, 3.0],
+            "axes": [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
+            "axial_stiffness_n_m": 1e9, "shear_stiffness_n_m": [1e9, 1e9], "torsional_stiffness_nm_rad": 1e8,
+            "bending": [elastic, elastic],
+            "origin": { "members": ["C1.top"], "rules": ["hinge-rule"], "entries": [] },
+        }],
+    });
+    fs::write(folder.join("model.json"), model.to_string()).unwrap();
+    let trace = serde_json::json!({
+        "schema": 1, "building": "table", "building_hash": "", "program_version": "0", "entries": {}, "notes": [],
+        "reasons": [{
+            "part": "C1.top", "subject": "C1.top", "rule": "hinge-rule", "action": "hinge",
+            "words": "columns turn at their ends", "in_range": false, "entries": [],
+        }],
+    });
+    if with_trace {
+        fs::write(folder.join("trace.json"), trace.to_string()).unwrap();
+    }
+}
+
+#[test]
+fn explain_names_members_rules_and_the_likely_meaning() {
+    let folder = tempfile::tempdir().unwrap();
+    write_model(folder.path(), true);
+    let explain = |part: &str| fallwerk(folder.path(), &["explain", "model.json", part]);
+    let (code, out, err) = explain("C1.top");
+    assert_eq!((code, err.as_str()), (0, ""));
+    for words in ["between S1 and C1", "hinge-rule -> hinge", "columns turn at their ends", "outside"] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    let (code, out, _) = explain("B1-x");
+    assert_eq!(code, 0);
+    assert!(out.starts_with("B1-x is part of S1\n") && out.contains("S1, B1-x"), "{out}");
+    let (code, out, err) = explain("C1.topp");
+    assert_eq!((code, out.as_str()), (2, ""));
+    assert!(err.contains("did you mean `C1.top`?"), "{err}");
+    let (code, _, err) = explain("zzzzzzzzzz");
+    assert_eq!(code, 2);
+    assert!(!err.contains("did you mean") && err.contains("C1.top"), "{err}");
+
+    write_model(folder.path(), false);
+    fs::remove_file(folder.path().join("trace.json")).unwrap();
+    let (code, out, _) = explain("C1.top");
+    assert_eq!(code, 0);
+    assert!(out.contains("hinge-rule") && out.contains("not in the rule base"), "{out}");
+    fs::write(folder.path().join("trace.json"), "{\"schema\": 9").unwrap();
+    let (code, _, err) = explain("C1.top");
+    assert_eq!(code, 2);
+    assert!(err.contains("trace.json"), "{err}");
+}

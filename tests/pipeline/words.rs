@@ -1,0 +1,89 @@
+//! The verdict in words follows the limits of the validation.
+
+use fallwerk::cli::verdict::{checks, verdict};
+use fallwerk::report::Status;
+use fallwerk::validate::measure::Sites;
+use fallwerk::validate::{Both, LIMIT_SPEED, VALIDATION_SCHEMA, Validation};
+
+fn good() -> Validation {
+    Validation {
+        schema: VALIDATION_SCHEMA,
+        building: "frame".into(),
+        e_to_contact: 0.05,
+        e_total: 0.3,
+        first_contact_s: Both { fe: Some(1.0), mbs: Some(1.02) },
+        hinges: Sites::default(),
+        missed_column_ends: Vec::new(),
+        collapsed: Both { fe: true, mbs: true },
+        energy_error: Both { fe: 0.01, mbs: 0.001 },
+        dissipated_j: Both { fe: 1e6, mbs: 1e6 },
+        footprint_overlap: 0.8,
+        cpu_s: Both { fe: 40.0, mbs: 0.02 },
+        wall_s: Both { fe: 40.0, mbs: 0.02 },
+        speed_ratio: 2000.0,
+        e_curve: Vec::new(),
+        times_s: Vec::new(),
+        sites: Vec::new(),
+    }
+}
+
+fn failed(v: &Validation) -> Vec<String> {
+    checks(v).into_iter().filter(|c| c.status == Status::Fail).map(|c| c.label).collect()
+}
+
+#[test]
+fn a_good_comparison_agrees() {
+    let v = good();
+    assert!(v.agrees() && failed(&v).is_empty());
+    let words = verdict(&v);
+    assert_eq!(words.status, Status::Pass);
+    assert!(
+        words.headline.contains("agrees with FE up to the first contact") && words.headline.contains("0.050")
+    );
+    assert!(words.detail.contains("collapses in both runs"));
+}
+
+#[test]
+fn each_breach_is_named_alone() {
+    let breaches: [(&str, fn(&mut Validation)); 6] = [
+        ("Displacement error", |v| v.e_to_contact = 0.4),
+        ("Time of the first ground contact", |v| v.first_contact_s.mbs = Some(1.2)),
+        ("Time of the first ground contact", |v| v.first_contact_s.mbs = None),
+        ("Collapse", |v| v.collapsed.mbs = false),
+        ("Energy error of the FE run", |v| v.energy_error.fe = 0.03),
+        ("Energy error of the MBS run", |v| v.energy_error.mbs = 0.5),
+    ];
+    for (label, breach) in breaches {
+        let mut v = good();
+        breach(&mut v);
+        let found = failed(&v);
+        assert!(found.len() == 1 && found[0].starts_with(label), "{label}: {found:?}");
+        assert!(!v.agrees());
+        let words = verdict(&v);
+        assert_eq!(words.status, Status::Fail);
+        let rest = &label[1..];
+        assert!(
+            words.headline.contains("does not agree") && words.headline.contains(rest),
+            "{}",
+            words.headline
+        );
+    }
+}
+
+#[test]
+fn slowness_is_shown_but_decides_nothing() {
+    let v = Validation { speed_ratio: 0.5 * LIMIT_SPEED, ..good() };
+    assert_eq!(failed(&v), ["Speed"]);
+    assert!(v.agrees() && verdict(&v).status == Status::Pass);
+}
+
+#[test]
+fn without_contact_the_phase_is_the_whole_run() {
+    let v = Validation {
+        first_contact_s: Both { fe: None, mbs: None },
+        collapsed: Both { fe: false, mbs: false },
+        ..good()
+    };
+    assert!(v.agrees() && verdict(&v).headline.contains("up to the end of the run"));
+    assert!(verdict(&v).detail.contains("does not collapse in either run"));
+}
