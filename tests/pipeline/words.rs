@@ -45,11 +45,13 @@ fn a_good_comparison_agrees() {
 
 #[test]
 fn each_breach_is_named_alone() {
-    let breaches: [(&str, fn(&mut Validation)); 6] = [
+    type Breach = (&'static str, fn(&mut Validation));
+    let breaches: [Breach; 7] = [
         ("Displacement error", |v| v.e_to_contact = 0.4),
         ("Time of the first ground contact", |v| v.first_contact_s.mbs = Some(1.2)),
         ("Time of the first ground contact", |v| v.first_contact_s.mbs = None),
         ("Collapse", |v| v.collapsed.mbs = false),
+        ("FE zones at column ends missed", |v| v.missed_column_ends = vec!["C1-A1.top".into()]),
         ("Energy error of the FE run", |v| v.energy_error.fe = 0.03),
         ("Energy error of the MBS run", |v| v.energy_error.mbs = 0.5),
     ];
