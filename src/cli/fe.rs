@@ -83,7 +83,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 
 fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Failure> {
     let positive = |name: &str, value: Option<f64>| match value {
-        Some(x) if !(x > 0.0 && x.is_finite()) => Err(Failure::input(format!("{name} is {x}, expected a positive number"))),
+        Some(x) if !(x > 0.0 && x.is_finite()) => {
+            Err(Failure::input(format!("{name} is {x}, expected a positive number")))
+        }
         other => Ok(other),
     };
     let mesh_size_m = positive("--mesh-size", arguments.mesh_size)?;
@@ -91,7 +93,9 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
     let volume: f64 = Partition::of(building).volumes(building.members.len()).iter().sum();
     if let Some(size) = mesh_size_m.filter(|size| volume / size.powi(3) > MOST_ELEMENTS) {
         let least = (volume / MOST_ELEMENTS).cbrt();
-        return Err(Failure::input(format!("--mesh-size {size} is too fine for this building; the least is about {least:.3} m")));
+        return Err(Failure::input(format!(
+            "--mesh-size {size} is too fine for this building; the least is about {least:.3} m"
+        )));
     }
     if let Some(end) = end_time_s.filter(|end| *end > LONGEST_S) {
         return Err(Failure::input(format!("--end-time is {end} s, the longest is {LONGEST_S} s")));
@@ -100,7 +104,11 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
 }
 
 /// Runs the FE model and shows how far it is.
-pub fn run_with_progress(building: &Building, options: &FeOptions, progress: &Progress) -> Result<FeRun, String> {
+pub fn run_with_progress(
+    building: &Building,
+    options: &FeOptions,
+    progress: &Progress,
+) -> Result<FeRun, String> {
     progress.stage("FE run: dead load");
     let mut began = false;
     run_fe(building, options, &mut |at| {
@@ -114,7 +122,12 @@ pub fn run_with_progress(building: &Building, options: &FeOptions, progress: &Pr
 }
 
 /// `fe.json` and the histories as CSV.
-pub fn write(output: &OutputFolder, building: &Building, fe: &FeRun, mesh_size_m: f64) -> Result<(), Failure> {
+pub fn write(
+    output: &OutputFolder,
+    building: &Building,
+    fe: &FeRun,
+    mesh_size_m: f64,
+) -> Result<(), Failure> {
     let text = |value: &Value| readable_json(value).map_err(|e| Failure::input(e.to_string()));
     super::write(output, "fe.json", &text(&record(building, fe, mesh_size_m)?)?)?;
     super::write(output, "fe-displacements.csv", &displacements_csv(fe))?;

@@ -154,7 +154,8 @@ fn compute(
         threads: rayon::current_num_threads(),
         mbs_runs: MBS_RUNS,
     };
-    let page = crate::report::render(&compose::report_input(&pieces)).map_err(|e| Failure::stopped(e.to_string()))?;
+    let page = crate::report::render(&compose::report_input(&pieces))
+        .map_err(|e| Failure::stopped(e.to_string()))?;
     write(output, "report.html", &page)?;
     Ok(Computed { generated, mbs, comparison: Some(Comparison { fe, facts, validation }) })
 }
@@ -177,8 +178,8 @@ fn run_mbs(generated: &Generated) -> Result<(RunResult, f64), Failure> {
     let (mut cpu_s, mut wall_s, mut first) = (Vec::new(), Vec::new(), None);
     for _ in 0..MBS_RUNS {
         let began = Instant::now();
-        let result =
-            crate::mbs::simulate(&generated.model).map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
+        let result = crate::mbs::simulate(&generated.model)
+            .map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
         wall_s.push(began.elapsed().as_secs_f64());
         cpu_s.push(result.cpu_s);
         first.get_or_insert(result);

@@ -71,8 +71,9 @@ pub fn derive_for(
 fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Wanted)>, LibraryDeriveError> {
     let partition = Partition::of(building);
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-    let is_cut =
-        |id: &str| building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member } if member == id));
+    let is_cut = |id: &str| {
+        building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member } if member == id))
+    };
     let mut wanted = BTreeMap::new();
     for end in member_ends(building, &partition) {
         let member = &building.members[end.member];

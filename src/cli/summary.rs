@@ -64,7 +64,10 @@ pub fn as_text(s: &Summary) -> String {
     );
     match s.comparison {
         Some(c) => text += &comparison_text(c),
-        None => text += &format!("  contact    first ground contact at {}\n", seconds(s.mbs.first_ground_contact_s)),
+        None => {
+            text +=
+                &format!("  contact    first ground contact at {}\n", seconds(s.mbs.first_ground_contact_s))
+        }
     }
     for note in &s.generated.notes {
         text += &format!("  note       {note}\n");
@@ -72,7 +75,9 @@ pub fn as_text(s: &Summary) -> String {
     match s.mbs.warnings.as_slice() {
         [] => {}
         [one] => text += &format!("  note       MBS run: {one}\n"),
-        [first, rest @ ..] => text += &format!("  note       MBS run: {first} ({} more in mbs.json)\n", rest.len()),
+        [first, rest @ ..] => {
+            text += &format!("  note       MBS run: {first} ({} more in mbs.json)\n", rest.len())
+        }
     }
     text += &format!("  results    {}\n", s.folder.display());
     if s.comparison.is_some() {

@@ -77,7 +77,8 @@ fn contact(v: &Validation) -> Check {
 
 /// The verdict: agreement up to the first contact, or what fails.
 pub fn verdict(v: &Validation) -> Verdict {
-    let phase = if v.first_contact_s.fe.is_some() { "up to the first contact" } else { "up to the end of the run" };
+    let phase =
+        if v.first_contact_s.fe.is_some() { "up to the first contact" } else { "up to the end of the run" };
     let headline = if v.agrees() {
         format!("The MBS agrees with FE {phase}: e = {:.3}", v.e_to_contact)
     } else {

@@ -50,13 +50,16 @@ fn bad_input_ends_with_2_and_leaves_nothing() {
 fn a_missing_library_or_an_empty_one_is_named() {
     let room = room(str::to_string);
     fs::create_dir(room.path().join("empty")).unwrap();
-    let (code, _, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "--library", "typo", "-o", "run"]);
+    let (code, _, err) =
+        fallwerk(room.path(), &["generate-mbs", "building.toml", "--library", "typo", "-o", "run"]);
     assert_eq!(code, 2);
     assert!(err.contains("--library") && err.contains("typo"), "{err}");
-    let (code, _, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "--library", "empty", "-o", "run"]);
+    let (code, _, err) =
+        fallwerk(room.path(), &["generate-mbs", "building.toml", "--library", "empty", "-o", "run"]);
     assert_eq!(code, 2);
     assert!(err.contains("no entry") && err.contains("--derive") && err.contains("C1-A1.bottom"), "{err}");
-    let (code, _, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "--rules", "typo", "-o", "run"]);
+    let (code, _, err) =
+        fallwerk(room.path(), &["generate-mbs", "building.toml", "--rules", "typo", "-o", "run"]);
     assert_eq!(code, 2);
     assert!(err.contains("--rules") && err.contains("typo"), "{err}");
     assert_eq!(names(room.path()), ["building.toml", "empty"]);
@@ -100,9 +103,15 @@ fn a_quick_run_does_not_replace_a_validation_unasked() {
 #[test]
 fn fe_limits_what_the_command_line_may_ask() {
     let room = room(str::to_string);
-    for bad in [["--mesh-size", "0"], ["--mesh-size", "nan"], ["--mesh-size", "0.001"], ["--end-time", "-1"], ["--end-time", "1e9"]]
-    {
-        let (code, out, err) = fallwerk(room.path(), &[&["fe", "building.toml", "-o", "run"], &bad[..]].concat());
+    for bad in [
+        ["--mesh-size", "0"],
+        ["--mesh-size", "nan"],
+        ["--mesh-size", "0.001"],
+        ["--end-time", "-1"],
+        ["--end-time", "1e9"],
+    ] {
+        let (code, out, err) =
+            fallwerk(room.path(), &[&["fe", "building.toml", "-o", "run"], &bad[..]].concat());
         assert_eq!((code, out.as_str()), (2, ""), "{bad:?}: {err}");
         assert!(err.contains(bad[0]), "{bad:?}: {err}");
     }
@@ -113,7 +122,8 @@ fn fe_limits_what_the_command_line_may_ask() {
 fn fe_leaves_whole_results_that_do_not_depend_on_threads() {
     let room = room(str::to_string);
     let run = |threads: &str, folder: &str| {
-        let arguments = ["fe", "building.toml", "--end-time", "0.02", "--threads", threads, "-o", folder, "--json"];
+        let arguments =
+            ["fe", "building.toml", "--end-time", "0.02", "--threads", threads, "-o", folder, "--json"];
         let (code, out, err) = fallwerk(room.path(), &arguments);
         assert_eq!(code, 0, "{err}");
         serde_json::from_str::<Value>(&out).unwrap()

@@ -37,7 +37,9 @@ fn a_good_comparison_agrees() {
     assert!(v.agrees() && failed(&v).is_empty());
     let words = verdict(&v);
     assert_eq!(words.status, Status::Pass);
-    assert!(words.headline.contains("agrees with FE up to the first contact") && words.headline.contains("0.050"));
+    assert!(
+        words.headline.contains("agrees with FE up to the first contact") && words.headline.contains("0.050")
+    );
     assert!(words.detail.contains("collapses in both runs"));
 }
 
@@ -60,7 +62,11 @@ fn each_breach_is_named_alone() {
         let words = verdict(&v);
         assert_eq!(words.status, Status::Fail);
         let rest = &label[1..];
-        assert!(words.headline.contains("does not agree") && words.headline.contains(rest), "{}", words.headline);
+        assert!(
+            words.headline.contains("does not agree") && words.headline.contains(rest),
+            "{}",
+            words.headline
+        );
     }
 }
 
@@ -73,7 +79,11 @@ fn slowness_is_shown_but_decides_nothing() {
 
 #[test]
 fn without_contact_the_phase_is_the_whole_run() {
-    let v = Validation { first_contact_s: Both { fe: None, mbs: None }, collapsed: Both { fe: false, mbs: false }, ..good() };
+    let v = Validation {
+        first_contact_s: Both { fe: None, mbs: None },
+        collapsed: Both { fe: false, mbs: false },
+        ..good()
+    };
     assert!(v.agrees() && verdict(&v).headline.contains("up to the end of the run"));
     assert!(verdict(&v).detail.contains("does not collapse in either run"));
 }

@@ -14,20 +14,27 @@ pub fn events(p: &Pieces) -> Vec<TimedEvent> {
 
 fn fe_events(p: &Pieces) -> Vec<TimedEvent> {
     let event = |time_s: f64, what: String| TimedEvent { time_s, run: "FE".into(), what };
-    let mut events: Vec<TimedEvent> =
-        p.building.events.iter().map(|c| event(c.time_s, format!("charge {} removes {}", c.id, c.member))).collect();
+    let mut events: Vec<TimedEvent> = p
+        .building
+        .events
+        .iter()
+        .map(|c| event(c.time_s, format!("charge {} removes {}", c.id, c.member)))
+        .collect();
     for zone in &p.facts.ends {
         let zones = [
             (zone.first_s, "exceeds the critical strain rate"),
             (zone.fracture_s, "has lost a whole layer of elements"),
         ];
-        events.extend(zones.iter().filter_map(|(t, what)| t.map(|t| event(t, format!("{} {what}", zone.id)))));
+        events
+            .extend(zones.iter().filter_map(|(t, what)| t.map(|t| event(t, format!("{} {what}", zone.id)))));
     }
     if let Some(death) = p.fe.deaths.iter().find(|d| d.cause != Death::Removed) {
         let part = &p.fe.mesh.parts[p.fe.mesh.elements[death.element].part];
         events.push(event(death.time_s, format!("the first element erodes, in {part}")));
     }
-    events.extend(p.fe.touches.iter().map(|t| event(t.time_s, format!("{} touches {}", t.part, surface(&t.surface)))));
+    events.extend(
+        p.fe.touches.iter().map(|t| event(t.time_s, format!("{} touches {}", t.part, surface(&t.surface)))),
+    );
     events
 }
 
@@ -37,7 +44,9 @@ fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
         EventKind::Fracture { joint, cause: FractureCause::Rotation } => {
             format!("hinge {joint} separates: rotation capacity used up")
         }
-        EventKind::Fracture { joint, cause: FractureCause::Tension } => format!("hinge {joint} separates in tension"),
+        EventKind::Fracture { joint, cause: FractureCause::Tension } => {
+            format!("hinge {joint} separates in tension")
+        }
         EventKind::Contact { a, b } => format!("{a} touches {}", surface(b)),
         EventKind::Removal { event } => format!("charge {event} removes its bodies"),
     };

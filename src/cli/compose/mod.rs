@@ -14,7 +14,8 @@ use crate::fe::result::FeRun;
 use crate::generate::Generated;
 use crate::mbs::RunResult;
 use crate::report::{
-    ErrorMeasure, FeEnergy, FirstContact, History, HingeSite, MbsEnergy, Note, ReportInput, RunCost, Setting, Severity,
+    ErrorMeasure, FeEnergy, FirstContact, HingeSite, History, MbsEnergy, Note, ReportInput, RunCost, Setting,
+    Severity,
 };
 use crate::study::Facts;
 use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, Validation};
@@ -91,7 +92,10 @@ fn settings(p: &Pieces) -> Vec<Setting> {
         line("Gravity", format!("{} m/s²", s.gravity_m_s2)),
         line("Target edge length of the FE mesh", format!("{} m", s.mesh_size_m)),
         line("Critical strain rate", format!("{} 1/s", p.facts.critical_rate_1_s)),
-        line("Plastic rotation from which an MBS hinge counts as yielded", format!("{ACTIVE_ROTATION_RAD} rad")),
+        line(
+            "Plastic rotation from which an MBS hinge counts as yielded",
+            format!("{ACTIVE_ROTATION_RAD} rad"),
+        ),
         line("Run time of the MBS", format!("median of {} runs", p.mbs_runs)),
     ]
 }

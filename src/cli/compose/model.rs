@@ -4,9 +4,7 @@ use crate::generate::Generated;
 use crate::library::Entry;
 use crate::library::entry::{Adjoining, ColumnEnd};
 use crate::mbs::model::{Bending, Joint};
-use crate::report::{
-    BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, RuleRow, TraceRow,
-};
+use crate::report::{BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, RuleRow, TraceRow};
 use std::collections::BTreeMap;
 
 /// An entry in words, such as `column 0.40 x 0.40 m, top at a beam, 1.71 m to the point of zero moment`.

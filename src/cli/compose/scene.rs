@@ -4,8 +4,8 @@ use super::Pieces;
 use crate::building::{Building, MemberKind};
 use crate::mbs::model::Body;
 use crate::report::{
-    BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneObstacle, ScenePart,
-    faces_of_hexes,
+    BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneObstacle,
+    ScenePart, faces_of_hexes,
 };
 
 /// Colour group of a member; the same word in both views.
