@@ -284,10 +284,10 @@ fn text(
         text += &format!("{asked} is part of {}\n", part.id());
     }
     text += &format!("{}: {}\n  stands for {}\n", part.id(), part.words(), part.origin().members.join(", "));
-    for r in reasons {
+    for (r, subjects) in grouped(reasons) {
         let what = if r.action.is_empty() { String::new() } else { format!(" -> {}", r.action) };
         let outside = if r.in_range { "" } else { " (outside the rule's range of evidence)" };
-        text += &format!("  {}: rule {}{what}{outside}\n    {}\n", r.subject, r.rule, r.words);
+        text += &format!("  {}: rule {}{what}{outside}\n    {}\n", subjects.join(", "), r.rule, r.words);
     }
     for (key, facts) in entries {
         text += &format!("  entry {key}\n");
@@ -297,6 +297,19 @@ fn text(
         }
     }
     text
+}
+
+/// Reasons that differ in their subject only, once, with all subjects.
+fn grouped(reasons: &[Reason]) -> Vec<(&Reason, Vec<&str>)> {
+    let mut groups: Vec<(&Reason, Vec<&str>)> = Vec::new();
+    for r in reasons {
+        let same = |g: &Reason| (&g.rule, &g.action, g.in_range) == (&r.rule, &r.action, r.in_range);
+        match groups.iter_mut().find(|(g, _)| same(g)) {
+            Some((_, subjects)) => subjects.push(&r.subject),
+            None => groups.push((r, vec![&r.subject])),
+        }
+    }
+    groups
 }
 
 fn entry_text(f: &EntryFacts) -> String {

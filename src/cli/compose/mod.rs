@@ -248,7 +248,7 @@ fn snapped(run: &FeRun) -> Option<String> {
     let names: Vec<&str> = run.snapped.iter().map(|s| s.member.as_str()).collect();
     Some(format!(
         "FE: the faces of {} members were moved to mesh planes ({}); density, stiffness and strength were scaled by real over \
-         meshed volume, {:.3} at most away from 1 ({}).",
+         meshed volume. The ratio furthest from 1 is {:.3} ({}).",
         names.len(),
         names.join(", "),
         worst.volume_ratio,
