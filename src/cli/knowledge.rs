@@ -21,7 +21,9 @@ pub fn folder(given: Option<&Path>, name: &str) -> PathBuf {
 /// If a rule file is wrong or the folder named by the user does not exist.
 pub fn rules(given: Option<&Path>) -> Result<RuleBase, Failure> {
     exists(given, "rules")?;
-    RuleBase::load(&folder(given, "rules")).map_err(|problems| Failure::input(problems.to_string()))
+    let folder = folder(given, "rules");
+    let rules = if folder.is_dir() { RuleBase::load(&folder) } else { RuleBase::seed() };
+    rules.map_err(|problems| Failure::input(problems.to_string()))
 }
 
 /// A rule in words, if the rule base still has it.

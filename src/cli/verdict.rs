@@ -49,6 +49,8 @@ pub fn checks(v: &Validation) -> Vec<Check> {
             status(v.collapsed.fe == v.collapsed.mbs),
             "a structure has collapsed if a tracked point falls by more than 1 m",
         ),
+        energy("Energy error of the FE run", v.energy_error.fe),
+        energy("Energy error of the MBS run", v.energy_error.mbs),
         check(
             "FE zones at column ends missed by the MBS",
             if v.missed_column_ends.is_empty() { "none".into() } else { v.missed_column_ends.join(", ") },
@@ -56,8 +58,6 @@ pub fn checks(v: &Validation) -> Vec<Check> {
             status(v.missed_column_ends.is_empty()),
             "column ends above the critical strain rate in FE whose hinge did not turn plastically",
         ),
-        energy("Energy error of the FE run", v.energy_error.fe),
-        energy("Energy error of the MBS run", v.energy_error.mbs),
         check(
             "Speed",
             format!("{:.0} times", v.speed_ratio),
