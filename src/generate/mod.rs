@@ -122,6 +122,12 @@ pub fn generate(
     let found = joints::entries(&place, &hinged, store, derive, progress)?;
     let mut notes = decision.notes.clone();
     notes.extend(overloaded_rigid_ends(&demands, &decision));
+    if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
+        notes.push(format!(
+            "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",
+            building.settings.removal_duration_s
+        ));
+    }
     let hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
     let model = Model {
         schema: MODEL_SCHEMA.to_string(),

@@ -90,6 +90,17 @@ fn a_stretch_of_a_column_is_refused_with_a_remedy() {
 }
 
 #[test]
+fn a_slow_removal_is_named_as_a_difference_between_the_models() {
+    let building = {
+        let mut b = reference(|t| t);
+        b.settings.removal_duration_s = 0.02;
+        b
+    };
+    let notes = generated(&building).unwrap().notes;
+    assert!(notes.iter().any(|n| n.contains("0.02 s to remove")), "{notes:?}");
+}
+
+#[test]
 fn without_rules_there_is_no_model() {
     let (_, mut store, _cache) = knowledge();
     let none = RuleBase::from_sources(Vec::new()).expect("no rules are no error");
