@@ -3,7 +3,6 @@
 
 use super::connect::unsupported_groups;
 use super::fields::Placed;
-use super::members::noun;
 use super::model::{Member, MemberKind, Preparation};
 use super::partition::{COORDINATE_TOLERANCE_M, Partition};
 use super::plan::prepared;
@@ -49,9 +48,9 @@ fn overlaps(draft: &Draft, found: &mut Vec<Diagnostic>) {
             }
             let message = format!(
                 "the {} {} and the {} {} {}",
-                noun(a.item.kind),
+                a.item.kind.name(),
                 quoted(&a.item.id),
-                noun(b.item.kind),
+                b.item.kind.name(),
                 quoted(&b.item.id),
                 problem.0
             );
@@ -114,7 +113,7 @@ fn obstacles(draft: &Draft, found: &mut Vec<Diagnostic>) {
             let message = format!(
                 "the obstacle {} overlaps the {} {}{more}",
                 quoted(&obstacle.item.id),
-                noun(first.item.kind),
+                first.item.kind.name(),
                 quoted(&first.item.id)
             );
             found.push(
@@ -138,7 +137,7 @@ fn below_ground(draft: &Draft, found: &mut Vec<Diagnostic>) {
         let depth = ground.level_m - member.item.solid.min[2];
         if depth > COORDINATE_TOLERANCE_M && !seen.contains(&member.span) {
             seen.push(member.span);
-            let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
+            let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));
             let message =
                 format!("the {noun} {id} reaches {} below the ground", show(depth, Dimension::Length));
             let error = Diagnostic::error("below-ground", message).at(member.span, "").help(format!(
@@ -241,7 +240,7 @@ fn support(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
         let first = &list[group[0]];
         let (subject, label) = if group.len() == 1 {
             (
-                format!("the {} {} touches", noun(first.item.kind), quoted(ids[0])),
+                format!("the {} {} touches", first.item.kind.name(), quoted(ids[0])),
                 "hangs in the air".to_string(),
             )
         } else {
@@ -328,7 +327,7 @@ fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let volumes = Partition::of(&building).volumes(building.members.len());
     for (member, volume) in draft.members.list.iter().zip(volumes) {
         if volume < 1e-3 * member.item.solid.volume() {
-            let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
+            let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));
             let message = format!("the {noun} {id} lies wholly inside other members");
             let error = Diagnostic::error("overlap", message)
                 .at(member.span, "no volume of its own is left")
@@ -359,7 +358,7 @@ fn mesh(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     let longest = |m: &Placed<Member>| m.item.solid.size().into_iter().fold(0.0, f64::max);
     let shortest = draft.members.list.iter().min_by(|a, b| longest(a).total_cmp(&longest(b)));
     if let Some(member) = shortest.filter(|m| size > 0.5 * longest(m)) {
-        let (noun, id) = (noun(member.item.kind), quoted(&member.item.id));
+        let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));
         let message = format!(
             "the mesh is too coarse for the {noun} {id}, which is {} long",
             show(longest(member), Dimension::Length)

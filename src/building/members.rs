@@ -117,22 +117,11 @@ fn section_shape(
     let wanted = if matches!(kind, MemberKind::Column | MemberKind::Beam) { "rectangle" } else { "plate" };
     let has = section.item.0.as_str();
     if matches!(has, "rectangle" | "plate") && has != wanted {
-        let message = format!("a {} needs a {wanted} section, but {} is a {has}", noun(kind), quoted(id));
+        let message = format!("a {} needs a {wanted} section, but {} is a {has}", kind.name(), quoted(id));
         found.push(Diagnostic::error("wrong-kind", message).at(span, "").also(section.span, "defined here"));
         return None;
     }
     section.item.1.as_ref().map(|s| s.shape.clone())
-}
-
-/// What a kind of member is called.
-pub fn noun(kind: MemberKind) -> &'static str {
-    match kind {
-        MemberKind::Column => "column",
-        MemberKind::Beam => "beam",
-        MemberKind::Slab => "slab",
-        MemberKind::Wall => "wall",
-        MemberKind::Footing => "footing",
-    }
 }
 
 fn member(
@@ -203,7 +192,7 @@ impl Place {
     }
 
     fn wrong_direction(&self, kind: MemberKind, runs: &[usize], wanted: &str) -> Diagnostic {
-        let noun = noun(kind);
+        let noun = kind.name();
         if runs.is_empty() {
             return Diagnostic::error("bad-place", format!("both points of this {noun} are the same"))
                 .at(self.to_span, wanted)
@@ -231,7 +220,7 @@ impl Place {
             if !(0.2..=longest).contains(&length) {
                 let message = format!(
                     "this {} is {} long in {}",
-                    noun(kind),
+                    kind.name(),
                     show(length, Dimension::Length),
                     ["x", "y", "z"][i]
                 );

@@ -41,6 +41,11 @@ impl Building {
         self.members.iter().find(|m| m.id == id)
     }
 
+    /// Whether preparatory work cuts a member away.
+    pub fn is_cut(&self, member: &str) -> bool {
+        self.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
+    }
+
     /// The homogenised law a member is made of.
     ///
     /// # Panics
@@ -195,6 +200,19 @@ pub enum MemberKind {
     Wall,
     /// Footing on the ground.
     Footing,
+}
+
+impl MemberKind {
+    /// What it is called, in files and messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Column => "column",
+            Self::Beam => "beam",
+            Self::Slab => "slab",
+            Self::Wall => "wall",
+            Self::Footing => "footing",
+        }
+    }
 }
 
 /// A structural member: an axis-aligned solid.

@@ -2,7 +2,7 @@
 
 use super::fields::{Fields, Placed};
 use super::format::{CUT, EVENT, GROUND, OBSTACLE, SETTINGS, SUPPORT, WEAKEN};
-use super::members::{Members, noun};
+use super::members::Members;
 use super::model::{Charge, Face, Ground, Member, MemberKind, Obstacle, Preparation, Settings, Support};
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::geom::Aabb;
@@ -256,7 +256,7 @@ fn event(fields: Fields<'_>, members: &Members, found: &mut Vec<Diagnostic>) -> 
 fn check_stretch(member: &Member, [from, to]: [f64; 2], span: Span, found: &mut Vec<Diagnostic>) {
     let length = member.solid.size()[member.axis];
     if !matches!(member.kind, MemberKind::Column | MemberKind::Beam) {
-        let message = format!("a stretch of a {} is not supported", noun(member.kind));
+        let message = format!("a stretch of a {} is not supported", member.kind.name());
         let error = Diagnostic::error("not-supported", message).at(span, "").help("remove the whole member");
         found.push(error);
     } else if from >= to {

@@ -1,7 +1,7 @@
 //! The points whose displacement is compared between models: every column top and every slab corner
 //! (mid-plane), without those of members that are taken away whole.
 
-use super::model::{Building, MemberKind, Preparation};
+use super::model::{Building, MemberKind};
 use super::partition::Partition;
 use serde::{Deserialize, Serialize};
 
@@ -54,8 +54,7 @@ pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked
 
 /// Whether a member is cut or removed whole during the run.
 pub fn is_taken_away(building: &Building, member: &str) -> bool {
-    building.events.iter().any(|e| e.member == member && e.stretch_m.is_none())
-        || building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
+    building.events.iter().any(|e| e.member == member && e.stretch_m.is_none()) || building.is_cut(member)
 }
 
 /// The extent of a member's own volume along an axis \[m\]; `None` where other members own all of it.

@@ -1,10 +1,11 @@
 //! `fallwerk explain`: why a part of a generated model is there. Also the trace file that holds the reasons.
 
 use super::compose::entry_words;
+use super::knowledge::KnowledgeArgs;
 use super::{Failure, Outcome, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
 use crate::building::Building;
-use crate::generate::Generated;
+use crate::generate::{Generated, Reason};
 use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
@@ -29,12 +30,8 @@ pub struct Arguments {
     model: PathBuf,
     /// Id of a body, joint or member
     part: String,
-    /// Library folder [default: library, else the program's]
-    #[arg(long, value_name = "DIR")]
-    library: Option<PathBuf>,
-    /// Rules folder [default: rules, else the program's]
-    #[arg(long, value_name = "DIR")]
-    rules: Option<PathBuf>,
+    #[command(flatten)]
+    knowledge: KnowledgeArgs,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -57,25 +54,6 @@ pub struct TraceFile {
     pub entries: BTreeMap<String, EntryFacts>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
-}
-
-/// A rule that fired for a part.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Reason {
-    /// Body or joint of the model.
-    pub part: String,
-    /// Member or member end that the rule decided about.
-    pub subject: String,
-    /// Rule id.
-    pub rule: String,
-    /// What the rule decided.
-    pub action: String,
-    /// The rule in words.
-    pub words: String,
-    /// Whether the subject lies in the rule's range of evidence.
-    pub in_range: bool,
-    /// Library entries of the part.
-    pub entries: Vec<String>,
 }
 
 /// What is to be known of a library entry without its curves.
@@ -116,19 +94,7 @@ impl TraceFile {
             building: building.name.clone(),
             building_hash: building_hash.to_string(),
             program_version: env!("CARGO_PKG_VERSION").to_string(),
-            reasons: generated
-                .trace
-                .iter()
-                .map(|t| Reason {
-                    part: t.part.clone(),
-                    subject: t.subject.clone(),
-                    rule: t.rule.clone(),
-                    action: t.action.clone(),
-                    words: t.words.clone(),
-                    in_range: t.in_range,
-                    entries: t.entries.clone(),
-                })
-                .collect(),
+            reasons: generated.trace.clone(),
             entries: generated
                 .entries
                 .iter()
@@ -250,7 +216,7 @@ fn known(part: &Part, trace: &TraceFile) -> Found {
 
 /// Reasons and entries of a part whose model has no trace: what rule base and library hold today.
 fn looked_up(part: &Part, arguments: &Arguments) -> Result<Found, Failure> {
-    let rules = knowledge::rules(arguments.rules.as_deref())?;
+    let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
     let origin = part.origin();
     let reasons = origin
         .rules
@@ -268,7 +234,7 @@ fn looked_up(part: &Part, arguments: &Arguments) -> Result<Found, Failure> {
     if origin.entries.is_empty() {
         return Ok((reasons, BTreeMap::new()));
     }
-    let store = knowledge::library(arguments.library.as_deref(), false)?;
+    let store = knowledge::library(arguments.knowledge.library.as_deref(), false)?;
     let facts = |key: &String| (key.clone(), store.get(key).ok().map(|e| EntryFacts::of(&e)));
     Ok((reasons, origin.entries.iter().map(facts).collect()))
 }

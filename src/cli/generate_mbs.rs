@@ -2,6 +2,7 @@
 
 use super::compose::{self, Pieces};
 use super::explain::TraceFile;
+use super::knowledge::KnowledgeArgs;
 use super::progress::Progress;
 use super::summary::{Summary, as_json, as_text};
 use super::{Failure, Outcome, fe, knowledge, print, read_building, simulate, thread_pool, write};
@@ -45,12 +46,8 @@ pub struct Arguments {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Library folder [default: library, else the program's]
-    #[arg(long, value_name = "DIR")]
-    library: Option<PathBuf>,
-    /// Rules folder [default: rules, else the program's]
-    #[arg(long, value_name = "DIR")]
-    rules: Option<PathBuf>,
+    #[command(flatten)]
+    knowledge: KnowledgeArgs,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -166,8 +163,8 @@ fn generated(arguments: &Arguments, building: &Building, progress: &Progress) ->
         DeriveArgument::Run => Derive::Run,
         DeriveArgument::Keep => Derive::Keep,
     };
-    let rules = knowledge::rules(arguments.rules.as_deref())?;
-    let mut store = knowledge::library(arguments.library.as_deref(), derive == Derive::Keep)?;
+    let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
+    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), derive == Derive::Keep)?;
     progress.stage("generating the model");
     generate(building, &rules, &mut store, derive, &|text| progress.note(text))
         .map_err(|e| Failure::input(e.to_string()))

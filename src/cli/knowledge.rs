@@ -5,6 +5,17 @@ use crate::library::{Opened, Store};
 use crate::rules::RuleBase;
 use std::path::{Path, PathBuf};
 
+/// Where a command finds its knowledge.
+#[derive(Debug, clap::Args)]
+pub struct KnowledgeArgs {
+    /// Library folder [default: library, else the program's]
+    #[arg(long, value_name = "DIR")]
+    pub library: Option<PathBuf>,
+    /// Rules folder [default: rules, else the program's]
+    #[arg(long, value_name = "DIR")]
+    pub rules: Option<PathBuf>,
+}
+
 /// The folder given; else `name` in the current folder; else the one that came with the program.
 pub fn folder(given: Option<&Path>, name: &str) -> PathBuf {
     let here = Path::new(name);

@@ -2,7 +2,7 @@
 
 use crate::building::ends::member_ends;
 use crate::building::partition::Partition;
-use crate::building::{Building, MemberKind, Preparation};
+use crate::building::{Building, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted};
 use crate::library::{Store, StoreError};
@@ -71,13 +71,10 @@ pub fn derive_for(
 fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Wanted)>, LibraryDeriveError> {
     let partition = Partition::of(building);
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-    let is_cut = |id: &str| {
-        building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member } if member == id))
-    };
     let mut wanted = BTreeMap::new();
     for end in member_ends(building, &partition) {
         let member = &building.members[end.member];
-        if member.kind != MemberKind::Column || is_cut(&member.id) {
+        if member.kind != MemberKind::Column || building.is_cut(&member.id) {
             continue;
         }
         if let Some(query) = Wanted::of(building, &partition, &mesh, &end) {

@@ -86,7 +86,7 @@ impl Mesh {
         let mut nodes = Vec::new();
         let mut elements = Vec::new();
         for (cell, owner) in cells.cells() {
-            if is_cut(building, &building.members[owner].id) {
+            if building.is_cut(&building.members[owner].id) {
                 continue;
             }
             const CORNERS: [[usize; 3]; 8] =
@@ -117,8 +117,7 @@ impl Mesh {
         let mut new_of = vec![usize::MAX; self.nodes.len()];
         let mut old = Vec::new();
         let mut elements = Vec::new();
-        for (index, element) in self.elements.iter().enumerate().filter(|(i, _)| keep(*i)) {
-            debug_assert!(index < self.elements.len());
+        for element in (0..self.elements.len()).filter(|i| keep(*i)).map(|i| &self.elements[i]) {
             let nodes = element.nodes.map(|n| {
                 if new_of[n] == usize::MAX {
                     new_of[n] = old.len();
@@ -138,11 +137,6 @@ impl Mesh {
         let nodes = self.elements[element].nodes;
         std::array::from_fn(|i| nodes.iter().map(|n| self.nodes[*n][i]).sum::<f64>() / 8.0)
     }
-}
-
-/// Whether preparatory work cuts the member away.
-fn is_cut(building: &Building, member: &str) -> bool {
-    building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
 }
 
 /// Product of the weakenings of a member.

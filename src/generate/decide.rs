@@ -141,16 +141,6 @@ fn unsupported(subject: &Subject, action: Action) -> GenerateError {
     GenerateError::Unsupported(action.spec().name.to_string(), subject.id.clone())
 }
 
-fn kind_name(kind: MemberKind) -> &'static str {
-    match kind {
-        MemberKind::Column => "column",
-        MemberKind::Beam => "beam",
-        MemberKind::Slab => "slab",
-        MemberKind::Wall => "wall",
-        MemberKind::Footing => "footing",
-    }
-}
-
 /// What is known of a member before any run.
 fn member_subject(building: &Building, partition: &Partition, index: usize) -> Subject {
     let member = &building.members[index];
@@ -162,7 +152,7 @@ fn member_subject(building: &Building, partition: &Partition, index: usize) -> S
     let least = size.iter().copied().fold(f64::INFINITY, f64::min);
     let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
     Subject::new(SubjectKind::Member, &member.id)
-        .with("member.kind", kind_name(member.kind))
+        .with("member.kind", member.kind.name())
         .with("member.charged", building.events.iter().any(|e| e.member == member.id))
         .with("member.weakened", is_weakened(building, &member.id))
         .with("member.length", length)
@@ -175,7 +165,7 @@ fn member_subject(building: &Building, partition: &Partition, index: usize) -> S
 /// What is known of a member end before any run.
 fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd, demands: &Demands) -> Subject {
     let mut subject = member_subject(building, partition, end.member);
-    let adjoining = beyond(partition, end).map(|m| kind_name(building.members[m].kind));
+    let adjoining = beyond(partition, end).map(|m| building.members[m].kind.name());
     let column = is_column(building, end.member);
     let position = match (column, end.end) {
         (true, End::Lower) => "bottom",

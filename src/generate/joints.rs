@@ -88,12 +88,6 @@ pub fn entries(
     Ok(found)
 }
 
-/// Joints with the member end each stands for.
-pub struct Hinges {
-    pub joints: Vec<Joint>,
-    pub ends: Vec<(String, String)>,
-}
-
 /// One joint for each hinged end.
 pub fn hinges(
     place: &Place,
@@ -101,8 +95,8 @@ pub fn hinges(
     found: &Entries,
     decision: &Decision,
     notes: &mut Vec<String>,
-) -> Result<Hinges, GenerateError> {
-    let mut hinges = Hinges { joints: Vec::new(), ends: Vec::new() };
+) -> Result<Vec<Joint>, GenerateError> {
+    let mut joints = Vec::new();
     for end in ends {
         let Some(own) = place.owner[end.member] else { continue };
         let other = beyond(place.partition, end).and_then(|m| place.owner[m]);
@@ -116,7 +110,7 @@ pub fn hinges(
             .get(key)
             .ok_or_else(|| StoreError::NotFound { key: key.clone(), hint: String::new() })?;
         let bending = [0, 1].map(|axis| Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 });
-        hinges.joints.push(Joint {
+        joints.push(Joint {
             id: end.id.clone(),
             body_a: other.map(|o| place.bodies[o].id.clone()),
             body_b: place.bodies[own].id.clone(),
@@ -135,9 +129,8 @@ pub fn hinges(
                 entries: vec![key.clone()],
             },
         });
-        hinges.ends.push((end.id.clone(), end.id.clone()));
     }
-    Ok(hinges)
+    Ok(joints)
 }
 
 /// The hinge stands inside the member, where the library found its pole \[m\].

@@ -13,7 +13,7 @@ pub use decide::{Decision, Reason};
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
-use crate::building::{Building, MemberKind, Preparation};
+use crate::building::{Building, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::graph::{Demands, Structure, demands};
 use crate::library::derive::DeriveError;
@@ -50,8 +50,6 @@ pub struct Generated {
     pub derived: Vec<String>,
     /// The entries used, by key.
     pub entries: BTreeMap<String, Entry>,
-    /// Joint id and member end id of each hinge.
-    pub hinge_ends: Vec<(String, String)>,
 }
 
 /// A model that cannot be generated.
@@ -93,15 +91,15 @@ pub fn generate(
     derive: Derive,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Generated, GenerateError> {
-    let partition = Partition::of(building);
-    let ends = member_ends(building, &partition);
     let structure = Structure::of(building);
+    let partition = &structure.partition;
+    let ends = member_ends(building, partition);
     let demands = demands(&structure, building);
-    let decision = Decision::of(building, &partition, &ends, &demands, rules)?;
+    let decision = Decision::of(building, partition, &ends, &demands, rules)?;
     if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
         return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
     }
-    let present: Vec<bool> = building.members.iter().map(|m| !is_cut(building, &m.id)).collect();
+    let present: Vec<bool> = building.members.iter().map(|m| !building.is_cut(&m.id)).collect();
     let clusters: Vec<Vec<usize>> = structure
         .clusters(|c| c.members.iter().all(|m| present[*m] && decision.merges[*m]))
         .into_iter()
@@ -116,7 +114,7 @@ pub fn generate(
         members.iter().for_each(|m| owner[*m] = Some(index));
     }
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-    let place = joints::Place { building, partition: &partition, mesh: &mesh, bodies: &list, owner: &owner };
+    let place = joints::Place { building, partition, mesh: &mesh, bodies: &list, owner: &owner };
     let hinged: Vec<&MemberEnd> =
         ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
     let found = joints::entries(&place, &hinged, store, derive, progress)?;
@@ -134,10 +132,10 @@ pub fn generate(
         name: building.name.clone(),
         gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
         curves: found.curves(),
-        joints: hinges.joints,
+        joints: hinges,
         contact: contact(building),
         events: events(building, &list, &owner),
-        tracked: tracked(building, &partition, &list, &owner),
+        tracked: tracked(building, partition, &list, &owner),
         settings: RunSettings {
             end_time_s: building.settings.end_time_s,
             output_interval_s: building.settings.output_interval_s,
@@ -147,14 +145,7 @@ pub fn generate(
         bodies: list,
     };
     let trace = decision.reasons(rules, &model);
-    Ok(Generated {
-        model,
-        trace,
-        notes,
-        derived: found.derived,
-        entries: found.entries,
-        hinge_ends: hinges.ends,
-    })
+    Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries })
 }
 
 /// Ends without a hinge whose reinforced section would yield in linear theory after the removal, worst first.
@@ -175,10 +166,6 @@ fn overloaded_rigid_ends(demands: &Demands, decision: &Decision) -> Vec<String> 
             )
         })
         .collect()
-}
-
-fn is_cut(building: &Building, member: &str) -> bool {
-    building.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
 }
 
 fn contact(building: &Building) -> Contact {

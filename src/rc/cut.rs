@@ -144,10 +144,13 @@ fn kept_elements(
 /// Fixes the nodes through which the kept adjoining elements hang on elements that were left out.
 fn clamp_cut(mesh: &Mesh, keep: &[bool], part: usize, old: &[usize], piece: &mut Mesh) {
     let mut on_rest = vec![false; mesh.nodes.len()];
-    for (index, element) in mesh.elements.iter().enumerate().filter(|(i, _)| !keep[*i]) {
-        debug_assert!(!keep[index]);
+    let mut cut_through = vec![false; mesh.parts.len()];
+    for (element, _) in mesh.elements.iter().zip(keep).filter(|(_, kept)| **kept) {
+        cut_through[element.part] = true;
+    }
+    for (element, _) in mesh.elements.iter().zip(keep).filter(|(_, kept)| !**kept) {
         // the rest of the member itself is the free far section; other columns at the joint do not hold it
-        if element.part != part && element_is_plate_or_beam(mesh, keep, element.part) {
+        if element.part != part && cut_through[element.part] {
             element.nodes.iter().for_each(|n| on_rest[*n] = true);
         }
     }
@@ -156,11 +159,6 @@ fn clamp_cut(mesh: &Mesh, keep: &[bool], part: usize, old: &[usize], piece: &mut
             piece.fixed.push(new);
         }
     }
-}
-
-/// Whether a part has elements in the piece, so that the cut goes through it.
-fn element_is_plate_or_beam(mesh: &Mesh, keep: &[bool], part: usize) -> bool {
-    mesh.elements.iter().zip(keep).any(|(e, k)| *k && e.part == part)
 }
 
 /// Nodes of the far section with their share of the area.
