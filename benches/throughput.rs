@@ -2,10 +2,11 @@
 //!
 //! What is measured, and what is not, stands in `benches/README.md`.
 
-use fallwerk::building::{HardeningPoint, Homogenised};
+use fallwerk::building::HardeningPoint;
 use fallwerk::curve::{CapacityLevel, ResistanceCurve};
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
+use fallwerk::fe::law::{ElementForm, Erosion, Law};
 use fallwerk::fe::mesh::{Element, Mesh};
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::simulate;
@@ -90,15 +91,17 @@ fn block(n: usize, h: f64) -> Mesh {
         }
     }
     let point = |plastic_strain: f64, stress_pa: f64| HardeningPoint { plastic_strain, stress_pa };
-    let law = Homogenised {
+    let law = Law {
         density_kg_m3: 2500.0,
         youngs_modulus_pa: 16.5e9,
         poisson_ratio: 0.2,
         hardening: vec![point(0.0, 10.5e6), point(0.01, 11.55e6), point(0.1, 12.25e6)],
-        critical_plastic_strain: 0.5,
+        rate: None,
+        erosion: Erosion { plastic_strain: 0.5, ..Erosion::NEVER },
+        form: ElementForm::default(),
     };
     let fixed = (0..(n + 1) * (n + 1)).collect();
-    Mesh { nodes, elements, laws: vec![law], fixed, parts: vec!["block".into()] }
+    Mesh { nodes, elements, laws: vec![law], fixed, parts: vec!["block".into()], ..Mesh::default() }
 }
 
 /// Steps per second of a frame of slabs on four columns a storey, hinges at both ends of each, that sways freely after a push.

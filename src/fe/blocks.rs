@@ -171,23 +171,6 @@ impl Blocks {
         }
         sum
     }
-
-    /// Equivalent strain rate of each element over the window since the last call: `sqrt(2/3 e:e) / window`
-    /// with the net deviatoric strain `e`, so that elastic vibration within the window averages out. Resets the window.
-    pub fn take_strain_rates(&mut self, window_s: f64) -> Vec<f32> {
-        let mut rates = vec![0.0; self.place.len()];
-        for block in &mut self.blocks {
-            for (lane, element) in block.elements.iter().enumerate() {
-                let e: [f64; 6] = std::array::from_fn(|i| block.state.window_strain[i][lane]);
-                let mean = (e[0] + e[1] + e[2]) / 3.0;
-                let normal: f64 = e[..3].iter().map(|v| (v - mean) * (v - mean)).sum();
-                let shear: f64 = e[3..].iter().map(|v| v * v).sum();
-                rates[*element] = ((2.0 / 3.0 * (normal + 2.0 * shear)).sqrt() / window_s) as f32;
-            }
-            block.state.window_strain = Default::default();
-        }
-        rates
-    }
 }
 
 /// Gathers, calls the kernel and notes what the time loop needs to know. The instruction set is chosen once a call.
@@ -249,7 +232,7 @@ fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
         material.yield_scale[lane] = element.smear * element.strength;
         material.mass_kg[lane] =
             law.density_kg_m3 * element.smear * volume_m3(&element.nodes.map(|n| mesh.nodes[n]));
-        material.critical_strain[lane] = law.critical_plastic_strain;
+        material.critical_strain[lane] = law.erosion.plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
     Block { material, state, bound: [0.0; LANES], nodes, elements, largest_bound: 0.0, alarm: false }

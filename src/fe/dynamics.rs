@@ -46,14 +46,19 @@ pub struct Dynamics {
     pub applied_n: Vec<[f64; 3]>,
     /// Prescribed velocities: `Some(v)` overrides the motion of that component.
     pub prescribed_m_s: Vec<[Option<f64>; 3]>,
-    /// Gravity \[m/s²\], acting along -z.
-    pub gravity_m_s2: f64,
+    /// Forces on nodes in this step from all that is not a hexahedron or a rigid surface (bars, contact of the body with itself)
+    /// \[N\]; empty if there is nothing of the kind. Whoever adds to it books the work.
+    pub other_n: Vec<[f64; 3]>,
+    /// Acceleration of all mass \[m/s²\]: gravity.
+    pub acceleration_m_s2: [f64; 3],
     /// Mass-proportional damping \[1/s\], zero except for dynamic relaxation and quasi-static loading.
     pub damping_1_s: f64,
     /// Time \[s\].
     pub time_s: f64,
     /// Time step \[s\].
     pub dt_s: f64,
+    /// Share of the stability limit that is used.
+    pub step_safety: f64,
     /// First time step \[s\].
     pub first_dt_s: f64,
     /// Steps done.
@@ -88,7 +93,9 @@ impl Dynamics {
             mass_kg: vec![0.0; n],
             applied_n: vec![[0.0; 3]; n],
             prescribed_m_s,
-            gravity_m_s2,
+            other_n: Vec::new(),
+            acceleration_m_s2: [0.0, 0.0, -gravity_m_s2],
+            step_safety: STEP_SAFETY,
             damping_1_s: 0.0,
             time_s: 0.0,
             dt_s: 1.0,
@@ -131,7 +138,7 @@ impl Dynamics {
     pub fn allowed_step_s(&self) -> f64 {
         let largest = self.blocks.blocks.iter().map(|b| b.largest_bound).fold(0.0, f64::max);
         let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
-        if largest > 0.0 { STEP_SAFETY * viscous * 2.0 / largest.sqrt() } else { self.dt_s }
+        if largest > 0.0 { self.step_safety * viscous * 2.0 / largest.sqrt() } else { self.dt_s }
     }
 
     /// One step. Returns the kinetic energy at the full step \[J\] if `measure`.
@@ -207,13 +214,14 @@ impl Dynamics {
         let common = NodeStep {
             dt,
             measure,
-            gravity_m_s2: self.gravity_m_s2,
+            acceleration_m_s2: self.acceleration_m_s2,
             damping_1_s: self.damping_1_s,
             blocks: &self.blocks,
             surfaces: &self.surfaces,
             x: &self.x,
             mass_kg: &self.mass_kg,
             applied_n: &self.applied_n,
+            other_n: &self.other_n,
             prescribed_m_s: &self.prescribed_m_s,
         };
         let (v, internal_n) = (&mut self.v, &mut self.internal_n);
@@ -237,8 +245,8 @@ impl Dynamics {
                 let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
                 kinetic +=
                     0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
-                self.gravity_j -= mass * self.gravity_m_s2 * middle[2] * dt;
                 for i in 0..3 {
+                    self.gravity_j += mass * self.acceleration_m_s2[i] * middle[i] * dt;
                     self.driven_j +=
                         (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * dt;
                 }
@@ -279,13 +287,14 @@ impl Dynamics {
 struct NodeStep<'a> {
     dt: f64,
     measure: bool,
-    gravity_m_s2: f64,
+    acceleration_m_s2: [f64; 3],
     damping_1_s: f64,
     blocks: &'a Blocks,
     surfaces: &'a RigidSurfaces,
     x: &'a [[f64; 3]],
     mass_kg: &'a [f64],
     applied_n: &'a [[f64; 3]],
+    other_n: &'a [[f64; 3]],
     prescribed_m_s: &'a [[Option<f64>; 3]],
 }
 
@@ -311,12 +320,15 @@ impl NodeStep<'_> {
                 *v = [0.0; 3];
                 continue;
             }
-            let weight = [0.0, 0.0, -mass * self.gravity_m_s2];
+            let weight = self.acceleration_m_s2.map(|a| mass * a);
             let per_force = self.dt / mass;
             let (mut driven, mut force, mut new) = ([0.0; 3], [0.0; 3], [0.0; 3]);
             for i in 0..3 {
                 driven[i] = self.applied_n[n][i] - self.damping_1_s * mass * v[i];
                 force[i] = driven[i] + weight[i] - internal_n[i];
+                if let Some(other) = self.other_n.get(n) {
+                    force[i] += other[i];
+                }
                 new[i] = v[i] + per_force * force[i];
             }
             let drive = &self.prescribed_m_s[n];
@@ -335,8 +347,8 @@ impl NodeStep<'_> {
             for i in 0..3 {
                 middle[i] = 0.5 * (v[i] + new[i]);
                 sums.driven_j += driven[i] * middle[i] * self.dt;
+                sums.gravity_j += weight[i] * middle[i] * self.dt;
             }
-            sums.gravity_j += weight[2] * middle[2] * self.dt;
             if self.measure {
                 sums.kinetic_j +=
                     0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);

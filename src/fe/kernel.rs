@@ -78,8 +78,6 @@ pub struct BlockState {
     pub hourglass: [Lane; 12],
     /// Equivalent plastic strain.
     pub plastic_strain: Lane,
-    /// Net strain since the last reset, same order as `stress`, tensor components.
-    pub window_strain: [Lane; 6],
     /// Work done on the element by its stress \[J\].
     pub internal_j: Lane,
     /// Work done against hourglass control \[J\].
@@ -376,7 +374,6 @@ fn resist(
         stress[i] = if acts { new } else { old };
         power += WEIGHT[i] * (old + stress[i]) * strain[i];
         state.stress[i][l] = stress[i];
-        state.window_strain[i][l] += strain[i];
     }
     let trace = strain[0] + strain[1] + strain[2];
     let pressure =

@@ -1,19 +1,24 @@
 //! The hexahedral mesh of a building, and meshes cut out of it.
 
 use super::grid::MeshGrid;
+use super::law::Law;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
-use crate::building::{Building, Face, Homogenised, Preparation};
+use crate::building::{Building, Face, Preparation};
 use std::collections::BTreeMap;
 
 /// A mesh of eight-node hexahedra. Node order of an element: bottom face counter-clockwise seen from +z, then top face.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Mesh {
     /// Node positions \[m\].
     pub nodes: Vec<[f64; 3]>,
     /// Elements, sorted by law, each owned by one part.
     pub elements: Vec<Element>,
     /// Laws that the elements refer to.
-    pub laws: Vec<Homogenised>,
+    pub laws: Vec<Law>,
+    /// Two-node bars.
+    pub trusses: Vec<Truss>,
+    /// Nodes that follow others.
+    pub ties: Vec<Tie>,
     /// Nodes that cannot move.
     pub fixed: Vec<usize>,
     /// Part names; for a building these are the member ids in file order.
@@ -34,6 +39,31 @@ pub struct Element {
     pub smear: f64,
     /// Further factor on strength (preparatory weakening).
     pub strength: f64,
+}
+
+/// A two-node bar (rebar): axial force only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Truss {
+    /// Node indices.
+    pub nodes: [usize; 2],
+    /// Cross-section \[m²\].
+    pub area_m2: f64,
+    /// Index into [`Mesh::parts`].
+    pub part: usize,
+    /// Index into [`Mesh::laws`].
+    pub law: usize,
+}
+
+/// A node without inertia of its own that moves as the weighted mean of others: a node tied to a face (four masters) or
+/// embedded in an element (eight masters). Its mass and the forces on it go to its masters by the same weights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tie {
+    /// The node that follows.
+    pub node: usize,
+    /// Masters with weights that sum to one. A master is never itself tied.
+    pub masters: Vec<(usize, f64)>,
+    /// Element that carries the tie: when it dies the node is free.
+    pub element: usize,
 }
 
 /// How a member's volume changed when its faces were moved to mesh planes.
@@ -72,12 +102,12 @@ impl Mesh {
     fn from_cells(building: &Building, cells: &Partition, real: &[f64], meshed: &[f64]) -> Self {
         let count = cells.count();
         let stride = [1, count[0] + 1, (count[0] + 1) * (count[1] + 1)];
-        let mut laws: Vec<Homogenised> = Vec::new();
+        let mut laws: Vec<Law> = Vec::new();
         let mut law_of = Vec::new();
         for member in &building.members {
-            let law = building.law_of(member);
-            let index = laws.iter().position(|l| l == law).unwrap_or_else(|| {
-                laws.push(law.clone());
+            let law = Law::from(building.law_of(member));
+            let index = laws.iter().position(|l| *l == law).unwrap_or_else(|| {
+                laws.push(law);
                 laws.len() - 1
             });
             law_of.push(index);
@@ -109,10 +139,10 @@ impl Mesh {
         }
         elements.sort_by_key(|e| e.law);
         let parts = building.members.iter().map(|m| m.id.clone()).collect();
-        Self { nodes, elements, laws, fixed: Vec::new(), parts }
+        Self { nodes, elements, laws, parts, ..Self::default() }
     }
 
-    /// The mesh of some of the elements, with nodes renumbered; also returns the old index of each new node.
+    /// The mesh of some of the hexahedra (without bars and ties), with nodes renumbered; also returns the old index of each new node.
     pub fn cut_out(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
         let mut new_of = vec![usize::MAX; self.nodes.len()];
         let mut old = Vec::new();
@@ -129,7 +159,8 @@ impl Mesh {
         }
         let fixed = self.fixed.iter().filter(|n| new_of[**n] != usize::MAX).map(|n| new_of[*n]).collect();
         let nodes = old.iter().map(|n| self.nodes[*n]).collect();
-        (Self { nodes, elements, laws: self.laws.clone(), fixed, parts: self.parts.clone() }, old)
+        let (laws, parts) = (self.laws.clone(), self.parts.clone());
+        (Self { nodes, elements, laws, fixed, parts, ..Self::default() }, old)
     }
 
     /// Centre of an element in the undeformed mesh \[m\].

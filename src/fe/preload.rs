@@ -21,7 +21,8 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
     let factor = stiffness.sp_cholesky(faer::Side::Lower).map_err(|_| {
         "the structure is a mechanism: its stiffness matrix is not positive definite".to_string()
     })?;
-    let weight: f64 = body.mass_kg.iter().sum::<f64>() * body.gravity_m_s2
+    let gravity = body.acceleration_m_s2.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+    let weight: f64 = body.mass_kg.iter().sum::<f64>() * gravity
         + body.applied_n.iter().flatten().map(|f| f.abs()).sum::<f64>();
     for iteration in 0..ITERATIONS {
         let mut rhs = faer::Mat::<f64>::zeros(count, 1);
@@ -58,7 +59,7 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
 }
 
 fn residual(body: &Dynamics, n: usize, i: usize) -> f64 {
-    let weight = if i == 2 { -body.mass_kg[n] * body.gravity_m_s2 } else { 0.0 };
+    let weight = body.mass_kg[n] * body.acceleration_m_s2[i];
     body.applied_n[n][i] + weight - body.internal_n[n][i]
 }
 

@@ -6,6 +6,7 @@ use super::mesh::Mesh;
 use super::preload;
 use super::probe::Probe;
 use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, Touch};
+use super::strain_rate::StrainWindow;
 use crate::base::cpu::Stopwatch;
 use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
@@ -169,6 +170,7 @@ struct Recorder {
     tracked: Vec<History>,
     frames_m: Vec<Vec<[f32; 3]>>,
     strain_rates_1_s: Vec<Vec<f32>>,
+    window: StrainWindow,
     deaths: Vec<ElementDeath>,
     removed: Vec<bool>,
     touches: Vec<Touch>,
@@ -206,6 +208,7 @@ impl Recorder {
             tracked,
             frames_m: Vec::new(),
             strain_rates_1_s: Vec::new(),
+            window: StrainWindow::new(&body.x),
             deaths: Vec::new(),
             removed: vec![false; mesh.elements.len()],
             touches: Vec::new(),
@@ -224,6 +227,7 @@ impl Recorder {
     fn note(&mut self, mesh: &Mesh, body: &mut Dynamics, building: &Building) {
         for (element, cause) in &body.deaths {
             self.deaths.push(ElementDeath { element: *element, time_s: body.time_s, cause: *cause });
+            self.window.note_end(mesh, *element, &body.x);
         }
         for (node, surface) in std::mem::take(&mut body.surfaces.new_touches) {
             let Some(element) = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0) else {
@@ -269,8 +273,12 @@ impl Recorder {
             self.tracked[i].displacement_m.push(std::array::from_fn(|k| at[k] - self.start_m[i][k]));
         }
         self.frames_m.push(body.x.iter().map(|p| p.map(|c| c as f32)).collect());
-        let rates = body.blocks.take_strain_rates(interval);
-        self.strain_rates_1_s.push(if time_s == 0.0 { vec![0.0; rates.len()] } else { rates });
+        self.strain_rates_1_s.push(self.window.finish(
+            mesh,
+            |e| body.blocks.share(e) > 0.0,
+            &body.x,
+            interval,
+        ));
         self.balance(building, body, kinetic_j)
     }
 

@@ -23,8 +23,12 @@ struct Segment {
 }
 
 impl HardeningTable {
-    /// Builds the table from checked points (first strain zero, strains increasing, stresses positive).
+    /// Builds the table from checked points (first strain zero, strains increasing, stresses positive); without points
+    /// the material never yields.
     pub fn new(points: &[HardeningPoint]) -> Self {
+        if points.is_empty() {
+            return Self { segments: vec![Segment { strain: 0.0, stress_pa: f64::INFINITY, slope_pa: 0.0 }] };
+        }
         let segments = (0..points.len())
             .map(|i| {
                 let here = points[i];

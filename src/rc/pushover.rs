@@ -146,8 +146,8 @@ pub fn derive(
         axial_stiffness_n_m: pushes[2].1,
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: shear_modulus * torsion_constant(model.section_m) / model.length_m,
-        tensile_capacity_n: scale * table.at(law.critical_plastic_strain).0 * area,
-        tensile_elongation_m: law.critical_plastic_strain * model.length_m,
+        tensile_capacity_n: scale * table.at(law.erosion.plastic_strain).0 * area,
+        tensile_elongation_m: law.erosion.plastic_strain * model.length_m,
         asymmetry,
         elements: model.mesh.elements.len(),
     })

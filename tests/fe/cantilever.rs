@@ -2,9 +2,9 @@
 //! (one-point hexahedra with physical stabilisation, and the mesh limit of all its elements).
 
 use super::mesh::{bilinear, elastic, grid, nearest};
-use fallwerk::building::Homogenised;
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
+use fallwerk::fe::law::Law;
 
 struct History {
     /// Tip displacement at 0.1, 0.2, ... 0.5 s \[mm\].
@@ -17,7 +17,7 @@ struct History {
     residual: f64,
 }
 
-fn run(along: usize, law: Homogenised) -> History {
+fn run(along: usize, law: Law) -> History {
     let deep = along / 10;
     let mesh = grid([along, deep, deep], [10.0, 1.0, 1.0], law, |p| p[0] == 0.0);
     let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);

@@ -1,8 +1,9 @@
 //! Small meshes and laws for the tests.
 
-use fallwerk::building::{HardeningPoint, Homogenised};
+use fallwerk::building::HardeningPoint;
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::kernel::{BlockForce, BlockMaterial, BlockState, LANES};
+use fallwerk::fe::law::{ElementForm, Erosion, Law};
 use fallwerk::fe::mesh::{Element, Mesh};
 use fallwerk::material::j2::HardeningTable;
 
@@ -17,28 +18,31 @@ pub fn bilinear(
     density_kg_m3: f64,
     yield_pa: f64,
     tangent_pa: f64,
-) -> Homogenised {
+) -> Law {
     let hardening_pa = tangent_pa / (1.0 - tangent_pa / youngs_modulus_pa);
     let hardening = if hardening_pa == 0.0 {
         vec![point(0.0, yield_pa)]
     } else {
         vec![point(0.0, yield_pa), point(100.0, yield_pa + 100.0 * hardening_pa)]
     };
-    Homogenised { density_kg_m3, youngs_modulus_pa, poisson_ratio, hardening, critical_plastic_strain: 1e9 }
+    Law {
+        density_kg_m3,
+        youngs_modulus_pa,
+        poisson_ratio,
+        hardening,
+        rate: None,
+        erosion: Erosion::NEVER,
+        form: ElementForm::default(),
+    }
 }
 
 /// Concrete that never yields.
-pub fn elastic() -> Homogenised {
+pub fn elastic() -> Law {
     bilinear(30e9, 0.2, 2500.0, 1e15, 0.0)
 }
 
 /// A box of `counts` elements with a corner at the origin; `fixed` chooses nodes by position.
-pub fn grid(
-    counts: [usize; 3],
-    size_m: [f64; 3],
-    law: Homogenised,
-    fixed: impl Fn([f64; 3]) -> bool,
-) -> Mesh {
+pub fn grid(counts: [usize; 3], size_m: [f64; 3], law: Law, fixed: impl Fn([f64; 3]) -> bool) -> Mesh {
     let [nx, ny, nz] = counts;
     let id = |i: usize, j: usize, k: usize| (k * (ny + 1) + j) * (nx + 1) + i;
     let mut nodes = Vec::new();
@@ -64,15 +68,10 @@ pub fn grid(
     of_hexahedra(nodes, hexahedra, law, fixed)
 }
 
-pub fn of_hexahedra(
-    nodes: Vec<[f64; 3]>,
-    hexahedra: Vec<[usize; 8]>,
-    law: Homogenised,
-    fixed: Vec<usize>,
-) -> Mesh {
+pub fn of_hexahedra(nodes: Vec<[f64; 3]>, hexahedra: Vec<[usize; 8]>, law: Law, fixed: Vec<usize>) -> Mesh {
     let element = |nodes| Element { nodes, part: 0, law: 0, smear: 1.0, strength: 1.0 };
     let elements = hexahedra.into_iter().map(element).collect();
-    Mesh { nodes, elements, laws: vec![law], fixed, parts: vec!["body".into()] }
+    Mesh { nodes, elements, laws: vec![law], fixed, parts: vec!["body".into()], ..Mesh::default() }
 }
 
 /// Rigid ground.
@@ -125,7 +124,7 @@ pub struct Single {
 }
 
 impl Single {
-    pub fn new(law: &Homogenised, mass_kg: f64) -> Self {
+    pub fn new(law: &Law, mass_kg: f64) -> Self {
         let (e, nu) = (law.youngs_modulus_pa, law.poisson_ratio);
         let material = BlockMaterial {
             lambda_pa: [e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)); LANES],

@@ -51,7 +51,7 @@ fn free_spinning_block_conserves_momentum_and_energy() {
 /// A plastic block falls on rough ground with a run of erosion; bits of all positions after 400 steps.
 fn fallen(parallel: bool) -> Vec<[u64; 3]> {
     let mut law = bilinear(30e9, 0.2, 2500.0, 2e6, 0.0);
-    law.critical_plastic_strain = 0.02;
+    law.erosion.plastic_strain = 0.02;
     let mesh = grid([6, 10, 12], [0.6, 1.0, 1.2], law, |_| false);
     let surfaces = ground(-0.001, 0.5);
     let mut body = Dynamics::new(&mesh, 9.81, surfaces, parallel);

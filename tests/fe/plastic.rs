@@ -3,22 +3,23 @@
 use super::mesh::{
     Single, bilinear, elastic, grid, ground, hexahedron, in_lanes, nearest, of_hexahedra, point,
 };
-use fallwerk::building::Homogenised;
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::kernel::{KernelStep, LANES, update_block};
+use fallwerk::fe::law::Law;
 use fallwerk::fe::mesh::Mesh;
 
 /// Uniaxial strain: `2 G ε - 3 G p = σ_y(p)` over the kinks of the table, to round-off.
 #[test]
 fn uniaxial_strain_follows_the_table() {
     let table = [point(0.0, 15e6), point(0.01, 16.5e6), point(0.1, 12e6)];
-    let law = Homogenised { hardening: table.to_vec(), ..elastic() };
+    let law = Law { hardening: table.to_vec(), ..elastic() };
     let mut one = Single::new(&law, 2500.0);
     let mut force = [[0.0; LANES]; 24];
     let step = KernelStep { dt_s: 1.0, viscous: false };
     let g = one.material.mu_pa[0];
     let mut nodes = hexahedron(0.0, 0);
+    let mut strain = 0.0;
     for _ in 0..400 {
         let du = nodes.map(|p| [5e-4 * p[0], 0.0, 0.0]);
         nodes = std::array::from_fn(|n| std::array::from_fn(|i| nodes[n][i] + du[n][i]));
@@ -31,7 +32,9 @@ fn uniaxial_strain_follows_the_table() {
             &mut force,
             step,
         );
-        let (p, strain) = (one.state.plastic_strain[0], one.state.window_strain[0][0]);
+        let gradient = 5e-4 / 1.0005; // of the end configuration, then taken to mid-step
+        strain += gradient / (1.0 - 0.5 * gradient);
+        let p = one.state.plastic_strain[0];
         let expected = match p {
             p if p < 0.01 => 15e6 + 150e6 * p,
             p if p < 0.1 => 16.5e6 - 50e6 * (p - 0.01),
@@ -82,7 +85,7 @@ fn plastic_moment_of_two_elements() {
 }
 
 /// A round bar along z of 48 hexahedra a section: a core of 4 x 4 and two rings of 16.
-fn round_bar(length: f64, radius: f64, layers: usize, law: Homogenised) -> Mesh {
+fn round_bar(length: f64, radius: f64, layers: usize, law: Law) -> Mesh {
     let core =
         |i: usize, j: usize| [0.5 * radius * (i as f64 / 2.0 - 1.0), 0.5 * radius * (j as f64 / 2.0 - 1.0)];
     let rim: Vec<(usize, usize)> = (0..4)
