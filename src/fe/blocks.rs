@@ -1,132 +1,206 @@
-//! The elements of a mesh packed into blocks for the kernel, and the nodes' list of element forces.
+//! The elements of a mesh packed into blocks for the kernel, blocks into chunks, and the nodes' list of forces.
+//!
+//! Memory traffic decides the speed of a large mesh, so each number is touched once a step. Elements are
+//! packed along a space-filling curve; a chunk of [`CHUNK_BLOCKS`] blocks copies the motion of its nodes
+//! into a local buffer that stays in the first-level cache, gathers from it, and sums the forces of its elements
+//! on its nodes there ([`super::sweep`]). What leaves a chunk is one force a node; the few chunks that share a
+//! node are summed in a fixed order, so that results do not depend on the number of threads.
 
 use super::hexahedron::volume_m3;
-use super::kernel::{self, BlockForce, BlockMaterial, BlockState, KernelStep, LANES};
+use super::kernel::{BlockForce, BlockMaterial, BlockState, KernelStep, LANES, update_block};
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
-use rayon::prelude::*;
 
-/// Blocks handed to a thread at a time. No result depends on it.
-const CHUNK: usize = 16;
-/// Values in the forces of a block.
-const FORCES: usize = 24 * LANES;
+/// Blocks a chunk holds.
+pub const CHUNK_BLOCKS: usize = 32;
+/// Marks a lane without an element.
+const NO_ELEMENT: u32 = u32::MAX;
 
 /// Eight elements of one law.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub struct Block {
-    /// Constants.
-    pub material: BlockMaterial,
     /// History.
     pub state: BlockState,
-    /// Frequency bounds of the last kernel call \[1/s²\], zero where nothing acts.
-    pub bound: [f64; LANES],
-    /// Node indices `[lane][node]`; unused lanes repeat the last element.
-    pub nodes: [[u32; 8]; LANES],
-    /// Element index of each used lane.
-    pub elements: Vec<usize>,
-    /// Largest of `bound`.
+    /// Constants.
+    pub material: BlockMaterial,
+    /// Nodes `[lane][node]` by their place in the chunk; unused lanes repeat the last element.
+    pub nodes: [[u16; 8]; LANES],
+    /// Largest frequency bound of the last kernel call \[1/s²\], zero where nothing acts.
     pub largest_bound: f64,
-    /// Whether an acting element has reached its critical strain or has no positive frequency bound.
-    pub alarm: bool,
+    /// Lanes that ended in the last kernel call, one bit each.
+    pub ended: u8,
+    /// Whether any lane acts.
+    pub acts: bool,
 }
 
 /// All blocks with the scatter map.
 #[derive(Debug, Clone)]
 pub struct Blocks {
-    /// The blocks.
+    /// The blocks; [`CHUNK_BLOCKS`] in a row are a chunk.
     pub blocks: Vec<Block>,
     /// Hardening tables by law.
     pub tables: Vec<HardeningTable>,
+    /// Element of each lane of each block, [`NO_ELEMENT`] if none.
+    lanes: Vec<[u32; LANES]>,
     /// `(block, lane)` of each element.
-    pub place: Vec<(u32, u8)>,
-    /// Start of each node's contributions in `contributions`, one more than nodes.
-    starts: Vec<u32>,
-    /// Where the x force stands in the flat list of forces, in a fixed order; y and z follow `LANES` and `2 LANES` after.
+    place: Vec<(u32, u8)>,
+    /// Nodes of the chunks, one list after the other.
+    pub(super) chunk_nodes: Vec<u32>,
+    /// Start of each chunk's nodes, one more than chunks.
+    pub(super) chunk_starts: Vec<u32>,
+    /// Forces on the nodes of chunk `c` from its elements, at `c * stride` and on.
+    pub(super) partial_n: Vec<[f64; 3]>,
+    /// Most nodes in a chunk.
+    pub(super) stride: usize,
+    /// Start of each node's entries in `contributions`, one more than nodes.
+    node_starts: Vec<u32>,
+    /// Where the forces on a node stand in `partial_n`, in chunk order.
     contributions: Vec<u32>,
-    /// Forces of the last kernel call, one for each block.
-    forces: Vec<BlockForce>,
+    /// Start of each node's entries in `node_elements`.
+    element_starts: Vec<u32>,
+    /// Elements at each node, in element order.
+    node_elements: Vec<u32>,
 }
 
 impl Blocks {
     /// Packs a mesh.
     pub fn of(mesh: &Mesh) -> Self {
         let tables = mesh.laws.iter().map(|l| HardeningTable::new(&l.hardening)).collect();
-        let mut blocks: Vec<Block> = Vec::new();
+        let order = packing_order(mesh);
+        let (mut blocks, mut lanes) = (Vec::new(), Vec::new());
         let mut place = vec![(0, 0); mesh.elements.len()];
         let mut first = 0;
-        while first < mesh.elements.len() {
-            let law = mesh.elements[first].law;
-            let same = mesh.elements[first..].iter().take(LANES).take_while(|e| e.law == law).count();
-            let elements: Vec<usize> = (first..first + same).collect();
+        while first < order.len() {
+            let law = mesh.elements[order[first]].law;
+            let same =
+                order[first..].iter().take(LANES).take_while(|e| mesh.elements[**e].law == law).count();
+            let elements = &order[first..first + same];
+            let mut held = [NO_ELEMENT; LANES];
             for (lane, e) in elements.iter().enumerate() {
                 place[*e] = (blocks.len() as u32, lane as u8);
+                held[lane] = *e as u32;
             }
             blocks.push(block(mesh, elements));
+            lanes.push(held);
             first += same;
         }
-        let (starts, contributions) = scatter_map(mesh, &place);
-        let forces = vec![[[0.0; LANES]; 24]; blocks.len()];
-        Self { blocks, tables, place, starts, contributions, forces }
+        let (element_starts, node_elements) = elements_of_nodes(mesh);
+        let mut this = Self {
+            blocks,
+            tables,
+            lanes,
+            place,
+            chunk_nodes: Vec::new(),
+            chunk_starts: vec![0],
+            partial_n: Vec::new(),
+            stride: 0,
+            node_starts: Vec::new(),
+            contributions: Vec::new(),
+            element_starts,
+            node_elements,
+        };
+        this.localise(mesh);
+        this
     }
 
-    /// Kernel over all blocks that still act, with the displacement increments `dt_s * v`.
-    pub fn update(&mut self, x: &[[f64; 3]], v: &[[f64; 3]], dt_s: f64, step: KernelStep, parallel: bool) {
-        let tables = &self.tables[..];
-        if parallel {
-            let chunks = self.blocks.par_chunks_mut(CHUNK).zip(self.forces.par_chunks_mut(CHUNK));
-            chunks.for_each(|(blocks, forces)| update_chunk(blocks, forces, tables, x, v, dt_s, step));
-        } else {
-            update_chunk(&mut self.blocks, &mut self.forces, tables, x, v, dt_s, step);
+    /// Gives each chunk its list of nodes and each node its list of chunks.
+    fn localise(&mut self, mesh: &Mesh) {
+        let mut local = vec![u16::MAX; mesh.nodes.len()];
+        let chunks = self.blocks.chunks_mut(CHUNK_BLOCKS).zip(self.lanes.chunks(CHUNK_BLOCKS));
+        for (blocks, lanes) in chunks {
+            let elements = || lanes.iter().flatten().filter(|e| **e != NO_ELEMENT);
+            let mut nodes: Vec<u32> =
+                elements().flat_map(|e| mesh.elements[*e as usize].nodes).map(|n| n as u32).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            for (i, n) in nodes.iter().enumerate() {
+                local[*n as usize] = i as u16;
+            }
+            for (block, held) in blocks.iter_mut().zip(lanes) {
+                let used = held.iter().filter(|e| **e != NO_ELEMENT).count();
+                for lane in 0..LANES {
+                    let element = held[lane.min(used - 1)] as usize;
+                    block.nodes[lane] = mesh.elements[element].nodes.map(|n| local[n]);
+                }
+            }
+            self.stride = self.stride.max(nodes.len());
+            self.chunk_nodes.extend(nodes);
+            self.chunk_starts.push(self.chunk_nodes.len() as u32);
         }
+        self.partial_n = vec![[0.0; 3]; self.stride * (self.chunk_starts.len() - 1)];
+        let mut entries: Vec<(u32, u32)> = Vec::with_capacity(self.chunk_nodes.len());
+        for (chunk, range) in self.chunk_starts.windows(2).enumerate() {
+            let nodes = &self.chunk_nodes[range[0] as usize..range[1] as usize];
+            entries.extend(nodes.iter().enumerate().map(|(i, n)| (*n, (chunk * self.stride + i) as u32)));
+        }
+        entries.sort_unstable();
+        self.node_starts = starts_of(mesh.nodes.len(), entries.iter().map(|e| e.0 as usize));
+        self.contributions = entries.iter().map(|e| e.1).collect();
     }
 
-    /// Internal force on a node \[N\]: the sum over its elements in a fixed order.
+    /// Number of chunks.
+    pub fn chunks(&self) -> usize {
+        self.chunk_starts.len() - 1
+    }
+
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.node_starts.len() - 1
+    }
+
+    /// Internal force on a node in the last kernel call \[N\]: the sum over its chunks in a fixed order.
     #[inline]
     pub fn force_on(&self, node: usize) -> [f64; 3] {
-        let flat = self.forces.as_flattened().as_flattened();
         let mut sum = [0.0; 3];
-        for &at in &self.contributions[self.starts[node] as usize..self.starts[node + 1] as usize] {
-            let from_here = &flat[at as usize..at as usize + 2 * LANES + 1];
-            sum[0] += from_here[0];
-            sum[1] += from_here[LANES];
-            sum[2] += from_here[2 * LANES];
+        for &at in &self.contributions[self.node_starts[node] as usize..self.node_starts[node + 1] as usize] {
+            let part = self.partial_n[at as usize];
+            for i in 0..3 {
+                sum[i] += part[i];
+            }
         }
         sum
     }
 
-    /// Forces of one element on its nodes \[N\].
-    pub fn element_force(&self, element: usize) -> [[f64; 3]; 8] {
-        let (block, lane) = self.place[element];
-        let force = &self.forces[block as usize];
-        std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
+    /// Global nodes `[lane][node]` of a block.
+    pub fn global_nodes(&self, block: usize) -> [[u32; 8]; LANES] {
+        let first = self.chunk_starts[block / CHUNK_BLOCKS] as usize;
+        self.blocks[block].nodes.map(|lane| lane.map(|n| self.chunk_nodes[first + n as usize]))
     }
 
-    /// Ends an element: share and forces become zero.
-    pub(super) fn end(&mut self, block: usize, lane: usize) {
-        self.forces[block].iter_mut().for_each(|f| f[lane] = 0.0);
-        let block = &mut self.blocks[block];
-        block.state.share[lane] = 0.0;
-        block.bound[lane] = 0.0;
-        block.largest_bound = block.bound.iter().fold(0.0, |a, b| a.max(*b));
+    /// Elements of a block, in lane order.
+    pub fn elements_of(&self, block: usize) -> impl Iterator<Item = usize> + '_ {
+        self.lanes[block].iter().filter(|e| **e != NO_ELEMENT).map(|e| *e as usize)
     }
 
-    /// Forgets the last forces of elements that no longer act (blocks that are skipped keep theirs).
-    pub(super) fn clear_forces_of_dead(&mut self) {
-        for (block, force) in self.blocks.iter().zip(&mut self.forces) {
-            for lane in 0..LANES {
-                if block.state.share[lane] == 0.0 {
-                    force.iter_mut().for_each(|f| f[lane] = 0.0);
-                }
-            }
-        }
-    }
-
-    /// Elements that touch a node.
+    /// Elements that touch a node, in element order.
     pub fn elements_at(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
-        self.contributions[self.starts[node] as usize..self.starts[node + 1] as usize]
+        self.node_elements[self.element_starts[node] as usize..self.element_starts[node + 1] as usize]
             .iter()
-            .map(|&at| self.blocks[at as usize / FORCES].elements[at as usize % LANES])
+            .map(|e| *e as usize)
+    }
+
+    /// Forces of the stresses of one element on its nodes at the positions `x` \[N\], without bulk viscosity.
+    pub fn element_force(&self, element: usize, x: &[[f64; 3]]) -> [[f64; 3]; 8] {
+        let (block, lane) = self.place[element];
+        let nodes = self.global_nodes(block as usize)[lane as usize];
+        let at: BlockForce = std::array::from_fn(|c| [x[nodes[c / 3] as usize][c % 3]; LANES]);
+        let block = &self.blocks[block as usize];
+        let mut elastic = block.material;
+        elastic.yield_scale = [f64::INFINITY; LANES];
+        let (mut state, mut force) = (block.state, [[0.0; LANES]; 24]);
+        let table = &self.tables[block.material.table];
+        let still = [[0.0; LANES]; 24];
+        update_block(
+            &at,
+            &still,
+            &elastic,
+            table,
+            &mut state,
+            &mut force,
+            KernelStep { dt_s: 1.0, viscous: false },
+        );
+        std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
     }
 
     /// Acting share of an element.
@@ -138,7 +212,9 @@ impl Blocks {
     /// Sets the acting share of an element.
     pub fn set_share(&mut self, element: usize, share: f64) {
         let (block, lane) = self.place[element];
-        self.blocks[block as usize].state.share[lane as usize] = share;
+        let block = &mut self.blocks[block as usize];
+        block.state.share[lane as usize] = share;
+        block.acts = block.state.share.iter().any(|s| *s > 0.0);
     }
 
     /// Equivalent plastic strain of an element.
@@ -163,7 +239,7 @@ impl Blocks {
     pub fn energies_j(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for block in &self.blocks {
-            for lane in 0..block.elements.len() {
+            for lane in 0..LANES {
                 sum[0] += block.state.internal_j[lane];
                 sum[1] += block.state.hourglass_j[lane];
                 sum[2] += block.state.viscous_j[lane];
@@ -173,52 +249,33 @@ impl Blocks {
     }
 }
 
-/// Gathers, calls the kernel and notes what the time loop needs to know. The instruction set is chosen once a call.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
-fn update_chunk(
-    blocks: &mut [Block],
-    forces: &mut [BlockForce],
-    tables: &[HardeningTable],
-    x: &[[f64; 3]],
-    v: &[[f64; 3]],
-    dt_s: f64,
-    step: KernelStep,
-) {
-    let (mut at, mut moved): (BlockForce, BlockForce) = ([[0.0; LANES]; 24], [[0.0; LANES]; 24]);
-    for (block, force) in blocks.iter_mut().zip(forces) {
-        if block.state.share.iter().all(|s| *s == 0.0) {
-            block.largest_bound = 0.0;
-            block.alarm = false;
-            continue;
+/// Elements by law, within a law along a Z-order curve through their centres (Morton 1966).
+fn packing_order(mesh: &Mesh) -> Vec<usize> {
+    let centers: Vec<[f64; 3]> = (0..mesh.elements.len()).map(|e| mesh.center(e)).collect();
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for c in &centers {
+        for i in 0..3 {
+            low[i] = low[i].min(c[i]);
+            high[i] = high[i].max(c[i]);
         }
-        for (lane, nodes) in block.nodes.iter().enumerate() {
-            for (local, n) in nodes.iter().enumerate() {
-                let (p, w) = (x[*n as usize], v[*n as usize]);
-                for i in 0..3 {
-                    at[3 * local + i][lane] = p[i];
-                    moved[3 * local + i][lane] = w[i];
-                }
-            }
-        }
-        let table = &tables[block.material.table];
-        let bound = kernel::update(&at, &moved, dt_s, &block.material, table, &mut block.state, force, step);
-        let (mut largest, mut alarms) = (0.0, 0);
-        for l in 0..LANES {
-            let reached = block.state.plastic_strain[l] >= block.material.critical_strain[l];
-            let valid = bound[l] > 0.0;
-            alarms += u32::from(block.state.share[l] > 0.0 && (reached || !valid));
-            largest = if bound[l] > largest { bound[l] } else { largest };
-        }
-        block.bound = bound;
-        block.largest_bound = largest;
-        block.alarm = alarms > 0;
     }
+    let extent = (0..3).map(|i| high[i] - low[i]).fold(f64::MIN_POSITIVE, f64::max);
+    let key = |c: &[f64; 3]| {
+        let cell: [u64; 3] = std::array::from_fn(|i| ((c[i] - low[i]) / extent * 1_048_575.0) as u64);
+        (0..20).fold(0u64, |key, bit| {
+            let digit = (0..3).fold(0, |d, i| d | ((cell[i] >> bit) & 1) << i);
+            key | digit << (3 * bit)
+        })
+    };
+    let keys: Vec<u64> = centers.iter().map(key).collect();
+    let mut order: Vec<usize> = (0..mesh.elements.len()).collect();
+    order.sort_by_key(|e| (mesh.elements[*e].law, keys[*e], *e));
+    order
 }
 
-/// Packs elements of one law into a block.
-fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
+/// Packs elements of one law into a block; its nodes come later.
+fn block(mesh: &Mesh, elements: &[usize]) -> Block {
     let mut material = BlockMaterial { table: mesh.elements[elements[0]].law, ..Default::default() };
-    let mut nodes = [[0; 8]; LANES];
     let mut state = BlockState::default();
     for lane in 0..LANES {
         let index = elements[lane.min(elements.len() - 1)];
@@ -226,7 +283,6 @@ fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
         let law = &mesh.laws[element.law];
         let e = law.youngs_modulus_pa * element.smear;
         let nu = law.poisson_ratio;
-        nodes[lane] = element.nodes.map(|n| n as u32);
         material.lambda_pa[lane] = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
         material.mu_pa[lane] = 0.5 * e / (1.0 + nu);
         material.yield_scale[lane] = element.smear * element.strength;
@@ -235,29 +291,31 @@ fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
         material.critical_strain[lane] = law.erosion.plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
-    Block { material, state, bound: [0.0; LANES], nodes, elements, largest_bound: 0.0, alarm: false }
+    Block { state, material, nodes: [[0; 8]; LANES], largest_bound: 0.0, ended: 0, acts: true }
 }
 
-/// For each node, where its element forces stand.
-fn scatter_map(mesh: &Mesh, place: &[(u32, u8)]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; mesh.nodes.len() + 1];
-    for element in &mesh.elements {
+/// Elements at each node: starts and list.
+fn elements_of_nodes(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
+    let starts = starts_of(mesh.nodes.len(), mesh.elements.iter().flat_map(|e| e.nodes));
+    let mut next = starts.clone();
+    let mut list = vec![0; starts[mesh.nodes.len()] as usize];
+    for (index, element) in mesh.elements.iter().enumerate() {
         for n in element.nodes {
-            starts[n + 1] += 1;
+            list[next[n] as usize] = index as u32;
+            next[n] += 1;
         }
+    }
+    (starts, list)
+}
+
+/// Running sums of how often each of `count` keys occurs: where its entries start in a sorted list.
+fn starts_of(count: usize, keys: impl Iterator<Item = usize>) -> Vec<u32> {
+    let mut starts = vec![0u32; count + 1];
+    for key in keys {
+        starts[key + 1] += 1;
     }
     for i in 1..starts.len() {
         starts[i] += starts[i - 1];
     }
-    let mut next = starts.clone();
-    let mut contributions = vec![0; starts[mesh.nodes.len()] as usize];
-    for (index, element) in mesh.elements.iter().enumerate() {
-        let (block, lane) = place[index];
-        for (local, n) in element.nodes.iter().enumerate() {
-            contributions[next[*n] as usize] =
-                block * FORCES as u32 + (3 * LANES * local) as u32 + u32::from(lane);
-            next[*n] += 1;
-        }
-    }
-    (starts, contributions)
+    starts
 }

@@ -1,13 +1,16 @@
 //! Explicit time integration: central differences with a bound of the critical time step.
 //!
-//! `v_{n+1/2} = v_{n-1/2} + Δt a_n`, `x_{n+1} = x_n + Δt v_{n+1/2}` (Belytschko, Liu, Moran, Nonlinear Finite
-//! Elements for Continua and Structures, section 6.2). Stable for `Δt <= 2/ω_max`; bulk viscosity of damping
+//! A step takes positions at `t_n` and velocities at `t_{n-1/2}`, finds the forces there and does
+//! `v_{n+1/2} = v_{n-1/2} + (Δt_{n-1/2} + Δt_{n+1/2}) / 2 a_n`, `x_{n+1} = x_n + Δt_{n+1/2} v_{n+1/2}` (Belytschko, Liu, Moran,
+//! Nonlinear Finite Elements for Continua and Structures, section 6.2). Energies are those of `t_n`. Stable for `Δt <= 2/ω_max`; bulk viscosity of damping
 //! ratio ξ lowers the limit by `sqrt(1 + ξ²) - ξ`.
 
 use super::blocks::Blocks;
 use super::contact::RigidSurfaces;
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
+use super::node_field::NodeField;
+use super::sweep::Sweep;
 use rayon::prelude::*;
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
@@ -16,7 +19,7 @@ pub const STEP_SAFETY: f64 = 0.9;
 /// An element whose own critical step falls below this share of the first step is eroded: it has collapsed.
 pub const STEP_COLLAPSE: f64 = 0.1;
 /// Nodes handed to a thread at a time. Sums over nodes are sums over the sums of chunks, on any number of threads.
-const CHUNK: usize = 256;
+const CHUNK: usize = 512;
 /// Elements from which threads are used.
 const PARALLEL_ELEMENTS: usize = 512;
 
@@ -43,9 +46,9 @@ pub struct Dynamics {
     /// Nodal masses \[kg\]; zero once all elements of a node were removed by events.
     pub mass_kg: Vec<f64>,
     /// Constant applied nodal forces besides gravity \[N\].
-    pub applied_n: Vec<[f64; 3]>,
+    pub applied_n: NodeField<[f64; 3]>,
     /// Prescribed velocities: `Some(v)` overrides the motion of that component.
-    pub prescribed_m_s: Vec<[Option<f64>; 3]>,
+    pub prescribed_m_s: NodeField<[Option<f64>; 3]>,
     /// Forces on nodes in this step from all that is not a hexahedron or a rigid surface (bars, contact of the body with itself)
     /// \[N\]; empty if there is nothing of the kind. Whoever adds to it books the work.
     pub other_n: Vec<[f64; 3]>,
@@ -57,6 +60,8 @@ pub struct Dynamics {
     pub time_s: f64,
     /// Time step \[s\].
     pub dt_s: f64,
+    /// The step that led to the present positions \[s\], zero at the start: the first kick is half a step.
+    taken_s: f64,
     /// Share of the stability limit that is used.
     pub step_safety: f64,
     /// First time step \[s\].
@@ -73,8 +78,6 @@ pub struct Dynamics {
     pub gravity_j: f64,
     /// Elements that died in the last step.
     pub deaths: Vec<(usize, Death)>,
-    /// Internal force of the last step \[N\].
-    pub internal_n: Vec<[f64; 3]>,
     parallel: bool,
 }
 
@@ -83,7 +86,7 @@ impl Dynamics {
     pub fn new(mesh: &Mesh, gravity_m_s2: f64, surfaces: RigidSurfaces, parallel: bool) -> Self {
         let blocks = Blocks::of(mesh);
         let n = mesh.nodes.len();
-        let mut prescribed_m_s = vec![[None; 3]; n];
+        let mut prescribed_m_s = NodeField::new([None; 3], n);
         for node in &mesh.fixed {
             prescribed_m_s[*node] = [Some(0.0); 3];
         }
@@ -91,7 +94,7 @@ impl Dynamics {
             x: mesh.nodes.clone(),
             v: vec![[0.0; 3]; n],
             mass_kg: vec![0.0; n],
-            applied_n: vec![[0.0; 3]; n],
+            applied_n: NodeField::new([0.0; 3], n),
             prescribed_m_s,
             other_n: Vec::new(),
             acceleration_m_s2: [0.0, 0.0, -gravity_m_s2],
@@ -99,6 +102,7 @@ impl Dynamics {
             damping_1_s: 0.0,
             time_s: 0.0,
             dt_s: 1.0,
+            taken_s: 0.0,
             first_dt_s: 0.0,
             steps: 0,
             surfaces,
@@ -106,7 +110,6 @@ impl Dynamics {
             driven_j: 0.0,
             gravity_j: 0.0,
             deaths: Vec::new(),
-            internal_n: vec![[0.0; 3]; n],
             blocks,
             parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
         };
@@ -129,9 +132,10 @@ impl Dynamics {
         }
     }
 
-    /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments.
+    /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments. No element ends.
     pub fn update_elements(&mut self, step: KernelStep, dt_s: f64) {
-        self.blocks.update(&self.x, &self.v, dt_s, step, self.parallel);
+        let sweep = Sweep { dt_s, step, end_above: None };
+        self.blocks.sweep(&self.x, &self.v, &sweep, self.parallel);
     }
 
     /// The time step that the acting elements allow \[s\].
@@ -154,83 +158,67 @@ impl Dynamics {
     }
 
     fn step_here(&mut self, measure: bool) -> f64 {
-        let dt = self.dt_s;
-        self.move_nodes(dt);
-        self.update_elements(KernelStep { dt_s: dt, viscous: true }, dt);
-        self.time_s += dt;
-        self.steps += 1;
-        self.erode();
-        let kinetic = self.accelerate(dt, measure);
+        let (before, taken) = (self.dt_s, self.taken_s);
+        let sweep = Sweep {
+            dt_s: taken,
+            step: KernelStep { dt_s: taken, viscous: taken > 0.0 },
+            end_above: Some((2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2)),
+        };
+        self.blocks.sweep(&self.x, &self.v, &sweep, self.parallel);
+        self.collect_deaths();
         let allowed = self.allowed_step_s();
-        if allowed < dt {
+        if allowed < before {
             self.dt_s = 0.98 * allowed;
-        } else if allowed > 1.05 * dt {
-            self.dt_s = allowed.min(1.05 * dt).min(1.2 * self.first_dt_s);
+        } else if allowed > 1.05 * before {
+            self.dt_s = allowed.min(1.05 * before).min(1.2 * self.first_dt_s);
         }
+        let kinetic = self.accelerate(0.5 * (taken + self.dt_s), measure);
+        self.time_s += self.dt_s;
+        self.taken_s = self.dt_s;
+        self.steps += 1;
         kinetic
     }
 
-    fn move_nodes(&mut self, dt: f64) {
-        let drift = |(x, v): (&mut [[f64; 3]], &[[f64; 3]])| {
-            for (x, v) in x.as_flattened_mut().iter_mut().zip(v.as_flattened()) {
-                *x += dt * v;
-            }
-        };
-        if self.parallel {
-            self.x.par_chunks_mut(CHUNK).zip(self.v.par_chunks(CHUNK)).for_each(drift);
-        } else {
-            drift((&mut self.x, &self.v));
-        }
-    }
-
-    /// Takes away elements past their critical strain, collapsed ones and ones that went wrong.
-    fn erode(&mut self) {
+    /// Lists the elements that ended in the last pass.
+    fn collect_deaths(&mut self) {
         self.deaths.clear();
-        let limit = (2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2);
-        for index in 0..self.blocks.blocks.len() {
-            let block = &self.blocks.blocks[index];
-            if !block.alarm && block.largest_bound <= limit {
+        for (index, block) in self.blocks.blocks.iter().enumerate() {
+            if block.ended == 0 {
                 continue;
             }
-            for lane in 0..block.elements.len() {
-                let block = &self.blocks.blocks[index];
-                if block.state.share[lane] == 0.0 {
-                    continue;
+            for (lane, element) in self.blocks.elements_of(index).enumerate() {
+                if block.ended >> lane & 1 == 1 {
+                    let eroded = block.state.plastic_strain[lane] >= block.material.critical_strain[lane];
+                    self.deaths.push((element, if eroded { Death::Eroded } else { Death::Collapsed }));
                 }
-                let healthy = block.bound[lane] > 0.0 && block.bound[lane] <= limit;
-                let eroded = block.state.plastic_strain[lane] >= block.material.critical_strain[lane];
-                if healthy && !eroded {
-                    continue;
-                }
-                self.deaths
-                    .push((block.elements[lane], if eroded { Death::Eroded } else { Death::Collapsed }));
-                self.blocks.end(index, lane);
             }
         }
     }
 
-    /// New velocities from all forces, with contact; books the work of gravity, contact and drives.
-    fn accelerate(&mut self, dt: f64, measure: bool) -> f64 {
+    /// New velocities from all forces that act for `kick` \[s\], with contact, and new positions; books the work of gravity,
+    /// contact and drives.
+    fn accelerate(&mut self, kick: f64, measure: bool) -> f64 {
+        let dt = self.dt_s;
         let common = NodeStep {
+            kick,
             dt,
             measure,
             acceleration_m_s2: self.acceleration_m_s2,
             damping_1_s: self.damping_1_s,
             blocks: &self.blocks,
             surfaces: &self.surfaces,
-            x: &self.x,
             mass_kg: &self.mass_kg,
             applied_n: &self.applied_n,
             other_n: &self.other_n,
             prescribed_m_s: &self.prescribed_m_s,
         };
-        let (v, internal_n) = (&mut self.v, &mut self.internal_n);
+        let (x, v) = (&mut self.x, &mut self.v);
         let parts: Vec<NodeSums> = if self.parallel {
-            let chunks = v.par_chunks_mut(CHUNK).zip(internal_n.par_chunks_mut(CHUNK)).enumerate();
-            chunks.map(|(c, (v, internal_n))| common.chunk(c * CHUNK, v, internal_n)).collect()
+            let chunks = x.par_chunks_mut(CHUNK).zip(v.par_chunks_mut(CHUNK)).enumerate();
+            chunks.map(|(c, (x, v))| common.chunk(c * CHUNK, x, v)).collect()
         } else {
-            let chunks = v.chunks_mut(CHUNK).zip(internal_n.chunks_mut(CHUNK)).enumerate();
-            chunks.map(|(c, (v, internal_n))| common.chunk(c * CHUNK, v, internal_n)).collect()
+            let chunks = x.chunks_mut(CHUNK).zip(v.chunks_mut(CHUNK)).enumerate();
+            chunks.map(|(c, (x, v))| common.chunk(c * CHUNK, x, v)).collect()
         };
         let mut kinetic = 0.0;
         for part in parts {
@@ -246,26 +234,22 @@ impl Dynamics {
                 kinetic +=
                     0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
                 for i in 0..3 {
-                    self.gravity_j += mass * self.acceleration_m_s2[i] * middle[i] * dt;
+                    self.gravity_j += mass * self.acceleration_m_s2[i] * middle[i] * kick;
                     self.driven_j +=
-                        (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * dt;
+                        (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * kick;
                 }
                 self.v[n] = new;
+                for i in 0..3 {
+                    self.x[n][i] += dt * new[i];
+                }
             }
         }
         kinetic
     }
 
-    /// Sums the element forces of the last kernel call at the nodes.
-    pub fn refresh_internal_forces(&mut self) {
-        for (n, force) in self.internal_n.iter_mut().enumerate() {
-            *force = self.blocks.force_on(n);
-        }
-    }
-
-    /// Forgets the last forces of elements that no longer act (blocks that are skipped keep theirs).
-    pub fn clear_forces_of_dead(&mut self) {
-        self.blocks.clear_forces_of_dead();
+    /// Internal force on a node in the last pass of the kernel \[N\].
+    pub fn internal_n(&self, node: usize) -> [f64; 3] {
+        self.blocks.force_on(node)
     }
 
     /// Kinetic energy of the half-step velocities \[J\].
@@ -285,17 +269,18 @@ impl Dynamics {
 
 /// What the update of nodal velocities reads.
 struct NodeStep<'a> {
+    /// Time for which the forces act, and the step after it.
+    kick: f64,
     dt: f64,
     measure: bool,
     acceleration_m_s2: [f64; 3],
     damping_1_s: f64,
     blocks: &'a Blocks,
     surfaces: &'a RigidSurfaces,
-    x: &'a [[f64; 3]],
     mass_kg: &'a [f64],
-    applied_n: &'a [[f64; 3]],
+    applied_n: &'a NodeField<[f64; 3]>,
     other_n: &'a [[f64; 3]],
-    prescribed_m_s: &'a [[Option<f64>; 3]],
+    prescribed_m_s: &'a NodeField<[Option<f64>; 3]>,
 }
 
 /// What it leaves besides velocities.
@@ -309,45 +294,46 @@ struct NodeSums {
 }
 
 impl NodeStep<'_> {
-    /// Nodes `first..`, whose velocities and internal forces are given.
-    fn chunk(&self, first: usize, v: &mut [[f64; 3]], internal_n: &mut [[f64; 3]]) -> NodeSums {
+    /// Nodes `first..`, whose positions and velocities are given.
+    fn chunk(&self, first: usize, x: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> NodeSums {
         let mut sums = NodeSums::default();
-        for (i, (v, internal_n)) in v.iter_mut().zip(internal_n).enumerate() {
+        for (i, (x, v)) in x.iter_mut().zip(v).enumerate() {
             let n = first + i;
-            *internal_n = self.blocks.force_on(n);
             let mass = self.mass_kg[n];
             if mass == 0.0 {
                 *v = [0.0; 3];
                 continue;
             }
+            let internal = self.blocks.force_on(n);
             let weight = self.acceleration_m_s2.map(|a| mass * a);
-            let per_force = self.dt / mass;
-            let (mut driven, mut force, mut new) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+            let per_force = self.kick / mass;
+            let applied = if self.applied_n.is_set(n) { self.applied_n[n] } else { [0.0; 3] };
+            let (mut driven, mut new) = ([0.0; 3], [0.0; 3]);
             for i in 0..3 {
-                driven[i] = self.applied_n[n][i] - self.damping_1_s * mass * v[i];
-                force[i] = driven[i] + weight[i] - internal_n[i];
+                driven[i] = applied[i] - self.damping_1_s * mass * v[i];
+                let mut force = driven[i] + weight[i] - internal[i];
                 if let Some(other) = self.other_n.get(n) {
-                    force[i] += other[i];
+                    force += other[i];
                 }
-                new[i] = v[i] + per_force * force[i];
+                new[i] = v[i] + per_force * force;
             }
-            let drive = &self.prescribed_m_s[n];
-            if drive.iter().any(Option::is_some) {
+            if self.prescribed_m_s.is_set(n) && self.prescribed_m_s[n].iter().any(Option::is_some) {
                 for i in 0..3 {
-                    if let Some(given) = drive[i] {
-                        driven[i] += mass / self.dt * (given - new[i]);
+                    if let Some(given) = self.prescribed_m_s[n][i] {
+                        driven[i] += mass / self.kick * (given - new[i]);
                         new[i] = given;
                     }
                 }
-            } else if self.surfaces.reached(self.dt, &self.x[n], &new) {
+            } else if self.surfaces.reached(self.dt, x, &new) {
                 sums.touching.push((n, new));
                 continue;
             }
             let mut middle = [0.0; 3];
             for i in 0..3 {
                 middle[i] = 0.5 * (v[i] + new[i]);
-                sums.driven_j += driven[i] * middle[i] * self.dt;
-                sums.gravity_j += weight[i] * middle[i] * self.dt;
+                sums.driven_j += driven[i] * middle[i] * self.kick;
+                sums.gravity_j += weight[i] * middle[i] * self.kick;
+                x[i] += self.dt * new[i];
             }
             if self.measure {
                 sums.kinetic_j +=

@@ -28,9 +28,10 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
         let mut rhs = faer::Mat::<f64>::zeros(count, 1);
         let mut largest: f64 = 0.0;
         for (n, row) in unknown.iter().enumerate() {
+            let internal_n = body.internal_n(n);
             for (i, u) in row.iter().enumerate() {
                 if let Some(u) = u {
-                    let force = residual(body, n, i);
+                    let force = residual(body, n, i, internal_n);
                     rhs[(*u, 0)] = force;
                     largest = if force.is_finite() { largest.max(force.abs()) } else { f64::INFINITY };
                 }
@@ -51,16 +52,15 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
             }
         }
         body.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 1.0);
-        body.refresh_internal_forces();
     }
     Err(format!(
         "no equilibrium under dead load after {ITERATIONS} iterations: the structure yields under its own weight"
     ))
 }
 
-fn residual(body: &Dynamics, n: usize, i: usize) -> f64 {
+fn residual(body: &Dynamics, n: usize, i: usize, internal_n: [f64; 3]) -> f64 {
     let weight = body.mass_kg[n] * body.acceleration_m_s2[i];
-    body.applied_n[n][i] + weight - body.internal_n[n][i]
+    body.applied_n[n][i] + weight - internal_n[i]
 }
 
 /// Equation number of each free component.
@@ -88,9 +88,10 @@ fn assemble(
 ) -> Result<SparseColMat<usize, f64>, String> {
     const UNIT_M: f64 = 1e-9;
     let mut triplets = Vec::with_capacity(mesh.elements.len() * 300);
-    for block in &body.blocks.blocks {
+    for (index, block) in body.blocks.blocks.iter().enumerate() {
+        let nodes = body.blocks.global_nodes(index);
         let mut x = [[0.0; LANES]; 24];
-        for (lane, nodes) in block.nodes.iter().enumerate() {
+        for (lane, nodes) in nodes.iter().enumerate() {
             for (local, n) in nodes.iter().enumerate() {
                 for i in 0..3 {
                     x[3 * local + i][lane] = body.x[*n as usize][i];
@@ -114,10 +115,10 @@ fn assemble(
                 &mut force,
                 KernelStep { dt_s: 1.0, viscous: false },
             );
-            for lane in 0..block.elements.len() {
-                let Some(c) = unknown[block.nodes[lane][column / 3] as usize][column % 3] else { continue };
+            for lane in 0..LANES {
+                let Some(c) = unknown[nodes[lane][column / 3] as usize][column % 3] else { continue };
                 for (row, values) in force.iter().enumerate() {
-                    let Some(r) = unknown[block.nodes[lane][row / 3] as usize][row % 3] else { continue };
+                    let Some(r) = unknown[nodes[lane][row / 3] as usize][row % 3] else { continue };
                     if r >= c && block.state.share[lane] > 0.0 {
                         triplets.push(Triplet::new(r, c, values[lane] / UNIT_M));
                     }

@@ -157,7 +157,6 @@ impl Removal {
         let before = body.kinetic_j();
         body.assemble_mass(mesh, |e| !recorder.removed[e]);
         recorder.removed_j += body.kinetic_j() - before;
-        body.clear_forces_of_dead();
     }
 }
 

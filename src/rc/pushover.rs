@@ -345,7 +345,7 @@ fn section_moment(model: &EndModel, body: &Dynamics, direction: usize) -> f64 {
         if body.blocks.share(*e) == 0.0 {
             continue;
         }
-        let force = body.blocks.element_force(*e);
+        let force = body.blocks.element_force(*e, &body.x);
         for (local, n) in model.mesh.elements[*e].nodes.iter().enumerate() {
             if model.section_nodes.contains(n) {
                 let r: [f64; 3] = std::array::from_fn(|i| body.x[*n][i] - center[i]);

@@ -74,7 +74,7 @@ fn plastic_moment_of_two_elements() {
         moment = ends
             .iter()
             .filter(|(_, side)| *side < 0.0)
-            .map(|(n, _)| (arm(n) * body.internal_n[*n][0]).abs())
+            .map(|(n, _)| (arm(n) * body.internal_n(*n)[0]).abs())
             .sum();
     }
     let expected = yield_pa / 4.0;

@@ -14,7 +14,7 @@ fn at_rest(mesh: &Mesh) -> Dynamics {
 
 /// Vertical reaction: internal force on the fixed nodes and their own weight.
 fn reaction(mesh: &Mesh, body: &Dynamics) -> f64 {
-    mesh.fixed.iter().map(|n| body.internal_n[*n][2] + body.mass_kg[*n] * -body.acceleration_m_s2[2]).sum()
+    mesh.fixed.iter().map(|n| body.internal_n(*n)[2] + body.mass_kg[*n] * -body.acceleration_m_s2[2]).sum()
 }
 
 /// Column of 6 m: the top sinks by `ρ g L² / (2 E)`, the reaction is the weight, and it stays at rest.
