@@ -1,7 +1,7 @@
 //! The elements of a mesh packed into blocks for the kernel, blocks into chunks, and the nodes' list of forces.
 //!
 //! Memory traffic decides the speed of a large mesh, so each number is touched once a step. Elements are
-//! packed along a space-filling curve; a chunk of [`CHUNK_BLOCKS`] blocks copies the motion of its nodes
+//! packed along a space-filling curve; a chunk of up to 32 blocks copies the motion of its nodes
 //! into a local buffer that stays in the first-level cache, gathers from it, and sums the forces of its elements
 //! on its nodes there ([`super::sweep`]). What leaves a chunk is one force a node; the few chunks that share a
 //! node are summed in a fixed order, so that results do not depend on the number of threads.
@@ -11,8 +11,12 @@ use super::kernel::{BlockForce, BlockMaterial, BlockState, KernelStep, LANES, up
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
 
-/// Blocks a chunk holds.
-pub const CHUNK_BLOCKS: usize = 32;
+/// Blocks a chunk holds, at most and at least: small meshes get smaller chunks, so that all threads find work.
+const CHUNK_BLOCKS: [usize; 2] = [4, 32];
+/// Chunks that a mesh should have before they grow to their largest size.
+const CHUNKS_WISHED: usize = 64;
+/// Blocks are packed anew when this share of the lanes of acting blocks belongs to elements that have ended.
+const DEAD_SHARE: f64 = 0.125;
 /// Marks a lane without an element.
 const NO_ELEMENT: u32 = u32::MAX;
 
@@ -37,8 +41,16 @@ pub struct Block {
 /// All blocks with the scatter map.
 #[derive(Debug, Clone)]
 pub struct Blocks {
-    /// The blocks; [`CHUNK_BLOCKS`] in a row are a chunk.
+    /// The blocks; `chunk_blocks` in a row are a chunk.
     pub blocks: Vec<Block>,
+    /// Blocks in a chunk.
+    pub(super) chunk_blocks: usize,
+    /// Rest of each chunk.
+    pub(super) quiet: Vec<Quiet>,
+    /// Nodes of each element.
+    element_nodes: Vec<[u32; 8]>,
+    /// Elements that have ended since the blocks were packed.
+    dead: usize,
     /// Hardening tables by law.
     pub tables: Vec<HardeningTable>,
     /// Element of each lane of each block, [`NO_ELEMENT`] if none.
@@ -69,73 +81,117 @@ impl Blocks {
         let tables = mesh.laws.iter().map(|l| HardeningTable::new(&l.hardening)).collect();
         let order = packing_order(mesh);
         let (mut blocks, mut lanes) = (Vec::new(), Vec::new());
-        let mut place = vec![(0, 0); mesh.elements.len()];
-        let mut first = 0;
-        while first < order.len() {
-            let law = mesh.elements[order[first]].law;
-            let same =
-                order[first..].iter().take(LANES).take_while(|e| mesh.elements[**e].law == law).count();
-            let elements = &order[first..first + same];
+        for elements in runs(&order, |e| mesh.elements[*e].law) {
             let mut held = [NO_ELEMENT; LANES];
             for (lane, e) in elements.iter().enumerate() {
-                place[*e] = (blocks.len() as u32, lane as u8);
                 held[lane] = *e as u32;
             }
             blocks.push(block(mesh, elements));
             lanes.push(held);
-            first += same;
         }
         let (element_starts, node_elements) = elements_of_nodes(mesh);
         let mut this = Self {
+            chunk_blocks: 0,
+            quiet: Vec::new(),
+            element_nodes: mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect(),
+            dead: 0,
             blocks,
             tables,
             lanes,
-            place,
+            place: vec![(0, 0); mesh.elements.len()],
             chunk_nodes: Vec::new(),
-            chunk_starts: vec![0],
+            chunk_starts: Vec::new(),
             partial_n: Vec::new(),
             stride: 0,
-            node_starts: Vec::new(),
+            node_starts: vec![0; mesh.nodes.len() + 1],
             contributions: Vec::new(),
             element_starts,
             node_elements,
         };
-        this.localise(mesh);
+        this.localise(mesh.nodes.len(), &mesh.nodes);
         this
     }
 
+    /// Packs acting elements together when many between them have ended, so that these cost nothing. Positions `x` \[m\].
+    pub fn repack_if_worthwhile(&mut self, ended: usize, x: &[[f64; 3]]) {
+        self.dead += ended;
+        let acting = LANES * self.blocks.iter().filter(|b| b.acts).count();
+        if self.dead < 2 * LANES || (self.dead as f64) < DEAD_SHARE * acting as f64 {
+            return;
+        }
+        let lanes = &self.lanes;
+        let all = (0..self.blocks.len())
+            .flat_map(|b| (0..LANES).filter(move |l| lanes[b][*l] != NO_ELEMENT).map(move |l| (b, l)));
+        let (acting, ended): (Vec<_>, Vec<_>) = all.partition(|(b, l)| self.blocks[*b].state.share[*l] > 0.0);
+        let law = |(b, _): &(usize, usize)| self.blocks[*b].material.table;
+        let (mut blocks, mut lanes) = (Vec::new(), Vec::new());
+        for places in runs(&acting, law).chain(runs(&ended, law)) {
+            let mut held = [NO_ELEMENT; LANES];
+            for (lane, (b, l)) in places.iter().enumerate() {
+                held[lane] = self.lanes[*b][*l];
+            }
+            blocks.push(self.collected(places));
+            lanes.push(held);
+        }
+        (self.blocks, self.lanes, self.dead) = (blocks, lanes, 0);
+        self.localise(x.len(), x);
+    }
+
+    /// A block of elements of other blocks.
+    fn collected(&self, places: &[(usize, usize)]) -> Block {
+        let mut new = self.blocks[places[0].0].clone();
+        new.ended = 0;
+        for lane in 0..LANES {
+            let (b, l) = places[lane.min(places.len() - 1)];
+            new.state.copy_lane(lane, &self.blocks[b].state, l);
+            new.material.copy_lane(lane, &self.blocks[b].material, l);
+            if lane >= places.len() {
+                new.state.clear_lane(lane);
+            }
+        }
+        new.acts = new.state.share.iter().any(|s| *s > 0.0);
+        new
+    }
+
     /// Gives each chunk its list of nodes and each node its list of chunks.
-    fn localise(&mut self, mesh: &Mesh) {
-        let mut local = vec![u16::MAX; mesh.nodes.len()];
-        let chunks = self.blocks.chunks_mut(CHUNK_BLOCKS).zip(self.lanes.chunks(CHUNK_BLOCKS));
-        for (blocks, lanes) in chunks {
-            let elements = || lanes.iter().flatten().filter(|e| **e != NO_ELEMENT);
-            let mut nodes: Vec<u32> =
-                elements().flat_map(|e| mesh.elements[*e as usize].nodes).map(|n| n as u32).collect();
+    fn localise(&mut self, nodes_in_mesh: usize, x: &[[f64; 3]]) {
+        self.chunk_blocks = (self.blocks.len() / CHUNKS_WISHED).clamp(CHUNK_BLOCKS[0], CHUNK_BLOCKS[1]);
+        (self.chunk_nodes, self.chunk_starts, self.quiet, self.stride) =
+            (Vec::new(), vec![0], Vec::new(), 0);
+        let mut local = vec![u16::MAX; nodes_in_mesh];
+        let chunks = self.blocks.chunks_mut(self.chunk_blocks).zip(self.lanes.chunks(self.chunk_blocks));
+        for (c, (blocks, lanes)) in chunks.enumerate() {
+            let elements = || lanes.iter().flatten().filter(|e| **e != NO_ELEMENT).map(|e| *e as usize);
+            let mut nodes: Vec<u32> = elements().flat_map(|e| self.element_nodes[e]).collect();
             nodes.sort_unstable();
             nodes.dedup();
             for (i, n) in nodes.iter().enumerate() {
                 local[*n as usize] = i as u16;
             }
-            for (block, held) in blocks.iter_mut().zip(lanes) {
+            for (b, (block, held)) in blocks.iter_mut().zip(lanes).enumerate() {
                 let used = held.iter().filter(|e| **e != NO_ELEMENT).count();
                 for lane in 0..LANES {
                     let element = held[lane.min(used - 1)] as usize;
-                    block.nodes[lane] = mesh.elements[element].nodes.map(|n| local[n]);
+                    block.nodes[lane] = self.element_nodes[element].map(|n| local[n as usize]);
+                    if lane < used {
+                        self.place[element] = ((c * self.chunk_blocks + b) as u32, lane as u8);
+                    }
                 }
             }
+            let edges = elements().map(|e| shortest_edge_m(&self.element_nodes[e].map(|n| x[n as usize])));
+            self.quiet.push(Quiet::new(edges.fold(f64::INFINITY, f64::min)));
             self.stride = self.stride.max(nodes.len());
             self.chunk_nodes.extend(nodes);
             self.chunk_starts.push(self.chunk_nodes.len() as u32);
         }
-        self.partial_n = vec![[0.0; 3]; self.stride * (self.chunk_starts.len() - 1)];
+        self.partial_n = vec![[0.0; 3]; self.stride * self.chunks()];
         let mut entries: Vec<(u32, u32)> = Vec::with_capacity(self.chunk_nodes.len());
         for (chunk, range) in self.chunk_starts.windows(2).enumerate() {
             let nodes = &self.chunk_nodes[range[0] as usize..range[1] as usize];
             entries.extend(nodes.iter().enumerate().map(|(i, n)| (*n, (chunk * self.stride + i) as u32)));
         }
         entries.sort_unstable();
-        self.node_starts = starts_of(mesh.nodes.len(), entries.iter().map(|e| e.0 as usize));
+        self.node_starts = starts_of(nodes_in_mesh, entries.iter().map(|e| e.0 as usize));
         self.contributions = entries.iter().map(|e| e.1).collect();
     }
 
@@ -164,7 +220,7 @@ impl Blocks {
 
     /// Global nodes `[lane][node]` of a block.
     pub fn global_nodes(&self, block: usize) -> [[u32; 8]; LANES] {
-        let first = self.chunk_starts[block / CHUNK_BLOCKS] as usize;
+        let first = self.chunk_starts[block / self.chunk_blocks] as usize;
         self.blocks[block].nodes.map(|lane| lane.map(|n| self.chunk_nodes[first + n as usize]))
     }
 
@@ -211,10 +267,12 @@ impl Blocks {
 
     /// Sets the acting share of an element.
     pub fn set_share(&mut self, element: usize, share: f64) {
-        let (block, lane) = self.place[element];
-        let block = &mut self.blocks[block as usize];
+        let (place, lane) = self.place[element];
+        let block = &mut self.blocks[place as usize];
+        self.dead += usize::from(share == 0.0 && block.state.share[lane as usize] > 0.0);
         block.state.share[lane as usize] = share;
         block.acts = block.state.share.iter().any(|s| *s > 0.0);
+        self.quiet[place as usize / self.chunk_blocks].wake();
     }
 
     /// Equivalent plastic strain of an element.
@@ -247,6 +305,50 @@ impl Blocks {
         }
         sum
     }
+}
+
+/// The rest of a chunk: how far its nodes have moved against each other since its forces were last computed.
+#[derive(Debug, Clone)]
+pub struct Quiet {
+    /// Bound of that motion \[m\].
+    pub(super) slack_m: f64,
+    /// Shortest edge of the chunk's elements when they were packed \[m\].
+    pub(super) edge_m: f64,
+    /// Positions of its nodes at that time \[m\]; empty while the chunk is not skipped.
+    pub(super) rest_m: Vec<[f64; 3]>,
+    /// Passes in which the chunk was skipped, times its lanes.
+    pub(super) skipped: u64,
+}
+
+impl Quiet {
+    fn new(edge_m: f64) -> Self {
+        Self { slack_m: f64::INFINITY, edge_m, rest_m: Vec::new(), skipped: 0 }
+    }
+
+    /// Makes the next pass compute the chunk.
+    pub(super) fn wake(&mut self) {
+        self.slack_m = f64::INFINITY;
+    }
+}
+
+/// Consecutive groups of at most a block's elements that share a law.
+fn runs<'a, T>(order: &'a [T], law: impl Fn(&T) -> usize + 'a) -> impl Iterator<Item = &'a [T]> {
+    let mut first = 0;
+    std::iter::from_fn(move || {
+        let here = law(order.get(first)?);
+        let count = order[first..].iter().take(LANES).take_while(|e| law(e) == here).count();
+        first += count;
+        Some(&order[first - count..first])
+    })
+}
+
+/// Shortest edge of a hexahedron \[m\].
+fn shortest_edge_m(nodes: &[[f64; 3]; 8]) -> f64 {
+    const EDGES: [[usize; 2]; 12] = [
+        [0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7],
+    ];
+    let squared = |[a, b]: [usize; 2]| (0..3).map(|i| (nodes[a][i] - nodes[b][i]).powi(2)).sum::<f64>();
+    EDGES.map(squared).into_iter().fold(f64::INFINITY, f64::min).sqrt()
 }
 
 /// Elements by law, within a law along a Z-order curve through their centres (Morton 1966).

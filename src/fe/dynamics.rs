@@ -62,6 +62,8 @@ pub struct Dynamics {
     pub dt_s: f64,
     /// The step that led to the present positions \[s\], zero at the start: the first kick is half a step.
     taken_s: f64,
+    /// Whether groups of elements that do not deform keep their forces ([`super::sweep::QUIET_STRAIN`]).
+    pub skip_quiet: bool,
     /// Share of the stability limit that is used.
     pub step_safety: f64,
     /// First time step \[s\].
@@ -99,6 +101,7 @@ impl Dynamics {
             other_n: Vec::new(),
             acceleration_m_s2: [0.0, 0.0, -gravity_m_s2],
             step_safety: STEP_SAFETY,
+            skip_quiet: true,
             damping_1_s: 0.0,
             time_s: 0.0,
             dt_s: 1.0,
@@ -134,7 +137,7 @@ impl Dynamics {
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments. No element ends.
     pub fn update_elements(&mut self, step: KernelStep, dt_s: f64) {
-        let sweep = Sweep { dt_s, step, end_above: None };
+        let sweep = Sweep { dt_s, step, end_above: None, skip_quiet: false };
         self.blocks.sweep(&self.x, &self.v, &sweep, self.parallel);
     }
 
@@ -163,6 +166,7 @@ impl Dynamics {
             dt_s: taken,
             step: KernelStep { dt_s: taken, viscous: taken > 0.0 },
             end_above: Some((2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2)),
+            skip_quiet: self.skip_quiet,
         };
         self.blocks.sweep(&self.x, &self.v, &sweep, self.parallel);
         self.collect_deaths();
@@ -176,6 +180,9 @@ impl Dynamics {
         self.time_s += self.dt_s;
         self.taken_s = self.dt_s;
         self.steps += 1;
+        if !self.deaths.is_empty() {
+            self.blocks.repack_if_worthwhile(self.deaths.len(), &self.x);
+        }
         kinetic
     }
 

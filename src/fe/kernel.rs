@@ -90,6 +90,44 @@ pub struct BlockState {
     pub share: Lane,
 }
 
+impl BlockMaterial {
+    /// Takes one lane of another block.
+    pub fn copy_lane(&mut self, to: usize, other: &Self, from: usize) {
+        let pairs = [
+            (&mut self.lambda_pa, &other.lambda_pa),
+            (&mut self.mu_pa, &other.mu_pa),
+            (&mut self.yield_scale, &other.yield_scale),
+            (&mut self.mass_kg, &other.mass_kg),
+            (&mut self.critical_strain, &other.critical_strain),
+        ];
+        for (here, there) in pairs {
+            here[to] = there[from];
+        }
+    }
+}
+
+impl BlockState {
+    /// Takes one lane of another block.
+    pub fn copy_lane(&mut self, to: usize, other: &Self, from: usize) {
+        let mut theirs = *other;
+        for (here, there) in self.lanes_mut().zip(theirs.lanes_mut()) {
+            here[to] = there[from];
+        }
+    }
+
+    /// Empties a lane: it holds no element.
+    pub fn clear_lane(&mut self, lane: usize) {
+        self.lanes_mut().for_each(|values| values[lane] = 0.0);
+    }
+
+    /// All its numbers.
+    fn lanes_mut(&mut self) -> impl Iterator<Item = &mut Lane> {
+        let Self { stress, hourglass, plastic_strain, internal_j, hourglass_j, viscous_j, viscous_pa, share } = self;
+        let single = [plastic_strain, internal_j, hourglass_j, viscous_j, viscous_pa, share];
+        stress.iter_mut().chain(hourglass.iter_mut()).chain(single)
+    }
+}
+
 /// Forces of a block: `[3 * node + direction]` \[N\].
 pub type BlockForce = [Lane; 24];
 

@@ -1,9 +1,13 @@
 //! One pass of the kernel over all blocks: gather, kernel, end of failed elements, sum of forces, chunk by chunk.
 
-use super::blocks::{Block, Blocks, CHUNK_BLOCKS};
+use super::blocks::{Block, Blocks, Quiet};
 use super::kernel::{self, BlockForce, KernelStep, LANES};
 use crate::material::j2::HardeningTable;
 use rayon::prelude::*;
+
+/// Chunks whose elements have strained less than this since their forces were last computed keep these forces. Against the
+/// yield strain of concrete or steel (6e-4 and more) this is 2e-5; the increments are not lost but applied when they reach it.
+pub const QUIET_STRAIN: f64 = 1e-8;
 
 /// What a pass does.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +19,8 @@ pub struct Sweep {
     /// Elements whose squared frequency bound \[1/s²\] is larger, or that have reached their critical plastic strain or lost
     /// their volume, end in this pass, before their forces act; `None`: none ends.
     pub end_above: Option<f64>,
+    /// Whether quiet chunks keep their forces ([`QUIET_STRAIN`]).
+    pub skip_quiet: bool,
 }
 
 /// Motion of a chunk's nodes: x, y, z and velocity, on one cache line each.
@@ -25,21 +31,57 @@ impl Blocks {
     pub fn sweep(&mut self, x: &[[f64; 3]], v: &[[f64; 3]], sweep: &Sweep, parallel: bool) {
         let (stride, tables) = (self.stride, &self.tables[..]);
         let (starts, nodes) = (&self.chunk_starts[..], &self.chunk_nodes[..]);
-        let run = |local: &mut Vec<LocalNode>,
-                   (c, (blocks, forces)): (usize, (&mut [Block], &mut [[f64; 3]]))| {
+        let chunk_blocks = self.chunk_blocks;
+        let run = |local: &mut Vec<LocalNode>, (c, ((blocks, quiet), forces)): ChunkWork| {
             let nodes = &nodes[starts[c] as usize..starts[c + 1] as usize];
-            chunk(blocks, &mut forces[..nodes.len()], nodes, local, tables, x, v, sweep);
+            chunk(blocks, quiet, &mut forces[..nodes.len()], nodes, &mut local[..nodes.len()], tables, x, v, sweep);
         };
         let new_buffer = || vec![[0.0; 8]; stride];
         if parallel {
-            let chunks = self.blocks.par_chunks_mut(CHUNK_BLOCKS).zip(self.partial_n.par_chunks_mut(stride));
-            chunks.enumerate().for_each_init(new_buffer, run);
+            let chunks = self.blocks.par_chunks_mut(chunk_blocks).zip(&mut self.quiet);
+            chunks.zip(self.partial_n.par_chunks_mut(stride)).enumerate().for_each_init(new_buffer, run);
         } else {
             let mut local = new_buffer();
-            let chunks = self.blocks.chunks_mut(CHUNK_BLOCKS).zip(self.partial_n.chunks_mut(stride.max(1)));
-            chunks.enumerate().for_each(|work| run(&mut local, work));
+            let chunks = self.blocks.chunks_mut(chunk_blocks).zip(&mut self.quiet);
+            chunks.zip(self.partial_n.chunks_mut(stride.max(1))).enumerate().for_each(|work| run(&mut local, work));
         }
     }
+
+    /// Element-passes that were skipped because nothing moved.
+    pub fn skipped(&self) -> u64 {
+        self.quiet.iter().map(|q| q.skipped).sum()
+    }
+}
+
+/// Index of a chunk, its blocks, its rest, its forces.
+type ChunkWork<'a> = (usize, ((&'a mut [Block], &'a mut Quiet), &'a mut [[f64; 3]]));
+
+/// Whether a chunk can keep its forces. Nodes that move with different velocities strain the elements between them by at most twice the
+/// largest difference from any one velocity, times the step, over the shortest edge; a rotation counts as strain.
+#[inline(always)]
+fn stays_quiet(quiet: &mut Quiet, local: &[LocalNode], dt_s: f64) -> bool {
+    let allowed = QUIET_STRAIN * quiet.edge_m;
+    if quiet.slack_m.is_nan() || quiet.slack_m > allowed {
+        return false;
+    }
+    let one = local[0];
+    let mut spread: f64 = 0.0;
+    for node in local {
+        let mut squared = 0.0;
+        for i in 4..7 {
+            squared += (node[i] - one[i]) * (node[i] - one[i]);
+        }
+        spread = if squared > spread { squared } else { spread };
+    }
+    let slack = quiet.slack_m + 2.0 * dt_s * spread.sqrt();
+    if slack.is_nan() || slack > allowed {
+        return false;
+    }
+    if quiet.rest_m.is_empty() {
+        quiet.rest_m = local.iter().map(|n| std::array::from_fn(|i| n[i] - dt_s * n[4 + i])).collect();
+    }
+    quiet.slack_m = slack;
+    true
 }
 
 /// One chunk. The instruction set is chosen once a call.
@@ -47,6 +89,7 @@ impl Blocks {
 #[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
 fn chunk(
     blocks: &mut [Block],
+    quiet: &mut Quiet,
     forces: &mut [[f64; 3]],
     nodes: &[u32],
     local: &mut [LocalNode],
@@ -55,20 +98,38 @@ fn chunk(
     v: &[[f64; 3]],
     sweep: &Sweep,
 ) {
-    forces.fill([0.0; 3]);
+    blocks.iter_mut().for_each(|b| b.ended = 0);
     if blocks.iter().all(|b| !b.acts) {
+        forces.fill([0.0; 3]);
         return;
     }
     for (here, n) in local.iter_mut().zip(nodes) {
         let (p, w) = (x[*n as usize], v[*n as usize]);
         *here = [p[0], p[1], p[2], 0.0, w[0], w[1], w[2], 0.0];
     }
+    if sweep.skip_quiet && stays_quiet(quiet, local, sweep.dt_s) {
+        quiet.skipped += (LANES * blocks.iter().filter(|b| b.acts).count()) as u64;
+        return;
+    }
+    // what was not applied while the chunk was quiet comes with this increment
+    if sweep.dt_s > 0.0 {
+        for (node, rest) in local.iter_mut().zip(quiet.rest_m.drain(..)) {
+            for i in 0..3 {
+                node[4 + i] = (node[i] - rest[i]) / sweep.dt_s;
+            }
+        }
+    }
+    quiet.slack_m = 0.0;
+    forces.fill([0.0; 3]);
     let (mut at, mut moved): (BlockForce, BlockForce) = ([[0.0; LANES]; 24], [[0.0; LANES]; 24]);
     let mut force: BlockForce = [[0.0; LANES]; 24];
-    for block in blocks {
+    for index in 0..blocks.len() {
+        if let Some(next) = blocks.get(index + 1) {
+            touch(next);
+        }
+        let block = &mut blocks[index];
         if !block.acts {
             block.largest_bound = 0.0;
-            block.ended = 0;
             continue;
         }
         for lane in 0..LANES {
@@ -103,10 +164,26 @@ fn chunk(
     }
 }
 
+/// Loads a number from each cache line of the history of a block that comes next, so that its way from memory overlaps with the work on
+/// the present one: the processor's own prefetching stops at the gaps between blocks' arrays.
+#[inline(always)]
+fn touch(block: &Block) {
+    use std::hint::black_box;
+    let (state, material) = (&block.state, &block.material);
+    for i in 0..6 {
+        black_box(state.stress[i][0]);
+    }
+    for i in 0..12 {
+        black_box(state.hourglass[i][0]);
+    }
+    black_box((state.plastic_strain[0], state.internal_j[0], state.hourglass_j[0], state.viscous_j[0]));
+    black_box((state.viscous_pa[0], state.share[0], material.mass_kg[0], material.mu_pa[0]));
+    black_box((material.lambda_pa[0], material.yield_scale[0], block.nodes[0][0], block.nodes[4][0]));
+}
+
 /// Ends the lanes that have failed: no share, no force, no bound.
 #[inline(always)]
 fn end_failed(block: &mut Block, limit: f64, bound: &mut [f64; LANES], force: &mut BlockForce) {
-    block.ended = 0;
     let mut failures = 0;
     for l in 0..LANES {
         let eroded = block.state.plastic_strain[l] >= block.material.critical_strain[l];

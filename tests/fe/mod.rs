@@ -6,4 +6,5 @@ mod element;
 mod mesh;
 mod motion;
 mod plastic;
+mod skipping;
 mod static_state;
