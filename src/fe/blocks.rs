@@ -1,7 +1,9 @@
 //! The elements of a mesh packed into blocks for the kernel, and the nodes' list of element forces.
 
+use super::full::{self, FullState};
 use super::hexahedron::volume_m3;
 use super::kernel::{self, BlockForce, BlockMaterial, BlockState, KernelStep, LANES};
+use super::law::{ElementForm, Hourglass, Law};
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
 use rayon::prelude::*;
@@ -19,6 +21,8 @@ pub struct Block {
     pub material: BlockMaterial,
     /// History.
     pub state: BlockState,
+    /// History of the points of fully integrated elements.
+    pub full: Option<Box<FullState>>,
     /// Frequency bounds of the last kernel call \[1/s²\], zero where nothing acts.
     pub bound: [f64; LANES],
     /// Node indices `[lane][node]`; unused lanes repeat the last element.
@@ -51,7 +55,7 @@ pub struct Blocks {
 impl Blocks {
     /// Packs a mesh.
     pub fn of(mesh: &Mesh) -> Self {
-        let tables = mesh.laws.iter().map(|l| HardeningTable::new(&l.hardening)).collect();
+        let tables = mesh.laws.iter().map(Law::table).collect();
         let mut blocks: Vec<Block> = Vec::new();
         let mut place = vec![(0, 0); mesh.elements.len()];
         let mut first = 0;
@@ -201,7 +205,16 @@ fn update_chunk(
             }
         }
         let table = &tables[block.material.table];
-        let bound = kernel::update(&at, &moved, dt_s, &block.material, table, &mut block.state, force, step);
+        let (material, state) = (&block.material, &mut block.state);
+        let bound = match (&mut block.full, material.form) {
+            (None, ElementForm::OnePoint(Hourglass::Asqbi)) => {
+                kernel::update::<true>(&at, &moved, dt_s, material, table, state, force, step)
+            }
+            (None, _) => kernel::update_other(&at, &moved, dt_s, material, table, state, force, step),
+            (Some(points), _) => {
+                full::update(&at, &moved, dt_s, material, table, state, points, force, step)
+            }
+        };
         let (mut largest, mut alarms) = (0.0, 0);
         for l in 0..LANES {
             let reached = block.state.plastic_strain[l] >= block.material.critical_strain[l];
@@ -217,7 +230,10 @@ fn update_chunk(
 
 /// Packs elements of one law into a block.
 fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
-    let mut material = BlockMaterial { table: mesh.elements[elements[0]].law, ..Default::default() };
+    let table = mesh.elements[elements[0]].law;
+    let form = mesh.laws[table].form;
+    let mut material = BlockMaterial { table, form, ..Default::default() };
+    let full = (form == ElementForm::FullyIntegrated).then(Box::default);
     let mut nodes = [[0; 8]; LANES];
     let mut state = BlockState::default();
     for lane in 0..LANES {
@@ -235,7 +251,7 @@ fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
         material.critical_strain[lane] = law.erosion.plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
-    Block { material, state, bound: [0.0; LANES], nodes, elements, largest_bound: 0.0, alarm: false }
+    Block { material, state, full, bound: [0.0; LANES], nodes, elements, largest_bound: 0.0, alarm: false }
 }
 
 /// For each node, where its element forces stand.

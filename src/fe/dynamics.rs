@@ -8,6 +8,7 @@ use super::blocks::Blocks;
 use super::contact::RigidSurfaces;
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
+use super::truss::Trusses;
 use rayon::prelude::*;
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
@@ -36,6 +37,8 @@ pub enum Death {
 pub struct Dynamics {
     /// Elements.
     pub blocks: Blocks,
+    /// Two-node bars.
+    pub trusses: Trusses,
     /// Current positions \[m\].
     pub x: Vec<[f64; 3]>,
     /// Velocities at the half step \[m/s\].
@@ -108,6 +111,7 @@ impl Dynamics {
             deaths: Vec::new(),
             internal_n: vec![[0.0; 3]; n],
             blocks,
+            trusses: Trusses::of(mesh),
             parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
         };
         this.surfaces.resize(n);
@@ -127,16 +131,23 @@ impl Dynamics {
                 self.mass_kg[n] += share;
             }
         }
+        self.trusses.add_mass(&mut self.mass_kg);
     }
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments.
     pub fn update_elements(&mut self, step: KernelStep, dt_s: f64) {
         self.blocks.update(&self.x, &self.v, dt_s, step, self.parallel);
+        if !self.trusses.is_empty() {
+            self.other_n.resize(self.x.len(), [0.0; 3]);
+            self.other_n.fill([0.0; 3]);
+            self.trusses.update(&self.x, step, &mut self.other_n);
+        }
     }
 
     /// The time step that the acting elements allow \[s\].
     pub fn allowed_step_s(&self) -> f64 {
-        let largest = self.blocks.blocks.iter().map(|b| b.largest_bound).fold(0.0, f64::max);
+        let largest =
+            self.blocks.blocks.iter().map(|b| b.largest_bound).fold(self.trusses.bound_1_s2, f64::max);
         let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
         if largest > 0.0 { self.step_safety * viscous * 2.0 / largest.sqrt() } else { self.dt_s }
     }
