@@ -6,8 +6,10 @@
 //! on its nodes there ([`super::sweep`]). What leaves a chunk is one force a node; the few chunks that share a
 //! node are summed in a fixed order, so that results do not depend on the number of threads.
 
+use super::full::{self, FullState};
 use super::hexahedron::volume_m3;
 use super::kernel::{BlockForce, BlockMaterial, BlockState, KernelStep, LANES, update_block};
+use super::law::{ElementForm, Law};
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
 
@@ -30,6 +32,8 @@ pub struct Block {
     pub material: BlockMaterial,
     /// Nodes `[lane][node]` by their place in the chunk; unused lanes repeat the last element.
     pub nodes: [[u16; 8]; LANES],
+    /// History of the points of fully integrated elements.
+    pub full: Option<Box<FullState>>,
     /// Largest frequency bound of the last kernel call \[1/s²\], zero where nothing acts.
     pub largest_bound: f64,
     /// Lanes that ended in the last kernel call, one bit each.
@@ -78,7 +82,7 @@ pub struct Blocks {
 impl Blocks {
     /// Packs a mesh.
     pub fn of(mesh: &Mesh) -> Self {
-        let tables = mesh.laws.iter().map(|l| HardeningTable::new(&l.hardening)).collect();
+        let tables = mesh.laws.iter().map(Law::table).collect();
         let order = packing_order(mesh);
         let (mut blocks, mut lanes) = (Vec::new(), Vec::new());
         for elements in runs(&order, |e| mesh.elements[*e].law) {
@@ -145,6 +149,9 @@ impl Blocks {
             let (b, l) = places[lane.min(places.len() - 1)];
             new.state.copy_lane(lane, &self.blocks[b].state, l);
             new.material.copy_lane(lane, &self.blocks[b].material, l);
+            if let (Some(points), Some(theirs)) = (&mut new.full, &self.blocks[b].full) {
+                points.copy_lane(lane, theirs, l);
+            }
             if lane >= places.len() {
                 new.state.clear_lane(lane);
             }
@@ -247,15 +254,16 @@ impl Blocks {
         let (mut state, mut force) = (block.state, [[0.0; LANES]; 24]);
         let table = &self.tables[block.material.table];
         let still = [[0.0; LANES]; 24];
-        update_block(
-            &at,
-            &still,
-            &elastic,
-            table,
-            &mut state,
-            &mut force,
-            KernelStep { dt_s: 1.0, viscous: false },
-        );
+        let step = KernelStep { dt_s: 1.0, viscous: false };
+        match &block.full {
+            Some(points) => {
+                let points = &mut points.clone();
+                full::update(&at, &still, 1.0, &elastic, table, &mut state, points, &mut force, step);
+            }
+            None => {
+                update_block(&at, &still, &elastic, table, &mut state, &mut force, step);
+            }
+        }
         std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
     }
 
@@ -377,7 +385,10 @@ fn packing_order(mesh: &Mesh) -> Vec<usize> {
 
 /// Packs elements of one law into a block; its nodes come later.
 fn block(mesh: &Mesh, elements: &[usize]) -> Block {
-    let mut material = BlockMaterial { table: mesh.elements[elements[0]].law, ..Default::default() };
+    let table = mesh.elements[elements[0]].law;
+    let form = mesh.laws[table].form;
+    let mut material = BlockMaterial { table, form, ..Default::default() };
+    let full = (form == ElementForm::FullyIntegrated).then(Box::default);
     let mut state = BlockState::default();
     for lane in 0..LANES {
         let index = elements[lane.min(elements.len() - 1)];
@@ -393,7 +404,7 @@ fn block(mesh: &Mesh, elements: &[usize]) -> Block {
         material.critical_strain[lane] = law.erosion.plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
-    Block { state, material, nodes: [[0; 8]; LANES], largest_bound: 0.0, ended: 0, acts: true }
+    Block { state, material, nodes: [[0; 8]; LANES], full, largest_bound: 0.0, ended: 0, acts: true }
 }
 
 /// Elements at each node: starts and list.

@@ -11,6 +11,7 @@ use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use super::node_field::NodeField;
 use super::sweep::Sweep;
+use super::truss::Trusses;
 use rayon::prelude::*;
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
@@ -39,6 +40,8 @@ pub enum Death {
 pub struct Dynamics {
     /// Elements.
     pub blocks: Blocks,
+    /// Two-node bars.
+    pub trusses: Trusses,
     /// Current positions \[m\].
     pub x: Vec<[f64; 3]>,
     /// Velocities at the half step \[m/s\].
@@ -114,6 +117,7 @@ impl Dynamics {
             gravity_j: 0.0,
             deaths: Vec::new(),
             blocks,
+            trusses: Trusses::of(mesh),
             parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
         };
         this.surfaces.resize(n);
@@ -133,17 +137,28 @@ impl Dynamics {
                 self.mass_kg[n] += share;
             }
         }
+        self.trusses.add_mass(&mut self.mass_kg);
     }
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments. No element ends.
     pub fn update_elements(&mut self, step: KernelStep, dt_s: f64) {
-        let sweep = Sweep { dt_s, step, end_above: None, skip_quiet: false };
-        self.blocks.sweep(&self.x, &self.v, &sweep, self.parallel);
+        self.find_forces(&Sweep { dt_s, step, end_above: None, skip_quiet: false });
+    }
+
+    /// All forces that follow from positions and the last increment.
+    fn find_forces(&mut self, sweep: &Sweep) {
+        self.blocks.sweep(&self.x, &self.v, sweep, self.parallel);
+        if !self.trusses.is_empty() {
+            self.other_n.resize(self.x.len(), [0.0; 3]);
+            self.other_n.fill([0.0; 3]);
+            self.trusses.update(&self.x, sweep.step, &mut self.other_n);
+        }
     }
 
     /// The time step that the acting elements allow \[s\].
     pub fn allowed_step_s(&self) -> f64 {
-        let largest = self.blocks.blocks.iter().map(|b| b.largest_bound).fold(0.0, f64::max);
+        let largest =
+            self.blocks.blocks.iter().map(|b| b.largest_bound).fold(self.trusses.bound_1_s2, f64::max);
         let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
         if largest > 0.0 { self.step_safety * viscous * 2.0 / largest.sqrt() } else { self.dt_s }
     }
@@ -168,7 +183,7 @@ impl Dynamics {
             end_above: Some((2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2)),
             skip_quiet: self.skip_quiet,
         };
-        self.blocks.sweep(&self.x, &self.v, &sweep, self.parallel);
+        self.find_forces(&sweep);
         self.collect_deaths();
         let allowed = self.allowed_step_s();
         if allowed < before {

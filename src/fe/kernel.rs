@@ -1,8 +1,7 @@
 //! The one-point hexahedron with assumed-strain co-rotational stiffness hourglass control, eight elements at a time.
 //!
 //! Sources: uniform gradient operator and hourglass vectors γ: Flanagan and Belytschko, Int. J. Numer. Meth.
-//! Engng 17 (1981) 679-706. Hourglass stiffness: Belytschko and Bindeman, Comput. Methods Appl. Mech. Engng 105
-//! (1993) 225-260, form ASQBI.
+//! Engng 17 (1981) 679-706. Hourglass stiffness: [`super::hourglass`], by default ASQBI of Belytschko and Bindeman (1993).
 //!
 //! Per step from configuration n to n+1, with the displacement increment Δu:
 //! * `B_iI = ∫ ∂N_I/∂x_i dV` at n+1, exact for any hexahedron; `b = B / V`;
@@ -34,6 +33,8 @@
 use super::hexahedron::{
     Vec3, add, cbrt, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
 };
+use super::hourglass::{self, Brick, Control};
+use super::law::{ElementForm, Hourglass};
 use crate::material::j2::HardeningTable;
 
 /// Elements a block holds.
@@ -66,6 +67,8 @@ pub struct BlockMaterial {
     pub critical_strain: Lane,
     /// Index of the hardening table.
     pub table: usize,
+    /// How the elements are integrated; the fully integrated form has a kernel of its own ([`super::full`]).
+    pub form: ElementForm,
 }
 
 /// What a block of elements remembers.
@@ -134,36 +137,44 @@ pub type BlockForce = [Lane; 24];
 /// Options of one kernel call.
 #[derive(Debug, Clone, Copy)]
 pub struct KernelStep {
-    /// Time step \[s\] (only the bulk viscosity needs it).
+    /// Time step \[s\], for all that depends on rates.
     pub dt_s: f64,
-    /// Bulk viscosity on or off (off in static solves).
+    /// Whether there are rates: bulk viscosity, viscous hourglass control and rate factors are off in static solves.
     pub viscous: bool,
+}
+
+impl KernelStep {
+    /// Steps per second, 0 in static solves \[1/s\].
+    #[inline(always)]
+    pub(super) fn rate_1_s(self) -> f64 {
+        if self.viscous { 1.0 / self.dt_s } else { 0.0 }
+    }
 }
 
 /// What the first loop hands to the second.
 #[repr(C, align(64))]
-struct Scratch {
+pub(super) struct Scratch {
     /// Trial stress, local frame.
-    trial: [Lane; 6],
+    pub(super) trial: [Lane; 6],
     /// Mises stress and mean stress of the trial.
-    mises: Lane,
-    mean: Lane,
+    pub(super) mises: Lane,
+    pub(super) mean: Lane,
     /// Strain increment, local frame.
-    strain: [Lane; 6],
+    pub(super) strain: [Lane; 6],
     /// Rows of the frame.
-    frame: [Lane; 9],
+    pub(super) frame: [Lane; 9],
     /// Pattern coefficients of `b`, `3 * pattern + axis`.
-    b: [Lane; 18],
+    pub(super) b: [Lane; 18],
     /// `h_α · x_j`, `3 * α + j`.
-    warp: [Lane; 12],
+    pub(super) warp: [Lane; 12],
     /// Generalised hourglass strain increments, local frame, `3 * α + i`.
-    q: [Lane; 12],
+    pub(super) q: [Lane; 12],
     /// Their elastic stress increments, same order.
-    rate: [Lane; 12],
-    volume: Lane,
+    pub(super) rate: [Lane; 12],
+    pub(super) volume: Lane,
     /// Factor on the deviator, and share of the hourglass stiffness that is left.
-    ratio: Lane,
-    tangent: Lane,
+    pub(super) ratio: Lane,
+    pub(super) tangent: Lane,
 }
 
 const ZERO: Lane = [0.0; LANES];
@@ -182,7 +193,7 @@ pub fn update_block(
     force: &mut BlockForce,
     step: KernelStep,
 ) -> Lane {
-    update(x, du, 1.0, material, table, state, force, step)
+    update_any(x, du, 1.0, material, table, state, force, step)
 }
 
 /// [`update_block`] in the instructions every processor of the target has; the same bytes.
@@ -195,13 +206,49 @@ pub fn update_block_portable(
     force: &mut BlockForce,
     step: KernelStep,
 ) -> Lane {
-    update(x, du, 1.0, material, table, state, force, step)
+    update_any(x, du, 1.0, material, table, state, force, step)
+}
+
+/// The kernel of any form.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
+fn update_any(
+    x: &BlockForce,
+    v: &BlockForce,
+    factor: f64,
+    material: &BlockMaterial,
+    table: &HardeningTable,
+    state: &mut BlockState,
+    force: &mut BlockForce,
+    step: KernelStep,
+) -> Lane {
+    if material.form == ElementForm::OnePoint(Hourglass::Asqbi) {
+        update::<true>(x, v, factor, material, table, state, force, step)
+    } else {
+        update::<false>(x, v, factor, material, table, state, force, step)
+    }
+}
+
+/// The kernel of the forms other than ASQBI, out of the way of the usual one.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+#[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
+pub(super) fn update_other(
+    x: &BlockForce,
+    v: &BlockForce,
+    factor: f64,
+    material: &BlockMaterial,
+    table: &HardeningTable,
+    state: &mut BlockState,
+    force: &mut BlockForce,
+    step: KernelStep,
+) -> Lane {
+    update::<false>(x, v, factor, material, table, state, force, step)
 }
 
 /// The kernel, to be inlined where the instruction set is known. The displacement increment is `factor * v`.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
-pub(super) fn update(
+pub(super) fn update<const ASQBI: bool>(
     x: &BlockForce,
     v: &BlockForce,
     factor: f64,
@@ -225,25 +272,28 @@ pub(super) fn update(
         ratio: [1.0; LANES],
         tangent: [1.0; LANES],
     };
+    let rate_factor = step.rate_1_s();
+    let control = Control::of(material.form, rate_factor);
     for l in 0..LANES {
-        deform(l, x, v, factor, material, state, &mut s);
+        deform::<ASQBI>(l, x, v, factor, &control, material, state, &mut s);
     }
-    radial_return(material, table, state, &mut s);
-    let rate_factor = if step.viscous { 1.0 / step.dt_s } else { 0.0 };
+    radial_return(material, table, state, &mut s, rate_factor);
     let mut bound = ZERO;
     for l in 0..LANES {
-        resist(l, rate_factor, material, &s, state, force, &mut bound);
+        resist::<ASQBI>(l, rate_factor, &control, material, &s, state, force, &mut bound);
     }
     bound
 }
 
 /// Positions and displacement increments to strain increments and trial stress.
 #[inline(always)]
-fn deform(
+#[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
+fn deform<const ASQBI: bool>(
     l: usize,
     x: &BlockForce,
     v: &BlockForce,
     factor: f64,
+    control: &Control,
     material: &BlockMaterial,
     state: &BlockState,
     s: &mut Scratch,
@@ -288,7 +338,16 @@ fn deform(
     }
     let strain = turned_strain(&g, &rows);
     let (lambda, two_mu) = (material.lambda_pa[l], 2.0 * material.mu_pa[l]);
-    let extra = hourglass_trial(l, edge, volume, lambda, material.mu_pa[l], state, s);
+    let mut brick =
+        Brick { edge, volume, gradient: 0.0, mass: material.mass_kg[l], lambda, mu: material.mu_pa[l] };
+    let extra = if ASQBI {
+        hourglass::asqbi(l, &brick, state, s)
+    } else {
+        for b in &e {
+            brick.gradient += 8.0 * inverse * inverse * dot(*b, *b);
+        }
+        hourglass::general(l, control, &brick, state, s)
+    };
     let volumetric = lambda * (strain[0] + strain[1] + strain[2]);
     let mut t = [0.0; 6];
     for i in 0..3 {
@@ -308,7 +367,7 @@ fn deform(
 
 /// Pattern sums of a nodal vector field of one lane.
 #[inline(always)]
-fn patterns(field: &BlockForce, l: usize) -> [Vec3; 7] {
+pub(super) fn patterns(field: &BlockForce, l: usize) -> [Vec3; 7] {
     let mut out = [[0.0; 3]; 7];
     for i in 0..3 {
         let mut nodal = [0.0; 8];
@@ -325,7 +384,7 @@ fn patterns(field: &BlockForce, l: usize) -> [Vec3; 7] {
 
 /// Symmetric part of `L (I - L/2)^-1`, turned into the frame: xx, yy, zz, xy, yz, zx.
 #[inline(always)]
-fn turned_strain(g: &[Vec3; 3], rows: &[Vec3; 3]) -> [f64; 6] {
+pub(super) fn turned_strain(g: &[Vec3; 3], rows: &[Vec3; 3]) -> [f64; 6] {
     let m = [
         [1.0 - 0.5 * g[0][0], -0.5 * g[0][1], -0.5 * g[0][2]],
         [-0.5 * g[1][0], 1.0 - 0.5 * g[1][1], -0.5 * g[1][2]],
@@ -356,7 +415,13 @@ fn turned_strain(g: &[Vec3; 3], rows: &[Vec3; 3]) -> [f64; 6] {
 /// Radial return of the lanes that exceed their yield stress: factor on the deviator, share of the elastic
 /// stiffness left to the hourglass strains.
 #[inline(always)]
-fn radial_return(material: &BlockMaterial, table: &HardeningTable, state: &mut BlockState, s: &mut Scratch) {
+fn radial_return(
+    material: &BlockMaterial,
+    table: &HardeningTable,
+    state: &mut BlockState,
+    s: &mut Scratch,
+    rate_1_s: f64,
+) {
     let lowest = table.lowest_stress_pa();
     let mut yields = 0;
     for l in 0..LANES {
@@ -366,14 +431,27 @@ fn radial_return(material: &BlockMaterial, table: &HardeningTable, state: &mut B
         return;
     }
     let (mut increment, mut slope) = (ZERO, ZERO);
-    table.plastic_increments(
-        &s.mises,
-        &state.plastic_strain,
-        &material.mu_pa,
-        &material.yield_scale,
-        &mut increment,
-        &mut slope,
-    );
+    if table.has_rate() && rate_1_s > 0.0 {
+        let dt_s = 1.0 / rate_1_s;
+        for l in 0..LANES {
+            (increment[l], slope[l]) = table.rated_increment(
+                s.mises[l],
+                state.plastic_strain[l],
+                material.mu_pa[l],
+                material.yield_scale[l],
+                dt_s,
+            );
+        }
+    } else {
+        table.plastic_increments(
+            &s.mises,
+            &state.plastic_strain,
+            &material.mu_pa,
+            &material.yield_scale,
+            &mut increment,
+            &mut slope,
+        );
+    }
     for l in 0..LANES {
         let three_g = 3.0 * material.mu_pa[l];
         let flows = increment[l] > 0.0;
@@ -387,9 +465,11 @@ fn radial_return(material: &BlockMaterial, table: &HardeningTable, state: &mut B
 
 /// Final stress, viscosity, hourglass stress, work, nodal forces and frequency bound.
 #[inline(always)]
-fn resist(
+#[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
+fn resist<const ASQBI: bool>(
     l: usize,
     rate_factor: f64,
+    control: &Control,
     material: &BlockMaterial,
     s: &Scratch,
     state: &mut BlockState,
@@ -432,7 +512,11 @@ fn resist(
     let mut power = 0.0;
     for i in 0..12 {
         let before = state.hourglass[i][l];
-        let after = s.ratio[l] * (before + s.tangent[l] * s.rate[i][l]);
+        let after = if ASQBI {
+            s.ratio[l] * (before + s.tangent[l] * s.rate[i][l])
+        } else {
+            hourglass::returned(control, before, s.rate[i][l], s.ratio[l], s.tangent[l])
+        };
         hourglass[i] = if acts { after } else { before };
         power += 0.5 * (before + after) * s.q[i][l];
         state.hourglass[i][l] = hourglass[i];
@@ -478,13 +562,15 @@ fn resist(
             force[3 * node + i][l] = nodal[node];
         }
     }
-    bound[l] = if acts { frequency_bound(&g, volume * inverse_mass, lambda, mu) } else { 0.0 };
+    let safe = frequency_bound(&g, volume * inverse_mass, lambda, mu);
+    let safe = if ASQBI { safe } else { control.bound * safe };
+    bound[l] = if acts { safe } else { 0.0 };
 }
 
 /// Bulk viscosity pressure \[Pa\] (negative: compression) from the rate of volume strain, von Neumann and Richtmyer
 /// (1950) with a linear term; none in an element that has lost its volume.
 #[inline(always)]
-fn bulk_viscosity(rate_1_s: f64, volume: f64, mass: f64, inverse_mass: f64, modulus_pa: f64) -> f64 {
+pub(super) fn bulk_viscosity(rate_1_s: f64, volume: f64, mass: f64, inverse_mass: f64, modulus_pa: f64) -> f64 {
     let safe = if volume > f64::MIN_POSITIVE { volume } else { 1.0 };
     let density = mass / safe;
     let length = cbrt(safe);
@@ -493,59 +579,6 @@ fn bulk_viscosity(rate_1_s: f64, volume: f64, mass: f64, inverse_mass: f64, modu
     let quadratic = BULK_QUADRATIC * BULK_QUADRATIC * length * compression;
     let pressure = density * length * rate_1_s * (BULK_LINEAR * speed + quadratic);
     if volume > f64::MIN_POSITIVE { pressure } else { 0.0 }
-}
-
-/// Elastic increments of the generalised hourglass stresses, ASQBI (Belytschko and Bindeman 1993, eqs. 50-53 in their integrated form):
-/// with i, j, k a permutation and `H_ii = (Λ_j x_j)(Λ_k x_k) / (3 Λ_i x_i)`, `H_ij = Λ_k x_k / 3`,
-/// `Q_ii' = μ[(H_jj + H_kk) q_ii' + H_ij q_jj' + H_ik q_kk']`,
-/// `Q_ij' = 2μ/(1-ν) [H_ii q_ij' + ν H_ij q_ji']`, `Q_i4' = 2μ(1+ν)/3 H_ii q_i4'`.
-/// In Lamé's constants `2μ/(1-ν) = 4μ(λ+μ)/(λ+2μ)`, `2μν/(1-ν) = 2μλ/(λ+2μ)`, `2μ(1+ν) = μ(3λ+2μ)/(λ+μ)`.
-///
-/// Returns the mean square of the von Mises stress that the trial hourglass stresses stand for \[Pa²\]: `6 G U / V` with their
-/// elastic energy `U`, the relation of pure shear.
-#[inline(always)]
-fn hourglass_trial(
-    l: usize,
-    edge: Vec3,
-    volume: f64,
-    lambda: f64,
-    mu: f64,
-    state: &BlockState,
-    s: &mut Scratch,
-) -> f64 {
-    let mut q = [0.0; 12];
-    for i in 0..12 {
-        q[i] = s.q[i][l];
-    }
-    let faces = [edge[1] * edge[2], edge[2] * edge[0], edge[0] * edge[1]];
-    let inverse = (1.0 / 3.0) / (edge[0] * faces[0]);
-    let h = [faces[0] * faces[0] * inverse, faces[1] * faces[1] * inverse, faces[2] * faces[2] * inverse];
-    let third = scaled(1.0 / 3.0, edge);
-    let (sum, longitudinal) = (lambda + mu, lambda + 2.0 * mu);
-    let shared = mu / (sum * longitudinal);
-    let bending = 4.0 * sum * sum * shared;
-    let coupled = 2.0 * lambda * sum * shared;
-    let last = (3.0 * lambda + 2.0 * mu) * longitudinal * shared * (1.0 / 3.0);
-    let mut rate = [0.0; 12];
-    let mut stiffness = [0.0; 12];
-    for i in 0..3 {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        stiffness[4 * i] = mu * (h[j] + h[k]);
-        rate[4 * i] = stiffness[4 * i] * q[4 * i] + mu * (third[k] * q[4 * j] + third[j] * q[4 * k]);
-        stiffness[3 * j + i] = bending * h[i];
-        rate[3 * j + i] = bending * h[i] * q[3 * j + i] + coupled * third[k] * q[3 * i + j];
-        stiffness[3 * k + i] = bending * h[i];
-        rate[3 * k + i] = bending * h[i] * q[3 * k + i] + coupled * third[j] * q[3 * i + k];
-        stiffness[9 + i] = last * h[i];
-        rate[9 + i] = last * h[i] * q[9 + i];
-    }
-    let mut energy = 0.0;
-    for i in 0..12 {
-        let trial = state.hourglass[i][l] + rate[i];
-        energy += trial * trial / stiffness[i];
-        s.rate[i][l] = rate[i];
-    }
-    3.0 * mu * energy / volume
 }
 
 /// Upper bound of the element's largest squared frequency: with `G_ij = b_iI b_jI`,

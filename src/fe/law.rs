@@ -1,6 +1,8 @@
 //! What a group of elements is made of and how it is integrated: material law, erosion, element form.
 
 use crate::building::{HardeningPoint, Homogenised};
+use crate::material::j2::HardeningTable;
+use crate::material::rate::RateFactor;
 use serde::{Deserialize, Serialize};
 
 /// Material and element form of a group of elements: what a part's material, section and hourglass control say in keyword decks.
@@ -24,7 +26,19 @@ pub struct Law {
     pub form: ElementForm,
 }
 
-/// Rate factor `1 + (ε̇ / C)^(1/P)` on the yield stress (Cowper and Symonds 1957), with the equivalent strain rate.
+impl Law {
+    /// Yield stress over plastic strain, with the rate factor.
+    pub fn table(&self) -> HardeningTable {
+        let table = HardeningTable::new(&self.hardening);
+        match self.rate {
+            Some(CowperSymonds { c_1_s, p }) => table.with_rate(RateFactor { c_1_s, p }),
+            None => table,
+        }
+    }
+}
+
+/// Rate factor `1 + (ε̇ / C)^(1/P)` on the yield stress (Cowper and Symonds 1957), with the equivalent plastic strain rate
+/// ([`crate::material::rate`]).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CowperSymonds {
     /// C \[1/s\].

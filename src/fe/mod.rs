@@ -3,8 +3,11 @@
 pub mod blocks;
 pub mod contact;
 pub mod dynamics;
+pub mod embed;
+pub mod full;
 pub mod grid;
 pub mod hexahedron;
+pub mod hourglass;
 pub mod kernel;
 pub mod law;
 pub mod mesh;
@@ -16,3 +19,4 @@ pub mod result;
 pub mod run;
 pub mod strain_rate;
 pub mod sweep;
+pub mod truss;

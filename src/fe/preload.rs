@@ -2,10 +2,13 @@
 //! residual of the nonlinear equations is negligible.
 
 use super::dynamics::Dynamics;
+use super::full::{self, FullState};
 use super::kernel::{BlockState, KernelStep, LANES, update_block};
-use super::mesh::Mesh;
+use super::law::ElementForm;
+use super::mesh::{Mesh, Tie};
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
+use std::collections::BTreeMap;
 
 /// Largest residual force over the total weight at which the state counts as equilibrium.
 pub const RESIDUAL: f64 = 1e-9;
@@ -60,7 +63,8 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
 
 fn residual(body: &Dynamics, n: usize, i: usize, internal_n: [f64; 3]) -> f64 {
     let weight = body.mass_kg[n] * body.acceleration_m_s2[i];
-    body.applied_n[n][i] + weight - internal_n[i]
+    let other = body.other_n.get(n).map_or(0.0, |f| f[i]);
+    body.applied_n[n][i] + weight + other - internal_n[i]
 }
 
 /// Equation number of each free component.
@@ -106,15 +110,13 @@ fn assemble(
             du[column] = [UNIT_M; LANES];
             let mut state = BlockState { share: block.state.share, ..BlockState::default() };
             let mut force = [[0.0; LANES]; 24];
-            update_block(
-                &x,
-                &du,
-                &elastic,
-                table,
-                &mut state,
-                &mut force,
-                KernelStep { dt_s: 1.0, viscous: false },
-            );
+            let step = KernelStep { dt_s: 1.0, viscous: false };
+            if elastic.form == ElementForm::FullyIntegrated {
+                let mut points = FullState::default();
+                full::update(&x, &du, 1.0, &elastic, table, &mut state, &mut points, &mut force, step);
+            } else {
+                update_block(&x, &du, &elastic, table, &mut state, &mut force, step);
+            }
             for lane in 0..LANES {
                 let Some(c) = unknown[nodes[lane][column / 3] as usize][column % 3] else { continue };
                 for (row, values) in force.iter().enumerate() {
@@ -126,5 +128,34 @@ fn assemble(
             }
         }
     }
+    add_trusses(mesh, body, unknown, &mut triplets);
     SparseColMat::try_new_from_triplets(count, count, &triplets).map_err(|e| format!("{e:?}"))
+}
+
+/// Stiffness of the bars; that of a tied node goes to its masters.
+fn add_trusses(
+    mesh: &Mesh,
+    body: &Dynamics,
+    unknown: &[[Option<usize>; 3]],
+    triplets: &mut Vec<Triplet<usize, usize, f64>>,
+) {
+    let tied: BTreeMap<usize, &Tie> = mesh.ties.iter().map(|t| (t.node, t)).collect();
+    let carriers = |n: usize| tied.get(&n).map_or_else(|| vec![(n, 1.0)], |t| t.masters.clone());
+    for ([a, b], stiffness) in body.trusses.stiffnesses(&body.x) {
+        let mut ends = carriers(a);
+        ends.extend(carriers(b).into_iter().map(|(n, w)| (n, -w)));
+        for &(n, w) in &ends {
+            for &(m, u) in &ends {
+                for i in 0..3 {
+                    for j in 0..3 {
+                        if let (Some(r), Some(c)) = (unknown[n][i], unknown[m][j])
+                            && r >= c
+                        {
+                            triplets.push(Triplet::new(r, c, w * u * stiffness[i][j]));
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

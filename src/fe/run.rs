@@ -212,7 +212,7 @@ impl Recorder {
             removed: vec![false; mesh.elements.len()],
             touches: Vec::new(),
             energies: Vec::new(),
-            initial_j: body.blocks.energies_j().iter().sum(),
+            initial_j: body.blocks.energies_j().iter().sum::<f64>() + body.trusses.internal_j(),
             kinetic_j: 0.0,
             removed_j: 0.0,
             standing,
@@ -283,6 +283,7 @@ impl Recorder {
 
     fn balance(&mut self, building: &Building, body: &Dynamics, kinetic_j: f64) -> Result<(), FeError> {
         let [internal_j, hourglass_j, viscous_j] = body.blocks.energies_j();
+        let internal_j = internal_j + body.trusses.internal_j();
         let eroded_j = self
             .deaths
             .iter()

@@ -1,7 +1,9 @@
 //! One pass of the kernel over all blocks: gather, kernel, end of failed elements, sum of forces, chunk by chunk.
 
 use super::blocks::{Block, Blocks, Quiet};
+use super::full;
 use super::kernel::{self, BlockForce, KernelStep, LANES};
+use super::law::{ElementForm, Hourglass};
 use crate::material::j2::HardeningTable;
 use rayon::prelude::*;
 
@@ -143,8 +145,16 @@ fn chunk(
         }
         let table = &tables[block.material.table];
         let (material, state) = (&block.material, &mut block.state);
-        let mut bound =
-            kernel::update(&at, &moved, sweep.dt_s, material, table, state, &mut force, sweep.step);
+        let (dt_s, step) = (sweep.dt_s, sweep.step);
+        let mut bound = match (&mut block.full, material.form) {
+            (None, ElementForm::OnePoint(Hourglass::Asqbi)) => {
+                kernel::update::<true>(&at, &moved, dt_s, material, table, state, &mut force, step)
+            }
+            (None, _) => kernel::update_other(&at, &moved, dt_s, material, table, state, &mut force, step),
+            (Some(points), _) => {
+                full::update(&at, &moved, dt_s, material, table, state, points, &mut force, step)
+            }
+        };
         if let Some(limit) = sweep.end_above {
             end_failed(block, limit, &mut bound, &mut force);
         }

@@ -3,8 +3,11 @@
 //! Yield condition `q(σ) <= σ_y(p)` with the von Mises stress `q = sqrt(3/2 s:s)` and the equivalent plastic
 //! strain `p`. Radial return (Wilkins 1964; Simo and Hughes 1998, box 3.1): the trial stress deviator is
 //! scaled by `σ_y(p + Δp) / q_trial` with `Δp` from the scalar equation
-//! `q_trial - 3 G Δp = σ_y(p + Δp)`, solved exactly over the kinks of the table.
+//! `q_trial - 3 G Δp = σ_y(p + Δp)`, solved exactly over the kinks of the table. A table may carry a rate factor ([`super::rate`]).
+//!
+//! A bar is the same law in one direction: there `E` stands in the place of `3 G`.
 
+use super::rate::RateFactor;
 use crate::building::HardeningPoint;
 
 /// A hardening table as straight segments: `σ_y = stress + slope (p - strain)` from `strain` to the
@@ -12,6 +15,7 @@ use crate::building::HardeningPoint;
 #[derive(Debug, Clone, PartialEq)]
 pub struct HardeningTable {
     segments: Vec<Segment>,
+    rate: Option<RateFactor>,
 }
 
 /// One straight piece.
@@ -27,7 +31,8 @@ impl HardeningTable {
     /// the material never yields.
     pub fn new(points: &[HardeningPoint]) -> Self {
         if points.is_empty() {
-            return Self { segments: vec![Segment { strain: 0.0, stress_pa: f64::INFINITY, slope_pa: 0.0 }] };
+            let never = Segment { strain: 0.0, stress_pa: f64::INFINITY, slope_pa: 0.0 };
+            return Self { segments: vec![never], rate: None };
         }
         let segments = (0..points.len())
             .map(|i| {
@@ -38,7 +43,19 @@ impl HardeningTable {
                 Segment { strain: here.plastic_strain, stress_pa: here.stress_pa, slope_pa }
             })
             .collect();
-        Self { segments }
+        Self { segments, rate: None }
+    }
+
+    /// The table with a rate factor.
+    #[must_use]
+    pub fn with_rate(self, rate: RateFactor) -> Self {
+        Self { rate: Some(rate), ..self }
+    }
+
+    /// Whether the yield stress depends on the rate.
+    #[inline(always)]
+    pub fn has_rate(&self) -> bool {
+        self.rate.is_some()
     }
 
     /// Smallest yield stress of the table \[Pa\].
@@ -105,6 +122,28 @@ impl HardeningTable {
                 slope[l] = if hit { scale[l] * s.slope_pa } else { slope[l] };
                 open[l] = if hit { 0.0 } else { open[l] };
             }
+        }
+    }
+
+    /// [`Self::plastic_increment`] of a step of `dt_s` \[s\] with the rate factor of its plastic strain rate; the hardening modulus is that at a constant rate.
+    #[cold]
+    #[inline(never)]
+    pub fn rated_increment(
+        &self,
+        q_trial_pa: f64,
+        plastic_strain: f64,
+        shear_modulus_pa: f64,
+        scale: f64,
+        dt_s: f64,
+    ) -> (f64, f64) {
+        let (most, slope) = self.plastic_increment(q_trial_pa, plastic_strain, shear_modulus_pa, scale);
+        match &self.rate {
+            Some(rate) if most > 0.0 => {
+                let found =
+                    rate.increment(self, q_trial_pa, plastic_strain, shear_modulus_pa, scale, dt_s);
+                (found, scale * self.at(plastic_strain + found).1 * rate.at(found / dt_s))
+            }
+            _ => (most, slope),
         }
     }
 

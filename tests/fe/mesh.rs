@@ -133,9 +133,10 @@ impl Single {
             mass_kg: [mass_kg; LANES],
             critical_strain: [1e9; LANES],
             table: 0,
+            form: law.form,
         };
         let state = BlockState { share: [1.0; LANES], ..BlockState::default() };
-        Self { material, table: HardeningTable::new(&law.hardening), state }
+        Self { material, table: law.table(), state }
     }
 }
 
