@@ -8,6 +8,7 @@ use super::blocks::Blocks;
 use super::contact::RigidSurfaces;
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
+use super::tie::Ties;
 use rayon::prelude::*;
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
@@ -44,6 +45,8 @@ pub struct Dynamics {
     pub mass_kg: Vec<f64>,
     /// Constant applied nodal forces besides gravity \[N\].
     pub applied_n: Vec<[f64; 3]>,
+    /// Nodes that follow others.
+    pub ties: Ties,
     /// Prescribed velocities: `Some(v)` overrides the motion of that component.
     pub prescribed_m_s: Vec<[Option<f64>; 3]>,
     /// Forces on nodes in this step from all that is not a hexahedron or a rigid surface (bars, contact of the body with itself)
@@ -92,6 +95,7 @@ impl Dynamics {
             v: vec![[0.0; 3]; n],
             mass_kg: vec![0.0; n],
             applied_n: vec![[0.0; 3]; n],
+            ties: Ties::of(mesh),
             prescribed_m_s,
             other_n: Vec::new(),
             acceleration_m_s2: [0.0, 0.0, -gravity_m_s2],
@@ -127,6 +131,12 @@ impl Dynamics {
                 self.mass_kg[n] += share;
             }
         }
+        self.ties.carry_mass(&mut self.mass_kg);
+    }
+
+    /// Gives tied nodes the velocity of their place on their masters.
+    pub fn follow_ties(&mut self) {
+        self.ties.follow(&mut self.v);
     }
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments.
@@ -155,12 +165,15 @@ impl Dynamics {
 
     fn step_here(&mut self, measure: bool) -> f64 {
         let dt = self.dt_s;
+        self.follow_ties();
         self.move_nodes(dt);
         self.update_elements(KernelStep { dt_s: dt, viscous: true }, dt);
         self.time_s += dt;
         self.steps += 1;
         self.erode();
+        self.ties.release(&self.blocks, &mut self.mass_kg, &mut self.v);
         let kinetic = self.accelerate(dt, measure);
+        self.follow_ties();
         let allowed = self.allowed_step_s();
         if allowed < dt {
             self.dt_s = 0.98 * allowed;
@@ -222,6 +235,7 @@ impl Dynamics {
             mass_kg: &self.mass_kg,
             applied_n: &self.applied_n,
             other_n: &self.other_n,
+            ties: &self.ties,
             prescribed_m_s: &self.prescribed_m_s,
         };
         let (v, internal_n) = (&mut self.v, &mut self.internal_n);
@@ -295,6 +309,7 @@ struct NodeStep<'a> {
     mass_kg: &'a [f64],
     applied_n: &'a [[f64; 3]],
     other_n: &'a [[f64; 3]],
+    ties: &'a Ties,
     prescribed_m_s: &'a [[Option<f64>; 3]],
 }
 
@@ -309,6 +324,13 @@ struct NodeSums {
 }
 
 impl NodeStep<'_> {
+    /// What a tied node passes on to its masters \[N\]; its weight is that of the mass they have from it.
+    fn force_on_tied(&self, n: usize) -> [f64; 3] {
+        let internal_n = self.blocks.force_on(n);
+        let other = self.other_n.get(n).copied().unwrap_or_default();
+        std::array::from_fn(|i| self.applied_n[n][i] + other[i] - internal_n[i])
+    }
+
     /// Nodes `first..`, whose velocities and internal forces are given.
     fn chunk(&self, first: usize, v: &mut [[f64; 3]], internal_n: &mut [[f64; 3]]) -> NodeSums {
         let mut sums = NodeSums::default();
@@ -329,6 +351,15 @@ impl NodeStep<'_> {
                 if let Some(other) = self.other_n.get(n) {
                     force[i] += other[i];
                 }
+            }
+            for (tied, share) in self.ties.carried_by(n) {
+                let passed = self.force_on_tied(*tied as usize);
+                for i in 0..3 {
+                    driven[i] += share * self.applied_n[*tied as usize][i];
+                    force[i] += share * passed[i];
+                }
+            }
+            for i in 0..3 {
                 new[i] = v[i] + per_force * force[i];
             }
             let drive = &self.prescribed_m_s[n];

@@ -13,4 +13,6 @@ pub mod preload;
 pub mod probe;
 pub mod result;
 pub mod run;
+pub mod stiffness;
 pub mod strain_rate;
+pub mod tie;
