@@ -1,5 +1,6 @@
 //! Explicit finite elements for collapse: one-point hexahedra, J2 plasticity, erosion, rigid contact.
 
+pub mod apart;
 pub mod blocks;
 pub mod contact;
 pub mod dynamics;
@@ -11,6 +12,7 @@ pub mod mesh;
 pub mod model;
 pub mod preload;
 pub mod probe;
+pub mod quality;
 pub mod result;
 pub mod run;
 pub mod stiffness;

@@ -68,8 +68,14 @@ pub fn number_unknowns(body: &Dynamics) -> (Unknowns, usize) {
 
 /// The elastic stiffness of the acting elements.
 pub fn assemble(body: &Dynamics, unknowns: &Unknowns, count: usize) -> LowerColumns {
-    const UNIT_M: f64 = 1e-9;
     let mut matrix = pattern(body, unknowns, count);
+    for_each_entry(body, unknowns, |row, column, value| matrix.add(row, column, value));
+    matrix
+}
+
+/// Hands out what each element contributes to the lower triangle, as `(row, column, value)`.
+pub fn for_each_entry(body: &Dynamics, unknowns: &Unknowns, mut sink: impl FnMut(u32, u32, f64)) {
+    const UNIT_M: f64 = 1e-9;
     for block in &body.blocks.blocks {
         let carried: [[Vec<(usize, f64)>; 8]; LANES] =
             block.nodes.map(|nodes| nodes.map(|n| body.ties.carriers(n as usize)));
@@ -95,13 +101,12 @@ pub fn assemble(body: &Dynamics, unknowns: &Unknowns, count: usize) -> LowerColu
                 for (row, values) in force.iter().enumerate() {
                     let value = values[lane] / UNIT_M;
                     for (r, c, weight) in pairs(unknowns, &carried[lane], row, column) {
-                        matrix.add(r, c, weight * value);
+                        sink(r, c, weight * value);
                     }
                 }
             }
         }
     }
-    matrix
 }
 
 /// Entries `(row, column, weight)` of the lower triangle that an entry of an element matrix contributes to.
