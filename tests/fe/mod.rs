@@ -4,6 +4,8 @@ mod cantilever;
 mod contact;
 mod element;
 mod mesh;
+mod meshing;
 mod motion;
 mod plastic;
 mod static_state;
+mod ties;
