@@ -314,6 +314,19 @@ pub const PLATE: Table = Table {
     ],
 };
 
+/// Opening.
+pub const OPENING: Table = Table {
+    noun: "an opening",
+    doc: "A rectangle cut out of a plate, between two opposite corners in global coordinates of the plate's plane: x and y in \
+          a slab, x and z in a wall along x, y and z in a wall along y.",
+    keys: &[
+        must("from", Kind::Tuple(&[COORDINATE, COORDINATE]), "[2, 0]", "First corner [m]."),
+        must("to", Kind::Tuple(&[COORDINATE, COORDINATE]), "[3, \"2.1 m\"]", "Second corner [m]."),
+    ],
+};
+
+const OPENINGS: Kind = Kind::List(&Kind::Table(&OPENING), 1, 100);
+
 /// Grid.
 pub const GRID: Table = Table {
     noun: "[grid]",
@@ -359,6 +372,12 @@ pub const GRID: Table = Table {
             "\"200 mm\"",
             "Slab beyond the outer axes; default 0.",
         ),
+        may(
+            "slab_openings",
+            OPENINGS,
+            "[{ from = [2, 2], to = [4, 3] }]",
+            "Openings of all slabs, such as a stairwell.",
+        ),
     ],
 };
 
@@ -382,6 +401,12 @@ pub const MEMBER: Table = Table {
         must("section", Kind::Reference("section"), "\"column\"", "Section id."),
         FROM,
         TO,
+        may(
+            "openings",
+            OPENINGS,
+            "[{ from = [2, 0], to = [3, \"2.1 m\"] }]",
+            "Openings of a slab, wall or footing: doors, stairwells.",
+        ),
     ],
 };
 
@@ -520,6 +545,44 @@ pub const SETTINGS: Table = Table {
     ],
 };
 
+/// Refinement.
+pub const REFINE: Table = Table {
+    noun: "a mesh refinement",
+    doc: "Smaller elements in members. Mesh planes run through the whole building: they are subdivided by the finest demand \
+          between any two of them.",
+    keys: &[
+        must(
+            "members",
+            Kind::List(&Kind::MemberPattern, 1, 1000),
+            "[\"C1-*\"]",
+            "Member ids; `*` stands for any characters.",
+        ),
+        must("size", length(0.01, 5.0, (0.05, 1.0)), "\"200 mm\"", "Target edge length there."),
+        may(
+            "ends",
+            length(0.05, 50.0, (0.2, 2.0)),
+            "\"600 mm\"",
+            "Only within this distance of the ends of a column or beam; default: all of it.",
+        ),
+    ],
+};
+
+/// Mesh of the building.
+pub const MESHING: Table = Table {
+    noun: "[mesh]",
+    doc: "Exceptions of the FE mesh; its target size is `settings.mesh_size`.",
+    keys: &[
+        may("refine", Kind::List(&Kind::Table(&REFINE), 0, 1000), "", "Smaller elements in some members."),
+        may(
+            "tie_below",
+            length(0.0, 1.0, (0.02, 0.3)),
+            "\"100 mm\"",
+            "A column whose faces would bring mesh planes nearer than this to those of other members has a mesh of its own, tied \
+             to its neighbours; default 0: never.",
+        ),
+    ],
+};
+
 const MATERIAL: Kind = Kind::Variants(
     &[("concrete", &CONCRETE), ("steel", &STEEL), ("homogenised", &HOMOGENISED)],
     &["masonry", "timber", "aluminium"],
@@ -549,5 +612,6 @@ pub const FILE: Table = Table {
         may("preparation", Kind::List(&PREPARATION, 0, 1000), "", "Work done before ignition."),
         may("events", Kind::List(&Kind::Table(&EVENT), 0, 1000), "", "Charges."),
         may("settings", Kind::Table(&SETTINGS), "", "Simulation settings."),
+        may("mesh", Kind::Table(&MESHING), "", "Exceptions of the FE mesh."),
     ],
 };

@@ -25,6 +25,7 @@ pub struct Grid<'a> {
     perimeter_only: bool,
     slab: Option<(&'a str, f64)>,
     overhang: f64,
+    slab_openings: Vec<[[f64; 2]; 2]>,
 }
 
 /// Shapes of the sections that the grid names; `None` if there is none or it has errors.
@@ -107,6 +108,7 @@ impl<'a> Grid<'a> {
             perimeter_only: beams == "perimeter",
             slab,
             overhang,
+            slab_openings: super::openings::rectangles(fields, "slab_openings")?,
         })
     }
 
@@ -178,12 +180,15 @@ impl<'a> Grid<'a> {
             |axes: &[f64]| (clean(axes[0] - self.overhang), clean(axes[axes.len() - 1] + self.overhang));
         let ((x0, x1), (y0, y1), top) = (ends(&self.x), ends(&self.y), self.levels[storey]);
         let solid = Aabb { min: [x0, y0, clean(top - thickness)], max: [x1, y1, top] };
-        members.push(member(format!("S{storey}"), MemberKind::Slab, section, solid, 2, storey));
+        let mut slab = member(format!("S{storey}"), MemberKind::Slab, section, solid, 2, storey);
+        slab.openings = self.slab_openings.iter().map(|r| super::openings::through(&slab, *r)).collect();
+        members.push(slab);
     }
 }
 
 fn member(id: String, kind: MemberKind, section: &str, solid: Aabb, axis: usize, storey: usize) -> Member {
-    Member { id, kind, section: section.to_string(), solid, axis, storey: Some(storey as u32) }
+    let (section, storey) = (section.to_string(), Some(storey as u32));
+    Member { id, kind, section, solid, axis, storey, openings: Vec::new() }
 }
 
 /// "A1" for the first axes, "AA1" for the 27th x axis.

@@ -5,6 +5,7 @@ use super::format::{GRID, MEMBER};
 use super::grid::{Grid, Shapes, clean};
 use super::materials::Defined;
 use super::model::{Member, MemberKind, Section, SectionShape};
+use super::openings;
 use super::structure::list_words;
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::geom::Aabb;
@@ -87,7 +88,11 @@ fn grid(
     };
     let grid = Grid::read(fields, ground_level, &shapes, found)?;
     let span = fields.node.span;
-    Some(grid.members().into_iter().map(|item| Placed { item, span }).collect())
+    let made = grid.members();
+    if let Some(slab) = made.iter().find(|m| m.kind == MemberKind::Slab) {
+        openings::check(fields, "slab_openings", slab, found)?;
+    }
+    Some(made.into_iter().map(|item| Placed { item, span }).collect())
 }
 
 /// The shape of the section named by a key, if it exists and suits the kind of member.
@@ -141,14 +146,16 @@ fn member(
     let (from, to) = (fields.point("from")?, fields.point("to")?);
     let place = Place { from, to, from_span: fields.span("from"), to_span: fields.span("to") };
     let (solid, axis) = place.solid(kind, shape.as_ref(), found)?;
-    let item = Member {
+    let mut item = Member {
         id: fields.text("id")?.to_string(),
         kind,
         section: fields.text("section")?.to_string(),
         solid,
         axis,
         storey: None,
+        openings: Vec::new(),
     };
+    item.openings = openings::check(fields, "openings", &item, found)?;
     Some(Placed { item, span: fields.span("id") })
 }
 

@@ -23,6 +23,7 @@ mod grid;
 mod materials;
 mod members;
 pub mod model;
+mod openings;
 pub mod partition;
 mod plan;
 mod read;

@@ -234,6 +234,9 @@ pub struct Member {
     pub axis: usize,
     /// Storey number from 1, if the member came from a grid.
     pub storey: Option<u32>,
+    /// Openings of a plate, as boxes that cut through the solid along `axis` \[m\].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub openings: Vec<Aabb>,
 }
 
 /// A support: the named face of a member cannot move.
@@ -322,6 +325,37 @@ pub struct Settings {
     pub mesh_size_m: f64,
     /// Strain rate above which a part does not count as rigid \[1/s\] (seed paper, equation 2).
     pub critical_strain_rate_1_s: f64,
+    /// What the FE mesh does other than to fill all members with elements of the target size.
+    #[serde(default, skip_serializing_if = "Meshing::is_default")]
+    pub meshing: Meshing,
+}
+
+/// Exceptions of the FE mesh.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Meshing {
+    /// Smaller elements in or near some members.
+    pub refine: Vec<Refinement>,
+    /// Mesh planes nearer to each other than this \[m\] are avoided: the column that would bring them has a mesh of its own,
+    /// tied to its neighbours. Zero: never.
+    pub tie_below_m: f64,
+}
+
+impl Meshing {
+    /// Whether there are no exceptions.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A smaller element size in a member.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Refinement {
+    /// Member id.
+    pub member: String,
+    /// Target edge length there \[m\].
+    pub size_m: f64,
+    /// Only within this distance of the member's ends \[m\]; `None`: all of it.
+    pub ends_m: Option<f64>,
 }
 
 impl Default for Settings {
@@ -333,6 +367,7 @@ impl Default for Settings {
             gravity_m_s2: 9.81,
             mesh_size_m: 0.4,
             critical_strain_rate_1_s: 0.25,
+            meshing: Meshing::default(),
         }
     }
 }

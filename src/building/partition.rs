@@ -2,6 +2,7 @@
 //!
 //! The grid of all face coordinates cuts every solid into cells; a cell under several solids
 //! belongs to the one of highest precedence (footing, slab, wall, beam, column; then file order).
+//! An opening of a plate is no part of it; what else lies there, such as a beam, owns its cells.
 //! Volumes, masses, contact faces and the FE mesh all start from these cells, so that no volume is
 //! counted twice.
 
@@ -35,7 +36,7 @@ impl Partition {
     /// Cuts the building's gross solids into disjoint cells.
     pub fn of(building: &Building) -> Self {
         let planes = std::array::from_fn(|axis| {
-            let solids = building.members.iter().map(|m| m.solid);
+            let solids = building.members.iter().flat_map(|m| m.openings.iter().chain([&m.solid]));
             distinct(solids.flat_map(|s| [s.min[axis], s.max[axis]]).collect())
         });
         Self::on_planes(building, planes)
@@ -44,9 +45,7 @@ impl Partition {
     /// The same on given planes, which must contain all faces of the solids: a cell belongs to the
     /// member of highest precedence (the first of equals) that contains it, but see `give_joints_to_beams`.
     pub fn on_planes(building: &Building, planes: [Vec<f64>; 3]) -> Self {
-        let solids: Vec<(Aabb, u8)> =
-            building.members.iter().map(|m| (m.solid, precedence(m.kind))).collect();
-        let mut partition = Self::with_planes(planes, &solids);
+        let mut partition = Self::with_planes(planes, building);
         partition.give_joints_to_beams(building);
         partition
     }
@@ -75,17 +74,27 @@ impl Partition {
         }
     }
 
-    fn with_planes(planes: [Vec<f64>; 3], solids: &[(Aabb, u8)]) -> Self {
+    fn with_planes(planes: [Vec<f64>; 3], building: &Building) -> Self {
         let count: [usize; 3] = std::array::from_fn(|i| planes[i].len().saturating_sub(1));
         let mut owner: Vec<Option<usize>> = vec![None; count[0] * count[1] * count[2]];
-        for (index, (solid, rank)) in solids.iter().enumerate() {
-            let range: [std::ops::Range<usize>; 3] =
-                std::array::from_fn(|i| cells_within(&planes[i], solid.min[i], solid.max[i]));
+        let within = |solid: &Aabb| -> [std::ops::Range<usize>; 3] {
+            std::array::from_fn(|i| cells_within(&planes[i], solid.min[i], solid.max[i]))
+        };
+        let rank = |index: usize| precedence(building.members[index].kind);
+        for (index, member) in building.members.iter().enumerate() {
+            let range = within(&member.solid);
+            let openings: Vec<_> = member.openings.iter().map(within).collect();
             for k in range[2].clone() {
                 for j in range[1].clone() {
                     for i in range[0].clone() {
                         let slot = &mut owner[(k * count[1] + j) * count[0] + i];
-                        if slot.is_none_or(|held| solids[held].1 < *rank) {
+                        let cut = |o: &[std::ops::Range<usize>; 3]| {
+                            o[0].contains(&i) && o[1].contains(&j) && o[2].contains(&k)
+                        };
+                        if openings.iter().any(cut) {
+                            continue;
+                        }
+                        if slot.is_none_or(|held| rank(held) < rank(index)) {
                             *slot = Some(index);
                         }
                     }

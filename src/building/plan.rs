@@ -1,9 +1,11 @@
 //! What happens to the members: ground, supports, obstacles, preparatory work, charges, settings.
 
 use super::fields::{Fields, Placed};
-use super::format::{CUT, EVENT, GROUND, OBSTACLE, SETTINGS, SUPPORT, WEAKEN};
+use super::format::{CUT, EVENT, GROUND, MESHING, OBSTACLE, REFINE, SETTINGS, SUPPORT, WEAKEN};
 use super::members::Members;
-use super::model::{Charge, Face, Ground, Member, MemberKind, Obstacle, Preparation, Settings, Support};
+use super::model::{
+    Charge, Face, Ground, Member, MemberKind, Meshing, Obstacle, Preparation, Refinement, Settings, Support,
+};
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::geom::Aabb;
 use crate::base::source::Span;
@@ -33,6 +35,7 @@ pub fn settings(root: &Node, found: &mut Vec<Diagnostic>) -> Settings {
         gravity_m_s2: number("gravity", default.gravity_m_s2),
         mesh_size_m: number("mesh_size", default.mesh_size_m),
         critical_strain_rate_1_s: number("critical_strain_rate", default.critical_strain_rate_1_s),
+        meshing: default.meshing.clone(),
     };
     let span = fields.span("output_interval");
     if settings.output_interval_s > settings.end_time_s {
@@ -53,6 +56,40 @@ pub fn settings(root: &Node, found: &mut Vec<Diagnostic>) -> Settings {
         found.push(warning);
     }
     settings
+}
+
+/// Reads `[mesh]`.
+pub fn meshing(root: &Node, members: &Members, size_m: f64, found: &mut Vec<Diagnostic>) -> Meshing {
+    let Some(node) = root.get("mesh") else { return Meshing::default() };
+    let fields = Fields { node, table: &MESHING };
+    let mut refine = Vec::new();
+    for node in node.get("refine").map_or(&[][..], Node::items) {
+        let fields = Fields { node, table: &REFINE };
+        let (size, ends_m) =
+            (fields.number("size"), fields.child("ends").and_then(|_| fields.number("ends")));
+        if size.is_some_and(|s| s >= size_m) {
+            let warning = Diagnostic::warning(
+                "no-refinement",
+                "this element size is not smaller than elsewhere",
+            )
+            .at(fields.span("size"), format!("`settings.mesh_size` is {}", show(size_m, Dimension::Length)));
+            found.push(warning);
+        }
+        for placed in selected(fields, members, found) {
+            let bar = |m: &&super::fields::Placed<Member>| {
+                m.item.id == placed.item && matches!(m.item.kind, MemberKind::Column | MemberKind::Beam)
+            };
+            if ends_m.is_some() && !members.list.iter().any(|m| bar(&m)) {
+                let message = format!("{} is a plate: it has no ends", quoted(&placed.item));
+                let error = Diagnostic::error("wrong-kind", message)
+                    .at(fields.span("ends"), "only for columns and beams")
+                    .help("leave `ends` out to refine all of it");
+                found.push(error);
+            }
+            refine.extend(size.map(|size_m| Refinement { member: placed.item, size_m, ends_m }));
+        }
+    }
+    Meshing { refine, tie_below_m: fields.number_or("tie_below", 0.0).unwrap_or(0.0) }
 }
 
 /// Reads `[[obstacles]]`.

@@ -108,7 +108,8 @@ fn draft(root: &Node, found: &mut Vec<Diagnostic>) -> Draft {
     let sections = sections(root, &materials, found);
     let ground = plan::ground(root);
     let members = members(root, ground.map(|g| g.level_m), &sections, found);
-    let settings = plan::settings(root, found);
+    let mut settings = plan::settings(root, found);
+    settings.meshing = plan::meshing(root, &members, settings.mesh_size_m, found);
     let draft = Draft {
         name: text("name"),
         description: text("description").unwrap_or_default(),

@@ -3,6 +3,9 @@
 use super::{Outcome, colour_on_stderr, print};
 use crate::building::partition::Partition;
 use crate::building::{Building, Inspection, MemberKind, inspect_file};
+use crate::fe::apart::tied_members;
+use crate::fe::mesh::Mesh;
+use crate::fe::quality::{Quality, sliver_note};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -15,6 +18,9 @@ use std::path::PathBuf;
 pub struct Arguments {
     /// The building file
     file: PathBuf,
+    /// Also make the FE mesh and show its quality
+    #[arg(long)]
+    mesh: bool,
     /// Print JSON for programs instead of text
     #[arg(long)]
     json: bool,
@@ -30,7 +36,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
         None => Outcome::CheckFailed,
     };
     if arguments.json {
-        print(&format!("{:#}\n", as_json(&inspection)));
+        print(&format!("{:#}\n", as_json(&inspection, arguments.mesh)));
         return outcome;
     }
     if !inspection.diagnostics.items().is_empty() {
@@ -38,6 +44,9 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     if let Some(building) = &inspection.building {
         print(&summary(building));
+        if let Some((quality, notes)) = mesh_quality(building).filter(|_| arguments.mesh) {
+            print(&mesh_words(&quality, &notes));
+        }
     }
     outcome
 }
@@ -101,7 +110,42 @@ fn summary(building: &Building) -> String {
     text
 }
 
-fn as_json(inspection: &Inspection) -> serde_json::Value {
+/// Quality of the building's mesh, and remarks on it.
+fn mesh_quality(building: &Building) -> Option<(Quality, Vec<String>)> {
+    let size_m = building.settings.mesh_size_m;
+    let (mesh, snapped) = Mesh::of(building, size_m);
+    let quality = Quality::of(&mesh, &snapped)?;
+    let mut notes: Vec<String> = sliver_note(building, &quality, size_m).into_iter().collect();
+    let tied = tied_members(building, &mesh);
+    if !tied.is_empty() {
+        notes.push(format!("tied with a mesh of their own: {}", tied.join(", ")));
+    }
+    Some((quality, notes))
+}
+
+fn mesh_words(quality: &Quality, notes: &[String]) -> String {
+    let mut text = format!("  {} elements; {}\n", quality.all.elements, quality.line());
+    let [low, high] = quality.volume_ratio;
+    text += &format!(
+        "  warpage up to {:.1} deg, real over meshed volume {low:.3} to {high:.3}, tied nodes: {}\n",
+        quality.all.warpage_deg, quality.tied_nodes
+    );
+    let mut parts: Vec<_> = quality.parts.iter().collect();
+    parts.sort_by(|a, b| a.1.step_s.total_cmp(&b.1.step_s));
+    for (id, part) in parts.iter().take(5) {
+        text += &format!(
+            "    {id:16} {:6} elements, edges {:.3} to {:.3} m, step {:.4} ms\n",
+            part.elements,
+            part.edge_m[0],
+            part.edge_m[1],
+            1e3 * part.step_s
+        );
+    }
+    notes.iter().for_each(|note| text += &format!("  note: {note}\n"));
+    text
+}
+
+fn as_json(inspection: &Inspection, with_mesh: bool) -> serde_json::Value {
     let summary = inspection.building.as_ref().map(|building| {
         let shares = shares(building);
         let kinds: Vec<_> = shares
@@ -119,9 +163,15 @@ fn as_json(inspection: &Inspection) -> serde_json::Value {
             "events": building.events.len(),
         })
     });
-    json!({
+    let mut value = json!({
         "ok": inspection.building.is_some(),
         "summary": summary,
         "diagnostics": inspection.diagnostics.to_json(),
-    })
+    });
+    if let Some((quality, notes)) = inspection.building.as_ref().filter(|_| with_mesh).and_then(mesh_quality)
+    {
+        value["mesh"] = json!(quality);
+        value["mesh"]["notes"] = json!(notes);
+    }
+    value
 }

@@ -8,6 +8,7 @@ use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::building::partition::Partition;
 use crate::fe::dynamics::Death;
+use crate::fe::quality::{Quality, sliver_note};
 use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{FeOptions, run as run_fe};
 use crate::study::{COLLAPSE_DROP_M, facts};
@@ -75,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         "{}: {} in the FE run\n{}  results: {}\n",
         building.name,
         collapse_words(collapsed),
-        zones_words(&building, &fe) + &summary(&fe.summary),
+        zones_words(&building, &fe) + &summary(&fe.summary) + &mesh_words(&building, &fe, mesh_size_m),
         folder.display()
     ));
     Ok(Outcome::Done)
@@ -209,6 +210,14 @@ fn zones_words(building: &Building, fe: &FeRun) -> String {
     let facts = facts(building, fe);
     let zones: Vec<&str> = facts.ends.iter().filter(|z| z.first_s.is_some()).map(|z| z.id.as_str()).collect();
     format!("  member ends above the critical strain rate: {} of {}\n", zones.len(), facts.ends.len())
+}
+
+/// The mesh in a line, and what makes its step small.
+fn mesh_words(building: &Building, fe: &FeRun, mesh_size_m: f64) -> String {
+    let Some(quality) = Quality::of(&fe.mesh, &fe.snapped) else { return String::new() };
+    let note =
+        sliver_note(building, &quality, mesh_size_m).map_or(String::new(), |n| format!("  note: {n}\n"));
+    format!("  {}\n{note}", quality.line())
 }
 
 fn summary(s: &FeSummary) -> String {

@@ -202,6 +202,11 @@ impl Blocks {
         self.contributions = entries.iter().map(|e| e.1).collect();
     }
 
+    /// Number of elements.
+    pub fn elements(&self) -> usize {
+        self.place.len()
+    }
+
     /// Number of chunks.
     pub fn chunks(&self) -> usize {
         self.chunk_starts.len() - 1
@@ -246,25 +251,38 @@ impl Blocks {
     /// Forces of the stresses of one element on its nodes at the positions `x` \[N\], without bulk viscosity.
     pub fn element_force(&self, element: usize, x: &[[f64; 3]]) -> [[f64; 3]; 8] {
         let (block, lane) = self.place[element];
-        let nodes = self.global_nodes(block as usize)[lane as usize];
-        let at: BlockForce = std::array::from_fn(|c| [x[nodes[c / 3] as usize][c % 3]; LANES]);
-        let block = &self.blocks[block as usize];
+        let (force, _) = self.still(block as usize, x);
+        std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
+    }
+
+    /// Bound of the largest squared frequency of each element at the positions `x` \[1/s²\]; 0 where it does not act.
+    pub fn element_bounds_1_s2(&self, x: &[[f64; 3]]) -> Vec<f64> {
+        let mut bounds = vec![0.0; self.elements()];
+        for block in 0..self.blocks.len() {
+            let (_, bound) = self.still(block, x);
+            self.elements_of(block).zip(bound).for_each(|(e, b)| bounds[e] = b);
+        }
+        bounds
+    }
+
+    /// Nodal forces and frequency bounds of a block at the positions `x`, without a change of its state.
+    fn still(&self, index: usize, x: &[[f64; 3]]) -> (BlockForce, [f64; LANES]) {
+        let block = &self.blocks[index];
+        let nodes = self.global_nodes(index);
+        let at = std::array::from_fn(|c| std::array::from_fn(|l| x[nodes[l][c / 3] as usize][c % 3]));
         let mut elastic = block.material;
         elastic.yield_scale = [f64::INFINITY; LANES];
         let (mut state, mut force) = (block.state, [[0.0; LANES]; 24]);
-        let table = &self.tables[block.material.table];
-        let still = [[0.0; LANES]; 24];
+        let (table, increment) = (&self.tables[block.material.table], [[0.0; LANES]; 24]);
         let step = KernelStep { dt_s: 1.0, viscous: false };
-        match &block.full {
+        let bound = match &block.full {
             Some(points) => {
                 let points = &mut points.clone();
-                full::update(&at, &still, 1.0, &elastic, table, &mut state, points, &mut force, step);
+                full::update(&at, &increment, 1.0, &elastic, table, &mut state, points, &mut force, step)
             }
-            None => {
-                update_block(&at, &still, &elastic, table, &mut state, &mut force, step);
-            }
-        }
-        std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
+            None => update_block(&at, &increment, &elastic, table, &mut state, &mut force, step),
+        };
+        (force, bound)
     }
 
     /// Acting share of an element.

@@ -11,6 +11,7 @@ use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use super::node_field::NodeField;
 use super::sweep::Sweep;
+use super::tie::Ties;
 use super::truss::Trusses;
 use rayon::prelude::*;
 
@@ -50,6 +51,8 @@ pub struct Dynamics {
     pub mass_kg: Vec<f64>,
     /// Constant applied nodal forces besides gravity \[N\].
     pub applied_n: NodeField<[f64; 3]>,
+    /// Nodes that follow others.
+    pub ties: Ties,
     /// Prescribed velocities: `Some(v)` overrides the motion of that component.
     pub prescribed_m_s: NodeField<[Option<f64>; 3]>,
     /// Forces on nodes in this step from all that is not a hexahedron or a rigid surface (bars, contact of the body with itself)
@@ -100,6 +103,7 @@ impl Dynamics {
             v: vec![[0.0; 3]; n],
             mass_kg: vec![0.0; n],
             applied_n: NodeField::new([0.0; 3], n),
+            ties: Ties::of(mesh),
             prescribed_m_s,
             other_n: Vec::new(),
             acceleration_m_s2: [0.0, 0.0, -gravity_m_s2],
@@ -138,6 +142,12 @@ impl Dynamics {
             }
         }
         self.trusses.add_mass(&mut self.mass_kg);
+        self.ties.carry_mass(&mut self.mass_kg);
+    }
+
+    /// Gives tied nodes the velocity of their place on their masters.
+    pub fn follow_ties(&mut self) {
+        self.ties.follow(&mut self.v);
     }
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments. No element ends.
@@ -183,8 +193,12 @@ impl Dynamics {
             end_above: Some((2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2)),
             skip_quiet: self.skip_quiet,
         };
+        if self.taken_s == 0.0 {
+            self.follow_ties();
+        }
         self.find_forces(&sweep);
         self.collect_deaths();
+        self.ties.release(&self.blocks, &mut self.mass_kg, &mut self.v);
         let allowed = self.allowed_step_s();
         if allowed < before {
             self.dt_s = 0.98 * allowed;
@@ -192,6 +206,10 @@ impl Dynamics {
             self.dt_s = allowed.min(1.05 * before).min(1.2 * self.first_dt_s);
         }
         let kinetic = self.accelerate(0.5 * (taken + self.dt_s), measure);
+        if !self.ties.is_empty() {
+            self.follow_ties();
+            self.ties.drift(self.dt_s, &self.v, &mut self.x);
+        }
         self.time_s += self.dt_s;
         self.taken_s = self.dt_s;
         self.steps += 1;
@@ -232,6 +250,7 @@ impl Dynamics {
             mass_kg: &self.mass_kg,
             applied_n: &self.applied_n,
             other_n: &self.other_n,
+            ties: &self.ties,
             prescribed_m_s: &self.prescribed_m_s,
         };
         let (x, v) = (&mut self.x, &mut self.v);
@@ -302,6 +321,7 @@ struct NodeStep<'a> {
     mass_kg: &'a [f64],
     applied_n: &'a NodeField<[f64; 3]>,
     other_n: &'a [[f64; 3]],
+    ties: &'a Ties,
     prescribed_m_s: &'a NodeField<[Option<f64>; 3]>,
 }
 
@@ -316,6 +336,13 @@ struct NodeSums {
 }
 
 impl NodeStep<'_> {
+    /// What a tied node passes on to its masters \[N\]; its weight is that of the mass they have from it.
+    fn force_on_tied(&self, n: usize) -> [f64; 3] {
+        let internal_n = self.blocks.force_on(n);
+        let other = self.other_n.get(n).copied().unwrap_or_default();
+        std::array::from_fn(|i| self.applied_n[n][i] + other[i] - internal_n[i])
+    }
+
     /// Nodes `first..`, whose positions and velocities are given.
     fn chunk(&self, first: usize, x: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> NodeSums {
         let mut sums = NodeSums::default();
@@ -330,14 +357,23 @@ impl NodeStep<'_> {
             let weight = self.acceleration_m_s2.map(|a| mass * a);
             let per_force = self.kick / mass;
             let applied = if self.applied_n.is_set(n) { self.applied_n[n] } else { [0.0; 3] };
-            let (mut driven, mut new) = ([0.0; 3], [0.0; 3]);
+            let (mut driven, mut force, mut new) = ([0.0; 3], [0.0; 3], [0.0; 3]);
             for i in 0..3 {
                 driven[i] = applied[i] - self.damping_1_s * mass * v[i];
-                let mut force = driven[i] + weight[i] - internal[i];
+                force[i] = driven[i] + weight[i] - internal[i];
                 if let Some(other) = self.other_n.get(n) {
-                    force += other[i];
+                    force[i] += other[i];
                 }
-                new[i] = v[i] + per_force * force;
+            }
+            for (tied, share) in self.ties.carried_by(n) {
+                let passed = self.force_on_tied(*tied as usize);
+                for i in 0..3 {
+                    driven[i] += share * self.applied_n[*tied as usize][i];
+                    force[i] += share * passed[i];
+                }
+            }
+            for i in 0..3 {
+                new[i] = v[i] + per_force * force[i];
             }
             if self.prescribed_m_s.is_set(n) && self.prescribed_m_s[n].iter().any(Option::is_some) {
                 for i in 0..3 {

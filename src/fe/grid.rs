@@ -2,7 +2,7 @@
 
 use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
-use crate::building::{Building, MemberKind};
+use crate::building::{Building, Member, MemberKind};
 
 /// Faces closer together than this share of the target size become one mesh plane; what moves is the face of the
 /// member that carries less (column faces stay first).
@@ -17,43 +17,123 @@ pub struct MeshGrid {
     pub planes: [Vec<f64>; 3],
     /// Solids of the members on the mesh planes \[m\], like `Building::members`.
     pub solids: Vec<Aabb>,
+    /// Their openings on the mesh planes \[m\].
+    pub openings: Vec<Vec<Aabb>>,
+    /// Members that have a mesh of their own and are not on the planes.
+    pub apart: Vec<bool>,
 }
 
 impl MeshGrid {
     /// Planes for a target element size \[m\].
     pub fn of(building: &Building, size_m: f64) -> Self {
+        let apart = apart(building, SNAP_SHARE * size_m);
         let mut solids: Vec<Aabb> = building.members.iter().map(|m| m.solid).collect();
+        let mut openings: Vec<Vec<Aabb>> = building.members.iter().map(|m| m.openings.clone()).collect();
         let mut planes: [Vec<f64>; 3] = Default::default();
         for axis in 0..3 {
-            let kept = kept_faces(building, axis, SNAP_SHARE * size_m);
-            for solid in &mut solids {
+            let kept = kept_faces(building, &apart, axis, SNAP_SHARE * size_m);
+            let snapped = solids.iter_mut().zip(&mut openings).zip(&apart).filter(|(_, apart)| !**apart);
+            for solid in snapped.flat_map(|((solid, openings), _)| openings.iter_mut().chain([solid])) {
                 solid.min[axis] = nearest(&kept, solid.min[axis]);
                 solid.max[axis] = nearest(&kept, solid.max[axis]);
             }
-            planes[axis] = subdivided(building, &solids, &kept, axis, size_m);
+            planes[axis] = subdivided(building, &solids, &apart, &kept, axis, size_m);
         }
-        Self { planes, solids }
+        Self { planes, solids, openings, apart }
     }
 }
 
 /// Which member's face stays where it is when two are merged; higher stays.
 fn hold(kind: MemberKind) -> u8 {
     match kind {
-        MemberKind::Column => 4,
-        MemberKind::Wall => 3,
-        MemberKind::Footing => 2,
-        MemberKind::Slab => 1,
-        MemberKind::Beam => 0,
+        MemberKind::Column => 5,
+        MemberKind::Wall => 4,
+        MemberKind::Footing => 3,
+        MemberKind::Slab => 2,
+        MemberKind::Beam => 1,
     }
 }
 
+/// Columns that are to have a mesh of their own: a side face would come nearer to a face of another member than the building
+/// allows, though too far to be merged with it, and nothing but the column's ends touches other members.
+fn apart(building: &Building, snap_m: f64) -> Vec<bool> {
+    let least = building.settings.meshing.tie_below_m;
+    let mut apart = vec![false; building.members.len()];
+    if least <= snap_m {
+        return apart;
+    }
+    let column = |m: &Member| m.kind == MemberKind::Column;
+    let mut faces: [Vec<f64>; 2] = std::array::from_fn(|axis| {
+        building
+            .members
+            .iter()
+            .filter(|m| !column(m))
+            .flat_map(|m| [m.solid.min[axis], m.solid.max[axis]])
+            .collect()
+    });
+    for (index, member) in building.members.iter().enumerate().filter(|(_, m)| column(m)) {
+        let near = |axis: usize, face: f64| {
+            let merges = |f: &f64| (f - face).abs() <= snap_m.max(COORDINATE_TOLERANCE_M);
+            faces[axis].iter().any(|f| (f - face).abs() < least) && !faces[axis].iter().any(merges)
+        };
+        let own = [0, 1].map(|axis| [member.solid.min[axis], member.solid.max[axis]]);
+        let slivers = (0..2).any(|axis| own[axis].iter().any(|face| near(axis, *face)));
+        if slivers && stands_free(building, index, &apart) {
+            apart[index] = true;
+        } else {
+            (0..2).for_each(|axis| faces[axis].extend(own[axis]));
+        }
+    }
+    apart
+}
+
+/// Whether other members touch a column at its ends only, and none of them has a mesh of its own.
+fn stands_free(building: &Building, column: usize, apart: &[bool]) -> bool {
+    let solid = &building.members[column].solid;
+    let clear = clear_height(building, column);
+    building.members.iter().enumerate().filter(|(i, _)| *i != column).all(|(i, other)| {
+        let gap = |k: usize| (other.solid.min[k] - solid.max[k]).max(solid.min[k] - other.solid.max[k]);
+        let beside = (0..2).all(|k| gap(k) < COORDINATE_TOLERANCE_M);
+        let along = other.solid.min[2] < clear[1] - COORDINATE_TOLERANCE_M
+            && other.solid.max[2] > clear[0] + COORDINATE_TOLERANCE_M;
+        let meets = beside && gap(2) < COORDINATE_TOLERANCE_M;
+        !(beside && along) && !(meets && apart[i])
+    })
+}
+
+/// The stretch of a column between what overlaps its ends \[m\].
+pub(super) fn clear_height(building: &Building, column: usize) -> [f64; 2] {
+    let solid = &building.members[column].solid;
+    let mut clear = [solid.min[2], solid.max[2]];
+    for (_, other) in building.members.iter().enumerate().filter(|(i, _)| *i != column) {
+        let Some(common) = solid.intersection(&other.solid, COORDINATE_TOLERANCE_M) else { continue };
+        if common.max[2] > solid.max[2] - COORDINATE_TOLERANCE_M {
+            clear[1] = clear[1].min(common.min[2]);
+        } else if common.min[2] < solid.min[2] + COORDINATE_TOLERANCE_M {
+            clear[0] = clear[0].max(common.max[2]);
+        }
+    }
+    clear
+}
+
 /// The faces along an axis after merging: in order of hold, a face is kept if no kept face is near.
-fn kept_faces(building: &Building, axis: usize, snap_m: f64) -> Vec<f64> {
-    let mut faces: Vec<(u8, f64)> = building
-        .members
-        .iter()
+fn kept_faces(building: &Building, apart: &[bool], axis: usize, snap_m: f64) -> Vec<f64> {
+    let on_planes = || building.members.iter().zip(apart).filter(|(_, apart)| !**apart).map(|(m, _)| m);
+    let mut faces: Vec<(u8, f64)> = on_planes()
         .flat_map(|m| [(hold(m.kind), m.solid.min[axis]), (hold(m.kind), m.solid.max[axis])])
         .collect();
+    for opening in on_planes().flat_map(|m| &m.openings) {
+        faces.extend([(0, opening.min[axis]), (0, opening.max[axis])]);
+    }
+    for refinement in &building.settings.meshing.refine {
+        let Some(member) = on_planes().find(|m| m.id == refinement.member && m.axis == axis) else {
+            continue;
+        };
+        let (low, high) = (member.solid.min[axis], member.solid.max[axis]);
+        if let Some(ends) = refinement.ends_m.filter(|ends| 2.0 * ends < high - low) {
+            faces.extend([(0, low + ends), (0, high - ends)]);
+        }
+    }
     faces.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
     let mut kept: Vec<f64> = Vec::new();
     for (_, face) in faces {
@@ -70,12 +150,41 @@ fn nearest(kept: &[f64], value: f64) -> f64 {
     kept.iter().copied().min_by(|a, b| (a - value).abs().total_cmp(&(b - value).abs())).unwrap_or(value)
 }
 
+/// The finest size asked for between two planes \[m\].
+fn demanded(building: &Building, solids: &[Aabb], axis: usize, between: [f64; 2], size_m: f64) -> f64 {
+    let middle = 0.5 * (between[0] + between[1]);
+    let mut finest = size_m;
+    for refinement in &building.settings.meshing.refine {
+        let Some(index) = building.members.iter().position(|m| m.id == refinement.member) else { continue };
+        let (low, high) = (solids[index].min[axis], solids[index].max[axis]);
+        let along = building.members[index].axis == axis;
+        let from_end = (middle - low).min(high - middle);
+        let reach = refinement.ends_m.filter(|_| along).unwrap_or(f64::INFINITY);
+        if from_end > 0.0 && from_end < reach {
+            finest = finest.min(refinement.size_m);
+        }
+    }
+    finest
+}
+
 /// Subdivides the intervals between kept faces to the target size, with at least [`ELEMENTS_ACROSS`] elements
 /// across each member's thin directions.
-fn subdivided(building: &Building, solids: &[Aabb], kept: &[f64], axis: usize, size_m: f64) -> Vec<f64> {
-    let mut count: Vec<usize> =
-        kept.windows(2).map(|w| (((w[1] - w[0]) / size_m - 0.01).round() as usize).max(1)).collect();
-    for (member, solid) in building.members.iter().zip(solids) {
+fn subdivided(
+    building: &Building,
+    solids: &[Aabb],
+    apart: &[bool],
+    kept: &[f64],
+    axis: usize,
+    size_m: f64,
+) -> Vec<f64> {
+    let mut count: Vec<usize> = kept
+        .windows(2)
+        .map(|w| {
+            let size = demanded(building, solids, axis, [w[0], w[1]], size_m);
+            (((w[1] - w[0]) / size - 0.01).round() as usize).max(1)
+        })
+        .collect();
+    for ((member, solid), _) in building.members.iter().zip(solids).zip(apart).filter(|(_, apart)| !**apart) {
         let bar = matches!(member.kind, MemberKind::Column | MemberKind::Beam);
         if bar == (member.axis == axis) {
             continue; // along a bar, or in the plane of a plate

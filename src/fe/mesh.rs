@@ -1,7 +1,9 @@
 //! The hexahedral mesh of a building, and meshes cut out of it.
 
+use super::apart;
 use super::grid::MeshGrid;
 use super::law::Law;
+use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Face, Preparation};
 use std::collections::BTreeMap;
@@ -40,6 +42,9 @@ pub struct Element {
     /// Further factor on strength (preparatory weakening).
     pub strength: f64,
 }
+
+/// The solid of a member that is not on the planes: it contains no cell.
+const EMPTY: Aabb = Aabb { min: [f64::INFINITY; 3], max: [f64::INFINITY; 3] };
 
 /// A two-node bar (rebar): axial force only.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,12 +86,17 @@ impl Mesh {
     pub fn of(building: &Building, size_m: f64) -> (Self, Vec<Snapped>) {
         let grid = MeshGrid::of(building, size_m);
         let mut moved = building.clone();
-        for (member, solid) in moved.members.iter_mut().zip(&grid.solids) {
-            member.solid = *solid;
+        for (i, member) in moved.members.iter_mut().enumerate() {
+            member.solid = if grid.apart[i] { EMPTY } else { grid.solids[i] };
+            member.openings = grid.openings[i].clone();
         }
         let cells = Partition::on_planes(&moved, grid.planes);
         let real = Partition::of(building).volumes(building.members.len());
-        let meshed = cells.volumes(building.members.len());
+        let mut meshed = cells.volumes(building.members.len());
+        let blocks = apart::blocks(building, &grid.apart, size_m);
+        for block in &blocks {
+            meshed[block.member] = block.solid.volume();
+        }
         let snapped = building
             .members
             .iter()
@@ -95,13 +105,12 @@ impl Mesh {
             .map(|(i, m)| Snapped { member: m.id.clone(), volume_ratio: real[i] / meshed[i] })
             .collect();
         let mut mesh = Self::from_cells(building, &cells, &real, &meshed);
+        apart::join(&mut mesh, building, &blocks, &real);
         mesh.fixed = supported_nodes(building, &grid.solids, &mesh.nodes);
         (mesh, snapped)
     }
 
-    fn from_cells(building: &Building, cells: &Partition, real: &[f64], meshed: &[f64]) -> Self {
-        let count = cells.count();
-        let stride = [1, count[0] + 1, (count[0] + 1) * (count[1] + 1)];
+    pub(super) fn law_indices(building: &Building) -> (Vec<Law>, Vec<usize>) {
         let mut laws: Vec<Law> = Vec::new();
         let mut law_of = Vec::new();
         for member in &building.members {
@@ -112,6 +121,13 @@ impl Mesh {
             });
             law_of.push(index);
         }
+        (laws, law_of)
+    }
+
+    fn from_cells(building: &Building, cells: &Partition, real: &[f64], meshed: &[f64]) -> Self {
+        let count = cells.count();
+        let stride = [1, count[0] + 1, (count[0] + 1) * (count[1] + 1)];
+        let (laws, law_of) = Self::law_indices(building);
         let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
         let mut nodes = Vec::new();
         let mut elements = Vec::new();
@@ -183,11 +199,7 @@ pub fn strength_factor(building: &Building, member: &str) -> f64 {
 }
 
 /// Nodes on the supported faces.
-fn supported_nodes(
-    building: &Building,
-    solids: &[crate::base::geom::Aabb],
-    nodes: &[[f64; 3]],
-) -> Vec<usize> {
+fn supported_nodes(building: &Building, solids: &[Aabb], nodes: &[[f64; 3]]) -> Vec<usize> {
     let faces: Vec<([f64; 3], [f64; 3])> = building
         .supports
         .iter()

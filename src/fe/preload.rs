@@ -2,40 +2,45 @@
 //! residual of the nonlinear equations is negligible.
 
 use super::dynamics::Dynamics;
-use super::full::{self, FullState};
-use super::kernel::{BlockState, KernelStep, LANES, update_block};
-use super::law::ElementForm;
-use super::mesh::{Mesh, Tie};
+use super::kernel::KernelStep;
+use super::mesh::Mesh;
+use super::stiffness::{LowerColumns, Unknowns, assemble, for_each_entry, number_unknowns};
 use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
-use std::collections::BTreeMap;
+use faer::sparse::linalg::solvers::Llt;
+use faer::sparse::{SparseColMat, SparseColMatRef, SymbolicSparseColMatRef, Triplet};
+use faer::{Mat, Side};
 
 /// Largest residual force over the total weight at which the state counts as equilibrium.
 pub const RESIDUAL: f64 = 1e-9;
 /// Iterations of the (modified Newton) solve, at most.
 pub const ITERATIONS: usize = 60;
+/// Equations from which the factor is kept in single precision and refined by conjugate gradients: half the memory.
+pub const SINGLE_PRECISION_FROM: usize = 100_000;
+/// Conjugate gradient iterations of one solve, at most, and the residual at which they end.
+const REFINEMENTS: (usize, f64) = (300, 1e-6);
+
+/// What is said of a structure that cannot stand.
+const MECHANISM: &str = "the structure is a mechanism: its stiffness matrix is not positive definite";
 
 /// Brings a body from rest into static equilibrium under gravity and applied forces. Returns the number
 /// of iterations, or what is wrong.
-pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
-    let unknown = number_unknowns(body);
-    let count = unknown.iter().flatten().filter(|u| u.is_some()).count();
-    let stiffness = assemble(mesh, body, &unknown, count).map_err(|e| format!("stiffness matrix: {e}"))?;
-    let factor = stiffness.sp_cholesky(faer::Side::Lower).map_err(|_| {
-        "the structure is a mechanism: its stiffness matrix is not positive definite".to_string()
-    })?;
+pub fn equilibrate(_mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
+    let (unknown, count) = number_unknowns(body);
+    let solver = Solver::of(body, &unknown, count)?;
     let gravity = body.acceleration_m_s2.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let weight: f64 = body.mass_kg.iter().sum::<f64>() * gravity
         + body.applied_n.iter().flatten().map(|f| f.abs()).sum::<f64>();
     for iteration in 0..ITERATIONS {
-        let mut rhs = faer::Mat::<f64>::zeros(count, 1);
+        let mut rhs = vec![0.0; count];
         let mut largest: f64 = 0.0;
         for (n, row) in unknown.iter().enumerate() {
-            let internal_n = body.internal_n(n);
-            for (i, u) in row.iter().enumerate() {
+            if row.iter().all(Option::is_none) {
+                continue;
+            }
+            let force = residual(body, n);
+            for (force, u) in force.into_iter().zip(row) {
                 if let Some(u) = u {
-                    let force = residual(body, n, i, internal_n);
-                    rhs[(*u, 0)] = force;
+                    rhs[*u as usize] = force;
                     largest = if force.is_finite() { largest.max(force.abs()) } else { f64::INFINITY };
                 }
             }
@@ -47,12 +52,13 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
             body.v.iter_mut().for_each(|v| *v = [0.0; 3]);
             return Ok(iteration);
         }
-        let step = factor.solve(&rhs);
-        for (n, row) in unknown.iter().enumerate() {
-            for (i, u) in row.iter().enumerate() {
-                body.v[n][i] = u.map_or(0.0, |u| step[(u, 0)]);
-                body.x[n][i] += body.v[n][i];
-            }
+        let step = solver.solve(&rhs)?;
+        for (v, row) in body.v.iter_mut().zip(&unknown) {
+            *v = row.map(|u| u.map_or(0.0, |u| step[u as usize]));
+        }
+        body.follow_ties();
+        for (x, v) in body.x.as_flattened_mut().iter_mut().zip(body.v.as_flattened()) {
+            *x += v;
         }
         body.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 1.0);
     }
@@ -61,101 +67,152 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
     ))
 }
 
-fn residual(body: &Dynamics, n: usize, i: usize, internal_n: [f64; 3]) -> f64 {
-    let weight = body.mass_kg[n] * body.acceleration_m_s2[i];
-    let other = body.other_n.get(n).map_or(0.0, |f| f[i]);
-    body.applied_n[n][i] + weight + other - internal_n[i]
-}
-
-/// Equation number of each free component.
-fn number_unknowns(body: &Dynamics) -> Vec<[Option<usize>; 3]> {
-    let mut next = 0;
-    let mut number = |free: bool| {
-        free.then(|| {
-            next += 1;
-            next - 1
+/// Force out of balance on a node and on what is tied to it \[N\].
+fn residual(body: &Dynamics, n: usize) -> [f64; 3] {
+    let own = |n: usize| -> [f64; 3] {
+        let internal_n = body.internal_n(n);
+        let other = body.other_n.get(n).copied().unwrap_or_default();
+        std::array::from_fn(|i| {
+            let weight = body.mass_kg[n] * body.acceleration_m_s2[i];
+            body.applied_n[n][i] + weight + other[i] - internal_n[i]
         })
     };
-    (0..body.x.len())
-        .map(|n| {
-            std::array::from_fn(|i| number(body.mass_kg[n] > 0.0 && body.prescribed_m_s[n][i].is_none()))
-        })
-        .collect()
+    let mut force = own(n);
+    for (node, share) in body.ties.carried_by(n) {
+        let tied = own(*node as usize);
+        force = std::array::from_fn(|i| force[i] + share * tied[i]);
+    }
+    force
 }
 
-/// The elastic stiffness, lower triangle, from the kernel itself by unit displacements.
-fn assemble(
-    mesh: &Mesh,
-    body: &Dynamics,
-    unknown: &[[Option<usize>; 3]],
-    count: usize,
-) -> Result<SparseColMat<usize, f64>, String> {
-    const UNIT_M: f64 = 1e-9;
-    let mut triplets = Vec::with_capacity(mesh.elements.len() * 300);
-    for (index, block) in body.blocks.blocks.iter().enumerate() {
-        let nodes = body.blocks.global_nodes(index);
-        let mut x = [[0.0; LANES]; 24];
-        for (lane, nodes) in nodes.iter().enumerate() {
-            for (local, n) in nodes.iter().enumerate() {
-                for i in 0..3 {
-                    x[3 * local + i][lane] = body.x[*n as usize][i];
-                }
+/// A factorised stiffness.
+enum Solver {
+    /// In double precision.
+    Direct(Llt<usize, f64>),
+    /// In single precision, beside the matrix.
+    Refined(LowerColumns, Llt<u32, f32>),
+}
+
+impl Solver {
+    fn of(body: &Dynamics, unknown: &Unknowns, count: usize) -> Result<Self, String> {
+        if count >= SINGLE_PRECISION_FROM {
+            return Self::refined(assemble(body, unknown, count));
+        }
+        let mut triplets = Vec::with_capacity(body.blocks.elements() * 300);
+        for_each_entry(body, unknown, |r, c, v| triplets.push(Triplet::new(r as usize, c as usize, v)));
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &triplets)
+            .map_err(|e| format!("stiffness matrix: {e:?}"))?;
+        drop(triplets);
+        matrix.sp_cholesky(Side::Lower).map(Self::Direct).map_err(|_| MECHANISM.to_string())
+    }
+
+    fn refined(matrix: LowerColumns) -> Result<Self, String> {
+        let n = matrix.count;
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.starts, None, &matrix.rows);
+        let mut values: Vec<f32> = matrix.values.iter().map(|v| *v as f32).collect();
+        // Rounding to single precision may cost a matrix its definiteness; as a preconditioner it may be a little stiffer.
+        for stiffer in [1e-6, 1e-4] {
+            for start in &matrix.starts[..n] {
+                let diagonal = matrix.values[*start as usize];
+                values[*start as usize] = (diagonal * (1.0 + stiffer)) as f32;
+            }
+            if let Ok(factor) = SparseColMatRef::new(pattern, &values[..]).sp_cholesky(Side::Lower) {
+                drop(values);
+                return Ok(Self::Refined(matrix, factor));
             }
         }
-        let mut elastic = block.material;
-        elastic.yield_scale = [1e12; LANES];
-        let table = &body.blocks.tables[block.material.table];
-        for column in 0..24 {
-            let mut du = [[0.0; LANES]; 24];
-            du[column] = [UNIT_M; LANES];
-            let mut state = BlockState { share: block.state.share, ..BlockState::default() };
-            let mut force = [[0.0; LANES]; 24];
-            let step = KernelStep { dt_s: 1.0, viscous: false };
-            if elastic.form == ElementForm::FullyIntegrated {
-                let mut points = FullState::default();
-                full::update(&x, &du, 1.0, &elastic, table, &mut state, &mut points, &mut force, step);
-            } else {
-                update_block(&x, &du, &elastic, table, &mut state, &mut force, step);
+        Err(MECHANISM.to_string())
+    }
+
+    fn solve(&self, rhs: &[f64]) -> Result<Vec<f64>, String> {
+        match self {
+            Self::Direct(factor) => {
+                let step = factor.solve(&Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]));
+                Ok((0..rhs.len()).map(|i| step[(i, 0)]).collect())
             }
-            for lane in 0..LANES {
-                let Some(c) = unknown[nodes[lane][column / 3] as usize][column % 3] else { continue };
-                for (row, values) in force.iter().enumerate() {
-                    let Some(r) = unknown[nodes[lane][row / 3] as usize][row % 3] else { continue };
-                    if r >= c && block.state.share[lane] > 0.0 {
-                        triplets.push(Triplet::new(r, c, values[lane] / UNIT_M));
-                    }
-                }
-            }
+            Self::Refined(matrix, factor) => conjugate_gradients(matrix, rhs, |r| {
+                let scale = r.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
+                let z = factor.solve(&Mat::from_fn(r.len(), 1, |i, _| (r[i] / scale) as f32));
+                (0..r.len()).map(|i| f64::from(z[(i, 0)]) * scale).collect()
+            }),
         }
     }
-    add_trusses(mesh, body, unknown, &mut triplets);
-    SparseColMat::try_new_from_triplets(count, count, &triplets).map_err(|e| format!("{e:?}"))
 }
 
-/// Stiffness of the bars; that of a tied node goes to its masters.
-fn add_trusses(
-    mesh: &Mesh,
-    body: &Dynamics,
-    unknown: &[[Option<usize>; 3]],
-    triplets: &mut Vec<Triplet<usize, usize, f64>>,
-) {
-    let tied: BTreeMap<usize, &Tie> = mesh.ties.iter().map(|t| (t.node, t)).collect();
-    let carriers = |n: usize| tied.get(&n).map_or_else(|| vec![(n, 1.0)], |t| t.masters.clone());
-    for ([a, b], stiffness) in body.trusses.stiffnesses(&body.x) {
-        let mut ends = carriers(a);
-        ends.extend(carriers(b).into_iter().map(|(n, w)| (n, -w)));
-        for &(n, w) in &ends {
-            for &(m, u) in &ends {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        if let (Some(r), Some(c)) = (unknown[n][i], unknown[m][j])
-                            && r >= c
-                        {
-                            triplets.push(Triplet::new(r, c, w * u * stiffness[i][j]));
-                        }
-                    }
-                }
-            }
+/// Preconditioned conjugate gradients (Saad, Iterative Methods for Sparse Linear Systems, algorithm 9.1).
+fn conjugate_gradients(
+    matrix: &LowerColumns,
+    rhs: &[f64],
+    precondition: impl Fn(&[f64]) -> Vec<f64>,
+) -> Result<Vec<f64>, String> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (mut x, mut product, mut r) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()], rhs.to_vec());
+    let aim = REFINEMENTS.1 * dot(rhs, rhs).sqrt();
+    let mut z = precondition(&r);
+    let mut p = z.clone();
+    let mut power = dot(&r, &z);
+    for _ in 0..REFINEMENTS.0 {
+        matrix.times(&p, &mut product);
+        let curvature = dot(&p, &product);
+        if curvature <= 0.0 || !curvature.is_finite() {
+            return Err(MECHANISM.to_string());
         }
+        let length = power / curvature;
+        for i in 0..x.len() {
+            x[i] += length * p[i];
+            r[i] -= length * product[i];
+        }
+        if dot(&r, &r).sqrt() <= aim {
+            return Ok(x);
+        }
+        z = precondition(&r);
+        let next = dot(&r, &z);
+        let turn = next / power;
+        power = next;
+        p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + turn * *p);
+    }
+    Err(format!("{MECHANISM}, or nearly so: no static solution within {} refinements", REFINEMENTS.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A chain of springs on an elastic bed.
+    fn chain(count: usize) -> LowerColumns {
+        let mut matrix = LowerColumns { count, starts: vec![0], ..Default::default() };
+        for i in 0..count {
+            matrix.rows.push(i as u32);
+            matrix.values.push(2.0e9 + 1e4);
+            if i + 1 < count {
+                matrix.rows.push(i as u32 + 1);
+                matrix.values.push(-1.0e9);
+            }
+            matrix.starts.push(matrix.rows.len() as u32);
+        }
+        matrix
+    }
+
+    #[test]
+    fn single_precision_is_refined_to_the_residual_asked_for() {
+        let matrix = chain(50_000);
+        let mut rhs = vec![0.0; matrix.count];
+        rhs[40_000] = 1e5;
+        let solver = Solver::refined(matrix.clone()).unwrap();
+        let x = solver.solve(&rhs).unwrap();
+        let mut back = vec![0.0; matrix.count];
+        matrix.times(&x, &mut back);
+        let off = back.iter().zip(&rhs).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        assert!(off < 2e-6 * 1e5, "{off}");
+    }
+
+    #[test]
+    fn a_free_chain_is_a_mechanism() {
+        let mut matrix = chain(50);
+        matrix.values.iter_mut().for_each(|v| *v = if *v > 0.0 { 2.0e9 } else { -1.0e9 });
+        let last = matrix.values.len() - 1;
+        (matrix.values[0], matrix.values[last]) = (1e9, 1e9);
+        let solved = Solver::refined(matrix).and_then(|s| s.solve(&[1.0; 50]));
+        assert!(solved.is_err_and(|e| e.contains("mechanism")));
     }
 }

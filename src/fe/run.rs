@@ -291,7 +291,8 @@ impl Recorder {
             .map(|d| body.blocks.internal_j(d.element))
             .sum();
         let [contact_j, friction_j] = body.contact_j;
-        let supplied = self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j;
+        let supplied =
+            self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + body.ties.released_j;
         let residual_j = kinetic_j + internal_j + hourglass_j + viscous_j - supplied;
         self.energies.push(FeEnergies {
             kinetic_j,

@@ -77,7 +77,8 @@ pub fn add(building: &mut Building, id: &str, kind: MemberKind, min: [f64; 3], m
         _ => ("slab", 2),
     };
     let solid = Aabb { min, max };
-    building.members.push(Member { id: id.into(), kind, section: section.into(), solid, axis, storey: None });
+    let (id, section, openings) = (id.into(), section.into(), Vec::new());
+    building.members.push(Member { id, kind, section, solid, axis, storey: None, openings });
 }
 
 /// Holds the bottom of a member.

@@ -1,0 +1,168 @@
+//! Meshes of buildings: openings, refinement, columns with a mesh of their own, quality.
+
+use fallwerk::base::tree::Format;
+use fallwerk::building::partition::Partition;
+use fallwerk::building::{Building, EXAMPLE, parse, read};
+use fallwerk::fe::apart::tied_members;
+use fallwerk::fe::contact::RigidSurfaces;
+use fallwerk::fe::dynamics::Dynamics;
+use fallwerk::fe::mesh::Mesh;
+use fallwerk::fe::preload::equilibrate;
+use fallwerk::fe::quality::{Quality, sliver_note};
+use fallwerk::graph::Structure;
+
+fn building(change: impl Fn(String) -> String) -> Building {
+    parse(&change(EXAMPLE.into()), Format::Toml, "a.toml").unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The reference building with a column at (x, 2.5) in the first storey.
+fn with_column(x: f64, mesh: &str) -> Building {
+    let column = format!(
+        "[[members]]\nid = \"C1-X\"\nkind = \"column\"\nsection = \"column\"\nfrom = [{x}, 2.5, 0]\nto = [{x}, 2.5, 3.5]\n\n[[supports]]"
+    );
+    building(|text| text.replacen("[[supports]]", &column, 1) + mesh)
+}
+
+/// Mass, centre and inertia of a part about its centre, from its elements (boxes).
+fn mass_of_part(mesh: &Mesh, part: usize, density: f64) -> (f64, [f64; 3], [f64; 3]) {
+    let boxes: Vec<([f64; 3], [f64; 3], f64)> = (0..mesh.elements.len())
+        .filter(|e| mesh.elements[*e].part == part)
+        .map(|e| {
+            let nodes = mesh.elements[e].nodes.map(|n| mesh.nodes[n]);
+            let size: [f64; 3] = std::array::from_fn(|i| nodes[6][i] - nodes[0][i]);
+            (mesh.center(e), size, density * mesh.elements[e].smear * size.iter().product::<f64>())
+        })
+        .collect();
+    let mass: f64 = boxes.iter().map(|b| b.2).sum();
+    let center: [f64; 3] = std::array::from_fn(|i| boxes.iter().map(|b| b.2 * b.0[i]).sum::<f64>() / mass);
+    let square = |b: &([f64; 3], [f64; 3], f64), i: usize| {
+        b.2 * (b.1[i].powi(2) / 12.0 + (b.0[i] - center[i]).powi(2))
+    };
+    let inertia =
+        std::array::from_fn(|i| boxes.iter().map(|b| square(b, (i + 1) % 3) + square(b, (i + 2) % 3)).sum());
+    (mass, center, inertia)
+}
+
+/// A slab with a stairwell and a wall with a door: partition, graph (whence the rigid bodies) and FE mesh have the same mass, centre and inertia.
+#[test]
+fn openings_are_missing_in_all_models() {
+    let whole = building(|t| t);
+    let cut = building(|text| {
+        text.replace("slab_overhang = \"200 mm\"", "slab_overhang = \"200 mm\"\nslab_openings = [{ from = [1.5, 2], to = [4.1, 3.2] }]")
+            .replacen("[[supports]]", "[[members]]\nid = \"W1\"\nkind = \"wall\"\nsection = \"slab\"\nfrom = [6.075, 0.2, 0]\nto = [6.075, 4.8, 3]\nopenings = [{ from = [1, 0], to = [2, \"2.1 m\"] }]\n\n[[supports]]", 1)
+    });
+    let index = |id: &str| cut.members.iter().position(|m| m.id == id).unwrap();
+    let (slab, wall) = (index("S1"), index("W1"));
+    let volumes = Partition::of(&cut).volumes(cut.members.len());
+    let uncut = Partition::of(&whole).volumes(whole.members.len());
+    assert!((uncut[slab] - volumes[slab] - 2.6 * 1.2 * 0.25).abs() < 1e-9);
+    assert!((volumes[wall] - 0.25 * (4.6 * 3.0 - 2.1)).abs() < 1e-9, "{}", volumes[wall]);
+    let (mesh, _) = Mesh::of(&cut, 0.4);
+    let structure = Structure::of(&cut);
+    for part in [slab, wall] {
+        let (mass, center, inertia) = mass_of_part(&mesh, part, 2500.0);
+        let rigid = structure.mass_of(&[part]);
+        assert!((mass / rigid.mass_kg - 1.0).abs() < 1e-9, "{mass} against {}", rigid.mass_kg);
+        assert!((mass / (2500.0 * volumes[part]) - 1.0).abs() < 1e-9);
+        for i in 0..3 {
+            assert!((center[i] - rigid.center_m[i]).abs() < 0.01, "{center:?} against {:?}", rigid.center_m);
+            assert!(
+                (inertia[i] / rigid.inertia_kg_m2[i][i] - 1.0).abs() < 0.02,
+                "{inertia:?} against {:?}",
+                rigid.inertia_kg_m2
+            );
+        }
+    }
+    let in_opening = |p: [f64; 3]| p[0] > 1.6 && p[0] < 4.0 && p[1] > 2.1 && p[1] < 3.1;
+    assert!((0..mesh.elements.len()).all(|e| mesh.elements[e].part != slab || !in_opening(mesh.center(e))));
+}
+
+/// Element heights of the columns near their ends and in between.
+#[test]
+fn refinement_near_member_ends() {
+    let fine = building(|t| t + "\n[[mesh.refine]]\nmembers = [\"C1-*\"]\nsize = 0.2\nends = 0.8\n");
+    let (mesh, _) = Mesh::of(&fine, 0.4);
+    let (coarse, _) = Mesh::of(&building(|t| t), 0.4);
+    let heights = |mesh: &Mesh, from: f64, to: f64| {
+        let of = |e: &fallwerk::fe::mesh::Element| mesh.nodes[e.nodes[4]][2] - mesh.nodes[e.nodes[0]][2];
+        let inside = (0..mesh.elements.len()).filter(|e| (from..to).contains(&mesh.center(*e)[2]));
+        inside.map(|e| of(&mesh.elements[e])).fold([f64::INFINITY, 0.0], |[a, b], h| [h.min(a), h.max(b)])
+    };
+    assert!(heights(&mesh, 0.0, 0.8).iter().all(|h| (h - 0.2).abs() < 1e-9));
+    assert!(heights(&mesh, 0.8, 2.6)[0] > 0.3);
+    assert_eq!(heights(&mesh, 3.5, 6.5), heights(&coarse, 3.5, 6.5), "the next storey is as before");
+    assert!(mesh.elements.len() > coarse.elements.len());
+}
+
+/// A column off the lines of the others: its own mesh, tied at the head, the same mass, and a dead-load state that bears the weight.
+#[test]
+fn a_column_off_the_grid_is_tied() {
+    let joined = with_column(2.9, "");
+    let tied = with_column(2.9, "\n[mesh]\ntie_below = 0.3\n");
+    // Another column 0.15 m off the line of the first: its faces would make slivers.
+    let second = "[[members]]\nid = \"C1-Y\"\nkind = \"column\"\nsection = \"column\"\nfrom = [3.05, 1.3, 0]\nto = [3.05, 1.3, 3.5]\n\n[[supports]]";
+    let with_second = |b: &str| {
+        let text = EXAMPLE.replacen(
+            "[[supports]]",
+            &second.replace("C1-Y", "C1-X").replace("3.05, 1.3", "2.9, 2.5"),
+            1,
+        );
+        parse(&(text.replacen("[[supports]]", second, 1) + b), Format::Toml, "a.toml")
+            .unwrap_or_else(|e| panic!("{e}"))
+    };
+    assert!(Mesh::of(&joined, 0.4).0.ties.is_empty());
+    assert!(Mesh::of(&tied, 0.4).0.ties.is_empty(), "nothing is near the first one");
+    let (free, tied) = (with_second(""), with_second("\n[mesh]\ntie_below = 0.2\n"));
+    let ((conforming, _), (mesh, snapped)) = (Mesh::of(&free, 0.4), Mesh::of(&tied, 0.4));
+    assert!(conforming.ties.is_empty());
+    assert_eq!(tied_members(&tied, &mesh).len(), 1);
+    assert_eq!(mesh.ties.len(), 9, "the head, three by three nodes; the foot is held");
+    assert!(snapped.iter().all(|s| !s.member.starts_with("C1-X") && !s.member.starts_with("C1-Y")));
+    let mass =
+        |mesh: &Mesh| (0..27).map(|p| mass_of_part(mesh, p, 2500.0).0).filter(|m| m.is_finite()).sum::<f64>();
+    assert!((mass(&mesh) / mass(&conforming) - 1.0).abs() < 1e-9);
+    let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);
+    equilibrate(&mesh, &mut body).unwrap();
+    let weight = body.mass_kg.iter().sum::<f64>() * 9.81;
+    let held: f64 = mesh.fixed.iter().map(|n| body.internal_n(*n)[2] + body.mass_kg[*n] * 9.81).sum();
+    assert!((held / weight - 1.0).abs() < 1e-8, "{held} against {weight}");
+    let part = tied.members.iter().position(|m| m.id == tied_members(&tied, &mesh)[0]).unwrap();
+    let foot: f64 = mesh
+        .fixed
+        .iter()
+        .filter(|n| body.blocks.elements_at(**n).any(|e| mesh.elements[e].part == part))
+        .map(|n| body.internal_n(*n)[2] + body.mass_kg[*n] * 9.81)
+        .sum();
+    assert!(foot > 3.0 * mass_of_part(&mesh, part, 2500.0).0 * 9.81, "it carries some of the slab: {foot}");
+}
+
+/// The note on slivers names the planes and members, and a mesh without slivers has none.
+#[test]
+fn slivers_are_named() {
+    let plain = building(|t| t);
+    let quality = |b: &Building| {
+        let (mesh, snapped) = Mesh::of(b, 0.4);
+        Quality::of(&mesh, &snapped).unwrap()
+    };
+    assert_eq!(sliver_note(&plain, &quality(&plain), 0.4), None);
+    let off = with_column(0.32, ""); // its faces at 0.12 and 0.52 m, that of C1-A1 at 0.2 m, snapped
+    assert_eq!(sliver_note(&off, &quality(&off), 0.4), None);
+    let off = with_column(0.5 - 0.18, "");
+    assert!((quality(&off).all.step_s / quality(&plain).all.step_s) <= 1.0);
+    let off = with_column(0.52, ""); // its face at 0.32 m, that of C1-A1 at 0.2 m
+    let note = sliver_note(&off, &quality(&off), 0.4).expect("planes 0.12 m apart");
+    assert!(note.contains("x = 0.200 m") && note.contains("x = 0.320 m (`C1-X`)"), "{note}");
+}
+
+/// The building for runs of full size: its element count and time step are what its dimensions were chosen for.
+#[test]
+fn the_six_storey_building_has_no_slivers() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("buildings/six-storey.toml");
+    let building = read(&path).unwrap_or_else(|e| panic!("{e}"));
+    let (mesh, snapped) = Mesh::of(&building, building.settings.mesh_size_m);
+    assert!((80_000..90_000).contains(&mesh.elements.len()));
+    assert!(snapped.is_empty(), "{snapped:?}");
+    let quality = Quality::of(&mesh, &snapped).unwrap();
+    assert!(quality.all.step_s > 3e-5 && quality.all.aspect < 3.0 && quality.all.scaled_jacobian > 0.999);
+    assert_eq!(sliver_note(&building, &quality, building.settings.mesh_size_m), None);
+}
