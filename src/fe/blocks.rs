@@ -46,6 +46,8 @@ pub struct Blocks {
     contributions: Vec<u32>,
     /// Forces of the last kernel call, one for each block.
     forces: Vec<BlockForce>,
+    /// Whether each element was detached from its neighbours; empty if none was.
+    detached: Vec<bool>,
 }
 
 impl Blocks {
@@ -65,9 +67,50 @@ impl Blocks {
             blocks.push(block(mesh, elements));
             first += same;
         }
-        let (starts, contributions) = scatter_map(mesh, &place);
         let forces = vec![[[0.0; LANES]; 24]; blocks.len()];
-        Self { blocks, tables, place, starts, contributions, forces }
+        let mut this = Self {
+            blocks,
+            tables,
+            place,
+            starts: Vec::new(),
+            contributions: Vec::new(),
+            forces,
+            detached: Vec::new(),
+        };
+        this.connect(mesh.nodes.len());
+        this
+    }
+
+    /// Finds again which element forces act on which of `nodes` nodes.
+    pub(super) fn connect(&mut self, nodes: usize) {
+        let elements: Vec<[usize; 8]> = (0..self.place.len()).map(|e| self.nodes_of(e)).collect();
+        (self.starts, self.contributions) = scatter_map(nodes, &elements, &self.place);
+    }
+
+    /// Gives an element other nodes, a share of its yield stress, and a life without erosion by strain.
+    pub(super) fn detach(&mut self, element: usize, copies: &[[usize; 2]], strength: f64) {
+        let (block, lane) = self.place[element];
+        let (block, lane) = (&mut self.blocks[block as usize], lane as usize);
+        for n in &mut block.nodes[lane] {
+            if let Some([_, new]) = copies.iter().find(|[old, _]| *old == *n as usize) {
+                *n = *new as u32;
+            }
+        }
+        block.material.yield_scale[lane] *= strength;
+        block.material.critical_strain[lane] = f64::INFINITY;
+        self.detached.resize(self.place.len(), false);
+        self.detached[element] = true;
+    }
+
+    /// Whether an element was detached from its neighbours.
+    pub fn is_detached(&self, element: usize) -> bool {
+        self.detached.get(element) == Some(&true)
+    }
+
+    /// Nodes of an element.
+    pub fn nodes_of(&self, element: usize) -> [usize; 8] {
+        let (block, lane) = self.place[element];
+        self.blocks[block as usize].nodes[lane as usize].map(|n| n as usize)
     }
 
     /// Kernel over all blocks that still act, with the displacement increments `dt_s * v`.
@@ -239,23 +282,20 @@ fn block(mesh: &Mesh, elements: Vec<usize>) -> Block {
 }
 
 /// For each node, where its element forces stand.
-fn scatter_map(mesh: &Mesh, place: &[(u32, u8)]) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; mesh.nodes.len() + 1];
-    for element in &mesh.elements {
-        for n in element.nodes {
-            starts[n + 1] += 1;
-        }
+fn scatter_map(nodes: usize, elements: &[[usize; 8]], place: &[(u32, u8)]) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; nodes + 1];
+    for n in elements.as_flattened() {
+        starts[n + 1] += 1;
     }
     for i in 1..starts.len() {
         starts[i] += starts[i - 1];
     }
     let mut next = starts.clone();
-    let mut contributions = vec![0; starts[mesh.nodes.len()] as usize];
-    for (index, element) in mesh.elements.iter().enumerate() {
-        let (block, lane) = place[index];
-        for (local, n) in element.nodes.iter().enumerate() {
+    let mut contributions = vec![0; starts[nodes] as usize];
+    for (element, (block, lane)) in elements.iter().zip(place) {
+        for (local, n) in element.iter().enumerate() {
             contributions[next[*n] as usize] =
-                block * FORCES as u32 + (3 * LANES * local) as u32 + u32::from(lane);
+                block * FORCES as u32 + (3 * LANES * local) as u32 + u32::from(*lane);
             next[*n] += 1;
         }
     }

@@ -6,6 +6,7 @@
 
 use super::blocks::Blocks;
 use super::contact::RigidSurfaces;
+use super::erosion::{self, Failure};
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use rayon::prelude::*;
@@ -13,8 +14,6 @@ use rayon::prelude::*;
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
 /// covers the change of geometry within a step.
 pub const STEP_SAFETY: f64 = 0.9;
-/// An element whose own critical step falls below this share of the first step is eroded: it has collapsed.
-pub const STEP_COLLAPSE: f64 = 0.1;
 /// Nodes handed to a thread at a time. Sums over nodes are sums over the sums of chunks, on any number of threads.
 const CHUNK: usize = 256;
 /// Elements from which threads are used.
@@ -29,6 +28,10 @@ pub enum Death {
     Collapsed,
     /// It was removed by an event.
     Removed,
+    /// Its largest principal strain reached the critical value.
+    Torn,
+    /// It reached a critical strain and was detached from its neighbours; it still acts, as debris.
+    Split,
 }
 
 /// The state of an explicit run.
@@ -73,6 +76,8 @@ pub struct Dynamics {
     pub gravity_j: f64,
     /// Elements that died in the last step.
     pub deaths: Vec<(usize, Death)>,
+    /// When elements fail, and what has failed.
+    pub failure: Failure,
     /// Internal force of the last step \[N\].
     pub internal_n: Vec<[f64; 3]>,
     parallel: bool,
@@ -106,6 +111,7 @@ impl Dynamics {
             driven_j: 0.0,
             gravity_j: 0.0,
             deaths: Vec::new(),
+            failure: Failure::of(mesh),
             internal_n: vec![[0.0; 3]; n],
             blocks,
             parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
@@ -137,8 +143,13 @@ impl Dynamics {
     /// The time step that the acting elements allow \[s\].
     pub fn allowed_step_s(&self) -> f64 {
         let largest = self.blocks.blocks.iter().map(|b| b.largest_bound).fold(0.0, f64::max);
+        if largest > 0.0 { self.step_under_bound_s(largest) } else { self.dt_s }
+    }
+
+    /// The time step for a bound of the largest squared frequency \[1/s²\], with viscosity and safety \[s\].
+    pub fn step_under_bound_s(&self, bound_1_s2: f64) -> f64 {
         let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
-        if largest > 0.0 { self.step_safety * viscous * 2.0 / largest.sqrt() } else { self.dt_s }
+        self.step_safety * viscous * 2.0 / bound_1_s2.sqrt()
     }
 
     /// One step. Returns the kinetic energy at the full step \[J\] if `measure`.
@@ -159,7 +170,7 @@ impl Dynamics {
         self.update_elements(KernelStep { dt_s: dt, viscous: true }, dt);
         self.time_s += dt;
         self.steps += 1;
-        self.erode();
+        erosion::fail(self);
         let kinetic = self.accelerate(dt, measure);
         let allowed = self.allowed_step_s();
         if allowed < dt {
@@ -180,32 +191,6 @@ impl Dynamics {
             self.x.par_chunks_mut(CHUNK).zip(self.v.par_chunks(CHUNK)).for_each(drift);
         } else {
             drift((&mut self.x, &self.v));
-        }
-    }
-
-    /// Takes away elements past their critical strain, collapsed ones and ones that went wrong.
-    fn erode(&mut self) {
-        self.deaths.clear();
-        let limit = (2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2);
-        for index in 0..self.blocks.blocks.len() {
-            let block = &self.blocks.blocks[index];
-            if !block.alarm && block.largest_bound <= limit {
-                continue;
-            }
-            for lane in 0..block.elements.len() {
-                let block = &self.blocks.blocks[index];
-                if block.state.share[lane] == 0.0 {
-                    continue;
-                }
-                let healthy = block.bound[lane] > 0.0 && block.bound[lane] <= limit;
-                let eroded = block.state.plastic_strain[lane] >= block.material.critical_strain[lane];
-                if healthy && !eroded {
-                    continue;
-                }
-                self.deaths
-                    .push((block.elements[lane], if eroded { Death::Eroded } else { Death::Collapsed }));
-                self.blocks.end(index, lane);
-            }
         }
     }
 

@@ -12,15 +12,37 @@ pub const RESIDUAL: f64 = 1e-9;
 /// Iterations of the (modified Newton) solve, at most.
 pub const ITERATIONS: usize = 60;
 
+/// Why the sparse solve finds no static state.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PreloadError {
+    /// The stiffness matrix could not be built.
+    #[error("stiffness matrix: {0}")]
+    Stiffness(String),
+    /// It is singular.
+    #[error("the structure is a mechanism: its stiffness matrix is not positive definite")]
+    Mechanism,
+    /// Not a number.
+    #[error("the static solve diverges")]
+    Diverges,
+    /// The elastic iterations do not converge.
+    #[error(
+        "no equilibrium under dead load after {ITERATIONS} iterations: the structure yields under its own weight"
+    )]
+    NoEquilibrium,
+}
+
+/// [`solve`] with the error as text.
+pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
+    solve(mesh, body).map_err(|e| e.to_string())
+}
+
 /// Brings a body from rest into static equilibrium under gravity and applied forces. Returns the number
 /// of iterations, or what is wrong.
-pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
+pub fn solve(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, PreloadError> {
     let unknown = number_unknowns(body);
     let count = unknown.iter().flatten().filter(|u| u.is_some()).count();
-    let stiffness = assemble(mesh, body, &unknown, count).map_err(|e| format!("stiffness matrix: {e}"))?;
-    let factor = stiffness.sp_cholesky(faer::Side::Lower).map_err(|_| {
-        "the structure is a mechanism: its stiffness matrix is not positive definite".to_string()
-    })?;
+    let stiffness = assemble(mesh, body, &unknown, count).map_err(PreloadError::Stiffness)?;
+    let factor = stiffness.sp_cholesky(faer::Side::Lower).map_err(|_| PreloadError::Mechanism)?;
     let gravity = body.acceleration_m_s2.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
     let weight: f64 = body.mass_kg.iter().sum::<f64>() * gravity
         + body.applied_n.iter().flatten().map(|f| f.abs()).sum::<f64>();
@@ -37,7 +59,7 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
             }
         }
         if !largest.is_finite() {
-            return Err("the static solve diverges".into());
+            return Err(PreloadError::Diverges);
         }
         if largest <= RESIDUAL * weight {
             body.v.iter_mut().for_each(|v| *v = [0.0; 3]);
@@ -53,9 +75,7 @@ pub fn equilibrate(mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
         body.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 1.0);
         body.refresh_internal_forces();
     }
-    Err(format!(
-        "no equilibrium under dead load after {ITERATIONS} iterations: the structure yields under its own weight"
-    ))
+    Err(PreloadError::NoEquilibrium)
 }
 
 fn residual(body: &Dynamics, n: usize, i: usize) -> f64 {

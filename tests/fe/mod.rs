@@ -3,7 +3,10 @@
 mod cantilever;
 mod contact;
 mod element;
+mod erosion;
 mod mesh;
 mod motion;
 mod plastic;
+mod relaxation;
 mod static_state;
+mod step;
