@@ -155,9 +155,7 @@ pub(super) fn fail(body: &mut Dynamics) {
     body.deaths.clear();
     body.failure.splits.clear();
     let mut failed = by_plastic_strain_or_step(body);
-    if !body.failure.watched.is_empty()
-        && body.steps.is_multiple_of(body.failure.strain_check_steps.max(1))
-    {
+    if !body.failure.watched.is_empty() && body.steps.is_multiple_of(body.failure.strain_check_steps.max(1)) {
         failed.extend(by_principal_strain(body, &failed));
     }
     for (element, cause) in failed {
@@ -347,7 +345,14 @@ pub fn principal_strain(reference: &[Vec3; 8], x: &[Vec3; 8]) -> f64 {
             }
         }
     }
-    let c = [dot(f[0], f[0]), dot(f[1], f[1]), dot(f[2], f[2]), dot(f[0], f[1]), dot(f[1], f[2]), dot(f[2], f[0])];
+    let c = [
+        dot(f[0], f[0]),
+        dot(f[1], f[1]),
+        dot(f[2], f[2]),
+        dot(f[0], f[1]),
+        dot(f[1], f[2]),
+        dot(f[2], f[0]),
+    ];
     0.5 * largest_eigenvalue(&c).ln()
 }
 

@@ -455,7 +455,8 @@ fn resist(
             force[3 * node + i][l] = nodal[node];
         }
     }
-    bound[l] = if acts { frequency_bound(&g, volume * inverse_mass, lambda, mu, s.distortion[l]) } else { 0.0 };
+    bound[l] =
+        if acts { frequency_bound(&g, volume * inverse_mass, lambda, mu, s.distortion[l]) } else { 0.0 };
 }
 
 /// Bulk viscosity pressure \[Pa\] (negative: compression) from the rate of volume strain, von Neumann and Richtmyer

@@ -120,7 +120,8 @@ fn report(mesh: &Mesh, steps: &[f64], masses: &[f64], step_s: f64) -> MassScalin
     for (e, element) in mesh.elements.iter().enumerate() {
         let added = added_kg(steps[e], masses[e], step_s);
         elements += usize::from(added > 0.0);
-        for (sum, more) in [(&mut sums, [added, masses[e]]), (&mut of_part[element.part], [added, masses[e]])] {
+        for (sum, more) in [(&mut sums, [added, masses[e]]), (&mut of_part[element.part], [added, masses[e]])]
+        {
             sum[0] += more[0];
             sum[1] += more[1];
         }

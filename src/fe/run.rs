@@ -87,7 +87,8 @@ pub fn run(
     let parallel = rayon::current_num_threads() > 1;
     let mut body = Dynamics::new(&mesh, settings.gravity_m_s2, RigidSurfaces::of(building), parallel);
     body.failure.fate = options.on_failure;
-    let scaled = options.mass_scaling_step_s.map(|s| scale_mass(&mesh, &mut body, s, options.mass_scaling_forced));
+    let scaled =
+        options.mass_scaling_step_s.map(|s| scale_mass(&mesh, &mut body, s, options.mass_scaling_forced));
     let mass_scaling = scaled.transpose()?;
     let preload = relaxation::static_state(&mesh, &mut body).map_err(FeError::Preload)?;
     body.surfaces.new_touches.clear();
@@ -125,6 +126,8 @@ pub fn run(
 struct Removal {
     /// `(time, elements)` not yet finished.
     pending: Vec<(f64, Vec<usize>)>,
+    /// Elements whose removal has begun.
+    begun: Vec<bool>,
 }
 
 impl Removal {
@@ -145,10 +148,11 @@ impl Removal {
                 (charge.time_s, (0..mesh.elements.len()).filter(hit).collect())
             })
             .collect();
-        Self { pending }
+        Self { pending, begun: vec![false; mesh.elements.len()] }
     }
 
-    /// Lowers the acting share of elements under removal; at the end takes their mass away.
+    /// Lowers the acting share of elements under removal; at the end takes their mass away. Their stress is frozen first: a column that kept
+    /// its stiffness would be pressed harder as its share falls, and shed its load within a small part of the duration at the very end.
     fn apply(&mut self, mesh: &Mesh, body: &mut Dynamics, duration_s: f64, recorder: &mut Recorder) {
         let now = body.time_s;
         let mut finished = Vec::new();
@@ -160,6 +164,9 @@ impl Removal {
             for e in elements {
                 if body.blocks.share(*e) == 0.0 {
                     continue;
+                }
+                if !std::mem::replace(&mut self.begun[*e], true) {
+                    body.blocks.soften(*e);
                 }
                 body.blocks.set_share(*e, share.max(0.0));
                 if share <= 0.0 {
@@ -321,8 +328,7 @@ impl Recorder {
             .sum();
         let [contact_j, friction_j] = body.contact_j;
         let released_j = body.failure.table.released_j;
-        let supplied =
-            self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + released_j;
+        let supplied = self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + released_j;
         let residual_j = kinetic_j + internal_j + hourglass_j + viscous_j - supplied;
         self.energies.push(FeEnergies {
             kinetic_j,

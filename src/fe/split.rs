@@ -31,9 +31,10 @@ pub(super) fn split(body: &mut Dynamics, element: usize) -> Split {
     let mut copies = Vec::new();
     for n in body.blocks.nodes_of(element) {
         // the map still shows the elements before the splits of this step: ask their own nodes
-        let shared = body.blocks.elements_at(n).any(|e| {
-            e != element && body.blocks.share(e) > 0.0 && body.blocks.nodes_of(e).contains(&n)
-        });
+        let shared = body
+            .blocks
+            .elements_at(n)
+            .any(|e| e != element && body.blocks.share(e) > 0.0 && body.blocks.nodes_of(e).contains(&n));
         if shared {
             copies.push([n, copy_node(body, n, share_kg)]);
         }

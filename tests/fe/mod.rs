@@ -8,5 +8,6 @@ mod mesh;
 mod motion;
 mod plastic;
 mod relaxation;
+mod removal;
 mod static_state;
 mod step;

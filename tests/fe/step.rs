@@ -59,7 +59,7 @@ fn families() -> Vec<(&'static str, Vec<Nodes>)> {
         .iter()
         .flat_map(|a| ASPECTS.iter().map(move |b| mapped(cube, |p| [p[0], a * p[1], b * p[2]])))
         .collect();
-    let axes = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 3.0], [-1.0, 1.0, 1.0]];
+    let axes: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 3.0], [-1.0, 1.0, 1.0]];
     let turns: Vec<Nodes> = bricks
         .iter()
         .flat_map(|b| axes.iter().flat_map(move |axis| [0.4, 0.8, 1.2].map(|angle| turned(*b, *axis, angle))))
@@ -105,6 +105,8 @@ fn bound_is_safe_for_all_shapes() {
             let most = margins.iter().copied().fold(0.0, f64::max);
             let mean = margins.iter().sum::<f64>() / margins.len() as f64;
             println!("| {name} | {poisson} | {} | {least:.4} | {mean:.3} | {most:.3} |", margins.len());
+            assert!(least > 1.0 - 1e-5, "{name}, Poisson {poisson}: {least}");
+            assert!(most < 1.25, "{name}, Poisson {poisson}: {most}");
         }
     }
 }
@@ -154,5 +156,56 @@ fn assembled_meshes_allow_at_least_the_step_of_their_elements() {
         let bound = body.blocks.blocks.iter().map(|b| b.largest_bound).fold(0.0, f64::max);
         let margin = (bound / true_frequency(&mesh)).sqrt();
         println!("| 5 x 5 x 5 {name} | {margin:.3} |");
+        assert!(margin > 0.999 && margin < 1.6, "{name}: {margin}");
+    }
+}
+
+/// A bar of cubes with one slice an eighth as thick: only that slice gets mass, and the step is the wished one.
+#[test]
+fn mass_scaling_is_selective_and_limited() {
+    let mut mesh = grid([8, 2, 2], [8.0, 2.0, 2.0], elastic(), |_| false);
+    for node in &mut mesh.nodes {
+        node[0] = if node[0] > 4.5 { node[0] - 0.875 } else { node[0] };
+    }
+    mesh.parts.push("slice".into());
+    for e in 0..mesh.elements.len() {
+        mesh.elements[e].part = usize::from((4.0..4.2).contains(&mesh.center(e)[0]));
+    }
+    let fresh = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);
+    let cube = grid([2, 2, 2], [2.0; 3], elastic(), |_| false);
+    let whole = Dynamics::new(&cube, 9.81, RigidSurfaces::default(), false).dt_s;
+    let wished = 0.25 * whole;
+    let mut body = fresh.clone();
+    let report = scale_mass(&mesh, &mut body, wished, false).unwrap();
+    assert!(
+        (body.dt_s / wished - 1.0).abs() < 1e-9 && body.first_dt_s == body.dt_s,
+        "{} {wished}",
+        body.dt_s
+    );
+    assert_eq!((report.elements, report.parts.len(), report.parts[0].part.as_str()), (4, 1, "slice"));
+    let slice_kg = 4.0 * 2500.0 / 8.0;
+    let expected = slice_kg * ((wished / fresh.dt_s).powi(2) - 1.0);
+    assert!((report.added_kg / expected - 1.0).abs() < 1e-9 && report.parts[0].added_kg == report.added_kg);
+    assert!((report.parts[0].added_share * slice_kg / expected - 1.0).abs() < 1e-9);
+    let (before, after): (f64, f64) = (fresh.mass_kg.iter().sum(), body.mass_kg.iter().sum());
+    assert!((after - before - expected).abs() < 1e-6 * expected);
+    for n in 0..mesh.nodes.len() {
+        let near = (3.9..4.2).contains(&mesh.nodes[n][0]);
+        assert_eq!(body.mass_kg[n] > fresh.mass_kg[n] * (1.0 + 1e-12), near, "node {n}");
+    }
+    let mut body = fresh.clone();
+    let error = scale_mass(&mesh, &mut body, whole, false).unwrap_err();
+    let MassScalingError::TooMuch { percent, allowed_s, ref part, .. } = error else { panic!("{error}") };
+    assert!(percent > 5.0 && allowed_s < whole && allowed_s > fresh.dt_s && part == "slice", "{error}");
+    assert_eq!(body.mass_kg, fresh.mass_kg);
+    assert!(scale_mass(&mesh, &mut body, 0.9999 * allowed_s, false).is_ok());
+    let mut forced = fresh.clone();
+    let report = scale_mass(&mesh, &mut forced, whole, true).unwrap();
+    assert!((100.0 * report.added_share - percent).abs() < 1e-9);
+    let mut same = fresh.clone();
+    let report = scale_mass(&mesh, &mut same, 0.9 * fresh.dt_s, false).unwrap();
+    assert_eq!((report.elements, report.added_kg, same.mass_kg == fresh.mass_kg), (0, 0.0, true));
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(scale_mass(&mesh, &mut same, bad, true), Err(MassScalingError::Step(_))));
     }
 }
