@@ -14,9 +14,9 @@ fn small(removal_duration_s: f64) -> Building {
         .replace("x = [0, 6]", "x = [0, 3]")
         .replace("y = [0, 5]", "y = [0, 3]")
         .replace("[\"3.5 m\", \"3.5 m\", \"3.5 m\"]", "[\"3 m\"]")
-        .replace("\"10.5 MPa\"", "\"1000 MPa\"")
-        .replace("\"11.55 MPa\"", "\"1001 MPa\"")
-        .replace("\"12.25 MPa\"", "\"1002 MPa\"");
+        .replace("\"10.5 MPa\"", "\"500 MPa\"")
+        .replace("\"11.55 MPa\"", "\"501 MPa\"")
+        .replace("\"12.25 MPa\"", "\"502 MPa\"");
     let mut building = parse(&text, Format::Toml, "small.toml").unwrap_or_else(|e| panic!("{e}"));
     building.events.truncate(1);
     building.settings.removal_duration_s = removal_duration_s;
