@@ -8,6 +8,8 @@ use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::building::partition::Partition;
 use crate::fe::dynamics::Death;
+use crate::fe::erosion::{ErosionTable, Fate, Loss};
+use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
 use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{FeOptions, run as run_fe};
@@ -42,12 +44,30 @@ pub struct Arguments {
     /// Simulated time in seconds, instead of the building's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     end_time: Option<f64>,
+    /// What becomes of elements that reach their erosion strain
+    #[arg(long, value_enum, default_value_t = OnFailure::Erode)]
+    on_failure: OnFailure,
+    /// Least time step in seconds, kept by adding mass to elements that allow less (at most 5 % of the mass)
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    mass_scaling_step: Option<f64>,
+    /// Accept any amount of added mass
+    #[arg(long, requires = "mass_scaling_step")]
+    force_mass_scaling: bool,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Values of `--on-failure`.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum OnFailure {
+    /// They are deleted
+    Erode,
+    /// They are detached and live on as blocks of debris
+    Split,
 }
 
 /// Runs the command.
@@ -101,7 +121,13 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
     if let Some(end) = end_time_s.filter(|end| *end > LONGEST_S) {
         return Err(Failure::input(format!("--end-time is {end} s, the longest is {LONGEST_S} s")));
     }
-    Ok(FeOptions { mesh_size_m, end_time_s })
+    let mass_scaling_step_s = positive("--mass-scaling-step", arguments.mass_scaling_step)?;
+    let on_failure = match arguments.on_failure {
+        OnFailure::Erode => Fate::Erode,
+        OnFailure::Split => Fate::Split,
+    };
+    let mass_scaling_forced = arguments.force_mass_scaling;
+    Ok(FeOptions { mesh_size_m, end_time_s, on_failure, mass_scaling_step_s, mass_scaling_forced })
 }
 
 /// Runs the FE model and shows how far it is.
@@ -157,6 +183,8 @@ fn record(building: &Building, fe: &FeRun, mesh_size_m: f64) -> Result<Value, Fa
             "eroded": deaths(Death::Eroded),
             "collapsed": deaths(Death::Collapsed),
             "removed": deaths(Death::Removed),
+            "torn": deaths(Death::Torn),
+            "split": deaths(Death::Split),
         },
         "touches": fe.touches,
         "times_s": fe.times_s,
@@ -236,5 +264,50 @@ fn summary(s: &FeSummary) -> String {
         percent(s.hourglass_share),
         s.elapsed.wall_s,
         s.elapsed.cpu_s,
-    )
+    ) + &erosion_words(&s.erosion)
+        + &s.mass_scaling.as_ref().map_or(String::new(), mass_scaling_words)
+}
+
+/// What failed elements took with them, if any did.
+fn erosion_words(table: &ErosionTable) -> String {
+    let mut text = String::new();
+    let causes = [
+        ("by plastic strain", &table.plastic_strain),
+        ("by principal strain", &table.principal_strain),
+        ("by collapse of the step", &table.step_collapse),
+        ("detached as debris", &table.split),
+    ];
+    let failed = causes.iter().filter(|(_, loss)| loss.elements > 0);
+    for (cause, Loss { elements, mass_kg, internal_j, elastic_j, .. }) in failed {
+        let _ = writeln!(
+            text,
+            "  {cause}: {elements} elements, {:.2} t, {:.1} kJ of work, {:.1} kJ of it elastic",
+            mass_kg / 1e3,
+            internal_j / 1e3,
+            elastic_j / 1e3
+        );
+    }
+    if table.free.nodes > 0 {
+        let _ = writeln!(
+            text,
+            "  free debris nodes: {}, {:.2} t, kinetic energy {:.1} kJ",
+            table.free.nodes,
+            table.free.mass_kg / 1e3,
+            table.free.kinetic_j / 1e3
+        );
+    }
+    text
+}
+
+fn mass_scaling_words(scaling: &MassScaling) -> String {
+    let mut text = format!(
+        "  mass scaling: {:.1} kg on {} elements, {} of the mass\n",
+        scaling.added_kg,
+        scaling.elements,
+        percent(scaling.added_share)
+    );
+    for part in &scaling.parts {
+        let _ = writeln!(text, "    {}: {:.1} kg, {}", part.part, part.added_kg, percent(part.added_share));
+    }
+    text
 }

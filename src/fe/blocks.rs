@@ -36,8 +36,6 @@ pub struct Block {
     pub full: Option<Box<FullState>>,
     /// Largest frequency bound of the last kernel call \[1/s²\], zero where nothing acts.
     pub largest_bound: f64,
-    /// Lanes that ended in the last kernel call, one bit each.
-    pub ended: u8,
     /// Whether any lane acts.
     pub acts: bool,
 }
@@ -55,6 +53,8 @@ pub struct Blocks {
     element_nodes: Vec<[u32; 8]>,
     /// Elements that have ended since the blocks were packed.
     dead: usize,
+    /// Whether each element was detached from its neighbours; empty if none was.
+    detached: Vec<bool>,
     /// Hardening tables by law.
     pub tables: Vec<HardeningTable>,
     /// Element of each lane of each block, [`NO_ELEMENT`] if none.
@@ -93,12 +93,12 @@ impl Blocks {
             blocks.push(block(mesh, elements));
             lanes.push(held);
         }
-        let (element_starts, node_elements) = elements_of_nodes(mesh);
         let mut this = Self {
             chunk_blocks: 0,
             quiet: Vec::new(),
             element_nodes: mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect(),
             dead: 0,
+            detached: Vec::new(),
             blocks,
             tables,
             lanes,
@@ -109,10 +109,10 @@ impl Blocks {
             stride: 0,
             node_starts: vec![0; mesh.nodes.len() + 1],
             contributions: Vec::new(),
-            element_starts,
-            node_elements,
+            element_starts: Vec::new(),
+            node_elements: Vec::new(),
         };
-        this.localise(mesh.nodes.len(), &mesh.nodes);
+        this.connect(&mesh.nodes);
         this
     }
 
@@ -138,13 +138,18 @@ impl Blocks {
             lanes.push(held);
         }
         (self.blocks, self.lanes, self.dead) = (blocks, lanes, 0);
-        self.localise(x.len(), x);
+        self.localise(x);
+    }
+
+    /// Finds anew which elements act on which of the nodes at `x`. Forces are zero until the next pass of the kernel.
+    pub(super) fn connect(&mut self, x: &[[f64; 3]]) {
+        (self.element_starts, self.node_elements) = elements_of_nodes(&self.element_nodes, x.len());
+        self.localise(x);
     }
 
     /// A block of elements of other blocks.
     fn collected(&self, places: &[(usize, usize)]) -> Block {
         let mut new = self.blocks[places[0].0].clone();
-        new.ended = 0;
         for lane in 0..LANES {
             let (b, l) = places[lane.min(places.len() - 1)];
             new.state.copy_lane(lane, &self.blocks[b].state, l);
@@ -161,11 +166,11 @@ impl Blocks {
     }
 
     /// Gives each chunk its list of nodes and each node its list of chunks.
-    fn localise(&mut self, nodes_in_mesh: usize, x: &[[f64; 3]]) {
+    fn localise(&mut self, x: &[[f64; 3]]) {
         self.chunk_blocks = (self.blocks.len() / CHUNKS_WISHED).clamp(CHUNK_BLOCKS[0], CHUNK_BLOCKS[1]);
         (self.chunk_nodes, self.chunk_starts, self.quiet, self.stride) =
             (Vec::new(), vec![0], Vec::new(), 0);
-        let mut local = vec![u16::MAX; nodes_in_mesh];
+        let mut local = vec![u16::MAX; x.len()];
         let chunks = self.blocks.chunks_mut(self.chunk_blocks).zip(self.lanes.chunks(self.chunk_blocks));
         for (c, (blocks, lanes)) in chunks.enumerate() {
             let elements = || lanes.iter().flatten().filter(|e| **e != NO_ELEMENT).map(|e| *e as usize);
@@ -198,7 +203,7 @@ impl Blocks {
             entries.extend(nodes.iter().enumerate().map(|(i, n)| (*n, (chunk * self.stride + i) as u32)));
         }
         entries.sort_unstable();
-        self.node_starts = starts_of(nodes_in_mesh, entries.iter().map(|e| e.0 as usize));
+        self.node_starts = starts_of(x.len(), entries.iter().map(|e| e.0 as usize));
         self.contributions = entries.iter().map(|e| e.1).collect();
     }
 
@@ -301,6 +306,62 @@ impl Blocks {
         self.quiet[place as usize / self.chunk_blocks].wake();
     }
 
+    /// Elements that failed in the last pass of the kernel, in the order of the chunks, with the work of their forces over the last
+    /// increment \[J\].
+    pub(super) fn failing(&self) -> Vec<(usize, f64)> {
+        let mut list = Vec::new();
+        for (c, quiet) in self.quiet.iter().enumerate() {
+            let element = |block: u32, lane: u8| self.lanes[c * self.chunk_blocks + block as usize][lane as usize];
+            list.extend(quiet.failing.iter().map(|(block, lane, work_j)| (element(*block, *lane) as usize, *work_j)));
+        }
+        list
+    }
+
+    /// History and constants of an element: its block and lane.
+    pub(super) fn of_element(&self, element: usize) -> (&Block, usize) {
+        let (block, lane) = self.place[element];
+        (&self.blocks[block as usize], lane as usize)
+    }
+
+    /// Nodes of an element.
+    pub fn nodes_of(&self, element: usize) -> [usize; 8] {
+        self.element_nodes[element].map(|n| n as usize)
+    }
+
+    /// Gives an element other nodes, a share of its yield stress, and a life without erosion by strain.
+    pub(super) fn detach(&mut self, element: usize, copies: &[[usize; 2]], strength: f64) {
+        for n in &mut self.element_nodes[element] {
+            if let Some([_, new]) = copies.iter().find(|[old, _]| *old == *n as usize) {
+                *n = *new as u32;
+            }
+        }
+        let (block, lane) = self.place[element];
+        let material = &mut self.blocks[block as usize].material;
+        material.yield_scale[lane as usize] *= strength;
+        material.critical_strain[lane as usize] = f64::INFINITY;
+        self.detached.resize(self.place.len(), false);
+        self.detached[element] = true;
+    }
+
+    /// Whether an element was detached from its neighbours.
+    pub fn is_detached(&self, element: usize) -> bool {
+        self.detached.get(element) == Some(&true)
+    }
+
+    /// Takes the stiffness of an element down to a millionth: its stress stays what it is while it deforms.
+    pub(super) fn soften(&mut self, element: usize) {
+        let (block, lane) = self.place[element];
+        let material = &mut self.blocks[block as usize].material;
+        material.lambda_pa[lane as usize] *= 1e-6;
+        material.mu_pa[lane as usize] *= 1e-6;
+    }
+
+    /// Gives an element another mass.
+    pub(super) fn set_mass_kg(&mut self, element: usize, mass_kg: f64) {
+        let (block, lane) = self.place[element];
+        self.blocks[block as usize].material.mass_kg[lane as usize] = mass_kg;
+    }
+
     /// Equivalent plastic strain of an element.
     pub fn plastic_strain(&self, element: usize) -> f64 {
         let (block, lane) = self.place[element];
@@ -344,11 +405,13 @@ pub struct Quiet {
     pub(super) rest_m: Vec<[f64; 3]>,
     /// Passes in which the chunk was skipped, times its lanes.
     pub(super) skipped: u64,
+    /// Elements that failed in the last pass: block in the chunk, lane, work of their forces over the last increment \[J\].
+    pub(super) failing: Vec<(u32, u8, f64)>,
 }
 
 impl Quiet {
     fn new(edge_m: f64) -> Self {
-        Self { slack_m: f64::INFINITY, edge_m, rest_m: Vec::new(), skipped: 0 }
+        Self { slack_m: f64::INFINITY, edge_m, rest_m: Vec::new(), skipped: 0, failing: Vec::new() }
     }
 
     /// Makes the next pass compute the chunk.
@@ -422,18 +485,18 @@ fn block(mesh: &Mesh, elements: &[usize]) -> Block {
         material.critical_strain[lane] = law.erosion.plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
-    Block { state, material, nodes: [[0; 8]; LANES], full, largest_bound: 0.0, ended: 0, acts: true }
+    Block { state, material, nodes: [[0; 8]; LANES], full, largest_bound: 0.0, acts: true }
 }
 
-/// Elements at each node: starts and list.
-fn elements_of_nodes(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
-    let starts = starts_of(mesh.nodes.len(), mesh.elements.iter().flat_map(|e| e.nodes));
+/// Elements at each of `count` nodes: starts and list.
+fn elements_of_nodes(elements: &[[u32; 8]], count: usize) -> (Vec<u32>, Vec<u32>) {
+    let starts = starts_of(count, elements.as_flattened().iter().map(|n| *n as usize));
     let mut next = starts.clone();
-    let mut list = vec![0; starts[mesh.nodes.len()] as usize];
-    for (index, element) in mesh.elements.iter().enumerate() {
-        for n in element.nodes {
-            list[next[n] as usize] = index as u32;
-            next[n] += 1;
+    let mut list = vec![0; starts[count] as usize];
+    for (index, nodes) in elements.iter().enumerate() {
+        for n in nodes {
+            list[next[*n as usize] as usize] = index as u32;
+            next[*n as usize] += 1;
         }
     }
     (starts, list)

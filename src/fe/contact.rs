@@ -36,6 +36,11 @@ impl RigidSurfaces {
         self.touched = vec![false; nodes];
     }
 
+    /// Makes room for a copy of a node.
+    pub(super) fn add_copy_of(&mut self, node: usize) {
+        self.touched.push(self.touched[node]);
+    }
+
     /// Whether a node at `x` with the trial velocity `new` needs [`Self::resolve`].
     #[inline]
     pub fn reached(&self, dt: f64, x: &[f64; 3], new: &[f64; 3]) -> bool {

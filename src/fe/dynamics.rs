@@ -7,6 +7,7 @@
 
 use super::blocks::Blocks;
 use super::contact::RigidSurfaces;
+use super::erosion::{self, Failure};
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use super::node_field::NodeField;
@@ -18,8 +19,6 @@ use rayon::prelude::*;
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
 /// covers the change of geometry within a step.
 pub const STEP_SAFETY: f64 = 0.9;
-/// An element whose own critical step falls below this share of the first step is eroded: it has collapsed.
-pub const STEP_COLLAPSE: f64 = 0.1;
 /// Nodes handed to a thread at a time. Sums over nodes are sums over the sums of chunks, on any number of threads.
 const CHUNK: usize = 512;
 /// Elements from which threads are used.
@@ -34,6 +33,10 @@ pub enum Death {
     Collapsed,
     /// It was removed by an event.
     Removed,
+    /// Its largest principal strain reached the critical value.
+    Torn,
+    /// It reached a critical strain and was detached from its neighbours; it still acts, as debris.
+    Split,
 }
 
 /// The state of an explicit run.
@@ -67,7 +70,7 @@ pub struct Dynamics {
     /// Time step \[s\].
     pub dt_s: f64,
     /// The step that led to the present positions \[s\], zero at the start: the first kick is half a step.
-    taken_s: f64,
+    pub(super) taken_s: f64,
     /// Whether groups of elements that do not deform keep their forces ([`super::sweep::QUIET_STRAIN`]).
     pub skip_quiet: bool,
     /// Share of the stability limit that is used.
@@ -86,6 +89,8 @@ pub struct Dynamics {
     pub gravity_j: f64,
     /// Elements that died in the last step.
     pub deaths: Vec<(usize, Death)>,
+    /// When elements fail, and what has failed.
+    pub failure: Failure,
     parallel: bool,
 }
 
@@ -120,6 +125,7 @@ impl Dynamics {
             driven_j: 0.0,
             gravity_j: 0.0,
             deaths: Vec::new(),
+            failure: Failure::of(mesh),
             blocks,
             trusses: Trusses::of(mesh),
             parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
@@ -152,11 +158,11 @@ impl Dynamics {
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments. No element ends.
     pub fn update_elements(&mut self, step: KernelStep, dt_s: f64) {
-        self.find_forces(&Sweep { dt_s, step, end_above: None, skip_quiet: false });
+        self.find_forces(&Sweep { dt_s, step, drop_above: None, skip_quiet: false });
     }
 
     /// All forces that follow from positions and the last increment.
-    fn find_forces(&mut self, sweep: &Sweep) {
+    pub(super) fn find_forces(&mut self, sweep: &Sweep) {
         self.blocks.sweep(&self.x, &self.v, sweep, self.parallel);
         if !self.trusses.is_empty() {
             self.other_n.resize(self.x.len(), [0.0; 3]);
@@ -169,8 +175,13 @@ impl Dynamics {
     pub fn allowed_step_s(&self) -> f64 {
         let largest =
             self.blocks.blocks.iter().map(|b| b.largest_bound).fold(self.trusses.bound_1_s2, f64::max);
+        if largest > 0.0 { self.step_under_bound_s(largest) } else { self.dt_s }
+    }
+
+    /// The time step for a bound of the largest squared frequency \[1/s²\], with viscosity and safety \[s\].
+    pub fn step_under_bound_s(&self, bound_1_s2: f64) -> f64 {
         let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
-        if largest > 0.0 { self.step_safety * viscous * 2.0 / largest.sqrt() } else { self.dt_s }
+        self.step_safety * viscous * 2.0 / bound_1_s2.sqrt()
     }
 
     /// One step. Returns the kinetic energy at the full step \[J\] if `measure`.
@@ -190,14 +201,14 @@ impl Dynamics {
         let sweep = Sweep {
             dt_s: taken,
             step: KernelStep { dt_s: taken, viscous: taken > 0.0 },
-            end_above: Some((2.0 / (STEP_COLLAPSE * self.first_dt_s)).powi(2)),
+            drop_above: Some(self.failure.largest_bound_1_s2(self.first_dt_s)),
             skip_quiet: self.skip_quiet,
         };
         if self.taken_s == 0.0 {
             self.follow_ties();
         }
         self.find_forces(&sweep);
-        self.collect_deaths();
+        erosion::fail(self);
         self.ties.release(&self.blocks, &mut self.mass_kg, &mut self.v);
         let allowed = self.allowed_step_s();
         if allowed < before {
@@ -217,22 +228,6 @@ impl Dynamics {
             self.blocks.repack_if_worthwhile(self.deaths.len(), &self.x);
         }
         kinetic
-    }
-
-    /// Lists the elements that ended in the last pass.
-    fn collect_deaths(&mut self) {
-        self.deaths.clear();
-        for (index, block) in self.blocks.blocks.iter().enumerate() {
-            if block.ended == 0 {
-                continue;
-            }
-            for (lane, element) in self.blocks.elements_of(index).enumerate() {
-                if block.ended >> lane & 1 == 1 {
-                    let eroded = block.state.plastic_strain[lane] >= block.material.critical_strain[lane];
-                    self.deaths.push((element, if eroded { Death::Eroded } else { Death::Collapsed }));
-                }
-            }
-        }
     }
 
     /// New velocities from all forces that act for `kick` \[s\], with contact, and new positions; books the work of gravity,

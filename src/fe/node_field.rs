@@ -21,6 +21,12 @@ impl<T: Clone> NodeField<T> {
         self.set[node]
     }
 
+    /// Appends a node with the value of another.
+    pub fn push_copy(&mut self, node: usize) {
+        self.values.push(self.values[node].clone());
+        self.set.push(self.set[node]);
+    }
+
     /// All values.
     pub fn iter(&self) -> std::slice::Iter<'_, T> {
         self.values.iter()

@@ -3,7 +3,6 @@
 
 use super::dynamics::Dynamics;
 use super::kernel::KernelStep;
-use super::mesh::Mesh;
 use super::stiffness::{LowerColumns, Unknowns, assemble, for_each_entry, number_unknowns};
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::Llt;
@@ -19,12 +18,39 @@ pub const SINGLE_PRECISION_FROM: usize = 100_000;
 /// Conjugate gradient iterations of one solve, at most, and the residual at which they end.
 const REFINEMENTS: (usize, f64) = (300, 1e-6);
 
-/// What is said of a structure that cannot stand.
-const MECHANISM: &str = "the structure is a mechanism: its stiffness matrix is not positive definite";
+/// Why the sparse solve finds no static state.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PreloadError {
+    /// The stiffness matrix could not be built.
+    #[error("stiffness matrix: {0}")]
+    Stiffness(String),
+    /// It is singular.
+    #[error("the structure is a mechanism: its stiffness matrix is not positive definite")]
+    Mechanism,
+    /// It is so nearly singular that the iterations find no solution.
+    #[error(
+        "the structure is a mechanism, or nearly so: no static solution within {} refinements of the sparse solve",
+        REFINEMENTS.0
+    )]
+    NearMechanism,
+    /// Not a number.
+    #[error("the static solve diverges")]
+    Diverges,
+    /// The elastic iterations do not converge.
+    #[error(
+        "no equilibrium under dead load after {ITERATIONS} iterations: the structure yields under its own weight"
+    )]
+    NoEquilibrium,
+}
+
+/// [`solve`] with the error as text.
+pub fn equilibrate(body: &mut Dynamics) -> Result<usize, String> {
+    solve(body).map_err(|e| e.to_string())
+}
 
 /// Brings a body from rest into static equilibrium under gravity and applied forces. Returns the number
 /// of iterations, or what is wrong.
-pub fn equilibrate(_mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
+pub fn solve(body: &mut Dynamics) -> Result<usize, PreloadError> {
     let (unknown, count) = number_unknowns(body);
     let solver = Solver::of(body, &unknown, count)?;
     let gravity = body.acceleration_m_s2.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -46,7 +72,7 @@ pub fn equilibrate(_mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
             }
         }
         if !largest.is_finite() {
-            return Err("the static solve diverges".into());
+            return Err(PreloadError::Diverges);
         }
         if largest <= RESIDUAL * weight {
             body.v.iter_mut().for_each(|v| *v = [0.0; 3]);
@@ -62,9 +88,7 @@ pub fn equilibrate(_mesh: &Mesh, body: &mut Dynamics) -> Result<usize, String> {
         }
         body.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 1.0);
     }
-    Err(format!(
-        "no equilibrium under dead load after {ITERATIONS} iterations: the structure yields under its own weight"
-    ))
+    Err(PreloadError::NoEquilibrium)
 }
 
 /// Force out of balance on a node and on what is tied to it \[N\].
@@ -94,19 +118,19 @@ enum Solver {
 }
 
 impl Solver {
-    fn of(body: &Dynamics, unknown: &Unknowns, count: usize) -> Result<Self, String> {
+    fn of(body: &Dynamics, unknown: &Unknowns, count: usize) -> Result<Self, PreloadError> {
         if count >= SINGLE_PRECISION_FROM {
             return Self::refined(assemble(body, unknown, count));
         }
         let mut triplets = Vec::with_capacity(body.blocks.elements() * 300);
         for_each_entry(body, unknown, |r, c, v| triplets.push(Triplet::new(r as usize, c as usize, v)));
         let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &triplets)
-            .map_err(|e| format!("stiffness matrix: {e:?}"))?;
+            .map_err(|e| PreloadError::Stiffness(format!("{e:?}")))?;
         drop(triplets);
-        matrix.sp_cholesky(Side::Lower).map(Self::Direct).map_err(|_| MECHANISM.to_string())
+        matrix.sp_cholesky(Side::Lower).map(Self::Direct).map_err(|_| PreloadError::Mechanism)
     }
 
-    fn refined(matrix: LowerColumns) -> Result<Self, String> {
+    fn refined(matrix: LowerColumns) -> Result<Self, PreloadError> {
         let n = matrix.count;
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.starts, None, &matrix.rows);
         let mut values: Vec<f32> = matrix.values.iter().map(|v| *v as f32).collect();
@@ -121,10 +145,10 @@ impl Solver {
                 return Ok(Self::Refined(matrix, factor));
             }
         }
-        Err(MECHANISM.to_string())
+        Err(PreloadError::Mechanism)
     }
 
-    fn solve(&self, rhs: &[f64]) -> Result<Vec<f64>, String> {
+    fn solve(&self, rhs: &[f64]) -> Result<Vec<f64>, PreloadError> {
         match self {
             Self::Direct(factor) => {
                 let step = factor.solve(&Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]));
@@ -144,7 +168,7 @@ fn conjugate_gradients(
     matrix: &LowerColumns,
     rhs: &[f64],
     precondition: impl Fn(&[f64]) -> Vec<f64>,
-) -> Result<Vec<f64>, String> {
+) -> Result<Vec<f64>, PreloadError> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (mut x, mut product, mut r) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()], rhs.to_vec());
     let aim = REFINEMENTS.1 * dot(rhs, rhs).sqrt();
@@ -155,7 +179,7 @@ fn conjugate_gradients(
         matrix.times(&p, &mut product);
         let curvature = dot(&p, &product);
         if curvature <= 0.0 || !curvature.is_finite() {
-            return Err(MECHANISM.to_string());
+            return Err(PreloadError::Mechanism);
         }
         let length = power / curvature;
         for i in 0..x.len() {
@@ -171,7 +195,7 @@ fn conjugate_gradients(
         power = next;
         p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + turn * *p);
     }
-    Err(format!("{MECHANISM}, or nearly so: no static solution within {} refinements", REFINEMENTS.0))
+    Err(PreloadError::NearMechanism)
 }
 
 #[cfg(test)]
@@ -213,6 +237,6 @@ mod tests {
         let last = matrix.values.len() - 1;
         (matrix.values[0], matrix.values[last]) = (1e9, 1e9);
         let solved = Solver::refined(matrix).and_then(|s| s.solve(&[1.0; 50]));
-        assert!(solved.is_err_and(|e| e.contains("mechanism")));
+        assert!(solved.is_err_and(|e| e.to_string().contains("mechanism")));
     }
 }

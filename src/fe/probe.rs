@@ -40,7 +40,9 @@ impl Probe {
             return Some(std::array::from_fn(|i| x[only][i] + self.point_m[i] - mesh.nodes[only][i]));
         }
         let alive = |n: &&usize| {
-            blocks.elements_at(**n).any(|e| mesh.elements[e].part == self.part && blocks.share(e) == 1.0)
+            blocks.elements_at(**n).any(|e| {
+                mesh.elements[e].part == self.part && blocks.share(e) == 1.0 && !blocks.is_detached(e)
+            })
         };
         let carriers: Vec<usize> = self.nodes.iter().filter(alive).copied().collect();
         if carriers.len() < 3 {

@@ -1,6 +1,8 @@
 //! What an FE run of a building leaves behind.
 
 use super::dynamics::Death;
+use super::erosion::ErosionTable;
+use super::mass_scaling::MassScaling;
 use super::mesh::{Mesh, Snapped};
 use crate::base::cpu::Elapsed;
 use serde::{Deserialize, Serialize};
@@ -16,7 +18,8 @@ pub struct FeRun {
     pub times_s: Vec<f64>,
     /// Displacement histories of the tracked points.
     pub tracked: Vec<History>,
-    /// Node positions at each output time \[m\].
+    /// Node positions at each output time \[m\]. Nodes copied when elements are detached come last, and stand where the node they were
+    /// copied from stands until then.
     pub frames_m: Vec<Vec<[f32; 3]>>,
     /// Equivalent strain rate of each element over the output interval that ends at each time \[1/s\].
     pub strain_rates_1_s: Vec<Vec<f32>>,
@@ -64,7 +67,7 @@ pub struct Touch {
 }
 
 /// Energies at one time \[J\]; the balance is
-/// `kinetic + internal + hourglass + viscous = initial + gravity + contact + friction + removed + residual`.
+/// `kinetic + internal + hourglass + viscous = initial + gravity + contact + friction + removed + released + residual`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct FeEnergies {
     /// Kinetic energy.
@@ -85,6 +88,15 @@ pub struct FeEnergies {
     pub friction_j: f64,
     /// Energy that left the balance with removed members (negative).
     pub removed_j: f64,
+    /// Work booked for forces of dying elements that no longer acted.
+    #[serde(default)]
+    pub released_j: f64,
+    /// Elastic energy lost with eroded elements, part of `eroded_j`.
+    #[serde(default)]
+    pub eroded_elastic_j: f64,
+    /// Part of `kinetic_j` in nodes that belong to no acting element.
+    #[serde(default)]
+    pub free_kinetic_j: f64,
     /// What is missing.
     pub residual_j: f64,
 }
@@ -102,12 +114,21 @@ pub struct FeSummary {
     pub steps: u64,
     /// First time step \[s\].
     pub time_step_s: f64,
-    /// Iterations of the static preload.
+    /// Iterations of the static preload; 0 if it was found by relaxation.
     pub preload_iterations: usize,
+    /// Cycles of the relaxation that found the static preload, if the sparse solve did not.
+    #[serde(default)]
+    pub relaxation_cycles: Option<usize>,
+    /// Mass added for a longer time step, if that was asked for.
+    #[serde(default)]
+    pub mass_scaling: Option<MassScaling>,
     /// First contact of a part that does not stand on the ground with the ground \[s\].
     pub first_ground_contact_s: Option<f64>,
     /// Eroded elements at the end.
     pub eroded_elements: usize,
+    /// What failed elements took out of the structure, and the debris nodes at the end.
+    #[serde(default)]
+    pub erosion: ErosionTable,
     /// Largest energy residual over the largest of kinetic + internal energy and work of gravity.
     pub energy_error: f64,
     /// Largest hourglass over internal energy, after 1 % of the work of gravity has been done.

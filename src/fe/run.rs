@@ -2,10 +2,13 @@
 
 use super::contact::RigidSurfaces;
 use super::dynamics::{Death, Dynamics};
+use super::erosion::{ErosionTable, Fate, free_nodes};
+use super::mass_scaling::{MassScalingError, scale_mass};
 use super::mesh::Mesh;
-use super::preload;
 use super::probe::Probe;
+use super::relaxation;
 use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, Touch};
+use super::split::{self, Split};
 use super::strain_rate::StrainWindow;
 use crate::base::cpu::Stopwatch;
 use crate::building::partition::Partition;
@@ -19,6 +22,12 @@ pub struct FeOptions {
     pub mesh_size_m: Option<f64>,
     /// End time other than the building's \[s\].
     pub end_time_s: Option<f64>,
+    /// What becomes of elements that reach their erosion strain.
+    pub on_failure: Fate,
+    /// Time step to be reached by mass scaling \[s\].
+    pub mass_scaling_step_s: Option<f64>,
+    /// Accept any amount of added mass.
+    pub mass_scaling_forced: bool,
 }
 
 /// How far a run is.
@@ -36,6 +45,9 @@ pub enum FeError {
     /// No static state under dead load.
     #[error("no dead-load state: {0}")]
     Preload(String),
+    /// Mass scaling refused.
+    #[error("mass scaling: {0}")]
+    MassScaling(#[from] MassScalingError),
     /// Not a number.
     #[error(
         "at t = {time_s:.6} s node {node} of part `{part}` has no finite position or velocity; try a smaller time step or a finer mesh"
@@ -71,10 +83,14 @@ pub fn run(
 ) -> Result<FeRun, FeError> {
     let watch = Stopwatch::start();
     let settings = &building.settings;
-    let (mesh, snapped) = Mesh::of(building, options.mesh_size_m.unwrap_or(settings.mesh_size_m));
+    let (mut mesh, snapped) = Mesh::of(building, options.mesh_size_m.unwrap_or(settings.mesh_size_m));
     let parallel = rayon::current_num_threads() > 1;
     let mut body = Dynamics::new(&mesh, settings.gravity_m_s2, RigidSurfaces::of(building), parallel);
-    let preload_iterations = preload::equilibrate(&mesh, &mut body).map_err(FeError::Preload)?;
+    body.failure.fate = options.on_failure;
+    let scaled =
+        options.mass_scaling_step_s.map(|s| scale_mass(&mesh, &mut body, s, options.mass_scaling_forced));
+    let mass_scaling = scaled.transpose()?;
+    let preload = relaxation::static_state(&mesh, &mut body).map_err(FeError::Preload)?;
     body.surfaces.new_touches.clear();
     let mut recorder = Recorder::new(building, &mesh, &body);
     let mut removal = Removal::new(building, &mesh);
@@ -89,13 +105,19 @@ pub fn run(
             let last = body.time_s + 1.5 * body.dt_s >= target;
             recorder.kinetic_j = body.step(last);
             recorder.note(&mesh, &mut body, building);
+            if !body.failure.splits.is_empty() {
+                split::follow(&mut mesh, &body.failure.splits);
+                recorder.follow(&body.failure.splits);
+            }
         }
         let kinetic = recorder.kinetic_j;
         recorder.record(building, &mesh, &mut body, kinetic, interval)?;
         report(Progress { time_s: body.time_s, end_s });
     }
     let mut result = recorder.finish(mesh, snapped, &body);
-    result.summary.preload_iterations = preload_iterations;
+    result.summary.preload_iterations = preload.iterations;
+    result.summary.relaxation_cycles = preload.relaxed.map(|r| r.cycles);
+    result.summary.mass_scaling = mass_scaling;
     result.summary.elapsed = watch.elapsed();
     Ok(result)
 }
@@ -104,6 +126,8 @@ pub fn run(
 struct Removal {
     /// `(time, elements)` not yet finished.
     pending: Vec<(f64, Vec<usize>)>,
+    /// Elements whose removal has begun.
+    begun: Vec<bool>,
 }
 
 impl Removal {
@@ -124,10 +148,11 @@ impl Removal {
                 (charge.time_s, (0..mesh.elements.len()).filter(hit).collect())
             })
             .collect();
-        Self { pending }
+        Self { pending, begun: vec![false; mesh.elements.len()] }
     }
 
-    /// Lowers the acting share of elements under removal; at the end takes their mass away.
+    /// Lowers the acting share of elements under removal; at the end takes their mass away. Their stress is frozen first: a column that kept
+    /// its stiffness would be pressed harder as its share falls, and shed its load within a small part of the duration at the very end.
     fn apply(&mut self, mesh: &Mesh, body: &mut Dynamics, duration_s: f64, recorder: &mut Recorder) {
         let now = body.time_s;
         let mut finished = Vec::new();
@@ -139,6 +164,9 @@ impl Removal {
             for e in elements {
                 if body.blocks.share(*e) == 0.0 {
                     continue;
+                }
+                if !std::mem::replace(&mut self.begun[*e], true) {
+                    body.blocks.soften(*e);
                 }
                 body.blocks.set_share(*e, share.max(0.0));
                 if share <= 0.0 {
@@ -172,6 +200,7 @@ struct Recorder {
     window: StrainWindow,
     deaths: Vec<ElementDeath>,
     removed: Vec<bool>,
+    splits: Vec<Split>,
     touches: Vec<Touch>,
     energies: Vec<FeEnergies>,
     initial_j: f64,
@@ -210,6 +239,7 @@ impl Recorder {
             window: StrainWindow::new(&body.x),
             deaths: Vec::new(),
             removed: vec![false; mesh.elements.len()],
+            splits: Vec::new(),
             touches: Vec::new(),
             energies: Vec::new(),
             initial_j: body.blocks.energies_j().iter().sum::<f64>() + body.trusses.internal_j(),
@@ -245,6 +275,12 @@ impl Recorder {
                 self.touches.push(Touch { time_s: body.time_s, part, surface });
             }
         }
+    }
+
+    /// Elements that were detached in a step.
+    fn follow(&mut self, splits: &[Split]) {
+        self.window.follow(splits);
+        self.splits.extend_from_slice(splits);
     }
 
     /// One output.
@@ -287,12 +323,12 @@ impl Recorder {
         let eroded_j = self
             .deaths
             .iter()
-            .filter(|d| d.cause != Death::Removed)
+            .filter(|d| !matches!(d.cause, Death::Removed | Death::Split))
             .map(|d| body.blocks.internal_j(d.element))
             .sum();
         let [contact_j, friction_j] = body.contact_j;
-        let supplied =
-            self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + body.ties.released_j;
+        let released_j = body.ties.released_j + body.failure.table.released_j;
+        let supplied = self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + released_j;
         let residual_j = kinetic_j + internal_j + hourglass_j + viscous_j - supplied;
         self.energies.push(FeEnergies {
             kinetic_j,
@@ -304,6 +340,9 @@ impl Recorder {
             contact_j,
             friction_j,
             removed_j: self.removed_j,
+            released_j,
+            eroded_elastic_j: body.failure.table.elastic_j(),
+            free_kinetic_j: free_nodes(body).kinetic_j,
             residual_j,
         });
         let largest = self
@@ -323,15 +362,25 @@ impl Recorder {
         Ok(())
     }
 
-    fn finish(self, mesh: Mesh, snapped: Vec<super::mesh::Snapped>, body: &Dynamics) -> FeRun {
+    fn finish(mut self, mesh: Mesh, snapped: Vec<super::mesh::Snapped>, body: &Dynamics) -> FeRun {
+        let nodes = self.frames_m.first().map_or(mesh.nodes.len(), Vec::len);
+        for frame in &mut self.frames_m {
+            for [old, new] in self.splits.iter().flat_map(|s| &s.copies) {
+                if *new == frame.len() {
+                    frame.push(frame[*old]);
+                }
+            }
+        }
+        let erosion = ErosionTable { free: free_nodes(body), ..body.failure.table };
         let summary = FeSummary {
             elements: mesh.elements.len(),
-            nodes: mesh.nodes.len(),
+            nodes,
             mass_kg: (0..mesh.elements.len()).map(|e| body.blocks.mass_kg(e)).sum(),
             steps: body.steps,
             time_step_s: body.first_dt_s,
             first_ground_contact_s: self.first_contact_s,
-            eroded_elements: self.deaths.iter().filter(|d| d.cause != Death::Removed).count(),
+            eroded_elements: erosion.eroded(),
+            erosion,
             energy_error: self.energy_error,
             hourglass_share: self.hourglass_share,
             ..FeSummary::default()

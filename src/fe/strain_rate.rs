@@ -5,6 +5,7 @@
 
 use super::hexahedron::{Vec3, add, cross, dot, gradient, scaled, to_patterns};
 use super::mesh::Mesh;
+use super::split::Split;
 
 /// The interval that is under way.
 #[derive(Debug, Clone)]
@@ -24,6 +25,13 @@ impl StrainWindow {
     /// Keeps the strain of an element that ends now: afterwards its nodes go their own ways.
     pub fn note_end(&mut self, mesh: &Mesh, element: usize, x: &[Vec3]) {
         self.ended.push((element, self.strain(mesh, element, x)));
+    }
+
+    /// Takes in the nodes of elements that were detached.
+    pub fn follow(&mut self, splits: &[Split]) {
+        for [old, _] in splits.iter().flat_map(|s| &s.copies) {
+            self.start_m.push(self.start_m[*old]);
+        }
     }
 
     /// Equivalent strain rates `sqrt(2/3 e:e) / interval` of the interval that ends with the nodes at `x`, `e` being the net deviatoric

@@ -1,4 +1,4 @@
-//! One pass of the kernel over all blocks: gather, kernel, end of failed elements, sum of forces, chunk by chunk.
+//! One pass of the kernel over all blocks: gather, kernel, search for failed elements, sum of forces, chunk by chunk.
 
 use super::blocks::{Block, Blocks, Quiet};
 use super::full;
@@ -19,8 +19,8 @@ pub struct Sweep {
     /// Options of the kernel.
     pub step: KernelStep,
     /// Elements whose squared frequency bound \[1/s²\] is larger, or that have reached their critical plastic strain or lost
-    /// their volume, end in this pass, before their forces act; `None`: none ends.
-    pub end_above: Option<f64>,
+    /// their volume, fail in this pass: their forces are left out; `None`: none fails.
+    pub drop_above: Option<f64>,
     /// Whether quiet chunks keep their forces ([`QUIET_STRAIN`]).
     pub skip_quiet: bool,
 }
@@ -100,7 +100,7 @@ fn chunk(
     v: &[[f64; 3]],
     sweep: &Sweep,
 ) {
-    blocks.iter_mut().for_each(|b| b.ended = 0);
+    quiet.failing.clear();
     if blocks.iter().all(|b| !b.acts) {
         forces.fill([0.0; 3]);
         return;
@@ -155,8 +155,8 @@ fn chunk(
                 full::update(&at, &moved, dt_s, material, table, state, points, &mut force, step)
             }
         };
-        if let Some(limit) = sweep.end_above {
-            end_failed(block, limit, &mut bound, &mut force);
+        if let Some(limit) = sweep.drop_above {
+            drop_failing((index, block), limit, (&moved, dt_s), &mut bound, &mut force, &mut quiet.failing);
         }
         let mut largest = 0.0;
         for l in 0..LANES {
@@ -191,27 +191,31 @@ fn touch(block: &Block) {
     black_box((material.lambda_pa[0], material.yield_scale[0], block.nodes[0][0], block.nodes[4][0]));
 }
 
-/// Ends the lanes that have failed: no share, no force, no bound.
+/// Finds the lanes that have failed and takes their forces away; they are noted for [`super::erosion`].
 #[inline(always)]
-fn end_failed(block: &mut Block, limit: f64, bound: &mut [f64; LANES], force: &mut BlockForce) {
-    let mut failures = 0;
+fn drop_failing(
+    (index, block): (usize, &Block),
+    limit: f64,
+    (moved, dt_s): (&BlockForce, f64),
+    bound: &mut [f64; LANES],
+    force: &mut BlockForce,
+    failing: &mut Vec<(u32, u8, f64)>,
+) {
+    let mut failed = [false; LANES];
+    let mut count = 0;
     for l in 0..LANES {
         let eroded = block.state.plastic_strain[l] >= block.material.critical_strain[l];
         let healthy = bound[l] > 0.0 && bound[l] <= limit;
-        failures += u32::from(block.state.share[l] > 0.0 && (eroded || !healthy));
+        failed[l] = block.state.share[l] > 0.0 && (eroded || !healthy);
+        count += u32::from(failed[l]);
     }
-    if failures == 0 {
+    if count == 0 {
         return;
     }
-    for l in 0..LANES {
-        let eroded = block.state.plastic_strain[l] >= block.material.critical_strain[l];
-        let healthy = bound[l] > 0.0 && bound[l] <= limit;
-        if block.state.share[l] > 0.0 && (eroded || !healthy) {
-            block.ended |= 1 << l;
-            block.state.share[l] = 0.0;
-            bound[l] = 0.0;
-            force.iter_mut().for_each(|f| f[l] = 0.0);
-        }
+    for l in (0..LANES).filter(|l| failed[*l]) {
+        let work: f64 = (0..24).map(|c| force[c][l] * moved[c][l] * dt_s).sum();
+        failing.push((index as u32, l as u8, if work.is_finite() { work } else { 0.0 }));
+        bound[l] = 0.0;
+        force.iter_mut().for_each(|f| f[l] = 0.0);
     }
-    block.acts = block.state.share.iter().any(|s| *s > 0.0);
 }

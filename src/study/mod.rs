@@ -143,7 +143,7 @@ impl ElementHistory {
                 }
             }
         }
-        run.deaths.iter().for_each(|d| this.death_s[d.element] = d.time_s);
+        run.deaths.iter().for_each(|d| this.death_s[d.element] = this.death_s[d.element].min(d.time_s));
         this
     }
 }

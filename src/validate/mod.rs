@@ -3,6 +3,7 @@
 pub mod measure;
 
 use crate::building::{Building, MemberKind};
+use crate::fe::dynamics::Death;
 use crate::fe::result::FeRun;
 use crate::mbs::Model;
 use crate::mbs::result::{EventKind, RunResult};
@@ -206,7 +207,7 @@ fn fe_footprint(run: &FeRun) -> Footprint {
     let mut footprint = Footprint::default();
     let Some(frame) = run.frames_m.last() else { return footprint };
     let mut gone = vec![false; run.mesh.elements.len()];
-    run.deaths.iter().for_each(|d| gone[d.element] = true);
+    run.deaths.iter().filter(|d| d.cause != Death::Split).for_each(|d| gone[d.element] = true);
     for (element, _) in run.mesh.elements.iter().zip(&gone).filter(|(_, gone)| !**gone) {
         let plan: Vec<[f64; 2]> =
             element.nodes.iter().map(|n| [f64::from(frame[*n][0]), f64::from(frame[*n][1])]).collect();

@@ -122,7 +122,7 @@ fn a_column_off_the_grid_is_tied() {
         |mesh: &Mesh| (0..27).map(|p| mass_of_part(mesh, p, 2500.0).0).filter(|m| m.is_finite()).sum::<f64>();
     assert!((mass(&mesh) / mass(&conforming) - 1.0).abs() < 1e-9);
     let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);
-    equilibrate(&mesh, &mut body).unwrap();
+    equilibrate(&mut body).unwrap();
     let weight = body.mass_kg.iter().sum::<f64>() * 9.81;
     let held: f64 = mesh.fixed.iter().map(|n| body.internal_n(*n)[2] + body.mass_kg[*n] * 9.81).sum();
     assert!((held / weight - 1.0).abs() < 1e-8, "{held} against {weight}");

@@ -3,10 +3,14 @@
 mod cantilever;
 mod contact;
 mod element;
+mod erosion;
 mod mesh;
 mod meshing;
 mod motion;
 mod plastic;
+mod relaxation;
+mod removal;
 mod skipping;
 mod static_state;
+mod step;
 mod ties;

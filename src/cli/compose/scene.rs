@@ -2,6 +2,7 @@
 
 use super::Pieces;
 use crate::building::{Building, MemberKind};
+use crate::fe::dynamics::Death;
 use crate::mbs::model::Body;
 use crate::report::{
     BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneObstacle,
@@ -41,7 +42,7 @@ fn fe_scene(p: &Pieces) -> FeScene {
     let mesh = &p.fe.mesh;
     let mut elements: Vec<SceneElement> =
         mesh.elements.iter().map(|e| SceneElement { part: e.part as u32, death_s: None }).collect();
-    for death in &p.fe.deaths {
+    for death in p.fe.deaths.iter().filter(|d| d.cause != Death::Split) {
         elements[death.element].death_s.get_or_insert(death.time_s);
     }
     let hexes: Vec<[u32; 8]> = mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect();

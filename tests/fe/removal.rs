@@ -1,0 +1,63 @@
+//! Removal of a member over a stated time.
+
+use fallwerk::base::tree::Format;
+use fallwerk::building::{Building, EXAMPLE, parse};
+use fallwerk::fe::contact::RigidSurfaces;
+use fallwerk::fe::dynamics::Dynamics;
+use fallwerk::fe::mesh::Mesh;
+use fallwerk::fe::preload::equilibrate;
+use fallwerk::fe::run::{FeOptions, run};
+
+/// One storey, 3 m x 3 m, that stays elastic; one column is removed.
+fn small(removal_duration_s: f64) -> Building {
+    let text = EXAMPLE
+        .replace("x = [0, 6]", "x = [0, 3]")
+        .replace("y = [0, 5]", "y = [0, 3]")
+        .replace("[\"3.5 m\", \"3.5 m\", \"3.5 m\"]", "[\"3 m\"]")
+        .replace("\"10.5 MPa\"", "\"500 MPa\"")
+        .replace("\"11.55 MPa\"", "\"501 MPa\"")
+        .replace("\"12.25 MPa\"", "\"502 MPa\"");
+    let mut building = parse(&text, Format::Toml, "small.toml").unwrap_or_else(|e| panic!("{e}"));
+    building.events.truncate(1);
+    building.settings.removal_duration_s = removal_duration_s;
+    building.settings.end_time_s = removal_duration_s + 0.4;
+    building
+}
+
+/// Removed slowly, the column leaves the others near their static state; removed at once, the corner swings to about twice that. The energy
+/// balance closes in both.
+#[test]
+fn slow_removal_ends_in_the_static_state_of_the_rest() {
+    let building = small(0.6);
+    let (mesh, _) = Mesh::of(&building, 0.5);
+    let removed = building.members.iter().position(|m| m.id == building.events[0].member).unwrap();
+    let (rest, old) = mesh.cut_out(|e| mesh.elements[e].part != removed);
+    let at_rest = |mesh: &Mesh| {
+        let mut body = Dynamics::new(mesh, building.settings.gravity_m_s2, RigidSurfaces::default(), false);
+        equilibrate(&mut body).unwrap();
+        body.x
+    };
+    let (whole, left) = (at_rest(&mesh), at_rest(&rest));
+    let sag = |n: usize| whole[old[n]][2] - left[n][2];
+    let node = (0..left.len()).max_by(|a, b| sag(*a).total_cmp(&sag(*b))).unwrap();
+    let expected = sag(node);
+    let options = FeOptions { mesh_size_m: Some(0.5), ..FeOptions::default() };
+    for (duration, least, most) in [(0.6, 0.9, 1.1), (0.0, 1.5, 2.1)] {
+        let found = run(&small(duration), &options, &mut |_| {}).unwrap();
+        let sags: Vec<f64> = found
+            .times_s
+            .iter()
+            .zip(&found.frames_m)
+            .filter(|(t, _)| **t >= duration)
+            .map(|(_, frame)| whole[old[node]][2] - f64::from(frame[old[node]][2]))
+            .collect();
+        let largest = sags.iter().copied().fold(0.0, f64::max) / expected;
+        let error = found.summary.energy_error;
+        println!("duration {duration}: sag {expected}, largest {largest} of it, energy error {error}");
+        assert!((least..most).contains(&largest), "{duration}: {largest}");
+        let residual = found.energies.iter().map(|e| e.residual_j.abs()).fold(0.0, f64::max);
+        let work = found.energies.iter().map(|e| e.gravity_j).fold(0.0, f64::max);
+        assert!(residual < 0.03 * work, "{duration}: {residual} of {work} J");
+        assert!(found.deaths.iter().all(|d| mesh.elements[d.element].part == removed));
+    }
+}
