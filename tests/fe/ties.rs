@@ -84,7 +84,7 @@ fn uniform_stress_across_a_tied_face() {
     }
     let at_the_interface = patch([4, 2, 2], [6, 3, 3], 0.0);
     let two_elements_away = patch([4, 2, 2], [6, 3, 3], 1.0);
-    assert!((1e-4..0.02).contains(&at_the_interface), "{at_the_interface:e}");
+    assert!((1e-4..0.03).contains(&at_the_interface), "{at_the_interface:e}");
     assert!(two_elements_away < 0.2 * at_the_interface, "{two_elements_away:e}");
 }
 
