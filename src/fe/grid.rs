@@ -97,7 +97,7 @@ fn stands_free(building: &Building, column: usize, apart: &[bool]) -> bool {
         let along = other.solid.min[2] < clear[1] - COORDINATE_TOLERANCE_M
             && other.solid.max[2] > clear[0] + COORDINATE_TOLERANCE_M;
         let meets = beside && gap(2) < COORDINATE_TOLERANCE_M;
-        !(beside && along) && !(meets && apart[i])
+        !(beside && along || meets && apart[i])
     })
 }
 

@@ -41,7 +41,10 @@ fn plain() -> Law {
     Law { poisson_ratio: 0.0, ..elastic() }
 }
 
-/// The consistent nodal forces of a uniform traction of 1 MPa in direction `axis` on the face at the largest x.
+/// Traction of the patch test \[Pa\]: strains of 3e-7, so that the change of geometry does not show.
+const TRACTION_PA: f64 = 1e4;
+
+/// The consistent nodal forces of a uniform traction in direction `axis` on the face at the largest x.
 fn pull(mesh: &Mesh, body: &mut Dynamics, axis: usize, counts: [usize; 3]) {
     let end = mesh.nodes.iter().map(|p| p[0]).fold(0.0, f64::max);
     for n in (0..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] == end) {
@@ -49,7 +52,7 @@ fn pull(mesh: &Mesh, body: &mut Dynamics, axis: usize, counts: [usize; 3]) {
             let edge = mesh.nodes[n][i] < 1e-9 || mesh.nodes[n][i] > 1.0 - 1e-9;
             if edge { 0.5 / counts[i] as f64 } else { 1.0 / counts[i] as f64 }
         };
-        body.applied_n[n][axis] = 1e6 * share(1) * share(2);
+        body.applied_n[n][axis] = TRACTION_PA * share(1) * share(2);
     }
 }
 
@@ -60,8 +63,8 @@ fn patch(first: [usize; 3], second: [usize; 3], near_m: f64) -> f64 {
     pull(&mesh, &mut body, 0, second);
     equilibrate(&mut body).unwrap();
     let held: f64 = mesh.fixed.iter().map(|n| body.internal_n(*n)[0]).sum();
-    assert!((held + 1e6).abs() < 1e-2, "the force passed on is exact: {held}");
-    let per_m = 1e6 / 30e9;
+    assert!((held + TRACTION_PA).abs() < 1e-6 * TRACTION_PA, "the force passed on is exact: {held}");
+    let per_m = TRACTION_PA / 30e9;
     let off = |n: usize| {
         let exact = [per_m * mesh.nodes[n][0], 0.0, 0.0];
         (0..3).map(|i| (body.x[n][i] - mesh.nodes[n][i] - exact[i]).abs()).fold(0.0, f64::max)
@@ -77,11 +80,11 @@ fn patch(first: [usize; 3], second: [usize; 3], near_m: f64) -> f64 {
 fn uniform_stress_across_a_tied_face() {
     for (first, second) in [([4, 1, 1], [8, 2, 2]), ([4, 2, 2], [8, 4, 4]), ([4, 1, 1], [12, 3, 3])] {
         let off = patch(first, second, 0.0);
-        assert!(off < 1e-8, "{first:?} to {second:?}: {off:e}");
+        assert!(off < 5e-7, "{first:?} to {second:?}: {off:e}");
     }
     let at_the_interface = patch([4, 2, 2], [6, 3, 3], 0.0);
     let two_elements_away = patch([4, 2, 2], [6, 3, 3], 1.0);
-    assert!((1e-4..0.02).contains(&at_the_interface), "{at_the_interface:e}");
+    assert!((1e-4..0.03).contains(&at_the_interface), "{at_the_interface:e}");
     assert!(two_elements_away < 0.2 * at_the_interface, "{two_elements_away:e}");
 }
 
@@ -112,6 +115,8 @@ fn momentum(body: &Dynamics) -> [f64; 3] {
 fn energy_and_momentum_across_a_tied_face() {
     let mesh = pair([4, 2, 2], [6, 3, 3], 2.0, elastic(), |_| false);
     let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+    body.step_safety = 0.2; // the energy of central differences swings with the square of the step
+    body.dt_s *= 0.2;
     assert!((body.mass_kg.iter().sum::<f64>() - 4.0 * 2500.0).abs() < 1e-6);
     for n in 0..mesh.nodes.len() {
         let [x, y, z] = mesh.nodes[n];
@@ -121,12 +126,12 @@ fn energy_and_momentum_across_a_tied_face() {
     let before = momentum(&body);
     let start = body.kinetic_j();
     let mut worst: f64 = 0.0;
-    for _ in 0..1500 {
+    for _ in 0..3000 {
         let kinetic = body.step(true);
         let total = kinetic + body.blocks.energies_j().iter().sum::<f64>();
         worst = worst.max((total / start - 1.0).abs());
     }
-    assert!(worst < 5e-3, "energy {worst:e}");
+    assert!(worst < 1.5e-3, "energy {worst:e}");
     for (a, b) in before.iter().zip(momentum(&body)) {
         assert!((a - b).abs() < 1e-9 * 1e4, "{a} to {b}");
     }
