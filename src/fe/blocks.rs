@@ -5,6 +5,7 @@ use super::kernel::{self, BlockForce, BlockMaterial, BlockState, KernelStep, LAN
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Blocks handed to a thread at a time. No result depends on it.
 const CHUNK: usize = 16;
@@ -12,7 +13,7 @@ const CHUNK: usize = 16;
 const FORCES: usize = 24 * LANES;
 
 /// Eight elements of one law.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct Block {
     /// Constants.
@@ -32,7 +33,7 @@ pub struct Block {
 }
 
 /// All blocks with the scatter map.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Blocks {
     /// The blocks.
     pub blocks: Vec<Block>,

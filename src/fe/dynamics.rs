@@ -9,6 +9,7 @@ use super::contact::RigidSurfaces;
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
 /// covers the change of geometry within a step.
@@ -21,7 +22,7 @@ const CHUNK: usize = 256;
 const PARALLEL_ELEMENTS: usize = 512;
 
 /// What ended an element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Death {
     /// Its plastic strain reached the critical value.
     Eroded,
@@ -31,8 +32,8 @@ pub enum Death {
     Removed,
 }
 
-/// The state of an explicit run.
-#[derive(Debug, Clone)]
+/// The state of an explicit run. All of it is in checkpoints.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dynamics {
     /// Elements.
     pub blocks: Blocks,
@@ -108,14 +109,20 @@ impl Dynamics {
             deaths: Vec::new(),
             internal_n: vec![[0.0; 3]; n],
             blocks,
-            parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
+            parallel: false,
         };
+        this.use_threads(parallel);
         this.surfaces.resize(n);
         this.assemble_mass(mesh, |_| true);
         this.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 0.0);
         this.dt_s = this.allowed_step_s();
         this.first_dt_s = this.dt_s;
         this
+    }
+
+    /// Use the current rayon pool or one thread; the results are the same.
+    pub fn use_threads(&mut self, parallel: bool) {
+        self.parallel = parallel && self.blocks.place.len() >= PARALLEL_ELEMENTS;
     }
 
     /// Lumps the masses of the elements that `counts`.

@@ -35,6 +35,7 @@ use super::hexahedron::{
     Vec3, add, cbrt, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
 };
 use crate::material::j2::HardeningTable;
+use serde::{Deserialize, Serialize};
 
 /// Elements a block holds.
 pub const LANES: usize = 8;
@@ -51,7 +52,7 @@ pub const BULK_LINEAR: f64 = 0.06;
 pub const BULK_QUADRATIC: f64 = 1.5;
 
 /// Material constants of eight elements that share a hardening table.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct BlockMaterial {
     /// First Lamé constant \[Pa\].
@@ -69,7 +70,7 @@ pub struct BlockMaterial {
 }
 
 /// What a block of elements remembers.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct BlockState {
     /// Cauchy stress in the element's frame \[Pa\]: xx, yy, zz, xy, yz, zx.

@@ -6,16 +6,17 @@
 //! `q_trial - 3 G Δp = σ_y(p + Δp)`, solved exactly over the kinks of the table.
 
 use crate::building::HardeningPoint;
+use serde::{Deserialize, Serialize};
 
 /// A hardening table as straight segments: `σ_y = stress + slope (p - strain)` from `strain` to the
 /// next segment's `strain`; the last segment is flat and has no end.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HardeningTable {
     segments: Vec<Segment>,
 }
 
 /// One straight piece.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Segment {
     strain: f64,
     stress_pa: f64,
