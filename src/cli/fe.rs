@@ -8,8 +8,8 @@ use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::building::partition::Partition;
 use crate::fe::dynamics::Death;
-use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::restart::RestartError;
+use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use crate::study::{COLLAPSE_DROP_M, facts};
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let progress = Progress::on_stderr();
     let pool = thread_pool(arguments.threads)?;
     let every = arguments.vtu_every.or(arguments.vtu.then_some(1));
-    let mut series = every.map(|every| VtuSeries::new(output.path(), every as usize));
+    let mut series = every.map(|every| VtuSeries::new(output.path(), every as usize).after(&target));
     let frames = series.as_mut().map(|s| s as &mut dyn FrameSink);
     let attached = Attached { frames, checkpoints, resume: arguments.resume.clone() };
     let kept = || output.keep();
@@ -143,7 +143,12 @@ fn checkpoints(arguments: &Arguments, target: &Path) -> Result<Option<Checkpoint
     }
     let path = match &arguments.checkpoint {
         Some(path) => path.clone(),
-        None => return Ok(Some(Checkpoints { path: OutputFolder::unfinished_path(target).join(CHECKPOINT), every_s })),
+        None => {
+            return Ok(Some(Checkpoints {
+                path: OutputFolder::unfinished_path(target).join(CHECKPOINT),
+                every_s,
+            }));
+        }
     };
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() || path.is_dir() {

@@ -196,11 +196,6 @@ impl Recorder {
         self.times_s.len()
     }
 
-    /// Outputs recorded so far: number and time \[s\].
-    pub fn outputs(&self) -> Vec<(usize, f64)> {
-        self.times_s.iter().copied().enumerate().collect()
-    }
-
     /// The results.
     pub fn finish(self, mesh: Mesh, snapped: Vec<Snapped>, body: &Dynamics) -> FeRun {
         let summary = FeSummary {

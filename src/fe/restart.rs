@@ -101,11 +101,16 @@ impl Head {
     fn difference(&self, own: &Self) -> Option<String> {
         let frames = |every: Option<usize>| every.map_or("no grids".into(), |n| format!("--vtu-every {n}"));
         if self.model_hash != own.model_hash {
-            return Some("the building has changed, or is another one; give the building file of the first part".into());
+            return Some(
+                "the building has changed, or is another one; give the building file of the first part"
+                    .into(),
+            );
         }
         if self.mesh_size_m.to_bits() != own.mesh_size_m.to_bits() {
             let (theirs, ours) = (self.mesh_size_m, own.mesh_size_m);
-            return Some(format!("its mesh size is {theirs} m, here it is {ours} m; give --mesh-size {theirs}"));
+            return Some(format!(
+                "its mesh size is {theirs} m, here it is {ours} m; give --mesh-size {theirs}"
+            ));
         }
         (self.frames_every != own.frames_every).then(|| {
             let (theirs, ours) = (frames(self.frames_every), frames(own.frames_every));
@@ -176,7 +181,8 @@ pub fn decode<S: DeserializeOwned>(bytes: &[u8], path: &Path, own: &Head) -> Res
     if bytes.len() != end.saturating_add(CHECKSUM) {
         return Err(damaged("its length is not the one it names"));
     }
-    if blake3::hash(&bytes[..end]) != blake3::Hash::from_bytes(bytes[end..].try_into().map_err(|_| short())?) {
+    if blake3::hash(&bytes[..end]) != blake3::Hash::from_bytes(bytes[end..].try_into().map_err(|_| short())?)
+    {
         return Err(damaged("its checksum does not fit"));
     }
     let format = u32::from_le_bytes(bytes[8..12].try_into().map_err(|_| short())?);

@@ -7,7 +7,7 @@ use super::preload;
 use super::recorder::Recorder;
 use super::restart::{self, Head, RestartError};
 use super::result::{ElementDeath, FeRun};
-use super::vtu::FrameSink;
+use super::vtu::{FrameSink, WrittenFrame};
 use crate::base::cpu::{Elapsed, Stopwatch};
 use crate::base::hash::ContentHash;
 use crate::building::Building;
@@ -110,6 +110,8 @@ struct RunState {
     recorder: Recorder,
     removal: Removal,
     preload_iterations: usize,
+    /// Frames on disk.
+    frames: Vec<WrittenFrame>,
     /// Time taken until here.
     elapsed: Elapsed,
 }
@@ -159,6 +161,7 @@ pub fn run_with(
             && (output == outputs || to.due(target - interval, target))
         {
             head.time_s = target;
+            state.frames = attached.frames.as_ref().map_or(Vec::new(), |f| f.written().to_vec());
             restart::write(&to.path, &head, &state)?;
             checkpoints += 1;
         }
@@ -201,7 +204,8 @@ impl RunState {
         let mut recorder = Recorder::new(building, mesh, &body, outputs, options.keep_frames);
         recorder.record(building, mesh, &body, attached.frames.as_deref_mut())?;
         let removal = Removal::new(building, mesh);
-        Ok(Self { body, recorder, removal, preload_iterations, elapsed: Elapsed::default() })
+        let (frames, elapsed) = (Vec::new(), Elapsed::default());
+        Ok(Self { body, recorder, removal, preload_iterations, frames, elapsed })
     }
 
     /// The state in a checkpoint.
@@ -219,13 +223,14 @@ impl RunState {
             let [nodes, elements] = sizes;
             return Err(other(format!("it has {nodes} nodes and {elements} elements")).into());
         }
-        let done = state.recorder.outputs();
-        if let Some((last, time_s)) = done.last().filter(|(last, _)| *last > outputs) {
-            let what = format!("it is at t = {time_s} s (output {last}), behind the end of this run; give a later --end-time");
+        if state.recorder.count() > outputs + 1 {
+            let time_s = state.body.time_s;
+            let what =
+                format!("it is at t = {time_s:.3} s, behind the end of this run; give a later --end-time");
             return Err(other(what).into());
         }
         if let Some(frames) = &mut attached.frames {
-            frames.resume(&done).map_err(FeError::Output)?;
+            frames.resume(mesh, std::mem::take(&mut state.frames)).map_err(FeError::Output)?;
         }
         state.body.use_threads(rayon::current_num_threads() > 1);
         Ok(state)

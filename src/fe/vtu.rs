@@ -3,8 +3,10 @@
 use super::dynamics::Dynamics;
 use super::hexahedron::{Vec3, add, frame, scaled, to_patterns};
 use super::mesh::Mesh;
+use crate::base::hash::ContentHash;
 use crate::base::output::write_renamed;
 use crate::base::vtu::{Array, Cells, UnstructuredGrid, collection};
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,17 @@ pub struct Frame<'a> {
     pub strain_rates_1_s: &'a [f32],
 }
 
+/// A frame that lies on disk.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WrittenFrame {
+    /// Number of the output.
+    pub output: usize,
+    /// Time \[s\].
+    pub time_s: f64,
+    /// blake3 hash of the file.
+    pub hash: [u8; 32],
+}
+
 /// Takes the states of a run as they come; nothing of them is kept in memory by the run.
 pub trait FrameSink: Send {
     /// Takes an output. The message of an error says what could not be written where.
@@ -39,11 +52,14 @@ pub trait FrameSink: Send {
     /// If it cannot be written; the run then stops.
     fn frame(&mut self, frame: &Frame<'_>) -> Result<(), String>;
 
-    /// A run goes on behind these outputs (number and time \[s\]), which were taken before.
+    /// What was written so far, for a checkpoint.
+    fn written(&self) -> &[WrittenFrame];
+
+    /// A run goes on behind these frames.
     ///
     /// # Errors
-    /// If they are no longer there.
-    fn resume(&mut self, outputs: &[(usize, f64)]) -> Result<(), String>;
+    /// If one is missing or is not the one that was written.
+    fn resume(&mut self, mesh: &Mesh, written: Vec<WrittenFrame>) -> Result<(), String>;
 
     /// Takes every this many outputs. A run that is gone on with must have the same.
     fn every(&self) -> usize;
@@ -146,9 +162,8 @@ fn global_stress(at: &Frame<'_>, index: usize, local: &[f64; 6]) -> [f64; 6] {
 fn turned(local: &[f64; 6], rows: &[Vec3; 3]) -> [f64; 6] {
     let [xx, yy, zz, xy, yz, zx] = *local;
     let full = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
-    let half: [Vec3; 3] = full.map(|r| {
-        add(add(scaled(r[0], rows[0]), scaled(r[1], rows[1])), scaled(r[2], rows[2]))
-    });
+    let half: [Vec3; 3] =
+        full.map(|r| add(add(scaled(r[0], rows[0]), scaled(r[1], rows[1])), scaled(r[2], rows[2])));
     let entry = |i: usize, j: usize| (0..3).map(|a| rows[a][i] * half[a][j]).sum();
     [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)]
 }
@@ -164,14 +179,20 @@ fn mises(s: &[f64; 6]) -> f64 {
 pub struct VtuSeries {
     folder: PathBuf,
     every: usize,
-    /// Outputs written, with their times \[s\].
-    written: Vec<(usize, f64)>,
+    /// A folder with the grids of the first part of a run.
+    older: Option<PathBuf>,
+    written: Vec<WrittenFrame>,
 }
 
 impl VtuSeries {
     /// A series in this folder of every `every` outputs (at least 1).
     pub fn new(folder: &Path, every: usize) -> Self {
-        Self { folder: folder.to_path_buf(), every: every.max(1), written: Vec::new() }
+        Self { folder: folder.to_path_buf(), every: every.max(1), older: None, written: Vec::new() }
+    }
+
+    /// Names a finished result folder: a run that goes on behind its end takes the grids from there.
+    pub fn after(self, folder: &Path) -> Self {
+        Self { older: Some(folder.to_path_buf()), ..self }
     }
 
     /// Number of grids written so far.
@@ -193,13 +214,29 @@ impl VtuSeries {
         write_renamed(&path, bytes).map_err(|e| format!("cannot write {}: {e}", path.display()))
     }
 
+    fn put_collection(&self) -> Result<(), String> {
+        let files = self.written.iter().map(|frame| (frame.time_s, Self::file(frame.output)));
+        self.put(COLLECTION, collection(files).as_bytes())
+    }
+
+    /// Whether a frame lies in the folder as it was written; it may be taken from a finished result folder.
+    fn has(&self, frame: &WrittenFrame) -> bool {
+        let file = Self::file(frame.output);
+        let is_it = |bytes: &Vec<u8>| ContentHash::of_bytes(bytes).as_bytes() == &frame.hash;
+        if fs::read(self.folder.join(&file)).is_ok_and(|bytes| is_it(&bytes)) {
+            return true;
+        }
+        let older = self.older.as_ref().and_then(|older| fs::read(older.join(&file)).ok()).filter(is_it);
+        older.is_some_and(|bytes| self.put(&file, &bytes).is_ok())
+    }
+
     /// Removes grids that a run wrote after the checkpoint from which it is gone on.
     fn clear_later(&self) -> Result<(), String> {
         let folder = self.folder.join(FOLDER);
         let words = |e: std::io::Error| format!("{}: {e}", folder.display());
         for item in fs::read_dir(&folder).map_err(words)? {
             let path = item.map_err(words)?.path();
-            let known = self.written.iter().any(|(output, _)| self.folder.join(Self::file(*output)) == path);
+            let known = self.written.iter().any(|frame| self.folder.join(Self::file(frame.output)) == path);
             if !known && path.extension().is_some_and(|e| e == "vtu") {
                 fs::remove_file(&path).map_err(words)?;
             }
@@ -230,25 +267,29 @@ impl FrameSink for VtuSeries {
         let mut bytes = Vec::with_capacity(grid.bytes() + 4096);
         grid.write(&mut bytes).map_err(|e| e.to_string())?;
         self.put(&Self::file(frame.output), &bytes)?;
-        self.written.push((frame.output, frame.time_s));
-        let files = self.written.iter().map(|(output, time_s)| (*time_s, Self::file(*output)));
-        self.put(COLLECTION, collection(files).as_bytes())
+        let hash = *ContentHash::of_bytes(&bytes).as_bytes();
+        self.written.push(WrittenFrame { output: frame.output, time_s: frame.time_s, hash });
+        self.put_collection()
     }
 
-    fn resume(&mut self, outputs: &[(usize, f64)]) -> Result<(), String> {
-        self.written = outputs.iter().filter(|(output, _)| output.is_multiple_of(self.every)).copied().collect();
-        let missing: Vec<String> = self
-            .written
-            .iter()
-            .map(|(output, _)| Self::file(*output))
-            .filter(|file| !self.folder.join(file).is_file())
-            .collect();
-        let Some(first) = missing.first() else { return self.clear_later() };
+    fn written(&self) -> &[WrittenFrame] {
+        &self.written
+    }
+
+    fn resume(&mut self, mesh: &Mesh, written: Vec<WrittenFrame>) -> Result<(), String> {
+        self.begin(mesh)?;
+        self.written = written;
+        let missing: Vec<&WrittenFrame> = self.written.iter().filter(|frame| !self.has(frame)).collect();
+        let Some(first) = missing.first() else {
+            self.clear_later()?;
+            return self.put_collection();
+        };
         Err(format!(
-            "{} of {} grids written before the checkpoint are not in {}, the first is {first}; give the result folder of the first part with --output, or run from the start",
+            "{} of the {} grids before the checkpoint are missing or changed in {}, the first is {}; give the result folder of the first part with --output, or run from the start",
             missing.len(),
             self.written.len(),
-            self.folder.display()
+            self.folder.display(),
+            Self::file(first.output)
         ))
     }
 

@@ -6,4 +6,6 @@ mod element;
 mod mesh;
 mod motion;
 mod plastic;
+mod restart;
 mod static_state;
+mod vtu;
