@@ -42,7 +42,10 @@ fn a_state_goes_on_from_a_checkpoint_as_if_it_had_not_stopped() {
             *deaths += body.deaths.len();
         }
     };
-    advance(&mut body, &mut deaths[0]);
+    while deaths[0] < 6 && body.steps < 1000 {
+        body.step(true);
+        deaths[0] += body.deaths.len();
+    }
     let touched = body.contact_j;
     let mut other = there_and_back(&body);
     assert!(format!("{body:?}") == format!("{other:?}"), "the checkpoint does not hold the whole state");
@@ -206,7 +209,7 @@ fn a_collapse_in_two_parts_leaves_the_same_files() {
     }
     assert!(!at.join("run.unfinished").exists());
     // what is refused, before anything is computed
-    fs::write(at.join("b.toml"), fallwerk::building::EXAMPLE.replacen("400 mm", "410 mm", 1)).unwrap();
+    fs::write(at.join("b.toml"), fallwerk::building::EXAMPLE.replace("9.81 m/s2", "9.80 m/s2")).unwrap();
     for (arguments, words) in [
         (&["--resume", "half", "-o", "run"][..], "belongs to another run"),
         (&["--resume", "b.toml", "-o", "run"], "no checkpoint"),
