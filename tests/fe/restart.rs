@@ -35,6 +35,11 @@ fn a_state_goes_on_from_a_checkpoint_as_if_it_had_not_stopped() {
     let mesh = grid([3, 5, 6], [0.6, 1.0, 1.2], law, |_| false);
     let mut body = Dynamics::new(&mesh, 9.81, ground(-0.001, 0.5), false);
     body.v.iter_mut().zip(&mesh.nodes).for_each(|(v, x)| *v = [2.0 + x[2], x[0], -20.0]);
+    // no field may stand at the value that it would have if it were forgotten
+    body.damping_1_s = 0.02;
+    body.applied_n[3] = [100.0, 0.0, -50.0];
+    body.prescribed_m_s[200][1] = Some(0.25);
+    body.other_n = vec![[0.0, 1.0, 0.0]; mesh.nodes.len()];
     let mut deaths = [0; 2];
     let advance = |body: &mut Dynamics, deaths: &mut usize| {
         for _ in 0..150 {
@@ -54,6 +59,20 @@ fn a_state_goes_on_from_a_checkpoint_as_if_it_had_not_stopped() {
     assert!(format!("{body:?}") == format!("{other:?}"), "the states part");
     assert!(deaths.iter().all(|d| *d > 0), "elements die before and after: {deaths:?}");
     assert!(touched[0] < 0.0 && body.contact_j[0] != touched[0], "contact before and after");
+}
+
+/// What a state holds is in the checkpoint without exception.
+#[test]
+fn no_field_of_a_state_is_left_out() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/fe");
+    let files: Vec<_> = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    assert!(files.len() > 15);
+    for file in files.iter().filter(|f| f.is_file()) {
+        let text = fs::read_to_string(file).unwrap();
+        for word in ["skip", "default"].map(|w| format!("serde({w}")) {
+            assert!(!text.contains(&word), "{}: {word}", file.display());
+        }
+    }
 }
 
 #[test]
