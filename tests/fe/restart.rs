@@ -38,7 +38,7 @@ fn a_state_goes_on_from_a_checkpoint_as_if_it_had_not_stopped() {
     // no field may stand at the value that it would have if it were forgotten
     body.damping_1_s = 0.02;
     body.applied_n[3] = [100.0, 0.0, -50.0];
-    body.prescribed_m_s[200][1] = Some(0.25);
+    body.prescribed_m_s[100][1] = Some(0.25);
     body.other_n = vec![[0.0, 1.0, 0.0]; mesh.nodes.len()];
     let mut deaths = [0; 2];
     let advance = |body: &mut Dynamics, deaths: &mut usize| {
