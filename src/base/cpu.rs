@@ -18,6 +18,14 @@ pub struct Elapsed {
     pub wall_s: f64,
 }
 
+impl std::ops::Add for Elapsed {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { cpu_s: self.cpu_s + other.cpu_s, wall_s: self.wall_s + other.wall_s }
+    }
+}
+
 impl Stopwatch {
     /// Starts measuring.
     pub fn start() -> Self {

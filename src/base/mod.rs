@@ -1,5 +1,5 @@
 //! What every module may use and none owns: axis-aligned boxes, units, source files as trees with
-//! places, diagnostics, hashes, atomic output, time measurement.
+//! places, diagnostics, hashes, atomic output, grids for viewers, time measurement.
 
 pub mod cpu;
 pub mod diagnostic;
@@ -9,3 +9,4 @@ pub mod output;
 pub mod source;
 pub mod tree;
 pub mod units;
+pub mod vtu;

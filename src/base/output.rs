@@ -6,12 +6,13 @@
 //!
 //! [`OutputFolder`] does the same for a folder of results: it is filled under a temporary sibling name and
 //! renamed into place at the end. An older result folder of this program (it holds the marker
-//! file [`MARKER`]) is replaced; a folder that is not ours is never touched.
+//! file [`MARKER`]) is replaced; a folder that is not ours is never touched. A long run that may be interrupted fills
+//! [`OutputFolder::unfinished`], a sibling `NAME.unfinished` that stays once there is something to go on from.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Name of the file by which a result folder of this program is known.
 pub const MARKER: &str = ".fallwerk-output";
@@ -105,6 +106,8 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
 pub struct OutputFolder {
     target: PathBuf,
     temporary: PathBuf,
+    /// Whether what was written stays if the folder is not committed.
+    kept: AtomicBool,
     committed: bool,
 }
 
@@ -129,9 +132,45 @@ impl OutputFolder {
         may_replace(target)?;
         let temporary = parent.join(format!(".{name}.part-{}-{}", std::process::id(), next_number()));
         fs::create_dir(&temporary).map_err(at(&temporary))?;
-        let folder = Self { target: target.to_path_buf(), temporary, committed: false };
+        Self::begin(target, temporary, false)
+    }
+
+    fn begin(target: &Path, temporary: PathBuf, kept: bool) -> Result<Self, OutputError> {
+        let kept = AtomicBool::new(kept);
+        let folder = Self { target: target.to_path_buf(), temporary, kept, committed: false };
         folder.write(MARKER, MARKER_TEXT.as_bytes())?;
         Ok(folder)
+    }
+
+    /// Where an interrupted run leaves its part of the results.
+    pub fn unfinished_path(target: &Path) -> PathBuf {
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        target.with_file_name(format!("{name}.unfinished"))
+    }
+
+    /// As [`OutputFolder::create`], but under a name that does not change, [`OutputFolder::unfinished_path`]. It goes if it
+    /// is dropped, unless [`OutputFolder::keep`] was called. `resume`: go on with one that was kept, if there is one.
+    ///
+    /// # Errors
+    /// As [`OutputFolder::create`]; also if a kept one is there and `resume` is not given, or it is not ours.
+    pub fn unfinished(target: &Path, resume: bool) -> Result<Self, OutputError> {
+        drop(Self::create(target)?); // all that is to be checked and cleared
+        let temporary = Self::unfinished_path(target);
+        match fs::create_dir(&temporary) {
+            Ok(()) => Self::begin(target, temporary, false),
+            Err(e) if e.kind() != io::ErrorKind::AlreadyExists => Err(at(&temporary)(e)),
+            Err(_) if !temporary.join(MARKER).is_file() => Err(OutputError::NotOurs { path: temporary }),
+            Err(_) if resume => Self::begin(target, temporary, true),
+            Err(_) => Err(OutputError::BadTarget {
+                path: temporary,
+                what: "holds a run that is under way or was interrupted; go on with it (--resume), or remove the folder",
+            }),
+        }
+    }
+
+    /// Keeps what is written from now on, also if the folder is never committed.
+    pub fn keep(&self) {
+        self.kept.store(true, Ordering::Relaxed);
     }
 
     /// Where to write until the folder is committed.
@@ -164,12 +203,9 @@ impl OutputFolder {
     pub fn commit(mut self) -> Result<PathBuf, OutputError> {
         sync_tree(&self.temporary).map_err(at(&self.temporary))?;
         may_replace(&self.target)?;
-        let aside = self.temporary.with_file_name(
-            self.temporary
-                .file_name()
-                .map(|n| n.to_string_lossy().replacen(".part-", ".old-", 1))
-                .unwrap_or_default(),
-        );
+        let name = self.target.file_name().unwrap_or_default().to_string_lossy();
+        let aside =
+            self.target.with_file_name(format!(".{name}.old-{}-{}", std::process::id(), next_number()));
         let had_older = self.target.exists();
         if had_older {
             fs::rename(&self.target, &aside).map_err(at(&self.target))?;
@@ -191,7 +227,7 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        if !self.committed {
+        if !self.committed && !*self.kept.get_mut() {
             let _ = fs::remove_dir_all(&self.temporary);
         }
     }
@@ -277,6 +313,27 @@ mod tests {
         third.commit().unwrap();
         assert!(target.join("c.txt").exists() && !target.join("a").exists());
         assert_eq!(fs::read_dir(target.parent().unwrap()).unwrap().count(), 1, "nothing is left beside it");
+    }
+
+    #[test]
+    fn an_unfinished_folder_stays_once_it_is_kept() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("run");
+        drop(OutputFolder::unfinished(&target, false).unwrap());
+        assert_eq!(fs::read_dir(room.path()).unwrap().count(), 0, "nothing was kept");
+        let first = OutputFolder::unfinished(&target, false).unwrap();
+        first.write("part.txt", b"half").unwrap();
+        first.keep();
+        drop(first);
+        assert!(matches!(OutputFolder::unfinished(&target, false), Err(OutputError::BadTarget { .. })));
+        let second = OutputFolder::unfinished(&target, true).unwrap();
+        assert_eq!(fs::read(second.path().join("part.txt")).unwrap(), b"half");
+        second.commit().unwrap();
+        assert!(target.join("part.txt").is_file());
+        assert_eq!(fs::read_dir(room.path()).unwrap().count(), 1);
+        let foreign = OutputFolder::unfinished_path(&target);
+        fs::create_dir(&foreign).unwrap();
+        assert!(matches!(OutputFolder::unfinished(&target, true), Err(OutputError::NotOurs { .. })));
     }
 
     #[test]

@@ -11,15 +11,19 @@ use crate::fe::dynamics::Death;
 use crate::fe::erosion::{ErosionTable, Fate, Loss};
 use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
+use crate::fe::restart::RestartError;
 use crate::fe::result::{FeRun, FeSummary};
-use crate::fe::run::{FeOptions, run as run_fe};
+use crate::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
+use crate::fe::vtu::{FrameSink, VtuSeries};
 use crate::study::{COLLAPSE_DROP_M, facts};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Version of `fe.json`.
 pub const FE_SCHEMA: u32 = 1;
+/// Name of the checkpoint among unfinished results.
+const CHECKPOINT: &str = "fe.checkpoint";
 /// Most elements that a mesh size from the command line may lead to: beyond it a run takes weeks and the mesh tens of
 /// gigabytes.
 const MOST_ELEMENTS: f64 = 5e6;
@@ -28,8 +32,9 @@ const LONGEST_S: f64 = 60.0;
 
 /// Run the finite element model of a building
 ///
-/// Writes fe.json and histories as CSV into a result folder. The same building gives the same files, whatever the number
-/// of threads; run times are printed and not stored.
+/// Writes fe.json and histories as CSV into a result folder, with --vtu also collapse.pvd for ParaView. The same building
+/// gives the same files, whatever the number of threads, also if the run was interrupted and gone on with from a checkpoint;
+/// run times are printed and not stored. With checkpoints the results gather in OUTPUT.unfinished until the run is done.
 /// Exit codes: 0 done, 1 the run stopped, 2 bad input.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -53,6 +58,21 @@ pub struct Arguments {
     /// Accept any amount of added mass
     #[arg(long, requires = "mass_scaling_step")]
     force_mass_scaling: bool,
+    /// Write the mesh with its fields at every output, for ParaView: collapse.pvd
+    #[arg(long)]
+    vtu: bool,
+    /// The same at every N-th output only
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    vtu_every: Option<u32>,
+    /// Write a checkpoint every S simulated seconds, from which an interrupted run can be gone on with
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    checkpoint_every: Option<f64>,
+    /// The checkpoint file [default: OUTPUT.unfinished/fe.checkpoint, removed when the run is done]
+    #[arg(long, value_name = "FILE", requires = "checkpoint_every")]
+    checkpoint: Option<PathBuf>,
+    /// Go on from a checkpoint of the same building, mesh size and --vtu-every; the end time may be another
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -75,13 +95,25 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let building = read_building(&arguments.building, arguments.json)?;
     let options = options(arguments, &building)?;
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
-    let output = OutputFolder::create(&target).map_err(|e| Failure::input(e.to_string()))?;
+    let checkpoints = checkpoints(arguments, &target)?;
+    let output = if checkpoints.is_some() || arguments.resume.is_some() {
+        OutputFolder::unfinished(&target, arguments.resume.is_some())
+    } else {
+        OutputFolder::create(&target)
+    };
+    let output = output.map_err(|e| Failure::input(e.to_string()))?;
     let progress = Progress::on_stderr();
     let pool = thread_pool(arguments.threads)?;
-    let fe = pool.install(|| run_with_progress(&building, &options, &progress)).map_err(Failure::stopped)?;
+    let every = arguments.vtu_every.or(arguments.vtu.then_some(1));
+    let mut series = every.map(|every| VtuSeries::new(output.path(), every as usize).after(&target));
+    let frames = series.as_mut().map(|s| s as &mut dyn FrameSink);
+    let attached = Attached { frames, checkpoints, resume: arguments.resume.clone() };
+    let kept = || output.keep();
+    let fe = pool.install(|| run_with_progress(&building, &options, attached, &kept, &progress))?;
     progress.finish();
     let mesh_size_m = options.mesh_size_m.unwrap_or(building.settings.mesh_size_m);
     write(&output, &building, &fe, mesh_size_m)?;
+    remove_checkpoint(&output.path().join(CHECKPOINT))?;
     let folder = output.commit().map_err(|e| Failure::input(e.to_string()))?;
     let collapsed = fe.tracked.iter().any(|h| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M));
     if arguments.json {
@@ -127,25 +159,76 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         OnFailure::Split => Fate::Split,
     };
     let mass_scaling_forced = arguments.force_mass_scaling;
-    Ok(FeOptions { mesh_size_m, end_time_s, on_failure, mass_scaling_step_s, mass_scaling_forced })
+    Ok(FeOptions {
+        mesh_size_m,
+        end_time_s,
+        on_failure,
+        mass_scaling_step_s,
+        mass_scaling_forced,
+        keep_frames: false,
+    })
 }
 
-/// Runs the FE model and shows how far it is.
+/// Checkpoints asked for, with a file that can be written.
+fn checkpoints(arguments: &Arguments, target: &Path) -> Result<Option<Checkpoints>, Failure> {
+    let Some(every_s) = arguments.checkpoint_every else { return Ok(None) };
+    if !(every_s > 0.0 && every_s.is_finite()) {
+        return Err(Failure::input(format!("--checkpoint-every is {every_s}, expected a positive number")));
+    }
+    let path = match &arguments.checkpoint {
+        Some(path) => path.clone(),
+        None => {
+            return Ok(Some(Checkpoints {
+                path: OutputFolder::unfinished_path(target).join(CHECKPOINT),
+                every_s,
+            }));
+        }
+    };
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() || path.is_dir() {
+        return Err(Failure::input(format!(
+            "--checkpoint {} cannot be written: it is a folder, or its folder is missing",
+            path.display()
+        )));
+    }
+    Ok(Some(Checkpoints { path, every_s }))
+}
+
+/// A checkpoint among the results has served when the run is done.
+fn remove_checkpoint(path: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+            Err(Failure::input(format!("{}: {e}", path.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Runs the FE model and shows how far it is; `kept` is called once there is a checkpoint.
 pub fn run_with_progress(
     building: &Building,
     options: &FeOptions,
+    attached: Attached<'_>,
+    kept: &dyn Fn(),
     progress: &Progress,
-) -> Result<FeRun, String> {
+) -> Result<FeRun, Failure> {
     progress.stage("FE run: dead load");
     let mut began = false;
-    run_fe(building, options, &mut |at| {
+    let run = run_with(building, options, attached, &mut |at| {
+        if at.checkpoints > 0 {
+            kept();
+        }
         if !began {
             progress.stage("FE run");
             began = true;
         }
         progress.advance(at.time_s / at.end_s, &format!("t = {:.2} of {:.2} s", at.time_s, at.end_s));
+    });
+    run.map_err(|e| match e {
+        FeError::Restart(RestartError::Io { .. }) | FeError::Output(_) => Failure::stopped(e.to_string()),
+        FeError::Restart(_) => Failure::input(e.to_string()),
+        e => Failure::stopped(e.to_string()),
     })
-    .map_err(|e| e.to_string())
 }
 
 /// `fe.json` and the histories as CSV.
@@ -158,7 +241,8 @@ pub fn write(
     let text = |value: &Value| readable_json(value).map_err(|e| Failure::input(e.to_string()));
     super::write(output, "fe.json", &text(&record(building, fe, mesh_size_m)?)?)?;
     super::write(output, "fe-displacements.csv", &displacements_csv(fe))?;
-    super::write(output, "fe-energies.csv", &energies_csv(fe))
+    super::write(output, "fe-energies.csv", &energies_csv(fe))?;
+    super::write(output, "fe-events.csv", &events_csv(fe))
 }
 
 /// What `fe.json` holds: everything of the run but frames, strain rates and run times.
@@ -230,6 +314,30 @@ pub fn energies_csv(fe: &FeRun) -> String {
             e.removed_j,
             e.residual_j
         );
+    }
+    text
+}
+
+/// Ends of elements and first contacts of parts, in order of time; positions are centres of the elements in the undeformed mesh.
+pub fn events_csv(fe: &FeRun) -> String {
+    let ends = fe.deaths.iter().map(|d| {
+        let word = match d.cause {
+            Death::Eroded => "eroded",
+            Death::Collapsed => "collapsed",
+            Death::Removed => "removed",
+            Death::Torn => "torn",
+            Death::Split => "split",
+        };
+        let part = &fe.mesh.parts[fe.mesh.elements[d.element].part];
+        let [x, y, z] = fe.mesh.center(d.element);
+        (d.time_s, format!("{word},{part},,{},{x},{y},{z}", d.element))
+    });
+    let contacts = fe.touches.iter().map(|t| (t.time_s, format!("contact,{},{},,,,", t.part, t.surface)));
+    let mut events: Vec<(f64, String)> = ends.chain(contacts).collect();
+    events.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut text = String::from("time_s,event,part,surface,element,x_m,y_m,z_m\n");
+    for (time_s, event) in events {
+        let _ = writeln!(text, "{time_s},{event}");
     }
     text
 }

@@ -10,7 +10,7 @@ use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::fe::result::FeRun;
-use crate::fe::run::FeOptions;
+use crate::fe::run::{Attached, FeOptions};
 use crate::generate::{Derive, Generated, generate};
 use crate::mbs::RunResult;
 use crate::study::{Facts, Study, facts};
@@ -134,7 +134,8 @@ fn compute(
     if !arguments.validate {
         return Ok(Computed { generated, mbs, comparison: None });
     }
-    let fe = fe::run_with_progress(building, &FeOptions::default(), progress).map_err(Failure::stopped)?;
+    let options = FeOptions { keep_frames: true, ..FeOptions::default() };
+    let fe = fe::run_with_progress(building, &options, Attached::default(), &|| (), progress)?;
     let facts = facts(building, &fe);
     let validation = Validation::of(building, &fe, &facts, &generated.model, &mbs, wall_s);
     fe::write(output, building, &fe, building.settings.mesh_size_m)?;

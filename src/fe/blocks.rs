@@ -12,6 +12,7 @@ use super::kernel::{BlockForce, BlockMaterial, BlockState, KernelStep, LANES, up
 use super::law::{ElementForm, Law};
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
+use serde::{Deserialize, Serialize};
 
 /// Blocks a chunk holds, at most and at least: small meshes get smaller chunks, so that all threads find work.
 const CHUNK_BLOCKS: [usize; 2] = [4, 32];
@@ -23,7 +24,7 @@ const DEAD_SHARE: f64 = 0.125;
 const NO_ELEMENT: u32 = u32::MAX;
 
 /// Eight elements of one law.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct Block {
     /// History.
@@ -41,7 +42,7 @@ pub struct Block {
 }
 
 /// All blocks with the scatter map.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Blocks {
     /// The blocks; `chunk_blocks` in a row are a chunk.
     pub blocks: Vec<Block>,
@@ -395,7 +396,7 @@ impl Blocks {
 }
 
 /// The rest of a chunk: how far its nodes have moved against each other since its forces were last computed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Quiet {
     /// Bound of that motion \[m\].
     pub(super) slack_m: f64,

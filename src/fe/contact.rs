@@ -8,9 +8,10 @@
 
 use crate::base::geom::Aabb;
 use crate::building::Building;
+use serde::{Deserialize, Serialize};
 
 /// Rigid ground and boxes.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct RigidSurfaces {
     /// Ground height \[m\] and friction coefficient.
     pub ground: Option<(f64, f64)>,

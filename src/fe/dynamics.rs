@@ -15,6 +15,7 @@ use super::sweep::Sweep;
 use super::tie::Ties;
 use super::truss::Trusses;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
 /// covers the change of geometry within a step.
@@ -25,7 +26,7 @@ const CHUNK: usize = 512;
 const PARALLEL_ELEMENTS: usize = 512;
 
 /// What ended an element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Death {
     /// Its plastic strain reached the critical value.
     Eroded,
@@ -39,8 +40,8 @@ pub enum Death {
     Split,
 }
 
-/// The state of an explicit run.
-#[derive(Debug, Clone)]
+/// The state of an explicit run. All of it is in checkpoints.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dynamics {
     /// Elements.
     pub blocks: Blocks,
@@ -128,14 +129,20 @@ impl Dynamics {
             failure: Failure::of(mesh),
             blocks,
             trusses: Trusses::of(mesh),
-            parallel: parallel && mesh.elements.len() >= PARALLEL_ELEMENTS,
+            parallel: false,
         };
+        this.use_threads(parallel);
         this.surfaces.resize(n);
         this.assemble_mass(mesh, |_| true);
         this.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 0.0);
         this.dt_s = this.allowed_step_s();
         this.first_dt_s = this.dt_s;
         this
+    }
+
+    /// Use the current rayon pool or one thread; the results are the same.
+    pub fn use_threads(&mut self, parallel: bool) {
+        self.parallel = parallel && self.blocks.elements() >= PARALLEL_ELEMENTS;
     }
 
     /// Lumps the masses of the elements that `counts`.

@@ -41,7 +41,7 @@ pub enum Fate {
 }
 
 /// Settings, watched elements and books of a run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Failure {
     /// Share of the first time step below which an element's own critical step counts as collapsed; 0: never.
     pub step_collapse: f64,
@@ -120,7 +120,7 @@ impl ErosionTable {
 }
 
 /// An element whose principal strain is watched.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Watched {
     element: usize,
     /// Mean gradient of the shape functions in the reference positions \[1/m\].

@@ -19,12 +19,13 @@ use super::kernel::{
     BlockForce, BlockMaterial, BlockState, KernelStep, LANES, Lane, bulk_viscosity, patterns, turned_strain,
 };
 use crate::material::j2::HardeningTable;
+use serde::{Deserialize, Serialize};
 
 /// Integration points.
 pub const POINTS: usize = 8;
 
 /// What the points of a block remember besides the block's own state, which holds their means by volume.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct FullState {
     /// Cauchy stress in the element's frame at each point \[Pa\]: xx, yy, zz, xy, yz, zx.
     pub stress: [[Lane; 6]; POINTS],

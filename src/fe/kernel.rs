@@ -36,6 +36,7 @@ use super::hexahedron::{
 use super::hourglass::{self, Brick, Control};
 use super::law::{ElementForm, Hourglass};
 use crate::material::j2::HardeningTable;
+use serde::{Deserialize, Serialize};
 
 /// Elements a block holds.
 pub const LANES: usize = 8;
@@ -55,7 +56,7 @@ const DISTORTION: f64 = 0.9;
 const MOST_DISTORTION: f64 = 1.0 / 3.0;
 
 /// Material constants of eight elements that share a hardening table.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct BlockMaterial {
     /// First Lamé constant \[Pa\].
@@ -75,7 +76,7 @@ pub struct BlockMaterial {
 }
 
 /// What a block of elements remembers.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub struct BlockState {
     /// Cauchy stress in the element's frame \[Pa\]: xx, yy, zz, xy, yz, zx.

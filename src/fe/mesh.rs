@@ -7,6 +7,7 @@ use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Face, Preparation};
 use std::collections::BTreeMap;
+use serde::{Deserialize, Serialize};
 
 /// A mesh of eight-node hexahedra. Node order of an element: bottom face counter-clockwise seen from +z, then top face.
 #[derive(Debug, Clone, Default)]
@@ -61,7 +62,7 @@ pub struct Truss {
 
 /// A node without inertia of its own that moves as the weighted mean of others: a node tied to a face (four masters) or
 /// embedded in an element (eight masters). Its mass and the forces on it go to its masters by the same weights.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tie {
     /// The node that follows.
     pub node: usize,

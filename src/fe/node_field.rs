@@ -1,9 +1,10 @@
 //! Values that few nodes have.
 
 use std::ops::{Index, IndexMut};
+use serde::{Deserialize, Serialize};
 
 /// A value for every node, with a flag for the nodes whose value was ever set: the time loop reads one byte for all others.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NodeField<T> {
     values: Vec<T>,
     set: Vec<bool>,

@@ -7,9 +7,10 @@
 use super::blocks::Blocks;
 use super::mesh::Mesh;
 use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// A tracked point with the nodes that carry it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Probe {
     /// Tracked point id.
     pub id: String,

@@ -17,6 +17,7 @@ use super::dynamics::Dynamics;
 use super::kernel::KernelStep;
 use super::mesh::Mesh;
 use super::preload::{self, PreloadError};
+use serde::{Deserialize, Serialize};
 
 /// Forces out of balance over full load at which the state counts as equilibrium.
 pub const RESIDUAL: f64 = 1e-6;
@@ -51,7 +52,7 @@ impl Default for Limits {
 }
 
 /// A state at rest.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Relaxed {
     /// Cycles done: one kernel call each.
     pub cycles: usize,
@@ -119,7 +120,7 @@ pub enum RelaxationError {
 }
 
 /// How the static state was found.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StaticState {
     /// Iterations of the sparse solve; 0 if it was not used.
     pub iterations: usize,

@@ -18,11 +18,13 @@ pub struct FeRun {
     pub times_s: Vec<f64>,
     /// Displacement histories of the tracked points.
     pub tracked: Vec<History>,
-    /// Node positions at each output time \[m\]. Nodes copied when elements are detached come last, and stand where the node they were
-    /// copied from stands until then.
-    pub frames_m: Vec<Vec<[f32; 3]>>,
-    /// Equivalent strain rate of each element over the output interval that ends at each time \[1/s\].
-    pub strain_rates_1_s: Vec<Vec<f32>>,
+    /// Node positions over time, if the run was to keep them (`FeOptions::keep_frames`); of large runs not at every output.
+    /// Nodes copied when elements are detached come last, and stand where the node they were copied from stands until then.
+    pub frames: Vec<KeptFrame>,
+    /// Node positions at the end \[m\].
+    pub last_m: Vec<[f32; 3]>,
+    /// Equivalent strain rates of the elements.
+    pub strain_rates: StrainRates,
     /// Plastic strain of each element at the end.
     pub plastic_strain: Vec<f64>,
     /// Element deaths in order.
@@ -35,6 +37,43 @@ pub struct FeRun {
     pub summary: FeSummary,
 }
 
+/// Node positions at one output.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct KeptFrame {
+    /// Number of the output: its time is `times_s[output]`.
+    pub output: usize,
+    /// Positions \[m\].
+    pub nodes_m: Vec<[f32; 3]>,
+}
+
+/// Extremes of the equivalent strain rates over output intervals, of each element.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StrainRates {
+    /// Rate above which an element does not count as rigid \[1/s\].
+    pub critical_1_s: f64,
+    /// Largest rate \[1/s\].
+    pub peak_1_s: Vec<f32>,
+    /// End of the first interval with a rate above the critical one \[s\]; `None`: there was none.
+    pub first_s: Vec<Option<f64>>,
+}
+
+impl StrainRates {
+    /// Nothing has strained yet.
+    pub fn new(elements: usize, critical_1_s: f64) -> Self {
+        Self { critical_1_s, peak_1_s: vec![0.0; elements], first_s: vec![None; elements] }
+    }
+
+    /// Takes the rates of all elements over the interval that ends at this time.
+    pub fn add(&mut self, time_s: f64, rates_1_s: &[f32]) {
+        for (e, rate) in rates_1_s.iter().enumerate() {
+            self.peak_1_s[e] = self.peak_1_s[e].max(*rate);
+            if f64::from(*rate) > self.critical_1_s {
+                self.first_s[e].get_or_insert(time_s);
+            }
+        }
+    }
+}
+
 /// Displacement from the preloaded state of one point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct History {
@@ -45,7 +84,7 @@ pub struct History {
 }
 
 /// The end of an element.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ElementDeath {
     /// Element index.
     pub element: usize,

@@ -1,19 +1,21 @@
-//! The FE run of a building: dead load, charges, collapse, histories.
+//! The FE run of a building: dead load, charges, collapse, histories, checkpoints.
 
 use super::contact::RigidSurfaces;
 use super::dynamics::{Death, Dynamics};
-use super::erosion::{ErosionTable, Fate, free_nodes};
-use super::mass_scaling::{MassScalingError, scale_mass};
+use super::erosion::Fate;
+use super::mass_scaling::{MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
-use super::probe::Probe;
-use super::relaxation;
-use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, Touch};
-use super::split::{self, Split};
-use super::strain_rate::StrainWindow;
-use crate::base::cpu::Stopwatch;
-use crate::building::partition::Partition;
-use crate::building::tracked::tracked_points;
-use crate::building::{Building, MemberKind};
+use super::recorder::Recorder;
+use super::relaxation::{self, StaticState};
+use super::restart::{self, Head, RestartError};
+use super::result::{ElementDeath, FeRun};
+use super::split;
+use super::vtu::{FrameSink, WrittenFrame};
+use crate::base::cpu::{Elapsed, Stopwatch};
+use crate::base::hash::ContentHash;
+use crate::building::Building;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// Options of a run.
 #[derive(Debug, Clone, Default)]
@@ -28,6 +30,36 @@ pub struct FeOptions {
     pub mass_scaling_step_s: Option<f64>,
     /// Accept any amount of added mass.
     pub mass_scaling_forced: bool,
+    /// Keep node positions over time in memory, for a report.
+    pub keep_frames: bool,
+}
+
+/// What a run reads and writes besides its results.
+#[derive(Default)]
+pub struct Attached<'a> {
+    /// Gets the state at each output.
+    pub frames: Option<&'a mut dyn FrameSink>,
+    /// Checkpoints to write.
+    pub checkpoints: Option<Checkpoints>,
+    /// A checkpoint to go on from.
+    pub resume: Option<PathBuf>,
+}
+
+/// Checkpoints of a run: one file, replaced each time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checkpoints {
+    /// The file.
+    pub path: PathBuf,
+    /// Simulated time between two of them \[s\]; they are written at outputs, and after the last one.
+    pub every_s: f64,
+}
+
+impl Checkpoints {
+    /// Whether one is due at an output, the one before having been at `before_s`.
+    fn due(&self, before_s: f64, now_s: f64) -> bool {
+        let count = |t: f64| (t / self.every_s + 1e-9).floor();
+        count(now_s) > count(before_s)
+    }
 }
 
 /// How far a run is.
@@ -37,6 +69,8 @@ pub struct Progress {
     pub time_s: f64,
     /// Simulated time at the end \[s\].
     pub end_s: f64,
+    /// Checkpoints written.
+    pub checkpoints: usize,
 }
 
 /// A run that cannot go on.
@@ -60,6 +94,12 @@ pub enum FeError {
         /// Part of an element at the node.
         part: String,
     },
+    /// A file of the results cannot be written.
+    #[error("{0}")]
+    Output(String),
+    /// A checkpoint cannot be written or gone on from.
+    #[error(transparent)]
+    Restart(#[from] RestartError),
     /// More energy than was put in.
     #[error(
         "at t = {time_s:.6} s the energy balance is off by {percent:.1} % of the work done; the run is not trustworthy"
@@ -75,54 +115,165 @@ pub enum FeError {
 /// Energy residual (over the work of gravity) at which a run is stopped.
 pub const ENERGY_LIMIT: f64 = 0.10;
 
+/// The state of a run at an output: all that a checkpoint holds.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct RunState {
+    body: Dynamics,
+    recorder: Recorder,
+    removal: Removal,
+    preload: StaticState,
+    mass_scaling: Option<MassScaling>,
+    /// Frames on disk.
+    frames: Vec<WrittenFrame>,
+    /// Time taken until here.
+    elapsed: Elapsed,
+}
+
 /// Runs a building. `report` is called at every output time.
+///
+/// # Errors
+/// If there is no dead-load state, or the run loses its balance.
 pub fn run(
     building: &Building,
     options: &FeOptions,
     report: &mut dyn FnMut(Progress),
 ) -> Result<FeRun, FeError> {
+    run_with(building, options, Attached::default(), report)
+}
+
+/// [`run`] with frames, checkpoints, or from a checkpoint.
+///
+/// # Errors
+/// As [`run`]; also if a file cannot be written or a checkpoint cannot be gone on from.
+pub fn run_with(
+    building: &Building,
+    options: &FeOptions,
+    mut attached: Attached<'_>,
+    report: &mut dyn FnMut(Progress),
+) -> Result<FeRun, FeError> {
     let watch = Stopwatch::start();
     let settings = &building.settings;
-    let (mut mesh, snapped) = Mesh::of(building, options.mesh_size_m.unwrap_or(settings.mesh_size_m));
-    let parallel = rayon::current_num_threads() > 1;
-    let mut body = Dynamics::new(&mesh, settings.gravity_m_s2, RigidSurfaces::of(building), parallel);
-    body.failure.fate = options.on_failure;
-    let scaled =
-        options.mass_scaling_step_s.map(|s| scale_mass(&mesh, &mut body, s, options.mass_scaling_forced));
-    let mass_scaling = scaled.transpose()?;
-    let preload = relaxation::static_state(&mesh, &mut body).map_err(FeError::Preload)?;
-    body.surfaces.new_touches.clear();
-    let mut recorder = Recorder::new(building, &mesh, &body);
-    let mut removal = Removal::new(building, &mesh);
+    let size_m = options.mesh_size_m.unwrap_or(settings.mesh_size_m);
+    let (mut mesh, snapped) = Mesh::of(building, size_m);
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);
     let interval = settings.output_interval_s;
     let outputs = (end_s / interval).round().max(1.0) as usize;
-    recorder.record(building, &mesh, &mut body, 0.0, interval)?;
-    for output in 1..=outputs {
+    let mut head = head(building, size_m, &attached)?;
+    let mut state = match attached.resume.take() {
+        Some(path) => RunState::read(&path, &head, &mut mesh, outputs, &mut attached)?,
+        None => RunState::begin(building, options, &mesh, outputs, &mut attached)?,
+    };
+    let before = state.elapsed;
+    let mut checkpoints = 0;
+    for output in state.recorder.count()..=outputs {
         let target = output as f64 * interval;
-        while body.time_s < target - 0.5 * body.dt_s {
-            removal.apply(&mesh, &mut body, settings.removal_duration_s, &mut recorder);
-            let last = body.time_s + 1.5 * body.dt_s >= target;
-            recorder.kinetic_j = body.step(last);
-            recorder.note(&mesh, &mut body, building);
-            if !body.failure.splits.is_empty() {
-                split::follow(&mut mesh, &body.failure.splits);
-                recorder.follow(&body.failure.splits);
-            }
+        state.advance(building, &mut mesh, target);
+        state.recorder.record(building, &mesh, &state.body, attached.frames.as_deref_mut())?;
+        state.elapsed = before + watch.elapsed();
+        if let Some(to) = &attached.checkpoints
+            && (output == outputs || to.due(target - interval, target))
+        {
+            head.time_s = target;
+            state.frames = attached.frames.as_ref().map_or(Vec::new(), |f| f.written().to_vec());
+            restart::write(&to.path, &head, &state)?;
+            checkpoints += 1;
         }
-        let kinetic = recorder.kinetic_j;
-        recorder.record(building, &mesh, &mut body, kinetic, interval)?;
-        report(Progress { time_s: body.time_s, end_s });
+        report(Progress { time_s: state.body.time_s, end_s, checkpoints });
     }
-    let mut result = recorder.finish(mesh, snapped, &body);
-    result.summary.preload_iterations = preload.iterations;
-    result.summary.relaxation_cycles = preload.relaxed.map(|r| r.cycles);
-    result.summary.mass_scaling = mass_scaling;
-    result.summary.elapsed = watch.elapsed();
+    let mut result = state.recorder.finish(mesh, snapped, &state.body);
+    result.summary.preload_iterations = state.preload.iterations;
+    result.summary.relaxation_cycles = state.preload.relaxed.map(|r| r.cycles);
+    result.summary.mass_scaling = state.mass_scaling;
+    result.summary.elapsed = before + watch.elapsed();
     Ok(result)
 }
 
+/// What a checkpoint of this run is known by. The end time is left out: a run may be continued beyond its first end.
+fn head(building: &Building, mesh_size_m: f64, attached: &Attached<'_>) -> Result<Head, FeError> {
+    let mut endless = building.clone();
+    endless.settings.end_time_s = 0.0;
+    let hash = ContentHash::of_value(&endless).map_err(|e| FeError::Output(e.to_string()))?;
+    Ok(Head {
+        program_version: env!("CARGO_PKG_VERSION").to_string(),
+        model_hash: *hash.as_bytes(),
+        mesh_size_m,
+        frames_every: attached.frames.as_ref().map(|f| f.every()),
+        time_s: 0.0,
+    })
+}
+
+impl RunState {
+    /// The dead-load state, recorded as output 0.
+    fn begin(
+        building: &Building,
+        options: &FeOptions,
+        mesh: &Mesh,
+        outputs: usize,
+        attached: &mut Attached<'_>,
+    ) -> Result<Self, FeError> {
+        let parallel = rayon::current_num_threads() > 1;
+        let gravity = building.settings.gravity_m_s2;
+        let mut body = Dynamics::new(mesh, gravity, RigidSurfaces::of(building), parallel);
+        body.failure.fate = options.on_failure;
+        let scaled =
+            options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, options.mass_scaling_forced));
+        let mass_scaling = scaled.transpose()?;
+        let preload = relaxation::static_state(mesh, &mut body).map_err(FeError::Preload)?;
+        body.surfaces.new_touches.clear();
+        let mut recorder = Recorder::new(building, mesh, &body, outputs, options.keep_frames);
+        recorder.record(building, mesh, &body, attached.frames.as_deref_mut())?;
+        let removal = Removal::new(building, mesh);
+        let (frames, elapsed) = (Vec::new(), Elapsed::default());
+        Ok(Self { body, recorder, removal, preload, mass_scaling, frames, elapsed })
+    }
+
+    /// The state in a checkpoint.
+    fn read(
+        path: &std::path::Path,
+        head: &Head,
+        mesh: &mut Mesh,
+        outputs: usize,
+        attached: &mut Attached<'_>,
+    ) -> Result<Self, FeError> {
+        let mut state: Self = restart::read(path, head)?;
+        let other = |what: String| RestartError::OtherRun { path: path.to_path_buf(), what };
+        split::follow(mesh, &state.recorder.splits);
+        let sizes = [state.body.x.len(), state.body.blocks.elements()];
+        if sizes != [mesh.nodes.len(), mesh.elements.len()] {
+            let [nodes, elements] = sizes;
+            return Err(other(format!("it has {nodes} nodes and {elements} elements")).into());
+        }
+        if state.recorder.count() > outputs + 1 {
+            let time_s = state.body.time_s;
+            let what =
+                format!("it is at t = {time_s:.3} s, behind the end of this run; give a later --end-time");
+            return Err(other(what).into());
+        }
+        if let Some(frames) = &mut attached.frames {
+            frames.resume(mesh, std::mem::take(&mut state.frames)).map_err(FeError::Output)?;
+        }
+        state.body.use_threads(rayon::current_num_threads() > 1);
+        Ok(state)
+    }
+
+    /// Steps to an output time \[s\].
+    fn advance(&mut self, building: &Building, mesh: &mut Mesh, target: f64) {
+        let Self { body, recorder, removal, .. } = self;
+        while body.time_s < target - 0.5 * body.dt_s {
+            removal.apply(mesh, body, building.settings.removal_duration_s, recorder);
+            let last = body.time_s + 1.5 * body.dt_s >= target;
+            recorder.kinetic_j = body.step(last);
+            recorder.note(mesh, body, building);
+            if !body.failure.splits.is_empty() {
+                split::follow(mesh, &body.failure.splits);
+                recorder.follow(&body.failure.splits);
+            }
+        }
+    }
+}
+
 /// Charges: which elements go when.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Removal {
     /// `(time, elements)` not yet finished.
     pending: Vec<(f64, Vec<usize>)>,
@@ -185,219 +336,5 @@ impl Removal {
         let before = body.kinetic_j();
         body.assemble_mass(mesh, |e| !recorder.removed[e]);
         recorder.removed_j += body.kinetic_j() - before;
-    }
-}
-
-/// Collects what the run shows.
-struct Recorder {
-    probes: Vec<Probe>,
-    start_m: Vec<[f64; 3]>,
-    last_m: Vec<[f64; 3]>,
-    times_s: Vec<f64>,
-    tracked: Vec<History>,
-    frames_m: Vec<Vec<[f32; 3]>>,
-    strain_rates_1_s: Vec<Vec<f32>>,
-    window: StrainWindow,
-    deaths: Vec<ElementDeath>,
-    removed: Vec<bool>,
-    splits: Vec<Split>,
-    touches: Vec<Touch>,
-    energies: Vec<FeEnergies>,
-    initial_j: f64,
-    kinetic_j: f64,
-    removed_j: f64,
-    standing: Vec<bool>,
-    energy_error: f64,
-    hourglass_share: f64,
-    first_contact_s: Option<f64>,
-}
-
-impl Recorder {
-    fn new(building: &Building, mesh: &Mesh, body: &Dynamics) -> Self {
-        let partition = Partition::of(building);
-        let probes: Vec<Probe> = tracked_points(building, &partition)
-            .iter()
-            .filter_map(|t| {
-                let part = building.members.iter().position(|m| m.id == t.member)?;
-                Probe::new(mesh, &t.id, part, t.point_m, building.members[part].kind == MemberKind::Column)
-            })
-            .collect();
-        let start_m: Vec<[f64; 3]> =
-            probes.iter().map(|p| p.position(mesh, &body.blocks, &body.x).unwrap_or(p.point_m)).collect();
-        let tracked =
-            probes.iter().map(|p| History { id: p.id.clone(), displacement_m: Vec::new() }).collect();
-        let standing =
-            building.members.iter().map(|m| building.supports.iter().any(|s| s.member == m.id)).collect();
-        Self {
-            last_m: start_m.clone(),
-            probes,
-            start_m,
-            times_s: Vec::new(),
-            tracked,
-            frames_m: Vec::new(),
-            strain_rates_1_s: Vec::new(),
-            window: StrainWindow::new(&body.x),
-            deaths: Vec::new(),
-            removed: vec![false; mesh.elements.len()],
-            splits: Vec::new(),
-            touches: Vec::new(),
-            energies: Vec::new(),
-            initial_j: body.blocks.energies_j().iter().sum::<f64>() + body.trusses.internal_j(),
-            kinetic_j: 0.0,
-            removed_j: 0.0,
-            standing,
-            energy_error: 0.0,
-            hourglass_share: 0.0,
-            first_contact_s: None,
-        }
-    }
-
-    /// Events of one step.
-    fn note(&mut self, mesh: &Mesh, body: &mut Dynamics, building: &Building) {
-        for (element, cause) in &body.deaths {
-            self.deaths.push(ElementDeath { element: *element, time_s: body.time_s, cause: *cause });
-            self.window.note_end(mesh, *element, &body.x);
-        }
-        for (node, surface) in std::mem::take(&mut body.surfaces.new_touches) {
-            let Some(element) = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0) else {
-                continue;
-            };
-            let part = mesh.elements[element].part;
-            let surface = match surface {
-                0 => "ground".to_string(),
-                i => building.obstacles[i - 1].id.clone(),
-            };
-            if surface == "ground" && !self.standing[part] {
-                self.first_contact_s.get_or_insert(body.time_s);
-            }
-            let part = mesh.parts[part].clone();
-            if !self.touches.iter().any(|t| t.part == part && t.surface == surface) {
-                self.touches.push(Touch { time_s: body.time_s, part, surface });
-            }
-        }
-    }
-
-    /// Elements that were detached in a step.
-    fn follow(&mut self, splits: &[Split]) {
-        self.window.follow(splits);
-        self.splits.extend_from_slice(splits);
-    }
-
-    /// One output.
-    fn record(
-        &mut self,
-        building: &Building,
-        mesh: &Mesh,
-        body: &mut Dynamics,
-        kinetic_j: f64,
-        interval: f64,
-    ) -> Result<(), FeError> {
-        let time_s = self.times_s.len() as f64 * interval;
-        if let Some(node) = body.broken_node() {
-            let part = body
-                .blocks
-                .elements_at(node)
-                .next()
-                .map_or("?".into(), |e| mesh.parts[mesh.elements[e].part].clone());
-            return Err(FeError::NotFinite { time_s: body.time_s, node, part });
-        }
-        self.times_s.push(time_s);
-        for (i, probe) in self.probes.iter().enumerate() {
-            let at = probe.position(mesh, &body.blocks, &body.x).unwrap_or(self.last_m[i]);
-            self.last_m[i] = at;
-            self.tracked[i].displacement_m.push(std::array::from_fn(|k| at[k] - self.start_m[i][k]));
-        }
-        self.frames_m.push(body.x.iter().map(|p| p.map(|c| c as f32)).collect());
-        self.strain_rates_1_s.push(self.window.finish(
-            mesh,
-            |e| body.blocks.share(e) > 0.0,
-            &body.x,
-            interval,
-        ));
-        self.balance(building, body, kinetic_j)
-    }
-
-    fn balance(&mut self, building: &Building, body: &Dynamics, kinetic_j: f64) -> Result<(), FeError> {
-        let [internal_j, hourglass_j, viscous_j] = body.blocks.energies_j();
-        let internal_j = internal_j + body.trusses.internal_j();
-        let eroded_j = self
-            .deaths
-            .iter()
-            .filter(|d| !matches!(d.cause, Death::Removed | Death::Split))
-            .map(|d| body.blocks.internal_j(d.element))
-            .sum();
-        let [contact_j, friction_j] = body.contact_j;
-        let released_j = body.ties.released_j + body.failure.table.released_j;
-        let supplied = self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + released_j;
-        let residual_j = kinetic_j + internal_j + hourglass_j + viscous_j - supplied;
-        self.energies.push(FeEnergies {
-            kinetic_j,
-            internal_j,
-            eroded_j,
-            hourglass_j,
-            viscous_j,
-            gravity_j: body.gravity_j,
-            contact_j,
-            friction_j,
-            removed_j: self.removed_j,
-            released_j,
-            eroded_elastic_j: body.failure.table.elastic_j(),
-            free_kinetic_j: free_nodes(body).kinetic_j,
-            residual_j,
-        });
-        let largest = self
-            .energies
-            .iter()
-            .map(|e| e.gravity_j.abs().max(e.kinetic_j + e.internal_j))
-            .fold(1e-9, f64::max);
-        let error = residual_j.abs() / largest;
-        let fall_j = 0.01 * body.mass_kg.iter().sum::<f64>() * building.settings.gravity_m_s2;
-        if body.gravity_j > fall_j {
-            self.hourglass_share = self.hourglass_share.max(hourglass_j / internal_j);
-            self.energy_error = self.energy_error.max(error);
-            if residual_j / largest > ENERGY_LIMIT {
-                return Err(FeError::Energy { time_s: body.time_s, percent: 100.0 * error });
-            }
-        }
-        Ok(())
-    }
-
-    fn finish(mut self, mesh: Mesh, snapped: Vec<super::mesh::Snapped>, body: &Dynamics) -> FeRun {
-        let nodes = self.frames_m.first().map_or(mesh.nodes.len(), Vec::len);
-        for frame in &mut self.frames_m {
-            for [old, new] in self.splits.iter().flat_map(|s| &s.copies) {
-                if *new == frame.len() {
-                    frame.push(frame[*old]);
-                }
-            }
-        }
-        let erosion = ErosionTable { free: free_nodes(body), ..body.failure.table };
-        let summary = FeSummary {
-            elements: mesh.elements.len(),
-            nodes,
-            mass_kg: (0..mesh.elements.len()).map(|e| body.blocks.mass_kg(e)).sum(),
-            steps: body.steps,
-            time_step_s: body.first_dt_s,
-            first_ground_contact_s: self.first_contact_s,
-            eroded_elements: erosion.eroded(),
-            erosion,
-            energy_error: self.energy_error,
-            hourglass_share: self.hourglass_share,
-            ..FeSummary::default()
-        };
-        let plastic_strain = (0..mesh.elements.len()).map(|e| body.blocks.plastic_strain(e)).collect();
-        FeRun {
-            mesh,
-            snapped,
-            times_s: self.times_s,
-            tracked: self.tracked,
-            frames_m: self.frames_m,
-            strain_rates_1_s: self.strain_rates_1_s,
-            plastic_strain,
-            deaths: self.deaths,
-            touches: self.touches,
-            energies: self.energies,
-            summary,
-        }
     }
 }

@@ -6,9 +6,10 @@
 use super::hexahedron::{Vec3, add, cross, dot, gradient, scaled, to_patterns};
 use super::mesh::Mesh;
 use super::split::Split;
+use serde::{Deserialize, Serialize};
 
 /// The interval that is under way.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct StrainWindow {
     /// Node positions at its start \[m\].
     start_m: Vec<Vec3>,

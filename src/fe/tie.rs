@@ -17,12 +17,13 @@
 
 use super::blocks::Blocks;
 use super::mesh::{Mesh, Tie};
+use serde::{Deserialize, Serialize};
 
 /// Not a tied node.
 const FREE: u32 = u32::MAX;
 
 /// The ties of a mesh that act.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Ties {
     /// All ties, acting or not.
     list: Vec<Tie>,

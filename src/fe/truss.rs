@@ -16,9 +16,10 @@ use super::hexahedron::{Vec3, add, dot, scaled};
 use super::kernel::KernelStep;
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
+use serde::{Deserialize, Serialize};
 
 /// All bars of a mesh with their state.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Trusses {
     /// The bars, in the order of the mesh.
     pub bars: Vec<Bar>,
@@ -31,7 +32,7 @@ pub struct Trusses {
 }
 
 /// One bar.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bar {
     /// Node indices.
     pub nodes: [usize; 2],

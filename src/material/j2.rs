@@ -9,17 +9,18 @@
 
 use super::rate::RateFactor;
 use crate::building::HardeningPoint;
+use serde::{Deserialize, Serialize};
 
 /// A hardening table as straight segments: `σ_y = stress + slope (p - strain)` from `strain` to the
 /// next segment's `strain`; the last segment is flat and has no end.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HardeningTable {
     segments: Vec<Segment>,
     rate: Option<RateFactor>,
 }
 
 /// One straight piece.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Segment {
     strain: f64,
     stress_pa: f64,

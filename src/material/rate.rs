@@ -9,9 +9,10 @@
 //! solution without crossing it. Brackets keep it safe in tables that soften.
 
 use super::j2::HardeningTable;
+use serde::{Deserialize, Serialize};
 
 /// Constants of the rate factor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RateFactor {
     /// C \[1/s\].
     pub c_1_s: f64,

@@ -71,13 +71,12 @@ pub const COLLAPSE_DROP_M: f64 = 1.0;
 
 /// Reads the facts out of a run.
 pub fn facts(building: &Building, run: &FeRun) -> Facts {
-    let critical = building.settings.critical_strain_rate_1_s;
     let removed: Vec<bool> = {
         let mut removed = vec![false; run.mesh.elements.len()];
         run.deaths.iter().filter(|d| d.cause == Death::Removed).for_each(|d| removed[d.element] = true);
         removed
     };
-    let history = ElementHistory::of(run, critical);
+    let history = ElementHistory::of(run);
     let ends: Vec<MemberEnd> = member_ends(building, &Partition::of(building));
     let mut in_end = vec![false; run.mesh.elements.len()];
     let mut zones = Vec::new();
@@ -114,7 +113,7 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
         .collect();
     let fall = |h: &crate::fe::result::History| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M);
     Facts {
-        critical_rate_1_s: critical,
+        critical_rate_1_s: run.strain_rates.critical_1_s,
         first_contact_s: run.summary.first_ground_contact_s,
         ends: zones,
         members,
@@ -124,34 +123,24 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
 }
 
 /// First time above the critical rate, peak rate and death time of each element.
-struct ElementHistory {
-    first_s: Vec<Option<f64>>,
-    peak: Vec<f64>,
+struct ElementHistory<'a> {
+    first_s: &'a [Option<f64>],
+    peak: &'a [f32],
     death_s: Vec<f64>,
 }
 
-impl ElementHistory {
-    fn of(run: &FeRun, critical: f64) -> Self {
-        let n = run.mesh.elements.len();
-        let mut this = Self { first_s: vec![None; n], peak: vec![0.0; n], death_s: vec![f64::INFINITY; n] };
-        for (time, rates) in run.times_s.iter().zip(&run.strain_rates_1_s) {
-            for (e, rate) in rates.iter().enumerate() {
-                let rate = f64::from(*rate);
-                this.peak[e] = this.peak[e].max(rate);
-                if rate > critical && this.first_s[e].is_none() {
-                    this.first_s[e] = Some(*time);
-                }
-            }
-        }
-        run.deaths.iter().for_each(|d| this.death_s[d.element] = this.death_s[d.element].min(d.time_s));
-        this
+impl<'a> ElementHistory<'a> {
+    fn of(run: &'a FeRun) -> Self {
+        let mut death_s = vec![f64::INFINITY; run.mesh.elements.len()];
+        run.deaths.iter().for_each(|d| death_s[d.element] = death_s[d.element].min(d.time_s));
+        Self { first_s: &run.strain_rates.first_s, peak: &run.strain_rates.peak_1_s, death_s }
     }
 }
 
 fn zone(
     building: &Building,
     run: &FeRun,
-    history: &ElementHistory,
+    history: &ElementHistory<'_>,
     end: &MemberEnd,
     elements: &[usize],
 ) -> EndZone {
@@ -169,7 +158,7 @@ fn zone(
         member: building.members[end.member].id.clone(),
         point_m: end.point_m,
         first_s: first.is_finite().then_some(first),
-        peak_rate_1_s: largest(&|e| history.peak[e]),
+        peak_rate_1_s: largest(&|e| f64::from(history.peak[e])),
         plastic_strain: largest(&|e| run.plastic_strain[e]),
         eroded: elements.iter().filter(|e| history.death_s[**e].is_finite()).count() as f64
             / elements.len() as f64,

@@ -205,7 +205,7 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
 /// Plan projection of the elements that are left at the end.
 fn fe_footprint(run: &FeRun) -> Footprint {
     let mut footprint = Footprint::default();
-    let Some(frame) = run.frames_m.last() else { return footprint };
+    let frame = &run.last_m;
     let mut gone = vec![false; run.mesh.elements.len()];
     run.deaths.iter().filter(|d| d.cause != Death::Split).for_each(|d| gone[d.element] = true);
     for (element, _) in run.mesh.elements.iter().zip(&gone).filter(|(_, gone)| !**gone) {

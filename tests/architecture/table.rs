@@ -53,6 +53,7 @@ pub const CONFINED: &[Confined] = &[
     Confined { krate: "sled", within: &["library/cache.rs"] },
     Confined { krate: "parry3d_f64", within: &["mbs/narrow.rs"] },
     Confined { krate: "faer", within: &["fe/preload.rs", "graph/"] },
+    Confined { krate: "postcard", within: &["fe/restart.rs"] },
     Confined { krate: "clap", within: &["cli/"] },
 ];
 

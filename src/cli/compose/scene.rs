@@ -3,6 +3,7 @@
 use super::Pieces;
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
+use crate::fe::result::KeptFrame;
 use crate::mbs::model::Body;
 use crate::report::{
     BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneObstacle,
@@ -25,7 +26,7 @@ fn group(building: &Building, member: &str) -> String {
 /// The scene of both runs.
 pub fn scene(p: &Pieces) -> Scene {
     Scene {
-        time_s: p.fe.times_s[..p.outputs()].to_vec(),
+        time_s: kept(p).map(|f| p.fe.times_s[f.output]).collect(),
         ground_level_m: Some(p.building.ground.level_m),
         obstacles: p
             .building
@@ -36,6 +37,11 @@ pub fn scene(p: &Pieces) -> Scene {
         fe: Some(fe_scene(p)),
         mbs: Some(mbs_scene(p)),
     }
+}
+
+/// FE frames at times that both runs reached.
+fn kept<'a>(p: &'a Pieces) -> impl Iterator<Item = &'a KeptFrame> {
+    p.fe.frames.iter().filter(|f| f.output < p.outputs())
 }
 
 fn fe_scene(p: &Pieces) -> FeScene {
@@ -54,7 +60,7 @@ fn fe_scene(p: &Pieces) -> FeScene {
             .collect(),
         faces: faces_of_hexes(&hexes, &elements),
         elements,
-        frames_m: p.fe.frames_m[..p.outputs()].to_vec(),
+        frames_m: kept(p).map(|f| f.nodes_m.clone()).collect(),
         plastic_strain: PlasticStrain::Final(p.fe.plastic_strain.iter().map(|s| *s as f32).collect()),
     }
 }
@@ -81,6 +87,6 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
     };
     MbsScene {
         bodies: model.bodies.iter().map(body).collect(),
-        frames: p.mbs.frames[..p.outputs()].iter().map(poses).collect(),
+        frames: kept(p).map(|f| poses(&p.mbs.frames[f.output])).collect(),
     }
 }

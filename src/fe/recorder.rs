@@ -1,0 +1,277 @@
+//! What a run shows, gathered while it runs: histories, energies, events, and of each element just the extremes.
+
+use super::dynamics::{Death, Dynamics};
+use super::erosion::{ErosionTable, free_nodes};
+use super::mesh::{Mesh, Snapped};
+use super::probe::Probe;
+use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, KeptFrame, StrainRates, Touch};
+use super::run::{ENERGY_LIMIT, FeError};
+use super::split::Split;
+use super::strain_rate::StrainWindow;
+use super::vtu::{Frame, FrameSink};
+use crate::building::partition::Partition;
+use crate::building::tracked::tracked_points;
+use crate::building::{Building, MemberKind};
+use serde::{Deserialize, Serialize};
+
+/// Node positions that are kept in memory for reports at most, over all frames \[bytes\].
+const MOST_KEPT_BYTES: usize = 100_000_000;
+
+/// Collects what the run shows. All of it is in checkpoints.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Recorder {
+    probes: Vec<Probe>,
+    start_m: Vec<[f64; 3]>,
+    last_m: Vec<[f64; 3]>,
+    times_s: Vec<f64>,
+    tracked: Vec<History>,
+    /// Node positions under dead load \[m\].
+    rest_m: Vec<[f64; 3]>,
+    /// Frames kept in memory, one every so many outputs; 0: none.
+    keep_every: usize,
+    frames: Vec<KeptFrame>,
+    rates: StrainRates,
+    window: StrainWindow,
+    pub(super) deaths: Vec<ElementDeath>,
+    pub(super) removed: Vec<bool>,
+    pub(super) splits: Vec<Split>,
+    touches: Vec<Touch>,
+    energies: Vec<FeEnergies>,
+    initial_j: f64,
+    pub(super) kinetic_j: f64,
+    pub(super) removed_j: f64,
+    standing: Vec<bool>,
+    energy_error: f64,
+    hourglass_share: f64,
+    first_contact_s: Option<f64>,
+}
+
+impl Recorder {
+    /// Begins at the dead-load state of a run of `outputs` outputs; `keep_frames`: frames stay in memory for a report, thinned out if
+    /// they would be too large.
+    pub fn new(building: &Building, mesh: &Mesh, body: &Dynamics, outputs: usize, keep_frames: bool) -> Self {
+        let partition = Partition::of(building);
+        let probes: Vec<Probe> = tracked_points(building, &partition)
+            .iter()
+            .filter_map(|t| {
+                let part = building.members.iter().position(|m| m.id == t.member)?;
+                Probe::new(mesh, &t.id, part, t.point_m, building.members[part].kind == MemberKind::Column)
+            })
+            .collect();
+        let start_m: Vec<[f64; 3]> =
+            probes.iter().map(|p| p.position(mesh, &body.blocks, &body.x).unwrap_or(p.point_m)).collect();
+        let tracked =
+            probes.iter().map(|p| History { id: p.id.clone(), displacement_m: Vec::new() }).collect();
+        let standing =
+            building.members.iter().map(|m| building.supports.iter().any(|s| s.member == m.id)).collect();
+        Self {
+            last_m: start_m.clone(),
+            probes,
+            start_m,
+            times_s: Vec::new(),
+            tracked,
+            rest_m: body.x.clone(),
+            keep_every: if keep_frames { kept_every(mesh.nodes.len(), outputs) } else { 0 },
+            frames: Vec::new(),
+            rates: StrainRates::new(mesh.elements.len(), building.settings.critical_strain_rate_1_s),
+            window: StrainWindow::new(&body.x),
+            deaths: Vec::new(),
+            removed: vec![false; mesh.elements.len()],
+            splits: Vec::new(),
+            touches: Vec::new(),
+            energies: Vec::new(),
+            initial_j: body.blocks.energies_j().iter().sum::<f64>() + body.trusses.internal_j(),
+            kinetic_j: 0.0,
+            removed_j: 0.0,
+            standing,
+            energy_error: 0.0,
+            hourglass_share: 0.0,
+            first_contact_s: None,
+        }
+    }
+
+    /// Events of one step.
+    pub fn note(&mut self, mesh: &Mesh, body: &mut Dynamics, building: &Building) {
+        for (element, cause) in &body.deaths {
+            self.deaths.push(ElementDeath { element: *element, time_s: body.time_s, cause: *cause });
+            self.window.note_end(mesh, *element, &body.x);
+        }
+        for (node, surface) in std::mem::take(&mut body.surfaces.new_touches) {
+            let Some(element) = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0) else {
+                continue;
+            };
+            let part = mesh.elements[element].part;
+            let surface = match surface {
+                0 => "ground".to_string(),
+                i => building.obstacles[i - 1].id.clone(),
+            };
+            if surface == "ground" && !self.standing[part] {
+                self.first_contact_s.get_or_insert(body.time_s);
+            }
+            let part = mesh.parts[part].clone();
+            if !self.touches.iter().any(|t| t.part == part && t.surface == surface) {
+                self.touches.push(Touch { time_s: body.time_s, part, surface });
+            }
+        }
+    }
+
+    /// Elements that were detached in a step.
+    pub fn follow(&mut self, splits: &[Split]) {
+        self.window.follow(splits);
+        for [old, _] in splits.iter().flat_map(|s| &s.copies) {
+            self.rest_m.push(self.rest_m[*old]);
+        }
+        self.splits.extend_from_slice(splits);
+    }
+
+    /// One output; `frames` gets the state.
+    pub fn record(
+        &mut self,
+        building: &Building,
+        mesh: &Mesh,
+        body: &Dynamics,
+        frames: Option<&mut (dyn FrameSink + '_)>,
+    ) -> Result<(), FeError> {
+        let interval = building.settings.output_interval_s;
+        let output = self.times_s.len();
+        let time_s = output as f64 * interval;
+        if let Some(node) = body.broken_node() {
+            let part = body
+                .blocks
+                .elements_at(node)
+                .next()
+                .map_or("?".into(), |e| mesh.parts[mesh.elements[e].part].clone());
+            return Err(FeError::NotFinite { time_s: body.time_s, node, part });
+        }
+        self.times_s.push(time_s);
+        for (i, probe) in self.probes.iter().enumerate() {
+            let at = probe.position(mesh, &body.blocks, &body.x).unwrap_or(self.last_m[i]);
+            self.last_m[i] = at;
+            self.tracked[i].displacement_m.push(std::array::from_fn(|k| at[k] - self.start_m[i][k]));
+        }
+        if self.keep_every > 0 && output.is_multiple_of(self.keep_every) {
+            let nodes_m = body.x.iter().map(|p| p.map(|c| c as f32)).collect();
+            self.frames.push(KeptFrame { output, nodes_m });
+        }
+        let rates = self.window.finish(mesh, |e| body.blocks.share(e) > 0.0, &body.x, interval);
+        self.rates.add(time_s, &rates);
+        if let Some(sink) = frames {
+            let start_m = &self.rest_m[..];
+            let frame = Frame { output, time_s, mesh, body, start_m, strain_rates_1_s: &rates };
+            sink.frame(&frame).map_err(FeError::Output)?;
+        }
+        self.balance(building, body)
+    }
+
+    fn balance(&mut self, building: &Building, body: &Dynamics) -> Result<(), FeError> {
+        let kinetic_j = self.kinetic_j;
+        let [internal_j, hourglass_j, viscous_j] = body.blocks.energies_j();
+        let internal_j = internal_j + body.trusses.internal_j();
+        let eroded_j = self
+            .deaths
+            .iter()
+            .filter(|d| !matches!(d.cause, Death::Removed | Death::Split))
+            .map(|d| body.blocks.internal_j(d.element))
+            .sum();
+        let [contact_j, friction_j] = body.contact_j;
+        let released_j = body.ties.released_j + body.failure.table.released_j;
+        let supplied = self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + released_j;
+        let residual_j = kinetic_j + internal_j + hourglass_j + viscous_j - supplied;
+        self.energies.push(FeEnergies {
+            kinetic_j,
+            internal_j,
+            eroded_j,
+            hourglass_j,
+            viscous_j,
+            gravity_j: body.gravity_j,
+            contact_j,
+            friction_j,
+            removed_j: self.removed_j,
+            released_j,
+            eroded_elastic_j: body.failure.table.elastic_j(),
+            free_kinetic_j: free_nodes(body).kinetic_j,
+            residual_j,
+        });
+        let largest = self
+            .energies
+            .iter()
+            .map(|e| e.gravity_j.abs().max(e.kinetic_j + e.internal_j))
+            .fold(1e-9, f64::max);
+        let error = residual_j.abs() / largest;
+        let fall_j = 0.01 * body.mass_kg.iter().sum::<f64>() * building.settings.gravity_m_s2;
+        if body.gravity_j > fall_j {
+            self.hourglass_share = self.hourglass_share.max(hourglass_j / internal_j);
+            self.energy_error = self.energy_error.max(error);
+            if residual_j / largest > ENERGY_LIMIT {
+                return Err(FeError::Energy { time_s: body.time_s, percent: 100.0 * error });
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of outputs recorded so far.
+    pub fn count(&self) -> usize {
+        self.times_s.len()
+    }
+
+    /// The results.
+    pub fn finish(mut self, mesh: Mesh, snapped: Vec<Snapped>, body: &Dynamics) -> FeRun {
+        let copied: Vec<[usize; 2]> = self.splits.iter().flat_map(|s| &s.copies).copied().collect();
+        for frame in self.frames.iter_mut().map(|f| &mut f.nodes_m) {
+            for [old, new] in &copied {
+                if *new == frame.len() {
+                    frame.push(frame[*old]);
+                }
+            }
+        }
+        let erosion = ErosionTable { free: free_nodes(body), ..body.failure.table };
+        let summary = FeSummary {
+            elements: mesh.elements.len(),
+            nodes: mesh.nodes.len() - copied.len(),
+            mass_kg: (0..mesh.elements.len()).map(|e| body.blocks.mass_kg(e)).sum(),
+            steps: body.steps,
+            time_step_s: body.first_dt_s,
+            first_ground_contact_s: self.first_contact_s,
+            eroded_elements: erosion.eroded(),
+            erosion,
+            energy_error: self.energy_error,
+            hourglass_share: self.hourglass_share,
+            ..FeSummary::default()
+        };
+        let plastic_strain = (0..mesh.elements.len()).map(|e| body.blocks.plastic_strain(e)).collect();
+        FeRun {
+            mesh,
+            snapped,
+            times_s: self.times_s,
+            tracked: self.tracked,
+            frames: self.frames,
+            last_m: body.x.iter().map(|p| p.map(|c| c as f32)).collect(),
+            strain_rates: self.rates,
+            plastic_strain,
+            deaths: self.deaths,
+            touches: self.touches,
+            energies: self.energies,
+            summary,
+        }
+    }
+}
+
+/// Every how many outputs a frame is kept, so that all together are not too large.
+fn kept_every(nodes: usize, outputs: usize) -> usize {
+    (12 * nodes * (outputs + 1)).div_ceil(MOST_KEPT_BYTES).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::kept_every;
+
+    #[test]
+    fn kept_frames_stay_below_the_limit() {
+        assert_eq!(kept_every(3942, 250), 1);
+        for (nodes, outputs) in [(3942, 2500), (100_000, 250), (100_000, 6000), (2_000_000, 500)] {
+            let every = kept_every(nodes, outputs);
+            let frames = outputs / every + 1;
+            assert!(12 * nodes * frames <= super::MOST_KEPT_BYTES + 12 * nodes, "{nodes} {outputs} {every}");
+        }
+    }
+}
