@@ -41,6 +41,9 @@ pub struct Arguments {
     /// Simulated time in seconds, instead of the building's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     end_time: Option<f64>,
+    /// Let the parts of the building pass through each other
+    #[arg(long)]
+    no_body_contact: bool,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -100,7 +103,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
     if let Some(end) = end_time_s.filter(|end| *end > LONGEST_S) {
         return Err(Failure::input(format!("--end-time is {end} s, the longest is {LONGEST_S} s")));
     }
-    Ok(FeOptions { mesh_size_m, end_time_s })
+    Ok(FeOptions { mesh_size_m, end_time_s, body_contact: !arguments.no_body_contact })
 }
 
 /// Runs the FE model and shows how far it is.
@@ -212,10 +215,21 @@ fn zones_words(building: &Building, fe: &FeRun) -> String {
 }
 
 fn summary(s: &FeSummary) -> String {
+    let contact = s.body_contact.as_ref().map_or("off".to_string(), |c| {
+        format!(
+            "{} searches and {} local ones, at most {} pairs and {} contacts, {:.1} mm deep; {:.1} kJ",
+            c.searches,
+            c.local_searches,
+            c.most_pairs,
+            c.most_contacts,
+            1e3 * c.deepest_m,
+            1e-3 * (c.normal_j + c.friction_j)
+        )
+    });
     format!(
         "  {} elements, {} nodes, {:.2} t; {} steps of {:.3} ms\n  \
          first ground contact: {}\n  eroded elements: {}\n  \
-         energy error {}, hourglass share {}\n  run time: {:.1} s wall, {:.1} s processor\n",
+         energy error {}, hourglass share {}\n  contact of the parts: {contact}\n  run time: {:.1} s wall, {:.1} s processor\n",
         s.elements,
         s.nodes,
         s.mass_kg / 1e3,

@@ -5,7 +5,8 @@
 //! ratio ξ lowers the limit by `sqrt(1 + ξ²) - ξ`.
 
 use super::blocks::Blocks;
-use super::contact::RigidSurfaces;
+use super::contact::body::{Moving, Struck, Surroundings};
+use super::contact::{BodyContact, RigidSurfaces};
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use rayon::prelude::*;
@@ -65,6 +66,8 @@ pub struct Dynamics {
     pub steps: u64,
     /// Rigid ground and obstacles.
     pub surfaces: RigidSurfaces,
+    /// Contact of the body with itself, if there is any.
+    pub body_contact: Option<Box<BodyContact>>,
     /// Work of contact normal forces and of friction on the body \[J\].
     pub contact_j: [f64; 2],
     /// Work of applied forces, prescribed motion and damping \[J\].
@@ -102,6 +105,7 @@ impl Dynamics {
             first_dt_s: 0.0,
             steps: 0,
             surfaces,
+            body_contact: None,
             contact_j: [0.0; 2],
             driven_j: 0.0,
             gravity_j: 0.0,
@@ -160,6 +164,7 @@ impl Dynamics {
         self.time_s += dt;
         self.steps += 1;
         self.erode();
+        self.prepare_contact(dt);
         let kinetic = self.accelerate(dt, measure);
         let allowed = self.allowed_step_s();
         if allowed < dt {
@@ -218,6 +223,7 @@ impl Dynamics {
             damping_1_s: self.damping_1_s,
             blocks: &self.blocks,
             surfaces: &self.surfaces,
+            body_contact: self.body_contact.as_deref(),
             x: &self.x,
             mass_kg: &self.mass_kg,
             applied_n: &self.applied_n,
@@ -233,27 +239,66 @@ impl Dynamics {
             chunks.map(|(c, (v, internal_n))| common.chunk(c * CHUNK, v, internal_n)).collect()
         };
         let mut kinetic = 0.0;
+        let mut meeting: Vec<(Moving, [f64; 3])> = Vec::new();
+        let mut top_speed: f64 = 0.0;
         for part in parts {
             kinetic += part.kinetic_j;
             self.gravity_j += part.gravity_j;
             self.driven_j += part.driven_j;
-            for (n, mut new) in part.touching {
-                let (mass, old) = (self.mass_kg[n], self.v[n]);
-                let work = self.surfaces.resolve(n, mass, dt, self.x[n], &old, &mut new);
+            top_speed = top_speed.max(part.top_speed_m_s);
+            for (n, new, driven) in part.touching {
+                let held = self.prescribed_m_s[n].map(|d| d.is_some());
+                let at =
+                    Struck { node: n, held, mass_kg: self.mass_kg[n], dt_s: dt, x: self.x[n], old: self.v[n] };
+                let mut node = Moving::new(at, new);
+                if self.body_contact.as_ref().is_some_and(|c| c.flagged[n]) {
+                    meeting.push((node, driven));
+                    continue;
+                }
+                let work = self.surfaces.resolve(&at, &mut node.new);
                 self.contact_j[0] += work[0];
                 self.contact_j[1] += work[1];
-                let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
-                kinetic +=
-                    0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
-                for i in 0..3 {
-                    self.gravity_j += mass * self.acceleration_m_s2[i] * middle[i] * dt;
-                    self.driven_j +=
-                        (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * dt;
-                }
-                self.v[n] = new;
+                kinetic += self.settle(&node, driven);
             }
         }
+        if let Some(mut contact) = self.body_contact.take() {
+            contact.top_speed_m_s = top_speed;
+            let (mut nodes, driven): (Vec<_>, Vec<_>) = meeting.into_iter().unzip();
+            let work = contact.resolve(dt, &mut nodes, &mut self.surfaces);
+            for i in 0..2 {
+                self.contact_j[i] += work.body_j[i] + work.rigid_j[i];
+            }
+            self.driven_j += work.held_j;
+            kinetic += nodes.iter().zip(driven).map(|(node, driven)| self.settle(node, driven)).sum::<f64>();
+            self.body_contact = Some(contact);
+        }
         kinetic
+    }
+
+    /// Gives a node its final velocity and books the work of gravity and drives; returns its kinetic energy at the full step.
+    fn settle(&mut self, node: &Moving, driven_n: [f64; 3]) -> f64 {
+        let (n, mass, dt) = (node.at.node, node.at.mass_kg, node.at.dt_s);
+        let middle = node.middle();
+        for i in 0..3 {
+            self.gravity_j += mass * self.acceleration_m_s2[i] * middle[i] * dt;
+            self.driven_j += driven_n[i] * middle[i] * dt;
+        }
+        self.v[n] = node.new;
+        0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2])
+    }
+
+    /// Finds the nodes that may meet another part of the body.
+    fn prepare_contact(&mut self, dt_s: f64) {
+        if let Some(contact) = &mut self.body_contact {
+            let now = Surroundings {
+                x: &self.x,
+                v: &self.v,
+                mass_kg: &self.mass_kg,
+                dt_s,
+                parallel: self.parallel,
+            };
+            contact.prepare(now, &self.deaths);
+        }
     }
 
     /// Sums the element forces of the last kernel call at the nodes.
@@ -291,6 +336,7 @@ struct NodeStep<'a> {
     damping_1_s: f64,
     blocks: &'a Blocks,
     surfaces: &'a RigidSurfaces,
+    body_contact: Option<&'a BodyContact>,
     x: &'a [[f64; 3]],
     mass_kg: &'a [f64],
     applied_n: &'a [[f64; 3]],
@@ -304,8 +350,10 @@ struct NodeSums {
     gravity_j: f64,
     driven_j: f64,
     kinetic_j: f64,
-    /// Nodes that reach a surface, with their trial velocities: not yet updated, nor in the sums.
-    touching: Vec<(usize, [f64; 3])>,
+    /// Largest speed as contact of the body with itself counts it.
+    top_speed_m_s: f64,
+    /// Nodes that reach a surface, with their trial velocities and driving forces: not yet updated, nor in the sums.
+    touching: Vec<(usize, [f64; 3], [f64; 3])>,
 }
 
 impl NodeStep<'_> {
@@ -339,9 +387,17 @@ impl NodeStep<'_> {
                         new[i] = given;
                     }
                 }
-            } else if self.surfaces.reached(self.dt, &self.x[n], &new) {
-                sums.touching.push((n, new));
+            }
+            let contact = self.body_contact;
+            if contact.is_some_and(|c| c.flagged[n])
+                || (drive.iter().any(Option::is_none)
+                    && self.surfaces.reached(n, self.dt, &self.x[n], &new))
+            {
+                sums.touching.push((n, new, driven));
                 continue;
+            }
+            if let Some(contact) = contact {
+                sums.top_speed_m_s = sums.top_speed_m_s.max(contact.speed(&new));
             }
             let mut middle = [0.0; 3];
             for i in 0..3 {

@@ -1,8 +1,9 @@
 //! The FE run of a building: dead load, charges, collapse, histories.
 
-use super::contact::RigidSurfaces;
+use super::contact::{BodyContact, LostContact, RigidSurfaces};
 use super::dynamics::{Death, Dynamics};
 use super::mesh::Mesh;
+use super::model::ContactSettings;
 use super::preload;
 use super::probe::Probe;
 use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, Touch};
@@ -13,12 +14,20 @@ use crate::building::tracked::tracked_points;
 use crate::building::{Building, MemberKind};
 
 /// Options of a run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct FeOptions {
     /// Element size other than the building's \[m\].
     pub mesh_size_m: Option<f64>,
     /// End time other than the building's \[s\].
     pub end_time_s: Option<f64>,
+    /// Whether parts of the building touch each other.
+    pub body_contact: bool,
+}
+
+impl Default for FeOptions {
+    fn default() -> Self {
+        Self { mesh_size_m: None, end_time_s: None, body_contact: true }
+    }
 }
 
 /// How far a run is.
@@ -48,6 +57,22 @@ pub enum FeError {
         /// Part of an element at the node.
         part: String,
     },
+    /// A part went through another.
+    #[error(
+        "at t = {time_s:.6} s a node of part `{part}` is {depth_m:.3} m inside part `{other}` at x = {at_m:.3?} m: their contact did not hold; try a smaller mesh size, or --no-body-contact"
+    )]
+    Contact {
+        /// Time \[s\].
+        time_s: f64,
+        /// Part of the node.
+        part: String,
+        /// Part that it is inside of.
+        other: String,
+        /// Depth \[m\].
+        depth_m: f64,
+        /// Position \[m\].
+        at_m: [f64; 3],
+    },
     /// More energy than was put in.
     #[error(
         "at t = {time_s:.6} s the energy balance is off by {percent:.1} % of the work done; the run is not trustworthy"
@@ -76,6 +101,10 @@ pub fn run(
     let mut body = Dynamics::new(&mesh, settings.gravity_m_s2, RigidSurfaces::of(building), parallel);
     let preload_iterations = preload::equilibrate(&mesh, &mut body).map_err(FeError::Preload)?;
     body.surfaces.new_touches.clear();
+    if options.body_contact {
+        let settings = ContactSettings { friction: building.ground.friction, ..Default::default() };
+        body.body_contact = Some(Box::new(BodyContact::new(&mesh, settings)));
+    }
     let mut recorder = Recorder::new(building, &mesh, &body);
     let mut removal = Removal::new(building, &mesh);
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);
@@ -89,6 +118,9 @@ pub fn run(
             let last = body.time_s + 1.5 * body.dt_s >= target;
             recorder.kinetic_j = body.step(last);
             recorder.note(&mesh, &mut body, building);
+            if let Some(lost) = body.body_contact.as_ref().and_then(|c| c.lost) {
+                return Err(contact_error(&mesh, &body, lost));
+            }
         }
         let kinetic = recorder.kinetic_j;
         recorder.record(building, &mesh, &mut body, kinetic, interval)?;
@@ -98,6 +130,17 @@ pub fn run(
     result.summary.preload_iterations = preload_iterations;
     result.summary.elapsed = watch.elapsed();
     Ok(result)
+}
+
+fn contact_error(mesh: &Mesh, body: &Dynamics, lost: LostContact) -> FeError {
+    let part = |element: usize| mesh.parts[mesh.elements[element].part].clone();
+    FeError::Contact {
+        time_s: body.time_s,
+        part: body.blocks.elements_at(lost.node).next().map_or("?".into(), part),
+        other: part(lost.element),
+        depth_m: lost.depth_m,
+        at_m: lost.at_m,
+    }
 }
 
 /// Charges: which elements go when.
@@ -153,6 +196,9 @@ impl Removal {
         for e in &finished {
             recorder.deaths.push(ElementDeath { element: *e, time_s: now, cause: Death::Removed });
             recorder.removed[*e] = true;
+            if let Some(contact) = &mut body.body_contact {
+                contact.end_element(*e);
+            }
         }
         let before = body.kinetic_j();
         body.assemble_mass(mesh, |e| !recorder.removed[e]);
@@ -333,6 +379,7 @@ impl Recorder {
             eroded_elements: self.deaths.iter().filter(|d| d.cause != Death::Removed).count(),
             energy_error: self.energy_error,
             hourglass_share: self.hourglass_share,
+            body_contact: body.body_contact.as_ref().map(|c| c.summary().clone()),
             ..FeSummary::default()
         };
         let plastic_strain = (0..mesh.elements.len()).map(|e| body.blocks.plastic_strain(e)).collect();
