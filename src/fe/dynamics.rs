@@ -240,12 +240,12 @@ impl Dynamics {
         };
         let mut kinetic = 0.0;
         let mut meeting: Vec<(Moving, [f64; 3])> = Vec::new();
-        let mut top_speed: f64 = 0.0;
+        let mut top_speed_squared: f64 = 0.0;
         for part in parts {
             kinetic += part.kinetic_j;
             self.gravity_j += part.gravity_j;
             self.driven_j += part.driven_j;
-            top_speed = top_speed.max(part.top_speed_m_s);
+            top_speed_squared = top_speed_squared.max(part.top_speed_squared);
             for (n, new, driven) in part.touching {
                 let held = self.prescribed_m_s[n].map(|d| d.is_some());
                 let at =
@@ -256,13 +256,16 @@ impl Dynamics {
                     continue;
                 }
                 let work = self.surfaces.resolve(&at, &mut node.new);
+                if let Some(contact) = &self.body_contact {
+                    top_speed_squared = top_speed_squared.max(contact.speed_squared(&node.new));
+                }
                 self.contact_j[0] += work[0];
                 self.contact_j[1] += work[1];
                 kinetic += self.settle(&node, driven);
             }
         }
         if let Some(mut contact) = self.body_contact.take() {
-            contact.top_speed_m_s = top_speed;
+            contact.top_speed_m_s = top_speed_squared.sqrt();
             let (mut nodes, driven): (Vec<_>, Vec<_>) = meeting.into_iter().unzip();
             let work = contact.resolve(dt, &mut nodes, &mut self.surfaces);
             for i in 0..2 {
@@ -350,8 +353,8 @@ struct NodeSums {
     gravity_j: f64,
     driven_j: f64,
     kinetic_j: f64,
-    /// Largest speed as contact of the body with itself counts it.
-    top_speed_m_s: f64,
+    /// Square of the largest speed as contact of the body with itself counts it \[m²/s²\].
+    top_speed_squared: f64,
     /// Nodes that reach a surface, with their trial velocities and driving forces: not yet updated, nor in the sums.
     touching: Vec<(usize, [f64; 3], [f64; 3])>,
 }
@@ -397,7 +400,7 @@ impl NodeStep<'_> {
                 continue;
             }
             if let Some(contact) = contact {
-                sums.top_speed_m_s = sums.top_speed_m_s.max(contact.speed(&new));
+                sums.top_speed_squared = sums.top_speed_squared.max(contact.speed_squared(&new));
             }
             let mut middle = [0.0; 3];
             for i in 0..3 {

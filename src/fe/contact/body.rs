@@ -6,12 +6,13 @@
 //!
 //! **When is searched.** A search lists the pairs closer than the reach `R`. Another pair can only meet after its two sides have moved
 //! `R` together, and that takes longer than `∫ 2 max|v - v_ref| dt = R`, with a common velocity that drops out. Until then
-//! there is no search, and with an empty list nothing at all to do. When an element ends, only the faces at its nodes are
+//! there is no search. Each listed pair has such a bound of its own, from its distance, and the least of them says when any pair
+//! is looked at again. When an element ends, only the faces at its nodes are
 //! searched anew.
 
 use super::broad::Cells;
 use super::faces::Faces;
-use super::narrow::{Over, over};
+use super::narrow::{Over, clearance_m, over};
 use super::rigid::RigidSurfaces;
 pub use super::rigid::Struck;
 use super::solve::{Row, solve};
@@ -115,6 +116,9 @@ pub struct BodyContact {
     faces: Faces,
     cells: Cells,
     pairs: Vec<Pair>,
+    /// For each pair the way below which it cannot meet \[m\], and the least of them.
+    due_m: Vec<f64>,
+    first_due_m: f64,
     meetings: Vec<Meeting>,
     flags: Vec<u32>,
     /// Place of each flagged node among those that take part.
@@ -142,6 +146,8 @@ impl BodyContact {
             faces,
             cells: Cells::default(),
             pairs: Vec::new(),
+            due_m: Vec::new(),
+            first_due_m: f64::INFINITY,
             meetings: Vec::new(),
             flags: Vec::new(),
             place: vec![NOWHERE; mesh.nodes.len()],
@@ -181,8 +187,9 @@ impl BodyContact {
         } else if !self.changed.is_empty() {
             self.search_changed(now);
         }
-        if !self.pairs.is_empty() {
-            self.meet(now, self.step_reach_m(now.dt_s));
+        let reach_m = self.step_reach_m(now.dt_s);
+        if self.way_m + reach_m >= self.first_due_m {
+            self.meet(now, reach_m);
         }
     }
 
@@ -204,8 +211,8 @@ impl BodyContact {
         if low[0] <= high[0] {
             self.reference_m_s = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
         }
-        self.top_speed_m_s =
-            (0..now.x.len()).filter(heavy).map(|n| self.speed(&now.v[n])).fold(0.0, f64::max);
+        let squares = (0..now.x.len()).filter(heavy).map(|n| self.speed_squared(&now.v[n]));
+        self.top_speed_m_s = squares.fold(0.0, f64::max).sqrt();
         let size_m = 2.0 * self.summary.reach_m.max(1e-9);
         self.cells.rebuild(now.x, |n| now.mass_kg[n] > 0.0, 2.0 * size_m);
         (self.way_m, self.drift_m) = (0.0, [0.0; 3]);
@@ -252,6 +259,8 @@ impl BodyContact {
             }
         }
         self.summary.most_pairs = self.summary.most_pairs.max(found.len());
+        self.due_m = vec![0.0; found.len()];
+        self.first_due_m = if found.is_empty() { f64::INFINITY } else { 0.0 };
         self.pairs = found;
     }
 
@@ -288,10 +297,10 @@ impl BodyContact {
         });
     }
 
-    /// Speed against the common velocity.
+    /// Square of the speed against the common velocity \[m²/s²\].
     #[inline]
-    pub fn speed(&self, v: &Vec3) -> f64 {
-        (0..3).map(|i| (v[i] - self.reference_m_s[i]).powi(2)).sum::<f64>().sqrt()
+    pub fn speed_squared(&self, v: &Vec3) -> f64 {
+        (0..3).map(|i| (v[i] - self.reference_m_s[i]).powi(2)).sum()
     }
 
     /// The pairs that can meet in this step; of the faces that a node is behind, only the nearest counts.
@@ -305,6 +314,7 @@ impl BodyContact {
             }
             first += count;
         }
+        self.first_due_m = self.due_m.iter().copied().fold(f64::INFINITY, f64::min);
         for meeting in &self.meetings {
             let pair = self.pairs[meeting.pair];
             for n in [pair.node].into_iter().chain(self.faces.corners(pair.face)) {
@@ -322,11 +332,18 @@ impl BodyContact {
         let mut own = None;
         let mut behind: Option<usize> = None;
         for pair in pairs {
+            if self.due_m[pair] > self.way_m + reach_m {
+                continue;
+            }
             let Pair { face, held, .. } = self.pairs[pair];
             let corners = self.faces.corners(face);
+            let points = corners.map(|c| now.x[c as usize]);
             let depth = self.faces.depth_m(face);
             let looked = if held { 2.0 * depth } else { depth };
-            let Some(over) = over(&corners.map(|c| now.x[c as usize]), x, looked, reach_m) else { continue };
+            let Some(over) = over(&points, x, looked, reach_m) else {
+                self.due_m[pair] = self.way_m + clearance_m(&points, x);
+                continue;
+            };
             if corners.iter().any(|c| now.mass_kg[*c as usize] == 0.0) {
                 continue;
             }
@@ -400,7 +417,7 @@ impl BodyContact {
         self.summary.normal_j += work.body_j[0];
         self.summary.friction_j += work.body_j[1];
         for node in nodes.iter() {
-            self.top_speed_m_s = self.top_speed_m_s.max(self.speed(&node.new));
+            self.top_speed_m_s = self.top_speed_m_s.max(self.speed_squared(&node.new).sqrt());
         }
         work
     }

@@ -73,6 +73,20 @@ pub fn over(p: &[Vec3; 4], x: Vec3, depth_m: f64, reach_m: f64) -> Option<Over> 
     (gap_m <= reach_m && gap_m >= -depth_m).then_some(Over { gap_m, weights, normal })
 }
 
+/// Lower bound of the distance of a point from a face \[m\]: to the box around it, or to the slab along its normal.
+pub fn clearance_m(p: &[Vec3; 4], x: Vec3) -> f64 {
+    let area = area_normal(p);
+    let normal = scaled(1.0 / dot(area, area).sqrt().max(f64::MIN_POSITIVE), area);
+    let beyond = |at: &dyn Fn(Vec3) -> f64| {
+        let along = p.map(at);
+        let low = along.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (low - at(x)).max(at(x) - high)
+    };
+    let axes = (0..3).map(|i| beyond(&|q: Vec3| q[i])).fold(0.0, f64::max);
+    axes.max(beyond(&|q: Vec3| dot(normal, q)))
+}
+
 /// `a - b`.
 pub fn minus(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -92,6 +106,20 @@ mod tests {
             let back = add(foot, scaled(found.gap_m, found.normal));
             assert!((0..3).all(|i| (back[i] - x[i]).abs() < 1e-12), "{x:?}: {found:?}");
             assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn clearance_is_no_more_than_the_distance() {
+        for x in [[3.0, 2.0, 1.0], [-1.0, 0.5, 0.0], [1.0, 0.5, -0.7], [1.0, 0.5, 0.02]] {
+            let mut nearest = f64::INFINITY;
+            for (s, t) in (0..=400).map(|i| (f64::from(i % 20) / 20.0, f64::from(i / 20) / 20.0)) {
+                let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
+                let at = (0..4).fold([0.0; 3], |sum, i| add(sum, scaled(weights[i], WARPED[i])));
+                nearest = f64::min(nearest, dot(minus(x, at), minus(x, at)).sqrt());
+            }
+            let bound = clearance_m(&WARPED, x);
+            assert!(bound <= nearest + 1e-12 && bound > 0.5 * nearest - 0.11, "{bound} of {nearest}");
         }
     }
 
