@@ -248,8 +248,14 @@ impl Dynamics {
             top_speed_squared = top_speed_squared.max(part.top_speed_squared);
             for (n, new, driven) in part.touching {
                 let held = self.prescribed_m_s[n].map(|d| d.is_some());
-                let at =
-                    Struck { node: n, held, mass_kg: self.mass_kg[n], dt_s: dt, x: self.x[n], old: self.v[n] };
+                let at = Struck {
+                    node: n,
+                    held,
+                    mass_kg: self.mass_kg[n],
+                    dt_s: dt,
+                    x: self.x[n],
+                    old: self.v[n],
+                };
                 let mut node = Moving::new(at, new);
                 if self.body_contact.as_ref().is_some_and(|c| c.flagged[n]) {
                     meeting.push((node, driven));
@@ -393,8 +399,7 @@ impl NodeStep<'_> {
             }
             let contact = self.body_contact;
             if contact.is_some_and(|c| c.flagged[n])
-                || (drive.iter().any(Option::is_none)
-                    && self.surfaces.reached(n, self.dt, &self.x[n], &new))
+                || (drive.iter().any(Option::is_none) && self.surfaces.reached(n, self.dt, &self.x[n], &new))
             {
                 sums.touching.push((n, new, driven));
                 continue;

@@ -75,7 +75,10 @@ fn pressed(body: &Dynamics) -> usize {
 #[test]
 fn impact_keeps_both_momenta_and_books_its_energy() {
     let (mesh, first) = bricks(
-        &[Brick([3, 3, 3], [0.6, 0.6, 0.6], [0.0; 3]), Brick([2, 2, 3], [0.5, 0.5, 0.7], [0.13, -0.11, 0.61])],
+        &[
+            Brick([3, 3, 3], [0.6, 0.6, 0.6], [0.0; 3]),
+            Brick([2, 2, 3], [0.5, 0.5, 0.7], [0.13, -0.11, 0.61]),
+        ],
         elastic(),
         |_| false,
     );
@@ -115,19 +118,22 @@ fn fallen_block_rests_on_the_other() {
     let upper = first[1]..first[2];
     let lowest = |b: &Dynamics| upper.clone().map(|n| b.x[n][2]).fold(f64::INFINITY, f64::min);
     let fall_j = 2500.0 * 0.4_f64.powi(3) * GRAVITY * 0.1;
-    let (mut deepest, mut worst) = (0.0_f64, 0.0_f64);
+    let (mut deepest, mut worst) = (0.0_f64, (0.0_f64, 0.0));
     while body.time_s < 0.8 {
         let before = body.contact_j;
         let kinetic = body.step(true);
         deepest = deepest.max(0.4 - lowest(&body));
         if body.contact_j == before || body.time_s > 0.5 {
-            worst = worst.max(balance(&body, kinetic, 0.0).abs());
+            let left = balance(&body, kinetic, 0.0);
+            if left.abs() > worst.0.abs() {
+                worst = (left, body.time_s);
+            }
         }
     }
     assert!(deepest < 5e-4, "penetration {deepest}");
     assert!((lowest(&body) - 0.4).abs() < 1e-4, "rests at {}", lowest(&body));
     assert!(body.kinetic_j() < 1e-3 * fall_j, "it rests: {} of {fall_j} J", body.kinetic_j());
-    assert!(worst < 0.01 * fall_j, "energy off by {worst} of {fall_j} J");
+    assert!(worst.0.abs() < 0.01 * fall_j, "energy off by {worst:?} of {fall_j} J");
 }
 
 /// Stopping distance `v² / (2 μ g)` of a block on a held plate.
@@ -161,7 +167,10 @@ fn equal_bars_exchange_their_velocities() {
     law.poisson_ratio = 0.0; // then the bar wave has c = sqrt(E / ρ) without lateral inertia
     let gap = 1e-4;
     let (mesh, first) = bricks(
-        &[Brick([60, 1, 1], [6.0, 0.1, 0.1], [0.0; 3]), Brick([60, 1, 1], [6.0, 0.1, 0.1], [6.0 + gap, 0.0, 0.0])],
+        &[
+            Brick([60, 1, 1], [6.0, 0.1, 0.1], [0.0; 3]),
+            Brick([60, 1, 1], [6.0, 0.1, 0.1], [6.0 + gap, 0.0, 0.0]),
+        ],
         law,
         |_| false,
     );
@@ -218,7 +227,10 @@ fn stack_stays_at_rest() {
 #[test]
 fn opened_face_and_debris_are_met() {
     let (mut mesh, first) = bricks(
-        &[Brick([4, 4, 3], [0.8, 0.8, 0.6], [0.0; 3]), Brick([2, 2, 2], [0.3, 0.3, 0.3], [0.22, 0.26, 0.601])],
+        &[
+            Brick([4, 4, 3], [0.8, 0.8, 0.6], [0.0; 3]),
+            Brick([2, 2, 2], [0.3, 0.3, 0.3], [0.22, 0.26, 0.601]),
+        ],
         elastic(),
         |p| p[2] < 0.01,
     );
@@ -242,7 +254,8 @@ fn opened_face_and_debris_are_met() {
     }
     assert_eq!(deaths, 16, "the upper layer is gone");
     let low = upper.map(|n| body.x[n][2]).fold(f64::INFINITY, f64::min);
-    assert!((low - 0.4).abs() < 2e-3, "the block lies at {low}");
+    let summary = body.body_contact.as_ref().unwrap().summary().clone();
+    assert!((low - 0.4).abs() < 2e-3, "the block lies at {low}, {} J, {summary:?}", body.kinetic_j());
     for n in first[0]..first[1] {
         // debris has come down: on the lower layer if it was over it, and never into it
         let over = (0..2).all(|i| body.x[n][i] > 1e-6 && body.x[n][i] < 0.8 - 1e-6);
@@ -258,7 +271,11 @@ fn heap(parallel: bool, every_step: bool) -> (Vec<[u64; 3]>, u64) {
     let mut list = vec![Brick([8, 8, 2], [1.6, 1.6, 0.2], [0.0; 3])];
     for i in 0..4 {
         let shift = 0.1 * i as f64;
-        list.push(Brick([4, 4, 4], [0.5, 0.5, 0.5], [0.2 + shift, 0.5 - 0.5 * shift, 0.25 + 0.55 * i as f64]));
+        list.push(Brick(
+            [4, 4, 4],
+            [0.5, 0.5, 0.5],
+            [0.2 + shift, 0.5 - 0.5 * shift, 0.25 + 0.55 * i as f64],
+        ));
     }
     let (mesh, first) = bricks(&list, elastic(), |_| false);
     let mut body = Dynamics::new(&mesh, GRAVITY, ground(-0.01, 0.5), parallel);

@@ -63,11 +63,17 @@ fn level_plane_is_ground() {
         });
         body
     };
-    let (first, second) = (run(ground(-0.01, 0.4)), run(planes(&[plane([0.0, 0.0, -0.01], [0.0, 0.0, 1.0], 0.4)])));
+    let (first, second) =
+        (run(ground(-0.01, 0.4)), run(planes(&[plane([0.0, 0.0, -0.01], [0.0, 0.0, 1.0], 0.4)])));
     for (a, b) in first.x.iter().zip(&second.x) {
         assert!((0..3).all(|i| (a[i] - b[i]).abs() < 1e-9), "{a:?} {b:?}");
     }
-    assert!((first.contact_j[0] / second.contact_j[0] - 1.0).abs() < 1e-6, "{:?} {:?}", first.contact_j, second.contact_j);
+    assert!(
+        (first.contact_j[0] / second.contact_j[0] - 1.0).abs() < 1e-6,
+        "{:?} {:?}",
+        first.contact_j,
+        second.contact_j
+    );
     let mut none = plane([0.0, 0.0, -0.01], [0.0, 0.0, 1.0], 0.4);
     none.nodes = Some(Vec::new());
     let through = run(planes(&[none]));
@@ -78,7 +84,8 @@ fn level_plane_is_ground() {
 #[test]
 fn plane_of_symmetry_meets_a_wall() {
     let mesh = grid([2, 2, 4], [0.2, 0.2, 0.8], elastic(), |_| false);
-    let mut body = Dynamics::new(&mesh, 0.0, planes(&[plane([0.0, 0.0, -0.001], [0.0, 0.0, 1.0], 0.0)]), false);
+    let mut body =
+        Dynamics::new(&mesh, 0.0, planes(&[plane([0.0, 0.0, -0.001], [0.0, 0.0, 1.0], 0.0)]), false);
     for n in 0..mesh.nodes.len() {
         if mesh.nodes[n][0] == 0.0 {
             body.prescribed_m_s[n][0] = Some(0.0);

@@ -25,9 +25,9 @@ impl Cells {
         for i in 0..3 {
             let mean = chosen.iter().map(|n| x[*n as usize][i]).sum::<f64>() / total;
             let spread = chosen.iter().map(|n| (x[*n as usize][i] - mean).powi(2)).sum::<f64>() / total;
-            let (least, most) = chosen.iter().fold((mean, mean), |(a, b), n| {
-                (a.min(x[*n as usize][i]), b.max(x[*n as usize][i]))
-            });
+            let (least, most) = chosen
+                .iter()
+                .fold((mean, mean), |(a, b), n| (a.min(x[*n as usize][i]), b.max(x[*n as usize][i])));
             low[i] = least.max(mean - 3.0 * spread.sqrt());
             extent[i] = most.min(mean + 3.0 * spread.sqrt()) - low[i];
         }
@@ -93,7 +93,9 @@ mod tests {
         x.push([1e6, 0.0, -1e6]);
         let mut cells = Cells::default();
         cells.rebuild(&x, |n| n != 7, 0.5);
-        for (low, high) in [([0.3, 0.3, 0.3], [1.2, 2.0, 0.8]), ([-5.0; 3], [9.0; 3]), ([1e5, -1.0, -2e6], [2e6, 1.0, 0.0])] {
+        for (low, high) in
+            [([0.3, 0.3, 0.3], [1.2, 2.0, 0.8]), ([-5.0; 3], [9.0; 3]), ([1e5, -1.0, -2e6], [2e6, 1.0, 0.0])]
+        {
             let inside = |n: &usize| *n != 7 && (0..3).all(|i| x[*n][i] >= low[i] && x[*n][i] <= high[i]);
             let mut found = Vec::new();
             cells.each(&low, &high, |n| found.push(n as usize));

@@ -31,7 +31,8 @@ impl Faces {
     /// Faces of a mesh all of whose elements act.
     pub fn of(mesh: &Mesh) -> Self {
         let nodes: Vec<[u32; 8]> = mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect();
-        let thickness_m = mesh.elements.iter().map(|e| thicknesses(&e.nodes.map(|n| mesh.nodes[n]))).collect();
+        let thickness_m =
+            mesh.elements.iter().map(|e| thicknesses(&e.nodes.map(|n| mesh.nodes[n]))).collect();
         let (starts, around) = elements_by_node(&nodes, mesh.nodes.len());
         Self { behind: neighbours(&nodes), acts: vec![true; nodes.len()], nodes, thickness_m, starts, around }
     }

@@ -61,7 +61,13 @@ pub struct Row {
 
 impl Row {
     /// A contact; `None` if nothing in it can move.
-    pub fn new(place: [u32; 5], corners: [f64; 4], normal: Vec3, target_m_s: f64, nodes: &[Moving]) -> Option<Self> {
+    pub fn new(
+        place: [u32; 5],
+        corners: [f64; 4],
+        normal: Vec3,
+        target_m_s: f64,
+        nodes: &[Moving],
+    ) -> Option<Self> {
         let weight = [1.0, -corners[0], -corners[1], -corners[2], -corners[3]];
         let mut each = [0.0; 3];
         for (p, w) in place.iter().zip(weight) {
