@@ -73,6 +73,9 @@ pub struct Arguments {
     /// Go on from a checkpoint of the same building, mesh size and --vtu-every; the end time may be another
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
+    /// Let the parts of the building pass through each other
+    #[arg(long)]
+    no_body_contact: bool,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -166,6 +169,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         mass_scaling_step_s,
         mass_scaling_forced,
         keep_frames: false,
+        body_contact: !arguments.no_body_contact,
     })
 }
 
@@ -357,10 +361,21 @@ fn mesh_words(building: &Building, fe: &FeRun, mesh_size_m: f64) -> String {
 }
 
 fn summary(s: &FeSummary) -> String {
+    let contact = s.body_contact.as_ref().map_or("off".to_string(), |c| {
+        format!(
+            "{} searches and {} local ones, at most {} pairs and {} contacts, {:.1} mm deep; {:.1} kJ",
+            c.searches,
+            c.local_searches,
+            c.most_pairs,
+            c.most_contacts,
+            1e3 * c.deepest_m,
+            1e-3 * (c.normal_j + c.friction_j)
+        )
+    });
     format!(
         "  {} elements, {} nodes, {:.2} t; {} steps of {:.3} ms\n  \
          first ground contact: {}\n  eroded elements: {}\n  \
-         energy error {}, hourglass share {}\n  run time: {:.1} s wall, {:.1} s processor\n",
+         energy error {}, hourglass share {}\n  contact of the parts: {contact}\n  run time: {:.1} s wall, {:.1} s processor\n",
         s.elements,
         s.nodes,
         s.mass_kg / 1e3,

@@ -324,6 +324,11 @@ impl Blocks {
         (&self.blocks[block as usize], lane as usize)
     }
 
+    /// Nodes of all elements.
+    pub(super) fn element_nodes(&self) -> &[[u32; 8]] {
+        &self.element_nodes
+    }
+
     /// Nodes of an element.
     pub fn nodes_of(&self, element: usize) -> [usize; 8] {
         self.element_nodes[element].map(|n| n as usize)

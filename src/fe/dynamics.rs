@@ -6,7 +6,8 @@
 //! ratio ξ lowers the limit by `sqrt(1 + ξ²) - ξ`.
 
 use super::blocks::Blocks;
-use super::contact::RigidSurfaces;
+use super::contact::body::{Moving, Struck, Surroundings};
+use super::contact::{BodyContact, RigidSurfaces};
 use super::erosion::{self, Failure};
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
@@ -82,6 +83,8 @@ pub struct Dynamics {
     pub steps: u64,
     /// Rigid ground and obstacles.
     pub surfaces: RigidSurfaces,
+    /// Contact of the body with itself, if there is any.
+    pub body_contact: Option<Box<BodyContact>>,
     /// Work of contact normal forces and of friction on the body \[J\].
     pub contact_j: [f64; 2],
     /// Work of applied forces, prescribed motion and damping \[J\].
@@ -122,6 +125,7 @@ impl Dynamics {
             first_dt_s: 0.0,
             steps: 0,
             surfaces,
+            body_contact: None,
             contact_j: [0.0; 2],
             driven_j: 0.0,
             gravity_j: 0.0,
@@ -223,6 +227,7 @@ impl Dynamics {
         } else if allowed > 1.05 * before {
             self.dt_s = allowed.min(1.05 * before).min(1.2 * self.first_dt_s);
         }
+        self.prepare_contact();
         let kinetic = self.accelerate(0.5 * (taken + self.dt_s), measure);
         if !self.ties.is_empty() {
             self.follow_ties();
@@ -249,6 +254,7 @@ impl Dynamics {
             damping_1_s: self.damping_1_s,
             blocks: &self.blocks,
             surfaces: &self.surfaces,
+            body_contact: self.body_contact.as_deref(),
             mass_kg: &self.mass_kg,
             applied_n: &self.applied_n,
             other_n: &self.other_n,
@@ -264,30 +270,72 @@ impl Dynamics {
             chunks.map(|(c, (x, v))| common.chunk(c * CHUNK, x, v)).collect()
         };
         let mut kinetic = 0.0;
+        let mut meeting: Vec<(Moving, [f64; 3])> = Vec::new();
+        let mut top_speed_squared: f64 = 0.0;
         for part in parts {
             kinetic += part.kinetic_j;
             self.gravity_j += part.gravity_j;
             self.driven_j += part.driven_j;
-            for (n, mut new) in part.touching {
-                let (mass, old) = (self.mass_kg[n], self.v[n]);
-                let work = self.surfaces.resolve(n, mass, dt, self.x[n], &old, &mut new);
+            top_speed_squared = top_speed_squared.max(part.top_speed_squared);
+            for (n, new, driven) in part.touching {
+                let held = self.prescribed_m_s[n].map(|d| d.is_some());
+                let (mass_kg, x, old) = (self.mass_kg[n], self.x[n], self.v[n]);
+                let at = Struck { node: n, held, mass_kg, dt_s: dt, x, old };
+                let mut node = Moving::new(at, new);
+                if self.body_contact.as_ref().is_some_and(|c| c.flagged[n]) {
+                    meeting.push((node, driven));
+                    continue;
+                }
+                let work = self.surfaces.resolve(&at, &mut node.new);
+                if let Some(contact) = &self.body_contact {
+                    top_speed_squared = top_speed_squared.max(contact.speed_squared(&node.new));
+                }
                 self.contact_j[0] += work[0];
                 self.contact_j[1] += work[1];
-                let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
-                kinetic +=
-                    0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
-                for i in 0..3 {
-                    self.gravity_j += mass * self.acceleration_m_s2[i] * middle[i] * kick;
-                    self.driven_j +=
-                        (self.applied_n[n][i] - self.damping_1_s * mass * old[i]) * middle[i] * kick;
-                }
-                self.v[n] = new;
-                for i in 0..3 {
-                    self.x[n][i] += dt * new[i];
-                }
+                kinetic += self.settle(&node, driven, kick);
             }
         }
+        if let Some(mut contact) = self.body_contact.take() {
+            contact.top_speed_m_s = top_speed_squared.sqrt();
+            let (mut nodes, driven): (Vec<_>, Vec<_>) = meeting.into_iter().unzip();
+            let work = contact.resolve(dt, &mut nodes, &mut self.surfaces);
+            for i in 0..2 {
+                self.contact_j[i] += work.body_j[i] + work.rigid_j[i];
+            }
+            self.driven_j += work.held_j;
+            let settled = nodes.iter().zip(driven).map(|(node, driven)| self.settle(node, driven, kick));
+            kinetic += settled.sum::<f64>();
+            self.body_contact = Some(contact);
+        }
         kinetic
+    }
+
+    /// Gives a node its final velocity, moves it and books the work of gravity and drives over the time `kick`; returns its kinetic energy
+    /// between the two velocities.
+    fn settle(&mut self, node: &Moving, driven_n: [f64; 3], kick: f64) -> f64 {
+        let (n, mass, dt) = (node.at.node, node.at.mass_kg, node.at.dt_s);
+        let middle = node.middle();
+        for i in 0..3 {
+            self.gravity_j += mass * self.acceleration_m_s2[i] * middle[i] * kick;
+            self.driven_j += driven_n[i] * middle[i] * kick;
+            self.x[n][i] += dt * node.new[i];
+        }
+        self.v[n] = node.new;
+        0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2])
+    }
+
+    /// Finds the nodes that may meet another part of the body.
+    fn prepare_contact(&mut self) {
+        if let Some(contact) = &mut self.body_contact {
+            let now = Surroundings {
+                x: &self.x,
+                v: &self.v,
+                mass_kg: &self.mass_kg,
+                dt_s: self.taken_s,
+                parallel: self.parallel,
+            };
+            contact.prepare(now, &self.deaths);
+        }
     }
 
     /// Internal force on a node in the last pass of the kernel \[N\].
@@ -320,6 +368,7 @@ struct NodeStep<'a> {
     damping_1_s: f64,
     blocks: &'a Blocks,
     surfaces: &'a RigidSurfaces,
+    body_contact: Option<&'a BodyContact>,
     mass_kg: &'a [f64],
     applied_n: &'a NodeField<[f64; 3]>,
     other_n: &'a [[f64; 3]],
@@ -333,8 +382,10 @@ struct NodeSums {
     gravity_j: f64,
     driven_j: f64,
     kinetic_j: f64,
-    /// Nodes that reach a surface, with their trial velocities: not yet updated, nor in the sums.
-    touching: Vec<(usize, [f64; 3])>,
+    /// Square of the largest speed as contact of the body with itself counts it \[m²/s²\].
+    top_speed_squared: f64,
+    /// Nodes that reach a surface, with their trial velocities and driving forces: not yet updated, nor in the sums.
+    touching: Vec<(usize, [f64; 3], [f64; 3])>,
 }
 
 impl NodeStep<'_> {
@@ -377,16 +428,23 @@ impl NodeStep<'_> {
             for i in 0..3 {
                 new[i] = v[i] + per_force * force[i];
             }
-            if self.prescribed_m_s.is_set(n) && self.prescribed_m_s[n].iter().any(Option::is_some) {
+            let mut held = false;
+            if self.prescribed_m_s.is_set(n) {
                 for i in 0..3 {
                     if let Some(given) = self.prescribed_m_s[n][i] {
                         driven[i] += mass / self.kick * (given - new[i]);
                         new[i] = given;
                     }
                 }
-            } else if self.surfaces.reached(self.dt, x, &new) {
-                sums.touching.push((n, new));
+                held = self.prescribed_m_s[n].iter().all(Option::is_some);
+            }
+            let contact = self.body_contact;
+            if contact.is_some_and(|c| c.flagged[n]) || (!held && self.surfaces.reached(n, self.dt, x, &new)) {
+                sums.touching.push((n, new, driven));
                 continue;
+            }
+            if let Some(contact) = contact {
+                sums.top_speed_squared = sums.top_speed_squared.max(contact.speed_squared(&new));
             }
             let mut middle = [0.0; 3];
             for i in 0..3 {

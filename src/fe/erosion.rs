@@ -191,6 +191,9 @@ pub(super) fn fail(body: &mut Dynamics) {
     }
     if !body.failure.splits.is_empty() {
         body.blocks.connect(&body.x);
+        if let Some(contact) = &mut body.body_contact {
+            contact.follow_splits(body.blocks.element_nodes(), body.x.len());
+        }
         let step = KernelStep { dt_s: 1.0, viscous: false };
         body.find_forces(&Sweep { dt_s: 0.0, step, drop_above: None, skip_quiet: false });
     }

@@ -2,6 +2,7 @@
 //! into it and written from it; the runs of buildings and of decks start from it.
 
 use super::mesh::Mesh;
+use serde::{Deserialize, Serialize};
 
 /// Everything a run starts from.
 #[derive(Debug, Clone, Default)]
@@ -92,7 +93,7 @@ pub struct DrivenNode {
 }
 
 /// A rigid immovable plane; matter stays on the side its normal points to.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RigidPlane {
     /// A point on the plane \[m\].
     pub point_m: [f64; 3],

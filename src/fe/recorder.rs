@@ -236,6 +236,7 @@ impl Recorder {
             erosion,
             energy_error: self.energy_error,
             hourglass_share: self.hourglass_share,
+            body_contact: body.body_contact.as_ref().map(|c| c.summary().clone()),
             ..FeSummary::default()
         };
         let plastic_strain = (0..mesh.elements.len()).map(|e| body.blocks.plastic_strain(e)).collect();

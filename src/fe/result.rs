@@ -1,5 +1,6 @@
 //! What an FE run of a building leaves behind.
 
+use super::contact::ContactSummary;
 use super::dynamics::Death;
 use super::erosion::ErosionTable;
 use super::mass_scaling::MassScaling;
@@ -172,6 +173,9 @@ pub struct FeSummary {
     pub energy_error: f64,
     /// Largest hourglass over internal energy, after 1 % of the work of gravity has been done.
     pub hourglass_share: f64,
+    /// Contact of the building's parts with each other; absent if it was switched off.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body_contact: Option<ContactSummary>,
     /// Time taken.
     pub elapsed: Elapsed,
 }

@@ -1,10 +1,11 @@
 //! The FE run of a building: dead load, charges, collapse, histories, checkpoints.
 
-use super::contact::RigidSurfaces;
+use super::contact::{BodyContact, LostContact, RigidSurfaces};
 use super::dynamics::{Death, Dynamics};
 use super::erosion::Fate;
 use super::mass_scaling::{MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
+use super::model::ContactSettings;
 use super::recorder::Recorder;
 use super::relaxation::{self, StaticState};
 use super::restart::{self, Head, RestartError};
@@ -18,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// Options of a run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct FeOptions {
     /// Element size other than the building's \[m\].
     pub mesh_size_m: Option<f64>,
@@ -32,6 +33,22 @@ pub struct FeOptions {
     pub mass_scaling_forced: bool,
     /// Keep node positions over time in memory, for a report.
     pub keep_frames: bool,
+    /// Whether parts of the building touch each other.
+    pub body_contact: bool,
+}
+
+impl Default for FeOptions {
+    fn default() -> Self {
+        Self {
+            mesh_size_m: None,
+            end_time_s: None,
+            on_failure: Fate::default(),
+            mass_scaling_step_s: None,
+            mass_scaling_forced: false,
+            keep_frames: false,
+            body_contact: true,
+        }
+    }
 }
 
 /// What a run reads and writes besides its results.
@@ -93,6 +110,22 @@ pub enum FeError {
         node: usize,
         /// Part of an element at the node.
         part: String,
+    },
+    /// A part went through another.
+    #[error(
+        "at t = {time_s:.6} s a node of part `{part}` is {depth_m:.3} m inside part `{other}` at x = {at_m:.3?} m: their contact did not hold; try a smaller mesh size, or --no-body-contact"
+    )]
+    Contact {
+        /// Time \[s\].
+        time_s: f64,
+        /// Part of the node.
+        part: String,
+        /// Part that it is inside of.
+        other: String,
+        /// Depth \[m\].
+        depth_m: f64,
+        /// Position \[m\].
+        at_m: [f64; 3],
     },
     /// A file of the results cannot be written.
     #[error("{0}")]
@@ -167,7 +200,7 @@ pub fn run_with(
     let mut checkpoints = 0;
     for output in state.recorder.count()..=outputs {
         let target = output as f64 * interval;
-        state.advance(building, &mut mesh, target);
+        state.advance(building, &mut mesh, target)?;
         state.recorder.record(building, &mesh, &state.body, attached.frames.as_deref_mut())?;
         state.elapsed = before + watch.elapsed();
         if let Some(to) = &attached.checkpoints
@@ -220,6 +253,10 @@ impl RunState {
         let mass_scaling = scaled.transpose()?;
         let preload = relaxation::static_state(mesh, &mut body).map_err(FeError::Preload)?;
         body.surfaces.new_touches.clear();
+        if options.body_contact {
+            let settings = ContactSettings { friction: building.ground.friction, ..Default::default() };
+            body.body_contact = Some(Box::new(BodyContact::new(mesh, settings)));
+        }
         let mut recorder = Recorder::new(building, mesh, &body, outputs, options.keep_frames);
         recorder.record(building, mesh, &body, attached.frames.as_deref_mut())?;
         let removal = Removal::new(building, mesh);
@@ -257,7 +294,7 @@ impl RunState {
     }
 
     /// Steps to an output time \[s\].
-    fn advance(&mut self, building: &Building, mesh: &mut Mesh, target: f64) {
+    fn advance(&mut self, building: &Building, mesh: &mut Mesh, target: f64) -> Result<(), FeError> {
         let Self { body, recorder, removal, .. } = self;
         while body.time_s < target - 0.5 * body.dt_s {
             removal.apply(mesh, body, building.settings.removal_duration_s, recorder);
@@ -268,7 +305,22 @@ impl RunState {
                 split::follow(mesh, &body.failure.splits);
                 recorder.follow(&body.failure.splits);
             }
+            if let Some(lost) = body.body_contact.as_ref().and_then(|c| c.lost) {
+                return Err(contact_error(mesh, body, lost));
+            }
         }
+        Ok(())
+    }
+}
+
+fn contact_error(mesh: &Mesh, body: &Dynamics, lost: LostContact) -> FeError {
+    let part = |element: usize| mesh.parts[mesh.elements[element].part].clone();
+    FeError::Contact {
+        time_s: body.time_s,
+        part: body.blocks.elements_at(lost.node).next().map_or("?".into(), part),
+        other: part(lost.element),
+        depth_m: lost.depth_m,
+        at_m: lost.at_m,
     }
 }
 
@@ -321,6 +373,9 @@ impl Removal {
                 }
                 body.blocks.set_share(*e, share.max(0.0));
                 if share <= 0.0 {
+                    if let Some(contact) = &mut body.body_contact {
+                        contact.end_element(*e);
+                    }
                     finished.push(*e);
                 }
             }

@@ -2,6 +2,8 @@
 
 mod cantilever;
 mod contact;
+mod contact_body;
+mod contact_planes;
 mod element;
 mod erosion;
 mod mesh;

@@ -1,0 +1,431 @@
+//! Contact of the body with itself: its nodes against its outer faces.
+//!
+//! **Which pairs.** All nodes with mass against all outer faces, debris included; not against a face that hangs together with the node
+//! by an acting element ([`Faces::joined`]), nor one whose outside the node's own surface does not look at. A node that is behind by more
+//! than half an element is not in contact; one that was, and gets there, has been lost: [`LostContact`].
+//!
+//! **When is searched.** A search lists the pairs closer than the reach `R`. Another pair can only meet after its two sides have moved
+//! `R` together, and that takes longer than `∫ 2 max|v - v_ref| dt = R`, with a common velocity that drops out. Until then
+//! there is no search. Each listed pair has such a bound of its own, from its distance, and the least of them says when any pair
+//! is looked at again. When an element ends, only the faces at its nodes are
+//! searched anew.
+
+use super::broad::Cells;
+use super::faces::Faces;
+use super::narrow::{Over, clearance_m, over};
+use super::rigid::RigidSurfaces;
+pub use super::rigid::Struck;
+pub use super::solve::{Moving, Work};
+use super::solve::{Row, solve};
+use crate::fe::dynamics::Death;
+use crate::fe::hexahedron::{Vec3, dot};
+use crate::fe::mesh::Mesh;
+use crate::fe::model::ContactSettings;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Reach of a search over the median thickness of the elements.
+const REACH: f64 = 0.5;
+/// Cosine between the normals of a node and a face above which they do not look at each other. A node amid a flat side has 0 against
+/// the side of a block that slides over it, a corner has -0.58 against each face that it can run into.
+const FACING: f64 = -0.25;
+/// Share of the depth behind a face that is taken back in a step, and the largest speed of it \[m/s\]: overlaps at the start and errors
+/// of the rotation within a step go away without being thrown out.
+const PUSH_SHARE: f64 = 0.02;
+const PUSH_M_S: f64 = 0.05;
+/// Faces handed to a thread at a time in a search.
+const CHUNK: usize = 256;
+const NOWHERE: u32 = u32::MAX;
+
+/// A pair worth looking at in every step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+struct Pair {
+    node: u32,
+    face: u32,
+    /// Whether an impulse has acted between the two.
+    held: bool,
+}
+
+/// A pair close enough to meet in this step.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Meeting {
+    pair: usize,
+    over: Over,
+}
+
+/// A contact that did not hold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LostContact {
+    /// The node.
+    pub node: usize,
+    /// Element whose face it went through.
+    pub element: usize,
+    /// Depth behind the face \[m\].
+    pub depth_m: f64,
+    /// Position of the node \[m\].
+    pub at_m: [f64; 3],
+}
+
+/// What the contact of the body with itself amounted to.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactSummary {
+    /// Searches over all faces.
+    pub searches: u64,
+    /// Searches over the faces around elements that ended.
+    pub local_searches: u64,
+    /// Distance up to which a search lists pairs \[m\].
+    pub reach_m: f64,
+    /// Most pairs of a node and a face that were listed at a time.
+    pub most_pairs: usize,
+    /// Most contacts that pressed in one step.
+    pub most_contacts: usize,
+    /// Largest depth of a node behind a face that pressed on it \[m\].
+    pub deepest_m: f64,
+    /// Work of normal impulses \[J\].
+    pub normal_j: f64,
+    /// Work of friction impulses \[J\].
+    pub friction_j: f64,
+}
+
+/// The state of the body around a step, as contact sees it.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// Positions \[m\].
+    pub x: &'a [Vec3],
+    /// Velocities \[m/s\].
+    pub v: &'a [Vec3],
+    /// Masses \[kg\].
+    pub mass_kg: &'a [f64],
+    /// Step by which the nodes have just been moved \[s\].
+    pub dt_s: f64,
+    /// Whether to use threads.
+    pub parallel: bool,
+}
+
+/// Contact of the body with itself.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct BodyContact {
+    /// Searches in every step, to check that none is missed.
+    pub search_every_step: bool,
+    /// The first contact that was lost.
+    pub lost: Option<LostContact>,
+    /// Nodes whose velocity in this step is found here.
+    pub flagged: Vec<bool>,
+    /// Velocity that most of the body has \[m/s\].
+    pub reference_m_s: Vec3,
+    /// Largest speed of a node against it in the last step \[m/s\].
+    pub top_speed_m_s: f64,
+    friction: f64,
+    faces: Faces,
+    cells: Cells,
+    pairs: Vec<Pair>,
+    /// For each pair the way below which it cannot meet \[m\], and the least of them.
+    due_m: Vec<f64>,
+    first_due_m: f64,
+    meetings: Vec<Meeting>,
+    flags: Vec<u32>,
+    /// Place of each flagged node among those that take part.
+    place: Vec<u32>,
+    /// Upper bound of the relative way of any two nodes since the last search \[m\]; infinite before the first one.
+    way_m: f64,
+    /// Common way since the last search \[m\].
+    drift_m: Vec3,
+    changed: Vec<u32>,
+    summary: ContactSummary,
+}
+
+impl BodyContact {
+    /// Contact between all outer faces and nodes of a mesh.
+    pub fn new(mesh: &Mesh, settings: ContactSettings) -> Self {
+        let faces = Faces::of(mesh);
+        let summary = ContactSummary { reach_m: REACH * faces.median_thickness_m(), ..Default::default() };
+        Self {
+            search_every_step: false,
+            lost: None,
+            flagged: vec![false; mesh.nodes.len()],
+            reference_m_s: [0.0; 3],
+            top_speed_m_s: 0.0,
+            friction: settings.friction,
+            faces,
+            cells: Cells::default(),
+            pairs: Vec::new(),
+            due_m: Vec::new(),
+            first_due_m: f64::INFINITY,
+            meetings: Vec::new(),
+            flags: Vec::new(),
+            place: vec![NOWHERE; mesh.nodes.len()],
+            way_m: f64::INFINITY,
+            drift_m: [0.0; 3],
+            changed: Vec::new(),
+            summary,
+        }
+    }
+
+    /// Numbers of the run so far.
+    pub fn summary(&self) -> &ContactSummary {
+        &self.summary
+    }
+
+    /// Takes an element out: its faces go, those behind it open.
+    pub fn end_element(&mut self, element: usize) {
+        self.faces.end(element, &mut self.changed);
+    }
+
+    /// Takes in that elements have other nodes: some were detached and stand beside their neighbours now.
+    pub(in crate::fe) fn follow_splits(&mut self, elements: &[[u32; 8]], nodes: usize) {
+        self.faces.reconnect(elements, nodes);
+        self.flagged.resize(nodes, false);
+        self.place.resize(nodes, NOWHERE);
+        self.way_m = f64::INFINITY;
+    }
+
+    /// Finds the nodes that can meet a face in the coming step; called after the nodes have moved and elements have died.
+    pub fn prepare(&mut self, now: Surroundings, deaths: &[(usize, Death)]) {
+        for (element, _) in deaths.iter().filter(|(_, cause)| *cause != Death::Split) {
+            self.end_element(*element);
+        }
+        self.flags.drain(..).for_each(|n| {
+            self.flagged[n as usize] = false;
+            self.place[n as usize] = NOWHERE;
+        });
+        self.meetings.clear();
+        self.way_m += 2.0 * self.top_speed_m_s * now.dt_s;
+        for i in 0..3 {
+            self.drift_m[i] += self.reference_m_s[i] * now.dt_s;
+        }
+        if self.way_m + self.step_reach_m(now.dt_s) >= self.summary.reach_m || self.search_every_step {
+            self.search(now);
+        } else if !self.changed.is_empty() {
+            self.search_changed(now);
+        }
+        let reach_m = self.step_reach_m(now.dt_s);
+        if self.way_m + reach_m >= self.first_due_m {
+            self.meet(now, reach_m);
+        }
+    }
+
+    /// Gap below which a pair may meet in a step \[m\]: twice the way at the speed of the last step, for what accelerates.
+    fn step_reach_m(&self, dt_s: f64) -> f64 {
+        4.0 * self.top_speed_m_s * dt_s + 1e-4 * self.summary.reach_m
+    }
+
+    /// Lists all pairs within reach.
+    fn search(&mut self, now: Surroundings) {
+        let heavy = |n: &usize| now.mass_kg[*n] > 0.0;
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for n in (0..now.x.len()).filter(heavy) {
+            for i in 0..3 {
+                low[i] = low[i].min(now.v[n][i]);
+                high[i] = high[i].max(now.v[n][i]);
+            }
+        }
+        if low[0] <= high[0] {
+            self.reference_m_s = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+        }
+        let squares = (0..now.x.len()).filter(heavy).map(|n| self.speed_squared(&now.v[n]));
+        self.top_speed_m_s = squares.fold(0.0, f64::max).sqrt();
+        let size_m = 2.0 * self.summary.reach_m.max(1e-9);
+        self.cells.rebuild(now.x, |n| now.mass_kg[n] > 0.0, 2.0 * size_m);
+        (self.way_m, self.drift_m) = (0.0, [0.0; 3]);
+        self.changed.clear();
+        let outer: Vec<u32> = self.faces.outer().collect();
+        let look = |faces: &[u32]| {
+            let mut found = Vec::new();
+            faces.iter().for_each(|f| self.look_around(*f, now, &mut found));
+            found
+        };
+        let found: Vec<Pair> =
+            if now.parallel { outer.par_chunks(CHUNK).flat_map_iter(look).collect() } else { look(&outer) };
+        self.take(found, |_| false);
+        self.summary.searches += 1;
+    }
+
+    /// Lists the pairs of faces that have changed anew.
+    fn search_changed(&mut self, now: Surroundings) {
+        let mut changed = std::mem::take(&mut self.changed);
+        changed.sort_unstable();
+        changed.dedup();
+        let mut found = Vec::new();
+        for face in changed.iter().filter(|f| self.faces.is_outer(**f)) {
+            self.look_around(*face, now, &mut found);
+        }
+        self.take(found, |face| changed.binary_search(&face).is_err());
+        changed.clear();
+        self.changed = changed;
+        self.summary.local_searches += 1;
+    }
+
+    /// Puts newly found pairs beside the old ones with a face that `stays`; the old ones' memory is kept.
+    fn take(&mut self, mut found: Vec<Pair>, stays: impl Fn(u32) -> bool) {
+        let faces = &self.faces;
+        let old = std::mem::take(&mut self.pairs);
+        found.extend(old.iter().filter(|p| faces.is_outer(p.face) && stays(p.face)));
+        found.sort_unstable();
+        for pair in &mut found {
+            if let Ok(at) = old.binary_search_by_key(&(pair.node, pair.face), |p| (p.node, p.face)) {
+                pair.held = old[at].held;
+            }
+        }
+        self.summary.most_pairs = self.summary.most_pairs.max(found.len());
+        self.due_m = vec![0.0; found.len()];
+        self.first_due_m = if found.is_empty() { f64::INFINITY } else { 0.0 };
+        self.pairs = found;
+    }
+
+    /// Pairs of one face with nodes within reach.
+    fn look_around(&self, face: u32, now: Surroundings, found: &mut Vec<Pair>) {
+        let corners = self.faces.corners(face);
+        let reach = self.summary.reach_m;
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for c in corners {
+            for i in 0..3 {
+                low[i] = low[i].min(now.x[c as usize][i] - reach);
+                high[i] = high[i].max(now.x[c as usize][i] + reach);
+            }
+        }
+        let points = corners.map(|c| now.x[c as usize]);
+        let area = super::narrow::area_normal(&points);
+        let size = dot(area, area).sqrt();
+        let depth = self.faces.depth_m(face);
+        // the cells hold the nodes where they were at the last search
+        let back = |p: &Vec3, way: f64| std::array::from_fn(|i| p[i] - self.drift_m[i] + way);
+        self.cells.each(&back(&low, -self.way_m), &back(&high, self.way_m), |node| {
+            let x = &now.x[node as usize];
+            if corners.contains(&node) || (0..3).any(|i| x[i] < low[i] || x[i] > high[i]) {
+                return;
+            }
+            let to = |i: usize| dot(area, super::narrow::minus(*x, points[i])) / size;
+            let heights: [f64; 4] = std::array::from_fn(to);
+            let (least, most) =
+                heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
+            if least > reach || most < -depth || self.faces.joined(node, face) {
+                return;
+            }
+            found.push(Pair { node, face, held: false });
+        });
+    }
+
+    /// Square of the speed against the common velocity \[m²/s²\].
+    #[inline]
+    pub fn speed_squared(&self, v: &Vec3) -> f64 {
+        (0..3).map(|i| (v[i] - self.reference_m_s[i]).powi(2)).sum()
+    }
+
+    /// The pairs that can meet in this step; of the faces that a node is behind, only the nearest counts.
+    fn meet(&mut self, now: Surroundings, reach_m: f64) {
+        let mut first = 0;
+        while first < self.pairs.len() {
+            let node = self.pairs[first].node;
+            let count = self.pairs[first..].iter().take_while(|p| p.node == node).count();
+            if now.mass_kg[node as usize] > 0.0 {
+                self.meet_node(first..first + count, now, reach_m);
+            }
+            first += count;
+        }
+        self.first_due_m = self.due_m.iter().copied().fold(f64::INFINITY, f64::min);
+        for meeting in &self.meetings {
+            let pair = self.pairs[meeting.pair];
+            for n in [pair.node].into_iter().chain(self.faces.corners(pair.face)) {
+                if !self.flagged[n as usize] {
+                    self.flagged[n as usize] = true;
+                    self.flags.push(n);
+                }
+            }
+        }
+    }
+
+    fn meet_node(&mut self, pairs: std::ops::Range<usize>, now: Surroundings, reach_m: f64) {
+        let node = self.pairs[pairs.start].node;
+        let x = now.x[node as usize];
+        let mut own = None;
+        let mut behind: Option<usize> = None;
+        for pair in pairs {
+            if self.due_m[pair] > self.way_m + reach_m {
+                continue;
+            }
+            let Pair { face, held, .. } = self.pairs[pair];
+            let corners = self.faces.corners(face);
+            let points = corners.map(|c| now.x[c as usize]);
+            let depth = self.faces.depth_m(face);
+            let looked = if held { 2.0 * depth } else { depth };
+            let Some(over) = over(&points, x, looked, reach_m) else {
+                self.due_m[pair] = self.way_m + clearance_m(&points, x);
+                continue;
+            };
+            if corners.iter().any(|c| now.mass_kg[*c as usize] == 0.0) {
+                continue;
+            }
+            let own = *own.get_or_insert_with(|| self.faces.normal_at(node, now.x));
+            if own.is_some_and(|own| dot(own, over.normal) > FACING * dot(own, own).sqrt()) {
+                continue;
+            }
+            if over.gap_m < -depth {
+                self.lose(pair, over, x);
+                continue;
+            }
+            if over.gap_m >= 0.0 {
+                self.meetings.push(Meeting { pair, over });
+                continue;
+            }
+            match behind {
+                Some(at) if self.meetings[at].over.gap_m >= over.gap_m => {}
+                Some(at) => self.meetings[at] = Meeting { pair, over },
+                None => {
+                    behind = Some(self.meetings.len());
+                    self.meetings.push(Meeting { pair, over });
+                }
+            }
+        }
+    }
+
+    /// A node has gone through a face. Debris may be squeezed out; anything else is an error.
+    fn lose(&mut self, pair: usize, over: Over, x: Vec3) {
+        let Pair { node, face, .. } = self.pairs[pair];
+        self.pairs[pair].held = false;
+        if self.faces.elements_at(node).next().is_some() && self.lost.is_none() {
+            self.lost = Some(LostContact {
+                node: node as usize,
+                element: face as usize / 6,
+                depth_m: -over.gap_m,
+                at_m: x,
+            });
+        }
+    }
+
+    /// Final velocities of the flagged nodes, which come with their trial velocities in the order of their numbers.
+    pub fn resolve(&mut self, dt_s: f64, nodes: &mut [Moving], rigid: &mut RigidSurfaces) -> Work {
+        for (place, node) in nodes.iter().enumerate() {
+            self.place[node.at.node] = place as u32;
+        }
+        let mut rows = Vec::with_capacity(self.meetings.len());
+        let mut pairs = Vec::with_capacity(self.meetings.len());
+        for meeting in &self.meetings {
+            let pair = self.pairs[meeting.pair];
+            let [a, b, c, d] = self.faces.corners(pair.face);
+            let place = [pair.node, a, b, c, d].map(|n| self.place[n as usize]);
+            if place.contains(&NOWHERE) {
+                continue; // a node without mass
+            }
+            let gap = meeting.over.gap_m;
+            let target = if gap > 0.0 { -gap / dt_s } else { (-gap * PUSH_SHARE / dt_s).min(PUSH_M_S) };
+            if let Some(row) = Row::new(place, meeting.over.weights, meeting.over.normal, target, nodes) {
+                rows.push(row);
+                pairs.push((meeting.pair, gap));
+            }
+        }
+        let work = solve(&mut rows, nodes, self.friction, rigid);
+        let mut pressing = 0;
+        for (_, (pair, gap)) in rows.iter().zip(pairs).filter(|(row, _)| row.normal_ns > 0.0) {
+            pressing += 1;
+            self.pairs[pair].held = true;
+            self.summary.deepest_m = self.summary.deepest_m.max(-gap);
+        }
+        self.summary.most_contacts = self.summary.most_contacts.max(pressing);
+        self.summary.normal_j += work.body_j[0];
+        self.summary.friction_j += work.body_j[1];
+        for node in nodes.iter() {
+            self.top_speed_m_s = self.top_speed_m_s.max(self.speed_squared(&node.new).sqrt());
+        }
+        work
+    }
+}

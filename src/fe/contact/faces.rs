@@ -1,0 +1,171 @@
+//! The outer faces of hexahedra, kept up to date while elements end.
+
+use crate::fe::hexahedron::{Vec3, add, dot, scaled};
+use crate::fe::mesh::Mesh;
+use serde::{Deserialize, Serialize};
+
+/// No neighbour.
+const NONE: u32 = u32::MAX;
+/// Local nodes of the faces of a hexahedron, counter-clockwise from outside; faces `2k` and `2k + 1` are opposite.
+const CORNERS: [[usize; 4]; 6] =
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [2, 3, 7, 6], [0, 4, 7, 3], [1, 2, 6, 5]];
+
+/// All faces of a mesh; face `6 e + k` is face `k` of element `e`. A face is outer if its element acts and no acting element
+/// lies behind it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Faces {
+    /// Nodes of the elements.
+    nodes: Vec<[u32; 8]>,
+    /// Face on the other side of each face.
+    behind: Vec<u32>,
+    /// Whether each element still acts.
+    acts: Vec<bool>,
+    /// Distance of each pair of opposite faces in the undeformed mesh \[m\].
+    thickness_m: Vec<[f32; 3]>,
+    /// Start of each node's elements in `around`, one more than nodes.
+    starts: Vec<u32>,
+    /// Elements at each node.
+    around: Vec<u32>,
+}
+
+impl Faces {
+    /// Faces of a mesh all of whose elements act.
+    pub fn of(mesh: &Mesh) -> Self {
+        let nodes: Vec<[u32; 8]> = mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect();
+        let thickness_m =
+            mesh.elements.iter().map(|e| thicknesses(&e.nodes.map(|n| mesh.nodes[n]))).collect();
+        let (starts, around) = elements_by_node(&nodes, mesh.nodes.len());
+        Self { behind: neighbours(&nodes), acts: vec![true; nodes.len()], nodes, thickness_m, starts, around }
+    }
+
+    /// Gives elements other nodes; which of them act stays.
+    pub fn reconnect(&mut self, elements: &[[u32; 8]], nodes: usize) {
+        self.nodes.copy_from_slice(elements);
+        self.behind = neighbours(&self.nodes);
+        (self.starts, self.around) = elements_by_node(&self.nodes, nodes);
+    }
+
+    /// All outer faces, in order.
+    pub fn outer(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.behind.len() as u32).filter(|f| self.is_outer(*f))
+    }
+
+    /// Whether a face is outer.
+    #[inline]
+    pub fn is_outer(&self, face: u32) -> bool {
+        let behind = self.behind[face as usize];
+        self.acts[face as usize / 6] && (behind == NONE || !self.acts[behind as usize / 6])
+    }
+
+    /// Nodes of a face, counter-clockwise from outside.
+    #[inline]
+    pub fn corners(&self, face: u32) -> [u32; 4] {
+        let nodes = &self.nodes[face as usize / 6];
+        CORNERS[face as usize % 6].map(|c| nodes[c])
+    }
+
+    /// Depth below a face up to which a node counts as penetrating: half of its element's thickness \[m\].
+    #[inline]
+    pub fn depth_m(&self, face: u32) -> f64 {
+        0.5 * f64::from(self.thickness_m[face as usize / 6][face as usize % 6 / 2])
+    }
+
+    /// Median thickness of the elements \[m\].
+    pub fn median_thickness_m(&self) -> f64 {
+        let mut all: Vec<f32> = self.thickness_m.iter().flatten().copied().collect();
+        all.sort_by(f32::total_cmp);
+        all.get(all.len() / 2).map_or(0.0, |t| f64::from(*t))
+    }
+
+    /// Acting elements at a node.
+    pub fn elements_at(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
+        self.around_node(node).filter(|e| self.acts[*e as usize])
+    }
+
+    fn around_node(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
+        let range = self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize;
+        self.around[range].iter().copied()
+    }
+
+    /// Ends an element. The outer faces at its nodes are added to `changed`: some have just been opened, and the others lose
+    /// what kept the nodes of this element from meeting them.
+    pub fn end(&mut self, element: usize, changed: &mut Vec<u32>) {
+        self.acts[element] = false;
+        for node in self.nodes[element] {
+            for e in self.elements_at(node) {
+                changed.extend((6 * e..6 * e + 6).filter(|f| self.is_outer(*f)));
+            }
+        }
+    }
+
+    /// Whether a node and a face hang together: an acting element holds the node and a corner of the face.
+    pub fn joined(&self, node: u32, face: u32) -> bool {
+        let corners = self.corners(face);
+        let holds = |e: u32| self.nodes[e as usize].iter().any(|n| corners.contains(n));
+        self.elements_at(node).any(holds)
+    }
+
+    /// Sum of the area normals of the outer faces at a node, to compare directions; `None` for a node without faces: debris, or
+    /// inside.
+    pub fn normal_at(&self, node: u32, x: &[Vec3]) -> Option<Vec3> {
+        let mut sum = [0.0; 3];
+        let mut any = false;
+        for e in self.elements_at(node) {
+            for f in (6 * e..6 * e + 6).filter(|f| self.is_outer(*f)) {
+                let corners = self.corners(f);
+                if corners.contains(&node) {
+                    sum = add(sum, super::narrow::area_normal(&corners.map(|c| x[c as usize])));
+                    any = true;
+                }
+            }
+        }
+        any.then_some(sum)
+    }
+}
+
+fn center(points: &[Vec3; 8], face: usize) -> Vec3 {
+    scaled(0.25, CORNERS[face].iter().fold([0.0; 3], |sum, c| add(sum, points[*c])))
+}
+
+fn thicknesses(points: &[Vec3; 8]) -> [f32; 3] {
+    std::array::from_fn(|k| {
+        let between = add(center(points, 2 * k + 1), scaled(-1.0, center(points, 2 * k)));
+        dot(between, between).sqrt() as f32
+    })
+}
+
+/// The face on the other side of each face: the one with the same nodes.
+fn neighbours(nodes: &[[u32; 8]]) -> Vec<u32> {
+    let mut keyed: Vec<([u32; 4], u32)> = Vec::with_capacity(6 * nodes.len());
+    for (e, nodes) in nodes.iter().enumerate() {
+        for (k, corners) in CORNERS.iter().enumerate() {
+            let mut key = corners.map(|c| nodes[c]);
+            key.sort_unstable();
+            keyed.push((key, (6 * e + k) as u32));
+        }
+    }
+    keyed.sort_unstable();
+    let mut behind = vec![NONE; keyed.len()];
+    for pair in keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+        behind[pair[0].1 as usize] = pair[1].1;
+        behind[pair[1].1 as usize] = pair[0].1;
+    }
+    behind
+}
+
+fn elements_by_node(nodes: &[[u32; 8]], count: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; count + 1];
+    nodes.iter().flatten().for_each(|n| starts[*n as usize + 1] += 1);
+    for i in 1..starts.len() {
+        starts[i] += starts[i - 1];
+    }
+    let mut next = starts.clone();
+    let mut around = vec![0; starts[count] as usize];
+    for (e, nodes) in nodes.iter().enumerate() {
+        for n in nodes {
+            around[next[*n as usize] as usize] = e as u32;
+            next[*n as usize] += 1;
+        }
+    }
+    (starts, around)
+}

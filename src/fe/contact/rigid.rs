@@ -1,0 +1,243 @@
+//! Contact of nodes with rigid, immovable surfaces: the ground, boxes and planes of any orientation.
+//!
+//! A node that would cross a surface within the step keeps just the velocity that brings it onto the
+//! surface (a perfectly plastic impact of the node's mass, as rigid walls of explicit codes do); Coulomb friction takes at
+//! most `μ` times the normal impulse from its tangential velocity. There is no penalty stiffness, hence no penetration
+//! and no further limit on the time step. Limits: nodes are tested, not faces, so that an obstacle's edge
+//! narrower than an element can slip between nodes.
+
+use crate::base::geom::Aabb;
+use crate::building::Building;
+use crate::fe::hexahedron::{Vec3, add as plus, dot, scaled};
+use crate::fe::model::RigidPlane;
+use serde::{Deserialize, Serialize};
+
+/// Passes over the planes that stop one node in a step, so that a node in a corner leaves none of them.
+const PLANE_PASSES: usize = 4;
+
+/// A node about to be stopped.
+#[derive(Debug, Clone, Copy)]
+pub struct Struck {
+    /// Node index.
+    pub node: usize,
+    /// Components whose velocity is prescribed.
+    pub held: [bool; 3],
+    /// Mass \[kg\].
+    pub mass_kg: f64,
+    /// Time step \[s\].
+    pub dt_s: f64,
+    /// Position \[m\].
+    pub x: Vec3,
+    /// Velocity before the step \[m/s\].
+    pub old: Vec3,
+}
+
+/// Rigid ground, boxes and planes.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct RigidSurfaces {
+    /// Ground height \[m\] and friction coefficient.
+    pub ground: Option<(f64, f64)>,
+    /// Boxes with friction coefficient.
+    pub boxes: Vec<(Aabb, f64)>,
+    /// Planes of any orientation.
+    pub planes: Vec<RigidPlane>,
+    /// For each plane, whether it stops a node; empty: it stops all.
+    stops: Vec<Vec<bool>>,
+    /// Whether each node has touched anything yet.
+    touched: Vec<bool>,
+    /// Nodes that touched for the first time since the list was last taken, with 0 for ground, 1 + i for box i and
+    /// 1 + boxes + i for plane i.
+    pub new_touches: Vec<(usize, usize)>,
+}
+
+impl RigidSurfaces {
+    /// Surroundings of a building.
+    pub fn of(building: &Building) -> Self {
+        Self {
+            ground: Some((building.ground.level_m, building.ground.friction)),
+            boxes: building.obstacles.iter().map(|o| (o.solid, o.friction)).collect(),
+            ..Self::default()
+        }
+    }
+
+    pub(in crate::fe) fn resize(&mut self, nodes: usize) {
+        self.touched = vec![false; nodes];
+        let chosen = |plane: &RigidPlane| {
+            plane.nodes.as_ref().map_or(Vec::new(), |list| {
+                let mut stops = vec![false; nodes];
+                list.iter().for_each(|n| stops[*n] = true);
+                stops
+            })
+        };
+        self.stops = self.planes.iter().map(chosen).collect();
+    }
+
+    /// Makes room for a copy of a node.
+    pub(in crate::fe) fn add_copy_of(&mut self, node: usize) {
+        self.touched.push(self.touched[node]);
+        for stops in self.stops.iter_mut().filter(|s| !s.is_empty()) {
+            stops.push(stops[node]);
+        }
+    }
+
+    /// Whether a node at `x` with the trial velocity `new` needs [`Self::resolve`].
+    #[inline]
+    pub fn reached(&self, node: usize, dt: f64, x: &[f64; 3], new: &[f64; 3]) -> bool {
+        let below = self.ground.is_some_and(|(level, _)| x[2] + dt * new[2] < level);
+        let inside =
+            |solid: &Aabb| (0..3).all(|i| (solid.min[i]..solid.max[i]).contains(&(x[i] + dt * new[i])));
+        below
+            || self.boxes.iter().any(|(solid, _)| inside(solid))
+            || (0..self.planes.len()).any(|i| self.crosses(i, node, dt, x, new))
+    }
+
+    fn crosses(&self, plane: usize, node: usize, dt: f64, x: &Vec3, new: &Vec3) -> bool {
+        let stops = self.stops.get(plane).is_none_or(|s| s.get(node).copied().unwrap_or(true));
+        stops && height(&self.planes[plane], x) + dt * dot(self.planes[plane].normal, *new) < 0.0
+    }
+
+    /// Corrects the trial velocity of one node, leaving the components that are held as they are; returns the
+    /// work on the node by normal and by friction impulses \[J\].
+    #[inline]
+    pub fn resolve(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
+        if at.held == [false; 3] {
+            let mut work = self.resolve_boxes(at, new);
+            add(&mut work, self.resolve_planes(at, new));
+            return work;
+        }
+        // ground and boxes act along axes: what they would do to a held component is the drive's business
+        let mut free = *new;
+        self.resolve_boxes(at, &mut free);
+        let mut work = [0.0; 2];
+        for i in (0..3).filter(|i| !at.held[*i]) {
+            work[0] += at.mass_kg * (free[i] - new[i]) * 0.5 * (at.old[i] + free[i]);
+            new[i] = free[i];
+        }
+        add(&mut work, self.resolve_planes(at, new));
+        work
+    }
+
+    /// Planes: impulses along the normal as far as the node can move, and friction in the plane.
+    fn resolve_planes(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
+        let Struck { node, held, mass_kg: mass, dt_s: dt, x, old } = *at;
+        let moves = held.map(|h| if h { 0.0 } else { 1.0 });
+        let mut changes = [[0.0; 3]; 2];
+        let passes = if self.planes.len() > 1 { PLANE_PASSES } else { self.planes.len() };
+        for _ in 0..passes {
+            for index in 0..self.planes.len() {
+                if !self.crosses(index, node, dt, &x, new) {
+                    continue;
+                }
+                let plane = &self.planes[index];
+                let along: Vec3 = std::array::from_fn(|i| moves[i] * plane.normal[i]);
+                let (ability, speed) = (dot(along, plane.normal), dot(plane.normal, *new));
+                let target = (-height(plane, &x)).min(0.0) / dt;
+                if ability > 1e-12 && speed < target {
+                    let change = (target - speed) / ability;
+                    let after = plus(*new, scaled(change, along));
+                    let slipped = slowed(after, plane, held, plane.friction * change);
+                    for i in 0..3 {
+                        changes[0][i] += after[i] - new[i];
+                        changes[1][i] += slipped[i] - after[i];
+                    }
+                    *new = slipped;
+                }
+                self.note(node, 1 + self.boxes.len() + index);
+            }
+        }
+        let middle: Vec3 = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
+        changes.map(|c| mass * dot(c, middle))
+    }
+
+    fn resolve_boxes(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
+        let Struck { node, mass_kg: mass, dt_s: dt, x, ref old, .. } = *at;
+        let mut work = [0.0; 2];
+        if let Some((level, friction)) = self.ground
+            && x[2] + dt * new[2] < level
+        {
+            let target = ((level - x[2]) / dt).min(0.0).max(new[2]);
+            let bounded = if x[2] < level { 0.0_f64.max(new[2]) } else { target };
+            add(&mut work, stop(mass, 2, bounded, friction, old, new));
+            self.note(node, 0);
+        }
+        for index in 0..self.boxes.len() {
+            let (solid, friction) = self.boxes[index];
+            let ahead: [f64; 3] = std::array::from_fn(|i| x[i] + dt * new[i]);
+            if (0..3).any(|i| ahead[i] <= solid.min[i] || ahead[i] >= solid.max[i]) {
+                continue;
+            }
+            let (axis, face) = entered_face(&solid, x);
+            let target = if (face > solid.center()[axis]) == (x[axis] < face) && x[axis] != face {
+                0.0 // already inside: stop, do not throw out
+            } else {
+                (face - x[axis]) / dt
+            };
+            add(&mut work, stop(mass, axis, target, friction, old, new));
+            self.note(node, index + 1);
+        }
+        work
+    }
+
+    fn note(&mut self, node: usize, surface: usize) {
+        if !self.touched[node] {
+            self.touched[node] = true;
+            self.new_touches.push((node, surface));
+        }
+    }
+}
+
+/// Distance of a point from a plane, positive where matter may be \[m\].
+fn height(plane: &RigidPlane, x: &Vec3) -> f64 {
+    (0..3).map(|i| plane.normal[i] * (x[i] - plane.point_m[i])).sum()
+}
+
+/// A velocity whose part in the plane is lowered by `most` at the most.
+fn slowed(v: Vec3, plane: &RigidPlane, held: [bool; 3], most: f64) -> Vec3 {
+    let slip = plus(v, scaled(-dot(plane.normal, v), plane.normal));
+    let size = dot(slip, slip).sqrt();
+    if size == 0.0 || most.is_nan() {
+        return v;
+    }
+    let taken = (most / size).min(1.0);
+    std::array::from_fn(|i| if held[i] { v[i] } else { v[i] - taken * slip[i] })
+}
+
+fn add(sum: &mut [f64; 2], more: [f64; 2]) {
+    sum[0] += more[0];
+    sum[1] += more[1];
+}
+
+/// The face of the box that the node is beyond, or the nearest one.
+fn entered_face(solid: &Aabb, x: [f64; 3]) -> (usize, f64) {
+    let candidates =
+        (0..3).flat_map(|i| [(i, solid.min[i], solid.min[i] - x[i]), (i, solid.max[i], x[i] - solid.max[i])]);
+    let best = candidates.max_by(|a, b| a.2.total_cmp(&b.2)).expect("six faces");
+    (best.0, best.1)
+}
+
+/// Sets the normal velocity and takes friction; returns the work of both impulses.
+fn stop(
+    mass: f64,
+    axis: usize,
+    normal_velocity: f64,
+    friction: f64,
+    old: &[f64; 3],
+    new: &mut [f64; 3],
+) -> [f64; 2] {
+    let change = normal_velocity - new[axis];
+    let normal = mass * change * 0.5 * (old[axis] + normal_velocity);
+    new[axis] = normal_velocity;
+    let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+    let slip = (new[p] * new[p] + new[q] * new[q]).sqrt();
+    if slip == 0.0 {
+        return [normal, 0.0];
+    }
+    let factor = 1.0 - (friction * change.abs() / slip).min(1.0);
+    let mut tangential = 0.0;
+    for i in [p, q] {
+        let after = new[i] * factor;
+        tangential += mass * (after - new[i]) * 0.5 * (old[i] + after);
+        new[i] = after;
+    }
+    [normal, tangential]
+}
