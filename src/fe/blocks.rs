@@ -211,9 +211,7 @@ fn update_chunk(
                 kernel::update::<true>(&at, &moved, dt_s, material, table, state, force, step)
             }
             (None, _) => kernel::update_other(&at, &moved, dt_s, material, table, state, force, step),
-            (Some(points), _) => {
-                full::update(&at, &moved, dt_s, material, table, state, points, force, step)
-            }
+            (Some(points), _) => full::update(&at, &moved, dt_s, material, table, state, points, force, step),
         };
         let (mut largest, mut alarms) = (0.0, 0);
         for l in 0..LANES {

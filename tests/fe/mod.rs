@@ -3,7 +3,10 @@
 mod cantilever;
 mod contact;
 mod element;
+mod elements;
 mod mesh;
 mod motion;
 mod plastic;
+mod rate;
 mod static_state;
+mod truss;
