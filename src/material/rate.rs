@@ -49,7 +49,7 @@ impl RateFactor {
             let increment = unit * raised;
             let (yield_pa, slope_pa) = table.at(plastic_strain + increment);
             let residual = q_trial_pa - stiffness_pa * increment - scale * yield_pa * (1.0 + y);
-            if residual.abs() <= 1e-13 * q_trial_pa || high - low <= 1e-15 * high {
+            if residual.abs() <= 1e-13 * q_trial_pa || high - low <= 1e-15 * y {
                 break;
             }
             if residual > 0.0 {

@@ -142,11 +142,10 @@ fn taylor_bar() {
 /// the mean of its points, less than the largest.)
 #[test]
 fn taylor_bar_with_other_forms() {
-    for (form, foot_mm) in [(ADS, 6.9), (ASMD, 6.9), (FULL, 7.0), (VISCOUS, 6.8)] {
+    for (form, foot_mm) in [(ADS, 7.2), (ASMD, 7.2), (FULL, 7.1), (VISCOUS, 6.8)] {
         let bar = taylor(form);
-        eprintln!("{form:?}: {} {} {} hourglass {}", bar.length_m, bar.foot_m, bar.strain, bar.hourglass);
         assert!((21.3e-3..21.75e-3).contains(&bar.length_m), "{form:?}: length {}", bar.length_m);
-        assert!((1e3 * bar.foot_m - foot_mm).abs() < 0.4, "{form:?}: foot radius {}", bar.foot_m);
+        assert!((1e3 * bar.foot_m - foot_mm).abs() < 0.2, "{form:?}: foot radius {}", bar.foot_m);
         assert!((1.8..3.2).contains(&bar.strain), "{form:?}: plastic strain {}", bar.strain);
     }
 }
