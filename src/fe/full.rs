@@ -1,7 +1,7 @@
 //! The fully integrated hexahedron: 2 x 2 x 2 Gauss points, volume strain averaged over the element.
 //!
 //! It is there to compare with: no hourglass modes, no stabilisation to trust, eight stress states that flow each for itself; some
-//! ten times slower than the one-point element. Volume strain is the mean over the element (Hughes, Int. J. Numer. Meth.
+//! thirty times slower than the one-point element. Volume strain is the mean over the element (Hughes, Int. J. Numer. Meth.
 //! Engng 15 (1980) 1413-1418, with the mean dilatation of Nagtegaal, Parks and Rice, Comput. Methods Appl. Mech. Engng 4 (1974) 153-177): plastic
 //! incompressibility then costs one condition an element instead of eight and does not lock. Shear is that of the displacements: long thin
 //! elements lock in bending.

@@ -211,7 +211,6 @@ fn nearly_incompressible_cantilever_does_not_lock() {
             let tip = nearest(&mesh, [10.0, 0.5, 0.5]);
             let ratio = (0.5 - body.x[tip][2]) / beam;
             let softest = if form == ADS { 1.12 } else { 1.02 };
-            eprintln!("{form:?} nu {nu}: {ratio}");
             assert!(ratio > stiffest && ratio < softest, "{form:?} nu {nu}: {ratio}");
         }
     }
