@@ -60,11 +60,8 @@ pub fn natural_coordinates(corners: &[Vec3; 8], at_m: Vec3) -> Option<Vec3> {
     for _ in 0..ITERATIONS {
         let (place, tangent) = map(corners, xi);
         let gap: Vec3 = std::array::from_fn(|i| at_m[i] - place[i]);
-        let normal = [
-            cross(tangent[1], tangent[2]),
-            cross(tangent[2], tangent[0]),
-            cross(tangent[0], tangent[1]),
-        ];
+        let normal =
+            [cross(tangent[1], tangent[2]), cross(tangent[2], tangent[0]), cross(tangent[0], tangent[1])];
         let volume = dot(tangent[0], normal[0]);
         let step = normal.map(|n| dot(n, gap) / volume);
         for a in 0..3 {
@@ -133,11 +130,7 @@ impl Boxes {
             let high: Vec3 =
                 std::array::from_fn(|i| corners.iter().map(|c| c[i]).fold(f64::NEG_INFINITY, f64::max));
             let slack: Vec3 = std::array::from_fn(|i| TOLERANCE * (high[i] - low[i]));
-            (
-                std::array::from_fn(|i| low[i] - slack[i]),
-                std::array::from_fn(|i| high[i] + slack[i]),
-                index,
-            )
+            (std::array::from_fn(|i| low[i] - slack[i]), std::array::from_fn(|i| high[i] + slack[i]), index)
         };
         let mut sorted: Vec<(Vec3, Vec3, usize)> = mesh.elements.iter().enumerate().map(around).collect();
         sorted.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.2.cmp(&b.2)));
@@ -149,7 +142,8 @@ impl Boxes {
     fn holding(&self, at: Vec3) -> Vec<usize> {
         let from = self.sorted.partition_point(|b| b.0[0] < at[0] - self.widest_m);
         let to = self.sorted.partition_point(|b| b.0[0] <= at[0]);
-        let inside = |(low, high, _): &&(Vec3, Vec3, usize)| (0..3).all(|i| low[i] <= at[i] && at[i] <= high[i]);
+        let inside =
+            |(low, high, _): &&(Vec3, Vec3, usize)| (0..3).all(|i| low[i] <= at[i] && at[i] <= high[i]);
         let mut found: Vec<usize> = self.sorted[from..to].iter().filter(inside).map(|b| b.2).collect();
         found.sort_unstable();
         found

@@ -1,7 +1,7 @@
 //! The fully integrated hexahedron: 2 x 2 x 2 Gauss points, volume strain averaged over the element.
 //!
 //! It is there to compare with: no hourglass modes, no stabilisation to trust, eight stress states that flow each for itself; some
-//! ten times slower than the one-point element. Volume strain is the mean over the element (Hughes, Int. J. Numer. Meth.
+//! thirty times slower than the one-point element. Volume strain is the mean over the element (Hughes, Int. J. Numer. Meth.
 //! Engng 15 (1980) 1413-1418, with the mean dilatation of Nagtegaal, Parks and Rice, Comput. Methods Appl. Mech. Engng 4 (1974) 153-177): plastic
 //! incompressibility then costs one condition an element instead of eight and does not lock. Shear is that of the displacements: long thin
 //! elements lock in bending.
@@ -132,8 +132,7 @@ fn element(
 
     let share = state.share[l];
     let mass = material.mass_kg[l];
-    let viscous =
-        bulk_viscosity(step.rate_1_s() * trace, volume, mass, 1.0 / mass, lambda + 2.0 * mu);
+    let viscous = bulk_viscosity(step.rate_1_s() * trace, volume, mass, 1.0 / mass, lambda + 2.0 * mu);
     state.internal_j[l] += share * power;
     state.viscous_j[l] += share * volume * 0.5 * (state.viscous_pa[l] + viscous) * trace;
     state.viscous_pa[l] = viscous;
@@ -177,16 +176,12 @@ fn point(p: usize, at: &[Vec3; 7], moved: &[Vec3; 7], rows: &[Vec3; 3], trace: f
         (0..7).fold([0.0; 3], |sum, k| add(sum, scaled(0.125 * derivative[a][k], field[k])))
     };
     let tangent: [Vec3; 3] = std::array::from_fn(|a| along(at, a));
-    let normal = [
-        cross(tangent[1], tangent[2]),
-        cross(tangent[2], tangent[0]),
-        cross(tangent[0], tangent[1]),
-    ];
+    let normal =
+        [cross(tangent[1], tangent[2]), cross(tangent[2], tangent[0]), cross(tangent[0], tangent[1])];
     let weight = dot(tangent[0], normal[0]);
     let dual = normal.map(|n| scaled(1.0 / weight, n));
-    let slope = std::array::from_fn(|k| {
-        (0..3).fold([0.0; 3], |sum, a| add(sum, scaled(derivative[a][k], dual[a])))
-    });
+    let slope =
+        std::array::from_fn(|k| (0..3).fold([0.0; 3], |sum, a| add(sum, scaled(derivative[a][k], dual[a]))));
     let mut g = [[0.0; 3]; 3];
     for a in 0..3 {
         let u = along(moved, a);
@@ -240,13 +235,7 @@ fn respond(
 }
 
 /// Adds the pattern coefficients of the nodal forces `w s ∇N_I` of the deviator.
-fn add_force(
-    coefficient: &mut [[f64; 7]; 3],
-    point: &Point,
-    rows: &[Vec3; 3],
-    stress: &[f64; 6],
-    mean: f64,
-) {
+fn add_force(coefficient: &mut [[f64; 7]; 3], point: &Point, rows: &[Vec3; 3], stress: &[f64; 6], mean: f64) {
     let local = [
         [stress[0] - mean, stress[3], stress[5]],
         [stress[3], stress[1] - mean, stress[4]],

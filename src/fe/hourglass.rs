@@ -78,16 +78,22 @@ impl Control {
             memory: 1.0,
             bound: 1.0,
         };
-        let deviator = Self { assumed: 1.0, bending: 4.0 / 3.0, coupling: -2.0 / 3.0, last: 4.0 / 9.0, ..none };
-        let springs = |k: f64| Self { stiffness: 8.0 / 3.0 * k, bound: if k > 1.0 { k } else { 1.0 }, ..none };
+        let deviator =
+            Self { assumed: 1.0, bending: 4.0 / 3.0, coupling: -2.0 / 3.0, last: 4.0 / 9.0, ..none };
+        let springs =
+            |k: f64| Self { stiffness: 8.0 / 3.0 * k, bound: if k > 1.0 { k } else { 1.0 }, ..none };
         match form {
             ElementForm::OnePoint(Hourglass::Asmd) => Self { shear: 1.0, ..deviator },
             ElementForm::OnePoint(Hourglass::Stiffness { coefficient }) => springs(coefficient),
-            ElementForm::OnePoint(Hourglass::Viscous { coefficient }) if rate_1_s == 0.0 => springs(coefficient),
+            ElementForm::OnePoint(Hourglass::Viscous { coefficient }) if rate_1_s == 0.0 => {
+                springs(coefficient)
+            }
             ElementForm::OnePoint(Hourglass::Viscous { coefficient }) => {
                 Self { viscosity: 16.0 * coefficient, memory: 0.0, ..none }
             }
-            ElementForm::OnePoint(Hourglass::Ads | Hourglass::Asqbi) | ElementForm::FullyIntegrated => deviator,
+            ElementForm::OnePoint(Hourglass::Ads | Hourglass::Asqbi) | ElementForm::FullyIntegrated => {
+                deviator
+            }
         }
     }
 }
@@ -115,8 +121,7 @@ impl Brick {
         let edge = self.edge;
         let faces = [edge[1] * edge[2], edge[2] * edge[0], edge[0] * edge[1]];
         let inverse = (1.0 / 3.0) / (edge[0] * faces[0]);
-        let h =
-            [faces[0] * faces[0] * inverse, faces[1] * faces[1] * inverse, faces[2] * faces[2] * inverse];
+        let h = [faces[0] * faces[0] * inverse, faces[1] * faces[1] * inverse, faces[2] * faces[2] * inverse];
         (h, scaled(1.0 / 3.0, edge))
     }
 }

@@ -447,26 +447,23 @@ fn radial_return(
         return;
     }
     let (mut increment, mut slope) = (ZERO, ZERO);
+    table.plastic_increments(
+        &s.mises,
+        &state.plastic_strain,
+        &material.mu_pa,
+        &material.yield_scale,
+        &mut increment,
+        &mut slope,
+    );
     if table.has_rate() && rate_1_s > 0.0 {
-        let dt_s = 1.0 / rate_1_s;
         for l in 0..LANES {
-            (increment[l], slope[l]) = table.rated_increment(
-                s.mises[l],
-                state.plastic_strain[l],
-                material.mu_pa[l],
-                material.yield_scale[l],
-                dt_s,
-            );
+            if increment[l] > 0.0 {
+                let trial = [s.mises[l], state.plastic_strain[l]];
+                let (mu, scale) = (material.mu_pa[l], material.yield_scale[l]);
+                (increment[l], slope[l]) =
+                    table.with_rate_factor(trial, mu, scale, 1.0 / rate_1_s, increment[l]);
+            }
         }
-    } else {
-        table.plastic_increments(
-            &s.mises,
-            &state.plastic_strain,
-            &material.mu_pa,
-            &material.yield_scale,
-            &mut increment,
-            &mut slope,
-        );
     }
     for l in 0..LANES {
         let three_g = 3.0 * material.mu_pa[l];
@@ -586,7 +583,13 @@ fn resist<const ASQBI: bool>(
 /// Bulk viscosity pressure \[Pa\] (negative: compression) from the rate of volume strain, von Neumann and Richtmyer
 /// (1950) with a linear term; none in an element that has lost its volume.
 #[inline(always)]
-pub(super) fn bulk_viscosity(rate_1_s: f64, volume: f64, mass: f64, inverse_mass: f64, modulus_pa: f64) -> f64 {
+pub(super) fn bulk_viscosity(
+    rate_1_s: f64,
+    volume: f64,
+    mass: f64,
+    inverse_mass: f64,
+    modulus_pa: f64,
+) -> f64 {
     let safe = if volume > f64::MIN_POSITIVE { volume } else { 1.0 };
     let density = mass / safe;
     let length = cbrt(safe);

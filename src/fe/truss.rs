@@ -80,8 +80,7 @@ impl Bar {
             table.plastic_increment(trial.abs(), self.plastic_strain, third, 1.0)
         };
         let stress = trial - trial.signum() * self.youngs_modulus_pa * increment;
-        self.internal_j +=
-            0.5 * (self.stress_pa + stress) * strain * self.area_m2 * self.length_m[0];
+        self.internal_j += 0.5 * (self.stress_pa + stress) * strain * self.area_m2 * self.length_m[0];
         self.stress_pa = stress;
         self.plastic_strain += increment;
         self.length_m[1] = length_m;

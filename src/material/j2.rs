@@ -127,8 +127,6 @@ impl HardeningTable {
     }
 
     /// [`Self::plastic_increment`] of a step of `dt_s` \[s\] with the rate factor of its plastic strain rate; the hardening modulus is that at a constant rate.
-    #[cold]
-    #[inline(never)]
     pub fn rated_increment(
         &self,
         q_trial_pa: f64,
@@ -138,14 +136,27 @@ impl HardeningTable {
         dt_s: f64,
     ) -> (f64, f64) {
         let (most, slope) = self.plastic_increment(q_trial_pa, plastic_strain, shear_modulus_pa, scale);
-        match &self.rate {
-            Some(rate) if most > 0.0 => {
-                let found =
-                    rate.increment(self, q_trial_pa, plastic_strain, shear_modulus_pa, scale, dt_s);
-                (found, scale * self.at(plastic_strain + found).1 * rate.at(found / dt_s))
-            }
-            _ => (most, slope),
+        if most > 0.0 {
+            self.with_rate_factor([q_trial_pa, plastic_strain], shear_modulus_pa, scale, dt_s, most)
+        } else {
+            (most, slope)
         }
+    }
+
+    /// [`Self::rated_increment`] where the increment `most > 0` without rate factor is already known.
+    #[inline(never)]
+    pub(crate) fn with_rate_factor(
+        &self,
+        [q_trial_pa, plastic_strain]: [f64; 2],
+        shear_modulus_pa: f64,
+        scale: f64,
+        dt_s: f64,
+        most: f64,
+    ) -> (f64, f64) {
+        let (found, factor) = self.rate.map_or((most, 1.0), |rate| {
+            rate.increment(self, [q_trial_pa, plastic_strain], shear_modulus_pa, scale, dt_s, most)
+        });
+        (found, scale * self.at(plastic_strain + found).1 * factor)
     }
 
     /// Plastic strain at which a segment ends.

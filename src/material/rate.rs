@@ -5,8 +5,8 @@
 //! the trial step instead, every elastic vibration would raise the yield stress. In steady flow both are the same.
 //!
 //! With `y = (Δp / (C Δt))^(1/P)` as the unknown the residual has finite slopes, falls throughout, and for a table that
-//! does not soften is concave: Newton's method from the rate-independent `Δp`, which is too large, comes down on the
-//! solution without crossing it. Brackets keep it safe in tables that soften.
+//! does not soften is concave: Newton's method from a `Δp` that is too large comes down on the solution without crossing it. Brackets keep
+//! it safe in tables that soften.
 
 use super::j2::HardeningTable;
 use serde::{Deserialize, Serialize};
@@ -26,28 +26,32 @@ impl RateFactor {
         1.0 + power(rate_1_s / self.c_1_s, 1.0 / self.p)
     }
 
-    /// Solves for the plastic strain increment of a step of `dt_s` \[s\] from a trial stress; `scale` is a factor on the table.
-    pub fn increment(
+    /// Solves for the plastic strain increment of a step of `dt_s` \[s\] from a trial stress above the yield stress, given the increment `most` without
+    /// rate factor; also returns the rate factor. `scale` is a factor on the table.
+    pub(super) fn increment(
         &self,
         table: &HardeningTable,
-        q_trial_pa: f64,
-        plastic_strain: f64,
+        [q_trial_pa, plastic_strain]: [f64; 2],
         shear_modulus_pa: f64,
         scale: f64,
         dt_s: f64,
-    ) -> f64 {
+        most: f64,
+    ) -> (f64, f64) {
         let stiffness_pa = 3.0 * shear_modulus_pa;
-        let most = table.plastic_increment(q_trial_pa, plastic_strain, shear_modulus_pa, scale).0;
         let unit = self.c_1_s * dt_s;
-        let (mut low, mut high) = (0.0, power(most / unit, 1.0 / self.p));
-        let mut y = high;
+        // two upper estimates: without elastic relief, and without rate factor
+        let mut y = q_trial_pa / (scale * table.at(plastic_strain).0) - 1.0;
+        if unit * self.raised(y) > most {
+            y = power(most / unit, 1.0 / self.p);
+        }
+        let (mut low, mut high) = (0.0, f64::INFINITY);
         for _ in 0..80 {
-            let raised = power(y, self.p);
+            let raised = self.raised(y);
             let increment = unit * raised;
             let (yield_pa, slope_pa) = table.at(plastic_strain + increment);
             let residual = q_trial_pa - stiffness_pa * increment - scale * yield_pa * (1.0 + y);
-            if residual.abs() <= 1e-13 * q_trial_pa {
-                return increment;
+            if residual.abs() <= 1e-13 * q_trial_pa || high - low <= 1e-15 * y {
+                break;
             }
             if residual > 0.0 {
                 low = y;
@@ -57,12 +61,19 @@ impl RateFactor {
             let growth = unit * self.p * raised / y;
             let slope = (stiffness_pa + scale * slope_pa * (1.0 + y)) * growth + scale * yield_pa;
             let next = y + residual / slope;
-            y = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if high - low <= 1e-15 * high {
-                break;
-            }
+            y = if next > low && next < high { next } else { 0.5 * (low + high.min(2.0 * y)) };
         }
-        unit * power(y, self.p)
+        (unit * self.raised(y), 1.0 + y)
+    }
+
+    /// `y^P`.
+    fn raised(&self, y: f64) -> f64 {
+        let whole = self.p as u32;
+        if f64::from(whole) == self.p && whole <= 16 {
+            (0..whole).fold(1.0, |product, _| product * y)
+        } else {
+            power(y, self.p)
+        }
     }
 }
 
@@ -138,7 +149,9 @@ mod tests {
         for p in [0.0, 0.004, 0.05, 0.3] {
             for q in [15.1e6, 17e6, 60e6, 700e6] {
                 for dt in [1e-7, 1e-5, 1e-2] {
+                    let most = table.plastic_increment(q, p, g, 0.8).0;
                     let (dp, _) = table.rated_increment(q, p, g, 0.8, dt);
+                    assert!(dp < most);
                     let residual = q - 3.0 * g * dp - 0.8 * table.at(p + dp).0 * rate.at(dp / dt);
                     assert!(dp > 0.0 && residual.abs() < 1e-9 * q, "p={p} q={q} dt={dt}: {residual}");
                 }

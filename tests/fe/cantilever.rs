@@ -6,18 +6,18 @@ use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::law::Law;
 
-struct History {
+pub struct History {
     /// Tip displacement at 0.1, 0.2, ... 0.5 s \[mm\].
-    tenths_mm: Vec<f64>,
+    pub tenths_mm: Vec<f64>,
     /// First peak \[mm\] and its time \[s\].
-    peak: (f64, f64),
+    pub peak: (f64, f64),
     /// Largest and smallest hourglass over internal energy.
-    hourglass: (f64, f64),
+    pub hourglass: (f64, f64),
     /// Energy residual over the work of gravity at the end.
-    residual: f64,
+    pub residual: f64,
 }
 
-fn run(along: usize, law: Law) -> History {
+pub fn run(along: usize, law: Law) -> History {
     let deep = along / 10;
     let mesh = grid([along, deep, deep], [10.0, 1.0, 1.0], law, |p| p[0] == 0.0);
     let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);

@@ -1,0 +1,181 @@
+//! Bars: static truss, pendulum, wave, plastic elongation and rupture; bars inside hexahedra.
+
+use super::mesh::{Random, bilinear, elastic, grid, hexahedron, of_hexahedra, point};
+use fallwerk::fe::contact::RigidSurfaces;
+use fallwerk::fe::dynamics::Dynamics;
+use fallwerk::fe::embed::{embed, embed_trusses};
+use fallwerk::fe::kernel::KernelStep;
+use fallwerk::fe::law::{Erosion, Law};
+use fallwerk::fe::mesh::{Mesh, Truss};
+use fallwerk::fe::preload::equilibrate;
+
+const STEEL_PA: f64 = 200e9;
+
+fn steel() -> Law {
+    bilinear(STEEL_PA, 0.3, 7850.0, 1e15, 0.0)
+}
+
+fn bars(nodes: Vec<[f64; 3]>, pairs: &[[usize; 2]], area_m2: f64, law: Law, fixed: Vec<usize>) -> Mesh {
+    let trusses = pairs.iter().map(|nodes| Truss { nodes: *nodes, area_m2, part: 0, law: 0 }).collect();
+    Mesh { nodes, trusses, laws: vec![law], fixed, parts: vec!["bars".into()], ..Mesh::default() }
+}
+
+/// Two bars at 30° to the horizontal carry a force at their apex: `N = P / (2 sin α)`, `w = P l / (2 E A sin² α)`.
+#[test]
+fn two_bar_truss() {
+    let (length, area, load) = (2.0, 3e-4, 6e3);
+    let (s, c) = (0.5, 0.75f64.sqrt());
+    let nodes = vec![[-length * c, 0.0, 0.0], [length * c, 0.0, 0.0], [0.0, 0.0, length * s]];
+    let mesh = bars(nodes, &[[0, 2], [1, 2]], area, steel(), vec![0, 1]);
+    let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+    body.prescribed_m_s[2][1] = Some(0.0);
+    body.applied_n[2][2] = -load;
+    equilibrate(&mut body).expect("a truss stands");
+    let sag = length * s - body.x[2][2];
+    let expected = load * length / (2.0 * STEEL_PA * area * s * s);
+    assert!((sag / expected - 1.0).abs() < 2e-3, "{sag} {expected}");
+    for bar in &body.trusses.bars {
+        assert!((bar.force_n() / (-load / (2.0 * s)) - 1.0).abs() < 2e-3, "{}", bar.force_n());
+    }
+    let work = 0.5 * load * expected;
+    assert!((body.trusses.internal_j() / work - 1.0).abs() < 5e-3);
+}
+
+/// A heavy bar let go from the horizontal: half its mass is at the moving end, `v² = 2 g l` at the bottom, the force there `3 m g`.
+#[test]
+fn pendulum_bar() {
+    let mesh = bars(vec![[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]], 1e-4, steel(), vec![0]);
+    let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);
+    let mut kinetic = 0.0;
+    while body.x[1][0] > 0.0 {
+        kinetic = body.step(true);
+        assert!(body.steps < 1_000_000);
+    }
+    let mass = body.mass_kg[1];
+    let balance = kinetic + body.trusses.internal_j() - body.gravity_j;
+    assert!(balance.abs() < 1e-4 * kinetic, "{balance} of {kinetic}");
+    assert!((kinetic / (mass * 9.81) - 1.0).abs() < 1e-3, "{kinetic}");
+    // T = 4 K(1/√2) sqrt(l/g) for a swing of 90°: a quarter of it down
+    let quarter = 1.854_074_677 / 9.81f64.sqrt();
+    assert!((body.time_s / quarter - 1.0).abs() < 1e-3, "{} {quarter}", body.time_s);
+}
+
+/// A step in velocity runs along a bar at `sqrt(E/ρ)` and leaves the stress `ρ c v`.
+#[test]
+fn wave_in_a_bar() {
+    let count = 200;
+    let nodes = (0..=count).map(|i| [0.01 * f64::from(i), 0.0, 0.0]).collect();
+    let pairs: Vec<[usize; 2]> = (0..count as usize).map(|i| [i, i + 1]).collect();
+    let mesh = bars(nodes, &pairs, 1e-4, steel(), Vec::new());
+    let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+    let speed = 1.0;
+    body.prescribed_m_s[0] = [Some(-speed), Some(0.0), Some(0.0)];
+    while body.v[100][0] > -0.5 * speed {
+        body.step(false);
+        assert!(body.steps < 10_000);
+    }
+    let c = (STEEL_PA / 7850.0_f64).sqrt();
+    let measured = 1.0 / body.time_s;
+    assert!((measured / c - 1.0).abs() < 0.02, "{measured} {c}");
+    let behind: f64 = body.trusses.bars[20..60].iter().map(|b| b.stress_pa).sum::<f64>() / 40.0;
+    assert!((behind / (7850.0 * c * speed) - 1.0).abs() < 0.02, "{behind}");
+}
+
+/// Slow elongation to rupture: `W / V = ∫ σ_y dp + σ² / 2E`; the stress before rupture is that of the table.
+#[test]
+fn plastic_elongation_and_rupture() {
+    let (yield_pa, modulus, critical) = (500e6, 1.5e9, 0.08);
+    let law = Law {
+        hardening: vec![point(0.0, yield_pa), point(1.0, yield_pa + modulus)],
+        erosion: Erosion { plastic_strain: critical, ..Erosion::NEVER },
+        ..steel()
+    };
+    let mesh = bars(vec![[0.0; 3], [2.0, 0.0, 0.0]], &[[0, 1]], 1e-4, law, vec![0]);
+    let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+    let step = KernelStep { dt_s: 1e-3, viscous: true };
+    let mut before = body.trusses.bars[0];
+    let mut ruptures = 0;
+    for _ in 0..20_000 {
+        // also turned about the fixed end while it is stretched
+        let (length, angle) = (body.trusses.bars[0].length_m[1] + 1e-5, 1e-4 * f64::from(ruptures as u32));
+        body.x[1] = [length * angle.cos(), length * angle.sin(), 0.0];
+        let mut force = vec![[0.0; 3]; 2];
+        body.trusses.update(&body.x, step, &mut force);
+        ruptures += body.trusses.ruptured.len();
+        if !body.trusses.bars[0].acts {
+            assert_eq!(force, [[0.0; 3]; 2]);
+            break;
+        }
+        before = body.trusses.bars[0];
+        assert!((force[1][0] + before.force_n()).abs() < 1e-6 && force[0][0] == -force[1][0]);
+    }
+    assert_eq!(ruptures, 1);
+    let last = yield_pa + modulus * critical;
+    assert!((before.stress_pa / last - 1.0).abs() < 1e-4, "{}", before.stress_pa);
+    let stretched = (before.length_m[1] / before.length_m[0]).ln();
+    assert!((stretched / (critical + last / STEEL_PA) - 1.0).abs() < 1e-3, "{stretched}");
+    let work =
+        (yield_pa * critical + 0.5 * modulus * critical * critical + 0.5 * last * last / STEEL_PA) * 2e-4;
+    let booked = body.trusses.internal_j();
+    assert!((booked / work - 1.0).abs() < 1e-3, "{booked} {work}");
+}
+
+/// Unloading and loading again in the other direction is elastic until the grown yield stress.
+#[test]
+fn hardening_is_isotropic() {
+    let law = Law { hardening: vec![point(0.0, 400e6), point(1.0, 2400e6)], ..steel() };
+    let mesh = bars(vec![[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]], 1e-4, law, vec![0]);
+    let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+    let step = KernelStep { dt_s: 1.0, viscous: false };
+    let mut to = |strain: f64| {
+        body.x[1][0] = f64::exp(strain);
+        body.trusses.update(&body.x, step, &mut [[0.0; 3]; 2]);
+        body.trusses.bars[0]
+    };
+    let peak = to(0.02);
+    let expected = (400e6 + 2e9 * 0.02) / (1.0 + 2e9 / STEEL_PA);
+    assert!((peak.stress_pa / expected - 1.0).abs() < 1e-12, "{} {expected}", peak.stress_pa);
+    let back = to(0.02 - 1.9 * expected / STEEL_PA);
+    assert_eq!(back.plastic_strain, peak.plastic_strain);
+    assert!((back.stress_pa + 0.9 * expected).abs() < 1.0);
+    let reversed = to(0.0);
+    assert!(reversed.plastic_strain > peak.plastic_strain && reversed.stress_pa < -expected);
+}
+
+/// Nodes at known places in irregular elements come back with weights that give their position.
+#[test]
+fn bars_are_tied_to_the_elements_that_hold_them() {
+    let mut mesh = grid([3, 3, 3], [1.0; 3], elastic(), |_| false);
+    super::mesh::distort(&mut mesh.nodes, 0.06, 9, |p| p.iter().all(|c| *c > 0.01 && *c < 0.99));
+    let first = mesh.nodes.len();
+    let mut random = Random(3);
+    for _ in 0..50 {
+        mesh.nodes.push(std::array::from_fn(|_| 0.5 + 0.5 * random.symmetric()));
+    }
+    mesh.nodes.push([1.0, 0.5, 0.25]); // on the surface
+    for n in first..mesh.nodes.len() - 1 {
+        mesh.trusses.push(Truss { nodes: [n, n + 1], area_m2: 1e-4, part: 0, law: 0 });
+    }
+    mesh.trusses.push(Truss { nodes: [0, first], area_m2: 1e-4, part: 0, law: 0 });
+    let ties = embed_trusses(&mesh).expect("all inside");
+    assert_eq!(ties.len(), 51, "a node of a hexahedron needs no tie");
+    for tie in &ties {
+        assert!((tie.masters.iter().map(|m| m.1).sum::<f64>() - 1.0).abs() < 1e-14);
+        for i in 0..3 {
+            let at: f64 = tie.masters.iter().map(|(n, w)| w * mesh.nodes[*n][i]).sum();
+            assert!((at - mesh.nodes[tie.node][i]).abs() < 1e-6, "{tie:?}");
+        }
+        assert!(tie.masters.iter().all(|(n, _)| mesh.elements[tie.element].nodes.contains(n)));
+    }
+    assert!(ties[50].masters.len() <= 4, "a node on a face hangs on that face");
+}
+
+#[test]
+fn a_bar_node_outside_is_an_error_that_names_it() {
+    let mut nodes = hexahedron(0.0, 0).to_vec();
+    nodes.push([0.5, 1.2, 0.5]);
+    let mesh = of_hexahedra(nodes, vec![[0, 1, 2, 3, 4, 5, 6, 7]], elastic(), Vec::new());
+    let error = embed(&mesh, &[8]).expect_err("outside");
+    assert_eq!(error.node, 8);
+    assert!(error.to_string().contains("bar node 8 at (0.5000, 1.2000, 0.5000)"), "{error}");
+}
