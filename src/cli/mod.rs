@@ -19,6 +19,7 @@ pub mod simulate;
 mod study;
 mod summary;
 pub mod verdict;
+mod verify;
 
 use crate::base::output::OutputFolder;
 use crate::building::{Building, inspect_file};
@@ -93,6 +94,7 @@ enum Command {
     /// The rules: list, check, show, features
     Rules(rules::RulesArgs),
     Study(study::Arguments),
+    Verify(verify::Arguments),
 }
 
 /// Runs the command line of this process.
@@ -108,6 +110,7 @@ pub fn run() -> ExitCode {
         Command::Library(arguments) => return ExitCode::from(library::run(&arguments)),
         Command::Rules(arguments) => return ExitCode::from(rules::run(&arguments)),
         Command::Study(arguments) => finish(study::run(&arguments)),
+        Command::Verify(arguments) => finish(verify::run(&arguments)),
         Command::Simulate(arguments) => match simulate::run(arguments) {
             Ok(()) => Outcome::Done,
             Err(error) => {

@@ -13,4 +13,5 @@ pub mod preload;
 pub mod probe;
 pub mod result;
 pub mod run;
+pub mod shapes;
 pub mod strain_rate;
