@@ -100,7 +100,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
     if let Some(end) = end_time_s.filter(|end| *end > LONGEST_S) {
         return Err(Failure::input(format!("--end-time is {end} s, the longest is {LONGEST_S} s")));
     }
-    Ok(FeOptions { mesh_size_m, end_time_s })
+    Ok(FeOptions { mesh_size_m, end_time_s, ..FeOptions::default() })
 }
 
 /// Runs the FE model and shows how far it is.

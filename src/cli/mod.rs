@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done, 1 a check failed, 2 bad input or usage.
 
+mod bench;
 mod check;
 pub mod compose;
 pub mod explain;
@@ -80,6 +81,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Bench(bench::Arguments),
     Check(check::Arguments),
     Explain(explain::Arguments),
     Fe(fe::Arguments),
@@ -100,6 +102,7 @@ enum Command {
 /// Runs the command line of this process.
 pub fn run() -> ExitCode {
     match Arguments::parse().command {
+        Command::Bench(arguments) => finish(bench::run(&arguments)),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => finish(explain::run(&arguments)),
         Command::Fe(arguments) => finish(fe::run(&arguments)),

@@ -19,6 +19,8 @@ pub struct FeOptions {
     pub mesh_size_m: Option<f64>,
     /// End time other than the building's \[s\].
     pub end_time_s: Option<f64>,
+    /// Share of the stability limit other than [`super::dynamics::STEP_SAFETY`].
+    pub step_safety: Option<f64>,
 }
 
 /// How far a run is.
@@ -76,6 +78,9 @@ pub fn run(
     let mut body = Dynamics::new(&mesh, settings.gravity_m_s2, RigidSurfaces::of(building), parallel);
     let preload_iterations = preload::equilibrate(&mesh, &mut body).map_err(FeError::Preload)?;
     body.surfaces.new_touches.clear();
+    if let Some(safety) = options.step_safety {
+        body.set_step_safety(safety);
+    }
     let mut recorder = Recorder::new(building, &mesh, &body);
     let mut removal = Removal::new(building, &mesh);
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);

@@ -21,7 +21,7 @@ pub fn cases() -> Vec<Case> {
     for form in FORMS {
         cases.push(Case::short(
             format!("patch-test-{}", form.name),
-            "A linear displacement field (strains about 3e-8) on a cube of 27 distorted elements: uniform stress, no force \
+            "A linear displacement field (strains about 3e-5) on a cube of 27 distorted elements: uniform stress, no force \
              inside, no hourglass energy (Irons' patch test).",
             || patch_test(form),
         ));
@@ -56,7 +56,7 @@ fn patch_test(form: &TestedForm) -> Result<Vec<Figure>, String> {
         nodes_where(&regular, inside)
     };
     let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
-    let slope = [[2e-8, 1e-8, -3e-8], [0.5e-8, -1e-8, 2e-8], [1e-8, 4e-8, 3e-8]];
+    let slope = [[2e-5, 1e-5, -3e-5], [0.5e-5, -1e-5, 2e-5], [1e-5, 4e-5, 3e-5]];
     deform(&mut body, |n| {
         let x = mesh.nodes[n];
         std::array::from_fn(|i| x[i] + (0..3).map(|j| slope[i][j] * x[j]).sum::<f64>())
@@ -74,7 +74,7 @@ fn patch_test(form: &TestedForm) -> Result<Vec<Figure>, String> {
     let force = inner.iter().flat_map(|n| body.internal_n[*n]).fold(0.0, |a: f64, f| a.max(f.abs()));
     let per_face = force / (stress / 9.0);
     Ok(vec![
-        Figure::relative("elastic energy", "J", [energy, internal], 1e-6, EXACT),
+        Figure::relative("elastic energy", "J", [energy, internal], 2e-4, "small strains"),
         Figure::absolute("largest inner force over stress x face", "-", [0.0, per_face], 1e-9, EXACT),
         Figure::absolute("hourglass over elastic energy", "-", [0.0, hourglass / internal], 1e-12, EXACT),
     ])

@@ -27,7 +27,7 @@ pub fn cases() -> Vec<Case> {
         ),
         Case::short(
             "eroding-bar",
-            "A perfectly plastic bar of ten elements, the middle one weaker, torn apart at 0.5 m/s; it erodes at a plastic \
+            "A perfectly plastic bar of ten elements, the middle one weaker, torn apart at 0.05 m/s; it erodes at a plastic \
              strain of 2 %.",
             eroding_bar,
         ),
@@ -107,10 +107,10 @@ fn eroding_bar() -> Result<Vec<Figure>, String> {
         body.prescribed_m_s[n] = [Some(0.0), None, None];
     }
     for n in nodes_where(&mesh, |p| p[0] == 1.0) {
-        body.prescribed_m_s[n] = [Some(0.5), None, None];
+        body.prescribed_m_s[n] = [Some(0.05), None, None];
     }
     let (mut kinetic, mut deaths) = (0.0, Vec::new());
-    while body.time_s < 0.008 {
+    while body.time_s < 0.06 {
         kinetic = body.step(true);
         deaths.extend(body.deaths.iter().map(|d| d.0));
     }

@@ -111,21 +111,20 @@ fn plastic_bar() -> Result<Vec<Figure>, String> {
     let yield_pa = |p: f64| if p < 0.01 { 10e6 + 200e6 * p } else { 12e6 + 50e6 * (p - 0.01) };
     let mesh = grid([4, 1, 1], [4.0, 1.0, 1.0], Law { hardening, ..elastic() }, |_| false);
     let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
-    body.damping_1_s = 50.0;
     for n in 0..mesh.nodes.len() {
-        // the velocity of uniform elongation at 0.2 1/s, lateral contraction of plastic flow
+        // the velocity of uniform elongation at 0.1 1/s, lateral contraction of plastic flow
         let [x, y, z] = mesh.nodes[n];
-        body.v[n] = [0.2 * x, -0.1 * (y - 0.5), -0.1 * (z - 0.5)];
+        body.v[n] = [0.1 * x, -0.05 * (y - 0.5), -0.05 * (z - 0.5)];
         match x {
             0.0 => body.prescribed_m_s[n] = [Some(0.0), None, None],
-            4.0 => body.prescribed_m_s[n] = [Some(0.8), None, None],
+            4.0 => body.prescribed_m_s[n] = [Some(0.4), None, None],
             _ => (),
         }
     }
     let end = (0..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] == 4.0).collect::<Vec<_>>();
     let mut figures = Vec::new();
     for elongation in [0.005, 0.03] {
-        while body.time_s < elongation / 0.2 {
+        while body.time_s < elongation / 0.1 {
             body.step(false);
         }
         let strain = (body.x[end[0]][0] / 4.0).ln();

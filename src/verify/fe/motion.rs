@@ -27,7 +27,7 @@ pub fn cases() -> Vec<Case> {
         Case::short(
             "tumbling",
             "A free box 1.2 x 0.8 x 0.4 m turns at 30 rad/s near its middle axis and flips over: direction of its long edge after \
-             0.5 s beside the rigid body with the same nodal masses.",
+             1 s beside the rigid body with the same nodal masses.",
             tumbling,
         ),
     ];
@@ -133,7 +133,7 @@ fn tumbling() -> Result<Vec<Figure>, String> {
     let edge = |body: &Dynamics, n: [usize; 2]| {
         (Vector3::from(body.x[n[1]]) - Vector3::from(body.x[n[0]])).normalize()
     };
-    while body.time_s < 0.5 {
+    while body.time_s < 1.0 {
         body.step(false);
         last = edge(&body, sides).y;
         turned = turned.max(last.acos().to_degrees());
@@ -144,7 +144,7 @@ fn tumbling() -> Result<Vec<Figure>, String> {
     let middle = exact.column(1).y.acos().to_degrees();
     Ok(vec![
         Figure::absolute("tilt of the middle axis", "deg", [middle, last.acos().to_degrees()], 0.5, "Euler's equations"),
-        Figure::absolute("largest tilt (it flips over)", "deg", [180.0, turned], 5.0, "Euler's equations"),
+        Figure::absolute("largest tilt (it flips over)", "deg", [180.0, turned], 10.0, "Euler's equations"),
         Figure::absolute("angle between the long edges", "deg", [0.0, off], 0.5, "Euler's equations"),
         Figure::absolute("drift of the mass centre", "m", [0.0, center(&body).iter().map(|c| c.abs()).sum()], 1e-9, CONSERVED),
     ])

@@ -17,8 +17,8 @@ pub fn cases() -> Vec<Case> {
     for form in FORMS {
         cases.push(Case::short(
             format!("order-bending-{}", form.name),
-            "Static deflection of the cantilever (ν 0) one, two, four and eight elements deep: order from the differences \
-             between the last three.",
+            "Static deflection of a beam of 20 x 1 x 1 m (ν 0) on end planes held vertically, under a half wave of load, two, four and \
+             eight elements deep: order from the differences.",
             || bending(form),
         ));
     }
@@ -29,24 +29,30 @@ pub fn cases() -> Vec<Case> {
     ));
     cases.push(Case::short(
         "order-time",
-        "Shear oscillation of one element with 40, 80 and 160 steps over 1.3 periods: error of the displacement at the end.",
+        "Shear oscillation of one element with 80, 160 and 320 steps over 1.3 periods: error of the displacement at the end.",
         time,
     ));
     cases
 }
 
+/// Half of a beam of 20 m in a half wave of load: the smooth solution of elasticity, without the singularity of a clamped end.
 fn bending(form: &TestedForm) -> Result<Vec<Figure>, String> {
     let mut sunk = Vec::new();
-    for deep in [1, 2, 4, 8] {
+    for deep in [2, 4, 8] {
         let law = form.law(Law { poisson_ratio: 0.0, ..elastic() });
-        let mesh = grid([10 * deep, deep, deep], [10.0, 1.0, 1.0], law, |p| p[0] == 0.0);
-        let mut body = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false);
+        let mesh = grid([10 * deep, deep, deep], [10.0, 1.0, 1.0], law, |_| false);
+        let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+        for (n, p) in mesh.nodes.iter().enumerate() {
+            let hold = |holds: bool| holds.then_some(0.0);
+            body.prescribed_m_s[n] = [hold(p[0] == 0.0), Some(0.0), hold(p[0] == 10.0)];
+            body.applied_n[n][2] = -body.mass_kg[n] * (std::f64::consts::PI * p[0] / 20.0).cos();
+        }
         equilibrate(&mesh, &mut body)?;
-        let tip = nearest(&mesh, [10.0, 0.5, 0.5]);
-        sunk.push(mesh.nodes[tip][2] - body.x[tip][2]);
+        let middle = nearest(&mesh, [0.0, 0.5, 0.5]);
+        sunk.push(mesh.nodes[middle][2] - body.x[middle][2]);
     }
-    let order = ((sunk[1] - sunk[2]) / (sunk[2] - sunk[3])).abs().log2();
-    Ok(vec![Figure::absolute("order of the deflection", "-", [2.0, order], 0.3, THEORY)])
+    let order = ((sunk[0] - sunk[1]) / (sunk[1] - sunk[2])).abs().log2();
+    Ok(vec![Figure::absolute("order of the deflection", "-", [2.0, order], 0.25, THEORY)])
 }
 
 fn frequency() -> Result<Vec<Figure>, String> {
@@ -82,7 +88,7 @@ fn time() -> Result<Vec<Figure>, String> {
     let omega = (2.0_f64 * 12.5e9 / 2500.0).sqrt();
     let end_s = 1.3 * std::f64::consts::TAU / omega;
     let mut errors = Vec::new();
-    for steps in [40, 80, 160] {
+    for steps in [80, 160, 320] {
         let mesh = grid([1; 3], [1.0; 3], elastic(), |p| p[2] == 0.0);
         let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
         fix_step(&mut body, end_s / f64::from(steps));
@@ -99,7 +105,7 @@ fn time() -> Result<Vec<Figure>, String> {
     }
     let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
     Ok(vec![
-        Figure::absolute("order, 40 to 80 steps", "-", [2.0, orders[0]], 0.2, THEORY),
-        Figure::absolute("order, 80 to 160 steps", "-", [2.0, orders[1]], 0.2, THEORY),
+        Figure::absolute("order, 80 to 160 steps", "-", [2.0, orders[0]], 0.1, THEORY),
+        Figure::absolute("order, 160 to 320 steps", "-", [2.0, orders[1]], 0.1, THEORY),
     ])
 }
