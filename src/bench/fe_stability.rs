@@ -56,7 +56,8 @@ fn variations() -> Vec<Variation> {
         all.push(("hardening modulus", format!("{} MPa", slope / 1e6), Box::new(change)));
     }
     for strain in [0.001, 0.01, 0.05, 0.1, 0.5] {
-        let change = move |b: &mut Building, _: &mut FeOptions| law(b, |l| l.critical_plastic_strain = strain);
+        let change =
+            move |b: &mut Building, _: &mut FeOptions| law(b, |l| l.critical_plastic_strain = strain);
         all.push(("erosion strain", format!("{strain}"), Box::new(change)));
     }
     for friction in [0.0, 0.25, 0.5, 1.0] {

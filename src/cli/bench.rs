@@ -125,9 +125,8 @@ fn error_runs(options: &ErrorRuns) -> Result<Outcome, Failure> {
     let building = read_building(&options.building, false)?;
     let note = |size: f64| eprintln!("mesh size {size} m");
     let pool = thread_pool(options.threads)?;
-    let rows = pool
-        .install(|| fe_error::measure(&building, &options.sizes, &note))
-        .map_err(Failure::stopped)?;
+    let rows =
+        pool.install(|| fe_error::measure(&building, &options.sizes, &note)).map_err(Failure::stopped)?;
     let page = fe_error::markdown(&building.name, &rows, &fe::machine());
     let line = |name: &str, value: fn(&fe_error::Row) -> f64| {
         (name.to_string(), rows.iter().map(|r| [r.cpu_s, value(r)]).collect::<Vec<_>>())
@@ -156,5 +155,7 @@ fn save(folder: Option<&Path>, files: &[(&str, &str)]) -> Result<(), Failure> {
     let Some(folder) = folder else { return Ok(()) };
     let failed = |e: std::io::Error| Failure::input(format!("{}: {e}", folder.display()));
     std::fs::create_dir_all(folder).map_err(failed)?;
-    files.iter().try_for_each(|(name, text)| write_atomic(&folder.join(name), text.as_bytes()).map_err(failed))
+    files
+        .iter()
+        .try_for_each(|(name, text)| write_atomic(&folder.join(name), text.as_bytes()).map_err(failed))
 }

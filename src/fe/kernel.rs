@@ -385,8 +385,7 @@ fn resist(
         }
     }
     let limit = frequency_bound(&g, volume * inverse_mass, lambda, mu);
-    let pressure =
-        bulk_viscosity(rate_factor * trace, volume, material.mass_kg[l], lambda + 2.0 * mu, limit);
+    let pressure = bulk_viscosity(rate_factor * trace, volume, material.mass_kg[l], lambda + 2.0 * mu, limit);
     let scale = if acts { volume * share } else { 0.0 };
     state.internal_j[l] += scale * power;
     // the force of this step acts over half of the next increment too: only the mean of two steps books its true work

@@ -133,9 +133,7 @@ pub fn round_bar(length_m: f64, radius_m: f64, [layers, refine]: [usize; 2], law
 /// Points \[m\] and quadrilaterals of a disc; the core reaches half the radius along its axes.
 fn o_grid(radius_m: f64, refine: usize) -> (Vec<[f64; 2]>, Vec<[usize; 4]>) {
     let (side, rings, around) = (4 * refine, 2 * refine, 16 * refine);
-    let core = |i: usize, j: usize| {
-        [i, j].map(|c| 0.5 * radius_m * (c as f64 / (0.5 * side as f64) - 1.0))
-    };
+    let core = |i: usize, j: usize| [i, j].map(|c| 0.5 * radius_m * (c as f64 / (0.5 * side as f64) - 1.0));
     let rim: Vec<(usize, usize)> = (0..side)
         .map(|i| (i, 0))
         .chain((0..side).map(|j| (side, j)))

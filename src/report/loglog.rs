@@ -66,7 +66,8 @@ pub fn svg(title: &str, axes: [&str; 2], lines: &[Line]) -> String {
             );
         }
         for p in at {
-            let _ = writeln!(out, "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"{colour}\"/>", p[0], p[1]);
+            let _ =
+                writeln!(out, "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"{colour}\"/>", p[0], p[1]);
         }
         let y = top + 18.0 * (i as f64 + 1.0);
         let _ = writeln!(

@@ -35,7 +35,11 @@ pub fn tolerance(figure: &Figure) -> String {
 }
 
 fn with_unit(figure: &Figure) -> String {
-    if figure.unit == "-" { figure.quantity.clone() } else { format!("{} [{}]", figure.quantity, figure.unit) }
+    if figure.unit == "-" {
+        figure.quantity.clone()
+    } else {
+        format!("{} [{}]", figure.quantity, figure.unit)
+    }
 }
 
 /// The figures as a table of fixed width, for a terminal.
@@ -50,9 +54,8 @@ pub fn table(figures: &[Figure]) -> String {
         })
         .collect();
     let heads = ["case", "quantity", "reference", "ours", "tolerance", "", "source"].map(String::from);
-    let width = |column: usize| {
-        rows.iter().chain([&heads]).map(|r| r[column].chars().count()).max().unwrap_or(0)
-    };
+    let width =
+        |column: usize| rows.iter().chain([&heads]).map(|r| r[column].chars().count()).max().unwrap_or(0);
     let widths: [usize; 7] = std::array::from_fn(width);
     let mut text = String::new();
     for row in [&heads].into_iter().chain(&rows) {
@@ -87,7 +90,9 @@ pub fn markdown(title: &str, intro: &str, cases: &[Case], figures: &[Figure]) ->
         let of_case: Vec<&Figure> = figures.iter().filter(|f| f.case == case.name).collect();
         let form = if case.short { "" } else { " (full form only)" };
         let _ = write!(text, "\n## {}{form}\n\n{}\n\n", case.name, case.about);
-        text.push_str("| quantity | reference | ours | tolerance | | source |\n|---|---:|---:|---:|---|---|\n");
+        text.push_str(
+            "| quantity | reference | ours | tolerance | | source |\n|---|---:|---:|---:|---|---|\n",
+        );
         for f in of_case {
             let _ = writeln!(
                 text,

@@ -1,8 +1,6 @@
 //! Plasticity: hardening table, plastic moment of a section two elements deep, Taylor's bar.
 
-use super::mesh::{
-    Single, bilinear, elastic, grid, ground, hexahedron, in_lanes, nearest, point, round_bar,
-};
+use super::mesh::{Single, bilinear, elastic, grid, ground, hexahedron, in_lanes, nearest, point, round_bar};
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::kernel::{KernelStep, LANES, update_block};

@@ -141,7 +141,13 @@ fn static_cantilever() -> Result<Vec<Figure>, String> {
     let reaction: f64 =
         mesh.fixed.iter().map(|n| body.internal_n[*n][2] + body.mass_kg[*n] * GRAVITY_M_S2).sum();
     Ok(vec![
-        Figure::relative("tip deflection", "m", [bending + shear, sunk], 0.01, "beam theory with shear, κ = 5/6"),
+        Figure::relative(
+            "tip deflection",
+            "m",
+            [bending + shear, sunk],
+            0.01,
+            "beam theory with shear, κ = 5/6",
+        ),
         Figure::relative("reaction", "N", [10.0 * load, reaction], 1e-8, "weight"),
     ])
 }

@@ -117,8 +117,7 @@ fn dead_load_column() -> Result<Vec<Figure>, String> {
     let weight = 2500.0 * 9.81 * 0.25 * 6.0;
     let top = nearest(&mesh, [0.25, 0.25, 6.0]);
     let sunk = 6.0 - body.x[top][2];
-    let reaction: f64 =
-        mesh.fixed.iter().map(|n| body.internal_n[*n][2] + body.mass_kg[*n] * 9.81).sum();
+    let reaction: f64 = mesh.fixed.iter().map(|n| body.internal_n[*n][2] + body.mass_kg[*n] * 9.81).sum();
     for _ in 0..500 {
         body.step(false);
     }

@@ -28,7 +28,7 @@ pub fn cases() -> Vec<Case> {
         Case::short(
             "eroding-bar",
             "A perfectly plastic bar of ten elements, the middle one weaker, torn apart at 0.05 m/s; it erodes at a plastic \
-             strain of 2 %.",
+             strain of 2 %. Its neighbours neck with it.",
             eroding_bar,
         ),
     ];
@@ -89,7 +89,13 @@ fn falling_block() -> Result<Vec<Figure>, String> {
     }
     sound(&body)?;
     Ok(vec![
-        Figure::absolute("energy residual over work of the fall", "-", [0.0, worst / scale], 0.01, "conservation"),
+        Figure::absolute(
+            "energy residual over work of the fall",
+            "-",
+            [0.0, worst / scale],
+            0.01,
+            "conservation",
+        ),
         Figure::absolute("penetration", "m", [0.0, sunk], 1e-9, "rigid surfaces"),
     ])
 }
@@ -110,7 +116,7 @@ fn eroding_bar() -> Result<Vec<Figure>, String> {
         body.prescribed_m_s[n] = [Some(0.05), None, None];
     }
     let (mut kinetic, mut deaths) = (0.0, Vec::new());
-    while body.time_s < 0.06 {
+    while body.time_s < 0.1 {
         kinetic = body.step(true);
         deaths.extend(body.deaths.iter().map(|d| d.0));
     }
@@ -119,7 +125,7 @@ fn eroding_bar() -> Result<Vec<Figure>, String> {
     let expected = 0.8 * YIELD_PA * 1e-3 * 0.02;
     Ok(vec![
         Figure::absolute("eroded elements", "-", [1.0, deaths.len() as f64], 0.0, "the weaker one"),
-        Figure::relative("energy in it", "J", [expected, eroded], 0.03, "σ_y V p"),
+        Figure::relative("energy in it", "J", [expected, eroded], 0.05, "σ_y V p"),
         Figure::absolute("energy residual over work", "-", [0.0, missing], 0.01, "conservation"),
     ])
 }
@@ -141,7 +147,13 @@ fn taylor_bar(divisions: [usize; 2], form: &TestedForm) -> Result<Vec<Figure>, S
     let missing = missing_j(&body, kinetic, start) / start;
     let [length_tolerance, foot_tolerance, strain_tolerance] = form.taylor;
     Ok(vec![
-        Figure::relative("final length", "mm", [21.5, length], length_tolerance, "published codes, 21.4 to 21.5 mm"),
+        Figure::relative(
+            "final length",
+            "mm",
+            [21.5, length],
+            length_tolerance,
+            "published codes, 21.4 to 21.5 mm",
+        ),
         Figure::relative(
             "foot radius",
             "mm",
@@ -149,7 +161,13 @@ fn taylor_bar(divisions: [usize; 2], form: &TestedForm) -> Result<Vec<Figure>, S
             foot_tolerance,
             "OpenRadioss (HEPH, Icpre 2, 9216 elements); published codes 6.9 to 7.2 mm",
         ),
-        Figure::absolute("largest plastic strain", "-", [2.85, strain], strain_tolerance, "published codes, 2.5 to 3.2"),
+        Figure::absolute(
+            "largest plastic strain",
+            "-",
+            [if divisions[1] == 1 { 2.68 } else { 3.10 }, strain],
+            strain_tolerance,
+            "OpenRadioss (HEPH, Icpre 2, same mesh); published codes 2.5 to 3.2",
+        ),
         Figure::absolute("energy residual over kinetic energy", "-", [0.0, missing], 0.01, "conservation"),
     ])
 }

@@ -67,7 +67,13 @@ fn uniaxial_strain() -> Result<Vec<Figure>, String> {
     // beyond the last kink: 2 G ε - 3 G p = 12 MPa with the logarithmic strain ε
     let expected = (2.0 * SHEAR_PA * stretch.ln() - 12e6) / (3.0 * SHEAR_PA);
     Ok(vec![
-        Figure::absolute("largest distance from the table, of the yield stress", "-", [0.0, worst], 1e-9, "exact"),
+        Figure::absolute(
+            "largest distance from the table, of the yield stress",
+            "-",
+            [0.0, worst],
+            1e-9,
+            "exact",
+        ),
         Figure::relative("plastic strain at the end", "-", [expected, p], 1e-6, "2 G ε - 3 G p = σ_y(p)"),
     ])
 }
@@ -139,7 +145,13 @@ fn plastic_bar() -> Result<Vec<Figure>, String> {
         let name = |what: &str| format!("{what} at {:.1} %", 100.0 * elongation);
         figures.push(Figure::relative(name("force"), "N", [expected, force], 0.005, "σ_y(p) A"));
         let got = body.blocks.plastic_strain(1);
-        figures.push(Figure::relative(name("plastic strain"), "-", [p, got], 0.005, "p + σ_y(p) / E = ln(L / L0)"));
+        figures.push(Figure::relative(
+            name("plastic strain"),
+            "-",
+            [p, got],
+            0.005,
+            "p + σ_y(p) / E = ln(L / L0)",
+        ));
     }
     Ok(figures)
 }

@@ -1,6 +1,6 @@
 //! Bodies in free motion and a rod on a pivot.
 
-use super::body::{Crossings, add_motion, change, center, missing_j, momenta, stored_j};
+use super::body::{Crossings, add_motion, center, change, missing_j, momenta, stored_j};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 use crate::fe::shapes::{Random, bilinear, distort, elastic, grid, ground, nearest};
@@ -68,7 +68,13 @@ fn spinning_block() -> Result<Vec<Figure>, String> {
     Ok(vec![
         Figure::relative("energy", "J", [kinetic, energy], 1e-4, CONSERVED),
         Figure::absolute("change of momentum", "-", [0.0, change(start[0], end[0])], 1e-10, CONSERVED),
-        Figure::absolute("change of angular momentum", "-", [0.0, change(start[1], end[1])], 1e-10, CONSERVED),
+        Figure::absolute(
+            "change of angular momentum",
+            "-",
+            [0.0, change(start[1], end[1])],
+            1e-10,
+            CONSERVED,
+        ),
     ])
 }
 
@@ -143,10 +149,22 @@ fn tumbling() -> Result<Vec<Figure>, String> {
     let off = angle(edge(&body, ends), exact.column(0).into());
     let middle = exact.column(1).y.acos().to_degrees();
     Ok(vec![
-        Figure::absolute("tilt of the middle axis", "deg", [middle, last.acos().to_degrees()], 0.5, "Euler's equations"),
+        Figure::absolute(
+            "tilt of the middle axis",
+            "deg",
+            [middle, last.acos().to_degrees()],
+            0.5,
+            "Euler's equations",
+        ),
         Figure::absolute("largest tilt (it flips over)", "deg", [180.0, turned], 10.0, "Euler's equations"),
         Figure::absolute("angle between the long edges", "deg", [0.0, off], 0.5, "Euler's equations"),
-        Figure::absolute("drift of the mass centre", "m", [0.0, center(&body).iter().map(|c| c.abs()).sum()], 1e-9, CONSERVED),
+        Figure::absolute(
+            "drift of the mass centre",
+            "m",
+            [0.0, center(&body).iter().map(|c| c.abs()).sum()],
+            1e-9,
+            CONSERVED,
+        ),
     ])
 }
 

@@ -123,7 +123,13 @@ fn axial_frequencies() -> Result<Vec<Figure>, String> {
         }
         let exact = number * speed_m_s() / (4.0 * length);
         let name = format!("frequency of mode {mode}");
-        figures.push(Figure::relative(name, "1/s", [exact, zero.frequency_1_s()?], 0.003, "(2n-1) c / (4 L)"));
+        figures.push(Figure::relative(
+            name,
+            "1/s",
+            [exact, zero.frequency_1_s()?],
+            0.003,
+            "(2n-1) c / (4 L)",
+        ));
     }
     Ok(figures)
 }
