@@ -1,14 +1,14 @@
 //! Runs at and beyond the limits of the method: each must end within the energy limit or with a diagnosis.
 //!
-//! The frame is one storey of the reference building whose two front columns are removed; one parameter at a time is varied.
+//! The frame is the reference building up to a little after its first ground contact; one parameter at a time is varied.
 
 use crate::base::tree::Format;
 use crate::building::{Building, EXAMPLE, HardeningPoint, Homogenised, Material, parse};
 use crate::fe::run::{ENERGY_LIMIT, FeOptions, run};
 use std::fmt::Write;
 
-/// Simulated time \[s\]: the slab has come down after 0.9 s.
-const END_S: f64 = 1.2;
+/// Simulated time \[s\]: first ground contact at 1.3 s.
+const END_S: f64 = 1.6;
 
 /// One run.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,10 +86,9 @@ fn sloped(law: &Homogenised, slope_pa: f64) -> Vec<HardeningPoint> {
     vec![first, HardeningPoint { plastic_strain: reach, stress_pa: first.stress_pa + reach * slope_pa }]
 }
 
-/// The frame: one storey of the reference building.
+/// The frame: the reference building.
 fn frame() -> Result<Building, String> {
-    let text = EXAMPLE.replace("[\"3.5 m\", \"3.5 m\", \"3.5 m\"]", "[\"3.5 m\"]");
-    let mut building = parse(&text, Format::Toml, "frame").map_err(|e| e.to_string())?;
+    let mut building = parse(EXAMPLE, Format::Toml, "frame").map_err(|e| e.to_string())?;
     building.settings.end_time_s = END_S;
     Ok(building)
 }
@@ -125,7 +124,7 @@ pub fn measure(note: &dyn Fn(&str)) -> Result<Vec<Row>, String> {
 /// The rows as a Markdown page.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = format!(
-        "# Numerical stability of the FE solver\n\nOne storey of the reference building whose two front columns are removed, {END_S} s, one \
+        "# Numerical stability of the FE solver\n\nThe reference building, {END_S} s, one \
          parameter varied at a time.\nEvery run must end with an energy error of at most {} % or stop with a diagnosis; none may go wrong \
          silently.\nThe contact of nodes with rigid surfaces has no stiffness, so there is none to vary.\n\n\
          | parameter | value | outcome | energy error \\[%\\] | |\n|---|---|---|---:|---|\n",
