@@ -22,10 +22,13 @@
 //! | [`rules`] | the rule files and the engine that fires them |
 //! | [`generate`] | graph + rules + library -> MBS model, with a reason for each part |
 //! | [`validate`] | error measures between an MBS run and an FE run |
+//! | [`verify`] | the verification manual: cases with known answers, run live |
+//! | [`bench`] | measurements of the solvers: throughput, error over run time, stability |
 //! | [`report`] | the HTML report with plots and a 3D view |
 //! | [`cli`] | one file a command |
 
 pub mod base;
+pub mod bench;
 pub mod building;
 pub mod cli;
 pub mod curve;
@@ -40,3 +43,4 @@ pub mod report;
 pub mod rules;
 pub mod study;
 pub mod validate;
+pub mod verify;

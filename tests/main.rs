@@ -2,7 +2,8 @@
 //! and refuses building files, `graph` checks connections, capacities and frame analysis, `fe` verifies the finite
 //! elements, `mbs` the multibody solver, `rc` the submodel of a member end, `library` keeps and mends the store, `rules`
 //! reads, checks and fires rules, `generate` makes the model of the reference building, `report` renders pages,
-//! `pipeline` runs the commands.
+//! `pipeline` runs the commands, `verify` the
+//! short form of the verification manual.
 
 mod architecture;
 mod building;
@@ -15,3 +16,4 @@ mod pipeline;
 mod rc;
 mod report;
 mod rules;
+mod verify;

@@ -170,6 +170,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         mass_scaling_forced,
         keep_frames: false,
         body_contact: !arguments.no_body_contact,
+        ..FeOptions::default()
     })
 }
 

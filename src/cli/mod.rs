@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done, 1 a check failed, 2 bad input or usage.
 
+mod bench;
 mod check;
 pub mod compose;
 pub mod explain;
@@ -19,6 +20,7 @@ pub mod simulate;
 mod study;
 mod summary;
 pub mod verdict;
+mod verify;
 
 use crate::base::output::OutputFolder;
 use crate::building::{Building, inspect_file};
@@ -79,6 +81,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Bench(bench::Arguments),
     Check(check::Arguments),
     Explain(explain::Arguments),
     Fe(fe::Arguments),
@@ -93,11 +96,13 @@ enum Command {
     /// The rules: list, check, show, features
     Rules(rules::RulesArgs),
     Study(study::Arguments),
+    Verify(verify::Arguments),
 }
 
 /// Runs the command line of this process.
 pub fn run() -> ExitCode {
     match Arguments::parse().command {
+        Command::Bench(arguments) => finish(bench::run(&arguments)),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => finish(explain::run(&arguments)),
         Command::Fe(arguments) => finish(fe::run(&arguments)),
@@ -108,6 +113,7 @@ pub fn run() -> ExitCode {
         Command::Library(arguments) => return ExitCode::from(library::run(&arguments)),
         Command::Rules(arguments) => return ExitCode::from(rules::run(&arguments)),
         Command::Study(arguments) => finish(study::run(&arguments)),
+        Command::Verify(arguments) => finish(verify::run(&arguments)),
         Command::Simulate(arguments) => match simulate::run(arguments) {
             Ok(()) => Outcome::Done,
             Err(error) => {

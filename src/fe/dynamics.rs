@@ -195,6 +195,14 @@ impl Dynamics {
         self.step_safety * viscous * 2.0 / bound_1_s2.sqrt()
     }
 
+    /// Uses another share of the stability limit from the next step on; before the first step it is also the reference of collapsed elements.
+    pub fn set_step_safety(&mut self, share: f64) {
+        let ratio = share / self.step_safety;
+        self.step_safety = share;
+        self.dt_s *= ratio;
+        self.first_dt_s *= ratio;
+    }
+
     /// One step. Returns the kinetic energy at the full step \[J\] if `measure`.
     ///
     /// Threads: called from outside the rayon pool, every step has to wake a worker and be woken by it (tens of

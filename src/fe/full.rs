@@ -132,7 +132,8 @@ fn element(
 
     let share = state.share[l];
     let mass = material.mass_kg[l];
-    let viscous = bulk_viscosity(step.rate_1_s() * trace, volume, mass, 1.0 / mass, lambda + 2.0 * mu);
+    let bound = 8.0 / mass * (lambda * volume * trace_of_g + 2.0 * mu * largest);
+    let viscous = bulk_viscosity(step.rate_1_s() * trace, volume, mass, lambda + 2.0 * mu, bound);
     state.internal_j[l] += share * power;
     state.viscous_j[l] += share * volume * 0.5 * (state.viscous_pa[l] + viscous) * trace;
     state.viscous_pa[l] = viscous;
@@ -145,7 +146,6 @@ fn element(
         }
         nodal[i] = to_nodes(coefficient[i].map(|c| share * c));
     }
-    let bound = 8.0 / mass * (lambda * volume * trace_of_g + 2.0 * mu * largest);
     (nodal, if whole { bound } else { 0.0 })
 }
 

@@ -31,7 +31,7 @@
 //! state is frozen and their forces are zero, whatever their nodes do.
 
 use super::hexahedron::{
-    Vec3, add, cbrt, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
+    Vec3, add, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
 };
 use super::hourglass::{self, Brick, Control};
 use super::law::{ElementForm, Hourglass};
@@ -507,8 +507,17 @@ fn resist<const ASQBI: bool>(
         state.stress[i][l] = stress[i];
     }
     let trace = strain[0] + strain[1] + strain[2];
-    let pressure =
-        bulk_viscosity(rate_factor * trace, volume, material.mass_kg[l], inverse_mass, lambda + 2.0 * mu);
+    let mut g = [0.0; 6];
+    for k in 0..6 {
+        let b = [s.b[3 * k][l], s.b[3 * k + 1][l], s.b[3 * k + 2][l]];
+        for i in 0..3 {
+            g[i] += b[i] * b[i];
+            g[i + 3] += b[i] * b[(i + 1) % 3];
+        }
+    }
+    let limit = frequency_bound(&g, volume * inverse_mass, lambda, mu, s.distortion[l]);
+    let limit = if ASQBI { limit } else { control.bound * limit };
+    let pressure = bulk_viscosity(rate_factor * trace, volume, material.mass_kg[l], lambda + 2.0 * mu, limit);
     let scale = if acts { volume * share } else { 0.0 };
     state.internal_j[l] += scale * power;
     // the force of this step acts over half of the next increment too: only the mean of two steps books its true work
@@ -557,13 +566,10 @@ fn resist<const ASQBI: bool>(
             total[i] = add(total[i], scaled(-q[i], warp));
         }
     }
-    let mut g = [0.0; 6];
     for k in 0..6 {
         let b = [s.b[3 * k][l], s.b[3 * k + 1][l], s.b[3 * k + 2][l]];
         for i in 0..3 {
             coefficient[i][k] += dot(total[i], b);
-            g[i] += b[i] * b[i];
-            g[i + 3] += b[i] * b[(i + 1) % 3];
         }
     }
     for i in 0..3 {
@@ -575,29 +581,25 @@ fn resist<const ASQBI: bool>(
             force[3 * node + i][l] = nodal[node];
         }
     }
-    let safe = frequency_bound(&g, volume * inverse_mass, lambda, mu, s.distortion[l]);
-    let safe = if ASQBI { safe } else { control.bound * safe };
-    bound[l] = if acts { safe } else { 0.0 };
+    bound[l] = if acts { limit } else { 0.0 };
 }
 
 /// Bulk viscosity pressure \[Pa\] (negative: compression) from the rate of volume strain, von Neumann and Richtmyer
 /// (1950) with a linear term; none in an element that has lost its volume.
+///
+/// Its length is `2 c / ω` with the frequency bound `limit = ω²`: a flat element is then damped by the same ratio as a cube. With
+/// the cube root of the volume the ratio grows with flatness, and the time step that [`BULK_LINEAR`] allows is unstable.
 #[inline(always)]
-pub(super) fn bulk_viscosity(
-    rate_1_s: f64,
-    volume: f64,
-    mass: f64,
-    inverse_mass: f64,
-    modulus_pa: f64,
-) -> f64 {
-    let safe = if volume > f64::MIN_POSITIVE { volume } else { 1.0 };
+pub(super) fn bulk_viscosity(rate_1_s: f64, volume: f64, mass: f64, modulus_pa: f64, limit: f64) -> f64 {
+    let valid = volume > f64::MIN_POSITIVE && limit > 0.0;
+    let (safe, limit) = if valid { (volume, limit) } else { (1.0, 1.0) };
     let density = mass / safe;
-    let length = cbrt(safe);
-    let speed = (modulus_pa * safe * inverse_mass).sqrt();
+    let speed = (modulus_pa / density).sqrt();
+    let length = 2.0 * speed / limit.sqrt();
     let compression = if rate_1_s < 0.0 { -rate_1_s } else { 0.0 };
     let quadratic = BULK_QUADRATIC * BULK_QUADRATIC * length * compression;
     let pressure = density * length * rate_1_s * (BULK_LINEAR * speed + quadratic);
-    if volume > f64::MIN_POSITIVE { pressure } else { 0.0 }
+    if valid { pressure } else { 0.0 }
 }
 
 /// Upper bound of the element's largest squared frequency. Of its mean stress: with `G_ij = b_iI b_jI`,

@@ -24,6 +24,7 @@ pub mod relaxation;
 pub mod restart;
 pub mod result;
 pub mod run;
+pub mod shapes;
 pub mod split;
 pub mod stiffness;
 pub mod strain_rate;

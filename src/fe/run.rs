@@ -35,6 +35,8 @@ pub struct FeOptions {
     pub keep_frames: bool,
     /// Whether parts of the building touch each other.
     pub body_contact: bool,
+    /// Share of the stability limit other than [`super::dynamics::STEP_SAFETY`].
+    pub step_safety: Option<f64>,
 }
 
 impl Default for FeOptions {
@@ -47,6 +49,7 @@ impl Default for FeOptions {
             mass_scaling_forced: false,
             keep_frames: false,
             body_contact: true,
+            step_safety: None,
         }
     }
 }
@@ -247,6 +250,9 @@ impl RunState {
         let parallel = rayon::current_num_threads() > 1;
         let gravity = building.settings.gravity_m_s2;
         let mut body = Dynamics::new(mesh, gravity, RigidSurfaces::of(building), parallel);
+        if let Some(safety) = options.step_safety {
+            body.set_step_safety(safety);
+        }
         body.failure.fate = options.on_failure;
         let scaled =
             options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, options.mass_scaling_forced));

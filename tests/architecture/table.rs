@@ -30,12 +30,20 @@ pub const MODULES: &[Module] = &[
         ],
     },
     Module { name: "validate", uses: &["base", "building", "curve", "fe", "mbs", "study"] },
+    Module { name: "verify", uses: &["base", "building", "material", "fe"] },
+    Module {
+        name: "bench",
+        uses: &[
+            "base", "building", "material", "curve", "graph", "fe", "mbs", "rc", "library", "study", "rules",
+            "generate", "validate", "verify",
+        ],
+    },
     Module { name: "report", uses: &["base"] },
     Module {
         name: "cli",
         uses: &[
             "base", "building", "material", "curve", "graph", "fe", "mbs", "rc", "library", "study", "rules",
-            "generate", "validate", "report",
+            "generate", "validate", "verify", "bench", "report",
         ],
     },
 ];

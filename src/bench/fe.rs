@@ -1,0 +1,158 @@
+//! Throughput of the explicit solver on a block of elements.
+//!
+//! The block is a cube of hexahedra of 0.4 m. Flowing: it is compressed at 1 1/s between its moving end planes, with an isochoric
+//! initial velocity field, so that almost all elements flow. Elastic: the same with a yield stress never reached.
+//!
+//! **Traffic.** The least that one cycle of the current data layout moves between memory and processor if nothing stays in a cache:
+//! each block once read and written (constants and node list are only read), its forces written and read, the list of contributions
+//! read; each node's position and velocity read and written in the motion, read by the elements, the velocity again read and
+//! written with the forces, mass, applied force and drive read, internal force written.
+//!
+//! **Operations.** Additions, subtractions, multiplications, divisions and square roots of one element in the kernel, counted in the
+//! AVX-512 code of `update_chunk`, where a vector instruction is one operation of each of the eight elements of a block.
+
+use super::bandwidth::triad_bytes_per_s;
+use crate::fe::blocks::Block;
+use crate::fe::contact::RigidSurfaces;
+use crate::fe::dynamics::Dynamics;
+use crate::fe::kernel::{BlockForce, BlockMaterial, LANES};
+use crate::fe::law::{ElementForm, Law};
+use crate::fe::mesh::Mesh;
+use crate::fe::shapes::{elastic, grid, point};
+use serde::Serialize;
+use std::mem::size_of;
+use std::time::Instant;
+
+/// Repetitions after the warm-up; the median counts.
+const REPETITIONS: usize = 3;
+/// Edge of the elements \[m\].
+const EDGE_M: f64 = 0.4;
+/// Rate of compression \[1/s\].
+const RATE_1_S: f64 = 1.0;
+
+/// What to measure.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings {
+    /// Elements, about.
+    pub elements: usize,
+    /// Time steps a repetition.
+    pub cycles: usize,
+    /// Threads of the pool in which it runs.
+    pub threads: usize,
+    /// Element form.
+    pub form: ElementForm,
+    /// Whether the elements flow.
+    pub flowing: bool,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Serialize)]
+pub struct Throughput {
+    /// Elements over time steps a second of wall time, median of the repetitions.
+    pub element_cycles_per_s: f64,
+    /// The same of each repetition, in order.
+    pub repetitions: Vec<f64>,
+    /// Least memory traffic of an element over a time step \[bytes\].
+    pub bytes_per_element_cycle: f64,
+    /// Operations of an element over a time step.
+    pub flops_per_element_cycle: f64,
+    /// Bandwidth of the triad with the same threads \[bytes/s\].
+    pub triad_bytes_per_s: f64,
+    /// Time of the least traffic at that bandwidth over the measured time.
+    pub share_of_floor: f64,
+    /// Share of the elements that flowed within the measured cycles.
+    pub flowing_share: f64,
+    /// Elements.
+    pub elements: usize,
+    /// Time steps a repetition.
+    pub cycles: usize,
+    /// Threads.
+    pub threads: usize,
+    /// Processor.
+    pub machine: String,
+}
+
+/// Measures; `Err` if the block does not stay whole.
+pub fn measure(settings: &Settings) -> Result<Throughput, String> {
+    let (mesh, mut body) = block(settings);
+    let count = mesh.elements.len();
+    advance(&mut body, settings.cycles);
+    let before: Vec<f64> = (0..count).map(|e| body.blocks.plastic_strain(e)).collect();
+    let mut rates = Vec::new();
+    for _ in 0..REPETITIONS {
+        let start = Instant::now();
+        advance(&mut body, settings.cycles);
+        rates.push((count * settings.cycles) as f64 / start.elapsed().as_secs_f64());
+    }
+    if let Some(node) = body.broken_node() {
+        return Err(format!("node {node} is nowhere after {} steps", body.steps));
+    }
+    let flowed = (0..count).filter(|e| body.blocks.plastic_strain(*e) > before[*e]).count();
+    let mut sorted = rates.clone();
+    sorted.sort_by(f64::total_cmp);
+    let rate = sorted[REPETITIONS / 2];
+    let bytes = bytes_per_element_cycle(&mesh);
+    let triad = triad_bytes_per_s(settings.threads);
+    Ok(Throughput {
+        element_cycles_per_s: rate,
+        repetitions: rates,
+        bytes_per_element_cycle: bytes,
+        flops_per_element_cycle: if settings.flowing { FLOPS_FLOWING } else { FLOPS_ELASTIC },
+        triad_bytes_per_s: triad,
+        share_of_floor: bytes / triad * rate,
+        flowing_share: flowed as f64 / count as f64,
+        elements: count,
+        cycles: settings.cycles,
+        threads: settings.threads,
+        machine: machine(),
+    })
+}
+
+fn advance(body: &mut Dynamics, cycles: usize) {
+    rayon::scope(|_| (0..cycles).for_each(|_| _ = body.step(false)));
+}
+
+fn block(settings: &Settings) -> (Mesh, Dynamics) {
+    let n = (settings.elements as f64).cbrt().round().max(1.0) as usize;
+    let edge = EDGE_M * n as f64;
+    let hardening = vec![point(0.0, 10.5e6), point(0.01, 11.55e6), point(0.1, 12.25e6)];
+    let mut law = Law { youngs_modulus_pa: 16.5e9, form: settings.form, ..elastic() };
+    if settings.flowing {
+        law.hardening = hardening;
+    }
+    let mesh = grid([n; 3], [edge; 3], law, |_| false);
+    let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), settings.threads > 1);
+    for (node, p) in mesh.nodes.iter().enumerate() {
+        let [x, y, z] = p.map(|c| RATE_1_S * (c - 0.5 * edge));
+        body.v[node] = [0.5 * x, 0.5 * y, -z];
+        if p[2] == 0.0 || p[2] == edge {
+            body.prescribed_m_s[node][2] = Some(-z);
+        }
+    }
+    (mesh, body)
+}
+
+/// Operations of a cycle of an elastic element (see the head of the file).
+pub const FLOPS_ELASTIC: f64 = 1648.0;
+/// Operations of a cycle of a flowing element on a segment of the hardening table: the elastic ones and the radial return.
+pub const FLOPS_FLOWING: f64 = 1666.0;
+
+/// Least traffic, from the sizes of what is stored \[bytes\].
+fn bytes_per_element_cycle(mesh: &Mesh) -> f64 {
+    let lists = size_of::<Vec<usize>>();
+    let constant = size_of::<BlockMaterial>() + size_of::<[[u32; 8]; LANES]>() + lists;
+    let block = 2 * size_of::<Block>() - constant + 2 * size_of::<BlockForce>();
+    let contributions = 8 * size_of::<u32>();
+    let vector = size_of::<[f64; 3]>();
+    // motion: x read and written, v read; elements: x and v read; forces: v read and written, applied read, internal written; mass and drive
+    let node = 9 * vector + size_of::<f64>() + size_of::<[Option<f64>; 3]>() + size_of::<u32>();
+    let nodes_per_element = mesh.nodes.len() as f64 / mesh.elements.len() as f64;
+    (block / LANES + contributions) as f64 + nodes_per_element * node as f64
+}
+
+/// The processor as the system names it.
+pub fn machine() -> String {
+    let names = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = names.lines().find(|l| l.starts_with("model name")).and_then(|l| l.split(": ").nth(1));
+    format!("{} ({})", name.unwrap_or("processor unknown"), std::env::consts::ARCH)
+}

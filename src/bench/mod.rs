@@ -1,0 +1,13 @@
+//! Measurements of the solvers: how fast, how far off for how much time, and where they stop.
+//!
+//! | file | owns |
+//! |---|---|
+//! | `fe` | throughput of a block of elements beside the machine's memory bandwidth |
+//! | `bandwidth` | that bandwidth |
+//! | `fe_error` | error of a building's run over mesh size and run time |
+//! | `fe_stability` | runs at and beyond the limits of the method |
+
+pub mod bandwidth;
+pub mod fe;
+pub mod fe_error;
+pub mod fe_stability;

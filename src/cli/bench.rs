@@ -1,0 +1,161 @@
+//! `fallwerk bench`: measurements of the FE solver.
+
+use super::{Failure, Outcome, print, read_building, thread_pool};
+use crate::base::output::write_atomic;
+use crate::bench::{fe, fe_error, fe_stability};
+use crate::report::loglog;
+use crate::verify::fe::forms::form;
+use std::path::{Path, PathBuf};
+
+/// Measure the FE solver: throughput, error over run time, stability
+///
+/// Exit codes: 0 done, 1 a run went wrong, 2 bad usage.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(clap::Subcommand)]
+enum What {
+    /// Element-cycles per second of a block of hexahedra, beside the memory bandwidth
+    Fe(Throughput),
+    /// Error of a building's run over mesh sizes, against the finest
+    FeError(ErrorRuns),
+    /// Runs at and beyond the limits of the method; exit code 1 if one goes wrong without a diagnosis
+    FeStability(Stability),
+}
+
+#[derive(clap::Args)]
+struct Throughput {
+    /// Elements, about
+    #[arg(long, value_name = "N", default_value_t = 85_000, value_parser = clap::value_parser!(u32).range(1..=20_000_000))]
+    elements: u32,
+    /// Time steps a repetition
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    cycles: u32,
+    /// Threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+    /// Element form
+    #[arg(long, default_value = "asqbi")]
+    form: String,
+    /// Whether the elements flow
+    #[arg(long, default_value = "flowing", value_parser = ["flowing", "elastic"])]
+    state: String,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+struct ErrorRuns {
+    /// The building file
+    #[arg(long, default_value = "buildings/three-storey-frame.toml")]
+    building: PathBuf,
+    /// Mesh sizes in metres
+    #[arg(long, value_delimiter = ',', default_value = "0.5,0.4,0.3,0.25,0.2")]
+    sizes: Vec<f64>,
+    /// Folder for fe-error.md and fe-error.svg
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+#[derive(clap::Args)]
+struct Stability {
+    /// Folder for fe-stability.md
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    match &arguments.what {
+        What::Fe(options) => throughput(options),
+        What::FeError(options) => error_runs(options),
+        What::FeStability(options) => stability(options),
+    }
+}
+
+fn throughput(options: &Throughput) -> Result<Outcome, Failure> {
+    let settings = fe::Settings {
+        elements: options.elements as usize,
+        cycles: options.cycles as usize,
+        threads: usize::from(options.threads),
+        form: form(&options.form).map_err(Failure::input)?.form,
+        flowing: options.state == "flowing",
+    };
+    let pool = thread_pool(Some(options.threads))?;
+    let t = pool.install(|| fe::measure(&settings)).map_err(Failure::stopped)?;
+    if options.json {
+        let text = serde_json::to_string_pretty(&t).map_err(|e| Failure::stopped(e.to_string()))?;
+        print(&(text + "\n"));
+        return Ok(Outcome::Done);
+    }
+    print(&format!(
+        "{:.2} million element-cycles/s: {} elements, {} cycles, {} thread(s), {:.0} % flow\n  \
+         {:.0} bytes and {:.0} operations an element-cycle: {:.1} GB/s, {:.2} Gflop/s\n  \
+         triad {:.1} GB/s: {:.2} of the floor\n  {}\n",
+        1e-6 * t.element_cycles_per_s,
+        t.elements,
+        t.cycles,
+        t.threads,
+        100.0 * t.flowing_share,
+        t.bytes_per_element_cycle,
+        t.flops_per_element_cycle,
+        1e-9 * t.bytes_per_element_cycle * t.element_cycles_per_s,
+        1e-9 * t.flops_per_element_cycle * t.element_cycles_per_s,
+        1e-9 * t.triad_bytes_per_s,
+        t.share_of_floor,
+        t.machine,
+    ));
+    Ok(Outcome::Done)
+}
+
+fn error_runs(options: &ErrorRuns) -> Result<Outcome, Failure> {
+    if let Some(bad) = options.sizes.iter().find(|s| !(**s > 0.0 && s.is_finite())) {
+        return Err(Failure::input(format!("--sizes: {bad} is not a positive length in metres")));
+    }
+    let building = read_building(&options.building, false)?;
+    let note = |size: f64| eprintln!("mesh size {size} m");
+    let pool = thread_pool(options.threads)?;
+    let rows =
+        pool.install(|| fe_error::measure(&building, &options.sizes, &note)).map_err(Failure::stopped)?;
+    let page = fe_error::markdown(&building.name, &rows, &fe::machine());
+    let line = |name: &str, value: fn(&fe_error::Row) -> f64| {
+        (name.to_string(), rows.iter().map(|r| [r.cpu_s, value(r)]).collect::<Vec<_>>())
+    };
+    let lines = [line("up to the first contact", |r| r.e_to_contact), line("whole run", |r| r.e_total)];
+    let title = format!("{}: error against the finest mesh", building.name);
+    let plot = loglog::svg(&title, ["processor time [s]", "relative error of displacements"], &lines);
+    save(options.output.as_deref(), &[("fe-error.md", &page), ("fe-error.svg", &plot)])?;
+    print(&page);
+    Ok(Outcome::Done)
+}
+
+fn stability(options: &Stability) -> Result<Outcome, Failure> {
+    let pool = thread_pool(options.threads)?;
+    let note = |what: &str| eprintln!("{what}");
+    let rows = pool.install(|| fe_stability::measure(&note)).map_err(Failure::stopped)?;
+    let page = fe_stability::markdown(&rows);
+    save(options.output.as_deref(), &[("fe-stability.md", &page)])?;
+    print(&page);
+    let holds = rows.iter().all(fe_stability::Row::holds);
+    Ok(if holds { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+/// Writes files into a folder, if one was asked for.
+fn save(folder: Option<&Path>, files: &[(&str, &str)]) -> Result<(), Failure> {
+    let Some(folder) = folder else { return Ok(()) };
+    let failed = |e: std::io::Error| Failure::input(format!("{}: {e}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    files
+        .iter()
+        .try_for_each(|(name, text)| write_atomic(&folder.join(name), text.as_bytes()).map_err(failed))
+}

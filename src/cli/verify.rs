@@ -1,0 +1,113 @@
+//! `fallwerk verify`: the verification manual, run live.
+
+use super::progress::Progress;
+use super::{Failure, Outcome, print, thread_pool};
+use crate::verify::{Case, Figure, fe, manual, select, suite};
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Verify a solver against closed forms and published results
+///
+/// Each case is run now; nothing is read from stored results. Exit codes: 0 all figures lie within their tolerances, 1 one does not,
+/// 2 bad usage.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    solver: Solver,
+}
+
+#[derive(clap::Subcommand)]
+enum Solver {
+    /// The explicit finite element solver
+    Fe(Options),
+}
+
+/// What to run and how to show it.
+#[derive(clap::Args)]
+struct Options {
+    /// Print a JSON list of {case, quantity, unit, reference, ours, tolerance, tolerance_kind, pass, source}
+    #[arg(long, conflicts_with_all = ["markdown", "list"])]
+    json: bool,
+    /// Print the manual as Markdown
+    #[arg(long, conflicts_with = "list")]
+    markdown: bool,
+    /// Only the cases that together take less than 30 s of one processor
+    #[arg(long)]
+    short: bool,
+    /// Only cases whose name begins so
+    #[arg(long, value_name = "NAME")]
+    case: Option<String>,
+    /// List the cases
+    #[arg(long)]
+    list: bool,
+    /// Threads [default: all cores]; no figure depends on them
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+const TITLE: &str = "Verification of the finite element solver";
+const INTRO: &str = "\
+Small models whose answers are known from elsewhere: closed forms, publications, or another program on the same mesh. The page is the
+output of `fallwerk verify fe --markdown`, which computes every figure anew; `fallwerk verify fe` prints the same as a table and
+ends with exit code 1 if a figure lies outside its tolerance. Tolerances in per cent are relative to the reference; those with ± are
+absolute. A tolerance says what the method can be held to on that mesh, not what would look good: where a figure is off by a
+known amount the case says why.
+";
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let Solver::Fe(options) = &arguments.solver;
+    let cases = select(fe::cases(), options.short, options.case.as_deref()).map_err(Failure::input)?;
+    if options.list {
+        print(&list(&cases));
+        return Ok(Outcome::Done);
+    }
+    let pool = thread_pool(options.threads)?;
+    let results = pool.install(|| run_cases(&cases));
+    let mut failed = false;
+    let mut figures: Vec<Figure> = Vec::new();
+    for result in results {
+        match result {
+            Ok(of_case) => figures.extend(of_case),
+            Err(error) => {
+                eprintln!("error: {error}");
+                failed = true;
+            }
+        }
+    }
+    if options.json {
+        print(&manual::json(&figures).map_err(|e| Failure::stopped(e.to_string()))?);
+    } else if options.markdown {
+        print(&manual::markdown(TITLE, INTRO, &cases, &figures));
+    } else {
+        print(&(manual::table(&figures) + &manual::verdict(&figures)));
+    }
+    failed |= figures.iter().any(|f| !f.passes());
+    Ok(if failed { Outcome::CheckFailed } else { Outcome::Done })
+}
+
+/// Names, forms and subjects.
+fn list(cases: &[Case]) -> String {
+    let width = cases.iter().map(|c| c.name.len()).max().unwrap_or(0);
+    let line = |c: &Case| {
+        let form = if c.short { "short" } else { "full " };
+        format!("{:width$}  {form}  {}\n", c.name, c.about)
+    };
+    cases.iter().map(line).collect()
+}
+
+/// All cases side by side; on a terminal with a bar.
+fn run_cases(cases: &[Case]) -> Vec<Result<Vec<Figure>, suite::Failed>> {
+    if !std::io::stderr().is_terminal() {
+        return suite::run(cases, &|_| ());
+    }
+    let progress = Progress::on_stderr();
+    progress.stage("verify");
+    let done = AtomicUsize::new(0);
+    let results = suite::run(cases, &|name| {
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        progress.advance(done as f64 / cases.len() as f64, name);
+    });
+    progress.finish();
+    results
+}

@@ -1,0 +1,39 @@
+//! The explicit finite element solver against closed forms, publications and another program.
+//!
+//! | file | cases |
+//! |---|---|
+//! | `element` | patch test, finite rotation, dead load |
+//! | `j2` | plasticity of one element and of a bar |
+//! | `beam` | cantilevers, plastic hinge |
+//! | `waves` | waves, natural frequencies and impact of bars |
+//! | `motion` | free fall, spin, tumbling, falling rod |
+//! | `impact` | friction, ground, Taylor's bar, erosion |
+//! | `order` | orders of convergence |
+
+mod beam;
+pub mod body;
+mod element;
+pub mod forms;
+mod impact;
+mod j2;
+mod motion;
+mod order;
+mod waves;
+
+use super::suite::Case;
+
+/// All cases, in the order of the manual.
+pub fn cases() -> Vec<Case> {
+    [
+        element::cases(),
+        j2::cases(),
+        beam::cases(),
+        waves::cases(),
+        motion::cases(),
+        impact::cases(),
+        order::cases(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
