@@ -1,4 +1,4 @@
-//! `fallwerk fe`: the FE run of a building alone.
+//! `fallwerk fe`: the FE run of a building alone, or of a keyword deck.
 
 use super::progress::Progress;
 use super::verdict::{collapse_words, percent, seconds};
@@ -7,6 +7,7 @@ use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::building::partition::Partition;
+use crate::fe::deck::is_deck;
 use crate::fe::dynamics::Death;
 use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{FeOptions, run as run_fe};
@@ -23,36 +24,50 @@ const MOST_ELEMENTS: f64 = 5e6;
 /// Longest simulated time \[s\].
 const LONGEST_S: f64 = 60.0;
 
-/// Run the finite element model of a building
+/// Run the finite element model of a building, or a keyword deck
 ///
-/// Writes fe.json and histories as CSV into a result folder. The same building gives the same files, whatever the number
-/// of threads; run times are printed and not stored.
+/// Writes fe.json and histories as CSV into a result folder. The same input gives the same files, whatever the number
+/// of threads; run times are printed and not stored. A file that ends in .k, .key or .dyn, or that begins with a keyword,
+/// is read as a deck of LS-DYNA form (docs/decks.md lists the keywords).
 /// Exit codes: 0 done, 1 the run stopped, 2 bad input.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The building file
-    building: PathBuf,
+    /// The building file or the deck
+    #[arg(value_name = "BUILDING|DECK")]
+    pub(super) building: PathBuf,
     /// Result folder [default: out/NAME-fe]
     #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Target edge length of the elements in metres, instead of the building's
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    mesh_size: Option<f64>,
+    pub(super) mesh_size: Option<f64>,
     /// Simulated time in seconds, instead of the building's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    end_time: Option<f64>,
+    pub(super) end_time: Option<f64>,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
+    /// Write the FE model as a keyword deck into this file instead of running it
+    #[arg(long, value_name = "FILE")]
+    pub(super) write_deck: Option<PathBuf>,
+    /// Leave keywords of a deck that are not known out, with a note, instead of refusing them
+    #[arg(long)]
+    pub(super) skip_unknown: bool,
     /// Print the summary as JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    if is_deck(&arguments.building) {
+        return super::fe_deck::run(arguments);
+    }
     let building = read_building(&arguments.building, arguments.json)?;
     let options = options(arguments, &building)?;
+    if let Some(path) = &arguments.write_deck {
+        return super::fe_deck::write_building(&building, options.mesh_size_m, path);
+    }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
     let output = OutputFolder::create(&target).map_err(|e| Failure::input(e.to_string()))?;
     let progress = Progress::on_stderr();
@@ -82,14 +97,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 }
 
 fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Failure> {
-    let positive = |name: &str, value: Option<f64>| match value {
-        Some(x) if !(x > 0.0 && x.is_finite()) => {
-            Err(Failure::input(format!("{name} is {x}, expected a positive number")))
-        }
-        other => Ok(other),
-    };
     let mesh_size_m = positive("--mesh-size", arguments.mesh_size)?;
-    let end_time_s = positive("--end-time", arguments.end_time)?;
+    let end_time_s = end_time(arguments)?;
     let volume: f64 = Partition::of(building).volumes(building.members.len()).iter().sum();
     if let Some(size) = mesh_size_m.filter(|size| volume / size.powi(3) > MOST_ELEMENTS) {
         let least = (volume / MOST_ELEMENTS).cbrt();
@@ -101,6 +110,20 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         return Err(Failure::input(format!("--end-time is {end} s, the longest is {LONGEST_S} s")));
     }
     Ok(FeOptions { mesh_size_m, end_time_s })
+}
+
+/// The simulated time asked for \[s\].
+pub(super) fn end_time(arguments: &Arguments) -> Result<Option<f64>, Failure> {
+    positive("--end-time", arguments.end_time)
+}
+
+fn positive(name: &str, value: Option<f64>) -> Result<Option<f64>, Failure> {
+    match value {
+        Some(x) if !(x > 0.0 && x.is_finite()) => {
+            Err(Failure::input(format!("{name} is {x}, expected a positive number")))
+        }
+        other => Ok(other),
+    }
 }
 
 /// Runs the FE model and shows how far it is.

@@ -240,6 +240,9 @@ impl Dynamics {
             for (n, mut new) in part.touching {
                 let (mass, old) = (self.mass_kg[n], self.v[n]);
                 let work = self.surfaces.resolve(n, mass, dt, self.x[n], &old, &mut new);
+                for (given, new) in self.prescribed_m_s[n].iter().zip(&mut new) {
+                    *new = given.unwrap_or(*new);
+                }
                 self.contact_j[0] += work[0];
                 self.contact_j[1] += work[1];
                 let middle: [f64; 3] = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
@@ -339,7 +342,8 @@ impl NodeStep<'_> {
                         new[i] = given;
                     }
                 }
-            } else if self.surfaces.reached(self.dt, &self.x[n], &new) {
+            }
+            if !drive.iter().all(Option::is_some) && self.surfaces.reached(self.dt, &self.x[n], &new) {
                 sums.touching.push((n, new));
                 continue;
             }

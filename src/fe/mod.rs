@@ -2,6 +2,7 @@
 
 pub mod blocks;
 pub mod contact;
+pub mod deck;
 pub mod dynamics;
 pub mod grid;
 pub mod hexahedron;
@@ -9,6 +10,7 @@ pub mod kernel;
 pub mod law;
 pub mod mesh;
 pub mod model;
+pub mod model_run;
 pub mod preload;
 pub mod probe;
 pub mod result;
