@@ -70,7 +70,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 }
 
 /// Writes the FE model of a building as a deck.
-pub fn write_building(building: &Building, mesh_size_m: Option<f64>, path: &Path) -> Result<Outcome, Failure> {
+pub fn write_building(
+    building: &Building,
+    mesh_size_m: Option<f64>,
+    path: &Path,
+) -> Result<Outcome, Failure> {
     let deck = of_building(building, mesh_size_m);
     let written = write(&deck.model, &deck.comments);
     save(path, &written.text, &written.notes)

@@ -31,7 +31,9 @@ pub enum ModelError {
     #[error(transparent)]
     Broken(#[from] FeError),
     /// A rigid plane that the solver does not do.
-    #[error("rigid wall {wall}: {what}; only horizontal walls below the body that stop all nodes are computed")]
+    #[error(
+        "rigid wall {wall}: {what}; only horizontal walls below the body that stop all nodes are computed"
+    )]
     Wall {
         /// Number of the wall, from 1.
         wall: usize,
@@ -167,7 +169,8 @@ pub fn run_model(
         let after = body.time_s + body.dt_s;
         let last = after >= end_s - 0.5 * body.dt_s;
         let due = |count: f64, interval: f64| after >= count * interval - 0.5 * body.dt_s || last;
-        let (history, state) = (due(histories, control.history_interval_s), due(states, control.state_interval_s));
+        let (history, state) =
+            (due(histories, control.history_interval_s), due(states, control.state_interval_s));
         let kinetic_j = body.step(history);
         recorder.note_deaths(&body);
         if history {
@@ -414,7 +417,6 @@ impl Recorder {
             return Ok(());
         }
         let summary = &mut self.run.summary;
-        summary.energy_error = summary.energy_error.max(energies.residual_j.abs() / self.largest_j);
         if energies.internal_j > 0.01 * self.largest_j {
             summary.hourglass_share = summary.hourglass_share.max(energies.hourglass_j / energies.internal_j);
         }
@@ -447,6 +449,8 @@ impl Recorder {
     fn finish(self, model: &Model, body: &Dynamics) -> ModelRun {
         let mut run = self.run;
         run.summary.steps = body.steps;
+        let residual_j = run.energies.iter().map(|e| e.residual_j.abs()).fold(0.0, f64::max);
+        run.summary.energy_error = if self.largest_j > 0.0 { residual_j / self.largest_j } else { 0.0 };
         run.summary.eroded_elements = run.deaths.len();
         run.plastic_strain = (0..model.mesh.elements.len()).map(|e| body.blocks.plastic_strain(e)).collect();
         run.end_m.clone_from(&body.x);

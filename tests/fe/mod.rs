@@ -2,6 +2,7 @@
 
 mod cantilever;
 mod contact;
+mod deck;
 mod element;
 mod mesh;
 mod motion;

@@ -85,7 +85,7 @@ fn plastic_moment_of_two_elements() {
 }
 
 /// A round bar along z of 48 hexahedra a section: a core of 4 x 4 and two rings of 16.
-fn round_bar(length: f64, radius: f64, layers: usize, law: Law) -> Mesh {
+pub(super) fn round_bar(length: f64, radius: f64, layers: usize, law: Law) -> Mesh {
     let core =
         |i: usize, j: usize| [0.5 * radius * (i as f64 / 2.0 - 1.0), 0.5 * radius * (j as f64 / 2.0 - 1.0)];
     let rim: Vec<(usize, usize)> = (0..4)

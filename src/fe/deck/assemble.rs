@@ -41,6 +41,9 @@ pub(super) fn assemble(raw: &Raw, messages: &mut Messages) -> Option<(Model, Ids
     for (who, at) in &raw.history {
         model.control.history_nodes.extend(groups.nodes(who, *at, messages));
     }
+    for erosion in raw.erosions.iter().filter(|e| !raw.materials.contains_key(&e.material)) {
+        unknown(erosion.at, "material", erosion.material, "one of the *MAT keywords", messages);
+    }
     for (id, (_, at)) in &raw.part_sets {
         let members = &raw.part_sets[id].0;
         for part in members.iter().filter(|p| !raw.parts.iter().any(|q| q.id == **p)) {
@@ -94,7 +97,9 @@ fn mesh(raw: &Raw, groups: &Groups<'_>, ids: &mut Ids, messages: &mut Messages) 
                 mesh.elements.push(Element { nodes, part, law, smear: 1.0, strength: 1.0 });
                 ids.elements.push(solid.id);
             }
-            Some((_, Some(_))) => wrong_kind(solid.id, solid.part, "solid", "*SECTION_SOLID", solid.at, messages),
+            Some((_, Some(_))) => {
+                wrong_kind(solid.id, solid.part, "solid", "*SECTION_SOLID", solid.at, messages)
+            }
             None => {}
         }
     }
@@ -168,7 +173,8 @@ fn solid_nodes(
 ) -> Option<[usize; 8]> {
     let repeated = (0..8).any(|i| nodes[i] == 0 || nodes[..i].contains(&nodes[i]));
     if repeated {
-        let message = format!("solid element {id} is a wedge, a pyramid or a tetrahedron: a node is repeated");
+        let message =
+            format!("solid element {id} is a wedge, a pyramid or a tetrahedron: a node is repeated");
         let help = "only hexahedra with eight different nodes are computed; split the body into such";
         messages.error(at, "bad-element", message, "", help);
         return None;
@@ -187,7 +193,9 @@ fn check_shape(id: u64, x: &[[f64; 3]; 8], at: At, messages: &mut Messages) {
         [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]];
     let edge = |from: usize, to: usize| -> [f64; 3] { std::array::from_fn(|i| x[to][i] - x[from][i]) };
     let triple = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
-        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+            + a[1] * (b[2] * c[0] - b[0] * c[2])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
     };
     let corner = |i: usize| {
         let [a, b, c] = EDGES[i];
@@ -201,7 +209,10 @@ fn check_shape(id: u64, x: &[[f64; 3]; 8], at: At, messages: &mut Messages) {
     let (what, help) = if volume < 0.0 && (0..8).all(|i| corner(i) < 0.0) {
         ("is inside out", "swap its first four nodes with its last four")
     } else {
-        ("is too distorted", "nodes 1 to 4 go round one face and 5 to 8 round the opposite one, with a positive volume at every corner")
+        (
+            "is too distorted",
+            "nodes 1 to 4 go round one face and 5 to 8 round the opposite one, with a positive volume at every corner",
+        )
     };
     let message = format!("solid element {id} {what}: its volume is {volume:.6e}");
     messages.error(at, "bad-element", message, "", help);
@@ -260,7 +271,8 @@ fn hold(raw: &Raw, groups: &Groups<'_>, model: &mut Model, messages: &mut Messag
     }
     for (drive, given) in model.driven.iter().map(|d| (d, held.get(&d.node))) {
         if given.is_some_and(|h| h[drive.axis]) {
-            let message = format!("node {} is held and moved in the same direction", raw.nodes[drive.node].id);
+            let message =
+                format!("node {} is held and moved in the same direction", raw.nodes[drive.node].id);
             let at = raw.driven.first().map_or(At::default(), |d| d.at);
             messages.error(at, "held-and-moved", message, "", "take one of the two out");
             break;
@@ -325,7 +337,8 @@ fn wall(raw: &Raw, wall: &RawWall, groups: &Groups<'_>, messages: &mut Messages)
         list.dedup();
     }
     if wall.without > 0 {
-        let out: HashSet<usize> = groups.nodes(&Who::Set(wall.without), wall.at, messages).into_iter().collect();
+        let out: HashSet<usize> =
+            groups.nodes(&Who::Set(wall.without), wall.at, messages).into_iter().collect();
         let list = nodes.get_or_insert_with(|| (0..raw.nodes.len()).collect());
         list.retain(|n| !out.contains(n));
     }
@@ -335,7 +348,10 @@ fn wall(raw: &Raw, wall: &RawWall, groups: &Groups<'_>, messages: &mut Messages)
         None => raw.nodes.iter().filter(|n| height(n.x) < -1e-6 * size).count(),
     };
     if count > 0 {
-        messages.note(wall.at, format!("{count} nodes lie behind this wall at the start; they are kept from going further"));
+        messages.note(
+            wall.at,
+            format!("{count} nodes lie behind this wall at the start; they are kept from going further"),
+        );
     }
     RigidPlane { point_m: wall.tail, normal, friction: wall.friction, nodes }
 }

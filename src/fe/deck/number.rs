@@ -22,7 +22,11 @@ pub(super) fn real(text: &str) -> Option<f64> {
                 in_exponent = true;
                 exponent.push(c);
             }
-            '+' | '-' if in_exponent && exponent.is_empty() && matches!(bytes[i - 1], b'e' | b'E' | b'd' | b'D') => {
+            '+' | '-'
+                if in_exponent
+                    && exponent.is_empty()
+                    && matches!(bytes[i - 1], b'e' | b'E' | b'd' | b'D') =>
+            {
                 exponent.push(c);
             }
             _ => return None,
@@ -86,7 +90,10 @@ mod tests {
         ] {
             assert_eq!(real(text), Some(expected), "{text}");
         }
-        for text in ["", ".", "-", "e3", "1e", "1e+", "1.0 3", "nan", "inf", "0x1", "1.2.3", "1e400", "1_0", "--1", "1e3+2", "1+2-3", "é"] {
+        for text in [
+            "", ".", "-", "e3", "1e", "1e+", "1.0 3", "nan", "inf", "0x1", "1.2.3", "1e400", "1_0", "--1",
+            "1e3+2", "1+2-3", "é",
+        ] {
             assert_eq!(real(text), None, "{text}");
         }
         assert_eq!([whole("3."), whole("+12"), whole("1.5"), whole("x")], [Some(3), Some(12), None, None]);

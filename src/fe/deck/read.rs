@@ -95,7 +95,8 @@ fn of_source(
 ) -> Result<Deck, DeckErrors> {
     let mut messages = Messages::default();
     if source.text.trim().is_empty() {
-        messages.push(0, Diagnostic::error("empty", "the deck is empty").help("a deck begins with `*KEYWORD`"));
+        messages
+            .push(0, Diagnostic::error("empty", "the deck is empty").help("a deck begins with `*KEYWORD`"));
         return of_messages(messages, source);
     }
     let split = Splitter::run(source, path, open, &mut messages);
@@ -124,16 +125,58 @@ fn of_source(
 
 /// Keywords that are read; options `_TITLE` and `_ID` are understood where they exist.
 pub(super) const KEYWORDS: &[&str] = &[
-    "KEYWORD", "TITLE", "END", "INCLUDE", "PARAMETER", "COMMENT", "NODE", "ELEMENT_SOLID", "ELEMENT_BEAM", "PART",
-    "SECTION_SOLID", "SECTION_BEAM", "SET_NODE_LIST", "SET_NODE_LIST_GENERATE", "SET_NODE", "SET_PART_LIST",
-    "SET_PART", "SET_SOLID", "DEFINE_BOX", "DEFINE_CURVE", "MAT_ELASTIC", "MAT_PLASTIC_KINEMATIC",
-    "MAT_PIECEWISE_LINEAR_PLASTICITY", "MAT_ADD_EROSION", "HOURGLASS", "CONTROL_HOURGLASS", "BOUNDARY_SPC_NODE",
-    "BOUNDARY_SPC_SET", "BOUNDARY_PRESCRIBED_MOTION_NODE", "BOUNDARY_PRESCRIBED_MOTION_SET", "LOAD_BODY_X",
-    "LOAD_BODY_Y", "LOAD_BODY_Z", "LOAD_NODE_POINT", "LOAD_NODE_SET", "INITIAL_VELOCITY",
-    "INITIAL_VELOCITY_GENERATION", "INITIAL_VELOCITY_NODE", "RIGIDWALL_PLANAR", "CONTACT_AUTOMATIC_SINGLE_SURFACE",
-    "CONTACT_ERODING_SINGLE_SURFACE", "CONTROL_TERMINATION", "CONTROL_TIMESTEP", "CONTROL_BULK_VISCOSITY",
-    "CONTROL_ENERGY", "CONTROL_DYNAMIC_RELAXATION", "DATABASE_BINARY_D3PLOT", "DATABASE_NODOUT", "DATABASE_GLSTAT",
-    "DATABASE_MATSUM", "DATABASE_HISTORY_NODE", "DATABASE_HISTORY_NODE_SET",
+    "KEYWORD",
+    "TITLE",
+    "END",
+    "INCLUDE",
+    "PARAMETER",
+    "COMMENT",
+    "NODE",
+    "ELEMENT_SOLID",
+    "ELEMENT_BEAM",
+    "PART",
+    "SECTION_SOLID",
+    "SECTION_BEAM",
+    "SET_NODE_LIST",
+    "SET_NODE_LIST_GENERATE",
+    "SET_NODE",
+    "SET_PART_LIST",
+    "SET_PART",
+    "SET_SOLID",
+    "DEFINE_BOX",
+    "DEFINE_CURVE",
+    "MAT_ELASTIC",
+    "MAT_PLASTIC_KINEMATIC",
+    "MAT_PIECEWISE_LINEAR_PLASTICITY",
+    "MAT_ADD_EROSION",
+    "HOURGLASS",
+    "CONTROL_HOURGLASS",
+    "BOUNDARY_SPC_NODE",
+    "BOUNDARY_SPC_SET",
+    "BOUNDARY_PRESCRIBED_MOTION_NODE",
+    "BOUNDARY_PRESCRIBED_MOTION_SET",
+    "LOAD_BODY_X",
+    "LOAD_BODY_Y",
+    "LOAD_BODY_Z",
+    "LOAD_NODE_POINT",
+    "LOAD_NODE_SET",
+    "INITIAL_VELOCITY",
+    "INITIAL_VELOCITY_GENERATION",
+    "INITIAL_VELOCITY_NODE",
+    "RIGIDWALL_PLANAR",
+    "CONTACT_AUTOMATIC_SINGLE_SURFACE",
+    "CONTACT_ERODING_SINGLE_SURFACE",
+    "CONTROL_TERMINATION",
+    "CONTROL_TIMESTEP",
+    "CONTROL_BULK_VISCOSITY",
+    "CONTROL_ENERGY",
+    "CONTROL_DYNAMIC_RELAXATION",
+    "DATABASE_BINARY_D3PLOT",
+    "DATABASE_NODOUT",
+    "DATABASE_GLSTAT",
+    "DATABASE_MATSUM",
+    "DATABASE_HISTORY_NODE",
+    "DATABASE_HISTORY_NODE_SET",
 ];
 
 fn unknown(block: &Block, options: DeckOptions, messages: &mut Messages) {
@@ -145,7 +188,10 @@ fn unknown(block: &Block, options: DeckOptions, messages: &mut Messages) {
     let near = closest(&block.keyword, KEYWORDS.iter().copied());
     let help = match near {
         Some(near) => format!("did you mean `*{near}`? --skip-unknown leaves unknown keywords out"),
-        None => "take it out; --skip-unknown leaves unknown keywords out (docs/decks.md lists the known ones)".into(),
+        None => {
+            "take it out; --skip-unknown leaves unknown keywords out (docs/decks.md lists the known ones)"
+                .into()
+        }
     };
     messages.error(block.at, "unknown-keyword", message, "", &help);
 }

@@ -6,12 +6,33 @@ use super::read_material::bulk_viscosity;
 
 /// Keywords that change what is written or how elsewhere, and nothing here.
 const WITHOUT_EFFECT: &[&str] = &[
-    "CONTROL_ENERGY", "CONTROL_OUTPUT", "CONTROL_UNITS", "CONTROL_ACCURACY", "CONTROL_SOLUTION", "CONTROL_SOLID",
-    "CONTROL_SHELL", "CONTROL_CONTACT", "CONTROL_CPU", "CONTROL_PARALLEL", "DATABASE_EXTENT_BINARY",
-    "DATABASE_FORMAT", "DATABASE_ELOUT", "DATABASE_RCFORC", "DATABASE_RWFORC", "DATABASE_SPCFORC",
-    "DATABASE_SLEOUT", "DATABASE_NODFOR", "DATABASE_BNDOUT", "DATABASE_DEFORC", "DATABASE_HISTORY_SOLID",
-    "DATABASE_HISTORY_SOLID_SET", "DATABASE_HISTORY_BEAM", "DATABASE_BINARY_D3THDT", "DATABASE_BINARY_D3DUMP",
-    "DATABASE_BINARY_RUNRSF", "DATABASE_BINARY_INTFOR",
+    "CONTROL_ENERGY",
+    "CONTROL_OUTPUT",
+    "CONTROL_UNITS",
+    "CONTROL_ACCURACY",
+    "CONTROL_SOLUTION",
+    "CONTROL_SOLID",
+    "CONTROL_SHELL",
+    "CONTROL_CONTACT",
+    "CONTROL_CPU",
+    "CONTROL_PARALLEL",
+    "DATABASE_EXTENT_BINARY",
+    "DATABASE_FORMAT",
+    "DATABASE_ELOUT",
+    "DATABASE_RCFORC",
+    "DATABASE_RWFORC",
+    "DATABASE_SPCFORC",
+    "DATABASE_SLEOUT",
+    "DATABASE_NODFOR",
+    "DATABASE_BNDOUT",
+    "DATABASE_DEFORC",
+    "DATABASE_HISTORY_SOLID",
+    "DATABASE_HISTORY_SOLID_SET",
+    "DATABASE_HISTORY_BEAM",
+    "DATABASE_BINARY_D3THDT",
+    "DATABASE_BINARY_D3DUMP",
+    "DATABASE_BINARY_RUNRSF",
+    "DATABASE_BINARY_INTFOR",
 ];
 
 /// Reads the block if it is one of these; says whether it was.
@@ -74,7 +95,11 @@ fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
     raw.step_safety = Some(safety);
     let least = cards.real(&card, 4);
     if least > 0.0 {
-        cards.refuse(&card, 4, "mass is only ever added: give a negative DT2MS, the least step of an element");
+        cards.refuse(
+            &card,
+            4,
+            "mass is only ever added: give a negative DT2MS, the least step of an element",
+        );
     } else if least < 0.0 {
         raw.mass_scaling = Some(-least * safety);
     }

@@ -79,7 +79,12 @@ fn axis<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, field: usize) -> Option<
 }
 
 /// Curve and factor (blank or 0: 1).
-fn history<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, curve: usize, factor: usize) -> Option<RawHistory> {
+fn history<'a>(
+    cards: &mut Cards<'a, '_>,
+    card: &Card<'a>,
+    curve: usize,
+    factor: usize,
+) -> Option<RawHistory> {
     let factor = cards.real_or(card, factor, 1.0);
     Some(RawHistory { curve: cards.required_id(card, curve)?, factor })
 }
@@ -130,7 +135,8 @@ fn nodal_loads(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, set: bool
         }
         cards.skip_title(titled);
         let Some(card) = cards.required(NAMES) else { return };
-        let (who, axis, history) = (who(cards, &card, set), axis(cards, &card, 1), history(cards, &card, 2, 3));
+        let (who, axis, history) =
+            (who(cards, &card, set), axis(cards, &card, 1), history(cards, &card, 2, 3));
         no_local_axes(cards, &card, 4);
         if let (Some(who), Some(axis), Some(history)) = (who, axis, history) {
             raw.nodal_loads.push(RawDrive { who, axis, history, at: card.place(0) });
@@ -207,7 +213,14 @@ fn velocity_of_nodes(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
         let velocity = [1, 2, 3].map(|i| cards.real(&card, i));
         no_local_axes(cards, &card, 7);
         if let Some(who) = who {
-            raw.starts.push(RawStart { who, without: None, inside: None, velocity, spin: None, at: card.place(0) });
+            raw.starts.push(RawStart {
+                who,
+                without: None,
+                inside: None,
+                velocity,
+                spin: None,
+                at: card.place(0),
+            });
         }
     }
 }
@@ -242,7 +255,11 @@ fn walls(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, keyword: &str) 
             cards.refuse(&first, 3, "a distance is not negative");
         }
         if tail == head {
-            cards.refuse(&second, 3, "the normal points from (XT, YT, ZT) to (XH, YH, ZH), which are the same point");
+            cards.refuse(
+                &second,
+                3,
+                "the normal points from (XT, YT, ZT) to (XH, YH, ZH), which are the same point",
+            );
         }
         if let (Some(set), Some(without)) = (set, without) {
             let friction = if friction == 1.0 { f64::INFINITY } else { friction };
@@ -278,7 +295,9 @@ fn contact(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, eroding: bool
         }
         let dynamic = cards.real(&card, 1);
         if cards.real(&card, 2) != 0.0 && dynamic != settings.friction {
-            cards.messages.note(card.place(1), "friction does not depend on speed: FS acts, FD and DC do not");
+            cards
+                .messages
+                .note(card.place(1), "friction does not depend on speed: FS acts, FD and DC do not");
         }
         cards.must_be_zero(&card, 6, "contact acts from the beginning; leave BT out");
         cards.must_be_never(&card, 7);

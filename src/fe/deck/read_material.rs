@@ -106,7 +106,12 @@ fn kinematic(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         failure_strain = failure(cards, &second, 2);
     }
     let plastic = RawPlastic::Bilinear { yield_stress, tangent };
-    enter(cards, raw, &card, RawMaterial { density, youngs, poisson, plastic, rate: found_rate, failure_strain });
+    enter(
+        cards,
+        raw,
+        &card,
+        RawMaterial { density, youngs, poisson, plastic, rate: found_rate, failure_strain },
+    );
 }
 
 fn piecewise(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
@@ -139,7 +144,12 @@ fn piecewise(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         Some(curve) => RawPlastic::Curve(curve),
         None => RawPlastic::Elastic,
     };
-    enter(cards, raw, &card, RawMaterial { density, youngs, poisson, plastic, rate: found_rate, failure_strain });
+    enter(
+        cards,
+        raw,
+        &card,
+        RawMaterial { density, youngs, poisson, plastic, rate: found_rate, failure_strain },
+    );
 }
 
 /// The table begins at plastic strain 0, strains increase, stresses are positive.
@@ -197,7 +207,10 @@ fn erosion(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     if plastic_strain <= 0.0 {
         cards.refuse(&first, 4, "give a positive strain (curves and tables are not supported)");
     } else if plastic_strain.is_finite() {
-        cards.messages.note(first.place(4), "EFFEPS is compared with the equivalent plastic strain, without its elastic part");
+        cards.messages.note(
+            first.place(4),
+            "EFFEPS is compared with the equivalent plastic strain, without its elastic part",
+        );
     }
     cards.end();
     if let Some(material) = material {
@@ -211,7 +224,13 @@ fn criterion<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, field: usize, exclu
     if value == 0.0 || value == exclude { f64::INFINITY } else { value }
 }
 
-fn refuse_unless_excluded<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, field: usize, exclude: f64, why: &str) {
+fn refuse_unless_excluded<'a>(
+    cards: &mut Cards<'a, '_>,
+    card: &Card<'a>,
+    field: usize,
+    exclude: f64,
+    why: &str,
+) {
     let value = cards.real(card, field);
     if value != 0.0 && value != exclude && !value.is_nan() {
         cards.refuse(card, field, why);
@@ -219,7 +238,12 @@ fn refuse_unless_excluded<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, field:
 }
 
 /// Hourglass control by its number and coefficient; `None` after an error.
-fn control<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, kind: usize, coefficient: usize) -> Option<Option<Hourglass>> {
+fn control<'a>(
+    cards: &mut Cards<'a, '_>,
+    card: &Card<'a>,
+    kind: usize,
+    coefficient: usize,
+) -> Option<Option<Hourglass>> {
     let value = cards.real(card, coefficient);
     if value < 0.0 {
         cards.refuse(card, coefficient, "a coefficient is positive");
@@ -231,7 +255,8 @@ fn control<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, kind: usize, coeffici
         4 | 5 => Hourglass::Stiffness { coefficient: coefficient_used },
         number @ (6 | 7 | 9) => {
             if value != 1.0 {
-                let text = "the assumed-strain hourglass stiffness (IHQ 6, 7, 9) acts in full, as with QM = 1";
+                let text =
+                    "the assumed-strain hourglass stiffness (IHQ 6, 7, 9) acts in full, as with QM = 1";
                 cards.messages.note(card.place(coefficient), text);
             }
             if number != 6 {
@@ -241,7 +266,11 @@ fn control<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, kind: usize, coeffici
             Hourglass::Asqbi
         }
         _ => {
-            cards.refuse(card, kind, "IHQ is 1 to 3 (viscous), 4 or 5 (stiffness), 6, 7 or 9 (assumed strain)");
+            cards.refuse(
+                card,
+                kind,
+                "IHQ is 1 to 3 (viscous), 4 or 5 (stiffness), 6, 7 or 9 (assumed strain)",
+            );
             return None;
         }
     }))
@@ -271,11 +300,18 @@ fn control_hourglass(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
 }
 
 /// Coefficients of the bulk viscosity are those of the solver.
-pub(super) fn bulk_viscosity<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, quadratic: usize, linear: usize) {
+pub(super) fn bulk_viscosity<'a>(
+    cards: &mut Cards<'a, '_>,
+    card: &Card<'a>,
+    quadratic: usize,
+    linear: usize,
+) {
     for (field, own) in [(quadratic, BULK_QUADRATIC), (linear, BULK_LINEAR)] {
         let value = cards.real_or(card, field, own);
         if value != own && !value.is_nan() {
-            let text = format!("bulk viscosity has the coefficients {BULK_QUADRATIC} and {BULK_LINEAR}, not those given");
+            let text = format!(
+                "bulk viscosity has the coefficients {BULK_QUADRATIC} and {BULK_LINEAR}, not those given"
+            );
             cards.messages.note(card.place(field), text);
         }
     }

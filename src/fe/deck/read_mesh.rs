@@ -78,10 +78,17 @@ fn solids(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
         let Some(card) = cards.card_of(NAMES, &[8; 10]) else { return };
         let (id, part) = (cards.required_id(&card, 0), cards.required_id(&card, 1));
         // With the nodes on a line of their own, the first line holds two numbers only.
-        let (source, first) = if card.len() > 2 { (Some(card.clone()), 2) } else { (cards.card_of(NODES, &[8; 10]), 0) };
+        let (source, first) =
+            if card.len() > 2 { (Some(card.clone()), 2) } else { (cards.card_of(NODES, &[8; 10]), 0) };
         let Some(source) = source else {
             let message = format!("*ELEMENT_SOLID {}: its nodes are missing", id.unwrap_or(0));
-            cards.messages.error(card.at, "missing-card", message, "", "eight nodes in this line or the next");
+            cards.messages.error(
+                card.at,
+                "missing-card",
+                message,
+                "",
+                "eight nodes in this line or the next",
+            );
             return;
         };
         let mut nodes = [0; 8];
@@ -92,7 +99,9 @@ fn solids(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
                 None => good = false,
             }
         }
-        if source.len() > first + 8 && (first == 0 && (cards.id(&source, 8), cards.id(&source, 9)) != (Some(0), Some(0))) {
+        if source.len() > first + 8
+            && (first == 0 && (cards.id(&source, 8), cards.id(&source, 9)) != (Some(0), Some(0)))
+        {
             cards.refuse(&source, 8, "only hexahedra with eight nodes are read");
             good = false;
         }
@@ -128,7 +137,8 @@ fn parts(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
         let hourglass = cards.id(&card, 4);
         cards.must_be_zero(&card, 5, "loads by density are not supported; use *LOAD_BODY");
         cards.must_be_zero(&card, 6, "adaptive meshes are not supported");
-        if let (Some(id), Some(section), Some(material), Some(hourglass)) = (id, section, material, hourglass) {
+        if let (Some(id), Some(section), Some(material), Some(hourglass)) = (id, section, material, hourglass)
+        {
             let name = if name.is_empty() { format!("part {id}") } else { name };
             raw.parts.push(RawPart { id, name, section, material, hourglass, at: card.at });
         }
@@ -215,7 +225,9 @@ fn ranges(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     let mut items = Vec::new();
     loop {
         cards.skip_blank();
-        let Some(card) = cards.card(&["B1BEG", "B1END", "B2BEG", "B2END", "B3BEG", "B3END", "B4BEG", "B4END"]) else {
+        let Some(card) =
+            cards.card(&["B1BEG", "B1END", "B2BEG", "B2END", "B3BEG", "B3END", "B4BEG", "B4END"])
+        else {
             break;
         };
         for pair in 0..card.len().min(8).div_ceil(2) {
@@ -231,7 +243,13 @@ fn ranges(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     if let Some(id) = id {
         if raw.node_sets.contains_key(&id) {
             let message = format!("*{}: {id} is defined twice", cards.block.keyword);
-            cards.messages.error(head.place(0), "duplicate-id", message, "", "give one of them another identifier");
+            cards.messages.error(
+                head.place(0),
+                "duplicate-id",
+                message,
+                "",
+                "give one of them another identifier",
+            );
         }
         define(cards, &mut raw.node_ranges, id, items, head.place(0));
     }
@@ -279,7 +297,13 @@ fn curve(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     }
     if points.is_empty() {
         let message = format!("*{}: the curve has no points", cards.block.keyword);
-        cards.messages.error(head.at, "missing-card", message, "", "a line with abscissa and ordinate for each point");
+        cards.messages.error(
+            head.at,
+            "missing-card",
+            message,
+            "",
+            "a line with abscissa and ordinate for each point",
+        );
     }
     if let Some(id) = id {
         define(cards, &mut raw.curves, id, points, head.place(0));

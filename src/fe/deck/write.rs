@@ -184,7 +184,8 @@ impl Writer {
         let mut rows = Vec::new();
         for (part, name) in mesh.parts.iter().enumerate() {
             let bar = mesh.trusses.iter().find(|t| t.part == part);
-            let law = bar.map(|b| b.law).or_else(|| mesh.elements.iter().find(|e| e.part == part).map(|e| e.law));
+            let law =
+                bar.map(|b| b.law).or_else(|| mesh.elements.iter().find(|e| e.part == part).map(|e| e.law));
             let Some(law) = law else { continue };
             let (section, control) = match (bar, mesh.laws[law].form) {
                 (Some(bar), _) => (-1 - position(&mut areas, bar.area_m2), Blank),
@@ -310,9 +311,11 @@ impl Writer {
             self.block("RIGIDWALL_PLANAR", &[Row::Card(TEN, vec![set]), Row::Card(TEN, second)]);
         }
         let Some(contact) = &model.body_contact else { return };
-        let erodes = model.mesh.laws.iter().any(|l| {
-            l.erosion.plastic_strain.is_finite() || l.erosion.principal_strain.is_finite()
-        });
+        let erodes = model
+            .mesh
+            .laws
+            .iter()
+            .any(|l| l.erosion.plastic_strain.is_finite() || l.erosion.principal_strain.is_finite());
         let mut rows = vec![
             Row::Card(TEN, vec![Id(0)]),
             Row::Card(TEN, vec![Real(contact.friction)]),
@@ -327,7 +330,8 @@ impl Writer {
 
     fn mesh(&mut self, model: &Model) {
         let mesh = &model.mesh;
-        let node = |(n, x): (usize, &[f64; 3])| Row::Card(NODE, vec![id(n), Real(x[0]), Real(x[1]), Real(x[2])]);
+        let node =
+            |(n, x): (usize, &[f64; 3])| Row::Card(NODE, vec![id(n), Real(x[0]), Real(x[1]), Real(x[2])]);
         self.block("NODE", &mesh.nodes.iter().enumerate().map(node).collect::<Vec<_>>());
         let element = |(e, part, nodes): (usize, usize, &[usize])| {
             let cells = [id(e), id(part)].into_iter().chain(nodes.iter().map(|n| id(*n)));
