@@ -269,13 +269,12 @@ fn hold(raw: &Raw, groups: &Groups<'_>, model: &mut Model, messages: &mut Messag
             join(node, hold.held);
         }
     }
-    for (drive, given) in model.driven.iter().map(|d| (d, held.get(&d.node))) {
-        if given.is_some_and(|h| h[drive.axis]) {
-            let message =
-                format!("node {} is held and moved in the same direction", raw.nodes[drive.node].id);
-            let at = raw.driven.first().map_or(At::default(), |d| d.at);
-            messages.error(at, "held-and-moved", message, "", "take one of the two out");
-            break;
+    for drive in &raw.driven {
+        let nodes = groups.nodes(&drive.who, drive.at, messages);
+        let both = nodes.iter().find(|n| held.get(n).is_some_and(|h| h[drive.axis]));
+        if let Some(node) = both {
+            let message = format!("node {} is held and moved in the same direction", raw.nodes[*node].id);
+            messages.error(drive.at, "held-and-moved", message, "", "take one of the two out");
         }
     }
     for (node, held) in held {
