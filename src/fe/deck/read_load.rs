@@ -247,7 +247,7 @@ fn walls(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, keyword: &str) 
         let tail = [0, 1, 2].map(|i| cards.real(&second, i));
         let head = [3, 4, 5].map(|i| cards.real(&second, i));
         let friction = cards.real(&second, 6);
-        if friction < 0.0 || friction > 1.0 {
+        if !(0.0..=1.0).contains(&friction) && !friction.is_nan() {
             cards.refuse(&second, 6, "0 to 1, where 1 means that nothing slips (welding is not supported)");
         }
         cards.must_be_zero(&second, 7, "walls do not move");
