@@ -1,4 +1,4 @@
-//! `fallwerk fe`: the FE run of a building alone.
+//! `fallwerk fe`: the FE run of a building alone, or of a keyword deck.
 
 use super::progress::Progress;
 use super::verdict::{collapse_words, percent, seconds};
@@ -7,6 +7,7 @@ use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::building::partition::Partition;
+use crate::fe::deck::is_deck;
 use crate::fe::dynamics::Death;
 use crate::fe::erosion::{ErosionTable, Fate, Loss};
 use crate::fe::mass_scaling::MassScaling;
@@ -30,25 +31,28 @@ const MOST_ELEMENTS: f64 = 5e6;
 /// Longest simulated time \[s\].
 const LONGEST_S: f64 = 60.0;
 
-/// Run the finite element model of a building
+/// Run the finite element model of a building, or a keyword deck
 ///
-/// Writes fe.json and histories as CSV into a result folder, with --vtu also collapse.pvd for ParaView. The same building
+/// Writes fe.json and histories as CSV into a result folder, with --vtu also collapse.pvd for ParaView. The same input
 /// gives the same files, whatever the number of threads, also if the run was interrupted and gone on with from a checkpoint;
 /// run times are printed and not stored. With checkpoints the results gather in OUTPUT.unfinished until the run is done.
+/// A file that ends in .k, .key or .dyn, or that begins with a keyword, is read as a deck of LS-DYNA form (docs/decks.md lists
+/// the keywords).
 /// Exit codes: 0 done, 1 the run stopped, 2 bad input.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The building file
-    building: PathBuf,
+    /// The building file or the deck
+    #[arg(value_name = "BUILDING|DECK")]
+    pub(super) building: PathBuf,
     /// Result folder [default: out/NAME-fe]
     #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Target edge length of the elements in metres, instead of the building's
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    mesh_size: Option<f64>,
+    pub(super) mesh_size: Option<f64>,
     /// Simulated time in seconds, instead of the building's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    end_time: Option<f64>,
+    pub(super) end_time: Option<f64>,
     /// What becomes of elements that reach their erosion strain
     #[arg(long, value_enum, default_value_t = OnFailure::Erode)]
     on_failure: OnFailure,
@@ -73,15 +77,24 @@ pub struct Arguments {
     /// Go on from a checkpoint of the same building, mesh size and --vtu-every; the end time may be another
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
+    /// Compute all elements in every step, also those that do not deform
+    #[arg(long)]
+    compute_all: bool,
     /// Let the parts of the building pass through each other
     #[arg(long)]
     no_body_contact: bool,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
+    /// Write the FE model as a keyword deck into this file instead of running it
+    #[arg(long, value_name = "FILE")]
+    pub(super) write_deck: Option<PathBuf>,
+    /// Leave keywords of a deck that are not known out, with a note, instead of refusing them
+    #[arg(long)]
+    pub(super) skip_unknown: bool,
     /// Print the summary as JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Values of `--on-failure`.
@@ -93,10 +106,36 @@ enum OnFailure {
     Split,
 }
 
+impl Arguments {
+    /// Every how many outputs a grid is written.
+    pub(super) fn frames_every(&self) -> Option<usize> {
+        self.vtu_every.or(self.vtu.then_some(1)).map(|every| every as usize)
+    }
+
+    /// The first given option that has no meaning for a deck.
+    pub(super) fn for_buildings_only(&self) -> Option<&'static str> {
+        let given = [
+            (self.checkpoint_every.is_some(), "--checkpoint-every"),
+            (self.resume.is_some(), "--resume"),
+            (self.mass_scaling_step.is_some(), "--mass-scaling-step"),
+            (self.no_body_contact, "--no-body-contact"),
+            (self.compute_all, "--compute-all"),
+            (!matches!(self.on_failure, OnFailure::Erode), "--on-failure"),
+        ];
+        given.iter().find(|(given, _)| *given).map(|(_, name)| *name)
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    if is_deck(&arguments.building) {
+        return super::fe_deck::run(arguments);
+    }
     let building = read_building(&arguments.building, arguments.json)?;
     let options = options(arguments, &building)?;
+    if let Some(path) = &arguments.write_deck {
+        return super::fe_deck::write_building(&building, options.mesh_size_m, path);
+    }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
     let checkpoints = checkpoints(arguments, &target)?;
     let output = if checkpoints.is_some() || arguments.resume.is_some() {
@@ -107,8 +146,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let output = output.map_err(|e| Failure::input(e.to_string()))?;
     let progress = Progress::on_stderr();
     let pool = thread_pool(arguments.threads)?;
-    let every = arguments.vtu_every.or(arguments.vtu.then_some(1));
-    let mut series = every.map(|every| VtuSeries::new(output.path(), every as usize).after(&target));
+    let every = arguments.frames_every();
+    let mut series = every.map(|every| VtuSeries::new(output.path(), every).after(&target));
     let frames = series.as_mut().map(|s| s as &mut dyn FrameSink);
     let attached = Attached { frames, checkpoints, resume: arguments.resume.clone() };
     let kept = || output.keep();
@@ -138,14 +177,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 }
 
 fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Failure> {
-    let positive = |name: &str, value: Option<f64>| match value {
-        Some(x) if !(x > 0.0 && x.is_finite()) => {
-            Err(Failure::input(format!("{name} is {x}, expected a positive number")))
-        }
-        other => Ok(other),
-    };
     let mesh_size_m = positive("--mesh-size", arguments.mesh_size)?;
-    let end_time_s = positive("--end-time", arguments.end_time)?;
+    let end_time_s = end_time(arguments)?;
     let volume: f64 = Partition::of(building).volumes(building.members.len()).iter().sum();
     if let Some(size) = mesh_size_m.filter(|size| volume / size.powi(3) > MOST_ELEMENTS) {
         let least = (volume / MOST_ELEMENTS).cbrt();
@@ -170,8 +203,23 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         mass_scaling_forced,
         keep_frames: false,
         body_contact: !arguments.no_body_contact,
+        skip_quiet: !arguments.compute_all,
         ..FeOptions::default()
     })
+}
+
+/// The simulated time asked for \[s\].
+pub(super) fn end_time(arguments: &Arguments) -> Result<Option<f64>, Failure> {
+    positive("--end-time", arguments.end_time)
+}
+
+fn positive(name: &str, value: Option<f64>) -> Result<Option<f64>, Failure> {
+    match value {
+        Some(x) if !(x > 0.0 && x.is_finite()) => {
+            Err(Failure::input(format!("{name} is {x}, expected a positive number")))
+        }
+        other => Ok(other),
+    }
 }
 
 /// Checkpoints asked for, with a file that can be written.

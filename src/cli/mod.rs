@@ -7,6 +7,7 @@ mod check;
 pub mod compose;
 pub mod explain;
 pub mod fe;
+mod fe_deck;
 pub mod generate_mbs;
 pub mod graph;
 mod init;

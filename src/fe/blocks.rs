@@ -169,8 +169,7 @@ impl Blocks {
     /// Gives each chunk its list of nodes and each node its list of chunks.
     fn localise(&mut self, x: &[[f64; 3]]) {
         self.chunk_blocks = (self.blocks.len() / CHUNKS_WISHED).clamp(CHUNK_BLOCKS[0], CHUNK_BLOCKS[1]);
-        (self.chunk_nodes, self.chunk_starts, self.quiet, self.stride) =
-            (Vec::new(), vec![0], Vec::new(), 0);
+        (self.chunk_nodes, self.chunk_starts, self.quiet, self.stride) = (Vec::new(), vec![0], Vec::new(), 0);
         let mut local = vec![u16::MAX; x.len()];
         let chunks = self.blocks.chunks_mut(self.chunk_blocks).zip(self.lanes.chunks(self.chunk_blocks));
         for (c, (blocks, lanes)) in chunks.enumerate() {
@@ -307,15 +306,39 @@ impl Blocks {
         self.quiet[place as usize / self.chunk_blocks].wake();
     }
 
-    /// Elements that failed in the last pass of the kernel, in the order of the chunks, with the work of their forces over the last
-    /// increment \[J\].
-    pub(super) fn failing(&self) -> Vec<(usize, f64)> {
+    /// Elements that failed in the last pass of the kernel, in the order of the chunks.
+    pub(super) fn failing(&self) -> Vec<(usize, Failing)> {
         let mut list = Vec::new();
         for (c, quiet) in self.quiet.iter().enumerate() {
-            let element = |block: u32, lane: u8| self.lanes[c * self.chunk_blocks + block as usize][lane as usize];
-            list.extend(quiet.failing.iter().map(|(block, lane, work_j)| (element(*block, *lane) as usize, *work_j)));
+            for failing in &quiet.failing {
+                let (block, lane) = failing.place;
+                let element = self.lanes[c * self.chunk_blocks + block as usize][lane as usize];
+                list.push((element as usize, *failing));
+            }
         }
         list
+    }
+
+    /// Takes forces of an element on its nodes \[N\] out of the sums of the last pass.
+    pub(super) fn take_out(&mut self, element: usize, force_n: &[[f64; 3]; 8]) {
+        let (block, lane) = self.place[element];
+        let first = block as usize / self.chunk_blocks * self.stride;
+        for (local, force) in self.blocks[block as usize].nodes[lane as usize].iter().zip(force_n) {
+            for i in 0..3 {
+                self.partial_n[first + *local as usize][i] -= force[i];
+            }
+        }
+    }
+
+    /// Puts forces on nodes \[N\] into the sums, after the elements were connected anew.
+    pub(super) fn put_in(&mut self, forces: impl Iterator<Item = (usize, [f64; 3])>) {
+        for (node, force) in forces {
+            if let Some(at) = self.contributions[self.node_starts[node] as usize..].first() {
+                for i in 0..3 {
+                    self.partial_n[*at as usize][i] += force[i];
+                }
+            }
+        }
     }
 
     /// History and constants of an element: its block and lane.
@@ -411,8 +434,19 @@ pub struct Quiet {
     pub(super) rest_m: Vec<[f64; 3]>,
     /// Passes in which the chunk was skipped, times its lanes.
     pub(super) skipped: u64,
-    /// Elements that failed in the last pass: block in the chunk, lane, work of their forces over the last increment \[J\].
-    pub(super) failing: Vec<(u32, u8, f64)>,
+    /// Elements that failed in the last pass.
+    pub(super) failing: Vec<Failing>,
+}
+
+/// An element that failed in a pass of the kernel.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Failing {
+    /// Block in the chunk, and lane.
+    pub(super) place: (u32, u8),
+    /// Work of its forces over the last increment \[J\].
+    pub(super) work_j: f64,
+    /// Its forces on its nodes \[N\], which are in no sum.
+    pub(super) force_n: [[f64; 3]; 8],
 }
 
 impl Quiet {
@@ -439,9 +473,8 @@ fn runs<'a, T>(order: &'a [T], law: impl Fn(&T) -> usize + 'a) -> impl Iterator<
 
 /// Shortest edge of a hexahedron \[m\].
 fn shortest_edge_m(nodes: &[[f64; 3]; 8]) -> f64 {
-    const EDGES: [[usize; 2]; 12] = [
-        [0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7],
-    ];
+    const EDGES: [[usize; 2]; 12] =
+        [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
     let squared = |[a, b]: [usize; 2]| (0..3).map(|i| (nodes[a][i] - nodes[b][i]).powi(2)).sum::<f64>();
     EDGES.map(squared).into_iter().fold(f64::INFINITY, f64::min).sqrt()
 }

@@ -73,7 +73,8 @@ pub struct Dynamics {
     pub dt_s: f64,
     /// The step that led to the present positions \[s\], zero at the start: the first kick is half a step.
     pub(super) taken_s: f64,
-    /// Whether groups of elements that do not deform keep their forces ([`super::sweep::QUIET_STRAIN`]).
+    /// Whether groups of elements that do not deform keep their forces ([`super::sweep::QUIET_STRAIN`]); of use where strains are those of a
+    /// collapse, not of small vibrations.
     pub skip_quiet: bool,
     /// Share of the stability limit that is used.
     pub step_safety: f64,
@@ -117,7 +118,7 @@ impl Dynamics {
             other_n: Vec::new(),
             acceleration_m_s2: [0.0, 0.0, -gravity_m_s2],
             step_safety: STEP_SAFETY,
-            skip_quiet: true,
+            skip_quiet: false,
             damping_1_s: 0.0,
             time_s: 0.0,
             dt_s: 1.0,
@@ -173,7 +174,7 @@ impl Dynamics {
     }
 
     /// All forces that follow from positions and the last increment.
-    pub(super) fn find_forces(&mut self, sweep: &Sweep) {
+    fn find_forces(&mut self, sweep: &Sweep) {
         self.blocks.sweep(&self.x, &self.v, sweep, self.parallel);
         if !self.trusses.is_empty() {
             self.other_n.resize(self.x.len(), [0.0; 3]);
@@ -447,7 +448,8 @@ impl NodeStep<'_> {
                 held = self.prescribed_m_s[n].iter().all(Option::is_some);
             }
             let contact = self.body_contact;
-            if contact.is_some_and(|c| c.flagged[n]) || (!held && self.surfaces.reached(n, self.dt, x, &new)) {
+            if contact.is_some_and(|c| c.flagged[n]) || (!held && self.surfaces.reached(n, self.dt, x, &new))
+            {
                 sums.touching.push((n, new, driven));
                 continue;
             }

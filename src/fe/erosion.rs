@@ -14,14 +14,12 @@
 //! recovered and is lost with the element), hourglass and viscous work, and the kinetic energy and momentum that its share of the nodes
 //! carries on. **Release**: the work of a step is booked as `(f_n + f_{n+1}) / 2 · Δu` (central differences), but the end force
 //! of an element that dies in the step never acts. `f_{n+1} · Δu / 2` is therefore taken off again as [`ErosionTable::released_j`].
-//! Elements that tear still act until the next step; for them the same work is missing and is added.
 
+use super::blocks::Failing;
 use super::dynamics::{Death, Dynamics};
 use super::hexahedron::{Vec3, dot, gradient, to_nodes, to_patterns, volume_m3};
-use super::kernel::KernelStep;
 use super::mesh::Mesh;
 use super::split::{self, Split};
-use super::sweep::Sweep;
 use serde::{Deserialize, Serialize};
 
 /// An element whose own critical step falls below this share of the first step has collapsed.
@@ -156,7 +154,11 @@ impl Failure {
 impl Failure {
     /// Squared frequency bound above which an element has collapsed \[1/s²\].
     pub(super) fn largest_bound_1_s2(&self, first_dt_s: f64) -> f64 {
-        if self.step_collapse > 0.0 { (2.0 / (self.step_collapse * first_dt_s)).powi(2) } else { f64::INFINITY }
+        if self.step_collapse > 0.0 {
+            (2.0 / (self.step_collapse * first_dt_s)).powi(2)
+        } else {
+            f64::INFINITY
+        }
     }
 }
 
@@ -166,9 +168,17 @@ pub(super) fn fail(body: &mut Dynamics) {
     body.failure.splits.clear();
     let mut failed = in_the_pass(body);
     if !body.failure.watched.is_empty() && body.steps.is_multiple_of(body.failure.strain_check_steps.max(1)) {
-        failed.extend(by_principal_strain(body, &failed));
+        for torn in by_principal_strain(body, &failed) {
+            body.blocks.take_out(torn.element, &torn.force_n);
+            failed.push(torn);
+        }
     }
-    for (element, cause, work_j) in failed {
+    let sums_n: Vec<[f64; 3]> = match body.failure.fate {
+        Fate::Split if !failed.is_empty() => (0..body.x.len()).map(|n| body.internal_n(n)).collect(),
+        _ => Vec::new(),
+    };
+    let mut own_n = Vec::new();
+    for Failed { element, cause, work_j, force_n } in failed {
         let loss = loss(body, element);
         let split = cause != Death::Collapsed && body.failure.fate == Fate::Split;
         let table = &mut body.failure.table;
@@ -183,6 +193,7 @@ pub(super) fn fail(body: &mut Dynamics) {
             let split = split::split(body, element);
             body.failure.splits.push(split);
             body.deaths.push((element, Death::Split));
+            own_n.push((element, force_n));
             continue;
         }
         body.failure.table.released_j += 0.5 * work_j;
@@ -190,27 +201,45 @@ pub(super) fn fail(body: &mut Dynamics) {
         body.deaths.push((element, cause));
     }
     if !body.failure.splits.is_empty() {
-        body.blocks.connect(&body.x);
-        if let Some(contact) = &mut body.body_contact {
-            contact.follow_splits(body.blocks.element_nodes(), body.x.len());
-        }
-        let step = KernelStep { dt_s: 1.0, viscous: false };
-        body.find_forces(&Sweep { dt_s: 0.0, step, drop_above: None, skip_quiet: false });
+        connect(body, sums_n, &own_n);
     }
 }
 
-/// Elements that the pass of the kernel found failing, with the work of their forces over the last increment \[J\].
-fn in_the_pass(body: &Dynamics) -> Vec<(usize, Death, f64)> {
-    let cause = |element: usize| {
+/// Connects elements and nodes anew after splits; the forces of this step go to the nodes they belong to now.
+fn connect(body: &mut Dynamics, sums_n: Vec<[f64; 3]>, own_n: &[(usize, [[f64; 3]; 8])]) {
+    body.blocks.connect(&body.x);
+    body.blocks.put_in(sums_n.into_iter().enumerate());
+    for (element, force_n) in own_n {
+        body.blocks.put_in(body.blocks.nodes_of(*element).into_iter().zip(*force_n));
+    }
+    if let Some(contact) = &mut body.body_contact {
+        contact.follow_splits(body.blocks.element_nodes(), body.x.len());
+    }
+}
+
+/// An element that fails.
+struct Failed {
+    element: usize,
+    cause: Death,
+    /// Work of its forces over the last increment \[J\].
+    work_j: f64,
+    /// Its forces, which are not in the sums at the nodes \[N\].
+    force_n: [[f64; 3]; 8],
+}
+
+/// Elements that the pass of the kernel found failing.
+fn in_the_pass(body: &Dynamics) -> Vec<Failed> {
+    let found = |(element, failing): (usize, Failing)| {
         let (block, lane) = body.blocks.of_element(element);
         let eroded = block.state.plastic_strain[lane] >= block.material.critical_strain[lane];
-        if eroded { Death::Eroded } else { Death::Collapsed }
+        let cause = if eroded { Death::Eroded } else { Death::Collapsed };
+        Failed { element, cause, work_j: failing.work_j, force_n: failing.force_n }
     };
-    body.blocks.failing().into_iter().map(|(e, work_j)| (e, cause(e), work_j)).collect()
+    body.blocks.failing().into_iter().map(found).collect()
 }
 
 /// Watched elements past their critical principal strain that are not in `failed`, in element order.
-fn by_principal_strain(body: &Dynamics, failed: &[(usize, Death, f64)]) -> Vec<(usize, Death, f64)> {
+fn by_principal_strain(body: &Dynamics, failed: &[Failed]) -> Vec<Failed> {
     let torn = |w: &&Watched| {
         body.blocks.share(w.element) > 0.0
             && !body.blocks.is_detached(w.element)
@@ -220,8 +249,8 @@ fn by_principal_strain(body: &Dynamics, failed: &[(usize, Death, f64)]) -> Vec<(
         .watched
         .iter()
         .filter(torn)
-        .filter(|w| failed.iter().all(|(e, ..)| *e != w.element))
-        .map(|w| (w.element, Death::Torn, -last_work_j(body, w.element)))
+        .filter(|w| failed.iter().all(|f| f.element != w.element))
+        .map(|w| torn_now(body, w.element))
         .collect()
 }
 
@@ -281,12 +310,13 @@ pub fn elastic_j(body: &Dynamics, element: usize) -> f64 {
     block.state.share[lane] * volume * (deviator / (4.0 * mu) + mean * mean / (2.0 * bulk))
 }
 
-/// Work of an element's forces over the last increment \[J\].
-fn last_work_j(body: &Dynamics, element: usize) -> f64 {
-    let force = body.blocks.element_force(element, &body.x);
+/// An element past its principal strain, with the forces of its stresses.
+fn torn_now(body: &Dynamics, element: usize) -> Failed {
+    let force_n = body.blocks.element_force(element, &body.x);
     let nodes = body.blocks.nodes_of(element);
-    let work = force.iter().zip(nodes).map(|(f, n)| dot(*f, body.v[n])).sum::<f64>();
-    if work.is_finite() { body.taken_s * work } else { 0.0 }
+    let work = body.taken_s * force_n.iter().zip(nodes).map(|(f, n)| dot(*f, body.v[n])).sum::<f64>();
+    let work_j = if work.is_finite() { work } else { 0.0 };
+    Failed { element, cause: Death::Torn, work_j, force_n }
 }
 
 /// Nodes with mass that belong to no acting element.

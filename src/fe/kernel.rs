@@ -129,7 +129,8 @@ impl BlockState {
 
     /// All its numbers.
     fn lanes_mut(&mut self) -> impl Iterator<Item = &mut Lane> {
-        let Self { stress, hourglass, plastic_strain, internal_j, hourglass_j, viscous_j, viscous_pa, share } = self;
+        let Self { stress, hourglass, plastic_strain, internal_j, hourglass_j, viscous_j, viscous_pa, share } =
+            self;
         let single = [plastic_strain, internal_j, hourglass_j, viscous_j, viscous_pa, share];
         stress.iter_mut().chain(hourglass.iter_mut()).chain(single)
     }

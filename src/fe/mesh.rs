@@ -6,8 +6,8 @@ use super::law::Law;
 use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Face, Preparation};
-use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A mesh of eight-node hexahedra. Node order of an element: bottom face counter-clockwise seen from +z, then top face.
 #[derive(Debug, Clone, Default)]

@@ -3,6 +3,7 @@
 pub mod apart;
 pub mod blocks;
 pub mod contact;
+pub mod deck;
 pub mod dynamics;
 pub mod embed;
 pub mod erosion;
@@ -15,6 +16,7 @@ pub mod law;
 pub mod mass_scaling;
 pub mod mesh;
 pub mod model;
+pub mod model_run;
 pub mod node_field;
 pub mod preload;
 pub mod probe;

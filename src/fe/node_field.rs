@@ -1,7 +1,7 @@
 //! Values that few nodes have.
 
-use std::ops::{Index, IndexMut};
 use serde::{Deserialize, Serialize};
+use std::ops::{Index, IndexMut};
 
 /// A value for every node, with a flag for the nodes whose value was ever set: the time loop reads one byte for all others.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -236,6 +236,8 @@ impl Recorder {
             erosion,
             energy_error: self.energy_error,
             hourglass_share: self.hourglass_share,
+            quiet_share: body.blocks.skipped() as f64
+                / (body.steps.max(1) * mesh.elements.len() as u64) as f64,
             body_contact: body.body_contact.as_ref().map(|c| c.summary().clone()),
             ..FeSummary::default()
         };

@@ -129,13 +129,10 @@ pub struct FeEnergies {
     /// Energy that left the balance with removed members (negative).
     pub removed_j: f64,
     /// Work booked for forces of dying elements that no longer acted.
-    #[serde(default)]
     pub released_j: f64,
     /// Elastic energy lost with eroded elements, part of `eroded_j`.
-    #[serde(default)]
     pub eroded_elastic_j: f64,
     /// Part of `kinetic_j` in nodes that belong to no acting element.
-    #[serde(default)]
     pub free_kinetic_j: f64,
     /// What is missing.
     pub residual_j: f64,
@@ -157,24 +154,22 @@ pub struct FeSummary {
     /// Iterations of the static preload; 0 if it was found by relaxation.
     pub preload_iterations: usize,
     /// Cycles of the relaxation that found the static preload, if the sparse solve did not.
-    #[serde(default)]
     pub relaxation_cycles: Option<usize>,
     /// Mass added for a longer time step, if that was asked for.
-    #[serde(default)]
     pub mass_scaling: Option<MassScaling>,
     /// First contact of a part that does not stand on the ground with the ground \[s\].
     pub first_ground_contact_s: Option<f64>,
     /// Eroded elements at the end.
     pub eroded_elements: usize,
     /// What failed elements took out of the structure, and the debris nodes at the end.
-    #[serde(default)]
     pub erosion: ErosionTable,
     /// Largest energy residual over the largest of kinetic + internal energy and work of gravity.
     pub energy_error: f64,
     /// Largest hourglass over internal energy, after 1 % of the work of gravity has been done.
     pub hourglass_share: f64,
+    /// Share of the element-steps that was left out because nothing moved.
+    pub quiet_share: f64,
     /// Contact of the building's parts with each other; absent if it was switched off.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body_contact: Option<ContactSummary>,
     /// Time taken.
     pub elapsed: Elapsed,

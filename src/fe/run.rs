@@ -37,6 +37,8 @@ pub struct FeOptions {
     pub body_contact: bool,
     /// Share of the stability limit other than [`super::dynamics::STEP_SAFETY`].
     pub step_safety: Option<f64>,
+    /// Whether elements that do not deform keep their forces instead of being computed ([`super::sweep::QUIET_STRAIN`]).
+    pub skip_quiet: bool,
 }
 
 impl Default for FeOptions {
@@ -50,6 +52,7 @@ impl Default for FeOptions {
             keep_frames: false,
             body_contact: true,
             step_safety: None,
+            skip_quiet: true,
         }
     }
 }
@@ -254,6 +257,7 @@ impl RunState {
             body.set_step_safety(safety);
         }
         body.failure.fate = options.on_failure;
+        body.skip_quiet = options.skip_quiet;
         let scaled =
             options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, options.mass_scaling_forced));
         let mass_scaling = scaled.transpose()?;
@@ -319,7 +323,7 @@ impl RunState {
     }
 }
 
-fn contact_error(mesh: &Mesh, body: &Dynamics, lost: LostContact) -> FeError {
+pub(super) fn contact_error(mesh: &Mesh, body: &Dynamics, lost: LostContact) -> FeError {
     let part = |element: usize| mesh.parts[mesh.elements[element].part].clone();
     FeError::Contact {
         time_s: body.time_s,

@@ -1,6 +1,6 @@
 //! One pass of the kernel over all blocks: gather, kernel, search for failed elements, sum of forces, chunk by chunk.
 
-use super::blocks::{Block, Blocks, Quiet};
+use super::blocks::{Block, Blocks, Failing, Quiet};
 use super::full;
 use super::kernel::{self, BlockForce, KernelStep, LANES};
 use super::law::{ElementForm, Hourglass};
@@ -36,7 +36,17 @@ impl Blocks {
         let chunk_blocks = self.chunk_blocks;
         let run = |local: &mut Vec<LocalNode>, (c, ((blocks, quiet), forces)): ChunkWork| {
             let nodes = &nodes[starts[c] as usize..starts[c + 1] as usize];
-            chunk(blocks, quiet, &mut forces[..nodes.len()], nodes, &mut local[..nodes.len()], tables, x, v, sweep);
+            chunk(
+                blocks,
+                quiet,
+                &mut forces[..nodes.len()],
+                nodes,
+                &mut local[..nodes.len()],
+                tables,
+                x,
+                v,
+                sweep,
+            );
         };
         let new_buffer = || vec![[0.0; 8]; stride];
         if parallel {
@@ -45,7 +55,10 @@ impl Blocks {
         } else {
             let mut local = new_buffer();
             let chunks = self.blocks.chunks_mut(chunk_blocks).zip(&mut self.quiet);
-            chunks.zip(self.partial_n.chunks_mut(stride.max(1))).enumerate().for_each(|work| run(&mut local, work));
+            chunks
+                .zip(self.partial_n.chunks_mut(stride.max(1)))
+                .enumerate()
+                .for_each(|work| run(&mut local, work));
         }
     }
 
@@ -199,7 +212,7 @@ fn drop_failing(
     (moved, dt_s): (&BlockForce, f64),
     bound: &mut [f64; LANES],
     force: &mut BlockForce,
-    failing: &mut Vec<(u32, u8, f64)>,
+    failing: &mut Vec<Failing>,
 ) {
     let mut failed = [false; LANES];
     let mut count = 0;
@@ -214,7 +227,10 @@ fn drop_failing(
     }
     for l in (0..LANES).filter(|l| failed[*l]) {
         let work: f64 = (0..24).map(|c| force[c][l] * moved[c][l] * dt_s).sum();
-        failing.push((index as u32, l as u8, if work.is_finite() { work } else { 0.0 }));
+        let work_j = if work.is_finite() { work } else { 0.0 };
+        let finite = |f: f64| if f.is_finite() { f } else { 0.0 };
+        let force_n = std::array::from_fn(|n| std::array::from_fn(|i| finite(force[3 * n + i][l])));
+        failing.push(Failing { place: (index as u32, l as u8), work_j, force_n });
         bound[l] = 0.0;
         force.iter_mut().for_each(|f| f[l] = 0.0);
     }

@@ -196,8 +196,7 @@ fn push(
     let rest = tip_center(model, &body)[model.axis];
     apply(&mut body);
     let force_or_probe = if axial_force_n == 0.0 { 1.0 } else { axial_force_n };
-    preload::equilibrate(&mut body)
-        .map_err(|reason| PushoverError::Preload { axial_force_n, reason })?;
+    preload::equilibrate(&mut body).map_err(|reason| PushoverError::Preload { axial_force_n, reason })?;
     let shortening = -model.outward * (tip_center(model, &body)[model.axis] - rest);
     let axial_stiffness = force_or_probe / shortening;
     // rotation about `axis + 1` moves the tip along `axis + 2` and the other way round

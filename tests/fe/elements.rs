@@ -35,7 +35,6 @@ fn displace(body: &mut Dynamics, by: impl Fn(usize) -> [f64; 3]) {
         body.x[n] = std::array::from_fn(|i| body.x[n][i] + body.v[n][i]);
     }
     body.update_elements(STATIC, 1.0);
-
 }
 
 /// A linear displacement field on irregular elements gives no force inside and no hourglass work, and the energy of the uniform strain.

@@ -2,7 +2,9 @@
 
 use fallwerk::fe::kernel::{BlockForce, BlockMaterial, BlockState, LANES};
 use fallwerk::fe::law::Law;
-pub use fallwerk::fe::shapes::{Random, bilinear, distort, elastic, grid, ground, nearest, point, round_bar};
+pub use fallwerk::fe::shapes::{
+    Random, bilinear, distort, elastic, grid, ground, nearest, of_hexahedra, point, round_bar,
+};
 use fallwerk::material::j2::HardeningTable;
 
 /// A unit cube with its corners moved by up to `amount`.

@@ -10,7 +10,7 @@ fn pushed_bar(skip_quiet: bool) -> Dynamics {
     let mesh = grid([256, 4, 4], [128.0, 2.0, 2.0], elastic(), |p| p[0] == 0.0);
     let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
     body.skip_quiet = skip_quiet;
-    for n in (0..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] > 127.99) {
+    for n in (0..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] > 112.0) {
         body.v[n] = [-0.5, 0.0, 0.0];
     }
     for _ in 0..150 {

@@ -135,7 +135,13 @@ fn fe_leaves_whole_results_that_do_not_depend_on_threads() {
     let (one, two) = (room.path().join("one"), room.path().join("two"));
     assert_eq!(
         names(&one),
-        [fallwerk::base::output::MARKER, "fe-displacements.csv", "fe-energies.csv", "fe.json"]
+        [
+            fallwerk::base::output::MARKER,
+            "fe-displacements.csv",
+            "fe-energies.csv",
+            "fe-events.csv",
+            "fe.json"
+        ]
     );
     for file in names(&one) {
         assert!(fs::read(one.join(&file)).unwrap() == fs::read(two.join(&file)).unwrap(), "{file} differs");

@@ -93,7 +93,8 @@ fn free_flight() -> Result<Vec<Figure>, String> {
         kinetic = body.step(true);
     }
     let end = momenta(&body)[0];
-    let fallen = start[2] - mass * GRAVITY_M_S2 * body.time_s;
+    // velocities are those half a step before the positions
+    let fallen = start[2] - mass * GRAVITY_M_S2 * (body.time_s - 0.5 * body.dt_s);
     let missing = missing_j(&body, kinetic, kinetic_start) / kinetic_start;
     Ok(vec![
         Figure::relative("momentum along x", "kg m/s", [start[0], end[0]], 1e-10, CONSERVED),

@@ -1,0 +1,232 @@
+//! `fallwerk fe DECK`: runs a keyword deck; `--write-deck`: writes one.
+
+use super::fe::Arguments;
+use super::progress::Progress;
+use super::verdict::percent;
+use super::{Failure, Outcome, colour_on_stderr, print, thread_pool};
+use crate::base::hash::{ContentHash, readable_json};
+use crate::base::output::{OutputFolder, write_atomic};
+use crate::building::Building;
+use crate::fe::deck::{Deck, DeckOptions, of_building, read, write};
+use crate::fe::dynamics::Death;
+use crate::fe::model_run::{ModelOptions, ModelRun, run_model};
+use crate::fe::vtu::{FrameSink, VtuSeries};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Version of `fe.json` of a deck.
+const SCHEMA: &str = "fallwerk-fe-deck/1";
+
+/// Runs a deck, or writes it again in normal form.
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    if arguments.mesh_size.is_some() {
+        return Err(Failure::input("--mesh-size is for buildings: a deck brings its mesh".into()));
+    }
+    if let Some(option) = arguments.for_buildings_only() {
+        return Err(Failure::input(format!(
+            "{option} is for buildings; a deck has its own keywords, or none"
+        )));
+    }
+    let options = DeckOptions { skip_unknown: arguments.skip_unknown };
+    let deck = read(&arguments.building, options).map_err(|errors| {
+        eprint!("{}", errors.render(colour_on_stderr()));
+        if arguments.json {
+            print(&format!("{:#}\n", json!({ "ok": false, "diagnostics": errors.to_json() })));
+        }
+        Failure::input(String::new())
+    })?;
+    for note in &deck.notes {
+        eprintln!("note: {note}");
+    }
+    if let Some(path) = &arguments.write_deck {
+        let written = write(&deck.model, &[]);
+        return save(path, &written.text, &written.notes);
+    }
+    let end_time_s = super::fe::end_time(arguments)?;
+    let target = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.building));
+    let output = OutputFolder::create(&target).map_err(|e| Failure::input(e.to_string()))?;
+    let progress = Progress::on_stderr();
+    let pool = thread_pool(arguments.threads)?;
+    progress.stage("FE run");
+    let mut report = |at: crate::fe::run::Progress| {
+        progress.advance(at.time_s / at.end_s, &format!("t = {:.4e} of {:.4e} s", at.time_s, at.end_s));
+    };
+    let every = arguments.frames_every();
+    let mut series = every.map(|every| VtuSeries::new(output.path(), every));
+    let frames = series.as_mut().map(|s| s as &mut dyn FrameSink);
+    let ran = pool.install(|| run_model(&deck.model, &ModelOptions { end_time_s }, frames, &mut report));
+    let run = ran.map_err(|e| Failure::stopped(e.to_string()))?;
+    progress.finish();
+    for note in &run.notes {
+        eprintln!("note: {note}");
+    }
+    let text = readable_json(&record(&deck, &run)?).map_err(|e| Failure::input(e.to_string()))?;
+    super::write(&output, "fe.json", &text)?;
+    super::write(&output, "histories.csv", &histories_csv(&deck, &run))?;
+    super::write(&output, "energies.csv", &energies_csv(&run))?;
+    let folder = output.commit().map_err(|e| Failure::input(e.to_string()))?;
+    if arguments.json {
+        let mut value = json!(run.summary);
+        value["title"] = json!(deck.model.title);
+        value["notes"] = notes(&deck, &run);
+        value["output"] = json!(folder);
+        print(&format!("{value:#}\n"));
+    } else {
+        print(&format!("{}  results: {}\n", summary(&deck, &run), folder.display()));
+    }
+    Ok(Outcome::Done)
+}
+
+/// Writes the FE model of a building as a deck.
+pub fn write_building(
+    building: &Building,
+    mesh_size_m: Option<f64>,
+    path: &Path,
+) -> Result<Outcome, Failure> {
+    let deck = of_building(building, mesh_size_m);
+    let written = write(&deck.model, &deck.comments);
+    save(path, &written.text, &written.notes)
+}
+
+fn save(path: &Path, text: &str, notes: &[String]) -> Result<Outcome, Failure> {
+    write_atomic(path, text.as_bytes()).map_err(|e| Failure::input(format!("{}: {e}", path.display())))?;
+    for note in notes {
+        eprintln!("note: {note}");
+    }
+    print(&format!("{}\n", path.display()));
+    Ok(Outcome::Done)
+}
+
+/// `out/` and the deck's name.
+fn default_output(deck: &Path) -> PathBuf {
+    let name = deck.file_stem().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    Path::new("out").join(format!("{}-fe", if name.is_empty() { "deck" } else { &name }))
+}
+
+fn notes(deck: &Deck, run: &ModelRun) -> Value {
+    let all = deck.notes.iter().map(|n| n.to_string()).chain(run.notes.iter().cloned());
+    Value::Array(all.map(Value::from).collect())
+}
+
+/// What `fe.json` holds: everything of the run but states and run times.
+fn record(deck: &Deck, run: &ModelRun) -> Result<Value, Failure> {
+    let mut summary = json!(run.summary);
+    if let Some(members) = summary.as_object_mut() {
+        for unused in ["elapsed", "preload_iterations", "first_ground_contact_s"] {
+            members.remove(unused);
+        }
+    }
+    let text = write(&deck.model, &[]).text;
+    let hash = ContentHash::of_value(&text).map_err(|e| Failure::input(e.to_string()))?;
+    let deaths = |cause: Death| run.deaths.iter().filter(|d| d.cause == cause).count();
+    let history = |h: &crate::fe::model_run::NodeHistory| {
+        json!({
+            "node": deck.ids.nodes[h.node],
+            "displacement_m": h.displacement_m,
+            "velocity_m_s": h.velocity_m_s,
+        })
+    };
+    Ok(json!({
+        "schema": SCHEMA,
+        "title": deck.model.title,
+        "model_hash": hash.to_string(),
+        "program_version": env!("CARGO_PKG_VERSION"),
+        "notes": notes(deck, run),
+        "summary": summary,
+        "added_mass_kg": run.added_mass_kg,
+        "largest_plastic_strain": run.plastic_strain.iter().copied().fold(0.0, f64::max),
+        "deaths": {
+            "eroded": deaths(Death::Eroded),
+            "torn": deaths(Death::Torn),
+            "collapsed": deaths(Death::Collapsed),
+        },
+        "times_s": run.times_s,
+        "histories": run.histories.iter().map(history).collect::<Vec<_>>(),
+        "energies": run.energies,
+    }))
+}
+
+/// Displacements and velocities of the recorded nodes by their identifiers.
+fn histories_csv(deck: &Deck, run: &ModelRun) -> String {
+    let mut text = String::from("time_s");
+    for history in &run.histories {
+        let id = deck.ids.nodes[history.node];
+        for (what, unit) in [("u", "m"), ("v", "m_s")] {
+            let _ = write!(text, ",n{id}_{what}x_{unit},n{id}_{what}y_{unit},n{id}_{what}z_{unit}");
+        }
+    }
+    text.push('\n');
+    for (i, time) in run.times_s.iter().enumerate() {
+        let _ = write!(text, "{time}");
+        for history in &run.histories {
+            for value in history.displacement_m[i].iter().chain(&history.velocity_m_s[i]) {
+                let _ = write!(text, ",{value}");
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn energies_csv(run: &ModelRun) -> String {
+    let mut text = String::from(
+        "time_s,kinetic_j,internal_j,eroded_j,hourglass_j,viscous_j,body_loads_j,driven_j,contact_j,friction_j,released_j,residual_j\n",
+    );
+    for (time, e) in run.times_s.iter().zip(&run.energies) {
+        let _ = writeln!(
+            text,
+            "{time},{},{},{},{},{},{},{},{},{},{},{}",
+            e.kinetic_j,
+            e.internal_j,
+            e.eroded_j,
+            e.hourglass_j,
+            e.viscous_j,
+            e.body_loads_j,
+            e.driven_j,
+            e.contact_j,
+            e.friction_j,
+            e.released_j,
+            e.residual_j
+        );
+    }
+    text
+}
+
+fn summary(deck: &Deck, run: &ModelRun) -> String {
+    let s = &run.summary;
+    let title = if deck.model.title.is_empty() { "deck" } else { &deck.model.title };
+    let end_s = run.times_s.last().copied().unwrap_or(0.0);
+    let mut text = format!(
+        "{title}: run to {end_s:.6} s\n  {} elements, {} nodes, mass {:.6e}; {} steps, the first of {:.4e} s\n  \
+         largest plastic strain {:.4}, eroded elements: {}\n  energy error {}, hourglass share {}\n",
+        s.elements,
+        s.nodes,
+        s.mass_kg,
+        s.steps,
+        s.time_step_s,
+        run.plastic_strain.iter().copied().fold(0.0, f64::max),
+        s.eroded_elements,
+        percent(s.energy_error),
+        percent(s.hourglass_share),
+    );
+    if run.added_mass_kg > 0.0 {
+        let _ = writeln!(text, "  added mass: {}", percent(run.added_mass_kg / s.mass_kg));
+    }
+    for history in &run.histories {
+        let largest = |i: usize| {
+            let values = history.displacement_m.iter().map(|u| u[i]);
+            values.fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a })
+        };
+        let id = deck.ids.nodes[history.node];
+        let _ = writeln!(
+            text,
+            "  node {id}: largest displacements {:.6e} {:.6e} {:.6e}",
+            largest(0),
+            largest(1),
+            largest(2)
+        );
+    }
+    let _ = writeln!(text, "  run time: {:.1} s wall, {:.1} s processor", s.elapsed.wall_s, s.elapsed.cpu_s);
+    text
+}

@@ -1,0 +1,81 @@
+//! The FE model of a building as a model that a deck can hold.
+
+use crate::building::Building;
+use crate::building::partition::Partition;
+use crate::building::tracked::tracked_points;
+use crate::fe::mesh::Mesh;
+use crate::fe::model::{BodyLoad, Control, Curve, Model, RigidPlane};
+
+/// A building's model with what a deck does not say of it.
+#[derive(Debug, Clone)]
+pub struct BuildingDeck {
+    /// The model.
+    pub model: Model,
+    /// What whoever runs the deck has to know: dead load, charges, obstacles.
+    pub comments: Vec<String>,
+}
+
+/// Mesh, gravity, ground and tracked points of a building at an element size \[m\] (`None`: the building's).
+pub fn of_building(building: &Building, mesh_size_m: Option<f64>) -> BuildingDeck {
+    let settings = &building.settings;
+    let (mesh, _) = Mesh::of(building, mesh_size_m.unwrap_or(settings.mesh_size_m));
+    let mut comments = vec![
+        "Units: m, kg, s, N, Pa.".to_string(),
+        "Gravity acts from the beginning of the run at its full value; fallwerk itself starts a building from its static state under dead load.".into(),
+    ];
+    for charge in &building.events {
+        let stretch = charge.stretch_m.map_or(String::new(), |[a, b]| format!(", {a} to {b} m along it"));
+        comments.push(format!(
+            "Charge {}: member {}{stretch} loses its elements at {} s. Not in this deck: give its parts an erosion time (FAILTM of *MAT_ADD_EROSION, on a material of their own).",
+            charge.id, charge.member, charge.time_s
+        ));
+    }
+    for obstacle in &building.obstacles {
+        comments.push(format!(
+            "Obstacle {}: rigid box {:?} to {:?}, friction {}. Not in this deck: give it as *RIGIDWALL_GEOMETRIC_PRISM.",
+            obstacle.id, obstacle.solid.min, obstacle.solid.max, obstacle.friction
+        ));
+    }
+    let ground = RigidPlane {
+        point_m: [0.0, 0.0, building.ground.level_m],
+        normal: [0.0, 0.0, 1.0],
+        friction: building.ground.friction,
+        nodes: None,
+    };
+    let control = Control {
+        end_time_s: settings.end_time_s,
+        state_interval_s: settings.output_interval_s,
+        history_interval_s: settings.output_interval_s,
+        history_nodes: history_nodes(building, &mesh),
+        ..Control::default()
+    };
+    let gravity = BodyLoad { axis: 2, acceleration_m_s2: Curve::constant(-settings.gravity_m_s2) };
+    let model = Model {
+        title: building.name.clone(),
+        mesh,
+        body_loads: vec![gravity],
+        walls: vec![ground],
+        control,
+        ..Model::default()
+    };
+    BuildingDeck { model, comments }
+}
+
+/// The node of its member nearest to each tracked point.
+fn history_nodes(building: &Building, mesh: &Mesh) -> Vec<usize> {
+    let nearest = |member: &str, to: [f64; 3]| {
+        let part = building.members.iter().position(|m| m.id == member)?;
+        let own = mesh.elements.iter().filter(|e| e.part == part).flat_map(|e| e.nodes);
+        let distance = |n: &usize| (0..3).map(|i| (mesh.nodes[*n][i] - to[i]).powi(2)).sum::<f64>();
+        own.min_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)))
+    };
+    let mut nodes: Vec<usize> = Vec::new();
+    for point in tracked_points(building, &Partition::of(building)) {
+        if let Some(node) = nearest(&point.member, point.point_m)
+            && !nodes.contains(&node)
+        {
+            nodes.push(node);
+        }
+    }
+    nodes
+}

@@ -1,0 +1,94 @@
+//! Nodes meant by sets, parts and boxes, as indices.
+
+use super::error::{At, Messages};
+use super::raw::{Raw, Who};
+use std::collections::{BTreeSet, HashMap};
+
+/// Looks up what identifiers mean.
+pub(super) struct Groups<'a> {
+    raw: &'a Raw,
+    /// Index of each node identifier (looked up only, never walked through).
+    pub node: HashMap<u64, usize>,
+}
+
+impl<'a> Groups<'a> {
+    /// Enters the nodes; two with one identifier are an error.
+    pub fn new(raw: &'a Raw, messages: &mut Messages) -> Self {
+        let mut node = HashMap::with_capacity(raw.nodes.len());
+        for (index, item) in raw.nodes.iter().enumerate() {
+            if node.insert(item.id, index).is_some() {
+                let message = format!("*NODE: {} is defined twice", item.id);
+                messages.error(item.at, "duplicate-id", message, "", "give one of them another identifier");
+            }
+        }
+        Self { raw, node }
+    }
+
+    /// The index of a node.
+    pub fn node(&self, id: u64, at: At, messages: &mut Messages) -> Option<usize> {
+        let found = self.node.get(&id).copied();
+        if found.is_none() {
+            unknown(at, "node", id, "*NODE", messages);
+        }
+        found
+    }
+
+    /// The nodes meant, in the order given (sets) or increasing (others); empty after an error.
+    pub fn nodes(&self, who: &Who, at: At, messages: &mut Messages) -> Vec<usize> {
+        match who {
+            Who::All => (0..self.raw.nodes.len()).collect(),
+            Who::Node(id) => self.node(*id, at, messages).into_iter().collect(),
+            Who::Set(id) => self.set(*id, at, messages),
+            Who::Part(id) => {
+                if !self.raw.parts.iter().any(|p| p.id == *id) {
+                    unknown(at, "part", *id, "*PART", messages);
+                }
+                self.of_parts(&[*id])
+            }
+            Who::PartSet(id) => match self.raw.part_sets.get(id) {
+                Some((parts, _)) => self.of_parts(parts),
+                None => {
+                    unknown(at, "set of parts", *id, "*SET_PART_LIST", messages);
+                    Vec::new()
+                }
+            },
+        }
+    }
+
+    fn set(&self, id: u64, at: At, messages: &mut Messages) -> Vec<usize> {
+        if let Some((ids, place)) = self.raw.node_sets.get(&id) {
+            return ids.iter().filter_map(|n| self.node(*n, *place, messages)).collect();
+        }
+        let Some((ranges, _)) = self.raw.node_ranges.get(&id) else {
+            unknown(at, "set of nodes", id, "*SET_NODE_LIST", messages);
+            return Vec::new();
+        };
+        let inside = |node: u64| ranges.iter().any(|[from, to]| (*from..=*to).contains(&node));
+        (0..self.raw.nodes.len()).filter(|n| inside(self.raw.nodes[*n].id)).collect()
+    }
+
+    fn of_parts(&self, parts: &[u64]) -> Vec<usize> {
+        let parts: BTreeSet<u64> = parts.iter().copied().collect();
+        let solids = self.raw.solids.iter().filter(|s| parts.contains(&s.part)).flat_map(|s| &s.nodes);
+        let beams = self.raw.beams.iter().filter(|b| parts.contains(&b.part)).flat_map(|b| &b.nodes);
+        let found: BTreeSet<usize> = solids.chain(beams).filter_map(|n| self.node.get(n).copied()).collect();
+        found.into_iter().collect()
+    }
+
+    /// Whether a point lies in a box.
+    pub fn inside(&self, id: u64, x: [f64; 3], at: At, messages: &mut Messages) -> bool {
+        match self.raw.boxes.get(&id) {
+            Some((sides, _)) => (0..3).all(|i| x[i] >= sides[i][0] && x[i] <= sides[i][1]),
+            None => {
+                unknown(at, "box", id, "*DEFINE_BOX", messages);
+                false
+            }
+        }
+    }
+}
+
+/// An error about something that is referred to and not there.
+pub(super) fn unknown(at: At, what: &str, id: u64, keyword: &str, messages: &mut Messages) {
+    let message = format!("there is no {what} {id}");
+    messages.error(at, "unknown-id", message, "referred to here", &format!("define it with {keyword}"));
+}

@@ -1,0 +1,142 @@
+//! Control of the run and of what is recorded.
+
+use super::card::{Cards, Names};
+use super::raw::{Raw, Who};
+use super::read_material::bulk_viscosity;
+
+/// Keywords that change what is written or how elsewhere, and nothing here.
+const WITHOUT_EFFECT: &[&str] = &[
+    "CONTROL_ENERGY",
+    "CONTROL_OUTPUT",
+    "CONTROL_UNITS",
+    "CONTROL_ACCURACY",
+    "CONTROL_SOLUTION",
+    "CONTROL_SOLID",
+    "CONTROL_SHELL",
+    "CONTROL_CONTACT",
+    "CONTROL_CPU",
+    "CONTROL_PARALLEL",
+    "DATABASE_EXTENT_BINARY",
+    "DATABASE_FORMAT",
+    "DATABASE_ELOUT",
+    "DATABASE_RCFORC",
+    "DATABASE_RWFORC",
+    "DATABASE_SPCFORC",
+    "DATABASE_SLEOUT",
+    "DATABASE_NODFOR",
+    "DATABASE_BNDOUT",
+    "DATABASE_DEFORC",
+    "DATABASE_HISTORY_SOLID",
+    "DATABASE_HISTORY_SOLID_SET",
+    "DATABASE_HISTORY_BEAM",
+    "DATABASE_BINARY_D3THDT",
+    "DATABASE_BINARY_D3DUMP",
+    "DATABASE_BINARY_RUNRSF",
+    "DATABASE_BINARY_INTFOR",
+];
+
+/// Reads the block if it is one of these; says whether it was.
+pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
+    match &cards.block.keyword[..] {
+        "CONTROL_TERMINATION" => termination(cards, raw),
+        "CONTROL_TIMESTEP" => time_step(cards, raw),
+        "CONTROL_BULK_VISCOSITY" => {
+            if let Some(card) = cards.card(&["Q1", "Q2", "TYPE"]) {
+                bulk_viscosity(cards, &card, 0, 1);
+            }
+        }
+        "CONTROL_DYNAMIC_RELAXATION" => cards.messages.note(
+            cards.block.at,
+            "*CONTROL_DYNAMIC_RELAXATION has no effect: loads of a deck act from the beginning of the run",
+        ),
+        "DATABASE_BINARY_D3PLOT" => interval(cards, |raw| &mut raw.state_interval, raw),
+        "DATABASE_NODOUT" => interval(cards, |raw| &mut raw.history_interval, raw),
+        "DATABASE_GLSTAT" | "DATABASE_MATSUM" => interval(cards, |raw| &mut raw.energy_interval, raw),
+        "DATABASE_HISTORY_NODE" => history_nodes(cards, raw, false),
+        "DATABASE_HISTORY_NODE_SET" => history_nodes(cards, raw, true),
+        "DATABASE_HISTORY_NODE_ID" => named_history_nodes(cards, raw),
+        keyword if WITHOUT_EFFECT.contains(&keyword) => {
+            if keyword != "CONTROL_ENERGY" {
+                cards.messages.note(cards.block.at, format!("*{keyword} has no effect"));
+            }
+        }
+        _ => return false,
+    }
+    true
+}
+
+fn termination(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
+    const NAMES: Names = &["ENDTIM", "ENDCYC", "DTMIN", "ENDENG", "ENDMAS"];
+    let Some(card) = cards.required(NAMES) else { return };
+    let end = cards.positive(&card, 0);
+    for field in 1..5 {
+        let value = cards.real(&card, field);
+        if value != 0.0 && value.abs() < 1e8 {
+            let text = "ENDCYC, DTMIN, ENDENG and ENDMAS have no effect: the run ends at ENDTIM";
+            cards.messages.note(card.place(field), text);
+        }
+    }
+    if raw.end_time.replace(end).is_some() {
+        let message = "*CONTROL_TERMINATION stands twice in the deck".to_string();
+        cards.messages.error(cards.block.at, "duplicate", message, "", "keep one of them");
+    }
+}
+
+fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
+    const NAMES: Names = &["DTINIT", "TSSFAC", "ISDO", "TSLIMT", "DT2MS", "LCTM", "ERODE", "MS1ST"];
+    let Some(card) = cards.required(NAMES) else { return };
+    if cards.real(&card, 0) != 0.0 {
+        cards.messages.note(card.place(0), "DTINIT has no effect: the first step follows from the elements");
+    }
+    let safety = cards.real_or(&card, 1, crate::fe::dynamics::STEP_SAFETY);
+    if safety <= 0.0 || safety > 1.0 {
+        cards.refuse(&card, 1, "a share of the critical step, above 0 and at most 1");
+    }
+    raw.step_safety = Some(safety);
+    let least = cards.real(&card, 4);
+    if least > 0.0 {
+        cards.refuse(
+            &card,
+            4,
+            "mass is only ever added: give a negative DT2MS, the least step of an element",
+        );
+    } else if least < 0.0 {
+        raw.mass_scaling = Some(-least * safety);
+    }
+    cards.must_be_zero(&card, 5, "a curve that limits the step is not supported");
+}
+
+/// The interval of field `DT`.
+fn interval(cards: &mut Cards<'_, '_>, slot: fn(&mut Raw) -> &mut Option<f64>, raw: &mut Raw) {
+    let Some(card) = cards.required(&["DT", "BINARY/LCDT", "LCUR"]) else { return };
+    let value = cards.positive(&card, 0);
+    if cards.block.keyword.contains("D3PLOT") {
+        cards.must_be_zero(&card, 1, "states are written at a constant interval");
+    }
+    let slot = slot(raw);
+    *slot = Some(slot.map_or(value, |v| v.min(value)));
+}
+
+fn history_nodes(cards: &mut Cards<'_, '_>, raw: &mut Raw, sets: bool) {
+    const NAMES: Names = &["ID1", "ID2", "ID3", "ID4", "ID5", "ID6", "ID7", "ID8"];
+    loop {
+        cards.skip_blank();
+        let Some(card) = cards.card(NAMES) else { return };
+        for field in 0..card.len().min(8) {
+            if let Some(id) = cards.id(&card, field).filter(|id| *id > 0) {
+                raw.history.push((if sets { Who::Set(id) } else { Who::Node(id) }, card.place(field)));
+            }
+        }
+    }
+}
+
+/// A node and its heading in each line.
+fn named_history_nodes(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
+    loop {
+        cards.skip_blank();
+        let Some(card) = cards.card_of(&["ID", "HEADING"], &[10, 70]) else { return };
+        if let Some(id) = cards.required_id(&card, 0) {
+            raw.history.push((Who::Node(id), card.place(0)));
+        }
+    }
+}

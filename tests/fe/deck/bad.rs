@@ -1,0 +1,136 @@
+//! Malformed decks: each gives exactly the messages of its snapshot, and none makes the reader panic.
+
+use super::{CUBE, with};
+use fallwerk::fe::deck::{DeckOptions, parse};
+use proptest::prelude::*;
+
+fn cases() -> Vec<(&'static str, String)> {
+    let cube = |from: &str, to: &str| with(CUBE, from, to);
+    vec![
+        ("unknown_keyword", cube("*ELEMENT_SOLID", "*ELEMENT_SOLLID")),
+        ("no_keyword", "schema = 1\n".into()),
+        ("empty", " \n".into()),
+        ("bad_number", cube("    2.1e11", "   2.1e1x1")),
+        ("shifted_columns", cube("        30    7850.0    2.1e11", "        30     7850.0    2.1e11")),
+        ("tab", cube("        20         1", "20\t1")),
+        (
+            "inside_out",
+            cube(
+                "       1       2       3       4       5       6       7       8",
+                "       5       6       7       8       1       2       3       4",
+            ),
+        ),
+        (
+            "distorted",
+            cube("       1       2       3       4       5", "       1       3       2       4       5"),
+        ),
+        ("wedge", cube("       5       6       7       8\n*END", "       5       6       7       7\n*END")),
+        (
+            "dangling",
+            cube(
+                "        10        20        30         0        40",
+                "        10        21        31         0        41",
+            ),
+        ),
+        ("missing_node", cube("       7       8\n*END", "       7       9\n*END")),
+        ("duplicate_node", cube("       8             0.0", "       7             0.0")),
+        ("duplicate_section", cube("*SECTION_SOLID\n", "*SECTION_SOLID\n        20         2\n")),
+        ("beam_in_solid_part", cube("*END", "*ELEMENT_BEAM\n       2      10       1       2       3\n*END")),
+        (
+            "unsupported_values",
+            cube("        20         1", "        20        13")
+                .replace("        40         5", "        40         8"),
+        ),
+        ("moving_wall", cube("*RIGIDWALL_PLANAR", "*RIGIDWALL_PLANAR_MOVING")),
+        (
+            "wall_without_normal",
+            cube("       0.0       0.0       1.0       0.4", "       0.0       0.0       0.0       0.4"),
+        ),
+        ("no_end_time", cube("*CONTROL_TERMINATION\n       0.1\n", "")),
+        (
+            "missing_card",
+            cube(
+                "*RIGIDWALL_PLANAR\n         0\n       0.0       0.0       0.0       0.0       0.0       1.0       0.4",
+                "*RIGIDWALL_PLANAR\n         0",
+            ),
+        ),
+        (
+            "unknown_parameter",
+            cube("    2.1e11", "    &young").replace("*PART\n", "*PARAMETER\nRyoungs     2.1e11\n*PART\n"),
+        ),
+        ("missing_curve", cube("*LOAD_BODY_Z\n         7", "*LOAD_BODY_Z\n         8")),
+        ("hardening_table", cube("       0.0      0.05       0.1", "      0.01      0.05      0.04")),
+        ("poisson", cube("    2.1e11       0.3", "   -2.1e11       0.5")),
+        ("held_and_moved", cube("*NODE\n", "*BOUNDARY_PRESCRIBED_MOTION_NODE\n1,1,0,7\n*NODE\n")),
+        ("displacement_given", cube("*NODE\n", "*BOUNDARY_PRESCRIBED_MOTION_NODE\n5,1,2,7\n*NODE\n")),
+        (
+            "kinematic_hardening",
+            cube("*NODE\n", "*MAT_PLASTIC_KINEMATIC\n31,7850,2.1e11,.3,3e8,1e9,0\n*NODE\n"),
+        ),
+        ("include_in_text", cube("*NODE\n", "*INCLUDE\nother.k\n*NODE\n")),
+        (
+            "several",
+            cube("2.1e11", "2.1x11")
+                .replace("       0.8", "       1.8")
+                .replace("*LOAD_BODY_Z", "*LOAD_BODY_W"),
+        ),
+    ]
+}
+
+#[test]
+fn messages_of_bad_decks() {
+    for (name, text) in cases() {
+        let errors = parse(&text, "deck.k", DeckOptions::default())
+            .err()
+            .unwrap_or_else(|| panic!("{name} was accepted"));
+        let mut settings = insta::Settings::clone_current();
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        settings.bind(|| insta::assert_snapshot!(name, errors.render(false)));
+        for item in errors.items() {
+            let plain_number = item.code == "bad-number";
+            assert!(!item.help.is_empty() || plain_number, "{name}: {item:?}");
+        }
+        assert_eq!(errors.to_json().as_array().unwrap().len(), errors.items().count());
+    }
+}
+
+fn mutated(changes: &[(usize, u8, u8)]) -> String {
+    let mut bytes = CUBE.as_bytes().to_vec();
+    for &(at, byte, kind) in changes {
+        let at = at % bytes.len().max(1);
+        match kind % 5 {
+            0 => bytes[at] = byte,
+            1 => drop(bytes.drain(at..(at + usize::from(byte % 32)).min(bytes.len() - 1))),
+            2 => bytes.insert(at, byte),
+            3 => bytes[at] = b"0123456789.-+eE,&*$ \n"[usize::from(byte) % 21],
+            _ => {
+                // a line is repeated somewhere else
+                let line = CUBE.lines().nth(usize::from(byte) % CUBE.lines().count()).unwrap();
+                let begin = bytes[..at].iter().rposition(|b| *b == b'\n').map_or(0, |i| i + 1);
+                bytes.splice(begin..begin, format!("{line}\n").into_bytes());
+            }
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn mutated_decks_never_panic(changes in prop::collection::vec((0usize..4000, any::<u8>(), any::<u8>()), 1..8), skip_unknown: bool) {
+        match parse(&mutated(&changes), "mutated.k", DeckOptions { skip_unknown }) {
+            Err(errors) => {
+                prop_assert!(errors.items().count() > 0);
+                prop_assert!(errors.render(false).contains("error"));
+            }
+            // what was accepted can be written and read again
+            Ok(deck) => {
+                let text = fallwerk::fe::deck::write(&deck.model, &[]).text;
+                let again = parse(&text, "again.k", DeckOptions::default());
+                prop_assert!(again.is_ok(), "{}\n{text}", again.unwrap_err());
+            }
+        }
+    }
+}

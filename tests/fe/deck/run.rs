@@ -1,0 +1,129 @@
+//! Runs of decks.
+
+use super::super::mesh::round_bar;
+use super::super::mesh::{bilinear, nearest};
+use super::{CUBE, good, with};
+use fallwerk::fe::deck::{DeckOptions, read, write};
+use fallwerk::fe::model::{Model, RigidPlane};
+use fallwerk::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
+use std::path::Path;
+
+fn run(model: &Model) -> ModelRun {
+    run_model(model, &ModelOptions::default(), None, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn example(name: &str) -> Model {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("decks").join(name);
+    read(&path, DeckOptions::default()).unwrap_or_else(|e| panic!("{e}")).model
+}
+
+/// OpenRadioss, the same mesh: -24.918 mm at 0.08956 s.
+#[test]
+fn cantilever() {
+    let run = run(&example("cantilever.k"));
+    let down = run.histories[0].displacement_m.iter().zip(&run.times_s).filter(|(_, t)| **t < 0.12);
+    let (peak, time) = down.map(|(u, t)| (1e3 * u[2], *t)).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+    assert!((peak / -24.918 - 1.0).abs() < 0.002, "peak {peak} mm");
+    assert!((time / 0.08956 - 1.0).abs() < 0.007, "at {time} s");
+    assert!(run.summary.energy_error < 1e-3, "energy {}", run.summary.energy_error);
+}
+
+#[test]
+fn falling_bar() {
+    let model = example("falling-bar.k");
+    let run = run(&model);
+    let top: Vec<f64> = run.histories[0].displacement_m.iter().map(|u| u[2]).collect();
+    // free fall until the foot has gone 0.5 m
+    let free = run.times_s.iter().position(|t| *t > 0.05).unwrap();
+    let t = run.times_s[free];
+    assert!((top[free] / -(8.0 * t + 0.5 * 9.81 * t * t) - 1.0).abs() < 1e-3, "{}", top[free]);
+    assert!(run.end_m.iter().all(|x| x[2] > -1e-9));
+    let strain = run.plastic_strain.iter().copied().fold(0.0, f64::max);
+    assert!((0.005..0.2).contains(&strain), "{strain}");
+    let last = run.energies.last().unwrap();
+    assert!(last.contact_j < 0.0 && run.summary.energy_error < 0.005, "{last:?}");
+}
+
+/// Taylor's copper bar, written as a deck and read again: 21.47 to 21.67 mm (OpenRadioss, published codes 21.4 to 21.5).
+#[test]
+fn taylor_bar_from_a_deck() {
+    let mesh = round_bar(32.4e-3, 3.2e-3, [24, 1], bilinear(117e9, 0.35, 8930.0, 400e6, 100e6));
+    let top = nearest(&mesh, [0.0, 0.0, 32.4e-3]);
+    let ground = RigidPlane { point_m: [0.0; 3], normal: [0.0, 0.0, 1.0], friction: 0.0, nodes: None };
+    let mut model = Model {
+        initial_velocity_m_s: (0..mesh.nodes.len()).map(|n| (n, [0.0, 0.0, -227.0])).collect(),
+        mesh,
+        walls: vec![ground],
+        ..Model::default()
+    };
+    model.control.end_time_s = 80e-6;
+    model.control.state_interval_s = 80e-6;
+    model.control.history_interval_s = 1e-6;
+    model.control.history_nodes = vec![top];
+    let deck = good(&write(&model, &[]).text);
+    let run = run(&deck.model);
+    let length = run.end_m[top][2];
+    let foot = run.end_m.iter().map(|x| x[0].hypot(x[1])).fold(0.0, f64::max);
+    assert!((21.3e-3..21.75e-3).contains(&length), "length {length}");
+    assert!((6.7e-3..7.3e-3).contains(&foot), "foot radius {foot}");
+    assert!(run.end_m.iter().all(|x| x[2] > -1e-12), "no node is below the wall");
+    assert!(run.summary.energy_error < 0.01, "energy {}", run.summary.energy_error);
+}
+
+/// A node that is held across the fall still meets the wall.
+#[test]
+fn held_nodes_meet_the_wall() {
+    let text = with(CUBE, "*NODE\n", "*NODE\n$ one metre higher\n")
+        .replace("             0.0\n", "             0.2\n")
+        .replace("             1.0\n", "             1.2\n");
+    let held = good(&text).model;
+    assert_eq!(held.constraints.len(), 4);
+    let run = run(&Model {
+        control: fallwerk::fe::model::Control { end_time_s: 0.2, ..held.control.clone() },
+        ..held
+    });
+    let lowest = run.end_m.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
+    assert!(lowest > -1e-9, "{lowest}");
+    assert!(run.energies.last().unwrap().contact_j < 0.0);
+}
+
+/// A given velocity moves its node; a nodal force does the work that the energies show.
+#[test]
+fn given_motion_and_forces() {
+    let cards = "*BOUNDARY_PRESCRIBED_MOTION_NODE\n5,3,0,8,1.0\n*DEFINE_CURVE\n8\n0,0\n1,2\n*LOAD_NODE_POINT\n7,1,9,1000.\n*DEFINE_CURVE\n9\n0,1\n1,1\n*NODE\n";
+    let begin = CUBE.find("*RIGIDWALL").unwrap();
+    let end = CUBE.find("*NODE\n").unwrap();
+    let text = with(&format!("{}{}", &CUBE[..begin], &CUBE[end..]), "*NODE\n", cards)
+        .replace("       0.0       0.0      -2.0", "       0.0       0.0       0.0");
+    let model = good(&text).model;
+    let run = run(&model);
+    let t = run.times_s.last().unwrap();
+    assert!((run.end_m[4][2] - 1.0 - t * t).abs() < 1e-4, "{}", run.end_m[4][2]);
+    let last = run.energies.last().unwrap();
+    assert!(last.driven_j != 0.0 && run.summary.energy_error < 0.01, "{last:?} {}", run.summary.energy_error);
+}
+
+#[test]
+fn mass_scaling_keeps_the_step() {
+    let mut model = example("cantilever.k");
+    model.control.end_time_s = 0.01;
+    let plain = run(&model).summary.time_step_s;
+    model.control.mass_scaling_step_s = Some(1.5 * plain);
+    let scaled = run(&model);
+    assert!(
+        (scaled.summary.time_step_s / (1.5 * plain) - 1.0).abs() < 1e-9,
+        "{}",
+        scaled.summary.time_step_s
+    );
+    assert!((scaled.added_mass_kg / 25_000.0 / 1.25 - 1.0).abs() < 1e-6, "{}", scaled.added_mass_kg);
+}
+
+#[test]
+fn models_that_do_not_run_say_why() {
+    let stop = |model: &Model| run_model(model, &ModelOptions::default(), None, &mut |_| {}).unwrap_err();
+    let mut model = good(CUBE).model;
+    model.control.end_time_s = 1e9;
+    model.control.state_interval_s = 1e8;
+    assert!(matches!(stop(&model), ModelError::TooLong { .. }));
+    assert!(matches!(stop(&Model::default()), ModelError::Empty));
+}
