@@ -253,7 +253,7 @@ impl Blocks {
             .map(|e| *e as usize)
     }
 
-    /// Forces of the stresses of one element on its nodes at the positions `x` \[N\], without bulk viscosity.
+    /// Forces of one element on its nodes by its stresses and its last bulk viscosity, at the positions `x` \[N\].
     pub fn element_force(&self, element: usize, x: &[[f64; 3]]) -> [[f64; 3]; 8] {
         let (block, lane) = self.place[element];
         let (force, _) = self.still(block as usize, x);
@@ -278,11 +278,23 @@ impl Blocks {
         let mut elastic = block.material;
         elastic.yield_scale = [f64::INFINITY; LANES];
         let (mut state, mut force) = (block.state, [[0.0; LANES]; 24]);
+        for i in 0..3 {
+            for l in 0..LANES {
+                state.stress[i][l] += state.viscous_pa[l];
+            }
+        }
         let (table, increment) = (&self.tables[block.material.table], [[0.0; LANES]; 24]);
         let step = KernelStep { dt_s: 1.0, viscous: false };
         let bound = match &block.full {
             Some(points) => {
                 let points = &mut points.clone();
+                for stress in &mut points.stress {
+                    for i in 0..3 {
+                        for l in 0..LANES {
+                            stress[i][l] += state.viscous_pa[l];
+                        }
+                    }
+                }
                 full::update(&at, &increment, 1.0, &elastic, table, &mut state, points, &mut force, step)
             }
             None => update_block(&at, &increment, &elastic, table, &mut state, &mut force, step),
