@@ -6,6 +6,7 @@ pub mod diagnostic;
 pub mod geom;
 pub mod hash;
 pub mod output;
+pub mod prefetch;
 pub mod source;
 pub mod tree;
 pub mod units;

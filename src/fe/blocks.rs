@@ -11,6 +11,7 @@ use super::hexahedron::volume_m3;
 use super::kernel::{BlockForce, BlockMaterial, BlockState, KernelStep, LANES, update_block};
 use super::law::{ElementForm, Law};
 use super::mesh::Mesh;
+use super::packed::PackedMaterial;
 use crate::material::j2::HardeningTable;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +31,7 @@ pub struct Block {
     /// History.
     pub state: BlockState,
     /// Constants.
-    pub material: BlockMaterial,
+    pub material: PackedMaterial,
     /// Nodes `[lane][node]` by their place in the chunk; unused lanes repeat the last element.
     pub nodes: [[u16; 8]; LANES],
     /// History of the points of fully integrated elements.
@@ -151,10 +152,11 @@ impl Blocks {
     /// A block of elements of other blocks.
     fn collected(&self, places: &[(usize, usize)]) -> Block {
         let mut new = self.blocks[places[0].0].clone();
+        let mut material = new.material.lanes();
         for lane in 0..LANES {
             let (b, l) = places[lane.min(places.len() - 1)];
             new.state.copy_lane(lane, &self.blocks[b].state, l);
-            new.material.copy_lane(lane, &self.blocks[b].material, l);
+            material.copy_lane(lane, &self.blocks[b].material.lanes(), l);
             if let (Some(points), Some(theirs)) = (&mut new.full, &self.blocks[b].full) {
                 points.copy_lane(lane, theirs, l);
             }
@@ -162,6 +164,7 @@ impl Blocks {
                 new.state.clear_lane(lane);
             }
         }
+        new.material = PackedMaterial::new(&material);
         new.acts = new.state.share.iter().any(|s| *s > 0.0);
         new
     }
@@ -210,6 +213,16 @@ impl Blocks {
     /// Number of elements.
     pub fn elements(&self) -> usize {
         self.place.len()
+    }
+
+    /// Takes all stress and history from the elements.
+    pub(super) fn unload(&mut self) {
+        for block in &mut self.blocks {
+            block.state = BlockState { share: block.state.share, ..BlockState::default() };
+            if let Some(points) = &mut block.full {
+                **points = FullState::default();
+            }
+        }
     }
 
     /// Number of chunks.
@@ -275,7 +288,7 @@ impl Blocks {
         let block = &self.blocks[index];
         let nodes = self.global_nodes(index);
         let at = std::array::from_fn(|c| std::array::from_fn(|l| x[nodes[l][c / 3] as usize][c % 3]));
-        let mut elastic = block.material;
+        let mut elastic = block.material.lanes();
         elastic.yield_scale = [f64::INFINITY; LANES];
         let (mut state, mut force) = (block.state, [[0.0; LANES]; 24]);
         for i in 0..3 {
@@ -377,9 +390,10 @@ impl Blocks {
             }
         }
         let (block, lane) = self.place[element];
-        let material = &mut self.blocks[block as usize].material;
-        material.yield_scale[lane as usize] *= strength;
-        material.critical_strain[lane as usize] = f64::INFINITY;
+        self.blocks[block as usize].material.edit(|material| {
+            material.yield_scale[lane as usize] *= strength;
+            material.critical_strain[lane as usize] = f64::INFINITY;
+        });
         self.detached.resize(self.place.len(), false);
         self.detached[element] = true;
     }
@@ -392,15 +406,16 @@ impl Blocks {
     /// Takes the stiffness of an element down to a millionth: its stress stays what it is while it deforms.
     pub(super) fn soften(&mut self, element: usize) {
         let (block, lane) = self.place[element];
-        let material = &mut self.blocks[block as usize].material;
-        material.lambda_pa[lane as usize] *= 1e-6;
-        material.mu_pa[lane as usize] *= 1e-6;
+        self.blocks[block as usize].material.edit(|material| {
+            material.lambda_pa[lane as usize] *= 1e-6;
+            material.mu_pa[lane as usize] *= 1e-6;
+        });
     }
 
     /// Gives an element another mass.
     pub(super) fn set_mass_kg(&mut self, element: usize, mass_kg: f64) {
         let (block, lane) = self.place[element];
-        self.blocks[block as usize].material.mass_kg[lane as usize] = mass_kg;
+        self.blocks[block as usize].material.edit(|material| material.mass_kg[lane as usize] = mass_kg);
     }
 
     /// Equivalent plastic strain of an element.
@@ -536,6 +551,7 @@ fn block(mesh: &Mesh, elements: &[usize]) -> Block {
         material.critical_strain[lane] = law.erosion.plastic_strain;
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
+    let material = PackedMaterial::new(&material);
     Block { state, material, nodes: [[0; 8]; LANES], full, largest_bound: 0.0, acts: true }
 }
 

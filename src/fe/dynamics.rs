@@ -398,6 +398,41 @@ struct NodeSums {
 }
 
 impl NodeStep<'_> {
+    /// Whether more than element forces and gravity acts on a node.
+    #[inline(always)]
+    fn is_special(&self, n: usize) -> bool {
+        self.applied_n.is_set(n)
+            || self.prescribed_m_s.is_set(n)
+            || self.body_contact.is_some_and(|c| c.flagged[n])
+    }
+
+    /// Motion and books of a node on which only element forces and gravity act.
+    #[inline(always)]
+    fn move_freely(
+        &self,
+        mass: f64,
+        weight: &[f64; 3],
+        new: [f64; 3],
+        x: &mut [f64; 3],
+        v: &mut [f64; 3],
+        sums: &mut NodeSums,
+    ) {
+        if let Some(contact) = self.body_contact {
+            sums.top_speed_squared = sums.top_speed_squared.max(contact.speed_squared(&new));
+        }
+        let mut middle = [0.0; 3];
+        for i in 0..3 {
+            middle[i] = 0.5 * (v[i] + new[i]);
+            sums.gravity_j += weight[i] * middle[i] * self.kick;
+            x[i] += self.dt * new[i];
+        }
+        if self.measure {
+            sums.kinetic_j +=
+                0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
+        }
+        *v = new;
+    }
+
     /// What a tied node passes on to its masters \[N\]; its weight is that of the mass they have from it.
     fn force_on_tied(&self, n: usize) -> [f64; 3] {
         let internal_n = self.blocks.force_on(n);
@@ -408,6 +443,7 @@ impl NodeStep<'_> {
     /// Nodes `first..`, whose positions and velocities are given.
     fn chunk(&self, first: usize, x: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> NodeSums {
         let mut sums = NodeSums::default();
+        let plain = self.other_n.is_empty() && self.ties.is_empty() && self.damping_1_s == 0.0;
         for (i, (x, v)) in x.iter_mut().zip(v).enumerate() {
             let n = first + i;
             let mass = self.mass_kg[n];
@@ -418,6 +454,16 @@ impl NodeStep<'_> {
             let internal = self.blocks.force_on(n);
             let weight = self.acceleration_m_s2.map(|a| mass * a);
             let per_force = self.kick / mass;
+            if plain && !self.is_special(n) {
+                let mut new = [0.0; 3];
+                for i in 0..3 {
+                    new[i] = v[i] + per_force * (weight[i] - internal[i]);
+                }
+                if !self.surfaces.reached(n, self.dt, x, &new) {
+                    self.move_freely(mass, &weight, new, x, v, &mut sums);
+                    continue;
+                }
+            }
             let applied = if self.applied_n.is_set(n) { self.applied_n[n] } else { [0.0; 3] };
             let (mut driven, mut force, mut new) = ([0.0; 3], [0.0; 3], [0.0; 3]);
             for i in 0..3 {

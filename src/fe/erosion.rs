@@ -231,7 +231,7 @@ struct Failed {
 fn in_the_pass(body: &Dynamics) -> Vec<Failed> {
     let found = |(element, failing): (usize, Failing)| {
         let (block, lane) = body.blocks.of_element(element);
-        let eroded = block.state.plastic_strain[lane] >= block.material.critical_strain[lane];
+        let eroded = block.state.plastic_strain[lane] >= block.material.lanes().critical_strain[lane];
         let cause = if eroded { Death::Eroded } else { Death::Collapsed };
         Failed { element, cause, work_j: failing.work_j, force_n: failing.force_n }
     };
@@ -299,7 +299,8 @@ pub fn elastic_j(body: &Dynamics, element: usize) -> f64 {
     if volume.is_nan() || volume <= 0.0 {
         return 0.0;
     }
-    let (lambda, mu) = (block.material.lambda_pa[lane], block.material.mu_pa[lane]);
+    let material = block.material.lanes();
+    let (lambda, mu) = (material.lambda_pa[lane], material.mu_pa[lane]);
     let s: [f64; 6] = std::array::from_fn(|i| block.state.stress[i][lane]);
     let mean = (s[0] + s[1] + s[2]) / 3.0;
     let mut deviator = 0.0;

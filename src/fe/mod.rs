@@ -18,6 +18,7 @@ pub mod mesh;
 pub mod model;
 pub mod model_run;
 pub mod node_field;
+pub mod packed;
 pub mod preload;
 pub mod probe;
 pub mod quality;

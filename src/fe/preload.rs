@@ -130,22 +130,25 @@ impl Solver {
         matrix.sp_cholesky(Side::Lower).map(Self::Direct).map_err(|_| PreloadError::Mechanism)
     }
 
-    fn refined(matrix: LowerColumns) -> Result<Self, PreloadError> {
+    fn refined(mut matrix: LowerColumns) -> Result<Self, PreloadError> {
         let n = matrix.count;
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.starts, None, &matrix.rows);
-        let mut values: Vec<f32> = matrix.values.iter().map(|v| *v as f32).collect();
+        let diagonal: Vec<f32> = matrix.starts[..n].iter().map(|s| matrix.values[*s as usize]).collect();
+        let mut factor = None;
         // Rounding to single precision may cost a matrix its definiteness; as a preconditioner it may be a little stiffer.
         for stiffer in [1e-6, 1e-4] {
-            for start in &matrix.starts[..n] {
-                let diagonal = matrix.values[*start as usize];
-                values[*start as usize] = (diagonal * (1.0 + stiffer)) as f32;
+            for (start, value) in matrix.starts.iter().zip(&diagonal) {
+                matrix.values[*start as usize] = (f64::from(*value) * (1.0 + stiffer)) as f32;
             }
-            if let Ok(factor) = SparseColMatRef::new(pattern, &values[..]).sp_cholesky(Side::Lower) {
-                drop(values);
-                return Ok(Self::Refined(matrix, factor));
+            let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.starts, None, &matrix.rows);
+            if let Ok(found) = SparseColMatRef::new(pattern, &matrix.values[..]).sp_cholesky(Side::Lower) {
+                factor = Some(found);
+                break;
             }
         }
-        Err(PreloadError::Mechanism)
+        for (start, value) in matrix.starts.iter().zip(&diagonal) {
+            matrix.values[*start as usize] = *value;
+        }
+        factor.map(|factor| Self::Refined(matrix, factor)).ok_or(PreloadError::Mechanism)
     }
 
     fn solve(&self, rhs: &[f64]) -> Result<Vec<f64>, PreloadError> {

@@ -132,10 +132,13 @@ pub struct StaticState {
 /// body has more than [`SPARSE_UNKNOWNS`] unknowns.
 pub fn static_state(mesh: &Mesh, body: &mut Dynamics) -> Result<StaticState, String> {
     if 3 * mesh.nodes.len() <= SPARSE_UNKNOWNS {
-        let unloaded = body.clone();
+        let (start, bars) = (body.x.clone(), body.trusses.clone());
         match preload::solve(body) {
             Ok(iterations) => return Ok(StaticState { iterations, relaxed: None }),
-            Err(PreloadError::NoEquilibrium | PreloadError::Diverges) => *body = unloaded,
+            Err(PreloadError::NoEquilibrium | PreloadError::Diverges) => {
+                body.blocks.unload();
+                (body.x, body.trusses) = (start, bars);
+            }
             Err(other) => return Err(other.to_string()),
         }
     }
@@ -337,7 +340,7 @@ fn still_standing(
     let bounds = body.blocks.element_bounds_1_s2(&body.x);
     let failed = (0..bounds.len()).any(|e| {
         let (block, lane) = body.blocks.of_element(e);
-        let strained = block.state.plastic_strain[lane] >= block.material.critical_strain[lane];
+        let strained = block.state.plastic_strain[lane] >= block.material.lanes().critical_strain[lane];
         block.state.share[lane] > 0.0 && (strained || bounds[e].is_nan() || bounds[e] <= 0.0)
     });
     if displacement_m <= limit_m && !failed {

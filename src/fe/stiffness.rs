@@ -11,7 +11,8 @@ use super::law::ElementForm;
 /// Equation number of each component of each node; `None`: held, tied or without mass.
 pub type Unknowns = Vec<[Option<u32>; 3]>;
 
-/// A sparse symmetric matrix: its lower triangle by columns, rows increasing.
+/// A sparse symmetric matrix: its lower triangle by columns, rows increasing. Values are in single precision, which halves the memory of a
+/// large model; the iterations on the true forces take the difference out.
 #[derive(Debug, Clone, Default)]
 pub struct LowerColumns {
     /// Number of equations.
@@ -21,7 +22,7 @@ pub struct LowerColumns {
     /// Row numbers.
     pub rows: Vec<u32>,
     /// Values \[N/m\].
-    pub values: Vec<f64>,
+    pub values: Vec<f32>,
 }
 
 impl LowerColumns {
@@ -32,6 +33,7 @@ impl LowerColumns {
             let range = self.starts[c] as usize..self.starts[c + 1] as usize;
             let mut sum = 0.0;
             for (&r, &value) in self.rows[range.clone()].iter().zip(&self.values[range]) {
+                let value = f64::from(value);
                 let r = r as usize;
                 if r > c {
                     y[r] += value * x[c];
@@ -46,7 +48,7 @@ impl LowerColumns {
         let first = self.starts[column as usize] as usize;
         let rows = &self.rows[first..self.starts[column as usize + 1] as usize];
         if let Ok(at) = rows.binary_search(&row) {
-            self.values[first + at] += value;
+            self.values[first + at] += value as f32;
         }
     }
 }
@@ -91,7 +93,7 @@ pub fn for_each_entry(body: &Dynamics, unknowns: &Unknowns, mut sink: impl FnMut
                 }
             }
         }
-        let mut elastic = block.material;
+        let mut elastic = block.material.lanes();
         elastic.yield_scale = [1e12; LANES];
         let table = &body.blocks.tables[block.material.table];
         for column in 0..24 {

@@ -4,6 +4,7 @@ use super::blocks::{Block, Blocks, Failing, Quiet};
 use super::full;
 use super::kernel::{self, BlockForce, KernelStep, LANES};
 use super::law::{ElementForm, Hourglass};
+use crate::base::prefetch::prefetch;
 use crate::material::j2::HardeningTable;
 use rayon::prelude::*;
 
@@ -140,7 +141,7 @@ fn chunk(
     let mut force: BlockForce = [[0.0; LANES]; 24];
     for index in 0..blocks.len() {
         if let Some(next) = blocks.get(index + 1) {
-            touch(next);
+            prefetch(next); // its way from memory overlaps with the work on this one
         }
         let block = &mut blocks[index];
         if !block.acts {
@@ -157,7 +158,7 @@ fn chunk(
             }
         }
         let table = &tables[block.material.table];
-        let (material, state) = (&block.material, &mut block.state);
+        let (material, state) = (&block.material.lanes(), &mut block.state);
         let (dt_s, step) = (sweep.dt_s, sweep.step);
         let mut bound = match (&mut block.full, material.form) {
             (None, ElementForm::OnePoint(Hourglass::Asqbi)) => {
@@ -169,7 +170,16 @@ fn chunk(
             }
         };
         if let Some(limit) = sweep.drop_above {
-            drop_failing((index, block), limit, (&moved, dt_s), &mut bound, &mut force, &mut quiet.failing);
+            let critical = &material.critical_strain;
+            drop_failing(
+                (index, block),
+                critical,
+                limit,
+                (&moved, dt_s),
+                &mut bound,
+                &mut force,
+                &mut quiet.failing,
+            );
         }
         let mut largest = 0.0;
         for l in 0..LANES {
@@ -187,27 +197,11 @@ fn chunk(
     }
 }
 
-/// Loads a number from each cache line of the history of a block that comes next, so that its way from memory overlaps with the work on
-/// the present one: the processor's own prefetching stops at the gaps between blocks' arrays.
-#[inline(always)]
-fn touch(block: &Block) {
-    use std::hint::black_box;
-    let (state, material) = (&block.state, &block.material);
-    for i in 0..6 {
-        black_box(state.stress[i][0]);
-    }
-    for i in 0..12 {
-        black_box(state.hourglass[i][0]);
-    }
-    black_box((state.plastic_strain[0], state.internal_j[0], state.hourglass_j[0], state.viscous_j[0]));
-    black_box((state.viscous_pa[0], state.share[0], material.mass_kg[0], material.mu_pa[0]));
-    black_box((material.lambda_pa[0], material.yield_scale[0], block.nodes[0][0], block.nodes[4][0]));
-}
-
 /// Finds the lanes that have failed and takes their forces away; they are noted for [`super::erosion`].
 #[inline(always)]
 fn drop_failing(
     (index, block): (usize, &Block),
+    critical_strain: &[f64; LANES],
     limit: f64,
     (moved, dt_s): (&BlockForce, f64),
     bound: &mut [f64; LANES],
@@ -217,7 +211,7 @@ fn drop_failing(
     let mut failed = [false; LANES];
     let mut count = 0;
     for l in 0..LANES {
-        let eroded = block.state.plastic_strain[l] >= block.material.critical_strain[l];
+        let eroded = block.state.plastic_strain[l] >= critical_strain[l];
         let healthy = bound[l] > 0.0 && bound[l] <= limit;
         failed[l] = block.state.share[l] > 0.0 && (eroded || !healthy);
         count += u32::from(failed[l]);

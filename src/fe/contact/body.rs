@@ -350,6 +350,7 @@ impl BodyContact {
             let looked = if held { 2.0 * depth } else { depth };
             let Some(over) = over(&points, x, looked, reach_m) else {
                 self.due_m[pair] = self.way_m + clearance_m(&points, x);
+                self.pairs[pair].held = false;
                 continue;
             };
             if corners.iter().any(|c| now.mass_kg[*c as usize] == 0.0) {
@@ -357,6 +358,7 @@ impl BodyContact {
             }
             let own = *own.get_or_insert_with(|| self.faces.normal_at(node, now.x));
             if own.is_some_and(|own| dot(own, over.normal) > FACING * dot(own, own).sqrt()) {
+                self.pairs[pair].held = false; // what sinks in while it does not look there has not been lost
                 continue;
             }
             if over.gap_m < -depth {
