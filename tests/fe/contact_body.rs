@@ -120,11 +120,11 @@ fn fallen_block_rests_on_the_other() {
     let fall_j = 2500.0 * 0.4_f64.powi(3) * GRAVITY * 0.1;
     let (mut deepest, mut worst) = (0.0_f64, (0.0_f64, 0.0));
     while body.time_s < 0.8 {
-        let before = body.contact_j;
         let kinetic = body.step(true);
+        if body.steps % 400 == 0 {println!("{} k {} i {:?} g {} c {:?} left {}", body.time_s, kinetic, body.blocks.energies_j(), body.gravity_j, body.contact_j, balance(&body, kinetic, 0.0));}
         deepest = deepest.max(0.4 - lowest(&body));
         // in the shock of the impact the balance is off by 1.7 % for a moment; what stays must be less
-        if (body.contact_j == before && body.time_s < 0.14) || body.time_s > 0.2 {
+        {
             let left = balance(&body, kinetic, 0.0);
             if left.abs() > worst.0.abs() {
                 worst = (left, body.time_s);
@@ -256,6 +256,12 @@ fn opened_face_and_debris_are_met() {
     assert_eq!(deaths, 16, "the upper layer is gone");
     let low = upper.map(|n| body.x[n][2]).fold(f64::INFINITY, f64::min);
     let summary = body.body_contact.as_ref().unwrap().summary().clone();
+    for n in first[1]..first[2] {
+        if body.x[n][2] < 0.45 { println!("block node {n} {:?} v {:?}", body.x[n], body.v[n]); }
+    }
+    for n in first[0]..first[1] {
+        if mesh.nodes[n][2] > 0.35 { println!("layer node {n} {:?} from {:?} v {:?}", body.x[n], mesh.nodes[n], body.v[n]); }
+    }
     assert!((low - 0.4).abs() < 2e-3, "the block lies at {low}, {} J, {summary:?}", body.kinetic_j());
     for n in first[0]..first[1] {
         // debris has come down: on the lower layer if it was over it, and never into it
@@ -322,7 +328,7 @@ fn overlap_at_the_start_is_not_thrown_out() {
     assert!(speed > 0.0 && speed < 0.06, "{speed}");
 }
 
-/// A thin plate of one element hit so fast that a node passes half of it in a step cannot hold: it is said, with its place.
+/// A block at 30 m/s, twice the speed after a fall of 11 m, on a plate of two elements of 0.1 m held at its edges: no node gets through.
 #[test]
 fn nothing_tunnels_at_the_speed_of_a_fall() {
     let (mesh, first) = bricks(

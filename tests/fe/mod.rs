@@ -4,6 +4,7 @@ mod cantilever;
 mod contact;
 mod contact_body;
 mod contact_planes;
+mod contact_ties;
 mod deck;
 mod element;
 mod elements;
