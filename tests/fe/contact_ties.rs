@@ -93,8 +93,7 @@ fn face_with_tied_corners_meets_another_body() {
         let kinetic = body.step(true);
         worst = worst.max(balance(&body, kinetic, start).abs());
         // the face of the block over the post, as a plane through three corners
-        let [a, b, c] =
-            [[0.5, 0.0, 0.0], [0.75, 0.0, 0.0], [0.5, 0.25, 0.0]].map(|at| corner(&body, at));
+        let [a, b, c] = [[0.5, 0.0, 0.0], [0.75, 0.0, 0.0], [0.5, 0.25, 0.0]].map(|at| corner(&body, at));
         for n in &top {
             let (s, t) = ((mesh.nodes[*n][0] - 0.5) / 0.25, mesh.nodes[*n][1] / 0.25);
             deepest = deepest.max(body.x[*n][2] - (a + s * (b - a) + t * (c - a)));
@@ -135,8 +134,17 @@ fn what_starts_below_the_ground_is_not_held_by_it() {
         while body.time_s < 0.1 {
             body.step(false);
         }
-        (0..mesh.nodes.len()).map(|n| (mesh.nodes[n][2] > 0.49, body.x[n][2])).filter(|t| t.0).map(|t| t.1).sum::<f64>() / 9.0
-            - if body.surfaces.new_touches.is_empty() && (!held || body.contact_j == [0.0; 2]) { 0.5 } else { f64::NAN }
+        (0..mesh.nodes.len())
+            .map(|n| (mesh.nodes[n][2] > 0.49, body.x[n][2]))
+            .filter(|t| t.0)
+            .map(|t| t.1)
+            .sum::<f64>()
+            / 9.0
+            - if body.surfaces.new_touches.is_empty() && (!held || body.contact_j == [0.0; 2]) {
+                0.5
+            } else {
+                f64::NAN
+            }
     };
     let weight = 2500.0 * GRAVITY * 1.2 * 1.2 / (2.0 * 30e9);
     for settled in [run(-9.0, true), run(0.0, true), run(0.0, false)] {
@@ -171,9 +179,8 @@ fn contact_that_cannot_hold_is_an_error() {
     let upper = add(&mut mesh, [1, 1, 2], [0.2, 0.2, 0.4], [0.1, 0.1, 0.11]);
     mesh.fixed = (lower..upper).collect();
     let under = (upper..mesh.nodes.len()).filter(|n| mesh.nodes[*n][2] < 0.12);
-    let driven = under
-        .map(|node| DrivenNode { node, axis: 2, velocity_m_s: Curve::constant(-1.0) })
-        .collect();
+    let driven =
+        under.map(|node| DrivenNode { node, axis: 2, velocity_m_s: Curve::constant(-1.0) }).collect();
     let model = Model {
         mesh,
         driven,

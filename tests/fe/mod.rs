@@ -23,3 +23,4 @@ mod step;
 mod ties;
 mod truss;
 mod vtu;
+mod zz_time;

@@ -1,7 +1,7 @@
 //! Contact of the body with itself: its nodes against its outer faces.
 //!
 //! **Which pairs.** All nodes that have mass or are tied against all outer faces, debris included; not against a face that hangs together with the node
-//! by an acting element ([`Faces::joined`]), nor one whose outside the node's own surface does not look at. A node that is behind by more
+//! by an acting element ([`Faces::mark_joined`]), nor one whose outside the node's own surface does not look at. A node that is behind by more
 //! than half an element is not in contact; one that was, and gets there, has been lost: [`LostContact`].
 //!
 //! **When is searched.** A search lists the pairs closer than the reach `R`. Another pair can only meet after its two sides have moved
@@ -15,8 +15,8 @@ use super::faces::Faces;
 use super::narrow::{Over, clearance_m, over};
 use super::rigid::RigidSurfaces;
 pub use super::rigid::Struck;
-pub use super::solve::{Moving, Work};
 use super::solve::{Condition, Rows};
+pub use super::solve::{Moving, Work};
 use crate::fe::dynamics::Death;
 use crate::fe::hexahedron::{Vec3, dot};
 use crate::fe::mesh::Mesh;
@@ -141,6 +141,9 @@ pub struct BodyContact {
     /// Common way since the last search \[m\].
     drift_m: Vec3,
     changed: Vec<u32>,
+    /// Working memory: nodes joined to a face.
+    #[serde(skip)]
+    marks: Vec<u32>,
     /// Number of ties that acted in the last step.
     ties: usize,
     summary: ContactSummary,
@@ -169,6 +172,7 @@ impl BodyContact {
             way_m: f64::INFINITY,
             drift_m: [0.0; 3],
             changed: Vec::new(),
+            marks: Vec::new(),
             ties: 0,
             summary,
         }
@@ -243,17 +247,21 @@ impl BodyContact {
         let squares = (0..now.x.len()).filter(heavy).map(|n| self.speed_squared(&now.v[n]));
         self.top_speed_m_s = squares.fold(0.0, f64::max).sqrt();
         let size_m = 2.0 * self.summary.reach_m.max(1e-9);
-        self.cells.rebuild(now.x, |n| now.counts(n), 2.0 * size_m);
+        self.cells.rebuild(now.x, |n| now.counts(n), size_m);
         (self.way_m, self.drift_m) = (0.0, [0.0; 3]);
         self.changed.clear();
         let outer: Vec<u32> = self.faces.outer().collect();
-        let look = |faces: &[u32]| {
+        let marks = || vec![NOWHERE; now.x.len()];
+        let look = |marks: &mut Vec<u32>, faces: &[u32]| {
             let mut found = Vec::new();
-            faces.iter().for_each(|f| self.look_around(*f, now, &mut found));
+            faces.iter().for_each(|f| self.look_around(*f, now, marks, &mut found));
             found
         };
-        let found: Vec<Pair> =
-            if now.parallel { outer.par_chunks(CHUNK).flat_map_iter(look).collect() } else { look(&outer) };
+        let found: Vec<Pair> = if now.parallel {
+            outer.par_chunks(CHUNK).map_init(marks, look).flatten_iter().collect()
+        } else {
+            look(&mut marks(), &outer)
+        };
         self.take(found, |_| false);
         self.summary.searches += 1;
     }
@@ -264,9 +272,13 @@ impl BodyContact {
         changed.sort_unstable();
         changed.dedup();
         let mut found = Vec::new();
+        self.marks.resize(now.x.len(), NOWHERE);
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.fill(NOWHERE);
         for face in changed.iter().filter(|f| self.faces.is_outer(**f)) {
-            self.look_around(*face, now, &mut found);
+            self.look_around(*face, now, &mut marks, &mut found);
         }
+        self.marks = marks;
         self.take(found, |face| changed.binary_search(&face).is_err());
         changed.clear();
         self.changed = changed;
@@ -291,7 +303,7 @@ impl BodyContact {
     }
 
     /// Pairs of one face with nodes within reach.
-    fn look_around(&self, face: u32, now: Surroundings, found: &mut Vec<Pair>) {
+    fn look_around(&self, face: u32, now: Surroundings, marks: &mut [u32], found: &mut Vec<Pair>) {
         let corners = self.faces.corners(face);
         let reach = self.summary.reach_m;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -305,18 +317,19 @@ impl BodyContact {
         let area = super::narrow::area_normal(&points);
         let size = dot(area, area).sqrt();
         let depth = self.faces.depth_m(face);
+        self.faces.mark_joined(face, marks);
         // the cells hold the nodes where they were at the last search
         let back = |p: &Vec3, way: f64| std::array::from_fn(|i| p[i] - self.drift_m[i] + way);
         self.cells.each(&back(&low, -self.way_m), &back(&high, self.way_m), |node| {
             let x = &now.x[node as usize];
-            if corners.contains(&node) || (0..3).any(|i| x[i] < low[i] || x[i] > high[i]) {
+            if marks[node as usize] == face || (0..3).any(|i| x[i] < low[i] || x[i] > high[i]) {
                 return;
             }
             let to = |i: usize| dot(area, super::narrow::minus(*x, points[i])) / size;
             let heights: [f64; 4] = std::array::from_fn(to);
             let (least, most) =
                 heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
-            if least > reach || most < -depth || self.faces.joined(node, face) {
+            if least > reach || most < -depth {
                 return;
             }
             found.push(Pair { node, face, held: false });

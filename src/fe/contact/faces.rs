@@ -119,17 +119,20 @@ impl Faces {
         }
     }
 
-    /// Whether a node and a face hang together: an acting element holds the node and a corner of the face, tied nodes and their masters
-    /// being as one.
-    pub fn joined(&self, node: u32, face: u32) -> bool {
+    /// Marks the nodes that hang together with a face: an acting element holds them and a corner of the face, tied nodes and their masters
+    /// being as one. Their `marks` get the number of the face.
+    pub fn mark_joined(&self, face: u32, marks: &mut [u32]) {
         let corners = self.corners(face);
         if self.linked.is_empty() {
-            let holds = |e: u32| self.nodes[e as usize].iter().any(|n| corners.contains(n));
-            return self.elements_at(node).any(holds);
+            for e in corners.into_iter().flat_map(|c| self.elements_at(c)) {
+                self.nodes[e as usize].iter().for_each(|n| marks[*n as usize] = face);
+            }
+            return;
         }
-        let all: Vec<u32> = corners.into_iter().flat_map(|c| self.with_linked(c)).collect();
-        let holds = |e: u32| self.nodes[e as usize].iter().any(|n| all.contains(n));
-        self.with_linked(node).any(|n| self.elements_at(n).any(holds))
+        let held = corners.into_iter().flat_map(|c| self.with_linked(c)).flat_map(|c| self.elements_at(c));
+        for n in held.flat_map(|e| self.nodes[e as usize]).flat_map(|n| self.with_linked(n)) {
+            marks[n as usize] = face;
+        }
     }
 
     /// Sum of the area normals of the outer faces at a node, to compare directions; `None` for a node without faces: debris, or

@@ -22,13 +22,7 @@ pub struct TiedStrikes {
 
 impl TiedStrikes {
     /// Finds them, given positions \[m\] and velocities \[m/s\], and flags their masters.
-    pub fn prepare(
-        &mut self,
-        ties: &Ties,
-        surfaces: &RigidSurfaces,
-        [x, v]: [&[Vec3]; 2],
-        dt_s: f64,
-    ) {
+    pub fn prepare(&mut self, ties: &Ties, surfaces: &RigidSurfaces, [x, v]: [&[Vec3]; 2], dt_s: f64) {
         self.near.clear();
         self.flagged.drain(..).for_each(|n| self.flags[n] = false);
         if ties.is_empty() {

@@ -118,7 +118,8 @@ fn two_boxes(law: &Law, boxes: [([usize; 3], [f64; 3], [f64; 3]); 2]) -> (Mesh, 
     let mut mesh = first;
     let offset = mesh.nodes.len();
     mesh.nodes.extend(second.nodes);
-    mesh.elements.extend(second.elements.iter().map(|e| Element { nodes: e.nodes.map(|n| n + offset), ..*e }));
+    mesh.elements
+        .extend(second.elements.iter().map(|e| Element { nodes: e.nodes.map(|n| n + offset), ..*e }));
     (mesh, offset)
 }
 
@@ -165,11 +166,23 @@ fn two_body_impact() -> Result<Vec<Figure>, String> {
     let speeds = [mean(&body, &body.v, 0..second), mean(&body, &body.v, second..mesh.nodes.len())];
     let [after, _] = momenta(&body);
     Ok(vec![
-        Figure::relative("duration of contact", "ms", [1e3 * lasting, 1e3 * (parted - touched)], 0.03, "2 L / c"),
+        Figure::relative(
+            "duration of contact",
+            "ms",
+            [1e3 * lasting, 1e3 * (parted - touched)],
+            0.03,
+            "2 L / c",
+        ),
         Figure::absolute("speed of the first bar", "m/s", [0.0, speeds[0]], 0.04, "exchange of velocities"),
         Figure::relative("speed of the second bar", "m/s", [2.0, speeds[1]], 0.02, "exchange of velocities"),
         Figure::relative("momentum", "kg m/s", [pushed[0], after[0]], 1e-10, "conservation"),
-        Figure::absolute("energy residual over kinetic energy", "-", [0.0, worst / start], 0.005, "conservation"),
+        Figure::absolute(
+            "energy residual over kinetic energy",
+            "-",
+            [0.0, worst / start],
+            0.005,
+            "conservation",
+        ),
     ])
 }
 
@@ -193,7 +206,13 @@ fn sliding_on_a_body() -> Result<Vec<Figure>, String> {
         Figure::relative("sliding distance", "m", [expected, travelled], 0.03, "v² / (2 μ g)"),
         Figure::relative("work of friction", "J", [-start, body.contact_j[1]], 0.05, "kinetic energy"),
         Figure::absolute("kinetic energy left", "-", [0.0, kinetic / start], 1e-3, "rest"),
-        Figure::absolute("energy residual over kinetic energy", "-", [0.0, worst / start], 0.01, "conservation"),
+        Figure::absolute(
+            "energy residual over kinetic energy",
+            "-",
+            [0.0, worst / start],
+            0.01,
+            "conservation",
+        ),
     ])
 }
 
