@@ -99,6 +99,12 @@ impl Ties {
         self.acting_tie(node).map_or_else(|| vec![(node, 1.0)], |tie| tie.masters.clone())
     }
 
+    /// Tied nodes whose ties act, with their masters and weights, in the order of the mesh.
+    pub fn tied(&self) -> impl Iterator<Item = (usize, &[(usize, f64)])> {
+        let acting = self.list.iter().zip(&self.given_kg).filter(|(_, given)| given.is_some());
+        acting.map(|(tie, _)| (tie.node, &tie.masters[..]))
+    }
+
     /// Tied nodes that a node carries, with its share of each, in a fixed order.
     #[inline]
     pub fn carried_by(&self, node: usize) -> &[(u32, f64)] {

@@ -120,15 +120,11 @@ fn fallen_block_rests_on_the_other() {
     let fall_j = 2500.0 * 0.4_f64.powi(3) * GRAVITY * 0.1;
     let (mut deepest, mut worst) = (0.0_f64, (0.0_f64, 0.0));
     while body.time_s < 0.8 {
-        let before = body.contact_j;
         let kinetic = body.step(true);
         deepest = deepest.max(0.4 - lowest(&body));
-        // in the shock of the impact the balance is off by 1.7 % for a moment; what stays must be less
-        if (body.contact_j == before && body.time_s < 0.14) || body.time_s > 0.2 {
-            let left = balance(&body, kinetic, 0.0);
-            if left.abs() > worst.0.abs() {
-                worst = (left, body.time_s);
-            }
+        let left = balance(&body, kinetic, 0.0);
+        if left.abs() > worst.0.abs() {
+            worst = (left, body.time_s);
         }
     }
     assert!(deepest < 5e-4, "penetration {deepest}");
@@ -224,7 +220,9 @@ fn stack_stays_at_rest() {
     assert!(first.len() == 4 && pressed(&body) >= 18, "{} contacts", pressed(&body));
 }
 
-/// A block on a plate whose upper layer is taken away falls on the layer below, whose faces did not exist before.
+/// A block on a plate whose upper layer is taken away falls on the layer below, whose faces did not exist before. The debris has no size: it
+/// lies on the layer, and the block on it without a gap. The elements never yield and ring on after the fall, by which the block hops some
+/// millimetres for seconds; damping brings it to rest.
 #[test]
 fn opened_face_and_debris_are_met() {
     let (mut mesh, first) = bricks(
@@ -250,13 +248,14 @@ fn opened_face_and_debris_are_met() {
     upper.clone().for_each(|n| body.v[n][2] = -1.0);
     let mut deaths = 0;
     while body.time_s < 1.6 {
+        body.damping_1_s = if body.time_s < 0.6 { 0.0 } else { 50.0 };
         body.step(false);
         deaths += body.deaths.len();
     }
     assert_eq!(deaths, 16, "the upper layer is gone");
     let low = upper.map(|n| body.x[n][2]).fold(f64::INFINITY, f64::min);
     let summary = body.body_contact.as_ref().unwrap().summary().clone();
-    assert!((low - 0.4).abs() < 2e-3, "the block lies at {low}, {} J, {summary:?}", body.kinetic_j());
+    assert!((low - 0.4).abs() < 1e-4, "the block lies at {low}, {} J, {summary:?}", body.kinetic_j());
     for n in first[0]..first[1] {
         // debris has come down: on the lower layer if it was over it, and never into it
         let over = (0..2).all(|i| body.x[n][i] > 1e-6 && body.x[n][i] < 0.8 - 1e-6);
@@ -322,7 +321,7 @@ fn overlap_at_the_start_is_not_thrown_out() {
     assert!(speed > 0.0 && speed < 0.06, "{speed}");
 }
 
-/// A thin plate of one element hit so fast that a node passes half of it in a step cannot hold: it is said, with its place.
+/// A block at 30 m/s, twice the speed after a fall of 11 m, on a plate of two elements of 0.1 m held at its edges: no node gets through.
 #[test]
 fn nothing_tunnels_at_the_speed_of_a_fall() {
     let (mesh, first) = bricks(

@@ -1,7 +1,7 @@
 //! Contact of the body with itself: its nodes against its outer faces.
 //!
-//! **Which pairs.** All nodes with mass against all outer faces, debris included; not against a face that hangs together with the node
-//! by an acting element ([`Faces::joined`]), nor one whose outside the node's own surface does not look at. A node that is behind by more
+//! **Which pairs.** All nodes that have mass or are tied against all outer faces, debris included; not against a face that hangs together with the node
+//! by an acting element ([`Faces::mark_joined`]), nor one whose outside the node's own surface does not look at. A node that is behind by more
 //! than half an element is not in contact; one that was, and gets there, has been lost: [`LostContact`].
 //!
 //! **When is searched.** A search lists the pairs closer than the reach `R`. Another pair can only meet after its two sides have moved
@@ -15,12 +15,13 @@ use super::faces::Faces;
 use super::narrow::{Over, clearance_m, over};
 use super::rigid::RigidSurfaces;
 pub use super::rigid::Struck;
+use super::solve::{Condition, Rows};
 pub use super::solve::{Moving, Work};
-use super::solve::{Row, solve};
 use crate::fe::dynamics::Death;
 use crate::fe::hexahedron::{Vec3, dot};
 use crate::fe::mesh::Mesh;
 use crate::fe::model::ContactSettings;
+use crate::fe::tie::Ties;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -96,10 +97,19 @@ pub struct Surroundings<'a> {
     pub v: &'a [Vec3],
     /// Masses \[kg\].
     pub mass_kg: &'a [f64],
+    /// Nodes that follow others.
+    pub ties: &'a Ties,
     /// Step by which the nodes have just been moved \[s\].
     pub dt_s: f64,
     /// Whether to use threads.
     pub parallel: bool,
+}
+
+impl Surroundings<'_> {
+    /// Whether a node moves something: it has mass, or is tied to what has.
+    fn counts(&self, node: usize) -> bool {
+        self.mass_kg[node] > 0.0 || self.ties.is_tied(node)
+    }
 }
 
 /// Contact of the body with itself.
@@ -131,6 +141,11 @@ pub struct BodyContact {
     /// Common way since the last search \[m\].
     drift_m: Vec3,
     changed: Vec<u32>,
+    /// Working memory: nodes joined to a face.
+    #[serde(skip)]
+    marks: Vec<u32>,
+    /// Number of ties that acted in the last step.
+    ties: usize,
     summary: ContactSummary,
 }
 
@@ -157,6 +172,8 @@ impl BodyContact {
             way_m: f64::INFINITY,
             drift_m: [0.0; 3],
             changed: Vec::new(),
+            marks: Vec::new(),
+            ties: 0,
             summary,
         }
     }
@@ -189,6 +206,11 @@ impl BodyContact {
             self.place[n as usize] = NOWHERE;
         });
         self.meetings.clear();
+        if now.ties.acting() != self.ties {
+            self.ties = now.ties.acting();
+            self.faces.link(now.ties);
+            self.way_m = f64::INFINITY;
+        }
         self.way_m += 2.0 * self.top_speed_m_s * now.dt_s;
         for i in 0..3 {
             self.drift_m[i] += self.reference_m_s[i] * now.dt_s;
@@ -211,7 +233,7 @@ impl BodyContact {
 
     /// Lists all pairs within reach.
     fn search(&mut self, now: Surroundings) {
-        let heavy = |n: &usize| now.mass_kg[*n] > 0.0;
+        let heavy = |n: &usize| now.counts(*n);
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for n in (0..now.x.len()).filter(heavy) {
             for i in 0..3 {
@@ -225,17 +247,21 @@ impl BodyContact {
         let squares = (0..now.x.len()).filter(heavy).map(|n| self.speed_squared(&now.v[n]));
         self.top_speed_m_s = squares.fold(0.0, f64::max).sqrt();
         let size_m = 2.0 * self.summary.reach_m.max(1e-9);
-        self.cells.rebuild(now.x, |n| now.mass_kg[n] > 0.0, 2.0 * size_m);
+        self.cells.rebuild(now.x, |n| now.counts(n), size_m);
         (self.way_m, self.drift_m) = (0.0, [0.0; 3]);
         self.changed.clear();
         let outer: Vec<u32> = self.faces.outer().collect();
-        let look = |faces: &[u32]| {
+        let marks = || vec![NOWHERE; now.x.len()];
+        let look = |marks: &mut Vec<u32>, faces: &[u32]| {
             let mut found = Vec::new();
-            faces.iter().for_each(|f| self.look_around(*f, now, &mut found));
+            faces.iter().for_each(|f| self.look_around(*f, now, marks, &mut found));
             found
         };
-        let found: Vec<Pair> =
-            if now.parallel { outer.par_chunks(CHUNK).flat_map_iter(look).collect() } else { look(&outer) };
+        let found: Vec<Pair> = if now.parallel {
+            outer.par_chunks(CHUNK).map_init(marks, look).flatten_iter().collect()
+        } else {
+            look(&mut marks(), &outer)
+        };
         self.take(found, |_| false);
         self.summary.searches += 1;
     }
@@ -246,9 +272,13 @@ impl BodyContact {
         changed.sort_unstable();
         changed.dedup();
         let mut found = Vec::new();
+        self.marks.resize(now.x.len(), NOWHERE);
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.fill(NOWHERE);
         for face in changed.iter().filter(|f| self.faces.is_outer(**f)) {
-            self.look_around(*face, now, &mut found);
+            self.look_around(*face, now, &mut marks, &mut found);
         }
+        self.marks = marks;
         self.take(found, |face| changed.binary_search(&face).is_err());
         changed.clear();
         self.changed = changed;
@@ -273,7 +303,7 @@ impl BodyContact {
     }
 
     /// Pairs of one face with nodes within reach.
-    fn look_around(&self, face: u32, now: Surroundings, found: &mut Vec<Pair>) {
+    fn look_around(&self, face: u32, now: Surroundings, marks: &mut [u32], found: &mut Vec<Pair>) {
         let corners = self.faces.corners(face);
         let reach = self.summary.reach_m;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -287,18 +317,19 @@ impl BodyContact {
         let area = super::narrow::area_normal(&points);
         let size = dot(area, area).sqrt();
         let depth = self.faces.depth_m(face);
+        self.faces.mark_joined(face, marks);
         // the cells hold the nodes where they were at the last search
         let back = |p: &Vec3, way: f64| std::array::from_fn(|i| p[i] - self.drift_m[i] + way);
         self.cells.each(&back(&low, -self.way_m), &back(&high, self.way_m), |node| {
             let x = &now.x[node as usize];
-            if corners.contains(&node) || (0..3).any(|i| x[i] < low[i] || x[i] > high[i]) {
+            if marks[node as usize] == face || (0..3).any(|i| x[i] < low[i] || x[i] > high[i]) {
                 return;
             }
             let to = |i: usize| dot(area, super::narrow::minus(*x, points[i])) / size;
             let heights: [f64; 4] = std::array::from_fn(to);
             let (least, most) =
                 heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
-            if least > reach || most < -depth || self.faces.joined(node, face) {
+            if least > reach || most < -depth {
                 return;
             }
             found.push(Pair { node, face, held: false });
@@ -317,7 +348,7 @@ impl BodyContact {
         while first < self.pairs.len() {
             let node = self.pairs[first].node;
             let count = self.pairs[first..].iter().take_while(|p| p.node == node).count();
-            if now.mass_kg[node as usize] > 0.0 {
+            if now.counts(node as usize) {
                 self.meet_node(first..first + count, now, reach_m);
             }
             first += count;
@@ -326,9 +357,11 @@ impl BodyContact {
         for meeting in &self.meetings {
             let pair = self.pairs[meeting.pair];
             for n in [pair.node].into_iter().chain(self.faces.corners(pair.face)) {
-                if !self.flagged[n as usize] {
-                    self.flagged[n as usize] = true;
-                    self.flags.push(n);
+                for (n, _) in now.ties.carriers(n as usize) {
+                    if !self.flagged[n] {
+                        self.flagged[n] = true;
+                        self.flags.push(n as u32);
+                    }
                 }
             }
         }
@@ -353,7 +386,7 @@ impl BodyContact {
                 self.pairs[pair].held = false;
                 continue;
             };
-            if corners.iter().any(|c| now.mass_kg[*c as usize] == 0.0) {
+            if corners.iter().any(|c| !now.counts(*c as usize)) {
                 continue;
             }
             let own = *own.get_or_insert_with(|| self.faces.normal_at(node, now.x));
@@ -394,30 +427,54 @@ impl BodyContact {
         }
     }
 
-    /// Final velocities of the flagged nodes, which come with their trial velocities in the order of their numbers.
-    pub fn resolve(&mut self, dt_s: f64, nodes: &mut [Moving], rigid: &mut RigidSurfaces) -> Work {
+    /// Final velocities of the flagged nodes, which come with their trial velocities in the order of their numbers. `rows` has the contacts of
+    /// tied nodes with rigid surfaces, and gets those of the body.
+    pub fn resolve(
+        &mut self,
+        dt_s: f64,
+        nodes: &mut [Moving],
+        ties: &Ties,
+        rows: &mut Rows,
+        rigid: &mut RigidSurfaces,
+    ) -> Work {
         for (place, node) in nodes.iter().enumerate() {
             self.place[node.at.node] = place as u32;
         }
-        let mut rows = Vec::with_capacity(self.meetings.len());
+        let first = rows.rows.len();
         let mut pairs = Vec::with_capacity(self.meetings.len());
+        let mut parts = Vec::new();
         for meeting in &self.meetings {
             let pair = self.pairs[meeting.pair];
             let [a, b, c, d] = self.faces.corners(pair.face);
-            let place = [pair.node, a, b, c, d].map(|n| self.place[n as usize]);
-            if place.contains(&NOWHERE) {
+            let [wa, wb, wc, wd] = meeting.over.weights;
+            parts.clear();
+            for (n, w) in [(pair.node, 1.0), (a, -wa), (b, -wb), (c, -wc), (d, -wd)] {
+                if ties.is_tied(n as usize) {
+                    parts.extend(ties.carriers(n as usize).iter().map(|(m, s)| (self.place[*m], s * w)));
+                } else {
+                    parts.push((self.place[n as usize], w));
+                }
+            }
+            if parts.iter().any(|(place, _)| *place == NOWHERE) {
                 continue; // a node without mass
             }
             let gap = meeting.over.gap_m;
             let target = if gap > 0.0 { -gap / dt_s } else { (-gap * PUSH_SHARE / dt_s).min(PUSH_M_S) };
-            if let Some(row) = Row::new(place, meeting.over.weights, meeting.over.normal, target, nodes) {
-                rows.push(row);
+            let condition = Condition {
+                normal: meeting.over.normal,
+                target_m_s: target,
+                friction: self.friction,
+                rigid: None,
+            };
+            if rows.push(parts.iter().copied(), condition, nodes) {
                 pairs.push((meeting.pair, gap));
+            } else if gap < 0.0 {
+                self.pairs[meeting.pair].held = true; // both sides are driven: if they go on, the contact is lost
             }
         }
-        let work = solve(&mut rows, nodes, self.friction, rigid);
+        let work = rows.solve(nodes, rigid);
         let mut pressing = 0;
-        for (_, (pair, gap)) in rows.iter().zip(pairs).filter(|(row, _)| row.normal_ns > 0.0) {
+        for (_, (pair, gap)) in rows.rows[first..].iter().zip(pairs).filter(|(row, _)| row.normal_ns > 0.0) {
             pressing += 1;
             self.pairs[pair].held = true;
             self.summary.deepest_m = self.summary.deepest_m.max(-gap);

@@ -14,7 +14,8 @@ pub struct Cells {
     size_m: f64,
     count: [usize; 3],
     starts: Vec<u32>,
-    nodes: Vec<u32>,
+    /// Nodes with their positions at that time, cell after cell.
+    nodes: Vec<(Vec3, u32)>,
 }
 
 impl Cells {
@@ -46,10 +47,10 @@ impl Cells {
             starts[i] += starts[i - 1];
         }
         let mut next = starts.clone();
-        let mut nodes = vec![0; chosen.len()];
+        let mut nodes = vec![([0.0; 3], 0); chosen.len()];
         for n in &chosen {
             let cell = place(n);
-            nodes[next[cell] as usize] = *n;
+            nodes[next[cell] as usize] = (x[*n as usize], *n);
             next[cell] += 1;
         }
         (self.starts, self.nodes) = (starts, nodes);
@@ -67,7 +68,7 @@ impl Cells {
         (k * self.count[1] + j) * self.count[0] + i
     }
 
-    /// Nodes in the cells that a box meets, in a fixed order.
+    /// Nodes in a box, in a fixed order, by their positions at the time of sorting; all with a coordinate that is not a number.
     pub fn each(&self, low: &Vec3, high: &Vec3, mut visit: impl FnMut(u32)) {
         if self.starts.is_empty() {
             return;
@@ -77,7 +78,12 @@ impl Cells {
             for j in first[1]..=last[1] {
                 let row = self.starts[self.index([first[0], j, k])] as usize
                     ..self.starts[self.index([last[0], j, k]) + 1] as usize;
-                self.nodes[row].iter().for_each(|n| visit(*n));
+                for (x, n) in &self.nodes[row] {
+                    let outside = (0..3).any(|i| x[i] < low[i] || x[i] > high[i]);
+                    if !outside {
+                        visit(*n);
+                    }
+                }
             }
         }
     }

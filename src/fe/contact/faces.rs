@@ -2,7 +2,9 @@
 
 use crate::fe::hexahedron::{Vec3, add, dot, scaled};
 use crate::fe::mesh::Mesh;
+use crate::fe::tie::Ties;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// No neighbour.
 const NONE: u32 = u32::MAX;
@@ -26,6 +28,8 @@ pub struct Faces {
     starts: Vec<u32>,
     /// Elements at each node.
     around: Vec<u32>,
+    /// Nodes that a node hangs together with by acting ties: its masters, or what it carries.
+    linked: BTreeMap<u32, Vec<u32>>,
 }
 
 impl Faces {
@@ -35,7 +39,24 @@ impl Faces {
         let thickness_m =
             mesh.elements.iter().map(|e| thicknesses(&e.nodes.map(|n| mesh.nodes[n]))).collect();
         let (starts, around) = elements_by_node(&nodes, mesh.nodes.len());
-        Self { behind: neighbours(&nodes), acts: vec![true; nodes.len()], nodes, thickness_m, starts, around }
+        let (behind, acts) = (neighbours(&nodes), vec![true; nodes.len()]);
+        Self { behind, acts, nodes, thickness_m, starts, around, linked: BTreeMap::new() }
+    }
+
+    /// Takes in which ties act.
+    pub fn link(&mut self, ties: &Ties) {
+        self.linked.clear();
+        for (node, masters) in ties.tied() {
+            for (master, _) in masters {
+                self.linked.entry(node as u32).or_default().push(*master as u32);
+                self.linked.entry(*master as u32).or_default().push(node as u32);
+            }
+        }
+    }
+
+    /// A node and those it is linked with.
+    fn with_linked(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
+        std::iter::once(node).chain(self.linked.get(&node).into_iter().flatten().copied())
     }
 
     /// Gives elements other nodes; which of them act stays.
@@ -98,11 +119,20 @@ impl Faces {
         }
     }
 
-    /// Whether a node and a face hang together: an acting element holds the node and a corner of the face.
-    pub fn joined(&self, node: u32, face: u32) -> bool {
+    /// Marks the nodes that hang together with a face: an acting element holds them and a corner of the face, tied nodes and their masters
+    /// being as one. Their `marks` get the number of the face.
+    pub fn mark_joined(&self, face: u32, marks: &mut [u32]) {
         let corners = self.corners(face);
-        let holds = |e: u32| self.nodes[e as usize].iter().any(|n| corners.contains(n));
-        self.elements_at(node).any(holds)
+        if self.linked.is_empty() {
+            for e in corners.into_iter().flat_map(|c| self.elements_at(c)) {
+                self.nodes[e as usize].iter().for_each(|n| marks[*n as usize] = face);
+            }
+            return;
+        }
+        let held = corners.into_iter().flat_map(|c| self.with_linked(c)).flat_map(|c| self.elements_at(c));
+        for n in held.flat_map(|e| self.nodes[e as usize]).flat_map(|n| self.with_linked(n)) {
+            marks[n as usize] = face;
+        }
     }
 
     /// Sum of the area normals of the outer faces at a node, to compare directions; `None` for a node without faces: debris, or

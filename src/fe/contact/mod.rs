@@ -11,7 +11,9 @@ mod faces;
 mod narrow;
 mod rigid;
 mod solve;
+mod tied;
 
 pub use body::{BodyContact, ContactSummary, LostContact};
 pub use faces::Faces;
 pub use rigid::RigidSurfaces;
+pub use tied::TiedStrikes;

@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 
 /// Passes over the planes that stop one node in a step, so that a node in a corner leaves none of them.
 const PLANE_PASSES: usize = 4;
+/// Up to this height off the ground level a node counts as standing on it at the start \[m\].
+const AT_LEVEL_M: f64 = 1e-6;
 
 /// A node about to be stopped.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +34,19 @@ pub struct Struck {
     pub old: Vec3,
 }
 
+/// A surface close to a node.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Near {
+    /// 0 for ground, 1 + i for box i, 1 + boxes + i for plane i.
+    pub surface: usize,
+    /// Unit normal.
+    pub normal: Vec3,
+    /// Height of the node above it \[m\].
+    pub gap_m: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+}
+
 /// Rigid ground, boxes and planes.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct RigidSurfaces {
@@ -45,6 +60,12 @@ pub struct RigidSurfaces {
     stops: Vec<Vec<bool>>,
     /// Whether each node has touched anything yet.
     touched: Vec<bool>,
+    /// Whether each node stood on the ground or below it at the start: its touch is no news.
+    grounded: Vec<bool>,
+    /// Whether each node started below the ground level and has not come up since; empty if none did.
+    embedded: Vec<bool>,
+    /// Bottom of what is embedded \[m\]: ground to these nodes.
+    bottom_m: f64,
     /// Nodes that touched for the first time since the list was last taken, with 0 for ground, 1 + i for box i and
     /// 1 + boxes + i for plane i.
     pub new_touches: Vec<(usize, usize)>,
@@ -60,7 +81,10 @@ impl RigidSurfaces {
         }
     }
 
-    pub(in crate::fe) fn resize(&mut self, nodes: usize) {
+    /// Takes in where the nodes are at the start. What is below the ground level then stands in an excavation whose bottom is its own
+    /// lowest node; it meets the ground there, and the level only after it has come up.
+    pub(in crate::fe) fn begin(&mut self, x: &[Vec3]) {
+        let nodes = x.len();
         self.touched = vec![false; nodes];
         let chosen = |plane: &RigidPlane| {
             plane.nodes.as_ref().map_or(Vec::new(), |list| {
@@ -70,11 +94,37 @@ impl RigidSurfaces {
             })
         };
         self.stops = self.planes.iter().map(chosen).collect();
+        let level = self.ground.map_or(f64::NEG_INFINITY, |(level, _)| level);
+        self.grounded = x.iter().map(|p| p[2] < level + AT_LEVEL_M).collect();
+        self.embedded = x.iter().map(|p| p[2] < level - AT_LEVEL_M).collect();
+        if !self.embedded.contains(&true) {
+            self.embedded.clear();
+        }
+        self.bottom_m = x.iter().map(|p| p[2]).fold(level, f64::min);
+    }
+
+    /// Notes which embedded nodes have come up.
+    pub(in crate::fe) fn follow(&mut self, x: &[Vec3]) {
+        if let Some((level, _)) = self.ground {
+            self.embedded.iter_mut().zip(x).for_each(|(embedded, p)| *embedded &= p[2] < level);
+        }
+    }
+
+    /// Height of the ground to a node and friction on it.
+    #[inline]
+    fn ground_of(&self, node: usize) -> Option<(f64, f64)> {
+        let (level, friction) = self.ground?;
+        let embedded = self.embedded.get(node).copied().unwrap_or(false);
+        Some((if embedded { self.bottom_m } else { level }, friction))
     }
 
     /// Makes room for a copy of a node.
     pub(in crate::fe) fn add_copy_of(&mut self, node: usize) {
         self.touched.push(self.touched[node]);
+        self.grounded.push(self.grounded[node]);
+        if !self.embedded.is_empty() {
+            self.embedded.push(self.embedded[node]);
+        }
         for stops in self.stops.iter_mut().filter(|s| !s.is_empty()) {
             stops.push(stops[node]);
         }
@@ -83,7 +133,8 @@ impl RigidSurfaces {
     /// Whether a node at `x` with the trial velocity `new` needs [`Self::resolve`].
     #[inline]
     pub fn reached(&self, node: usize, dt: f64, x: &[f64; 3], new: &[f64; 3]) -> bool {
-        let below = self.ground.is_some_and(|(level, _)| x[2] + dt * new[2] < level);
+        let below = self.ground.is_some_and(|(level, _)| x[2] + dt * new[2] < level)
+            && self.ground_of(node).is_some_and(|(level, _)| x[2] + dt * new[2] < level);
         let inside =
             |solid: &Aabb| (0..3).all(|i| (solid.min[i]..solid.max[i]).contains(&(x[i] + dt * new[i])));
         below
@@ -100,21 +151,35 @@ impl RigidSurfaces {
     /// work on the node by normal and by friction impulses \[J\].
     #[inline]
     pub fn resolve(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
-        if at.held == [false; 3] {
-            let mut work = self.resolve_boxes(at, new);
-            add(&mut work, self.resolve_planes(at, new));
-            return work;
-        }
-        // ground and boxes act along axes: what they would do to a held component is the drive's business
-        let mut free = *new;
-        self.resolve_boxes(at, &mut free);
-        let mut work = [0.0; 2];
-        for i in (0..3).filter(|i| !at.held[*i]) {
-            work[0] += at.mass_kg * (free[i] - new[i]) * 0.5 * (at.old[i] + free[i]);
-            new[i] = free[i];
-        }
+        let mut work = self.resolve_boxes(at, new);
         add(&mut work, self.resolve_planes(at, new));
         work
+    }
+
+    /// Surfaces that a node at `x` is not farther from than `reach_m`, boxes only if it is over one of their faces.
+    pub(super) fn near(&self, node: usize, x: &Vec3, reach_m: f64) -> Vec<Near> {
+        let mut found = Vec::new();
+        if let Some((level, friction)) = self.ground_of(node) {
+            found.push(Near { surface: 0, normal: [0.0, 0.0, 1.0], gap_m: x[2] - level, friction });
+        }
+        for (index, (solid, friction)) in self.boxes.iter().enumerate() {
+            let (axis, face) = entered_face(solid, *x);
+            let over = (0..3).all(|i| i == axis || (solid.min[i]..solid.max[i]).contains(&x[i]));
+            let sign = if face > solid.center()[axis] { 1.0 } else { -1.0 };
+            if over {
+                let normal = std::array::from_fn(|i| if i == axis { sign } else { 0.0 });
+                let gap_m = sign * (x[axis] - face);
+                found.push(Near { surface: 1 + index, normal, gap_m, friction: *friction });
+            }
+        }
+        for (index, plane) in self.planes.iter().enumerate() {
+            if self.stops.get(index).is_none_or(|s| s.get(node).copied().unwrap_or(true)) {
+                let (gap_m, surface) = (height(plane, x), 1 + self.boxes.len() + index);
+                found.push(Near { surface, normal: plane.normal, gap_m, friction: plane.friction });
+            }
+        }
+        found.retain(|near| near.gap_m <= reach_m);
+        found
     }
 
     /// Planes: impulses along the normal as far as the node can move, and friction in the plane.
@@ -150,14 +215,15 @@ impl RigidSurfaces {
     }
 
     fn resolve_boxes(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
-        let Struck { node, mass_kg: mass, dt_s: dt, x, ref old, .. } = *at;
+        let Struck { node, held, dt_s: dt, x, .. } = *at;
         let mut work = [0.0; 2];
-        if let Some((level, friction)) = self.ground
+        if let Some((level, friction)) = self.ground_of(node)
+            && !held[2]
             && x[2] + dt * new[2] < level
         {
             let target = ((level - x[2]) / dt).min(0.0).max(new[2]);
             let bounded = if x[2] < level { 0.0_f64.max(new[2]) } else { target };
-            add(&mut work, stop(mass, 2, bounded, friction, old, new));
+            add(&mut work, stop(at, 2, bounded, friction, new));
             self.note(node, 0);
         }
         for index in 0..self.boxes.len() {
@@ -167,19 +233,23 @@ impl RigidSurfaces {
                 continue;
             }
             let (axis, face) = entered_face(&solid, x);
+            if held[axis] {
+                continue;
+            }
             let target = if (face > solid.center()[axis]) == (x[axis] < face) && x[axis] != face {
                 0.0 // already inside: stop, do not throw out
             } else {
                 (face - x[axis]) / dt
             };
-            add(&mut work, stop(mass, axis, target, friction, old, new));
+            add(&mut work, stop(at, axis, target, friction, new));
             self.note(node, index + 1);
         }
         work
     }
 
-    fn note(&mut self, node: usize, surface: usize) {
-        if !self.touched[node] {
+    /// Notes that a node touches a surface.
+    pub(super) fn note(&mut self, node: usize, surface: usize) {
+        if !self.touched[node] && !(surface == 0 && self.grounded[node]) {
             self.touched[node] = true;
             self.new_touches.push((node, surface));
         }
@@ -215,15 +285,9 @@ fn entered_face(solid: &Aabb, x: [f64; 3]) -> (usize, f64) {
     (best.0, best.1)
 }
 
-/// Sets the normal velocity and takes friction; returns the work of both impulses.
-fn stop(
-    mass: f64,
-    axis: usize,
-    normal_velocity: f64,
-    friction: f64,
-    old: &[f64; 3],
-    new: &mut [f64; 3],
-) -> [f64; 2] {
+/// Sets the normal velocity and takes friction, leaving held components as they are; returns the work of both impulses.
+fn stop(at: &Struck, axis: usize, normal_velocity: f64, friction: f64, new: &mut Vec3) -> [f64; 2] {
+    let (mass, old) = (at.mass_kg, &at.old);
     let change = normal_velocity - new[axis];
     let normal = mass * change * 0.5 * (old[axis] + normal_velocity);
     new[axis] = normal_velocity;
@@ -234,7 +298,7 @@ fn stop(
     }
     let factor = 1.0 - (friction * change.abs() / slip).min(1.0);
     let mut tangential = 0.0;
-    for i in [p, q] {
+    for i in [p, q].into_iter().filter(|i| !at.held[*i]) {
         let after = new[i] * factor;
         tangential += mass * (after - new[i]) * 0.5 * (old[i] + after);
         new[i] = after;

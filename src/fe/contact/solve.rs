@@ -1,15 +1,16 @@
 //! Impulses of the contacts of one step.
 //!
-//! Contact `c` of a node with a face asks of the trial velocities, in which all forces of the step already act, that the node
+//! The two sides of a contact are weighted sums of nodes, a tied node being that of its masters. Contact `c` of a node with a face asks of the trial velocities, in which all forces of the step already act, that the node
 //! comes no nearer than the surface: `n · (v_node - Σ w v_corner) >= -gap / Δt` (0 once it is behind). The
 //! impulses come from projected Gauss-Seidel sweeps in a fixed order (Moreau 1988; Jean 1999), each
-//! with the exact mass of its five nodes; friction is the impulse in the face that stops the slip, at most `μ` times
+//! with the exact mass of its nodes; friction is the impulse in the face that stops the slip, at most `μ` times
 //! the normal one. Every accepted change lowers the kinetic energy of the trial velocities, or lets it be: the normal one because it
 //! minimises that energy over `p >= 0` (the targets are not positive but for the slow push-out), friction because it only
 //! brakes. Pairs of opposite impulses keep momentum to round-off.
 
 use super::rigid::{RigidSurfaces, Struck};
 use crate::fe::hexahedron::{Vec3, add, dot, scaled};
+use std::ops::Range;
 
 /// Sweeps over all contacts of a step, at most.
 const SWEEPS: usize = 50;
@@ -40,17 +41,26 @@ impl Moving {
     }
 }
 
-/// One contact.
+/// What a contact asks.
 #[derive(Debug, Clone, Copy)]
-pub struct Row {
-    /// Places of the node and the four corners among the moving nodes.
-    pub place: [u32; 5],
-    /// Weights: 1 and minus those of the corners.
-    pub weight: [f64; 5],
-    /// Unit normal of the face.
+pub struct Condition {
+    /// Unit normal.
     pub normal: Vec3,
     /// Least velocity along the normal \[m/s\].
     pub target_m_s: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Node and rigid surface, if it is with one.
+    pub rigid: Option<(usize, usize)>,
+}
+
+/// One contact.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Its stretch of [`Rows::parts`].
+    parts: Range<usize>,
+    /// What it asks.
+    condition: Condition,
     /// Normal impulse \[N s\].
     pub normal_ns: f64,
     /// Friction impulse on the node \[N s\].
@@ -59,68 +69,100 @@ pub struct Row {
     ability: [f64; 2],
 }
 
-impl Row {
-    /// A contact; `None` if nothing in it can move.
-    pub fn new(
-        place: [u32; 5],
-        corners: [f64; 4],
-        normal: Vec3,
-        target_m_s: f64,
+/// The contacts of a step.
+#[derive(Debug, Clone, Default)]
+pub struct Rows {
+    /// The contacts.
+    pub rows: Vec<Row>,
+    /// Places among the moving nodes with weights, contact after contact; the sum with the weights is the relative velocity.
+    parts: Vec<(u32, f64)>,
+}
+
+impl Rows {
+    /// Adds a contact between the places with their weights, some of which may come twice; `false` if nothing in it can move.
+    pub fn push(
+        &mut self,
+        parts: impl Iterator<Item = (u32, f64)>,
+        condition: Condition,
         nodes: &[Moving],
-    ) -> Option<Self> {
-        let weight = [1.0, -corners[0], -corners[1], -corners[2], -corners[3]];
+    ) -> bool {
+        let first = self.parts.len();
+        for (place, weight) in parts {
+            match self.parts[first..].iter_mut().find(|p| p.0 == place) {
+                Some(same) => same.1 += weight,
+                None => self.parts.push((place, weight)),
+            }
+        }
         let mut each = [0.0; 3];
-        for (p, w) in place.iter().zip(weight) {
+        for (p, w) in &self.parts[first..] {
             for i in 0..3 {
                 each[i] += w * w * nodes[*p as usize].ability[i];
             }
         }
+        let normal = condition.normal;
         let along = (0..3).map(|i| each[i] * normal[i] * normal[i]).sum::<f64>();
         let across = each.iter().fold(0.0, |a: f64, b| a.max(*b));
-        (along > 1e-12 * across && across > 0.0).then_some(Self {
-            place,
-            weight,
-            normal,
-            target_m_s,
+        let most = self.parts[first..].iter().map(|(p, _)| nodes[*p as usize].ability);
+        let most = most.flatten().fold(0.0, f64::max);
+        let moves = along > 1e-12 * across && across > 1e-12 * most;
+        if !moves {
+            self.parts.truncate(first);
+            return false;
+        }
+        self.rows.push(Row {
+            parts: first..self.parts.len(),
+            condition,
             normal_ns: 0.0,
             friction_ns: [0.0; 3],
             ability: [along, across],
-        })
+        });
+        true
     }
 
-    /// Velocity of the node against the face.
-    #[inline]
-    fn relative(&self, velocity: impl Fn(&Moving) -> Vec3, nodes: &[Moving]) -> Vec3 {
-        let mut u = [0.0; 3];
-        for (p, w) in self.place.iter().zip(self.weight) {
-            let v = velocity(&nodes[*p as usize]);
-            for i in 0..3 {
-                u[i] += w * v[i];
-            }
+    /// Finds the impulses and the final velocities.
+    pub fn solve(&mut self, nodes: &mut [Moving], rigid: &mut RigidSurfaces) -> Work {
+        if nodes.is_empty() {
+            return Work::default();
         }
-        u
+        solve(&mut self.rows, &self.parts, nodes, rigid)
     }
+}
 
+/// Velocity of one side against the other.
+#[inline]
+fn relative(parts: &[(u32, f64)], velocity: impl Fn(&Moving) -> Vec3, nodes: &[Moving]) -> Vec3 {
+    let mut u = [0.0; 3];
+    for (p, w) in parts {
+        let v = velocity(&nodes[*p as usize]);
+        for i in 0..3 {
+            u[i] += w * v[i];
+        }
+    }
+    u
+}
+
+impl Row {
     /// Makes the contact hold by itself; returns the change of velocity.
     #[inline]
-    fn relax(&mut self, friction: f64, nodes: &mut [Moving]) -> f64 {
-        let u = self.relative(|n| n.new, nodes);
-        let speed = dot(u, self.normal);
-        let normal_ns = (self.normal_ns + (self.target_m_s - speed) / self.ability[0]).max(0.0);
+    fn relax(&mut self, parts: &[(u32, f64)], nodes: &mut [Moving]) -> f64 {
+        let Condition { normal, target_m_s, friction, .. } = self.condition;
+        let u = relative(parts, |n| n.new, nodes);
+        let speed = dot(u, normal);
+        let normal_ns = (self.normal_ns + (target_m_s - speed) / self.ability[0]).max(0.0);
         if normal_ns == 0.0 && self.normal_ns == 0.0 {
             return 0.0;
         }
-        let slip = add(u, scaled(-speed, self.normal));
+        let slip = add(u, scaled(-speed, normal));
         let mut wanted: Vec3 = std::array::from_fn(|i| self.friction_ns[i] - slip[i] / self.ability[1]);
-        let (size, most) = (dot(wanted, wanted).sqrt(), friction * normal_ns);
+        let size = dot(wanted, wanted).sqrt();
+        let most = if normal_ns == 0.0 { 0.0 } else { friction * normal_ns };
         if size > most {
             wanted = scaled(most / size, wanted);
         }
         let change = normal_ns - self.normal_ns;
-        let impulse: Vec3 =
-            std::array::from_fn(|i| change * self.normal[i] + wanted[i] - self.friction_ns[i]);
+        let impulse: Vec3 = std::array::from_fn(|i| change * normal[i] + wanted[i] - self.friction_ns[i]);
         (self.normal_ns, self.friction_ns) = (normal_ns, wanted);
-        for (p, w) in self.place.iter().zip(self.weight) {
+        for (p, w) in parts {
             let node = &mut nodes[*p as usize];
             for i in 0..3 {
                 node.new[i] += w * node.ability[i] * impulse[i];
@@ -141,15 +183,14 @@ pub struct Work {
     pub held_j: f64,
 }
 
-/// Finds the impulses and the final velocities.
-pub fn solve(rows: &mut [Row], nodes: &mut [Moving], friction: f64, rigid: &mut RigidSurfaces) -> Work {
+fn solve(rows: &mut [Row], parts: &[(u32, f64)], nodes: &mut [Moving], rigid: &mut RigidSurfaces) -> Work {
     let mut work = Work::default();
     let mut struck = vec![[0.0; 3]; nodes.len()];
     let mut largest: f64 = 0.0;
     for sweep in 0..SWEEPS {
         let mut change: f64 = 0.0;
         for row in rows.iter_mut() {
-            change = change.max(row.relax(friction, nodes));
+            change = change.max(row.relax(&parts[row.parts.clone()], nodes));
         }
         for (node, struck) in nodes.iter_mut().zip(&mut struck) {
             if node.ability == [0.0; 3] || !rigid.reached(node.at.node, node.at.dt_s, &node.at.x, &node.new) {
@@ -176,16 +217,21 @@ pub fn solve(rows: &mut [Row], nodes: &mut [Moving], friction: f64, rigid: &mut 
     for (node, impulse) in nodes.iter().zip(&struck) {
         work.rigid_j[0] += dot(*impulse, node.middle());
     }
-    for row in rows.iter() {
-        let middle = row.relative(Moving::middle, nodes);
-        work.body_j[0] += row.normal_ns * dot(row.normal, middle);
-        work.body_j[1] += dot(row.friction_ns, middle);
-        for (p, w) in row.place.iter().zip(row.weight) {
+    for row in rows.iter().filter(|row| row.normal_ns > 0.0) {
+        let (parts, normal) = (&parts[row.parts.clone()], row.condition.normal);
+        let middle = relative(parts, Moving::middle, nodes);
+        let book = if row.condition.rigid.is_some() { &mut work.rigid_j } else { &mut work.body_j };
+        book[0] += row.normal_ns * dot(normal, middle);
+        book[1] += dot(row.friction_ns, middle);
+        for (p, w) in parts {
             let node = &nodes[*p as usize];
             let middle = node.middle();
             for i in (0..3).filter(|i| node.ability[*i] == 0.0) {
-                work.held_j -= w * (row.normal_ns * row.normal[i] + row.friction_ns[i]) * middle[i];
+                work.held_j -= w * (row.normal_ns * normal[i] + row.friction_ns[i]) * middle[i];
             }
+        }
+        if let Some((node, surface)) = row.condition.rigid {
+            rigid.note(node, surface);
         }
     }
     work
