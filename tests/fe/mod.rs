@@ -23,4 +23,3 @@ mod step;
 mod ties;
 mod truss;
 mod vtu;
-mod zz_time;
