@@ -96,7 +96,7 @@ impl Mesh {
         let mut meshed = cells.volumes(building.members.len());
         let blocks = apart::blocks(building, &grid.apart, size_m);
         for block in &blocks {
-            meshed[block.member] = block.solid.volume();
+            meshed[block.member] = block.volume_m3();
         }
         let snapped = building
             .members
@@ -108,6 +108,8 @@ impl Mesh {
         let mut mesh = Self::from_cells(building, &cells, &real, &meshed);
         apart::join(&mut mesh, building, &blocks, &real);
         mesh.fixed = supported_nodes(building, &grid.solids, &mesh.nodes);
+        mesh.fixed.extend(apart::held_nodes(building, &mesh));
+        mesh.fixed.sort_unstable();
         (mesh, snapped)
     }
 
@@ -205,7 +207,11 @@ fn supported_nodes(building: &Building, solids: &[Aabb], nodes: &[[f64; 3]]) -> 
         .supports
         .iter()
         .filter_map(|s| {
-            let solid = solids[building.members.iter().position(|m| m.id == s.member)?];
+            let member = building.members.iter().position(|m| m.id == s.member)?;
+            let solid = solids[member];
+            if building.members[member].is_skew() {
+                return None; // [`apart::held_nodes`]
+            }
             let z = match s.face {
                 Face::Bottom => solid.min[2],
                 Face::Top => solid.max[2],

@@ -1,7 +1,7 @@
 //! Nodes tied to faces: what a tie passes on exactly and what it does not, conservation, release.
 
 use super::mesh::{elastic, grid, nearest};
-use fallwerk::fe::apart::{outer_faces, tie_to};
+use fallwerk::fe::apart::{Faces, outer_faces};
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::law::Law;
@@ -18,7 +18,7 @@ fn pair(
 ) -> Mesh {
     let size = [length_m, 1.0, 1.0];
     let mut mesh = grid(first, size, law.clone(), &held);
-    let faces = outer_faces(&mesh);
+    let faces = Faces::of(&mesh, outer_faces(&mesh));
     let other = grid(second, size, law, |_| false);
     let offset = mesh.nodes.len();
     mesh.nodes.extend(other.nodes.iter().map(|p| [p[0] + length_m, p[1], p[2]]));
@@ -28,7 +28,7 @@ fn pair(
         e
     }));
     for node in (offset..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] == length_m) {
-        let tie = tie_to(&mesh, &faces, node, 1e-6).expect("each node lies on a face");
+        let tie = faces.nearest(&mesh, node, 1e-6, false).expect("each node lies on a face");
         assert!((tie.masters.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
         mesh.ties.push(tie);
     }
