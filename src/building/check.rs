@@ -111,7 +111,11 @@ fn turned_pair(a: &Member, b: &Member) -> Option<(&'static str, String, Option<&
     let [p, q] = [a, b].map(TurnedBox::of);
     let remedy = "tie each to a member along the axes, such as a slab, and leave a gap between them";
     (a.is_skew() && b.is_skew() && p.touches(&q)).then(|| {
-        ("touch, and both are turned by `rotation_deg`", "a turned member meets members along the axes only".into(), Some(remedy))
+        (
+            "touch, and both are turned by `rotation_deg`",
+            "a turned member meets members along the axes only".into(),
+            Some(remedy),
+        )
     })
 }
 
@@ -334,8 +338,12 @@ fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(building) = draft.building() else { return };
     let planes: f64 = (0..3)
         .map(|i| {
-            let mut all: Vec<f64> =
-                building.members.iter().filter(|m| !m.is_skew()).flat_map(|m| [m.solid.min[i], m.solid.max[i]]).collect();
+            let mut all: Vec<f64> = building
+                .members
+                .iter()
+                .filter(|m| !m.is_skew())
+                .flat_map(|m| [m.solid.min[i], m.solid.max[i]])
+                .collect();
             all.sort_by(f64::total_cmp);
             all.dedup();
             all.len() as f64

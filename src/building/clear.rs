@@ -65,11 +65,8 @@ impl Clear {
     pub fn of(members: &[&Member], index: usize) -> Self {
         let member = members[index];
         let gross = TurnedBox::of(member);
-        let neighbour = |m: &&Member| Neighbour {
-            id: m.id.clone(),
-            solid: m.solid,
-            openings: m.openings.clone(),
-        };
+        let neighbour =
+            |m: &&Member| Neighbour { id: m.id.clone(), solid: m.solid, openings: m.openings.clone() };
         let near =
             |m: &&Member| !m.is_skew() && gross.separation_m(&TurnedBox::of(m)) < COORDINATE_TOLERANCE_M;
         let axis = match member.kind {
@@ -110,7 +107,8 @@ impl Clear {
             let solid = &neighbour.solid;
             let covers = corners.iter().all(|c| {
                 (0..2).all(|i| {
-                    c[i] > solid.min[i] - COORDINATE_TOLERANCE_M && c[i] < solid.max[i] + COORDINATE_TOLERANCE_M
+                    c[i] > solid.min[i] - COORDINATE_TOLERANCE_M
+                        && c[i] < solid.max[i] + COORDINATE_TOLERANCE_M
                 })
             });
             let open = |o: &Aabb| (0..2).all(|i| o.min[i] < bounds.max[i] && o.max[i] > bounds.min[i]);
@@ -164,9 +162,9 @@ impl Clear {
             }
         }
         let lost = |range: [f64; 2]| {
-            let rest = blocked.iter().fold(vec![range], |rest, (b, _)| {
-                rest.into_iter().flat_map(|p| without(p, *b)).collect()
-            });
+            let rest = blocked
+                .iter()
+                .fold(vec![range], |rest, (b, _)| rest.into_iter().flat_map(|p| without(p, *b)).collect());
             rest.iter().any(|[a, b]| b - a > COORDINATE_TOLERANCE_M)
         };
         let at = |end: f64| blocked.iter().find(|(b, _)| b.contains(&end)).map(|(_, n)| *n);
@@ -249,7 +247,8 @@ impl Clear {
         if self.axis == 2 {
             return None;
         }
-        let widths = self.across().map(|i| (self.range_m[i][1] - self.range_m[i][0]) / (JUDGED_LINES - 1) as f64);
+        let widths =
+            self.across().map(|i| (self.range_m[i][1] - self.range_m[i][0]) / (JUDGED_LINES - 1) as f64);
         let steep = |a: usize, b: usize, width: f64| {
             (0..2).any(|end| (free[a].range_m[end] - free[b].range_m[end]).abs() > STEEPEST * width)
         };

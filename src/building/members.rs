@@ -169,14 +169,22 @@ fn rotation(fields: Fields<'_>, kind: MemberKind, found: &mut Vec<Diagnostic>) -
     let plate = matches!(kind, MemberKind::Slab | MemberKind::Footing);
     let open = fields.child("openings").is_some_and(|o| !o.items().is_empty());
     let (message, remedy) = if plate {
-        (format!("a {} cannot be turned", kind.name()), "only columns, beams and walls: leave `rotation_deg` out")
+        (
+            format!("a {} cannot be turned", kind.name()),
+            "only columns, beams and walls: leave `rotation_deg` out",
+        )
     } else if open {
-        ("a turned wall cannot have openings".into(), "divide the wall at its openings, or leave `rotation_deg` out")
+        (
+            "a turned wall cannot have openings".into(),
+            "divide the wall at its openings, or leave `rotation_deg` out",
+        )
     } else {
         return Some(angle);
     };
     found.push(
-        Diagnostic::error("not-supported", message).at(fields.span("rotation_deg"), "not supported").help(remedy),
+        Diagnostic::error("not-supported", message)
+            .at(fields.span("rotation_deg"), "not supported")
+            .help(remedy),
     );
     None
 }

@@ -62,9 +62,8 @@ impl Partition {
     /// column's whole section: the column's clear height ends at the soffit of the deepest beam.
     fn give_joints_to_beams(&mut self, building: &Building) {
         let n = self.count();
-        let of_kind = |kind| {
-            building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew())
-        };
+        let of_kind =
+            |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew());
         for (column_index, column) in of_kind(MemberKind::Column) {
             for (beam_index, beam) in of_kind(MemberKind::Beam) {
                 let Some(common) = column.solid.intersection(&beam.solid, COORDINATE_TOLERANCE_M) else {

@@ -220,7 +220,9 @@ impl Faces {
     /// Of the faces of a mesh, as from [`outer_faces`].
     pub fn of(mesh: &Mesh, faces: Vec<(usize, [usize; 4])>) -> Self {
         let extent = |face: &[usize; 4], pick: fn(f64, f64) -> f64| -> [f64; 3] {
-            std::array::from_fn(|i| face[1..].iter().fold(mesh.nodes[face[0]][i], |a, n| pick(a, mesh.nodes[*n][i])))
+            std::array::from_fn(|i| {
+                face[1..].iter().fold(mesh.nodes[face[0]][i], |a, n| pick(a, mesh.nodes[*n][i]))
+            })
         };
         let mut sorted: Vec<_> = faces
             .into_iter()
@@ -306,5 +308,8 @@ pub fn tied_members(building: &Building, mesh: &Mesh) -> Vec<String> {
         parts[element.part] |= element.nodes.iter().any(|n| tied[*n]);
     }
     let columns = building.members.iter().zip(&parts);
-    columns.filter(|(m, tied)| **tied && (m.kind == MemberKind::Column || m.is_skew())).map(|(m, _)| m.id.clone()).collect()
+    columns
+        .filter(|(m, tied)| **tied && (m.kind == MemberKind::Column || m.is_skew()))
+        .map(|(m, _)| m.id.clone())
+        .collect()
 }
