@@ -1,6 +1,7 @@
 //! Checks of meaning: solids that overlap or hang in the air, plans that remove everything, meshes that
 //! cannot work. They run on all members that could be read and report everything they find.
 
+use super::clear::Clear;
 use super::connect::unsupported_groups;
 use super::fields::Placed;
 use super::model::{Member, MemberKind, Preparation};
@@ -8,6 +9,7 @@ use super::partition::{COORDINATE_TOLERANCE_M, Partition};
 use super::plan::prepared;
 use super::read::Draft;
 use super::structure::list_words;
+use super::turned::TurnedBox;
 use crate::base::diagnostic::{Diagnostic, Severity, quoted};
 use crate::base::source::Span;
 use crate::base::tree::Node;
@@ -22,6 +24,7 @@ const MAX_REPORTED: usize = 20;
 /// All checks of meaning.
 pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     overlaps(draft, found);
+    turned(draft, found);
     obstacles(draft, found);
     below_ground(draft, found);
     events_on_removed(draft, found);
@@ -70,6 +73,9 @@ fn overlap(
     all: &[Placed<Member>],
 ) -> Option<(&'static str, String, Option<&'static str>)> {
     use MemberKind::{Beam, Column, Footing, Slab, Wall};
+    if a.is_skew() || b.is_skew() {
+        return turned_pair(a, b);
+    }
     let common = a.solid.intersection(&b.solid, COORDINATE_TOLERANCE_M)?;
     let volume = format!("{:.4} m3 of common volume", common.volume());
     let plain = Some(("overlap", volume.clone(), None));
@@ -100,13 +106,38 @@ fn overlap(
     }
 }
 
+/// What is wrong with two members one of which is turned. One such member may run into others ([`turned`] looks at it alone).
+fn turned_pair(a: &Member, b: &Member) -> Option<(&'static str, String, Option<&'static str>)> {
+    let [p, q] = [a, b].map(TurnedBox::of);
+    let remedy = "tie each to a member along the axes, such as a slab, and leave a gap between them";
+    (a.is_skew() && b.is_skew() && p.touches(&q)).then(|| {
+        (
+            "touch, and both are turned by `rotation_deg`",
+            "a turned member meets members along the axes only".into(),
+            Some(remedy),
+        )
+    })
+}
+
+/// Turned members that cannot butt against their neighbours.
+fn turned(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let members: Vec<&Member> = draft.members.list.iter().map(|m| &m.item).collect();
+    for (index, member) in draft.members.list.iter().enumerate().filter(|(_, m)| m.item.is_skew()) {
+        let Some(wrong) = Clear::of(&members, index).problem() else { continue };
+        let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));
+        let message = format!("the turned {noun} {id} {}", wrong.problem);
+        let label = format!("`rotation_deg = {}`", member.item.rotation_deg);
+        found.push(Diagnostic::error("turned-member", message).at(member.span, label).help(wrong.remedy));
+    }
+}
+
 fn obstacles(draft: &Draft, found: &mut Vec<Diagnostic>) {
     for obstacle in &draft.obstacles {
         let hits: Vec<&Placed<Member>> = draft
             .members
             .list
             .iter()
-            .filter(|m| m.item.solid.intersection(&obstacle.item.solid, COORDINATE_TOLERANCE_M).is_some())
+            .filter(|m| TurnedBox::of(&m.item).overlaps(&TurnedBox::of_box(&obstacle.item.solid)))
             .collect();
         if let Some(first) = hits.first() {
             let more = if hits.len() > 1 { format!(" and {} more", hits.len() - 1) } else { String::new() };
@@ -307,8 +338,12 @@ fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(building) = draft.building() else { return };
     let planes: f64 = (0..3)
         .map(|i| {
-            let mut all: Vec<f64> =
-                building.members.iter().flat_map(|m| [m.solid.min[i], m.solid.max[i]]).collect();
+            let mut all: Vec<f64> = building
+                .members
+                .iter()
+                .filter(|m| !m.is_skew())
+                .flat_map(|m| [m.solid.min[i], m.solid.max[i]])
+                .collect();
             all.sort_by(f64::total_cmp);
             all.dedup();
             all.len() as f64
@@ -326,7 +361,7 @@ fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
     }
     let volumes = Partition::of(&building).volumes(building.members.len());
     for (member, volume) in draft.members.list.iter().zip(volumes) {
-        if volume < 1e-3 * member.item.solid.volume() {
+        if volume < 1e-3 * member.item.solid.volume() && !member.item.is_skew() {
             let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));
             let message = format!("the {noun} {id} lies wholly inside other members");
             let error = Diagnostic::error("overlap", message)

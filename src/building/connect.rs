@@ -2,11 +2,15 @@
 
 use super::model::Member;
 use super::partition::COORDINATE_TOLERANCE_M;
+use super::turned::TurnedBox;
 use crate::base::geom::Aabb;
 use petgraph::unionfind::UnionFind;
 
 /// Whether two gross solids overlap or share a face with an area.
 pub fn touch(a: &Member, b: &Member) -> bool {
+    if a.is_skew() || b.is_skew() {
+        return TurnedBox::of(a).touches(&TurnedBox::of(b));
+    }
     touch_box(&a.solid, &b.solid)
 }
 

@@ -407,6 +407,13 @@ pub const MEMBER: Table = Table {
             "[{ from = [2, 0], to = [3, \"2.1 m\"] }]",
             "Openings of a slab, wall or footing: doors, stairwells.",
         ),
+        may(
+            "rotation_deg",
+            quantity(Dimension::Number, -360.0, 360.0, (-180.0, 180.0)),
+            "30",
+            "Angle in degrees by which a column, beam or wall is turned about the vertical axis through its centre, \
+             anticlockwise seen from above; default: 0. Such a member butts against its neighbours and runs in FE only.",
+        ),
     ],
 };
 

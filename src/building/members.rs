@@ -154,9 +154,39 @@ fn member(
         axis,
         storey: None,
         openings: Vec::new(),
+        rotation_deg: rotation(fields, kind, found)?,
     };
     item.openings = openings::check(fields, "openings", &item, found)?;
     Some(Placed { item, span: fields.span("id") })
+}
+
+/// The angle by which a member is turned \[deg\]; `None` after an error.
+fn rotation(fields: Fields<'_>, kind: MemberKind, found: &mut Vec<Diagnostic>) -> Option<f64> {
+    let angle = fields.number_or("rotation_deg", 0.0)?;
+    if angle == 0.0 {
+        return Some(0.0);
+    }
+    let plate = matches!(kind, MemberKind::Slab | MemberKind::Footing);
+    let open = fields.child("openings").is_some_and(|o| !o.items().is_empty());
+    let (message, remedy) = if plate {
+        (
+            format!("a {} cannot be turned", kind.name()),
+            "only columns, beams and walls: leave `rotation_deg` out",
+        )
+    } else if open {
+        (
+            "a turned wall cannot have openings".into(),
+            "divide the wall at its openings, or leave `rotation_deg` out",
+        )
+    } else {
+        return Some(angle);
+    };
+    found.push(
+        Diagnostic::error("not-supported", message)
+            .at(fields.span("rotation_deg"), "not supported")
+            .help(remedy),
+    );
+    None
 }
 
 /// The two points of a member.
@@ -210,9 +240,13 @@ impl Place {
             _ => runs.len() == 3,
         };
         if skew {
+            let turn = "place it along x or y about its middle and turn it with `rotation_deg`";
+            let level = (self.from[2] - self.to[2]).abs() <= SAME_M;
+            let turns = kind == MemberKind::Beam && level || kind == MemberKind::Wall;
             return Diagnostic::error("not-supported", format!("a skew {noun} is not supported"))
                 .at(self.to_span, wanted)
-                .also(self.from_span, "");
+                .also(self.from_span, "")
+                .help_if(turns.then(|| turn.to_string()));
         }
         Diagnostic::error("bad-place", format!("these points do not make a {noun}"))
             .at(self.to_span, wanted)

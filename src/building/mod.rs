@@ -15,6 +15,7 @@
 //! ```
 
 mod check;
+pub mod clear;
 mod connect;
 pub mod ends;
 mod fields;
@@ -30,6 +31,7 @@ mod read;
 pub mod schema;
 mod structure;
 pub mod tracked;
+pub mod turned;
 
 pub use model::*;
 pub use read::{Inspection, inspect, inspect_file, parse, read};

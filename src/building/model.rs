@@ -4,6 +4,7 @@
 //! have passed. Later modules take it as given: ids are unique, references resolve, solids have
 //! volume, and `members` are sorted by id order of the file (grid members first, in storey order).
 
+use super::turned::TurnedBox;
 use crate::base::geom::Aabb;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -39,6 +40,22 @@ impl Building {
     /// The member with this id.
     pub fn member(&self, id: &str) -> Option<&Member> {
         self.members.iter().find(|m| m.id == id)
+    }
+
+    /// Refuses members out of the axes for what knows boxes along the axes only; `what` begins the sentence.
+    ///
+    /// # Errors
+    /// If there is such a member, with its id, the key and the remedy.
+    pub fn without_skew(&self, what: &str) -> Result<(), String> {
+        match self.members.iter().find(|m| m.is_skew()) {
+            None => Ok(()),
+            Some(m) => Err(format!(
+                "{what}: skew members run in FE only, and the {} `{}` has `rotation_deg = {}`\n  = help: run `fallwerk fe`, or leave `rotation_deg` out of it",
+                m.kind.name(),
+                m.id,
+                m.rotation_deg
+            )),
+        }
     }
 
     /// Whether preparatory work cuts a member away.
@@ -215,7 +232,7 @@ impl MemberKind {
     }
 }
 
-/// A structural member: an axis-aligned solid.
+/// A structural member: an axis-aligned solid, or one turned about the vertical axis.
 ///
 /// Solids are given gross, as a formwork drawing names them: a column reaches from floor to floor,
 /// a beam's depth includes the slab. Where solids of different kinds overlap, the stiffer plate owns the
@@ -228,7 +245,7 @@ pub struct Member {
     pub kind: MemberKind,
     /// Section id.
     pub section: String,
-    /// Gross solid \[m\].
+    /// Gross solid \[m\], before it is turned.
     pub solid: Aabb,
     /// Long axis of a column or beam, normal of a slab, wall or footing: 0 = x, 1 = y, 2 = z.
     pub axis: usize,
@@ -237,6 +254,31 @@ pub struct Member {
     /// Openings of a plate, as boxes that cut through the solid along `axis` \[m\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub openings: Vec<Aabb>,
+    /// Angle by which the solid is turned about the vertical axis through its centre, anticlockwise seen from above \[deg\].
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rotation_deg: f64,
+}
+
+/// Whether a number is zero.
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+impl Member {
+    /// Whether it is turned out of the axes. Such a member is no part of the partition and runs in FE only ([`super::clear`]).
+    pub fn is_skew(&self) -> bool {
+        self.rotation_deg != 0.0
+    }
+
+    /// A point in the member's own directions, turned back about its centre \[m\].
+    pub fn turned_back(&self, point_m: [f64; 3]) -> [f64; 3] {
+        if !self.is_skew() {
+            return point_m;
+        }
+        let shape = TurnedBox::of(self);
+        let local = shape.to_local(point_m);
+        std::array::from_fn(|i| shape.center_m[i] + local[i])
+    }
 }
 
 /// A support: the named face of a member cannot move.

@@ -4,9 +4,11 @@
 //! belongs to the one of highest precedence (footing, slab, wall, beam, column; then file order).
 //! An opening of a plate is no part of it; what else lies there, such as a beam, owns its cells.
 //! Volumes, masses, contact faces and the FE mesh all start from these cells, so that no volume is
-//! counted twice.
+//! counted twice. Members turned out of the axes own no cells: they yield to all others ([`super::clear`]), and only
+//! their volumes are known here.
 
-use super::model::{Building, MemberKind};
+use super::clear::Clear;
+use super::model::{Building, Member, MemberKind};
 use crate::base::geom::Aabb;
 
 /// Coordinates closer than this are the same plane \[m\]. Formwork tolerances are millimetres.
@@ -19,6 +21,8 @@ pub struct Partition {
     pub planes: [Vec<f64>; 3],
     /// Owner (index into `Building::members`) of cell `(i, j, k)`, x fastest; `None` is air.
     pub owner: Vec<Option<usize>>,
+    /// Turned members with the volume that their neighbours leave them \[m³\].
+    turned_m3: Vec<(usize, f64)>,
 }
 
 /// The rank that decides who owns a common volume; higher wins.
@@ -36,14 +40,18 @@ impl Partition {
     /// Cuts the building's gross solids into disjoint cells.
     pub fn of(building: &Building) -> Self {
         let planes = std::array::from_fn(|axis| {
-            let solids = building.members.iter().flat_map(|m| m.openings.iter().chain([&m.solid]));
+            let along_axes = building.members.iter().filter(|m| !m.is_skew());
+            let solids = along_axes.flat_map(|m| m.openings.iter().chain([&m.solid]));
             distinct(solids.flat_map(|s| [s.min[axis], s.max[axis]]).collect())
         });
-        Self::on_planes(building, planes)
+        let members: Vec<&Member> = building.members.iter().collect();
+        let turned = (0..members.len()).filter(|i| members[*i].is_skew());
+        let turned_m3 = turned.map(|i| (i, Clear::of(&members, i).volume_m3())).collect();
+        Self { turned_m3, ..Self::on_planes(building, planes) }
     }
 
     /// The same on given planes, which must contain all faces of the solids: a cell belongs to the
-    /// member of highest precedence (the first of equals) that contains it, but see `give_joints_to_beams`.
+    /// member of highest precedence (the first of equals) that contains it, but see `give_joints_to_beams`. Turned members are left out.
     pub fn on_planes(building: &Building, planes: [Vec<f64>; 3]) -> Self {
         let mut partition = Self::with_planes(planes, building);
         partition.give_joints_to_beams(building);
@@ -54,7 +62,8 @@ impl Partition {
     /// column's whole section: the column's clear height ends at the soffit of the deepest beam.
     fn give_joints_to_beams(&mut self, building: &Building) {
         let n = self.count();
-        let of_kind = |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind);
+        let of_kind =
+            |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew());
         for (column_index, column) in of_kind(MemberKind::Column) {
             for (beam_index, beam) in of_kind(MemberKind::Beam) {
                 let Some(common) = column.solid.intersection(&beam.solid, COORDINATE_TOLERANCE_M) else {
@@ -81,7 +90,7 @@ impl Partition {
             std::array::from_fn(|i| cells_within(&planes[i], solid.min[i], solid.max[i]))
         };
         let rank = |index: usize| precedence(building.members[index].kind);
-        for (index, member) in building.members.iter().enumerate() {
+        for (index, member) in building.members.iter().enumerate().filter(|(_, m)| !m.is_skew()) {
             let range = within(&member.solid);
             let openings: Vec<_> = member.openings.iter().map(within).collect();
             for k in range[2].clone() {
@@ -101,7 +110,7 @@ impl Partition {
                 }
             }
         }
-        Self { planes, owner }
+        Self { planes, owner, turned_m3: Vec::new() }
     }
 
     /// Number of cells in x, y and z.
@@ -137,6 +146,9 @@ impl Partition {
         let mut volume = vec![0.0; members];
         for (cell, owner) in self.cells() {
             volume[owner] += self.cell_box(cell).volume();
+        }
+        for (member, own) in &self.turned_m3 {
+            volume[*member] += own;
         }
         volume
     }

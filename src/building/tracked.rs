@@ -1,6 +1,7 @@
 //! The points whose displacement is compared between models: every column top and every slab corner
 //! (mid-plane), without those of members that are taken away whole.
 
+use super::clear::Clear;
 use super::model::{Building, MemberKind};
 use super::partition::Partition;
 use serde::{Deserialize, Serialize};
@@ -26,7 +27,13 @@ pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked
         let (low, high) = (member.solid.min, member.solid.max);
         match member.kind {
             MemberKind::Column => {
-                let top = clear_range(partition, index, 2).map_or(high[2], |r| r[1]);
+                let top = if member.is_skew() {
+                    let members: Vec<_> = building.members.iter().collect();
+                    let clear = Clear::of(&members, index);
+                    clear.gross.center_m[2] + clear.range_m[2][1]
+                } else {
+                    clear_range(partition, index, 2).map_or(high[2], |r| r[1])
+                };
                 let c = member.solid.center();
                 points.push(Tracked {
                     id: format!("{}.top", member.id),

@@ -6,6 +6,7 @@ use crate::building::{Building, Inspection, MemberKind, inspect_file};
 use crate::fe::apart::tied_members;
 use crate::fe::mesh::Mesh;
 use crate::fe::quality::{Quality, sliver_note};
+use crate::fe::tie::left_out_notes;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -116,6 +117,7 @@ fn mesh_quality(building: &Building) -> Option<(Quality, Vec<String>)> {
     let (mesh, snapped) = Mesh::of(building, size_m);
     let quality = Quality::of(&mesh, &snapped)?;
     let mut notes: Vec<String> = sliver_note(building, &quality, size_m).into_iter().collect();
+    notes.extend(left_out_notes(&mesh));
     let tied = tied_members(building, &mesh);
     if !tied.is_empty() {
         notes.push(format!("tied with a mesh of their own: {}", tied.join(", ")));

@@ -117,6 +117,10 @@ fn derive(
             let value = json!({ "added": derived.added, "present": derived.present });
             report(json, out, value, &words)
         }
+        Err(LibraryDeriveError::Skew(message)) => {
+            eprintln!("error: {message}");
+            Ok(2)
+        }
         Err(LibraryDeriveError::Store(error)) => Err(Failure::Store(error)),
         Err(error) => Err(Failure::Derive(error.to_string())),
     }

@@ -28,6 +28,9 @@ pub enum LibraryDeriveError {
         /// Why.
         source: DeriveError,
     },
+    /// A member is turned out of the axes.
+    #[error("{0}")]
+    Skew(String),
     /// The library refused.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -46,6 +49,7 @@ pub fn derive_for(
     again: bool,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Derived, LibraryDeriveError> {
+    building.without_skew("no curves can be derived").map_err(LibraryDeriveError::Skew)?;
     let mut derived = Derived::default();
     let mut missing = Vec::new();
     for (key, (end, wanted)) in wanted(building)? {

@@ -129,6 +129,7 @@ pub fn run() -> ExitCode {
 /// Reads a building and shows its structure graph.
 fn show_graph(arguments: &graph::Arguments) -> Result<Outcome, Failure> {
     let building = read_building(&arguments.file, arguments.json)?;
+    building.without_skew("no structure graph can be made").map_err(Failure::input)?;
     print(&graph::run(arguments, &building));
     Ok(Outcome::Done)
 }

@@ -2,6 +2,7 @@
 
 use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
+use crate::building::turned::TurnedBox;
 use crate::building::{Building, Member, MemberKind};
 
 /// Faces closer together than this share of the target size become one mesh plane; what moves is the face of the
@@ -54,11 +55,11 @@ fn hold(kind: MemberKind) -> u8 {
     }
 }
 
-/// Columns that are to have a mesh of their own: a side face would come nearer to a face of another member than the building
+/// Members that are to have a mesh of their own: those turned out of the axes, and columns of which a side face would come nearer to a face of another member than the building
 /// allows, though too far to be merged with it, and nothing but the column's ends touches other members.
 fn apart(building: &Building, snap_m: f64) -> Vec<bool> {
     let least = building.settings.meshing.tie_below_m;
-    let mut apart = vec![false; building.members.len()];
+    let mut apart: Vec<bool> = building.members.iter().map(Member::is_skew).collect();
     if least <= snap_m {
         return apart;
     }
@@ -67,11 +68,11 @@ fn apart(building: &Building, snap_m: f64) -> Vec<bool> {
         building
             .members
             .iter()
-            .filter(|m| !column(m))
+            .filter(|m| !column(m) && !m.is_skew())
             .flat_map(|m| [m.solid.min[axis], m.solid.max[axis]])
             .collect()
     });
-    for (index, member) in building.members.iter().enumerate().filter(|(_, m)| column(m)) {
+    for (index, member) in building.members.iter().enumerate().filter(|(_, m)| column(m) && !m.is_skew()) {
         let near = |axis: usize, face: f64| {
             let merges = |f: &f64| (f - face).abs() <= snap_m.max(COORDINATE_TOLERANCE_M);
             faces[axis].iter().any(|f| (f - face).abs() < least) && !faces[axis].iter().any(merges)
@@ -92,10 +93,11 @@ fn stands_free(building: &Building, column: usize, apart: &[bool]) -> bool {
     let solid = &building.members[column].solid;
     let clear = clear_height(building, column);
     building.members.iter().enumerate().filter(|(i, _)| *i != column).all(|(i, other)| {
-        let gap = |k: usize| (other.solid.min[k] - solid.max[k]).max(solid.min[k] - other.solid.max[k]);
+        let around = if other.is_skew() { TurnedBox::of(other).bounds() } else { other.solid };
+        let gap = |k: usize| (around.min[k] - solid.max[k]).max(solid.min[k] - around.max[k]);
         let beside = (0..2).all(|k| gap(k) < COORDINATE_TOLERANCE_M);
-        let along = other.solid.min[2] < clear[1] - COORDINATE_TOLERANCE_M
-            && other.solid.max[2] > clear[0] + COORDINATE_TOLERANCE_M;
+        let along = around.min[2] < clear[1] - COORDINATE_TOLERANCE_M
+            && around.max[2] > clear[0] + COORDINATE_TOLERANCE_M;
         let meets = beside && gap(2) < COORDINATE_TOLERANCE_M;
         !(beside && along || meets && apart[i])
     })
@@ -105,7 +107,7 @@ fn stands_free(building: &Building, column: usize, apart: &[bool]) -> bool {
 pub(super) fn clear_height(building: &Building, column: usize) -> [f64; 2] {
     let solid = &building.members[column].solid;
     let mut clear = [solid.min[2], solid.max[2]];
-    for (_, other) in building.members.iter().enumerate().filter(|(i, _)| *i != column) {
+    for (_, other) in building.members.iter().enumerate().filter(|(i, m)| *i != column && !m.is_skew()) {
         let Some(common) = solid.intersection(&other.solid, COORDINATE_TOLERANCE_M) else { continue };
         if common.max[2] > solid.max[2] - COORDINATE_TOLERANCE_M {
             clear[1] = clear[1].min(common.min[2]);
@@ -156,6 +158,9 @@ fn demanded(building: &Building, solids: &[Aabb], axis: usize, between: [f64; 2]
     let mut finest = size_m;
     for refinement in &building.settings.meshing.refine {
         let Some(index) = building.members.iter().position(|m| m.id == refinement.member) else { continue };
+        if building.members[index].is_skew() {
+            continue; // it has a mesh of its own
+        }
         let (low, high) = (solids[index].min[axis], solids[index].max[axis]);
         let along = building.members[index].axis == axis;
         let from_end = (middle - low).min(high - middle);
@@ -203,7 +208,7 @@ fn subdivided(
             count[widest] += ELEMENTS_ACROSS.saturating_sub(total);
         }
     }
-    let mut planes = vec![kept[0]];
+    let mut planes: Vec<f64> = kept.first().copied().into_iter().collect();
     for (i, n) in count.iter().enumerate() {
         for step in 1..=*n {
             planes.push(kept[i] + (kept[i + 1] - kept[i]) * step as f64 / *n as f64);

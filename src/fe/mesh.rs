@@ -96,7 +96,7 @@ impl Mesh {
         let mut meshed = cells.volumes(building.members.len());
         let blocks = apart::blocks(building, &grid.apart, size_m);
         for block in &blocks {
-            meshed[block.member] = block.solid.volume();
+            meshed[block.member] = block.volume_m3();
         }
         let snapped = building
             .members
@@ -108,6 +108,8 @@ impl Mesh {
         let mut mesh = Self::from_cells(building, &cells, &real, &meshed);
         apart::join(&mut mesh, building, &blocks, &real);
         mesh.fixed = supported_nodes(building, &grid.solids, &mesh.nodes);
+        mesh.fixed.extend(apart::held_nodes(building, &mesh));
+        mesh.fixed.sort_unstable();
         (mesh, snapped)
     }
 
@@ -159,12 +161,16 @@ impl Mesh {
         Self { nodes, elements, laws, parts, ..Self::default() }
     }
 
-    /// The mesh of some of the hexahedra (without bars and ties), with nodes renumbered; also returns the old index of each new node.
+    /// The mesh of some of the hexahedra, with nodes renumbered; also returns the old index of each new node. Ties stay between hexahedra that
+    /// are kept, bars where both their nodes belong to such hexahedra or are tied into them.
     pub fn cut_out(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
         let mut new_of = vec![usize::MAX; self.nodes.len()];
         let mut old = Vec::new();
         let mut elements = Vec::new();
-        for element in (0..self.elements.len()).filter(|i| keep(*i)).map(|i| &self.elements[i]) {
+        let mut place = vec![None; self.elements.len()];
+        for index in (0..self.elements.len()).filter(|i| keep(*i)) {
+            let element = &self.elements[index];
+            place[index] = Some(elements.len());
             let nodes = element.nodes.map(|n| {
                 if new_of[n] == usize::MAX {
                     new_of[n] = old.len();
@@ -174,10 +180,37 @@ impl Mesh {
             });
             elements.push(Element { nodes, ..*element });
         }
+        let mut tie_of = vec![None; self.nodes.len()];
+        for tie in &self.ties {
+            let held = tie.masters.iter().all(|(m, _)| new_of[*m] != usize::MAX);
+            tie_of[tie.node] = place[tie.element].filter(|_| held).map(|element| (tie, element));
+        }
+        let mut trusses = Vec::new();
+        for truss in &self.trusses {
+            if truss.nodes.iter().any(|n| new_of[*n] == usize::MAX && tie_of[*n].is_none()) {
+                continue;
+            }
+            let nodes = truss.nodes.map(|n| {
+                if new_of[n] == usize::MAX {
+                    new_of[n] = old.len();
+                    old.push(n);
+                }
+                new_of[n]
+            });
+            trusses.push(Truss { nodes, ..*truss });
+        }
+        let kept = tie_of.iter().flatten().filter(|(tie, _)| new_of[tie.node] != usize::MAX);
+        let ties = kept
+            .map(|(tie, element)| Tie {
+                node: new_of[tie.node],
+                masters: tie.masters.iter().map(|(m, w)| (new_of[*m], *w)).collect(),
+                element: *element,
+            })
+            .collect();
         let fixed = self.fixed.iter().filter(|n| new_of[**n] != usize::MAX).map(|n| new_of[*n]).collect();
         let nodes = old.iter().map(|n| self.nodes[*n]).collect();
         let (laws, parts) = (self.laws.clone(), self.parts.clone());
-        (Self { nodes, elements, laws, fixed, parts, ..Self::default() }, old)
+        (Self { nodes, elements, laws, trusses, ties, fixed, parts }, old)
     }
 
     /// Centre of an element in the undeformed mesh \[m\].
@@ -205,7 +238,11 @@ fn supported_nodes(building: &Building, solids: &[Aabb], nodes: &[[f64; 3]]) -> 
         .supports
         .iter()
         .filter_map(|s| {
-            let solid = solids[building.members.iter().position(|m| m.id == s.member)?];
+            let member = building.members.iter().position(|m| m.id == s.member)?;
+            let solid = solids[member];
+            if building.members[member].is_skew() {
+                return None; // [`apart::held_nodes`]
+            }
             let z = match s.face {
                 Face::Bottom => solid.min[2],
                 Face::Top => solid.max[2],

@@ -355,7 +355,8 @@ impl Removal {
                         return false;
                     }
                     let member = &building.members[mesh.elements[*e].part];
-                    let along = mesh.center(*e)[member.axis] - member.solid.min[member.axis];
+                    let along =
+                        member.turned_back(mesh.center(*e))[member.axis] - member.solid.min[member.axis];
                     charge.stretch_m.is_none_or(|[from, to]| along >= from && along <= to)
                 };
                 (charge.time_s, (0..mesh.elements.len()).filter(hit).collect())

@@ -72,6 +72,9 @@ pub enum GenerateError {
         "charge `{0}` removes a stretch of `{1}`: the MBS model takes whole members away only; give the charge without a stretch, or split the member"
     )]
     Stretch(String, String),
+    /// A member is turned out of the axes.
+    #[error("{0}")]
+    Skew(String),
     /// A column ends in the air.
     #[error("member end {0} touches nothing")]
     Loose(String),
@@ -91,6 +94,7 @@ pub fn generate(
     derive: Derive,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Generated, GenerateError> {
+    building.without_skew("no MBS model can be generated").map_err(GenerateError::Skew)?;
     let structure = Structure::of(building);
     let partition = &structure.partition;
     let ends = member_ends(building, partition);

@@ -56,3 +56,29 @@ fn schema_is_json() {
     let schema: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert_eq!(schema, fallwerk::building::schema::json_schema());
 }
+
+/// A turned member is fine for FE; what knows boxes along the axes only refuses it by name.
+#[test]
+fn turned_members_run_in_fe_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let member = "[[members]]\nid = \"C1-X\"\nkind = \"column\"\nsection = \"column\"\nfrom = [3, 2.5, 0]\nto = [3, 2.5, 3.5]\nrotation_deg = 30\n\n[[supports]]";
+    let text = fallwerk::building::EXAMPLE.replacen("[[supports]]", member, 1);
+    let file = folder.path().join("turned.toml");
+    std::fs::write(&file, text).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let file = file.to_str().unwrap();
+    let (code, out, err) = fallwerk(root, &["check", "--mesh", file]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.contains("13 columns") && out.contains("tied with a mesh of their own: C1-X"), "{out}");
+    let target = folder.path().join("out");
+    for arguments in [&["graph", file][..], &["generate-mbs", file, "-o", target.to_str().unwrap()]] {
+        let (code, _, err) = fallwerk(root, arguments);
+        assert_eq!(code, 2, "{arguments:?}");
+        assert!(err.contains("skew members run in FE only"), "{err}");
+        assert!(
+            err.contains("the column `C1-X` has `rotation_deg = 30`") && err.contains("fallwerk fe"),
+            "{err}"
+        );
+    }
+    assert!(!target.exists());
+}

@@ -9,6 +9,8 @@ use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::mesh::Mesh;
 use fallwerk::fe::preload::equilibrate;
 use fallwerk::fe::quality::{Quality, sliver_note};
+use fallwerk::fe::run::{FeOptions, run};
+use fallwerk::fe::tie::{LeftOut, left_out, left_out_notes};
 use fallwerk::graph::Structure;
 
 fn building(change: impl Fn(String) -> String) -> Building {
@@ -165,4 +167,147 @@ fn the_six_storey_building_has_no_slivers() {
     let quality = Quality::of(&mesh, &snapped).unwrap();
     assert!(quality.all.step_s > 3e-5 && quality.all.aspect < 3.0 && quality.all.scaled_jacobian > 0.999);
     assert_eq!(sliver_note(&building, &quality, building.settings.mesh_size_m), None);
+}
+
+/// Materials and sections of the reference building with other members on the columns `C*`.
+fn small(members: &str) -> Building {
+    let head = EXAMPLE.split("[grid]").next().unwrap();
+    let tail = "[[supports]]\nmembers = [\"C*\"]\n\n[ground]\nlevel = 0\nfriction = 0.5\n\n[settings]\nmesh_size = 0.2\n";
+    parse(&format!("{head}{members}{tail}"), Format::Toml, "a.toml").unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A slab of 2 m by 2 m on one column in its middle.
+fn table(rotation: &str) -> Building {
+    small(&format!(
+        "[[members]]\nid = \"C\"\nkind = \"column\"\nsection = \"column\"\nfrom = [0, 0, 0]\nto = [0, 0, 3.5]\n{rotation}\n\n\
+         [[members]]\nid = \"S\"\nkind = \"slab\"\nsection = \"slab\"\nfrom = [-1, -1, 3.5]\nto = [1, 1, 3.5]\n\n"
+    ))
+}
+
+/// Two columns 5 m apart on a diagonal and a beam between their axes.
+fn diagonal() -> Building {
+    small(
+        "[[members]]\nid = \"C1\"\nkind = \"column\"\nsection = \"column\"\nfrom = [0, 0, 0]\nto = [0, 0, 3.5]\n\n\
+         [[members]]\nid = \"C2\"\nkind = \"column\"\nsection = \"column\"\nfrom = [4, 3, 0]\nto = [4, 3, 3.5]\n\n\
+         [[members]]\nid = \"B\"\nkind = \"beam\"\nsection = \"beam\"\nfrom = [-0.5, 1.5, 3.5]\nto = [4.5, 1.5, 3.5]\nrotation_deg = 36.86989764584402\n\n",
+    )
+}
+
+/// Dead-load state; the reactions must bear the weight.
+fn at_rest(mesh: &Mesh) -> Dynamics {
+    assert!(left_out(mesh).iter().all(Option::is_none), "{:?}", left_out_notes(mesh));
+    let mut body = Dynamics::new(mesh, 9.81, RigidSurfaces::default(), false);
+    equilibrate(&mut body).unwrap();
+    let weight = body.mass_kg.iter().sum::<f64>() * 9.81;
+    let held: f64 = mesh.fixed.iter().map(|n| body.internal_n(*n)[2] + body.mass_kg[*n] * 9.81).sum();
+    assert!((held / weight - 1.0).abs() < 1e-8, "{held} against {weight}");
+    body
+}
+
+/// Mean sinking of the nodes of a part at a height \[m\].
+fn sunk(mesh: &Mesh, body: &Dynamics, part: usize, height: f64) -> f64 {
+    let mut nodes: Vec<usize> =
+        mesh.elements.iter().filter(|e| e.part == part).flat_map(|e| e.nodes).collect();
+    nodes.retain(|n| (mesh.nodes[*n][2] - height).abs() < 1e-9);
+    nodes.sort_unstable();
+    nodes.dedup();
+    assert!(!nodes.is_empty());
+    nodes.iter().map(|n| mesh.nodes[*n][2] - body.x[*n][2]).sum::<f64>() / nodes.len() as f64
+}
+
+/// A turned column bears the slab on it with the stiffness `E A / L`, and its direction does not matter.
+#[test]
+fn a_turned_column_bears_its_slab() {
+    let shortening = |rotation: &str| {
+        let building = table(rotation);
+        let (mesh, snapped) = Mesh::of(&building, 0.2);
+        assert!(snapped.is_empty(), "{snapped:?}");
+        let mass: f64 = Dynamics::new(&mesh, 9.81, RigidSurfaces::default(), false).mass_kg.iter().sum();
+        let expected = 2500.0 * (4.0 * 0.25 + 0.16 * 3.25);
+        assert!((mass / expected - 1.0).abs() < 1e-9, "{mass} against {expected}");
+        (sunk(&mesh, &at_rest(&mesh), 0, 3.25), mesh.ties.len())
+    };
+    let (plain, no_ties) = shortening("");
+    assert_eq!(no_ties, 0);
+    let law = table("");
+    let modulus = law.law_of(&law.members[0]).youngs_modulus_pa;
+    let load = 9.81 * 2500.0 * (4.0 * 0.25 + 0.5 * 0.16 * 3.25);
+    let exact = load * 3.25 / (modulus * 0.16);
+    assert!((plain / exact - 1.0).abs() < 0.03, "{plain:e} against {exact:e}");
+    let whole = shortening("rotation_deg = 360");
+    for angle in [90.0, 30.0, 45.0, -17.5] {
+        let (turned, ties) = shortening(&format!("rotation_deg = {angle}"));
+        assert_eq!(ties, 9);
+        assert!((turned / plain - 1.0).abs() < 0.02, "{angle}: {turned:e} against {plain:e}");
+        if angle == 90.0 {
+            assert!((turned / whole.0 - 1.0).abs() < 1e-9, "{turned:e} against {:e}", whole.0);
+        }
+    }
+}
+
+/// A turned beam is mitred to its columns: it has the volume that they leave it, its ends are tied, and both columns bear half the weight.
+#[test]
+fn a_turned_beam_butts_against_its_columns() {
+    let building = diagonal();
+    let (mesh, snapped) = Mesh::of(&building, 0.2);
+    let quality = Quality::of(&mesh, &snapped).unwrap();
+    assert!(quality.all.scaled_jacobian > 0.55, "{}", quality.all.scaled_jacobian);
+    assert!(quality.volume_ratio.iter().all(|r| (r - 1.0).abs() < 0.01), "{:?}", quality.volume_ratio);
+    assert_eq!(tied_members(&building, &mesh), ["B"]);
+    // By counting points of the gross beam outside the columns.
+    let (cosine, sine) = (0.8, 0.6);
+    let (long, wide) = (5000, 300);
+    let mut outside = 0_usize;
+    for i in 0..long {
+        for j in 0..wide {
+            let [a, b] =
+                [5.0 * (i as f64 + 0.5) / long as f64 - 2.5, 0.3 * (j as f64 + 0.5) / wide as f64 - 0.15];
+            let (x, y) = (2.0 + a * cosine - b * sine, 1.5 + a * sine + b * cosine);
+            let inside = |cx: f64, cy: f64| (x - cx).abs() < 0.2 && (y - cy).abs() < 0.2;
+            outside += usize::from(!inside(0.0, 0.0) && !inside(4.0, 3.0));
+        }
+    }
+    let counted = 0.5 * 5.0 * 0.3 * outside as f64 / (long * wide) as f64;
+    let volume = Partition::of(&building).volumes(3)[2];
+    assert!((volume / counted - 1.0).abs() < 1e-3, "{volume} against {counted}");
+    let body = at_rest(&mesh);
+    let total = body.mass_kg.iter().sum::<f64>();
+    assert!((total / (2500.0 * (volume + 2.0 * 0.16 * 3.5)) - 1.0).abs() < 1e-9);
+    let foot: f64 = (mesh.fixed.iter().filter(|n| mesh.nodes[**n][0] < 1.0))
+        .map(|n| body.internal_n(*n)[2] + body.mass_kg[*n] * 9.81)
+        .sum();
+    assert!((foot / (0.5 * 9.81 * total) - 1.0).abs() < 1e-6, "{foot}");
+}
+
+/// With contact of the building with itself, a member that is tied to its neighbours stays at rest beside them.
+#[test]
+fn turned_members_stay_at_rest() {
+    for building in [table("rotation_deg = 30"), diagonal()] {
+        let options = FeOptions { end_time_s: Some(0.05), ..FeOptions::default() };
+        let result = run(&building, &options, &mut |_| ()).unwrap_or_else(|e| panic!("{e}"));
+        let moved = result
+            .tracked
+            .iter()
+            .flat_map(|t| &t.displacement_m)
+            .flatten()
+            .fold(0.0_f64, |a, u| a.max(u.abs()));
+        assert!(!result.tracked.is_empty() && moved < 1e-7, "{moved:e}");
+    }
+}
+
+/// Ties that cannot act are named.
+#[test]
+fn ties_that_do_not_act_are_reported() {
+    let (mut mesh, _) = Mesh::of(&table("rotation_deg = 30"), 0.2);
+    assert!(left_out_notes(&mesh).is_empty());
+    let [first, second] = [0, 1].map(|i| mesh.ties[i].clone());
+    mesh.fixed.push(first.node);
+    mesh.ties.push(second.clone());
+    let mut on_master = second;
+    on_master.node = on_master.masters[0].0;
+    mesh.ties.push(on_master);
+    let found: Vec<LeftOut> = left_out(&mesh).into_iter().flatten().collect();
+    assert_eq!(found, [LeftOut::Held, LeftOut::Twice, LeftOut::Master]);
+    let notes = left_out_notes(&mesh);
+    assert!(notes[0].contains("1 node is not tied: held by a support") && notes.len() == 3, "{notes:?}");
 }

@@ -1,7 +1,7 @@
 //! Nodes tied to faces: what a tie passes on exactly and what it does not, conservation, release.
 
 use super::mesh::{elastic, grid, nearest};
-use fallwerk::fe::apart::{outer_faces, tie_to};
+use fallwerk::fe::apart::{Faces, outer_faces};
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::law::Law;
@@ -18,7 +18,7 @@ fn pair(
 ) -> Mesh {
     let size = [length_m, 1.0, 1.0];
     let mut mesh = grid(first, size, law.clone(), &held);
-    let faces = outer_faces(&mesh);
+    let faces = Faces::of(&mesh, outer_faces(&mesh));
     let other = grid(second, size, law, |_| false);
     let offset = mesh.nodes.len();
     mesh.nodes.extend(other.nodes.iter().map(|p| [p[0] + length_m, p[1], p[2]]));
@@ -28,7 +28,7 @@ fn pair(
         e
     }));
     for node in (offset..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] == length_m) {
-        let tie = tie_to(&mesh, &faces, node, 1e-6).expect("each node lies on a face");
+        let tie = faces.nearest(&mesh, node, 1e-6, false).expect("each node lies on a face");
         assert!((tie.masters.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
         mesh.ties.push(tie);
     }
@@ -86,6 +86,66 @@ fn uniform_stress_across_a_tied_face() {
     let two_elements_away = patch([4, 2, 2], [6, 3, 3], 1.0);
     assert!((1e-4..0.03).contains(&at_the_interface), "{at_the_interface:e}");
     assert!(two_elements_away < 0.2 * at_the_interface, "{two_elements_away:e}");
+}
+
+/// Moment of the forces on the held nodes about an axis through the middle of the interface at x = 0 \[N m\], about y and z.
+fn held_moment(mesh: &Mesh, body: &Dynamics) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for n in &mesh.fixed {
+        let (p, f) = (body.x[*n], body.internal_n(*n));
+        sum[0] += (p[2] - 0.5) * f[0] - p[0] * f[2];
+        sum[1] += p[0] * f[1] - (p[1] - 0.5) * f[0];
+    }
+    sum
+}
+
+/// Uniform shear through a nested interface: all nodes move by `γ x` across, `γ = τ / G`, if tractions `τ` act on all faces that
+/// a uniform shear stress asks for. The interface is at x = 2, those of the sides are at y = 0 and 1.
+#[test]
+fn uniform_shear_across_a_tied_face() {
+    for (first, second) in [([4, 1, 1], [8, 2, 2]), ([4, 2, 2], [8, 4, 4])] {
+        let mesh = pair(first, second, 2.0, plain(), |p| p[0] == 0.0);
+        let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+        pull(&mesh, &mut body, 1, second);
+        for element in &mesh.elements {
+            let nodes = element.nodes.map(|n| mesh.nodes[n]);
+            let area = (nodes[6][0] - nodes[0][0]) * (nodes[6][2] - nodes[0][2]);
+            for (n, p) in element.nodes.iter().zip(nodes) {
+                let side = if p[1] > 1.0 - 1e-9 {
+                    1.0
+                } else if p[1] < 1e-9 {
+                    -1.0
+                } else {
+                    0.0
+                };
+                body.applied_n[*n][0] += 0.25 * side * TRACTION_PA * area;
+            }
+        }
+        equilibrate(&mut body).unwrap();
+        let slope = TRACTION_PA / 15e9;
+        for n in 0..mesh.nodes.len() {
+            let exact = [0.0, slope * mesh.nodes[n][0], 0.0];
+            let off = (0..3).map(|i| (body.x[n][i] - mesh.nodes[n][i] - exact[i]).abs()).fold(0.0, f64::max);
+            assert!(off < 5e-6 * 4.0 * slope, "{first:?} to {second:?}: {off:e} at {:?}", mesh.nodes[n]);
+        }
+        let held: f64 = mesh.fixed.iter().map(|n| body.internal_n(*n)[1]).sum();
+        assert!((held + TRACTION_PA).abs() < 1e-6 * TRACTION_PA, "{held}");
+    }
+}
+
+/// Force and moment pass through any interface: a cantilever under a force at its tip has the moment `P L` at its root.
+#[test]
+fn moments_pass_through_a_tied_face() {
+    for (first, second) in [([4, 2, 2], [8, 4, 4]), ([4, 2, 2], [6, 3, 3]), ([4, 3, 3], [6, 2, 2])] {
+        let mesh = pair(first, second, 2.0, elastic(), |p| p[0] == 0.0);
+        let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+        pull(&mesh, &mut body, 2, second);
+        equilibrate(&mut body).unwrap();
+        let [about_y, about_z] = held_moment(&mesh, &body);
+        let expected = 4.0 * TRACTION_PA;
+        assert!((about_y.abs() / expected - 1.0).abs() < 1e-5, "{first:?} to {second:?}: {about_y}");
+        assert!(about_z.abs() < 1e-5 * expected, "{about_z}");
+    }
 }
 
 /// Rigid motion and any linear field that the masters have, the tied nodes have too: `x_s = Σ w x_m`.

@@ -179,3 +179,90 @@ fn a_bar_node_outside_is_an_error_that_names_it() {
     assert_eq!(error.node, 8);
     assert!(error.to_string().contains("bar node 8 at (0.5000, 1.2000, 0.5000)"), "{error}");
 }
+
+/// A concrete bar along x, 4 m long and 1 m wide, held at one end, with a steel bar in its axis.
+fn reinforced(area_m2: f64) -> Mesh {
+    let concrete = Law { poisson_ratio: 0.0, ..elastic() };
+    let mut mesh = grid([8, 1, 1], [4.0, 1.0, 1.0], concrete, |p| p[0] == 0.0);
+    let first = mesh.nodes.len();
+    mesh.nodes.extend((0..=16).map(|i| [0.25 * f64::from(i), 0.5, 0.5]));
+    mesh.laws.push(steel());
+    mesh.trusses.extend((0..16).map(|i| Truss {
+        nodes: [first + i, first + i + 1],
+        area_m2,
+        part: 0,
+        law: 1,
+    }));
+    mesh.ties = embed_trusses(&mesh).unwrap();
+    // A node on the held face hangs on held nodes.
+    assert_eq!(mesh.ties.len(), 17);
+    mesh
+}
+
+fn pulled(mesh: &Mesh, force_n: f64) -> Dynamics {
+    let mut body = Dynamics::new(mesh, 0.0, RigidSurfaces::default(), false);
+    for n in (0..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] == 4.0 && !body.ties.is_tied(*n)) {
+        body.applied_n[n][0] = 0.25 * force_n;
+    }
+    equilibrate(&mut body).unwrap();
+    body
+}
+
+/// Tension member: concrete and steel share the force as `E A` does.
+#[test]
+fn reinforced_tension_member() {
+    let (area, force) = (0.02, 1e5);
+    let mesh = reinforced(area);
+    let body = pulled(&mesh, force);
+    let (steel_n, concrete_n) = (STEEL_PA * area, 30e9);
+    for bar in &body.trusses.bars {
+        let share = bar.force_n() / force;
+        assert!((share / (steel_n / (steel_n + concrete_n)) - 1.0).abs() < 1e-4, "{share}");
+    }
+    let tip = super::mesh::nearest(&mesh, [4.0, 0.0, 0.0]);
+    let longer = body.x[tip][0] - 4.0;
+    assert!((longer / (force * 4.0 / (steel_n + concrete_n)) - 1.0).abs() < 1e-4, "{longer:e}");
+}
+
+/// The concrete around a bar goes: the bar nodes in it are free, with their own small mass, and the bar alone bears on. The time step
+/// follows from each bar's own mass, so that this is stable; energy stays.
+#[test]
+fn a_bar_outlives_the_concrete_around_it() {
+    let mesh = reinforced(0.02);
+    let mut body = pulled(&mesh, 1e5);
+    let mass: f64 = body.mass_kg.iter().sum();
+    let stored = |body: &Dynamics| body.blocks.energies_j().iter().sum::<f64>() + body.trusses.internal_j();
+    let start = stored(&body);
+    let gone = (0..8).find(|e| (mesh.center(*e)[0] - 2.25).abs() < 1e-9).unwrap();
+    body.blocks.set_share(gone, 0.0);
+    let acting = body.ties.acting();
+    let mut worst: f64 = 0.0;
+    for _ in 0..4000 {
+        let kinetic = body.step(true);
+        let balance = kinetic + stored(&body) - start - body.driven_j - body.ties.released_j;
+        worst = worst.max(balance.abs() / (kinetic + stored(&body)));
+    }
+    assert!(worst < 0.02, "energy {worst:e}");
+    let freed = acting - body.ties.acting();
+    assert!((1..=3).contains(&freed), "{freed}");
+    assert!((body.mass_kg.iter().sum::<f64>() / mass - 1.0).abs() < 1e-12);
+    let reach = body.x.iter().zip(&mesh.nodes).map(|(x, p)| (x[0] - p[0]).abs()).fold(0.0, f64::max);
+    // Twice the static elongation of the bar over the gap, at most, and that of the rest.
+    let static_m = 1e5 * 0.75 / (STEEL_PA * 0.02) + 1e5 * 4.0 / 30e9;
+    assert!(reach < 2.5 * static_m && reach > 0.5 * static_m, "{reach:e} against {static_m:e}");
+}
+
+/// A piece cut out of a mesh keeps the bars in it with their ties.
+#[test]
+fn a_piece_keeps_its_bars() {
+    let mesh = reinforced(0.02);
+    let (piece, old) = mesh.cut_out(|e| mesh.center(e)[0] < 2.0);
+    assert_eq!((piece.elements.len(), piece.trusses.len(), piece.ties.len()), (4, 8, 9));
+    for (tie, node) in piece.ties.iter().map(|t| (t, old[t.node])) {
+        let before = mesh.ties.iter().find(|t| t.node == node).unwrap();
+        assert_eq!(piece.nodes[tie.node], mesh.nodes[node]);
+        let masters: Vec<_> = tie.masters.iter().map(|(m, w)| (old[*m], *w)).collect();
+        assert_eq!(masters, before.masters);
+        assert_eq!(piece.center(tie.element), mesh.center(before.element));
+    }
+}

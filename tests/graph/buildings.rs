@@ -78,7 +78,16 @@ pub fn add(building: &mut Building, id: &str, kind: MemberKind, min: [f64; 3], m
     };
     let solid = Aabb { min, max };
     let (id, section, openings) = (id.into(), section.into(), Vec::new());
-    building.members.push(Member { id, kind, section, solid, axis, storey: None, openings });
+    building.members.push(Member {
+        id,
+        kind,
+        section,
+        solid,
+        axis,
+        storey: None,
+        openings,
+        rotation_deg: 0.0,
+    });
 }
 
 /// Holds the bottom of a member.
