@@ -71,7 +71,13 @@ fn two_bars() -> Result<Vec<Figure>, String> {
     let second = "first order; the change of the angle adds 0.02 %";
     Ok(vec![
         Figure::relative("sag", "m", [expected, sag], 1e-3, "P l / (2 E A sin² α)"),
-        Figure::relative("force in a bar", "N", [-LOAD_N, body.trusses.bars[0].force_n()], 1e-3, "P / (2 sin α)"),
+        Figure::relative(
+            "force in a bar",
+            "N",
+            [-LOAD_N, body.trusses.bars[0].force_n()],
+            1e-3,
+            "P / (2 sin α)",
+        ),
         Figure::relative("stored energy", "J", [work, stored], 2e-3, second),
     ])
 }
@@ -135,10 +141,17 @@ fn rupture() -> Result<Vec<Figure>, String> {
     }
     let last = yield_pa + modulus * critical;
     let stretched = (body.trusses.bars[0].length_m[1]).ln();
-    let work = 1e-4 * (yield_pa * critical + 0.5 * modulus * critical * critical + 0.5 * last * last / STEEL_PA);
+    let work =
+        1e-4 * (yield_pa * critical + 0.5 * modulus * critical * critical + 0.5 * last * last / STEEL_PA);
     let stored = body.trusses.internal_j();
     Ok(vec![
-        Figure::relative("strain at rupture", "-", [critical + last / STEEL_PA, stretched], 1e-3, "p + σ_y(p) / E"),
+        Figure::relative(
+            "strain at rupture",
+            "-",
+            [critical + last / STEEL_PA, stretched],
+            1e-3,
+            "p + σ_y(p) / E",
+        ),
         Figure::relative("work to rupture", "J", [work, stored], 2e-3, "A l (∫ σ_y dp + σ² / 2E)"),
         Figure::relative("work of the moving end", "J", [stored, body.driven_j], 2e-3, "conservation"),
     ])

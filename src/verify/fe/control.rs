@@ -78,7 +78,9 @@ fn mass_scaling() -> Result<Vec<Figure>, String> {
     let expected: f64 = bounds
         .iter()
         .enumerate()
-        .map(|(e, bound)| body.blocks.mass_kg(e) * ((step_s / body.step_under_bound_s(*bound)).powi(2) - 1.0).max(0.0))
+        .map(|(e, bound)| {
+            body.blocks.mass_kg(e) * ((step_s / body.step_under_bound_s(*bound)).powi(2) - 1.0).max(0.0)
+        })
         .sum();
     let before: f64 = body.mass_kg.iter().sum();
     let scaled = scale_mass(&mesh, &mut body, step_s, true).map_err(|e| e.to_string())?;
@@ -122,7 +124,13 @@ fn deck_cantilever() -> Result<Vec<Figure>, String> {
     Ok(vec![
         Figure::relative("first peak", "mm", [-24.918, first[0]], 0.002, source),
         Figure::relative("time of the first peak", "s", [0.08956, first[1]], 0.005, source),
-        Figure::relative("first peak after the round trip", "mm", [first[0], second[0]], 1e-9, "the same run"),
+        Figure::relative(
+            "first peak after the round trip",
+            "mm",
+            [first[0], second[0]],
+            1e-9,
+            "the same run",
+        ),
         Figure::absolute("energy error", "-", [0.0, first[2]], 1e-3, "conservation"),
     ])
 }

@@ -160,7 +160,13 @@ fn torn(drawn: bool) -> Result<Vec<Figure>, String> {
     // tension: λ = 1 + rate t; simple shear: λ - 1/λ = rate t
     let exact = if drawn { limit.exp() - 1.0 } else { limit.exp() - (-limit).exp() } / rate;
     let late = (STRAIN_CHECK_STEPS + 1) as f64 * body.dt_s; // the step in which it is found counts too
-    Ok(vec![Figure::absolute("time of death", "s", [exact, body.time_s], late, "logarithm of the largest stretch")])
+    Ok(vec![Figure::absolute(
+        "time of death",
+        "s",
+        [exact, body.time_s],
+        late,
+        "logarithm of the largest stretch",
+    )])
 }
 
 fn taylor_bar(divisions: [usize; 2], form: &TestedForm) -> Result<Vec<Figure>, String> {

@@ -44,7 +44,8 @@ fn relaxation() -> Result<Vec<Figure>, String> {
     let mut relaxed = solved.clone();
     equilibrate(&mut solved)?;
     let found = relax(&mesh, &mut relaxed, Limits::default()).map_err(|e| e.to_string())?;
-    let sunk = |body: &Dynamics| (0..mesh.nodes.len()).map(|n| mesh.nodes[n][2] - body.x[n][2]).fold(0.0, f64::max);
+    let sunk =
+        |body: &Dynamics| (0..mesh.nodes.len()).map(|n| mesh.nodes[n][2] - body.x[n][2]).fold(0.0, f64::max);
     let apart = |n: usize| (0..3).map(|i| (relaxed.x[n][i] - solved.x[n][i]).abs()).fold(0.0, f64::max);
     let furthest = (0..mesh.nodes.len()).map(apart).fold(0.0, f64::max);
     let stored = |body: &Dynamics| body.blocks.energies_j().iter().sum::<f64>();
@@ -53,7 +54,13 @@ fn relaxation() -> Result<Vec<Figure>, String> {
         Figure::relative("largest deflection", "m", [sunk(&solved), sunk(&relaxed)], 1e-3, sparse),
         Figure::absolute("largest difference over it", "-", [0.0, furthest / sunk(&solved)], 1e-3, sparse),
         Figure::relative("stored energy", "J", [stored(&solved), stored(&relaxed)], 5e-3, sparse),
-        Figure::absolute("forces out of balance", "-", [0.0, found.residual], Limits::default().residual, "limit"),
+        Figure::absolute(
+            "forces out of balance",
+            "-",
+            [0.0, found.residual],
+            Limits::default().residual,
+            "limit",
+        ),
     ])
 }
 
