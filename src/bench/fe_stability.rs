@@ -147,15 +147,16 @@ pub fn markdown(rows: &[Row]) -> String {
 const REMARKS: &str = "
 ## Remarks
 
-**Time step.** The balance of energy does not show a time step that is too long: elements yield by the instability, reach their erosion strain and go, \
-with their energy booked. A share of the stability limit above 1 is therefore refused before the run. The limit is a bound: runs slightly \
-beyond it would be sound.
+**Time step.** The balance of energy does not show a time step that is too long. Without the check of the share, this frame (up to 1.2 s) lost 10 \
+elements at 0.9 of the limit, 12 at 1.08, 72 at 1.17, 238 at 1.44 and all at 2.25, none of them by step collapse, at energy errors below 0.3 %. \
+A share of the stability limit above 1 is therefore refused before the run.
 
 **Hourglass share.** The assumed-strain forms bear bending by their hourglass stresses. Of the elastic bending energy of a section of n elements a \
 share 1/n² is in them: over the rest, which counts as internal energy, that is 1/(n² - 1), 33 % for the two elements of the columns and members \
-here, and 7 % for four. A slab one element thick bends by them alone. The share is the largest of a run, usually in its elastic beginning. \
-The fully integrated form has none.
+here, and 7 % for four. A slab one element thick bends by them alone. The fully integrated form has none.
 
-**Softening.** In a softening element the hourglass stiffness stays at its floor while the stress at the centre falls: the hourglass \
-stresses then bear what is left of a hinge.
+**Softening and small erosion strains.** The share is largest there. The hourglass stiffness of a flowing element does not fall below a floor \
+while the stress at its centre softens; that this is the cause has not been shown.
+
+**Contact.** The factor on its stiffness changes nothing in these figures. The parts of the frame do not touch each other within its time at 1 g.
 ";

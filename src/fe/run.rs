@@ -141,7 +141,7 @@ pub enum FeError {
     Restart(#[from] RestartError),
     /// A time step beyond stability.
     #[error(
-        "the time step is to be {share} of the stability limit, expected more than 0 and at most 1: beyond it elements yield and erode by the instability alone"
+        "the time step is to be {share:.3} of the stability limit, expected more than 0 and at most 1: beyond it elements yield and erode by the instability alone"
     )]
     StepShare {
         /// Share of the limit.
