@@ -2,12 +2,12 @@
 //!
 //! What is measured, and what is not, stands in `benches/README.md`.
 
-use fallwerk::building::HardeningPoint;
 use fallwerk::curve::{CapacityLevel, ResistanceCurve};
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
-use fallwerk::fe::law::{ElementForm, Erosion, Law};
-use fallwerk::fe::mesh::{Element, Mesh};
+use fallwerk::fe::law::{Erosion, Law};
+use fallwerk::fe::mesh::Mesh;
+use fallwerk::fe::shapes::{elastic, grid, point};
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::simulate;
 use std::time::Instant;
@@ -67,41 +67,13 @@ fn advance(body: &mut Dynamics, steps: usize) {
 
 /// A cube of `n`³ elements of edge `h` \[m\], fixed at z = 0.
 fn block(n: usize, h: f64) -> Mesh {
-    let index = |i: usize, j: usize, k: usize| i + (n + 1) * (j + (n + 1) * k);
-    let mut nodes = Vec::new();
-    let mut elements = Vec::new();
-    for k in 0..=n {
-        for j in 0..=n {
-            for i in 0..=n {
-                nodes.push([i, j, k].map(|c| h * c as f64));
-                if i < n && j < n && k < n {
-                    let face = |k: usize| {
-                        [index(i, j, k), index(i + 1, j, k), index(i + 1, j + 1, k), index(i, j + 1, k)]
-                    };
-                    let ([a, b, c, d], [e, f, g, l]) = (face(k), face(k + 1));
-                    elements.push(Element {
-                        nodes: [a, b, c, d, e, f, g, l],
-                        part: 0,
-                        law: 0,
-                        smear: 1.0,
-                        strength: 1.0,
-                    });
-                }
-            }
-        }
-    }
-    let point = |plastic_strain: f64, stress_pa: f64| HardeningPoint { plastic_strain, stress_pa };
     let law = Law {
-        density_kg_m3: 2500.0,
-        youngs_modulus_pa: 16.5e9,
-        poisson_ratio: 0.2,
         hardening: vec![point(0.0, 10.5e6), point(0.01, 11.55e6), point(0.1, 12.25e6)],
-        rate: None,
         erosion: Erosion { plastic_strain: 0.5, ..Erosion::NEVER },
-        form: ElementForm::default(),
+        youngs_modulus_pa: 16.5e9,
+        ..elastic()
     };
-    let fixed = (0..(n + 1) * (n + 1)).collect();
-    Mesh { nodes, elements, laws: vec![law], fixed, parts: vec!["block".into()], ..Mesh::default() }
+    grid([n; 3], [h * n as f64; 3], law, |p| p[2] == 0.0)
 }
 
 /// Steps per second of a frame of slabs on four columns a storey, hinges at both ends of each, that sways freely after a push.

@@ -1,14 +1,18 @@
 //! Runs at and beyond the limits of the method: each must end within the energy limit or with a diagnosis.
 //!
-//! The frame is the reference building up to a little after its first ground contact; one parameter at a time is varied.
+//! The runs are those of [`super::trials`]. None may go wrong silently: a state that is not a number, energy from nowhere or lost, or a
+//! value beyond the limits that ends as if nothing had been.
 
-use crate::base::tree::Format;
-use crate::building::{Building, EXAMPLE, HardeningPoint, Homogenised, Material, parse};
-use crate::fe::run::{ENERGY_LIMIT, FeOptions, run};
+use super::trials::{Trial, What, trials};
+use crate::fe::dynamics::Death;
+use crate::fe::model_run::{ModelOptions, run_model};
+use crate::fe::result::{ElementDeath, FeSummary};
+use crate::fe::run::{ENERGY_LIMIT, run};
+use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Simulated time \[s\]: first ground contact at 1.3 s.
-const END_S: f64 = 1.6;
+/// Energy error and hourglass share above which a finished run is marked: the reader should know why.
+pub const MARKED: [f64; 2] = [0.02, 0.10];
 
 /// One run.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,123 +21,142 @@ pub struct Row {
     pub parameter: &'static str,
     /// Its value with unit.
     pub value: String,
-    /// `finished`, or the diagnosis with which the run stopped.
-    pub outcome: String,
-    /// Energy error of a finished run.
-    pub energy_error: Option<f64>,
-    /// Whether every displacement of a finished run is a number.
+    /// What a finished run shows, or the diagnosis with which it stopped.
+    pub outcome: Result<Finished, String>,
+    /// Whether only a diagnosis will do.
+    pub must_stop: bool,
+}
+
+/// A run that came to its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finished {
+    /// Largest energy residual over the largest energy.
+    pub energy_error: f64,
+    /// Largest hourglass over internal energy.
+    pub hourglass_share: f64,
+    /// Elements.
+    pub elements: usize,
+    /// Elements that died otherwise than by a charge, and those of them whose time step collapsed.
+    pub deaths: [usize; 2],
+    /// Time steps.
+    pub steps: u64,
+    /// Whether every position at the end is a number.
     pub finite: bool,
+}
+
+impl Finished {
+    fn of(summary: &FeSummary, deaths: &[ElementDeath], finite: bool) -> Self {
+        let count = |counts: &dyn Fn(Death) -> bool| deaths.iter().filter(|d| counts(d.cause)).count();
+        Self {
+            energy_error: summary.energy_error,
+            hourglass_share: summary.hourglass_share,
+            elements: summary.elements,
+            deaths: [count(&|c| c != Death::Removed), count(&|c| c == Death::Collapsed)],
+            steps: summary.steps,
+            finite,
+        }
+    }
+
+    /// Whether it is worth a remark.
+    pub fn is_marked(&self) -> bool {
+        self.energy_error > MARKED[0] || self.hourglass_share > MARKED[1]
+    }
 }
 
 impl Row {
     /// Whether the run ended within the energy limit, or said why it stopped.
     pub fn holds(&self) -> bool {
-        self.energy_error.is_none_or(|e| e <= ENERGY_LIMIT && self.finite)
-    }
-}
-
-/// A variation: parameter, value with unit, what it does.
-type Variation = (&'static str, String, Box<dyn Fn(&mut Building, &mut FeOptions)>);
-
-fn variations() -> Vec<Variation> {
-    let mut all: Vec<Variation> = Vec::new();
-    for factor in [0.5, 0.7, 0.9, 1.0, 1.1, 1.2] {
-        let safety = factor * crate::fe::dynamics::STEP_SAFETY;
-        let change = move |_: &mut Building, o: &mut FeOptions| o.step_safety = Some(safety);
-        all.push(("time step over the safe one", format!("{factor}"), Box::new(change)));
-    }
-    for size in [0.5, 0.4, 0.3, 0.25] {
-        let change = move |_: &mut Building, o: &mut FeOptions| o.mesh_size_m = Some(size);
-        all.push(("mesh size", format!("{size} m"), Box::new(change)));
-    }
-    for aspect in [1.0, 2.0, 5.0, 10.0, 17.0] {
-        // two elements of 0.2 m across a column, and one size along it
-        let change = move |_: &mut Building, o: &mut FeOptions| o.mesh_size_m = Some(0.2 * aspect);
-        all.push(("aspect ratio in columns", format!("{aspect}"), Box::new(change)));
-    }
-    for slope in [1e9, 100e6, 0.0, -20e6, -100e6] {
-        let change = move |b: &mut Building, _: &mut FeOptions| law(b, |l| l.hardening = sloped(l, slope));
-        all.push(("hardening modulus", format!("{} MPa", slope / 1e6), Box::new(change)));
-    }
-    for strain in [0.001, 0.01, 0.05, 0.1, 0.5] {
-        let change =
-            move |b: &mut Building, _: &mut FeOptions| law(b, |l| l.critical_plastic_strain = strain);
-        all.push(("erosion strain", format!("{strain}"), Box::new(change)));
-    }
-    for friction in [0.0, 0.25, 0.5, 1.0] {
-        let change = move |b: &mut Building, _: &mut FeOptions| b.ground.friction = friction;
-        all.push(("friction", format!("{friction}"), Box::new(change)));
-    }
-    for duration in [0.0, 0.001, 0.01, 0.1] {
-        let change = move |b: &mut Building, _: &mut FeOptions| b.settings.removal_duration_s = duration;
-        all.push(("removal time", format!("{duration} s"), Box::new(change)));
-    }
-    all
-}
-
-fn law(building: &mut Building, change: impl Fn(&mut Homogenised)) {
-    for material in building.materials.values_mut() {
-        if let Material::Homogenised(law) = material {
-            change(law);
+        match &self.outcome {
+            Err(_) => true,
+            Ok(f) => {
+                !self.must_stop && f.finite && f.energy_error <= ENERGY_LIMIT && f.hourglass_share.is_finite()
+            }
         }
     }
 }
 
-/// Two points: the first yield stress, and a slope until a tenth of it is left or the critical strain is passed.
-fn sloped(law: &Homogenised, slope_pa: f64) -> Vec<HardeningPoint> {
-    let first = law.hardening[0];
-    let reach = if slope_pa < 0.0 { (0.9 * first.stress_pa / -slope_pa).min(1.0) } else { 1.0 };
-    vec![first, HardeningPoint { plastic_strain: reach, stress_pa: first.stress_pa + reach * slope_pa }]
-}
-
-/// The frame: the reference building.
-fn frame() -> Result<Building, String> {
-    let mut building = parse(EXAMPLE, Format::Toml, "frame").map_err(|e| e.to_string())?;
-    building.settings.end_time_s = END_S;
-    Ok(building)
-}
-
-/// Runs all variations; `note` hears of each before it starts.
+/// Runs all trials side by side in the current rayon pool; `note` hears of each before it starts.
 ///
 /// # Errors
 /// If the frame itself cannot be built.
-pub fn measure(note: &dyn Fn(&str)) -> Result<Vec<Row>, String> {
-    let base = frame()?;
-    let mut rows = Vec::new();
-    for (parameter, value, change) in variations() {
+pub fn measure(note: &(dyn Fn(&str) + Sync)) -> Result<Vec<Row>, String> {
+    let row = |trial: Trial| {
+        let Trial { parameter, value, what, must_stop } = trial;
         note(&format!("{parameter} {value}"));
-        let (mut building, mut options) = (base.clone(), FeOptions::default());
-        change(&mut building, &mut options);
-        let row = match run(&building, &options, &mut |_| ()) {
-            Err(error) => {
-                Row { parameter, value, outcome: error.to_string(), energy_error: None, finite: true }
-            }
-            Ok(fe) => Row {
-                parameter,
-                value,
-                outcome: "finished".into(),
-                energy_error: Some(fe.summary.energy_error),
-                finite: fe.tracked.iter().flat_map(|h| &h.displacement_m).flatten().all(|u| u.is_finite()),
-            },
-        };
-        rows.push(row);
+        Row { parameter, value, outcome: outcome(&what), must_stop }
+    };
+    Ok(trials()?.into_par_iter().with_max_len(1).map(row).collect())
+}
+
+fn outcome(what: &What) -> Result<Finished, String> {
+    match what {
+        What::Building(building, options) => {
+            let fe = run(building, options, &mut |_| ()).map_err(|e| e.to_string())?;
+            let finite = fe.last_m.iter().flatten().all(|c| c.is_finite());
+            Ok(Finished::of(&fe.summary, &fe.deaths, finite))
+        }
+        What::Model(model) => {
+            let fe =
+                run_model(model, &ModelOptions::default(), None, &mut |_| ()).map_err(|e| e.to_string())?;
+            let finite = fe.end_m.iter().flatten().all(|c| c.is_finite());
+            Ok(Finished::of(&fe.summary, &fe.deaths, finite))
+        }
     }
-    Ok(rows)
 }
 
 /// The rows as a Markdown page.
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = format!(
-        "# Numerical stability of the FE solver\n\nThe reference building, {END_S} s, one \
-         parameter varied at a time.\nEvery run must end with an energy error of at most {} % or stop with a diagnosis; none may go wrong \
-         silently.\nThe contact of nodes with rigid surfaces has no stiffness, so there is none to vary.\n\n\
-         | parameter | value | outcome | energy error \\[%\\] | |\n|---|---|---|---:|---|\n",
-        100.0 * ENERGY_LIMIT
+        "# Numerical stability of the FE solver\n\nOutput of `fallwerk bench fe-stability -o docs`. A frame of two storeys on weak columns \
+         (`src/bench/mini.toml`) loses\nits front columns and collapses; a clamped member bends down to the ground; a plate falls \
+         obliquely on a block. One\nparameter at a time is varied. Every run must end with an energy error of at most {} % or stop with a diagnosis; none may go wrong silently. \
+         Runs with an\nenergy error above {} % or an hourglass share above {} % are marked with `!`.\n\n\
+         | parameter | value | outcome | energy error \\[%\\] | hourglass share \\[%\\] | elements | deaths, by step collapse | steps | |\n\
+         |---|---|---|---:|---:|---:|---:|---:|---|\n",
+        100.0 * ENERGY_LIMIT,
+        100.0 * MARKED[0],
+        100.0 * MARKED[1],
     );
     for r in rows {
-        let error = r.energy_error.map_or("–".into(), |e| format!("{:.3}", 100.0 * e));
         let mark = if r.holds() { "holds" } else { "**fails**" };
-        let _ = writeln!(text, "| {} | {} | {} | {error} | {mark} |", r.parameter, r.value, r.outcome);
+        let _ = match &r.outcome {
+            Err(why) => writeln!(
+                text,
+                "| {} | {} | stopped: {why} | – | – | – | – | – | {mark} |",
+                r.parameter, r.value
+            ),
+            Ok(f) => writeln!(
+                text,
+                "| {} | {} | finished | {:.3} | {:.2} | {} | {}, {} | {} | {mark}{} |",
+                r.parameter,
+                r.value,
+                100.0 * f.energy_error,
+                100.0 * f.hourglass_share,
+                f.elements,
+                f.deaths[0],
+                f.deaths[1],
+                f.steps,
+                if f.is_marked() { " !" } else { "" },
+            ),
+        };
     }
-    text
+    text + REMARKS
 }
+
+/// What stands behind the marks.
+const REMARKS: &str = "
+## Remarks
+
+**Time step.** The balance of energy does not show a time step that is too long. Without the check of the share, this frame (up to 1.2 s) lost 10 \
+elements at 0.9 of the limit, 12 at 1.08, 72 at 1.17, 238 at 1.44 and all at 2.25, none of them by step collapse, at energy errors below 0.3 %. \
+A share of the stability limit above 1 is therefore refused before the run.
+
+**Hourglass share.** The assumed-strain forms bear bending by their hourglass stresses. Of the elastic bending energy of a section of n elements a \
+share 1/n² is in them: over the rest, which counts as internal energy, that is 1/(n² - 1), 33 % for the two elements of the columns and members \
+here, and 7 % for four. A slab one element thick bends by them alone. The fully integrated form has none.
+
+**Softening and small erosion strains.** The share is largest there. The hourglass stiffness of a flowing element does not fall below a floor \
+while the stress at its centre softens; that this is the cause has not been shown.
+
+**Contact.** The factor on its stiffness changes nothing in these figures. The parts of the frame do not touch each other within its time at 1 g.
+";

@@ -54,7 +54,7 @@ struct ErrorRuns {
     #[arg(long, default_value = "buildings/three-storey-frame.toml")]
     building: PathBuf,
     /// Mesh sizes in metres
-    #[arg(long, value_delimiter = ',', default_value = "0.5,0.4,0.3,0.25,0.2")]
+    #[arg(long, value_delimiter = ',', default_value = "0.6,0.5,0.4,0.3,0.25")]
     sizes: Vec<f64>,
     /// Folder for fe-error.md and fe-error.svg
     #[arg(short, long, value_name = "DIR")]

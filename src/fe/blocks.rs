@@ -230,6 +230,11 @@ impl Blocks {
         self.chunk_starts.len() - 1
     }
 
+    /// Nodes of a chunk.
+    pub fn nodes_of_chunk(&self, chunk: usize) -> &[u32] {
+        &self.chunk_nodes[self.chunk_starts[chunk] as usize..self.chunk_starts[chunk + 1] as usize]
+    }
+
     /// Number of nodes.
     pub fn nodes(&self) -> usize {
         self.node_starts.len() - 1

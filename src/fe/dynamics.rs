@@ -478,15 +478,15 @@ impl NodeStep<'_> {
         if let Some(contact) = self.body_contact {
             sums.top_speed_squared = sums.top_speed_squared.max(contact.speed_squared(&new));
         }
-        let mut middle = [0.0; 3];
+        let pushed = Pushed { trial: new, driven: [0.0; 3] };
+        let works = pushed.works(weight, [v, &new], [self.kick, self.dt]);
+        sums.gravity_j += works[0];
+        sums.ahead_j[0] += works[2];
         for i in 0..3 {
-            middle[i] = 0.5 * (v[i] + new[i]);
-            sums.gravity_j += weight[i] * middle[i] * self.kick;
             x[i] += self.dt * new[i];
         }
         if self.measure {
-            sums.kinetic_j +=
-                0.5 * mass * (middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
+            sums.kinetic_j += mass * pushed.kinetic_m2_s2([v, &new], self.dt / self.kick);
         }
         *v = new;
     }

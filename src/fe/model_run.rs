@@ -6,7 +6,7 @@ use super::erosion::{ErosionTable, free_nodes};
 use super::mass_scaling::{MOST_ADDED, MassScalingError, scale_mass};
 use super::model::Model;
 use super::result::{ElementDeath, FeSummary};
-use super::run::{ENERGY_LIMIT, FeError, Progress, contact_error};
+use super::run::{ENERGY_LIMIT, FeError, Progress, check_share, contact_error};
 use super::strain_rate::StrainWindow;
 use super::vtu::{Frame, FrameSink};
 use crate::base::cpu::Stopwatch;
@@ -175,6 +175,7 @@ fn next(time_s: f64, interval_s: f64) -> f64 {
 /// Step safety, constraints, mass scaling, contact and initial velocities; returns the added mass \[kg\] and notes.
 fn begin(model: &Model, body: &mut Dynamics) -> Result<(f64, Vec<String>), ModelError> {
     let mut notes = Vec::new();
+    check_share(model.control.step_safety)?;
     body.set_step_safety(model.control.step_safety);
     for constraint in &model.constraints {
         for i in (0..3).filter(|i| constraint.held[*i]) {

@@ -139,6 +139,14 @@ pub enum FeError {
     /// A checkpoint cannot be written or gone on from.
     #[error(transparent)]
     Restart(#[from] RestartError),
+    /// A time step beyond stability.
+    #[error(
+        "the time step is to be {share:.3} of the stability limit, expected more than 0 and at most 1: beyond it elements yield and erode by the instability alone"
+    )]
+    StepShare {
+        /// Share of the limit.
+        share: f64,
+    },
     /// More energy than was put in.
     #[error(
         "at t = {time_s:.6} s the energy balance is off by {percent:.1} % of the work done; the run is not trustworthy"
@@ -254,6 +262,7 @@ impl RunState {
         let gravity = building.settings.gravity_m_s2;
         let mut body = Dynamics::new(mesh, gravity, RigidSurfaces::of(building), parallel);
         if let Some(safety) = options.step_safety {
+            check_share(safety)?;
             body.set_step_safety(safety);
         }
         body.failure.fate = options.on_failure;
@@ -321,6 +330,11 @@ impl RunState {
         }
         Ok(())
     }
+}
+
+/// Refuses shares of the stability limit at which central differences are not stable.
+pub(super) fn check_share(share: f64) -> Result<(), FeError> {
+    if share > 0.0 && share <= 1.0 { Ok(()) } else { Err(FeError::StepShare { share }) }
 }
 
 pub(super) fn contact_error(mesh: &Mesh, body: &Dynamics, lost: LostContact) -> FeError {

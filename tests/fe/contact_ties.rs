@@ -2,7 +2,7 @@
 
 use super::mesh::{elastic, grid, ground};
 use fallwerk::base::geom::Aabb;
-use fallwerk::fe::apart::{outer_faces, tie_to};
+use fallwerk::fe::apart::{Faces, outer_faces};
 use fallwerk::fe::contact::{BodyContact, RigidSurfaces};
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::mesh::Mesh;
@@ -29,11 +29,11 @@ fn add(mesh: &mut Mesh, counts: [usize; 3], size_m: [f64; 3], corner_m: [f64; 3]
 fn tied_block() -> (Mesh, Vec<usize>) {
     let mut mesh = Mesh { laws: vec![elastic()], ..Mesh::default() };
     add(&mut mesh, [2, 1, 1], [0.5, 0.5, 0.5], [0.0; 3]);
-    let faces = outer_faces(&mesh);
+    let faces = Faces::of(&mesh, outer_faces(&mesh));
     let first = add(&mut mesh, [2, 2, 2], [0.5, 0.5, 0.5], [0.5, 0.0, 0.0]);
     let tied: Vec<usize> = (first..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] == 0.5).collect();
     for node in &tied {
-        let tie = tie_to(&mesh, &faces, *node, 1e-6).expect("it lies on a face");
+        let tie = faces.nearest(&mesh, *node, 1e-6, false).expect("it lies on a face");
         mesh.ties.push(tie);
     }
     (mesh, tied)

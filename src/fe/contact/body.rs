@@ -34,6 +34,8 @@ const FACING: f64 = -0.25;
 /// of the rotation within a step go away without being thrown out.
 const PUSH_SHARE: f64 = 0.02;
 const PUSH_M_S: f64 = 0.05;
+/// Share of the depth that counts as lost up to which a contact can begin.
+const BEGUN_SHARE: f64 = 0.5;
 /// Faces handed to a thread at a time in a search.
 const CHUNK: usize = 256;
 const NOWHERE: u32 = u32::MAX;
@@ -476,7 +478,8 @@ impl BodyContact {
         let mut pressing = 0;
         for (_, (pair, gap)) in rows.rows[first..].iter().zip(pairs).filter(|(row, _)| row.normal_ns > 0.0) {
             pressing += 1;
-            self.pairs[pair].held = true;
+            // an overlap that was there when the two met, as elements that have collapsed leave it, is pushed out, not lost
+            self.pairs[pair].held |= -gap < BEGUN_SHARE * self.faces.depth_m(self.pairs[pair].face);
             self.summary.deepest_m = self.summary.deepest_m.max(-gap);
         }
         self.summary.most_contacts = self.summary.most_contacts.max(pressing);

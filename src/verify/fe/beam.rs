@@ -1,22 +1,23 @@
 //! Bending: elastic and plastic cantilevers in all element forms, beam theory, the plastic hinge.
 
 use super::body::{Crossings, sound};
-use super::forms::{FORMS, TestedForm};
+use super::forms::{FORMS, Swing, TestedForm};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
-use crate::fe::law::Law;
+use crate::fe::law::{ElementForm, Law};
 use crate::fe::preload::equilibrate;
 use crate::fe::shapes::{bilinear, elastic, grid, nearest};
 use crate::verify::{Case, Figure};
 
-const RADIOSS: &str = "mesh limit of OpenRadioss (80x8x8, HEPH)";
 const GRAVITY_M_S2: f64 = 9.81;
 
 /// The cases of this file.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for form in FORMS {
-        for (along, short) in [(20, true), (40, true), (80, false)] {
+        // the finest mesh takes minutes: the form that is used by default shows its limit
+        let default = form.form == ElementForm::default();
+        for (along, short) in [(20, true), (40, default)].into_iter().chain(default.then_some((80, false))) {
             cases.push(Case {
                 short,
                 ..Case::long(
@@ -26,14 +27,12 @@ pub fn cases() -> Vec<Case> {
                     move || elastic_cantilever(along, form),
                 )
             });
-        }
-        for (along, short) in [(20, true), (40, true), (80, false)] {
             cases.push(Case {
                 short,
                 ..Case::long(
                     format!("plastic-cantilever-{along}-{}", form.name),
-                    "The same with a yield stress of 2 MPa and a tangent modulus of 300 MPa. The converged tip at 0.5 s is 655 to \
-                     665 mm (three element forms of OpenRadioss on three meshes).",
+                    "The elastic cantilever with a yield stress of 2 MPa and a tangent modulus of 300 MPa. The converged tip at \
+                     0.5 s is 655 to 665 mm (three element forms of OpenRadioss on three meshes).",
                     move || plastic_cantilever(along, form),
                 )
             });
@@ -61,7 +60,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// What a cantilever under sudden gravity shows.
-struct Swing {
+struct Seen {
     /// Tip displacement at 0.1, 0.2, ... 0.5 s \[mm\].
     tenths_mm: Vec<f64>,
     /// First peak \[mm\] and its time \[s\].
@@ -72,13 +71,13 @@ struct Swing {
     residual: f64,
 }
 
-fn swing(along: usize, law: Law) -> Result<Swing, String> {
+fn swing(along: usize, law: Law) -> Result<Seen, String> {
     let deep = along / 10;
     let mesh = grid([along, deep, deep], [10.0, 1.0, 1.0], law, |p| p[0] == 0.0);
     let mut body = Dynamics::new(&mesh, GRAVITY_M_S2, RigidSurfaces::default(), false);
     let tip = nearest(&mesh, [10.0, 0.5, 0.5]);
     let mut seen =
-        Swing { tenths_mm: Vec::new(), peak: (0.0, 0.0), back: (f64::NEG_INFINITY, 0.0), residual: 0.0 };
+        Seen { tenths_mm: Vec::new(), peak: (0.0, 0.0), back: (f64::NEG_INFINITY, 0.0), residual: 0.0 };
     let (mut down, mut work) = (0.0, 0.0_f64);
     while seen.tenths_mm.len() < 5 {
         let moved_s = body.dt_s;
@@ -86,10 +85,10 @@ fn swing(along: usize, law: Law) -> Result<Swing, String> {
         let kinetic = body.step(late >= 0.0);
         let before = down;
         down = 1e3 * (body.x[tip][2] - 0.5);
-        if body.time_s < 0.12 && down < seen.peak.0 {
+        if body.time_s < 0.13 && down < seen.peak.0 {
             seen.peak = (down, body.time_s);
         }
-        if (0.14..0.22).contains(&body.time_s) && down > seen.back.0 {
+        if (0.15..0.24).contains(&body.time_s) && down > seen.back.0 {
             seen.back = (down, body.time_s);
         }
         if late >= 0.0 {
@@ -104,28 +103,34 @@ fn swing(along: usize, law: Law) -> Result<Swing, String> {
 
 fn elastic_cantilever(along: usize, form: &TestedForm) -> Result<Vec<Figure>, String> {
     let seen = swing(along, form.law(elastic()))?;
-    let tolerance = form.elastic[usize::from(along > 20)];
-    let at = |tenth: usize, reference: f64, tolerance: f64| {
+    let Swing { peak_mm, peak_s, back_s, tip_mm, tolerance, source } = form.elastic[usize::from(along > 20)];
+    let relative =
+        |name: &str, unit, values, tolerance| Figure::relative(name, unit, values, tolerance, source);
+    let mut figures = vec![
+        relative("first peak", "mm", [peak_mm, seen.peak.0], tolerance),
+        relative("time of the first peak", "s", [peak_s, seen.peak.1], tolerance),
+        relative("back at the start", "s", [back_s, seen.back.1], tolerance),
+    ];
+    let tips = tip_mm.iter().flat_map(|tip| tip.iter().zip([(1, 1.0), (3, 1.0), (5, 5.0)]));
+    figures.extend(tips.map(|(tip, (tenth, factor))| {
         let name = format!("tip at 0.{tenth} s");
-        Figure::relative(name, "mm", [reference, seen.tenths_mm[tenth - 1]], tolerance, RADIOSS)
-    };
-    Ok(vec![
-        Figure::relative("first peak", "mm", [-24.995, seen.peak.0], tolerance, RADIOSS),
-        Figure::relative("time of the first peak", "s", [0.08952, seen.peak.1], tolerance, RADIOSS),
-        Figure::relative("back at the start", "s", [0.18053, seen.back.1], tolerance, RADIOSS),
-        at(1, -23.929, tolerance),
-        at(3, -18.539, tolerance),
-        at(5, -9.881, 5.0 * tolerance),
-        Figure::absolute("energy residual over work", "-", [0.0, seen.residual], 1e-3, "conservation"),
-    ])
+        relative(&name, "mm", [*tip, seen.tenths_mm[tenth - 1]], factor * tolerance)
+    }));
+    figures.push(Figure::absolute(
+        "energy residual over work",
+        "-",
+        [0.0, seen.residual],
+        1e-3,
+        "conservation",
+    ));
+    Ok(figures)
 }
 
 fn plastic_cantilever(along: usize, form: &TestedForm) -> Result<Vec<Figure>, String> {
     let seen = swing(along, form.law(bilinear(30e9, 0.2, 2500.0, 2e6, 300e6)))?;
-    let tolerance = form.plastic[usize::from(along > 20)];
-    let source = "mesh limit of OpenRadioss, 655 to 665 mm";
+    let tip = form.plastic[usize::from(along > 20)];
     Ok(vec![
-        Figure::relative("tip at 0.5 s", "mm", [-660.0, seen.tenths_mm[4]], tolerance, source),
+        Figure::relative("tip at 0.5 s", "mm", [tip.mm, seen.tenths_mm[4]], tip.tolerance, tip.source),
         Figure::absolute("energy residual over work", "-", [0.0, seen.residual], 5e-3, "conservation"),
     ])
 }

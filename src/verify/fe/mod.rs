@@ -8,16 +8,22 @@
 //! | `waves` | waves, natural frequencies and impact of bars |
 //! | `motion` | free fall, spin, tumbling, falling rod |
 //! | `impact` | friction, ground, Taylor's bar, erosion |
+//! | `bars` | two-node bars |
+//! | `statics` | dynamic relaxation, tied faces |
+//! | `control` | rate factor, mass scaling, a keyword deck |
 //! | `order` | orders of convergence |
 
+mod bars;
 mod beam;
 pub mod body;
+mod control;
 mod element;
 pub mod forms;
 mod impact;
 mod j2;
 mod motion;
 mod order;
+mod statics;
 mod waves;
 
 use super::suite::Case;
@@ -31,6 +37,9 @@ pub fn cases() -> Vec<Case> {
         waves::cases(),
         motion::cases(),
         impact::cases(),
+        bars::cases(),
+        statics::cases(),
+        control::cases(),
         order::cases(),
     ]
     .into_iter()
