@@ -1,6 +1,6 @@
 //! Dynamic relaxation beside the sparse solve; faces tied to faces.
 
-use crate::fe::apart::{outer_faces, tie_to};
+use crate::fe::apart::{Faces, outer_faces};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 use crate::fe::law::Law;
@@ -68,7 +68,7 @@ fn relaxation() -> Result<Vec<Figure>, String> {
 fn pair(counts: [[usize; 3]; 2], length_m: f64, law: &Law) -> Result<Mesh, String> {
     let size = [length_m, 1.0, 1.0];
     let mut mesh = grid(counts[0], size, law.clone(), |p| p[0] == 0.0);
-    let faces = outer_faces(&mesh);
+    let faces = Faces::of(&mesh, outer_faces(&mesh));
     let other = grid(counts[1], size, law.clone(), |_| false);
     let offset = mesh.nodes.len();
     mesh.nodes.extend(other.nodes.iter().map(|p| [p[0] + length_m, p[1], p[2]]));
@@ -77,7 +77,7 @@ fn pair(counts: [[usize; 3]; 2], length_m: f64, law: &Law) -> Result<Mesh, Strin
         mesh.elements.push(element);
     }
     for node in (offset..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] == length_m) {
-        let tie = tie_to(&mesh, &faces, node, 1e-6).ok_or("a node lies on no face")?;
+        let tie = faces.nearest(&mesh, node, 1e-6, false).ok_or("a node lies on no face")?;
         mesh.ties.push(tie);
     }
     Ok(mesh)
