@@ -208,10 +208,12 @@ pub fn outer_faces(mesh: &Mesh) -> Vec<(usize, [usize; 4])> {
     faces
 }
 
+/// Lowest and highest corner of a face \[m\], its element and its nodes.
+type PlacedFace = ([f64; 3], [f64; 3], usize, [usize; 4]);
+
 /// Outer faces, found by place: sorted by their lower end along x.
 pub struct Faces {
-    /// Lowest and highest corner, element and nodes.
-    sorted: Vec<([f64; 3], [f64; 3], usize, [usize; 4])>,
+    sorted: Vec<PlacedFace>,
     /// Largest extent along x \[m\].
     widest_m: f64,
 }
@@ -239,7 +241,7 @@ impl Faces {
         let point = mesh.nodes[node];
         let from = self.sorted.partition_point(|f| f.0[0] <= point[0] - self.widest_m - reach_m);
         let to = self.sorted.partition_point(|f| f.0[0] < point[0] + reach_m);
-        let near = |f: &&([f64; 3], [f64; 3], usize, [usize; 4])| {
+        let near = |f: &&PlacedFace| {
             (0..3).all(|i| point[i] > f.0[i] - reach_m && point[i] < f.1[i] + reach_m) && !f.3.contains(&node)
         };
         let mut faces: Vec<_> = self.sorted[from..to].iter().filter(near).map(|f| (f.2, f.3)).collect();

@@ -32,7 +32,7 @@ fn block_on_a_slope() {
             *p = [cos * p[0] + sin * p[2], p[1], -sin * p[0] + cos * p[2]];
         }
         let slope = plane([0.0; 3], [sin, 0.0, cos], friction);
-        let mut body = Dynamics::new(&mesh, GRAVITY, planes(&[slope.clone()]), false);
+        let mut body = Dynamics::new(&mesh, GRAVITY, planes(std::slice::from_ref(&slope)), false);
         let from = mean(&body.x, 0);
         let mut kinetic = 0.0;
         while body.time_s < 0.2 {

@@ -249,7 +249,8 @@ impl RigidSurfaces {
 
     /// Notes that a node touches a surface.
     pub(super) fn note(&mut self, node: usize, surface: usize) {
-        if !self.touched[node] && !(surface == 0 && self.grounded[node]) {
+        let counts = surface != 0 || !self.grounded[node];
+        if counts && !self.touched[node] {
             self.touched[node] = true;
             self.new_touches.push((node, surface));
         }
