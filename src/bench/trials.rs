@@ -110,19 +110,11 @@ impl List {
         for friction in [0.0, 0.25, 0.5, 1.0, f64::INFINITY] {
             let value = || if friction.is_finite() { format!("{friction}") } else { "no slip".into() };
             self.frame("friction, frame", value(), move |b, _| b.ground.friction = friction);
-            let contact = ContactSettings { friction, ..ContactSettings::default() };
+            let contact = ContactSettings { friction };
             self.model("friction, plate", value(), plate(Some(contact)));
         }
         for (value, on) in [("on", true), ("off", false)] {
             self.frame("contact of the parts, frame", value.into(), move |_, o| o.body_contact = on);
-        }
-        for factor in [0.1, 1.0, 10.0] {
-            let contact = ContactSettings { stiffness_factor: factor, ..ContactSettings::default() };
-            self.model(
-                "factor on the stiffness of contact, plate",
-                format!("{factor}"),
-                plate(Some(contact)),
-            );
         }
         self.model("contact of the parts, plate", "off".into(), plate(None));
         for duration in [0.0, 0.001, 0.01, 0.05, 0.2] {

@@ -10,6 +10,7 @@ use crate::building::partition::Partition;
 use crate::fe::deck::is_deck;
 use crate::fe::dynamics::Death;
 use crate::fe::erosion::{ErosionTable, Fate, Loss};
+use crate::fe::law::ElementForm;
 use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
 use crate::fe::restart::RestartError;
@@ -17,6 +18,7 @@ use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use crate::study::{COLLAPSE_DROP_M, facts};
+use crate::verify::fe::forms::form;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -77,6 +79,9 @@ pub struct Arguments {
     /// Go on from a checkpoint of the same building, mesh size and --vtu-every; the end time may be another
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
+    /// Element form: asqbi, ads, asmd, fb-stiffness, fb-viscous or full [default: asqbi]
+    #[arg(long, value_name = "FORM")]
+    form: Option<String>,
     /// Compute all elements in every step, also those that do not deform
     #[arg(long)]
     compute_all: bool,
@@ -120,6 +125,7 @@ impl Arguments {
             (self.mass_scaling_step.is_some(), "--mass-scaling-step"),
             (self.no_body_contact, "--no-body-contact"),
             (self.compute_all, "--compute-all"),
+            (self.form.is_some(), "--form"),
             (!matches!(self.on_failure, OnFailure::Erode), "--on-failure"),
         ];
         given.iter().find(|(given, _)| *given).map(|(_, name)| *name)
@@ -204,8 +210,15 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         keep_frames: false,
         body_contact: !arguments.no_body_contact,
         skip_quiet: !arguments.compute_all,
+        form: element_form(arguments)?,
         ..FeOptions::default()
     })
+}
+
+/// The element form asked for.
+fn element_form(arguments: &Arguments) -> Result<Option<ElementForm>, Failure> {
+    let tested = arguments.form.as_deref().map(form).transpose().map_err(Failure::input)?;
+    Ok(tested.map(|t| t.form))
 }
 
 /// The simulated time asked for \[s\].

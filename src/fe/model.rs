@@ -110,13 +110,11 @@ pub struct RigidPlane {
 pub struct ContactSettings {
     /// Coulomb friction coefficient.
     pub friction: f64,
-    /// Factor on the normal stiffness.
-    pub stiffness_factor: f64,
 }
 
 impl Default for ContactSettings {
     fn default() -> Self {
-        Self { friction: 0.5, stiffness_factor: 1.0 }
+        Self { friction: 0.5 }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::contact::{BodyContact, LostContact, RigidSurfaces};
 use super::dynamics::{Death, Dynamics};
 use super::erosion::Fate;
+use super::law::ElementForm;
 use super::mass_scaling::{MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
 use super::model::ContactSettings;
@@ -37,6 +38,8 @@ pub struct FeOptions {
     pub body_contact: bool,
     /// Share of the stability limit other than [`super::dynamics::STEP_SAFETY`].
     pub step_safety: Option<f64>,
+    /// Element form of all elements, other than the default.
+    pub form: Option<ElementForm>,
     /// Whether elements that do not deform keep their forces instead of being computed ([`super::sweep::QUIET_STRAIN`]).
     pub skip_quiet: bool,
 }
@@ -52,6 +55,7 @@ impl Default for FeOptions {
             keep_frames: false,
             body_contact: true,
             step_safety: None,
+            form: None,
             skip_quiet: true,
         }
     }
@@ -202,10 +206,13 @@ pub fn run_with(
     let settings = &building.settings;
     let size_m = options.mesh_size_m.unwrap_or(settings.mesh_size_m);
     let (mut mesh, snapped) = Mesh::of(building, size_m);
+    if let Some(form) = options.form {
+        mesh.laws.iter_mut().for_each(|law| law.form = form);
+    }
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);
     let interval = settings.output_interval_s;
     let outputs = (end_s / interval).round().max(1.0) as usize;
-    let mut head = head(building, size_m, &attached)?;
+    let mut head = head(building, options.form, size_m, &attached)?;
     let mut state = match attached.resume.take() {
         Some(path) => RunState::read(&path, &head, &mut mesh, outputs, &mut attached)?,
         None => RunState::begin(building, options, &mesh, outputs, &mut attached)?,
@@ -236,10 +243,15 @@ pub fn run_with(
 }
 
 /// What a checkpoint of this run is known by. The end time is left out: a run may be continued beyond its first end.
-fn head(building: &Building, mesh_size_m: f64, attached: &Attached<'_>) -> Result<Head, FeError> {
+fn head(
+    building: &Building,
+    form: Option<ElementForm>,
+    mesh_size_m: f64,
+    attached: &Attached<'_>,
+) -> Result<Head, FeError> {
     let mut endless = building.clone();
     endless.settings.end_time_s = 0.0;
-    let hash = ContentHash::of_value(&endless).map_err(|e| FeError::Output(e.to_string()))?;
+    let hash = ContentHash::of_value(&(endless, form)).map_err(|e| FeError::Output(e.to_string()))?;
     Ok(Head {
         program_version: env!("CARGO_PKG_VERSION").to_string(),
         model_hash: *hash.as_bytes(),
@@ -273,7 +285,7 @@ impl RunState {
         let preload = relaxation::static_state(mesh, &mut body).map_err(FeError::Preload)?;
         body.surfaces.new_touches.clear();
         if options.body_contact {
-            let settings = ContactSettings { friction: building.ground.friction, ..Default::default() };
+            let settings = ContactSettings { friction: building.ground.friction };
             body.body_contact = Some(Box::new(BodyContact::new(mesh, settings)));
         }
         let mut recorder = Recorder::new(building, mesh, &body, outputs, options.keep_frames);

@@ -32,7 +32,7 @@ fn bricks(bricks: &[Brick], law: Law, fixed: impl Fn([f64; 3]) -> bool) -> (Mesh
 
 fn body(mesh: &Mesh, gravity: f64, surfaces: RigidSurfaces, friction: f64) -> Dynamics {
     let mut body = Dynamics::new(mesh, gravity, surfaces, false);
-    let settings = ContactSettings { friction, ..Default::default() };
+    let settings = ContactSettings { friction };
     body.body_contact = Some(Box::new(BodyContact::new(mesh, settings)));
     body
 }

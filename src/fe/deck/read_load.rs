@@ -277,7 +277,7 @@ fn contact(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, eroding: bool
     const THIRD: Names = &["SFS", "SFM", "SST", "MST", "SFST", "SFMT", "FSF", "VSF"];
     cards.skip_title(titled);
     let Some(first) = cards.required(FIRST) else { return };
-    let settings = ContactSettings { friction: 0.0, stiffness_factor: 1.0 };
+    let settings = ContactSettings { friction: 0.0 };
     if cards.id(&first, 0) != Some(0) && cards.whole(&first, 2) != Some(5) {
         cards.refuse(&first, 0, "contact is between all outer faces of the model: SSID = 0");
     }
@@ -303,9 +303,12 @@ fn contact(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, eroding: bool
         cards.must_be_never(&card, 7);
     }
     if let Some(card) = third {
-        settings.stiffness_factor = cards.real_or(&card, 0, 1.0);
-        if settings.stiffness_factor <= 0.0 {
+        let factor = cards.real_or(&card, 0, 1.0);
+        if factor <= 0.0 {
             cards.refuse(&card, 0, "a factor is positive");
+        } else if factor != 1.0 {
+            let text = "contact is kinematic and has no stiffness: SFS has no effect";
+            cards.messages.note(card.place(0), text);
         }
     }
     if cards.more() {

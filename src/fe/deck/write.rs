@@ -319,7 +319,7 @@ impl Writer {
         let mut rows = vec![
             Row::Card(TEN, vec![Id(0)]),
             Row::Card(TEN, vec![Real(contact.friction)]),
-            Row::Card(TEN, vec![Real(contact.stiffness_factor)]),
+            Row::Card(TEN, vec![Real(1.0)]),
         ];
         if erodes {
             rows.push(Row::Card(TEN, vec![Id(0), Id(1), Id(1)]));

@@ -135,7 +135,7 @@ fn two_boxes(law: &Law, boxes: [([usize; 3], [f64; 3], [f64; 3]); 2]) -> (Mesh, 
 /// A body that touches itself, without ground.
 fn touching(mesh: &Mesh, gravity_m_s2: f64, friction: f64) -> Dynamics {
     let mut body = Dynamics::new(mesh, gravity_m_s2, RigidSurfaces::default(), false);
-    let settings = ContactSettings { friction, ..ContactSettings::default() };
+    let settings = ContactSettings { friction };
     body.body_contact = Some(Box::new(BodyContact::new(mesh, settings)));
     body
 }

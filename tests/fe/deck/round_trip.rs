@@ -62,7 +62,7 @@ fn rich() -> Model {
             },
             RigidPlane { point_m: [30.0, 0.1, 0.2], normal: [-0.6, 0.48, 0.64], friction: 0.0, nodes: None },
         ],
-        body_contact: Some(ContactSettings { friction: 0.4, stiffness_factor: 1.5 }),
+        body_contact: Some(ContactSettings { friction: 0.4 }),
         ..Model::default()
     };
     model.control.end_time_s = 1.0 / 3.0;
