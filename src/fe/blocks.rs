@@ -8,6 +8,7 @@
 
 use super::full::{self, FullState};
 use super::hexahedron::volume_m3;
+use super::incidence::{elements_of_nodes, starts_of};
 use super::kernel::{BlockForce, BlockMaterial, BlockState, KernelStep, LANES, update_block};
 use super::law::{ElementForm, Law};
 use super::mesh::Mesh;
@@ -119,8 +120,7 @@ impl Blocks {
     }
 
     /// Packs acting elements together when many between them have ended, so that these cost nothing. Positions `x` \[m\].
-    pub fn repack_if_worthwhile(&mut self, ended: usize, x: &[[f64; 3]]) {
-        self.dead += ended;
+    pub fn repack_if_worthwhile(&mut self, x: &[[f64; 3]]) {
         let acting = LANES * self.blocks.iter().filter(|b| b.acts).count();
         if self.dead < 2 * LANES || (self.dead as f64) < DEAD_SHARE * acting as f64 {
             return;
@@ -558,30 +558,4 @@ fn block(mesh: &Mesh, elements: &[usize]) -> Block {
     }
     let material = PackedMaterial::new(&material);
     Block { state, material, nodes: [[0; 8]; LANES], full, largest_bound: 0.0, acts: true }
-}
-
-/// Elements at each of `count` nodes: starts and list.
-fn elements_of_nodes(elements: &[[u32; 8]], count: usize) -> (Vec<u32>, Vec<u32>) {
-    let starts = starts_of(count, elements.as_flattened().iter().map(|n| *n as usize));
-    let mut next = starts.clone();
-    let mut list = vec![0; starts[count] as usize];
-    for (index, nodes) in elements.iter().enumerate() {
-        for n in nodes {
-            list[next[*n as usize] as usize] = index as u32;
-            next[*n as usize] += 1;
-        }
-    }
-    (starts, list)
-}
-
-/// Running sums of how often each of `count` keys occurs: where its entries start in a sorted list.
-fn starts_of(count: usize, keys: impl Iterator<Item = usize>) -> Vec<u32> {
-    let mut starts = vec![0u32; count + 1];
-    for key in keys {
-        starts[key + 1] += 1;
-    }
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
-    }
-    starts
 }

@@ -26,6 +26,12 @@ const CHUNK: usize = 512;
 /// Elements from which threads are used.
 const PARALLEL_ELEMENTS: usize = 512;
 
+/// The time step for a bound of the largest squared frequency \[1/s²\], with bulk viscosity and a share of the stability limit \[s\].
+pub fn allowed_step_s(bound_1_s2: f64, safety: f64) -> f64 {
+    let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
+    safety * viscous * 2.0 / bound_1_s2.sqrt()
+}
+
 /// What ended an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Death {
@@ -198,8 +204,7 @@ impl Dynamics {
 
     /// The time step for a bound of the largest squared frequency \[1/s²\], with viscosity and safety \[s\].
     pub fn step_under_bound_s(&self, bound_1_s2: f64) -> f64 {
-        let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
-        self.step_safety * viscous * 2.0 / bound_1_s2.sqrt()
+        allowed_step_s(bound_1_s2, self.step_safety)
     }
 
     /// Uses another share of the stability limit from the next step on; before the first step it is also the reference of collapsed elements.
@@ -252,7 +257,7 @@ impl Dynamics {
         self.taken_s = self.dt_s;
         self.steps += 1;
         if !self.deaths.is_empty() {
-            self.blocks.repack_if_worthwhile(self.deaths.len(), &self.x);
+            self.blocks.repack_if_worthwhile(&self.x);
         }
         kinetic
     }
@@ -464,21 +469,23 @@ impl NodeStep<'_> {
             || self.body_contact.is_some_and(|c| c.flagged[n])
     }
 
-    /// Motion and books of a node on which only element forces and gravity act.
+    /// Motion of a node without contact and the books of it; returns the works of [`Pushed::works`], of which those of drives
+    /// are left to the caller: most nodes have none.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
     fn move_freely(
         &self,
         mass: f64,
         weight: &[f64; 3],
+        pushed: &Pushed,
         new: [f64; 3],
         x: &mut [f64; 3],
         v: &mut [f64; 3],
         sums: &mut NodeSums,
-    ) {
+    ) -> [f64; 4] {
         if let Some(contact) = self.body_contact {
             sums.top_speed_squared = sums.top_speed_squared.max(contact.speed_squared(&new));
         }
-        let pushed = Pushed { trial: new, driven: [0.0; 3] };
         let works = pushed.works(weight, [v, &new], [self.kick, self.dt]);
         sums.gravity_j += works[0];
         sums.ahead_j[0] += works[2];
@@ -489,6 +496,7 @@ impl NodeStep<'_> {
             sums.kinetic_j += mass * pushed.kinetic_m2_s2([v, &new], self.dt / self.kick);
         }
         *v = new;
+        works
     }
 
     /// What a tied node passes on to its masters \[N\]; its weight is that of the mass they have from it.
@@ -518,7 +526,8 @@ impl NodeStep<'_> {
                     new[i] = v[i] + per_force * (weight[i] - internal[i]);
                 }
                 if !self.surfaces.reached(n, self.dt, x, &new) {
-                    self.move_freely(mass, &weight, new, x, v, &mut sums);
+                    let pushed = Pushed { trial: new, driven: [0.0; 3] };
+                    self.move_freely(mass, &weight, &pushed, new, x, v, &mut sums);
                     continue;
                 }
             }
@@ -558,20 +567,9 @@ impl NodeStep<'_> {
                 sums.touching.push((n, pushed));
                 continue;
             }
-            if let Some(contact) = contact {
-                sums.top_speed_squared = sums.top_speed_squared.max(contact.speed_squared(&new));
-            }
-            let works = pushed.works(&weight, [v, &new], [self.kick, self.dt]);
-            sums.gravity_j += works[0];
+            let works = self.move_freely(mass, &weight, &pushed, new, x, v, &mut sums);
             sums.driven_j += works[1];
-            sums.ahead_j = [sums.ahead_j[0] + works[2], sums.ahead_j[1] + works[3]];
-            for i in 0..3 {
-                x[i] += self.dt * new[i];
-            }
-            if self.measure {
-                sums.kinetic_j += mass * pushed.kinetic_m2_s2([v, &new], self.dt / self.kick);
-            }
-            *v = new;
+            sums.ahead_j[1] += works[3];
         }
         sums
     }

@@ -11,6 +11,7 @@ pub mod full;
 pub mod grid;
 pub mod hexahedron;
 pub mod hourglass;
+mod incidence;
 pub mod kernel;
 pub mod law;
 pub mod mass_scaling;

@@ -4,9 +4,8 @@
 //! warpage is the largest angle between the normals of the two triangles of a face, over both ways to divide it.
 
 use super::blocks::Blocks;
-use super::dynamics::STEP_SAFETY;
+use super::dynamics::{STEP_SAFETY, allowed_step_s};
 use super::grid::{MeshGrid, SNAP_SHARE};
-use super::kernel::BULK_LINEAR;
 use super::mesh::{Mesh, Snapped};
 use crate::building::Building;
 use serde::Serialize;
@@ -109,9 +108,8 @@ impl Quality {
 
 /// Time step of each element with the safety of a run \[s\].
 fn steps_s(mesh: &Mesh) -> Vec<f64> {
-    let viscous = (1.0 + BULK_LINEAR * BULK_LINEAR).sqrt() - BULK_LINEAR;
     let bounds = Blocks::of(mesh).element_bounds_1_s2(&mesh.nodes);
-    bounds.iter().map(|bound| STEP_SAFETY * viscous * 2.0 / bound.sqrt()).collect()
+    bounds.iter().map(|bound| allowed_step_s(*bound, STEP_SAFETY)).collect()
 }
 
 fn join(sum: &mut Option<Measures>, one: &Measures) {

@@ -22,6 +22,7 @@
 //! longer diagonal and positive. So the nodes are tied where they are.
 
 use super::blocks::Blocks;
+use super::incidence::starts_of;
 use super::mesh::{Mesh, Tie};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -117,7 +118,7 @@ impl Ties {
             return Self::default();
         }
         let n = mesh.nodes.len();
-        let mut this = Self { of_node: vec![FREE; n], starts: vec![0; n + 1], ..Self::default() };
+        let mut this = Self { of_node: vec![FREE; n], ..Self::default() };
         for (tie, _) in mesh.ties.iter().zip(left_out(mesh)).filter(|(_, reason)| reason.is_none()) {
             this.of_node[tie.node] = this.list.len() as u32;
             this.list.push(tie.clone());
@@ -128,12 +129,7 @@ impl Ties {
             by_master.extend(tie.masters.iter().map(|(m, w)| (*m as u32, tie.node as u32, *w)));
         }
         by_master.sort_by_key(|(m, s, _)| (*m, *s));
-        for (m, ..) in &by_master {
-            this.starts[*m as usize + 1] += 1;
-        }
-        for i in 1..this.starts.len() {
-            this.starts[i] += this.starts[i - 1];
-        }
+        this.starts = starts_of(n, by_master.iter().map(|m| m.0 as usize));
         this.carried = by_master.into_iter().map(|(_, s, w)| (s, w)).collect();
         this
     }

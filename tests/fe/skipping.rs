@@ -45,7 +45,7 @@ fn packing_anew_changes_no_force() {
         body.blocks.set_share(e, 0.0);
     }
     let mut packed = body.clone();
-    packed.blocks.repack_if_worthwhile(0, &packed.x);
+    packed.blocks.repack_if_worthwhile(&packed.x);
     let acting = |b: &Dynamics| b.blocks.blocks.iter().filter(|b| b.acts).count();
     assert!(acting(&packed) < acting(&body), "{} {}", acting(&packed), acting(&body));
     for _ in 0..3 {

@@ -1,6 +1,7 @@
 //! The outer faces of hexahedra, kept up to date while elements end.
 
 use crate::fe::hexahedron::{Vec3, add, dot, scaled};
+use crate::fe::incidence::elements_of_nodes;
 use crate::fe::mesh::Mesh;
 use crate::fe::tie::Ties;
 use serde::{Deserialize, Serialize};
@@ -38,7 +39,7 @@ impl Faces {
         let nodes: Vec<[u32; 8]> = mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect();
         let thickness_m =
             mesh.elements.iter().map(|e| thicknesses(&e.nodes.map(|n| mesh.nodes[n]))).collect();
-        let (starts, around) = elements_by_node(&nodes, mesh.nodes.len());
+        let (starts, around) = elements_of_nodes(&nodes, mesh.nodes.len());
         let (behind, acts) = (neighbours(&nodes), vec![true; nodes.len()]);
         Self { behind, acts, nodes, thickness_m, starts, around, linked: BTreeMap::new() }
     }
@@ -63,7 +64,7 @@ impl Faces {
     pub fn reconnect(&mut self, elements: &[[u32; 8]], nodes: usize) {
         self.nodes.copy_from_slice(elements);
         self.behind = neighbours(&self.nodes);
-        (self.starts, self.around) = elements_by_node(&self.nodes, nodes);
+        (self.starts, self.around) = elements_of_nodes(&self.nodes, nodes);
     }
 
     /// All outer faces, in order.
@@ -181,21 +182,4 @@ fn neighbours(nodes: &[[u32; 8]]) -> Vec<u32> {
         behind[pair[1].1 as usize] = pair[0].1;
     }
     behind
-}
-
-fn elements_by_node(nodes: &[[u32; 8]], count: usize) -> (Vec<u32>, Vec<u32>) {
-    let mut starts = vec![0u32; count + 1];
-    nodes.iter().flatten().for_each(|n| starts[*n as usize + 1] += 1);
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
-    }
-    let mut next = starts.clone();
-    let mut around = vec![0; starts[count] as usize];
-    for (e, nodes) in nodes.iter().enumerate() {
-        for n in nodes {
-            around[next[*n as usize] as usize] = e as u32;
-            next[*n as usize] += 1;
-        }
-    }
-    (starts, around)
 }

@@ -110,6 +110,16 @@ impl<'a, 'm> Cards<'a, 'm> {
         card
     }
 
+    /// The first line of the next of several entries, each under a title if `titled`; `None` after the last one.
+    pub fn entry(&mut self, titled: bool, names: Names) -> Option<Card<'a>> {
+        self.skip_blank();
+        if !self.more() {
+            return None;
+        }
+        self.skip_title(titled);
+        self.required(names)
+    }
+
     /// The next line with fields of the given widths (20 columns each in the long format).
     pub fn card_of(&mut self, names: Names, widths: &[usize]) -> Option<Card<'a>> {
         let at = *self.block.lines.get(self.next)?;

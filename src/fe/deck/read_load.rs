@@ -44,13 +44,7 @@ fn no_local_axes<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, field: usize) {
 
 fn holds(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, set: bool) {
     const NAMES: Names = &["NID/NSID", "CID", "DOFX", "DOFY", "DOFZ", "DOFRX", "DOFRY", "DOFRZ"];
-    loop {
-        cards.skip_blank();
-        if !cards.more() {
-            return;
-        }
-        cards.skip_title(titled);
-        let Some(card) = cards.required(NAMES) else { return };
+    while let Some(card) = cards.entry(titled, NAMES) {
         let found = who(cards, &card, set);
         no_local_axes(cards, &card, 1);
         let mut held = [false; 3];
@@ -91,13 +85,7 @@ fn history<'a>(
 
 fn driven(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, set: bool) {
     const NAMES: Names = &["NID/NSID", "DOF", "VAD", "LCID", "SF", "VID", "DEATH", "BIRTH"];
-    loop {
-        cards.skip_blank();
-        if !cards.more() {
-            return;
-        }
-        cards.skip_title(titled);
-        let Some(card) = cards.required(NAMES) else { return };
+    while let Some(card) = cards.entry(titled, NAMES) {
         let (who, axis) = (who(cards, &card, set), axis(cards, &card, 1));
         cards.must_be_zero(&card, 2, "only velocities are given to nodes: VAD = 0");
         let history = history(cards, &card, 3, 4);
@@ -128,13 +116,7 @@ fn body_load(cards: &mut Cards<'_, '_>, raw: &mut Raw, axis: usize) {
 
 fn nodal_loads(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, set: bool) {
     const NAMES: Names = &["NID/NSID", "DOF", "LCID", "SF", "CID", "M1", "M2", "M3"];
-    loop {
-        cards.skip_blank();
-        if !cards.more() {
-            return;
-        }
-        cards.skip_title(titled);
-        let Some(card) = cards.required(NAMES) else { return };
+    while let Some(card) = cards.entry(titled, NAMES) {
         let (who, axis, history) =
             (who(cards, &card, set), axis(cards, &card, 1), history(cards, &card, 2, 3));
         no_local_axes(cards, &card, 4);
