@@ -6,6 +6,7 @@
 //! on its nodes there ([`super::sweep`]). What leaves a chunk is one force a node; the few chunks that share a
 //! node are summed in a fixed order, so that results do not depend on the number of threads.
 
+use super::concrete::{ConcreteBlock, ConcretePoints};
 use super::full::{self, FullState};
 use super::hexahedron::volume_m3;
 use super::incidence::{elements_of_nodes, starts_of};
@@ -37,6 +38,8 @@ pub struct Block {
     pub nodes: [[u16; 8]; LANES],
     /// History of the points of fully integrated elements.
     pub full: Option<Box<FullState>>,
+    /// History of concrete elements.
+    pub concrete: Option<Box<ConcreteBlock>>,
     /// Largest frequency bound of the last kernel call \[1/s²\], zero where nothing acts.
     pub largest_bound: f64,
     /// Whether any lane acts.
@@ -60,6 +63,8 @@ pub struct Blocks {
     detached: Vec<bool>,
     /// Hardening tables by law.
     pub tables: Vec<HardeningTable>,
+    /// Laws of concrete elements.
+    pub(super) concretes: ConcretePoints,
     /// Element of each lane of each block, [`NO_ELEMENT`] if none.
     lanes: Vec<[u32; LANES]>,
     /// `(block, lane)` of each element.
@@ -84,7 +89,12 @@ pub struct Blocks {
 
 impl Blocks {
     /// Packs a mesh.
+    ///
+    /// # Panics
+    /// If a law of concrete is out of its range: who makes the mesh checks with [`ConcretePoints::of`].
+    #[expect(clippy::expect_used, reason = "documented; checked by who makes the mesh")]
     pub fn of(mesh: &Mesh) -> Self {
+        let concretes = ConcretePoints::of(mesh).expect("concrete law");
         let tables = mesh.laws.iter().map(Law::table).collect();
         let order = packing_order(mesh);
         let (mut blocks, mut lanes) = (Vec::new(), Vec::new());
@@ -93,7 +103,7 @@ impl Blocks {
             for (lane, e) in elements.iter().enumerate() {
                 held[lane] = *e as u32;
             }
-            blocks.push(block(mesh, elements));
+            blocks.push(block(mesh, &concretes, elements));
             lanes.push(held);
         }
         let mut this = Self {
@@ -104,6 +114,7 @@ impl Blocks {
             detached: Vec::new(),
             blocks,
             tables,
+            concretes,
             lanes,
             place: vec![(0, 0); mesh.elements.len()],
             chunk_nodes: Vec::new(),
@@ -159,6 +170,9 @@ impl Blocks {
             material.copy_lane(lane, &self.blocks[b].material.lanes(), l);
             if let (Some(points), Some(theirs)) = (&mut new.full, &self.blocks[b].full) {
                 points.copy_lane(lane, theirs, l);
+            }
+            if let (Some(here), Some(theirs)) = (&mut new.concrete, &self.blocks[b].concrete) {
+                here.copy_lane(lane, theirs, l);
             }
             if lane >= places.len() {
                 new.state.clear_lane(lane);
@@ -221,6 +235,9 @@ impl Blocks {
             block.state = BlockState { share: block.state.share, ..BlockState::default() };
             if let Some(points) = &mut block.full {
                 **points = FullState::default();
+            }
+            if let Some(concrete) = &mut block.concrete {
+                concrete.unload();
             }
         }
     }
@@ -536,7 +553,7 @@ fn packing_order(mesh: &Mesh) -> Vec<usize> {
 }
 
 /// Packs elements of one law into a block; its nodes come later.
-fn block(mesh: &Mesh, elements: &[usize]) -> Block {
+fn block(mesh: &Mesh, concretes: &ConcretePoints, elements: &[usize]) -> Block {
     let table = mesh.elements[elements[0]].law;
     let form = mesh.laws[table].form;
     let mut material = BlockMaterial { table, form, ..Default::default() };
@@ -557,5 +574,6 @@ fn block(mesh: &Mesh, elements: &[usize]) -> Block {
         state.share[lane] = if lane < elements.len() { 1.0 } else { 0.0 };
     }
     let material = PackedMaterial::new(&material);
-    Block { state, material, nodes: [[0; 8]; LANES], full, largest_bound: 0.0, acts: true }
+    let concrete = concretes.block(&mesh.laws[table], elements);
+    Block { state, material, nodes: [[0; 8]; LANES], full, concrete, largest_bound: 0.0, acts: true }
 }

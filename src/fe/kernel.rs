@@ -186,6 +186,27 @@ pub(super) struct Scratch {
 
 const ZERO: Lane = [0.0; LANES];
 
+impl Scratch {
+    #[inline(always)]
+    fn new() -> Self {
+        Self {
+            trial: [ZERO; 6],
+            mises: ZERO,
+            mean: ZERO,
+            strain: [ZERO; 6],
+            frame: [ZERO; 9],
+            b: [ZERO; 18],
+            warp: [ZERO; 12],
+            q: [ZERO; 12],
+            rate: [ZERO; 12],
+            volume: ZERO,
+            distortion: ZERO,
+            ratio: [1.0; LANES],
+            tangent: [1.0; LANES],
+        }
+    }
+}
+
 /// Updates a block and writes the internal nodal forces; returns the largest squared frequency bound of each
 /// element \[1/s²\], zero for elements that do not act.
 ///
@@ -265,21 +286,7 @@ pub(super) fn update<const ASQBI: bool>(
     force: &mut BlockForce,
     step: KernelStep,
 ) -> Lane {
-    let mut s = Scratch {
-        trial: [ZERO; 6],
-        mises: ZERO,
-        mean: ZERO,
-        strain: [ZERO; 6],
-        frame: [ZERO; 9],
-        b: [ZERO; 18],
-        warp: [ZERO; 12],
-        q: [ZERO; 12],
-        rate: [ZERO; 12],
-        volume: ZERO,
-        distortion: ZERO,
-        ratio: [1.0; LANES],
-        tangent: [1.0; LANES],
-    };
+    let mut s = Scratch::new();
     let rate_factor = step.rate_1_s();
     let control = Control::of(material.form, rate_factor);
     for l in 0..LANES {
@@ -289,6 +296,33 @@ pub(super) fn update<const ASQBI: bool>(
     let mut bound = ZERO;
     for l in 0..LANES {
         resist::<ASQBI>(l, rate_factor, &control, material, &s, state, force, &mut bound);
+    }
+    bound
+}
+
+/// The kernel with a law of its own at the centre: `respond` gets the strain increments and writes the stress, the share of the elastic
+/// stiffness left to the hourglass strains, and what it takes from the hourglass stresses.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
+pub(super) fn respond_with(
+    x: &BlockForce,
+    v: &BlockForce,
+    factor: f64,
+    material: &BlockMaterial,
+    state: &mut BlockState,
+    force: &mut BlockForce,
+    step: KernelStep,
+    mut respond: impl FnMut(&[Lane; 6], &mut [Lane; 6], &mut Lane, &mut [Lane; 12]),
+) -> Lane {
+    let mut s = Scratch::new();
+    let control = Control::of(material.form, step.rate_1_s());
+    for l in 0..LANES {
+        deform::<true>(l, x, v, factor, &control, material, state, &mut s);
+    }
+    respond(&s.strain, &mut s.trial, &mut s.tangent, &mut state.hourglass);
+    let mut bound = ZERO;
+    for l in 0..LANES {
+        resist::<true>(l, step.rate_1_s(), &control, material, &s, state, force, &mut bound);
     }
     bound
 }

@@ -1,6 +1,7 @@
 //! What a group of elements is made of and how it is integrated: material law, erosion, element form.
 
 use crate::building::{HardeningPoint, Homogenised};
+use crate::material::concrete::ConcreteLaw;
 use crate::material::j2::HardeningTable;
 use crate::material::rate::RateFactor;
 use serde::{Deserialize, Serialize};
@@ -24,6 +25,8 @@ pub struct Law {
     pub erosion: Erosion,
     /// How the elements are integrated.
     pub form: ElementForm,
+    /// Concrete instead of J2 plasticity: one-point elements, their length (cube root of the volume) in the crack band.
+    pub concrete: Option<ConcreteLaw>,
 }
 
 impl Law {
@@ -114,6 +117,7 @@ impl From<&Homogenised> for Law {
             rate: None,
             erosion: Erosion { plastic_strain: law.critical_plastic_strain, ..Erosion::NEVER },
             form: ElementForm::default(),
+            concrete: None,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod apart;
 pub mod blocks;
+pub mod concrete;
 pub mod contact;
 pub mod deck;
 pub mod dynamics;

@@ -25,6 +25,7 @@ pub fn bilinear(
         vec![point(0.0, yield_pa), point(100.0, yield_pa + 100.0 * hardening_pa)]
     };
     Law {
+        concrete: None,
         density_kg_m3,
         youngs_modulus_pa,
         poisson_ratio,

@@ -1,10 +1,12 @@
 //! One pass of the kernel over all blocks: gather, kernel, search for failed elements, sum of forces, chunk by chunk.
 
 use super::blocks::{Block, Blocks, Failing, Quiet};
+use super::concrete;
 use super::full;
 use super::kernel::{self, BlockForce, KernelStep, LANES};
 use super::law::{ElementForm, Hourglass};
 use crate::base::prefetch::prefetch;
+use crate::material::concrete::ConcretePoint;
 use crate::material::j2::HardeningTable;
 use rayon::prelude::*;
 
@@ -32,7 +34,8 @@ type LocalNode = [f64; 8];
 impl Blocks {
     /// Kernel over all blocks that still act, with nodes at `x` (positions at the end of the increment) and velocities `v`.
     pub fn sweep(&mut self, x: &[[f64; 3]], v: &[[f64; 3]], sweep: &Sweep, parallel: bool) {
-        let (stride, tables) = (self.stride, &self.tables[..]);
+        let stride = self.stride;
+        let tables = (&self.tables[..], &self.concretes.points[..]);
         let (starts, nodes) = (&self.chunk_starts[..], &self.chunk_nodes[..]);
         let chunk_blocks = self.chunk_blocks;
         let run = |local: &mut Vec<LocalNode>, (c, ((blocks, quiet), forces)): ChunkWork| {
@@ -109,7 +112,7 @@ fn chunk(
     forces: &mut [[f64; 3]],
     nodes: &[u32],
     local: &mut [LocalNode],
-    tables: &[HardeningTable],
+    (tables, concretes): (&[HardeningTable], &[ConcretePoint]),
     x: &[[f64; 3]],
     v: &[[f64; 3]],
     sweep: &Sweep,
@@ -161,6 +164,12 @@ fn chunk(
         let (material, state) = (&block.material.lanes(), &mut block.state);
         let (dt_s, step) = (sweep.dt_s, sweep.step);
         let mut bound = match (&mut block.full, material.form) {
+            _ if block.concrete.is_some() => {
+                let history = block.concrete.as_mut().map(|c| &mut **c);
+                history.map_or([0.0; LANES], |history| {
+                    concrete::update(&at, &moved, dt_s, material, concretes, state, history, &mut force, step)
+                })
+            }
             (None, ElementForm::OnePoint(Hourglass::Asqbi)) => {
                 kernel::update::<true>(&at, &moved, dt_s, material, table, state, &mut force, step)
             }

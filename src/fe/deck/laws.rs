@@ -60,6 +60,7 @@ pub(super) fn law_of(raw: &Raw, part: &RawPart, messages: &mut Messages) -> Opti
         RawSection::Truss { .. } => ElementForm::default(),
     };
     let law = Law {
+        concrete: None,
         density_kg_m3: material.density,
         youngs_modulus_pa: material.youngs,
         poisson_ratio: material.poisson,

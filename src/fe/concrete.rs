@@ -1,0 +1,144 @@
+//! Hexahedra of concrete: the one-point element of [`super::kernel`] with the law of [`crate::material::concrete`] at its centre.
+//!
+//! **Hourglass control follows the damage.** With the strain energy density of the stress, `σ : e / 2`, and that of undamaged concrete, `e : C : e / 2`, of
+//! the same mechanical strain (crack strain included), the share of stiffness left is `t = σ : e / e : C : e`. Hourglass stresses grow with `t` times the
+//! elastic stiffness, and fall with `t` when it falls: cracked or crushed elements have no bending resistance of their own. While the
+//! centre flows in compression, hourglass stiffness is that of the floor, as in J2 plasticity.
+
+use super::kernel::{
+    BlockForce, BlockMaterial, BlockState, HOURGLASS_FLOOR, KernelStep, LANES, Lane, respond_with,
+};
+use super::law::Law;
+use super::mesh::Mesh;
+use crate::material::concrete::{ConcretePoint, ConcreteState, LawError};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Least share of the elastic stiffness left to hourglass control: without any, cracked regions develop zigzag modes.
+pub const LEAST_SHARE: f64 = 0.01;
+/// Lengths of elements are rounded to this for the tables of the law \[m\].
+const LENGTH_STEP_M: f64 = 1e-3;
+
+/// What a block of concrete elements remembers besides the block's own state.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ConcreteBlock {
+    /// History at the centre of each element.
+    pub states: [ConcreteState; LANES],
+    /// Share of stiffness left to hourglass control.
+    pub left: Lane,
+    /// Table of each element in [`ConcretePoints`].
+    pub points: [u32; LANES],
+}
+
+/// Concrete laws for all element lengths of a mesh.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct ConcretePoints {
+    /// The laws.
+    pub points: Vec<ConcretePoint>,
+    /// Law of each element; 0 for other materials.
+    of_element: Vec<u32>,
+}
+
+impl ConcretePoints {
+    /// Tables for the lengths (cube roots of the volumes) of a mesh's concrete elements.
+    ///
+    /// # Errors
+    /// If a law is out of its range, or does not suit the length of an element.
+    pub fn of(mesh: &Mesh) -> Result<Self, LawError> {
+        let mut this = Self::default();
+        if mesh.laws.iter().all(|l| l.concrete.is_none()) {
+            return Ok(this);
+        }
+        let mut known: BTreeMap<(usize, u64), u32> = BTreeMap::new();
+        for element in &mesh.elements {
+            let Some(law) = &mesh.laws[element.law].concrete else {
+                this.of_element.push(0);
+                continue;
+            };
+            let volume = super::hexahedron::volume_m3(&element.nodes.map(|n| mesh.nodes[n]));
+            let steps = (volume.cbrt() / LENGTH_STEP_M).round().max(1.0);
+            let next = this.points.len() as u32;
+            let index = *known.entry((element.law, steps as u64)).or_insert(next);
+            if index == next {
+                this.points.push(ConcretePoint::new(law, steps * LENGTH_STEP_M)?);
+            }
+            this.of_element.push(index);
+        }
+        Ok(this)
+    }
+
+    /// State of a block of these elements (at most [`LANES`]), if their law is one of concrete.
+    pub fn block(&self, law: &Law, elements: &[usize]) -> Option<Box<ConcreteBlock>> {
+        law.concrete.as_ref()?;
+        let points = std::array::from_fn(|l| self.of_element[elements[l.min(elements.len() - 1)]]);
+        Some(Box::new(ConcreteBlock {
+            states: [ConcreteState::default(); LANES],
+            left: [1.0; LANES],
+            points,
+        }))
+    }
+}
+
+impl ConcreteBlock {
+    /// Takes one lane of another block.
+    pub fn copy_lane(&mut self, to: usize, other: &Self, from: usize) {
+        self.states[to] = other.states[from];
+        self.left[to] = other.left[from];
+        self.points[to] = other.points[from];
+    }
+
+    /// Forgets all history.
+    pub fn unload(&mut self) {
+        self.states = [ConcreteState::default(); LANES];
+        self.left = [1.0; LANES];
+    }
+}
+
+/// Updates a block of concrete elements; arguments and result are those of the one-point kernel, with the concrete's history.
+#[expect(clippy::too_many_arguments, reason = "the arguments of the one-point kernel and the history")]
+pub fn update(
+    x: &BlockForce,
+    v: &BlockForce,
+    factor: f64,
+    material: &BlockMaterial,
+    points: &[ConcretePoint],
+    state: &mut BlockState,
+    concrete: &mut ConcreteBlock,
+    force: &mut BlockForce,
+    step: KernelStep,
+) -> Lane {
+    let share = state.share;
+    let respond =
+        |strain: &[Lane; 6], stress: &mut [Lane; 6], tangent: &mut Lane, hourglass: &mut [Lane; 12]| {
+            for l in (0..LANES).filter(|l| share[*l] > 0.0) {
+                let point = &points[concrete.points[l] as usize];
+                let increment = std::array::from_fn(|i| strain[i][l]);
+                let flowed = concrete.states[l].plastic;
+                let new = point.respond(&mut concrete.states[l], &increment);
+                (0..6).for_each(|i| stress[i][l] = new[i]);
+                let left = stiffness_left(point, &concrete.states[l], &new).clamp(LEAST_SHARE, 1.0);
+                let flows = concrete.states[l].plastic > flowed;
+                tangent[l] = if flows { left.min(HOURGLASS_FLOOR) } else { left };
+                let fade = (left / concrete.left[l]).min(1.0);
+                hourglass.iter_mut().for_each(|h| h[l] *= fade);
+                concrete.left[l] = left;
+            }
+        };
+    let bound = respond_with(x, v, factor, material, state, force, step, respond);
+    for l in 0..LANES {
+        state.plastic_strain[l] = concrete.states[l].plastic;
+    }
+    bound
+}
+
+/// `σ : e / e : C : e`; 1 without strain.
+fn stiffness_left(point: &ConcretePoint, state: &ConcreteState, stress: &[f64; 6]) -> f64 {
+    let e = &state.mechanical;
+    let [lambda, mu] = point.lame_pa();
+    let trace = e[0] + e[1] + e[2];
+    let twice = |i: usize| if i < 3 { 1.0 } else { 2.0 };
+    let squares: f64 = (0..6).map(|i| twice(i) * e[i] * e[i]).sum();
+    let elastic = lambda * trace * trace + 2.0 * mu * squares;
+    let held: f64 = (0..6).map(|i| twice(i) * stress[i] * e[i]).sum();
+    if elastic > 0.0 { held / elastic } else { 1.0 }
+}

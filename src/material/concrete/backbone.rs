@@ -1,0 +1,228 @@
+//! The uniaxial lines as tables, for one element length.
+
+use super::law::{CompressionCurve, ConcreteLaw, LawError, TensionCurve};
+use serde::{Deserialize, Serialize};
+
+/// Points of the compressive line from the elastic limit to the peak, and after it.
+const RISING: usize = 40;
+const FALLING: usize = 60;
+/// Widths of the bell after which the rest (four millionths of it) is cut off.
+const BELL_END: f64 = 4.5;
+/// Crack openings of Hordijk's table over the final one.
+const OPENINGS: [f64; 13] = [0.0, 0.02, 0.05, 0.09, 0.14, 0.2, 0.27, 0.35, 0.44, 0.55, 0.68, 0.83, 1.0];
+
+/// Tables of a law for elements of one length.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Backbones {
+    /// Plastic strain, increasing from zero.
+    plastic: Vec<f64>,
+    /// Effective stress there \[Pa\].
+    effective: Vec<f64>,
+    /// Nominal stress there \[Pa\].
+    nominal: Vec<f64>,
+    /// Crack strain, increasing from zero.
+    crack: Vec<f64>,
+    /// Stress there \[Pa\].
+    tensile: Vec<f64>,
+}
+
+/// A surface that falls piecewise linearly with the plastic multiplier.
+#[derive(Debug, Clone, Copy)]
+pub struct Falling {
+    /// Value at zero \[Pa\].
+    pub value: f64,
+    /// Fall before and beyond the kink \[Pa\].
+    pub slopes: [f64; 2],
+    /// Multiplier at the kink.
+    pub kink: f64,
+}
+
+impl Backbones {
+    /// Tables for elements of a length \[m\].
+    ///
+    /// # Errors
+    /// If a parameter is out of its range, or elements are so long that their elastic energy exceeds what they may dissipate.
+    pub fn new(law: &ConcreteLaw, length_m: f64) -> Result<Self, LawError> {
+        law.check()?;
+        let line = compressive_line(law, length_m)?;
+        let (e, e0) = (law.youngs_modulus_pa, law.peak_strain);
+        let (mut plastic, mut effective, mut nominal) = (Vec::new(), Vec::new(), Vec::new());
+        for [strain, stress] in line {
+            // the residual strain that was measured, as far as damage is not negative
+            let residual = (e0 * karsan_jirsa(strain / e0)).min(strain - stress / e).max(0.0);
+            if plastic.last().is_none_or(|last| residual > *last) {
+                plastic.push(residual);
+                effective.push(e * (strain - residual));
+                nominal.push(stress);
+            }
+        }
+        plastic[0] = 0.0;
+        let (crack, tensile) = tensile_line(law, length_m)?;
+        Ok(Self { plastic, effective, nominal, crack, tensile })
+    }
+
+    /// Effective stress at the elastic limit \[Pa\].
+    pub fn elastic_limit_pa(&self) -> f64 {
+        self.effective[0]
+    }
+
+    /// Segment of the compressive table that holds a plastic strain.
+    fn segment(&self, plastic: f64) -> usize {
+        self.plastic.partition_point(|p| *p <= plastic).clamp(1, self.plastic.len() - 1) - 1
+    }
+
+    /// Slope of the effective strength in a segment \[Pa\].
+    fn slope_pa(&self, i: usize) -> f64 {
+        (self.effective[i + 1] - self.effective[i]) / (self.plastic[i + 1] - self.plastic[i])
+    }
+
+    /// Effective strength `q` at a plastic strain \[Pa\].
+    pub fn effective_pa(&self, plastic: f64) -> f64 {
+        let i = self.segment(plastic);
+        self.effective[i] + self.slope_pa(i) * (plastic - self.plastic[i])
+    }
+
+    /// The plastic multiplier at which a surface above the effective strength at `plastic` meets the one at `plastic + rate Δ`. It exists: the
+    /// surface falls without end, and the effective strength rises.
+    pub fn meet(&self, surface: Falling, plastic: f64, rate: f64) -> f64 {
+        let (mut delta, mut i) = (0.0, self.segment(plastic));
+        let mut excess = surface.value - self.effective_pa(plastic);
+        loop {
+            let before = delta < surface.kink;
+            let closing = surface.slopes[usize::from(!before)] + rate * self.slope_pa(i);
+            let segment_end = if i + 2 < self.plastic.len() {
+                (self.plastic[i + 1] - plastic) / rate
+            } else {
+                f64::INFINITY
+            };
+            let end = if before { segment_end.min(surface.kink) } else { segment_end };
+            let root = delta + excess / closing;
+            if root <= end {
+                return root;
+            }
+            excess -= closing * (end - delta);
+            delta = end;
+            i += usize::from(end >= segment_end);
+        }
+    }
+
+    /// Damage `d` at a plastic strain: nominal stress is `1 - d` times effective stress.
+    pub fn damage(&self, plastic: f64) -> f64 {
+        if plastic <= 0.0 {
+            return 0.0;
+        }
+        let last = self.plastic.len() - 1;
+        if plastic >= self.plastic[last] {
+            return 1.0;
+        }
+        let i = self.segment(plastic);
+        let share = (plastic - self.plastic[i]) / (self.plastic[i + 1] - self.plastic[i]);
+        let along = |values: &[f64]| values[i] + share * (values[i + 1] - values[i]);
+        1.0 - along(&self.nominal) / along(&self.effective)
+    }
+
+    /// Tensile stress at a crack strain that was never larger \[Pa\].
+    pub fn tensile_pa(&self, crack: f64) -> f64 {
+        let i = self.crack.partition_point(|c| *c <= crack);
+        if i == self.crack.len() {
+            return 0.0;
+        }
+        let [c0, c1] = [self.crack[i - 1], self.crack[i]];
+        let [t0, t1] = [self.tensile[i - 1], self.tensile[i]];
+        t0 + (t1 - t0) * (crack - c0) / (c1 - c0)
+    }
+
+    /// Crack strain at which `stress - modulus * c` meets the tensile line times `factor`, if `c` has been `largest` before: below that the
+    /// line is the secant to the origin. `stress` and `modulus` in Pa.
+    pub fn opening(&self, stress: f64, modulus: f64, largest: f64, factor: f64) -> f64 {
+        let known = factor * self.tensile_pa(largest);
+        if stress - modulus * largest <= known {
+            // closed, or on the secant
+            return if largest > 0.0 && stress > 0.0 { stress / (modulus + known / largest) } else { 0.0 };
+        }
+        let (mut c0, mut t0) = (largest, known);
+        for i in self.crack.partition_point(|c| *c <= largest)..self.crack.len() {
+            let (c1, t1) = (self.crack[i], factor * self.tensile[i]);
+            if stress - modulus * c1 <= t1 {
+                let (gap, end) = (stress - modulus * c0 - t0, stress - modulus * c1 - t1);
+                return c0 + (c1 - c0) * gap / (gap - end);
+            }
+            (c0, t0) = (c1, t1);
+        }
+        stress / modulus
+    }
+}
+
+/// Residual over peak strain after Karsan and Jirsa.
+fn karsan_jirsa(r: f64) -> f64 {
+    if r <= 2.0 { (0.145 * r + 0.13) * r } else { 0.707 * (r - 2.0) + 0.834 }
+}
+
+/// `[strain, stress]` from the elastic limit to zero.
+fn compressive_line(law: &ConcreteLaw, length_m: f64) -> Result<Vec<[f64; 2]>, LawError> {
+    let share = match &law.compression {
+        CompressionCurve::Points(points) => return Ok(points.clone()),
+        CompressionCurve::Standard { elastic_share } => *elastic_share,
+    };
+    let (e, fc, e0) = (law.youngs_modulus_pa, law.compressive_strength_pa, law.peak_strain);
+    let limit = share * fc;
+    let span = e0 - limit / e;
+    // tangent E at the elastic limit, zero at the peak
+    let power = e * span / (fc - limit);
+    let rising = (0..=RISING).map(|i| {
+        let left = 1.0 - i as f64 / RISING as f64;
+        [e0 - span * left, fc - (fc - limit) * left.powf(power)]
+    });
+    let mut line: Vec<[f64; 2]> = rising.collect();
+    let before = 0.5 * limit * limit / e + area(&line);
+    let allowed = law.crushing_energy_j_m2 / length_m;
+    let bell: Vec<[f64; 2]> = (1..=FALLING)
+        .map(|i| {
+            let x = BELL_END * i as f64 / FALLING as f64;
+            let end = (-0.5 * BELL_END * BELL_END).exp();
+            [x, ((-0.5 * x * x).exp() - end) / (1.0 - end)]
+        })
+        .collect();
+    let unit = area(&bell) + 0.5 * bell[0][0] * (1.0 + bell[0][1]);
+    let width = (allowed - before) / (fc * unit);
+    let least = fc / e; // narrower: the line would snap back
+    if width < least {
+        let longest = law.crushing_energy_j_m2 / (before + least * fc * unit);
+        return Err(LawError {
+            name: "element length (m)",
+            value: length_m,
+            expected: format!("at most {longest:.3} m for this crushing energy"),
+        });
+    }
+    line.extend(bell.iter().map(|[x, y]| [e0 + width * x, fc * y]));
+    Ok(line)
+}
+
+/// Crack strains and stresses from the strength to zero.
+fn tensile_line(law: &ConcreteLaw, length_m: f64) -> Result<(Vec<f64>, Vec<f64>), LawError> {
+    if let TensionCurve::Points(points) = &law.tension {
+        return Ok(points.iter().map(|p| (p[0], p[1])).unzip());
+    }
+    let hordijk = |x: f64| {
+        let tail = (-6.93f64).exp();
+        (1.0 + 27.0 * x * x * x) * (-6.93 * x).exp() - x * 28.0 * tail
+    };
+    let shape: Vec<[f64; 2]> = OPENINGS.iter().map(|x| [*x, hordijk(*x).max(0.0)]).collect();
+    let ft = law.tensile_strength_pa;
+    let last = law.fracture_energy_j_m2 / (ft * area(&shape) * length_m);
+    let steepest = shape.windows(2).map(|p| (p[0][1] - p[1][1]) / (p[1][0] - p[0][0])).fold(0.0, f64::max);
+    if steepest * ft / last > 0.9 * law.youngs_modulus_pa {
+        let longest = 0.9 * law.youngs_modulus_pa * last * length_m / (steepest * ft);
+        return Err(LawError {
+            name: "element length (m)",
+            value: length_m,
+            expected: format!("at most {longest:.3} m for this fracture energy"),
+        });
+    }
+    Ok(shape.iter().map(|[x, y]| (x * last, y * ft)).unzip())
+}
+
+/// Area below a line.
+fn area(line: &[[f64; 2]]) -> f64 {
+    line.windows(2).map(|p| 0.5 * (p[0][1] + p[1][1]) * (p[1][0] - p[0][0])).sum()
+}

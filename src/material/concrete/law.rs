@@ -1,0 +1,185 @@
+//! Parameters of the concrete law.
+
+use serde::{Deserialize, Serialize};
+
+/// Concrete of the detailed models. Strengths are those of the concrete as it is (means), not design values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ConcreteLaw {
+    /// Density \[kg/m³\].
+    pub density_kg_m3: f64,
+    /// Young's modulus \[Pa\].
+    pub youngs_modulus_pa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Uniaxial compressive strength `f_c` \[Pa\].
+    pub compressive_strength_pa: f64,
+    /// Uniaxial tensile strength `f_t` \[Pa\].
+    pub tensile_strength_pa: f64,
+    /// Fracture energy `G_F` \[J/m²\].
+    pub fracture_energy_j_m2: f64,
+    /// Crushing energy `G_c`: the whole area below the stress-strain line in compression times the length \[J/m²\].
+    pub crushing_energy_j_m2: f64,
+    /// Strain at the compressive strength.
+    pub peak_strain: f64,
+    /// Line of uniaxial compression.
+    pub compression: CompressionCurve,
+    /// Line of uniaxial tension.
+    pub tension: TensionCurve,
+    /// Surface of multiaxial compression and tension-compression.
+    pub surface: Surface,
+}
+
+/// Uniaxial compression.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CompressionCurve {
+    /// Linear up to this share of the strength, then a power line to the peak, then a bell
+    /// `exp(-((ε - ε_0) / s)² / 2)` whose width follows from the crushing energy.
+    Standard {
+        /// Share of the strength up to which concrete is elastic.
+        elastic_share: f64,
+    },
+    /// `[strain, stress (Pa)]` from the elastic limit on, as measured; no regularisation.
+    Points(Vec<[f64; 2]>),
+}
+
+/// Uniaxial tension.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TensionCurve {
+    /// Hordijk's line with the fracture energy.
+    Hordijk,
+    /// `[crack strain, stress (Pa)]` from the strength on, as measured; no regularisation.
+    Points(Vec<[f64; 2]>),
+}
+
+/// Constants of the multiaxial surface and flow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Surface {
+    /// Biaxial over uniaxial compressive strength, `r`.
+    pub biaxial_ratio: f64,
+    /// Deviator on the tensile over that on the compressive meridian, `K_c`; 1: the seed's cone.
+    pub meridian_ratio: f64,
+    /// Amplitude `a` of the correction between the meridians.
+    pub lode_amplitude: f64,
+    /// Dilation `β`: volumetric over equivalent plastic strain, a third of it.
+    pub dilation: f64,
+    /// Gain `A` of ductility under lateral pressure.
+    pub confined_ductility: f64,
+    /// Loss of tensile strength when the compressive strength acts across it.
+    pub tension_reduction: f64,
+}
+
+impl Surface {
+    /// The surface of this program: Kupfer's biaxial strength, `K_c` for a confined strength of `f_c + 4.2 p`.
+    pub const FULL: Self = Self {
+        biaxial_ratio: 1.16,
+        meridian_ratio: 0.69,
+        lode_amplitude: 0.03,
+        dilation: 0.2,
+        confined_ductility: 70.0,
+        tension_reduction: 0.8,
+    };
+
+    /// The seed's pure surfaces, equations 3 and 4.
+    pub const SEED: Self = Self {
+        meridian_ratio: 1.0,
+        lode_amplitude: 0.0,
+        confined_ductility: 0.0,
+        tension_reduction: 0.0,
+        ..Self::FULL
+    };
+}
+
+/// A parameter that makes no material.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("concrete law: `{name}` is {value}, expected {expected}")]
+pub struct LawError {
+    /// Name of the parameter.
+    pub name: &'static str,
+    /// Value found.
+    pub value: f64,
+    /// What would be right.
+    pub expected: String,
+}
+
+impl ConcreteLaw {
+    /// Ordinary concrete of a mean compressive strength \[Pa\]: Young's modulus of EN 1992-1-1 table 3.1 (`E_cm`), tensile strength `0.3 f^(2/3)` (MPa), fracture
+    /// energy `73 f^0.18` J/m² (fib Model Code 2010, eq. 5.1-9), crushing energy [`CRUSHING_ENERGY_J_M2`], strain at the peak 0.002.
+    pub fn of_strength(compressive_strength_pa: f64) -> Self {
+        let mpa = compressive_strength_pa * 1e-6;
+        Self {
+            density_kg_m3: 2400.0,
+            youngs_modulus_pa: 22e9 * (mpa / 10.0).powf(0.3),
+            poisson_ratio: 0.2,
+            compressive_strength_pa,
+            tensile_strength_pa: 0.3e6 * mpa.powf(2.0 / 3.0),
+            fracture_energy_j_m2: 73.0 * mpa.powf(0.18),
+            crushing_energy_j_m2: CRUSHING_ENERGY_J_M2,
+            peak_strain: 0.002,
+            compression: CompressionCurve::Standard { elastic_share: 0.4 },
+            tension: TensionCurve::Hordijk,
+            surface: Surface::FULL,
+        }
+    }
+
+    /// At a strain rate \[1/s\]: strengths by the factors of fib Model Code 2010, 5.1.11.2, eq. 5.1-112 to 5.1-115; energies
+    /// with the strengths, so that strains and crack widths stay.
+    pub fn at_rate(&self, rate_1_s: f64) -> Self {
+        let (compression, tension) = (compression_rate_factor(rate_1_s), tension_rate_factor(rate_1_s));
+        Self {
+            compressive_strength_pa: compression * self.compressive_strength_pa,
+            crushing_energy_j_m2: compression * self.crushing_energy_j_m2,
+            tensile_strength_pa: tension * self.tensile_strength_pa,
+            fracture_energy_j_m2: tension * self.fracture_energy_j_m2,
+            youngs_modulus_pa: (rate_1_s.abs() / 30e-6).max(1.0).powf(0.026) * self.youngs_modulus_pa,
+            ..self.clone()
+        }
+    }
+
+    /// Checks the numbers on their own; whether they suit an element's length is checked with the length
+    /// ([`super::Backbones::new`]).
+    pub fn check(&self) -> Result<(), LawError> {
+        let s = &self.surface;
+        let (fc, e) = (self.compressive_strength_pa, self.youngs_modulus_pa);
+        let positive = "a positive number";
+        let least = 1.4 * fc / e; // the secant to the peak must leave room for the measured residual strain
+        let ranges: [(&'static str, f64, f64, f64, String); 14] = [
+            ("density_kg_m3", self.density_kg_m3, 1.0, 1e5, positive.into()),
+            ("youngs_modulus_pa", e, 1e6, 1e12, "1 MPa to 1 TPa".into()),
+            ("poisson_ratio", self.poisson_ratio, 0.0, 0.45, "0 to 0.45".into()),
+            ("compressive_strength_pa", fc, 1e4, 1e9, "10 kPa to 1 GPa".into()),
+            ("tensile_strength_pa", self.tensile_strength_pa, 1e-4 * fc, 0.5 * fc, "up to f_c / 2".into()),
+            ("fracture_energy_j_m2", self.fracture_energy_j_m2, 1e-6, 1e9, positive.into()),
+            ("crushing_energy_j_m2", self.crushing_energy_j_m2, 1e-6, 1e9, positive.into()),
+            ("peak_strain", self.peak_strain, least, 0.05, format!("at least 1.4 f_c / E = {least:.2e}")),
+            ("biaxial_ratio", s.biaxial_ratio, 1.0, 1.5, "1 to 1.5".into()),
+            ("meridian_ratio", s.meridian_ratio, 0.6, 1.0, "0.6 to 1".into()),
+            ("lode_amplitude", s.lode_amplitude, 0.0, 0.03, "0 to 0.03 (the surface stays convex)".into()),
+            ("dilation", s.dilation, 0.0, 0.5, "0 to 0.5".into()),
+            ("confined_ductility", s.confined_ductility, 0.0, 1e3, "0 or more".into()),
+            ("tension_reduction", s.tension_reduction, 0.0, 0.95, "0 to 0.95".into()),
+        ];
+        for (name, value, low, high, expected) in ranges {
+            if !(value >= low && value <= high) {
+                return Err(LawError { name, value, expected });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Crushing energy of concrete that nothing confines \[J/m²\].
+pub const CRUSHING_ENERGY_J_M2: f64 = 25e3;
+
+/// Compressive strength at a strain rate over the static one, fib Model Code 2010, eq. 5.1-112.
+pub fn compression_rate_factor(rate_1_s: f64) -> f64 {
+    let ratio = (rate_1_s.abs() / 30e-6).max(1.0);
+    if rate_1_s.abs() <= 30.0 { ratio.powf(0.014) } else { 0.012 * ratio.cbrt() }
+}
+
+/// Tensile strength at a strain rate over the static one, fib Model Code 2010, eq. 5.1-114.
+pub fn tension_rate_factor(rate_1_s: f64) -> f64 {
+    let ratio = (rate_1_s.abs() / 1e-6).max(1.0);
+    if rate_1_s.abs() <= 10.0 { ratio.powf(0.018) } else { 0.0062 * ratio.cbrt() }
+}
