@@ -10,6 +10,7 @@ use crate::building::partition::Partition;
 use crate::fe::deck::is_deck;
 use crate::fe::dynamics::Death;
 use crate::fe::erosion::{ErosionTable, Fate, Loss};
+use crate::fe::isa::Isa;
 use crate::fe::law::ElementForm;
 use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
@@ -82,6 +83,9 @@ pub struct Arguments {
     /// Element form: asqbi, ads, asmd, fb-stiffness, fb-viscous or full [default: asqbi]
     #[arg(long, value_name = "FORM")]
     form: Option<String>,
+    /// Instruction set: avx512, avx2 or portable, with the same results [default: the fastest that the processor has]
+    #[arg(long, value_name = "ISA")]
+    isa: Option<String>,
     /// Compute all elements in every step, also those that do not deform
     #[arg(long)]
     compute_all: bool,
@@ -126,6 +130,7 @@ impl Arguments {
             (self.no_body_contact, "--no-body-contact"),
             (self.compute_all, "--compute-all"),
             (self.form.is_some(), "--form"),
+            (self.isa.is_some(), "--isa"),
             (!matches!(self.on_failure, OnFailure::Erode), "--on-failure"),
         ];
         given.iter().find(|(given, _)| *given).map(|(_, name)| *name)
@@ -211,6 +216,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         body_contact: !arguments.no_body_contact,
         skip_quiet: !arguments.compute_all,
         form: element_form(arguments)?,
+        isa: instruction_set(arguments.isa.as_deref())?,
         ..FeOptions::default()
     })
 }
@@ -219,6 +225,12 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
 fn element_form(arguments: &Arguments) -> Result<Option<ElementForm>, Failure> {
     let tested = arguments.form.as_deref().map(form).transpose().map_err(Failure::input)?;
     Ok(tested.map(|t| t.form))
+}
+
+/// The instruction set asked for, or the fastest.
+pub(super) fn instruction_set(name: Option<&str>) -> Result<Isa, Failure> {
+    let isa = name.map_or(Ok(Isa::best()), Isa::named);
+    isa.map_err(|e| Failure::input(format!("--isa: {e}")))
 }
 
 /// The simulated time asked for \[s\].
