@@ -7,7 +7,7 @@
 //! one chunk, or one pass, to the next: see [`traffic_bytes`].
 //!
 //! **Operations.** Additions, subtractions, multiplications, divisions and square roots of one element, counted in the AVX-512
-//! code of `sweep::chunk`, where a vector instruction is one operation of each of the eight elements of a block.
+//! code of `sweep::chunk_in`, where a vector instruction is one operation of each of the eight elements of a block.
 
 use super::bandwidth::triad_bytes_per_s;
 use crate::fe::blocks::Block;

@@ -4,7 +4,6 @@ use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::output::write_atomic;
 use crate::bench::{fe, fe_error, fe_stability};
 use crate::report::loglog;
-use crate::verify::fe::forms::form;
 use std::path::{Path, PathBuf};
 
 /// Measure the FE solver: throughput, error over run time, stability
@@ -91,7 +90,7 @@ fn throughput(options: &Throughput) -> Result<Outcome, Failure> {
         elements: options.elements as usize,
         cycles: options.cycles as usize,
         threads: usize::from(options.threads),
-        form: form(&options.form).map_err(Failure::input)?.form,
+        form: super::fe::form_named(&options.form)?,
         flowing: options.state == "flowing",
         isa: super::fe::instruction_set(options.isa.as_deref())?,
     };

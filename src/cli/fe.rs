@@ -19,7 +19,7 @@ use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use crate::study::{COLLAPSE_DROP_M, facts};
-use crate::verify::fe::forms::form;
+use crate::verify::fe::forms::{FORMS, form};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -172,6 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     if arguments.json {
         let mut value = json!(fe.summary);
         value["building"] = json!(building.name);
+        value["form"] = json!(form_of(&fe));
         value["collapsed"] = json!(collapsed);
         value["output"] = json!(folder);
         print(&format!("{value:#}\n"));
@@ -223,8 +224,18 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
 
 /// The element form asked for.
 fn element_form(arguments: &Arguments) -> Result<Option<ElementForm>, Failure> {
-    let tested = arguments.form.as_deref().map(form).transpose().map_err(Failure::input)?;
-    Ok(tested.map(|t| t.form))
+    arguments.form.as_deref().map(form_named).transpose()
+}
+
+/// The form with the name given for `--form`.
+pub(super) fn form_named(name: &str) -> Result<ElementForm, Failure> {
+    form(name).map(|tested| tested.form).map_err(|e| Failure::input(format!("--form: {e}")))
+}
+
+/// Name of the form that the elements of a run had: a run has one for all.
+fn form_of(fe: &FeRun) -> Option<&'static str> {
+    let law = fe.mesh.laws.first()?;
+    FORMS.iter().find(|tested| tested.form == law.form).map(|tested| tested.name)
 }
 
 /// The instruction set asked for, or the fastest.
@@ -339,6 +350,7 @@ fn record(building: &Building, fe: &FeRun, mesh_size_m: f64) -> Result<Value, Fa
         "building_hash": hash.to_string(),
         "program_version": env!("CARGO_PKG_VERSION"),
         "mesh_size_m": mesh_size_m,
+        "form": form_of(fe),
         "summary": summary,
         "snapped": snapped,
         "deaths": {
@@ -426,12 +438,13 @@ fn zones_words(building: &Building, fe: &FeRun) -> String {
     format!("  member ends above the critical strain rate: {} of {}\n", zones.len(), facts.ends.len())
 }
 
-/// The mesh in a line, and what makes its step small.
+/// Form of the elements, the mesh in a line, and what makes its step small.
 fn mesh_words(building: &Building, fe: &FeRun, mesh_size_m: f64) -> String {
     let Some(quality) = Quality::of(&fe.mesh, &fe.snapped) else { return String::new() };
     let note =
         sliver_note(building, &quality, mesh_size_m).map_or(String::new(), |n| format!("  note: {n}\n"));
-    format!("  {}\n{note}", quality.line())
+    let form = form_of(fe).map_or(String::new(), |f| format!("  element form: {f}\n"));
+    format!("{form}  {}\n{note}", quality.line())
 }
 
 fn summary(s: &FeSummary) -> String {

@@ -84,7 +84,6 @@ pub struct Dynamics {
     /// collapse, not of small vibrations.
     pub skip_quiet: bool,
     /// Instruction set of the kernel; without effect on results.
-    #[serde(skip, default = "Isa::best")]
     pub isa: Isa,
     /// Share of the stability limit that is used.
     pub step_safety: f64,

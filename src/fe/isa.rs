@@ -1,12 +1,13 @@
 //! Instruction sets: the kernel is compiled once for each, and a run takes the widest that the processor has, or a given one.
 //!
 //! The results are the same bytes with each of them: vector code does for eight elements what scalar code does for one, operation by operation,
-//! and nothing is fused or reordered. So the choice is no part of a model or of its checkpoints; it decides only how long a run takes.
+//! and nothing is fused or reordered. So the choice is no part of a model, and a run that goes on from a checkpoint makes its own; it decides only
+//! how long a run takes.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// An instruction set of the kernel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Isa {
     /// What every processor of the target has: on x86-64 SSE2, two numbers at a time.
