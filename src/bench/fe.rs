@@ -7,13 +7,14 @@
 //! one chunk, or one pass, to the next: see [`traffic_bytes`].
 //!
 //! **Operations.** Additions, subtractions, multiplications, divisions and square roots of one element, counted in the AVX-512
-//! code of `sweep::chunk`, where a vector instruction is one operation of each of the eight elements of a block.
+//! code of `sweep::chunk_in`, where a vector instruction is one operation of each of the eight elements of a block.
 
 use super::bandwidth::triad_bytes_per_s;
 use crate::fe::blocks::Block;
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 use crate::fe::full::FullState;
+use crate::fe::isa::Isa;
 use crate::fe::kernel::BlockState;
 use crate::fe::law::{ElementForm, Law};
 use crate::fe::shapes::{elastic, grid, point};
@@ -41,6 +42,8 @@ pub struct Settings {
     pub form: ElementForm,
     /// Whether the elements flow.
     pub flowing: bool,
+    /// Instruction set of the kernel.
+    pub isa: Isa,
 }
 
 /// What was measured.
@@ -66,6 +69,8 @@ pub struct Throughput {
     pub cycles: usize,
     /// Threads.
     pub threads: usize,
+    /// Instruction set of the kernel.
+    pub isa: Isa,
     /// Processor.
     pub machine: String,
 }
@@ -102,6 +107,7 @@ pub fn measure(settings: &Settings) -> Result<Throughput, String> {
         elements: count,
         cycles: settings.cycles,
         threads: settings.threads,
+        isa: settings.isa,
         machine: machine(),
     })
 }
@@ -120,6 +126,7 @@ fn block(settings: &Settings) -> Dynamics {
     }
     let mesh = grid([n; 3], [edge; 3], law, |_| false);
     let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), settings.threads > 1);
+    body.isa = settings.isa;
     for (node, p) in mesh.nodes.iter().enumerate() {
         let [x, y, z] = p.map(|c| RATE_1_S * (c - 0.5 * edge));
         body.v[node] = [0.5 * x, 0.5 * y, -z];

@@ -4,7 +4,6 @@ use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::output::write_atomic;
 use crate::bench::{fe, fe_error, fe_stability};
 use crate::report::loglog;
-use crate::verify::fe::forms::form;
 use std::path::{Path, PathBuf};
 
 /// Measure the FE solver: throughput, error over run time, stability
@@ -43,6 +42,9 @@ struct Throughput {
     /// Whether the elements flow
     #[arg(long, default_value = "flowing", value_parser = ["flowing", "elastic"])]
     state: String,
+    /// Instruction set: avx512, avx2 or portable [default: the fastest that the processor has]
+    #[arg(long, value_name = "ISA")]
+    isa: Option<String>,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -88,8 +90,9 @@ fn throughput(options: &Throughput) -> Result<Outcome, Failure> {
         elements: options.elements as usize,
         cycles: options.cycles as usize,
         threads: usize::from(options.threads),
-        form: form(&options.form).map_err(Failure::input)?.form,
+        form: super::fe::form_named(&options.form)?,
         flowing: options.state == "flowing",
+        isa: super::fe::instruction_set(options.isa.as_deref())?,
     };
     let pool = thread_pool(Some(options.threads))?;
     let t = pool.install(|| fe::measure(&settings)).map_err(Failure::stopped)?;
@@ -99,13 +102,14 @@ fn throughput(options: &Throughput) -> Result<Outcome, Failure> {
         return Ok(Outcome::Done);
     }
     print(&format!(
-        "{:.2} million element-cycles/s: {} elements, {} cycles, {} thread(s), {:.0} % flow\n  \
+        "{:.2} million element-cycles/s: {} elements, {} cycles, {} thread(s), {}, {:.0} % flow\n  \
          {:.0} bytes and {:.0} operations an element-cycle: {:.1} GB/s, {:.2} Gflop/s\n  \
          triad {:.1} GB/s: {:.2} of the floor\n  {}\n",
         1e-6 * t.element_cycles_per_s,
         t.elements,
         t.cycles,
         t.threads,
+        t.isa.name(),
         100.0 * t.flowing_share,
         t.bytes_per_element_cycle,
         t.flops_per_element_cycle,

@@ -10,6 +10,7 @@ use crate::building::partition::Partition;
 use crate::fe::deck::is_deck;
 use crate::fe::dynamics::Death;
 use crate::fe::erosion::{ErosionTable, Fate, Loss};
+use crate::fe::isa::Isa;
 use crate::fe::law::ElementForm;
 use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
@@ -18,7 +19,7 @@ use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use crate::study::{COLLAPSE_DROP_M, facts};
-use crate::verify::fe::forms::form;
+use crate::verify::fe::forms::{FORMS, form};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -82,6 +83,9 @@ pub struct Arguments {
     /// Element form: asqbi, ads, asmd, fb-stiffness, fb-viscous or full [default: asqbi]
     #[arg(long, value_name = "FORM")]
     form: Option<String>,
+    /// Instruction set: avx512, avx2 or portable, with the same results [default: the fastest that the processor has]
+    #[arg(long, value_name = "ISA")]
+    isa: Option<String>,
     /// Compute all elements in every step, also those that do not deform
     #[arg(long)]
     compute_all: bool,
@@ -126,6 +130,7 @@ impl Arguments {
             (self.no_body_contact, "--no-body-contact"),
             (self.compute_all, "--compute-all"),
             (self.form.is_some(), "--form"),
+            (self.isa.is_some(), "--isa"),
             (!matches!(self.on_failure, OnFailure::Erode), "--on-failure"),
         ];
         given.iter().find(|(given, _)| *given).map(|(_, name)| *name)
@@ -167,6 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     if arguments.json {
         let mut value = json!(fe.summary);
         value["building"] = json!(building.name);
+        value["form"] = json!(form_of(&fe));
         value["collapsed"] = json!(collapsed);
         value["output"] = json!(folder);
         print(&format!("{value:#}\n"));
@@ -211,14 +217,31 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         body_contact: !arguments.no_body_contact,
         skip_quiet: !arguments.compute_all,
         form: element_form(arguments)?,
+        isa: instruction_set(arguments.isa.as_deref())?,
         ..FeOptions::default()
     })
 }
 
 /// The element form asked for.
 fn element_form(arguments: &Arguments) -> Result<Option<ElementForm>, Failure> {
-    let tested = arguments.form.as_deref().map(form).transpose().map_err(Failure::input)?;
-    Ok(tested.map(|t| t.form))
+    arguments.form.as_deref().map(form_named).transpose()
+}
+
+/// The form with the name given for `--form`.
+pub(super) fn form_named(name: &str) -> Result<ElementForm, Failure> {
+    form(name).map(|tested| tested.form).map_err(|e| Failure::input(format!("--form: {e}")))
+}
+
+/// Name of the form that the elements of a run had: a run has one for all.
+fn form_of(fe: &FeRun) -> Option<&'static str> {
+    let law = fe.mesh.laws.first()?;
+    FORMS.iter().find(|tested| tested.form == law.form).map(|tested| tested.name)
+}
+
+/// The instruction set asked for, or the fastest.
+pub(super) fn instruction_set(name: Option<&str>) -> Result<Isa, Failure> {
+    let isa = name.map_or(Ok(Isa::best()), Isa::named);
+    isa.map_err(|e| Failure::input(format!("--isa: {e}")))
 }
 
 /// The simulated time asked for \[s\].
@@ -327,6 +350,7 @@ fn record(building: &Building, fe: &FeRun, mesh_size_m: f64) -> Result<Value, Fa
         "building_hash": hash.to_string(),
         "program_version": env!("CARGO_PKG_VERSION"),
         "mesh_size_m": mesh_size_m,
+        "form": form_of(fe),
         "summary": summary,
         "snapped": snapped,
         "deaths": {
@@ -414,12 +438,13 @@ fn zones_words(building: &Building, fe: &FeRun) -> String {
     format!("  member ends above the critical strain rate: {} of {}\n", zones.len(), facts.ends.len())
 }
 
-/// The mesh in a line, and what makes its step small.
+/// Form of the elements, the mesh in a line, and what makes its step small.
 fn mesh_words(building: &Building, fe: &FeRun, mesh_size_m: f64) -> String {
     let Some(quality) = Quality::of(&fe.mesh, &fe.snapped) else { return String::new() };
     let note =
         sliver_note(building, &quality, mesh_size_m).map_or(String::new(), |n| format!("  note: {n}\n"));
-    format!("  {}\n{note}", quality.line())
+    let form = form_of(fe).map_or(String::new(), |f| format!("  element form: {f}\n"));
+    format!("{form}  {}\n{note}", quality.line())
 }
 
 fn summary(s: &FeSummary) -> String {

@@ -9,6 +9,7 @@ use super::blocks::Blocks;
 use super::contact::body::{Moving, Struck, Surroundings};
 use super::contact::{BodyContact, RigidSurfaces, TiedStrikes};
 use super::erosion::{self, Failure};
+use super::isa::Isa;
 use super::kernel::{BULK_LINEAR, KernelStep};
 use super::mesh::Mesh;
 use super::node_field::NodeField;
@@ -82,6 +83,8 @@ pub struct Dynamics {
     /// Whether groups of elements that do not deform keep their forces ([`super::sweep::QUIET_STRAIN`]); of use where strains are those of a
     /// collapse, not of small vibrations.
     pub skip_quiet: bool,
+    /// Instruction set of the kernel; without effect on results.
+    pub isa: Isa,
     /// Share of the stability limit that is used.
     pub step_safety: f64,
     /// First time step \[s\].
@@ -129,6 +132,7 @@ impl Dynamics {
             acceleration_m_s2: [0.0, 0.0, -gravity_m_s2],
             step_safety: STEP_SAFETY,
             skip_quiet: false,
+            isa: Isa::best(),
             damping_1_s: 0.0,
             time_s: 0.0,
             dt_s: 1.0,
@@ -182,7 +186,7 @@ impl Dynamics {
 
     /// Kernel over all blocks that still act; `dt` scales velocities to displacement increments. No element ends.
     pub fn update_elements(&mut self, step: KernelStep, dt_s: f64) {
-        self.find_forces(&Sweep { dt_s, step, drop_above: None, skip_quiet: false });
+        self.find_forces(&Sweep { dt_s, step, drop_above: None, skip_quiet: false, isa: self.isa });
     }
 
     /// All forces that follow from positions and the last increment.
@@ -234,6 +238,7 @@ impl Dynamics {
             step: KernelStep { dt_s: taken, viscous: taken > 0.0 },
             drop_above: Some(self.failure.largest_bound_1_s2(self.first_dt_s)),
             skip_quiet: self.skip_quiet,
+            isa: self.isa,
         };
         if self.taken_s == 0.0 {
             self.follow_ties();

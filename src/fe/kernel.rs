@@ -34,6 +34,7 @@ use super::hexahedron::{
     Vec3, add, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
 };
 use super::hourglass::{self, Brick, Control};
+use super::isa::{Isa, for_each_isa};
 use super::law::{ElementForm, Hourglass};
 use crate::material::j2::HardeningTable;
 use serde::{Deserialize, Serialize};
@@ -211,7 +212,6 @@ impl Scratch {
 /// element \[1/s²\], zero for elements that do not act.
 ///
 /// `x` are the positions at n+1, `du` the displacement increment from n to n+1, both `[3 * node + direction]`.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
 pub fn update_block(
     x: &BlockForce,
     du: &BlockForce,
@@ -221,11 +221,25 @@ pub fn update_block(
     force: &mut BlockForce,
     step: KernelStep,
 ) -> Lane {
-    update_any(x, du, 1.0, material, table, state, force, step)
+    update_block_in(Isa::best(), x, du, material, table, state, force, step)
 }
 
-/// [`update_block`] in the instructions every processor of the target has; the same bytes.
-pub fn update_block_portable(
+for_each_isa! {
+    /// [`update_block`] in the code of an instruction set; the same bytes.
+    pub fn update_block_in = update_any(
+        x: &BlockForce,
+        du: &BlockForce,
+        material: &BlockMaterial,
+        table: &HardeningTable,
+        state: &mut BlockState,
+        force: &mut BlockForce,
+        step: KernelStep,
+    ) -> Lane
+}
+
+/// The kernel of any form.
+#[inline(always)]
+fn update_any(
     x: &BlockForce,
     du: &BlockForce,
     material: &BlockMaterial,
@@ -234,33 +248,31 @@ pub fn update_block_portable(
     force: &mut BlockForce,
     step: KernelStep,
 ) -> Lane {
-    update_any(x, du, 1.0, material, table, state, force, step)
-}
-
-/// The kernel of any form.
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
-fn update_any(
-    x: &BlockForce,
-    v: &BlockForce,
-    factor: f64,
-    material: &BlockMaterial,
-    table: &HardeningTable,
-    state: &mut BlockState,
-    force: &mut BlockForce,
-    step: KernelStep,
-) -> Lane {
     if material.form == ElementForm::OnePoint(Hourglass::Asqbi) {
-        update::<true>(x, v, factor, material, table, state, force, step)
+        update::<true>(x, du, 1.0, material, table, state, force, step)
     } else {
-        update::<false>(x, v, factor, material, table, state, force, step)
+        update::<false>(x, du, 1.0, material, table, state, force, step)
     }
 }
 
-/// The kernel of the forms other than ASQBI, out of the way of the usual one.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+for_each_isa! {
+    /// The kernel of the forms other than ASQBI in the code of an instruction set, out of the way of the usual one.
+    pub(super) fn update_other_in = update_other(
+        x: &BlockForce,
+        v: &BlockForce,
+        factor: f64,
+        material: &BlockMaterial,
+        table: &HardeningTable,
+        state: &mut BlockState,
+        force: &mut BlockForce,
+        step: KernelStep,
+    ) -> Lane
+}
+
+/// The kernel of the forms other than ASQBI.
+#[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
-pub(super) fn update_other(
+fn update_other(
     x: &BlockForce,
     v: &BlockForce,
     factor: f64,

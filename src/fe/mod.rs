@@ -13,6 +13,7 @@ pub mod grid;
 pub mod hexahedron;
 pub mod hourglass;
 mod incidence;
+pub mod isa;
 pub mod kernel;
 pub mod law;
 pub mod mass_scaling;

@@ -3,6 +3,7 @@
 use super::contact::{BodyContact, LostContact, RigidSurfaces};
 use super::dynamics::{Death, Dynamics};
 use super::erosion::Fate;
+use super::isa::Isa;
 use super::law::ElementForm;
 use super::mass_scaling::{MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
@@ -42,6 +43,8 @@ pub struct FeOptions {
     pub form: Option<ElementForm>,
     /// Whether elements that do not deform keep their forces instead of being computed ([`super::sweep::QUIET_STRAIN`]).
     pub skip_quiet: bool,
+    /// Instruction set of the kernel.
+    pub isa: Isa,
 }
 
 impl Default for FeOptions {
@@ -57,6 +60,7 @@ impl Default for FeOptions {
             step_safety: None,
             form: None,
             skip_quiet: true,
+            isa: Isa::best(),
         }
     }
 }
@@ -217,6 +221,7 @@ pub fn run_with(
         Some(path) => RunState::read(&path, &head, &mut mesh, outputs, &mut attached)?,
         None => RunState::begin(building, options, &mesh, outputs, &mut attached)?,
     };
+    state.body.isa = options.isa;
     let before = state.elapsed;
     let mut checkpoints = 0;
     for output in state.recorder.count()..=outputs {
@@ -279,6 +284,7 @@ impl RunState {
         }
         body.failure.fate = options.on_failure;
         body.skip_quiet = options.skip_quiet;
+        body.isa = options.isa;
         let scaled =
             options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, options.mass_scaling_forced));
         let mass_scaling = scaled.transpose()?;

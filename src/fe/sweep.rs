@@ -3,6 +3,7 @@
 use super::blocks::{Block, Blocks, Failing, Quiet};
 use super::concrete;
 use super::full;
+use super::isa::{Isa, for_each_isa};
 use super::kernel::{self, BlockForce, KernelStep, LANES};
 use super::law::{ElementForm, Hourglass};
 use crate::base::prefetch::prefetch;
@@ -26,6 +27,8 @@ pub struct Sweep {
     pub drop_above: Option<f64>,
     /// Whether quiet chunks keep their forces ([`QUIET_STRAIN`]).
     pub skip_quiet: bool,
+    /// Instruction set of the kernel.
+    pub isa: Isa,
 }
 
 /// Motion of a chunk's nodes: x, y, z and velocity, on one cache line each.
@@ -40,7 +43,8 @@ impl Blocks {
         let chunk_blocks = self.chunk_blocks;
         let run = |local: &mut Vec<LocalNode>, (c, ((blocks, quiet), forces)): ChunkWork| {
             let nodes = &nodes[starts[c] as usize..starts[c + 1] as usize];
-            chunk(
+            chunk_in(
+                sweep.isa,
                 blocks,
                 quiet,
                 &mut forces[..nodes.len()],
@@ -103,8 +107,23 @@ fn stays_quiet(quiet: &mut Quiet, local: &[LocalNode], dt_s: f64) -> bool {
     true
 }
 
-/// One chunk. The instruction set is chosen once a call.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2"))]
+for_each_isa! {
+    /// [`chunk`] in the code of an instruction set.
+    fn chunk_in = chunk(
+        blocks: &mut [Block],
+        quiet: &mut Quiet,
+        forces: &mut [[f64; 3]],
+        nodes: &[u32],
+        local: &mut [LocalNode],
+        tables: &[HardeningTable],
+        x: &[[f64; 3]],
+        v: &[[f64; 3]],
+        sweep: &Sweep,
+    )
+}
+
+/// One chunk.
+#[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
 fn chunk(
     blocks: &mut [Block],
@@ -173,7 +192,9 @@ fn chunk(
             (None, ElementForm::OnePoint(Hourglass::Asqbi)) => {
                 kernel::update::<true>(&at, &moved, dt_s, material, table, state, &mut force, step)
             }
-            (None, _) => kernel::update_other(&at, &moved, dt_s, material, table, state, &mut force, step),
+            (None, _) => kernel::update_other_in(
+                sweep.isa, &at, &moved, dt_s, material, table, state, &mut force, step,
+            ),
             (Some(points), _) => {
                 full::update(&at, &moved, dt_s, material, table, state, points, &mut force, step)
             }
@@ -205,7 +226,6 @@ fn chunk(
         }
     }
 }
-
 /// Finds the lanes that have failed and takes their forces away; they are noted for [`super::erosion`].
 #[inline(always)]
 fn drop_failing(

@@ -4,7 +4,8 @@ use super::mesh::{Random, Single, bilinear, elastic, grid, hexahedron, in_lanes}
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::hexahedron::volume_m3;
-use fallwerk::fe::kernel::{BlockForce, KernelStep, LANES, update_block, update_block_portable};
+use fallwerk::fe::isa::Isa;
+use fallwerk::fe::kernel::{BlockForce, KernelStep, LANES, update_block, update_block_in};
 use nalgebra::DMatrix;
 
 const STATIC: KernelStep = KernelStep { dt_s: 1.0, viscous: false };
@@ -221,13 +222,15 @@ fn random_blocks(mut each: impl FnMut(&BlockForce, &BlockForce, &Single)) {
 fn every_instruction_set_gives_the_same_bytes() {
     let step = KernelStep { dt_s: 3e-5, viscous: true };
     random_blocks(|x, du, one| {
-        let (mut a, mut b) = (one.state, one.state);
-        let (mut fa, mut fb) = ([[0.0; LANES]; 24], [[0.0; LANES]; 24]);
-        let bound_a = update_block(x, du, &one.material, &one.table, &mut a, &mut fa, step);
-        let bound_b = update_block_portable(x, du, &one.material, &one.table, &mut b, &mut fb, step);
-        assert_eq!(fa.map(|r| r.map(f64::to_bits)), fb.map(|r| r.map(f64::to_bits)));
-        assert_eq!(bound_a.map(f64::to_bits), bound_b.map(f64::to_bits));
-        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+        let run = |isa: Isa| {
+            let (mut state, mut force) = (one.state, [[0.0; LANES]; 24]);
+            let bound = update_block_in(isa, x, du, &one.material, &one.table, &mut state, &mut force, step);
+            (force.map(|r| r.map(f64::to_bits)), bound.map(f64::to_bits), format!("{state:?}"))
+        };
+        let portable = run(Isa::Portable);
+        for isa in Isa::available() {
+            assert!(run(isa) == portable, "{isa:?}");
+        }
     });
 }
 

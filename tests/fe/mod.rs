@@ -9,6 +9,7 @@ mod deck;
 mod element;
 mod elements;
 mod erosion;
+mod isa;
 mod mesh;
 mod meshing;
 mod motion;

@@ -5,14 +5,14 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn fallwerk(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+pub(super) fn fallwerk(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
     let Output { status, stdout, stderr } =
         Command::new(env!("CARGO_BIN_EXE_fallwerk")).args(arguments).current_dir(folder).output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();
     (status.code().unwrap(), text(stdout), text(stderr))
 }
 
-fn names(folder: &Path) -> Vec<String> {
+pub(super) fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
@@ -20,7 +20,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 /// A folder with the reference building in it, `building.toml`, changed by `edit`.
-fn room(edit: impl Fn(&str) -> String) -> tempfile::TempDir {
+pub(super) fn room(edit: impl Fn(&str) -> String) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("building.toml"), edit(fallwerk::building::EXAMPLE)).unwrap();
     folder

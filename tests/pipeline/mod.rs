@@ -1,4 +1,5 @@
 //! From a building to model, runs and report: the commands `generate-mbs`, `fe` and `explain`, and the parts they are made of.
 
 mod commands;
+mod fe_options;
 mod words;

@@ -1,0 +1,89 @@
+//! Options that choose how the FE run is computed: what was asked for is what runs, and what there is not is refused by name.
+
+use super::commands::{fallwerk, names, room};
+use fallwerk::base::tree::Format;
+use fallwerk::building::{EXAMPLE, parse};
+use fallwerk::cli::fe::displacements_csv;
+use fallwerk::fe::isa::Isa;
+use fallwerk::fe::run::{FeOptions, run};
+use fallwerk::verify::fe::forms::{FORMS, form};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// Runs the building in a folder for 20 ms; returns what is printed as JSON, `fe.json` and the displacements.
+fn short_run(room: &Path, folder: &str, options: &[&str]) -> (Value, Value, String) {
+    let common = ["fe", "building.toml", "--end-time", "0.02", "-o", folder, "--json"];
+    let (code, out, err) = fallwerk(room, &[&common[..], options].concat());
+    assert_eq!(code, 0, "{err}");
+    let read = |file: &str| fs::read_to_string(room.join(folder).join(file)).unwrap();
+    let json = |text: &str| serde_json::from_str(text).unwrap();
+    (json(&out), json(&read("fe.json")), read("fe-displacements.csv"))
+}
+
+#[test]
+fn the_form_asked_for_is_the_one_that_runs() {
+    let room = room(str::to_string);
+    let building = parse(EXAMPLE, Format::Toml, "building.toml").unwrap();
+    let (_, record, by_default) = short_run(room.path(), "default", &[]);
+    assert_eq!(record["form"], "asqbi");
+    let mut seen: Vec<String> = Vec::new();
+    for name in ["asqbi", "ads", "fb-stiffness"] {
+        let (printed, record, displacements) = short_run(room.path(), name, &["--form", name]);
+        assert_eq!((&record["form"], &printed["form"]), (&Value::from(name), &Value::from(name)));
+        let options = FeOptions {
+            end_time_s: Some(0.02),
+            form: Some(form(name).unwrap().form),
+            ..FeOptions::default()
+        };
+        let direct = run(&building, &options, &mut |_| {}).unwrap();
+        assert!(displacements == displacements_csv(&direct), "{name}: the run is not that of the form");
+        assert_eq!(displacements == by_default, name == "asqbi", "{name}");
+        assert!(!seen.contains(&displacements), "{name} gives what another form gives");
+        seen.push(displacements);
+    }
+}
+
+#[test]
+fn an_unknown_form_is_refused_with_those_there_are() {
+    let room = room(str::to_string);
+    for command in [&["fe", "building.toml", "-o", "run"][..], &["bench", "fe"]] {
+        let (code, out, err) = fallwerk(room.path(), &[command, &["--form", "hexa"]].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{command:?}: {err}");
+        assert!(err.contains("--form") && err.contains("`hexa`"), "{err}");
+        for known in FORMS {
+            assert!(err.contains(known.name), "{}: {err}", known.name);
+        }
+    }
+    assert_eq!(names(room.path()), ["building.toml"]);
+}
+
+#[test]
+fn the_instruction_set_is_that_asked_for_and_changes_no_result() {
+    let room = room(str::to_string);
+    let (_, record, by_default) = short_run(room.path(), "default", &[]);
+    let bench = ["bench", "fe", "--elements", "216", "--cycles", "2", "--json"];
+    let measured = |options: &[&str]| {
+        let (code, out, err) = fallwerk(room.path(), &[&bench[..], options].concat());
+        assert_eq!(code, 0, "{err}");
+        serde_json::from_str::<Value>(&out).unwrap()["isa"].as_str().unwrap().to_string()
+    };
+    assert_eq!(measured(&[]), Isa::best().name());
+    for isa in Isa::ALL {
+        let option = ["--isa", isa.name()];
+        if isa.is_available() {
+            assert_eq!(measured(&option), isa.name());
+            let (_, same, displacements) = short_run(room.path(), isa.name(), &option);
+            assert!(same == record && displacements == by_default, "{isa:?}");
+        } else {
+            let (code, _, err) = fallwerk(room.path(), &[&bench[..], &option].concat());
+            assert_eq!(code, 2, "{err}");
+            assert!(err.contains("--isa") && err.contains(isa.name()) && err.contains("portable"), "{err}");
+        }
+    }
+    for command in [&["fe", "building.toml", "-o", "run"][..], &["bench", "fe"]] {
+        let (code, out, err) = fallwerk(room.path(), &[command, &["--isa", "mmx"]].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{err}");
+        assert!(Isa::ALL.iter().all(|isa| err.contains(isa.name())) && err.contains("`mmx`"), "{err}");
+    }
+}
