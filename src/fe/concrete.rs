@@ -96,6 +96,7 @@ impl ConcreteBlock {
 
 /// Updates a block of concrete elements; arguments and result are those of the one-point kernel, with the concrete's history.
 #[expect(clippy::too_many_arguments, reason = "the arguments of the one-point kernel and the history")]
+#[inline(always)]
 pub fn update(
     x: &BlockForce,
     v: &BlockForce,

@@ -115,7 +115,7 @@ for_each_isa! {
         forces: &mut [[f64; 3]],
         nodes: &[u32],
         local: &mut [LocalNode],
-        tables: &[HardeningTable],
+        laws: (&[HardeningTable], &[ConcretePoint]),
         x: &[[f64; 3]],
         v: &[[f64; 3]],
         sweep: &Sweep,

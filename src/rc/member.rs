@@ -1,0 +1,288 @@
+//! The mesh of a member end in concrete and steel: hexahedra, bars and ties as trusses on common nodes, and the joint block that the
+//! member stands on.
+//!
+//! Mesh planes run through the bars. Along the member the critical length has layers that divide the tie spacing; beyond it they
+//! are twice as long. Perimeter ties run through the outer bars, cross ties through the inner ones. The joint block is elastic, wider than
+//! the member, and clamped at its base: what tests call a footing or stub.
+
+use super::section::{RcSection, RcSteel};
+use crate::building::HardeningPoint;
+use crate::fe::law::{ElementForm, Erosion, Law};
+use crate::fe::mesh::{Element, Mesh, Truss};
+use std::collections::BTreeMap;
+
+/// Length with the fine mesh, in section depths.
+const CRITICAL_DEPTHS: f64 = 1.5;
+/// Depth of the joint block, in section depths.
+const BLOCK_DEPTHS: f64 = 0.5;
+/// Width by which the joint block is larger on each side, in section depths.
+const BLOCK_MARGIN: f64 = 0.25;
+/// Planes closer than this are one \[m\].
+const SAME_M: f64 = 1e-6;
+/// Density of reinforcing steel \[kg/m³\].
+const STEEL_KG_M3: f64 = 7850.0;
+
+/// A member end as a mesh: it stands on z = 0 and reaches to the point of zero moment.
+#[derive(Debug, Clone)]
+pub struct RcMember {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Length from the end section to the point of zero moment \[m\].
+    pub length_m: f64,
+    /// Nodes of the free end with their share of its area.
+    pub tip: Vec<(usize, f64)>,
+    /// Clamped nodes.
+    pub base: Vec<usize>,
+    /// Height of the clamped nodes below the end section \[m\].
+    pub block_m: f64,
+    /// Index of each truss that is a longitudinal bar.
+    pub bars: Vec<usize>,
+}
+
+/// Planes of the mesh along one axis.
+struct Planes(Vec<f64>);
+
+impl Planes {
+    /// Between the faces and through `through`, not further apart than `size`.
+    fn new(half: f64, through: impl Iterator<Item = f64>, size: f64) -> Self {
+        let mut fixed: Vec<f64> = through.chain([-half, half]).collect();
+        fixed.sort_by(f64::total_cmp);
+        fixed.dedup_by(|a, b| (*a - *b).abs() < SAME_M);
+        let mut planes = vec![fixed[0]];
+        for pair in fixed.windows(2) {
+            let count = ((pair[1] - pair[0]) / size).round().max(1.0);
+            planes.extend((1..=count as usize).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / count));
+        }
+        Self(planes)
+    }
+
+    /// Index of the plane nearest to a coordinate.
+    fn nearest(&self, at: f64) -> usize {
+        let distance = |i: &usize| (self.0[*i] - at).abs();
+        (0..self.0.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    }
+}
+
+impl RcMember {
+    /// Meshes a section over a length \[m\] with elements of about `size_m`.
+    pub fn new(section: &RcSection, length_m: f64, size_m: f64) -> Self {
+        Builder::new(section, length_m, size_m).build()
+    }
+}
+
+struct Builder<'a> {
+    section: &'a RcSection,
+    x: Planes,
+    y: Planes,
+    /// Layers from the base of the block; `z[block]` is the end section.
+    z: Vec<f64>,
+    block: usize,
+    nodes: BTreeMap<[i32; 3], usize>,
+    mesh: Mesh,
+}
+
+/// Laws of the mesh by index.
+const CONCRETE: usize = 0;
+const BLOCK: usize = 1;
+const BARS: usize = 2;
+const TIES: usize = 3;
+
+impl<'a> Builder<'a> {
+    fn new(section: &'a RcSection, length_m: f64, size_m: f64) -> Self {
+        let x = Planes::new(0.5 * section.width_m, section.bars.iter().map(|b| b.x_m), size_m);
+        let y = Planes::new(0.5 * section.depth_m, section.bars.iter().map(|b| b.y_m), size_m);
+        let depth = section.width_m.max(section.depth_m);
+        let spacing = section.ties.map_or(size_m, |t| t.spacing_m);
+        let fine = spacing / (spacing / size_m).round().max(1.0);
+        let layers = (BLOCK_DEPTHS * depth / (2.0 * fine)).round().max(2.0) as usize;
+        let mut z: Vec<f64> =
+            (0..=layers).map(|i| BLOCK_DEPTHS * depth * (i as f64 / layers as f64 - 1.0)).collect();
+        let critical = (CRITICAL_DEPTHS * depth).min(length_m);
+        let fine_layers = (critical / fine).ceil() as usize;
+        z.extend((1..=fine_layers).map(|i| fine * i as f64).filter(|h| *h < length_m - 0.5 * fine));
+        let last = z[z.len() - 1];
+        let coarse = ((length_m - last) / (2.0 * fine)).round().max(1.0);
+        z.extend((1..=coarse as usize).map(|i| last + (length_m - last) * i as f64 / coarse));
+        let mesh = Mesh { laws: laws(section), parts: vec!["member".into(), "block".into()], ..Mesh::default() };
+        Self { section, x, y, z, block: layers, nodes: BTreeMap::new(), mesh }
+    }
+
+    fn build(mut self) -> RcMember {
+        let (nx, ny) = (self.x.0.len() as i32 - 1, self.y.0.len() as i32 - 1);
+        for k in 0..self.z.len() - 1 {
+            let (law, margin) = if k < self.block { (BLOCK, 1) } else { (CONCRETE, 0) };
+            for j in -margin..ny + margin {
+                for i in -margin..nx + margin {
+                    self.element([i, j, k as i32], law);
+                }
+            }
+        }
+        self.mesh.elements.sort_by_key(|e| e.law);
+        let bars = self.bars();
+        self.ties();
+        let top = self.z.len() as i32 - 1;
+        let tip = self.tip(top);
+        let bottom: Vec<usize> = self.nodes.iter().filter(|(at, _)| at[2] == 0).map(|(_, n)| *n).collect();
+        self.mesh.fixed = bottom.clone();
+        RcMember {
+            length_m: self.z[top as usize],
+            block_m: -self.z[0],
+            mesh: self.mesh,
+            tip,
+            base: bottom,
+            bars,
+        }
+    }
+
+    /// Position of a plane; one beyond the ends is that of the block.
+    fn plane(&self, planes: &Planes, i: i32) -> f64 {
+        let last = planes.0.len() as i32 - 1;
+        let margin = BLOCK_MARGIN * self.section.width_m.max(self.section.depth_m);
+        if i < 0 {
+            planes.0[0] - margin
+        } else if i > last {
+            planes.0[last as usize] + margin
+        } else {
+            planes.0[i as usize]
+        }
+    }
+
+    fn node(&mut self, at: [i32; 3]) -> usize {
+        let position = [self.plane(&self.x, at[0]), self.plane(&self.y, at[1]), self.z[at[2] as usize]];
+        let nodes = &mut self.mesh.nodes;
+        *self.nodes.entry(at).or_insert_with(|| {
+            nodes.push(position);
+            nodes.len() - 1
+        })
+    }
+
+    fn element(&mut self, [i, j, k]: [i32; 3], law: usize) {
+        const CORNERS: [[i32; 3]; 8] =
+            [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let nodes = CORNERS.map(|c| self.node([i + c[0], j + c[1], k + c[2]]));
+        self.mesh.elements.push(Element { nodes, part: usize::from(law == BLOCK), law, smear: 1.0, strength: 1.0 });
+    }
+
+    fn truss(&mut self, ends: [[i32; 3]; 2], area_m2: f64, law: usize) {
+        let nodes = ends.map(|at| self.node(at));
+        self.mesh.trusses.push(Truss { nodes, area_m2, part: 0, law });
+    }
+
+    /// Longitudinal bars, anchored at the base of the block.
+    fn bars(&mut self) -> Vec<usize> {
+        for bar in &self.section.bars {
+            let (i, j) = (self.x.nearest(bar.x_m) as i32, self.y.nearest(bar.y_m) as i32);
+            let area = 0.25 * std::f64::consts::PI * bar.diameter_m * bar.diameter_m;
+            for k in 0..self.z.len() as i32 - 1 {
+                self.truss([[i, j, k], [i, j, k + 1]], area, BARS);
+            }
+        }
+        (0..self.mesh.trusses.len()).collect()
+    }
+
+    /// Ties at their spacing; where layers are longer than that, at every layer with the steel that belongs to it.
+    fn ties(&mut self) {
+        let Some(ties) = self.section.ties else { return };
+        let leg = 0.25 * std::f64::consts::PI * ties.diameter_m * ties.diameter_m;
+        let lines = |planes: &Planes, of: &dyn Fn(&crate::building::Bar) -> f64| {
+            let mut at: Vec<i32> = self.section.bars.iter().map(|b| planes.nearest(of(b)) as i32).collect();
+            at.sort_unstable();
+            at.dedup();
+            at
+        };
+        let (xs, ys) = (lines(&self.x, &|b| b.x_m), lines(&self.y, &|b| b.y_m));
+        let levels = tie_levels(&self.z, self.block, ties.spacing_m);
+        for (k, share) in levels {
+            // legs along x lie on lines of constant y, and the other way round
+            for (line, weight) in leg_weights(&ys, ties.legs[0]) {
+                for i in xs[0]..xs[xs.len() - 1] {
+                    self.truss([[i, line, k], [i + 1, line, k]], share * weight * leg, TIES);
+                }
+            }
+            for (line, weight) in leg_weights(&xs, ties.legs[1]) {
+                for j in ys[0]..ys[ys.len() - 1] {
+                    self.truss([[line, j, k], [line, j + 1, k]], share * weight * leg, TIES);
+                }
+            }
+        }
+    }
+
+    /// Nodes of the free end with their tributary shares.
+    fn tip(&mut self, top: i32) -> Vec<(usize, f64)> {
+        let span = |planes: &Planes, i: usize| {
+            let low = planes.0[i.saturating_sub(1)];
+            0.5 * (planes.0[(i + 1).min(planes.0.len() - 1)] - low)
+        };
+        let area = self.section.area_m2();
+        let mut tip = Vec::new();
+        for j in 0..self.y.0.len() {
+            for i in 0..self.x.0.len() {
+                let share = span(&self.x, i) * span(&self.y, j) / area;
+                tip.push((self.node([i as i32, j as i32, top]), share));
+            }
+        }
+        tip
+    }
+}
+
+/// Layers with ties above the end section, and the share of a tie in each: the first half a spacing above it.
+fn tie_levels(z: &[f64], block: usize, spacing_m: f64) -> Vec<(i32, f64)> {
+    let mut steel = vec![0.0; z.len()];
+    let length = z[z.len() - 1];
+    let mut at = 0.5 * spacing_m;
+    while at < length {
+        let k = (block..z.len()).min_by(|a, b| (z[*a] - at).abs().total_cmp(&(z[*b] - at).abs()));
+        steel[k.unwrap_or(block)] += 1.0;
+        at += spacing_m;
+    }
+    steel.iter().enumerate().filter(|(_, s)| **s > 0.0).map(|(k, s)| (k as i32, *s)).collect()
+}
+
+/// Tie legs on each line of bars: one on the outer lines, the rest shared by the inner lines.
+fn leg_weights(lines: &[i32], legs: f64) -> Vec<(i32, f64)> {
+    let inner = lines.len().saturating_sub(2);
+    let each = if inner > 0 { (legs - 2.0).max(0.0) / inner as f64 } else { 0.0 };
+    let last = lines.len() - 1;
+    let weight = |i: usize| if i == 0 || i == last { 1.0 } else { each };
+    lines.iter().enumerate().map(|(i, l)| (*l, weight(i))).filter(|(_, w)| *w > 0.0).collect()
+}
+
+/// Laws of the mesh: concrete, block, bars, ties.
+fn laws(section: &RcSection) -> Vec<Law> {
+    let concrete = Law {
+        density_kg_m3: section.concrete.density_kg_m3,
+        youngs_modulus_pa: section.concrete.youngs_modulus_pa,
+        poisson_ratio: section.concrete.poisson_ratio,
+        hardening: Vec::new(),
+        rate: None,
+        erosion: Erosion::NEVER,
+        form: ElementForm::default(),
+        concrete: Some(section.concrete.clone()),
+    };
+    let block = Law { concrete: None, ..concrete.clone() };
+    let ties = section.ties.map_or(section.steel, |t| t.steel);
+    vec![concrete, block, steel_law(&section.steel), steel_law(&ties)]
+}
+
+/// Bars: the stress-strain line over logarithmic plastic strain.
+fn steel_law(steel: &RcSteel) -> Law {
+    let plastic = |strain: f64, stress: f64| (strain - stress / steel.youngs_modulus_pa).max(0.0);
+    let point = |plastic_strain: f64, stress_pa: f64| HardeningPoint { plastic_strain, stress_pa };
+    let mut hardening = vec![point(0.0, steel.yield_pa)];
+    let start = plastic(steel.hardening_strain, steel.yield_pa);
+    if start > 0.0 {
+        hardening.push(point(start, steel.yield_pa));
+    }
+    let end = plastic(steel.ultimate_strain, steel.ultimate_pa);
+    hardening.push(point(end, steel.ultimate_pa));
+    Law {
+        density_kg_m3: STEEL_KG_M3,
+        youngs_modulus_pa: steel.youngs_modulus_pa,
+        poisson_ratio: 0.3,
+        hardening,
+        rate: None,
+        erosion: Erosion { plastic_strain: end, ..Erosion::NEVER },
+        form: ElementForm::default(),
+        concrete: None,
+    }
+}
