@@ -173,7 +173,9 @@ fn cycles_take_energy() {
 
 #[test]
 fn rupture_is_final_in_one_pull_and_in_cycles() {
-    for (law, way) in all().into_iter().flat_map(|law| [(law, &[0.0][..]), (law, &[0.03, -0.03, 0.02, -0.01])]) {
+    for (law, way) in
+        all().into_iter().flat_map(|law| [(law, &[0.0][..]), (law, &[0.03, -0.03, 0.02, -0.01])])
+    {
         let mut state = RebarState::default();
         walk(&law, &mut state, way, 1e-4);
         walk(&law, &mut state, &[law.ultimate_strain - 1e-6], 1e-4);
