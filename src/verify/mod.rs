@@ -9,8 +9,10 @@
 //! | `figure` | a figure, its tolerance and the judgement |
 //! | `suite` | cases, their choice by name, running them side by side |
 //! | `manual` | the table for a terminal, the JSON list, the Markdown page |
+//! | `columns` | tested columns of reinforced concrete |
 //! | `fe/` | the cases of the explicit finite element solver |
 
+pub mod columns;
 pub mod fe;
 pub mod figure;
 pub mod manual;
