@@ -79,7 +79,7 @@ pub struct Dynamics {
     /// Time step \[s\].
     pub dt_s: f64,
     /// The step that led to the present positions \[s\], zero at the start: the first kick is half a step.
-    pub(super) taken_s: f64,
+    pub taken_s: f64,
     /// Whether groups of elements that do not deform keep their forces ([`super::sweep::QUIET_STRAIN`]); of use where strains are those of a
     /// collapse, not of small vibrations.
     pub skip_quiet: bool,

@@ -4,6 +4,7 @@ use crate::building::{HardeningPoint, Homogenised};
 use crate::material::concrete::ConcreteLaw;
 use crate::material::j2::HardeningTable;
 use crate::material::rate::RateFactor;
+use crate::material::rebar::RebarLaw;
 use serde::{Deserialize, Serialize};
 
 /// Material and element form of a group of elements: what a part's material, section and hourglass control say in keyword decks.
@@ -27,6 +28,8 @@ pub struct Law {
     pub form: ElementForm,
     /// Concrete instead of J2 plasticity: one-point elements, their length (cube root of the volume) in the crack band.
     pub concrete: Option<ConcreteLaw>,
+    /// Law of bars with cycles, buckling and rupture instead of the hardening table; for trusses only.
+    pub rebar: Option<RebarLaw>,
 }
 
 impl Law {
@@ -118,6 +121,7 @@ impl From<&Homogenised> for Law {
             erosion: Erosion { plastic_strain: law.critical_plastic_strain, ..Erosion::NEVER },
             form: ElementForm::default(),
             concrete: None,
+            rebar: None,
         }
     }
 }

@@ -26,6 +26,7 @@ pub fn bilinear(
     };
     Law {
         concrete: None,
+        rebar: None,
         density_kg_m3,
         youngs_modulus_pa,
         poisson_ratio,

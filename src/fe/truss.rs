@@ -16,6 +16,7 @@ use super::hexahedron::{Vec3, add, dot, scaled};
 use super::kernel::KernelStep;
 use super::mesh::Mesh;
 use crate::material::j2::HardeningTable;
+use crate::material::rebar::{RebarLaw, RebarState};
 use serde::{Deserialize, Serialize};
 
 /// All bars of a mesh with their state.
@@ -25,6 +26,8 @@ pub struct Trusses {
     pub bars: Vec<Bar>,
     /// Hardening tables by law.
     tables: Vec<HardeningTable>,
+    /// Laws with cycles by law.
+    rebars: Vec<Option<RebarLaw>>,
     /// Largest squared frequency bound of the last update \[1/s²\].
     pub bound_1_s2: f64,
     /// Bars that ruptured in the last update.
@@ -54,6 +57,8 @@ pub struct Bar {
     pub plastic_strain: f64,
     /// Work done on it \[J\].
     pub internal_j: f64,
+    /// History in a law with cycles.
+    pub rebar: RebarState,
     /// Whether it still acts.
     pub acts: bool,
 }
@@ -67,6 +72,17 @@ impl Bar {
     /// Axial stiffness over length, `E A / l` \[N/m\], at a length \[m\].
     fn stiffness_n_m(&self, length_m: f64) -> f64 {
         self.youngs_modulus_pa * self.area_m2 * self.length_m[0] / (length_m * length_m)
+    }
+
+    /// Takes it to a new length \[m\] in a law with cycles.
+    fn follow(&mut self, length_m: f64, rebar: &RebarLaw) {
+        let (before, old) = (self.rebar.strain, self.rebar.stress_pa);
+        let strain = length_m / self.length_m[0] - 1.0;
+        let stress = rebar.stress(&mut self.rebar, strain);
+        self.internal_j += 0.5 * (old + stress) * (strain - before) * self.area_m2 * self.length_m[0];
+        self.stress_pa = stress * (1.0 + strain); // test reports divide by the area at the start
+        self.length_m[1] = length_m;
+        self.acts = !self.rebar.ruptured;
     }
 
     /// Takes it to a new length \[m\].
@@ -109,13 +125,15 @@ impl Trusses {
                 stress_pa: 0.0,
                 plastic_strain: 0.0,
                 internal_j: 0.0,
+                rebar: RebarState::default(),
                 acts: true,
             }
         });
         let bars: Vec<Bar> = bars.collect();
         let tables =
             if bars.is_empty() { Vec::new() } else { mesh.laws.iter().map(super::law::Law::table).collect() };
-        Self { bars, tables, bound_1_s2: 0.0, ruptured: Vec::new() }
+        let rebars = mesh.laws.iter().map(|l| l.rebar).collect();
+        Self { bars, tables, rebars, bound_1_s2: 0.0, ruptured: Vec::new() }
     }
 
     /// Whether there are none.
@@ -138,7 +156,10 @@ impl Trusses {
         self.ruptured.clear();
         for (index, bar) in self.bars.iter_mut().enumerate().filter(|(_, b)| b.acts) {
             let (unit, length) = direction(x, bar.nodes);
-            bar.stretch(length, &self.tables[bar.law], step);
+            match &self.rebars[bar.law] {
+                Some(rebar) => bar.follow(length, rebar),
+                None => bar.stretch(length, &self.tables[bar.law], step),
+            }
             if !bar.acts {
                 self.ruptured.push(index);
                 continue;

@@ -4,7 +4,7 @@
 //! moment, so it is what the section bears; a hinge gets its P-Δ from the geometry of the model it is used in. Rotation is that of the chord. Quasi-static by explicit
 //! integration: the ratio of kinetic to internal energy is recorded.
 
-use super::member::RcMember;
+use super::member::{Joint, RcMember};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 
@@ -74,6 +74,61 @@ struct Run<'a> {
     body: Dynamics,
     direction: [f64; 2],
     rest_m: f64,
+    /// How a plane of symmetry is held.
+    spread: Option<Spread>,
+}
+
+/// A section on a plane of symmetry: no displacement along the member; across it, it spreads by `a_1 x + a_2 x y` along x and
+/// `b_1 y + b_2 x y` along y, and nothing else. Single nodes must not yield to the shear force, which the cracked part of the section could not take up.
+struct Spread {
+    nodes: Vec<usize>,
+    /// Patterns by axis: `1, 2` of each node.
+    patterns: [Vec<[f64; 2]>; 2],
+    /// Inverse of `Σ m p_i p_j` by axis.
+    inverse: [[[f64; 2]; 2]; 2],
+    mass_kg: Vec<f64>,
+}
+
+impl Spread {
+    fn of(member: &RcMember) -> Self {
+        let nodes: Vec<usize> = member.base.iter().map(|(n, _)| *n).collect();
+        let mass_kg: Vec<f64> = member.base.iter().map(|(_, share)| *share).collect();
+        let at = |n: usize| member.mesh.nodes[n];
+        let patterns = [0, 1].map(|axis| nodes.iter().map(|n| [at(*n)[axis], at(*n)[0] * at(*n)[1]]).collect());
+        let inverse = [0, 1].map(|axis: usize| {
+            let patterns: &Vec<[f64; 2]> = &patterns[axis];
+            let sum = |i: usize, j: usize| -> f64 {
+                patterns.iter().zip(&mass_kg).map(|(p, m)| m * p[i] * p[j]).sum()
+            };
+            let (a, b, c) = (sum(0, 0), sum(0, 1), sum(1, 1));
+            let determinant = a * c - b * b;
+            [[c / determinant, -b / determinant], [-b / determinant, a / determinant]]
+        });
+        Self { nodes, patterns, inverse, mass_kg }
+    }
+
+    /// Takes the last step's motion of the section to the nearest one that it can have, in the norm of the masses.
+    fn hold(&self, body: &mut Dynamics) {
+        for axis in 0..3 {
+            let mut amplitude = [0.0; 2];
+            if axis < 2 {
+                let mut sums = [0.0; 2];
+                for (i, n) in self.nodes.iter().enumerate() {
+                    let p = self.patterns[axis][i];
+                    sums[0] += self.mass_kg[i] * p[0] * body.v[*n][axis];
+                    sums[1] += self.mass_kg[i] * p[1] * body.v[*n][axis];
+                }
+                let inverse = self.inverse[axis];
+                amplitude = [0, 1].map(|i: usize| inverse[i][0] * sums[0] + inverse[i][1] * sums[1]);
+            }
+            for (i, n) in self.nodes.iter().enumerate() {
+                let p = if axis < 2 { self.patterns[axis][i] } else { [0.0; 2] };
+                let held = amplitude[0] * p[0] + amplitude[1] * p[1];
+                body.x[*n][axis] += body.taken_s * (held - body.v[*n][axis]);
+                body.v[*n][axis] = held;
+            }
+        }
+    }
 }
 
 /// Bends a member end. `parallel`: use the rayon pool. `progress` is told the rotation reached \[rad\].
@@ -89,12 +144,21 @@ pub fn bend(
         body: Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), parallel),
         direction: [angle.cos(), angle.sin()],
         rest_m: 0.0,
+        spread: (member.joint == Joint::Symmetry).then(|| Spread::of(member)),
     };
     run.load(bend.axial_n)?;
     run.push(bend, progress)
 }
 
 impl Run<'_> {
+    /// One step, with the end section held by its joint.
+    fn step(&mut self) {
+        self.body.step(false);
+        if let Some(spread) = &self.spread {
+            spread.hold(&mut self.body);
+        }
+    }
+
     /// Applies the axial force.
     fn load(&mut self, axial_n: f64) -> Result<(), BendError> {
         let start = self.height_m();
@@ -105,7 +169,7 @@ impl Run<'_> {
             for (n, share) in &self.member.tip {
                 self.body.applied_n[*n] = [0.0, 0.0, force * share];
             }
-            self.body.step(false);
+            self.step();
         }
         let shortening_m = start - self.height_m();
         if shortening_m.is_nan() || shortening_m > CRUSHED_STRAIN * self.member.length_m {
@@ -128,7 +192,7 @@ impl Run<'_> {
                 held[0] = Some(speed * self.direction[0]);
                 held[1] = Some(speed * self.direction[1]);
             }
-            self.body.step(false);
+            self.step();
             if !self.body.steps.is_multiple_of(4) {
                 continue;
             }
@@ -181,10 +245,10 @@ impl Run<'_> {
     fn moment_nm(&self) -> f64 {
         let [c, s] = self.direction;
         let (mut moment, mut shear) = (0.0, 0.0);
-        for n in &self.member.base {
+        for (n, _) in &self.member.base {
             let mut force = self.body.internal_n(*n);
             if let Some(other) = self.body.other_n.get(*n) {
-                (0..3).for_each(|i| force[i] += other[i]);
+                (0..3).for_each(|i| force[i] -= other[i]); // elements: what they bear; bars: what they do to the node
             }
             let x = self.body.x[*n];
             moment += (c * x[0] + s * x[1]) * force[2];

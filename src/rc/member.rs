@@ -5,10 +5,13 @@
 //! are twice as long. Perimeter ties run through the outer bars, cross ties through the inner ones. The joint block is elastic, wider than
 //! the member, and clamped at its base: what tests call a footing or stub.
 
-use super::section::{RcSection, RcSteel};
-use crate::building::HardeningPoint;
+use crate::fe::concrete::ConcretePoints;
 use crate::fe::law::{ElementForm, Erosion, Law};
 use crate::fe::mesh::{Element, Mesh, Truss};
+use crate::material::concrete::{ConcreteLaw, LawError};
+use crate::material::fibre::SectionInput;
+use crate::material::rebar::{Hardening, LoopShape, RebarLaw};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Length with the fine mesh, in section depths.
@@ -19,8 +22,21 @@ const BLOCK_DEPTHS: f64 = 0.5;
 const BLOCK_MARGIN: f64 = 0.25;
 /// Planes closer than this are one \[m\].
 const SAME_M: f64 = 1e-6;
+/// Hardening of ties over Young's modulus.
+const TIE_HARDENING: f64 = 0.01;
 /// Density of reinforcing steel \[kg/m³\].
 const STEEL_KG_M3: f64 = 7850.0;
+
+/// What the member stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Joint {
+    /// A block of uncracked concrete, wider than the member: a footing, a stub, a joint with beams. It keeps the end section from
+    /// spreading, so that the member fails some way above it.
+    Block,
+    /// A plane of symmetry: the end section stays plane, free to spread. What section analysis describes.
+    Symmetry,
+}
 
 /// A member end as a mesh: it stands on z = 0 and reaches to the point of zero moment.
 #[derive(Debug, Clone)]
@@ -31,9 +47,11 @@ pub struct RcMember {
     pub length_m: f64,
     /// Nodes of the free end with their share of its area.
     pub tip: Vec<(usize, f64)>,
-    /// Clamped nodes.
-    pub base: Vec<usize>,
-    /// Height of the clamped nodes below the end section \[m\].
+    /// Nodes that hold it: those of the base of the block, or of the end section, with their share of its area.
+    pub base: Vec<(usize, f64)>,
+    /// What it stands on.
+    pub joint: Joint,
+    /// Height of these nodes below the end section \[m\].
     pub block_m: f64,
     /// Index of each truss that is a longitudinal bar.
     pub bars: Vec<usize>,
@@ -65,13 +83,25 @@ impl Planes {
 
 impl RcMember {
     /// Meshes a section over a length \[m\] with elements of about `size_m`.
-    pub fn new(section: &RcSection, length_m: f64, size_m: f64) -> Self {
-        Builder::new(section, length_m, size_m).build()
+    ///
+    /// # Errors
+    /// If the concrete law is out of its range, or does not suit the size of the elements.
+    pub fn new(
+        section: &SectionInput,
+        concrete: &ConcreteLaw,
+        joint: Joint,
+        length_m: f64,
+        size_m: f64,
+    ) -> Result<Self, LawError> {
+        let member = Builder::new(section, concrete, joint, length_m, size_m).build();
+        ConcretePoints::of(&member.mesh)?;
+        Ok(member)
     }
 }
 
 struct Builder<'a> {
-    section: &'a RcSection,
+    section: &'a SectionInput,
+    joint: Joint,
     x: Planes,
     y: Planes,
     /// Layers from the base of the block; `z[block]` is the end section.
@@ -88,23 +118,32 @@ const BARS: usize = 2;
 const TIES: usize = 3;
 
 impl<'a> Builder<'a> {
-    fn new(section: &'a RcSection, length_m: f64, size_m: f64) -> Self {
-        let x = Planes::new(0.5 * section.width_m, section.bars.iter().map(|b| b.x_m), size_m);
-        let y = Planes::new(0.5 * section.depth_m, section.bars.iter().map(|b| b.y_m), size_m);
-        let depth = section.width_m.max(section.depth_m);
+    fn new(
+        section: &'a SectionInput,
+        concrete: &ConcreteLaw,
+        joint: Joint,
+        length_m: f64,
+        size_m: f64,
+    ) -> Self {
+        let x = Planes::new(0.5 * section.size_m[0], section.bars.iter().map(|b| b.x_m), size_m);
+        let y = Planes::new(0.5 * section.size_m[1], section.bars.iter().map(|b| b.y_m), size_m);
+        let depth = section.size_m[0].max(section.size_m[1]);
         let spacing = section.ties.map_or(size_m, |t| t.spacing_m);
         let fine = spacing / (spacing / size_m).round().max(1.0);
-        let layers = (BLOCK_DEPTHS * depth / (2.0 * fine)).round().max(2.0) as usize;
+        let layers = match joint {
+            Joint::Block => (BLOCK_DEPTHS * depth / (2.0 * fine)).round().max(2.0) as usize,
+            Joint::Symmetry => 0,
+        };
         let mut z: Vec<f64> =
-            (0..=layers).map(|i| BLOCK_DEPTHS * depth * (i as f64 / layers as f64 - 1.0)).collect();
+            (0..=layers).map(|i| BLOCK_DEPTHS * depth * (i as f64 / layers.max(1) as f64 - if layers > 0 { 1.0 } else { 0.0 })).collect();
         let critical = (CRITICAL_DEPTHS * depth).min(length_m);
         let fine_layers = (critical / fine).ceil() as usize;
         z.extend((1..=fine_layers).map(|i| fine * i as f64).filter(|h| *h < length_m - 0.5 * fine));
         let last = z[z.len() - 1];
         let coarse = ((length_m - last) / (2.0 * fine)).round().max(1.0);
         z.extend((1..=coarse as usize).map(|i| last + (length_m - last) * i as f64 / coarse));
-        let mesh = Mesh { laws: laws(section), parts: vec!["member".into(), "block".into()], ..Mesh::default() };
-        Self { section, x, y, z, block: layers, nodes: BTreeMap::new(), mesh }
+        let mesh = Mesh { laws: laws(section, concrete), parts: vec!["member".into(), "block".into()], ..Mesh::default() };
+        Self { section, joint, x, y, z, block: layers, nodes: BTreeMap::new(), mesh }
     }
 
     fn build(mut self) -> RcMember {
@@ -121,23 +160,33 @@ impl<'a> Builder<'a> {
         let bars = self.bars();
         self.ties();
         let top = self.z.len() as i32 - 1;
-        let tip = self.tip(top);
-        let bottom: Vec<usize> = self.nodes.iter().filter(|(at, _)| at[2] == 0).map(|(_, n)| *n).collect();
-        self.mesh.fixed = bottom.clone();
+        let tip = self.section_nodes(top);
+        let base = match self.joint {
+            Joint::Block => self.nodes.iter().filter(|(at, _)| at[2] == 0).map(|(_, n)| (*n, 0.0)).collect(),
+            Joint::Symmetry => self.section_nodes(0),
+        };
+        if self.joint == Joint::Block {
+            self.mesh.fixed = base.iter().map(|(n, _)| *n).collect();
+        }
         RcMember {
             length_m: self.z[top as usize],
             block_m: -self.z[0],
             mesh: self.mesh,
             tip,
-            base: bottom,
+            base,
+            joint: self.joint,
             bars,
         }
+    }
+
+    fn depth_m(&self) -> f64 {
+        self.section.size_m[0].max(self.section.size_m[1])
     }
 
     /// Position of a plane; one beyond the ends is that of the block.
     fn plane(&self, planes: &Planes, i: i32) -> f64 {
         let last = planes.0.len() as i32 - 1;
-        let margin = BLOCK_MARGIN * self.section.width_m.max(self.section.depth_m);
+        let margin = BLOCK_MARGIN * self.depth_m();
         if i < 0 {
             planes.0[0] - margin
         } else if i > last {
@@ -207,21 +256,21 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Nodes of the free end with their tributary shares.
-    fn tip(&mut self, top: i32) -> Vec<(usize, f64)> {
+    /// Nodes of a section with their tributary shares.
+    fn section_nodes(&mut self, layer: i32) -> Vec<(usize, f64)> {
         let span = |planes: &Planes, i: usize| {
             let low = planes.0[i.saturating_sub(1)];
             0.5 * (planes.0[(i + 1).min(planes.0.len() - 1)] - low)
         };
         let area = self.section.area_m2();
-        let mut tip = Vec::new();
+        let mut nodes = Vec::new();
         for j in 0..self.y.0.len() {
             for i in 0..self.x.0.len() {
                 let share = span(&self.x, i) * span(&self.y, j) / area;
-                tip.push((self.node([i as i32, j as i32, top]), share));
+                nodes.push((self.node([i as i32, j as i32, layer]), share));
             }
         }
-        tip
+        nodes
     }
 }
 
@@ -248,41 +297,41 @@ fn leg_weights(lines: &[i32], legs: f64) -> Vec<(i32, f64)> {
 }
 
 /// Laws of the mesh: concrete, block, bars, ties.
-fn laws(section: &RcSection) -> Vec<Law> {
-    let concrete = Law {
-        density_kg_m3: section.concrete.density_kg_m3,
-        youngs_modulus_pa: section.concrete.youngs_modulus_pa,
-        poisson_ratio: section.concrete.poisson_ratio,
+fn laws(section: &SectionInput, concrete: &ConcreteLaw) -> Vec<Law> {
+    let member = Law {
+        density_kg_m3: concrete.density_kg_m3,
+        youngs_modulus_pa: concrete.youngs_modulus_pa,
+        poisson_ratio: concrete.poisson_ratio,
         hardening: Vec::new(),
         rate: None,
         erosion: Erosion::NEVER,
         form: ElementForm::default(),
-        concrete: Some(section.concrete.clone()),
+        concrete: Some(concrete.clone()),
+        rebar: None,
     };
-    let block = Law { concrete: None, ..concrete.clone() };
-    let ties = section.ties.map_or(section.steel, |t| t.steel);
-    vec![concrete, block, steel_law(&section.steel), steel_law(&ties)]
+    let block = Law { concrete: None, ..member.clone() };
+    let ties = section.ties.map_or(section.steel, |t| RebarLaw {
+        youngs_modulus_pa: section.steel.youngs_modulus_pa,
+        yield_strength_pa: t.yield_strength_pa,
+        hardening: Hardening::Bilinear { ratio: TIE_HARDENING },
+        ultimate_strain: t.ultimate_strain,
+        loops: LoopShape::default(),
+        buckling: None,
+    });
+    vec![member, block, steel_law(section.steel), steel_law(ties)]
 }
 
-/// Bars: the stress-strain line over logarithmic plastic strain.
-fn steel_law(steel: &RcSteel) -> Law {
-    let plastic = |strain: f64, stress: f64| (strain - stress / steel.youngs_modulus_pa).max(0.0);
-    let point = |plastic_strain: f64, stress_pa: f64| HardeningPoint { plastic_strain, stress_pa };
-    let mut hardening = vec![point(0.0, steel.yield_pa)];
-    let start = plastic(steel.hardening_strain, steel.yield_pa);
-    if start > 0.0 {
-        hardening.push(point(start, steel.yield_pa));
-    }
-    let end = plastic(steel.ultimate_strain, steel.ultimate_pa);
-    hardening.push(point(end, steel.ultimate_pa));
+/// A law of bars.
+fn steel_law(rebar: RebarLaw) -> Law {
     Law {
         density_kg_m3: STEEL_KG_M3,
-        youngs_modulus_pa: steel.youngs_modulus_pa,
+        youngs_modulus_pa: rebar.youngs_modulus_pa,
         poisson_ratio: 0.3,
-        hardening,
+        hardening: Vec::new(),
         rate: None,
-        erosion: Erosion { plastic_strain: end, ..Erosion::NEVER },
+        erosion: Erosion::NEVER,
         form: ElementForm::default(),
         concrete: None,
+        rebar: Some(rebar),
     }
 }

@@ -7,7 +7,6 @@ pub mod bend;
 pub mod cut;
 pub mod member;
 pub mod pushover;
-pub mod section;
 
 pub use cut::EndModel;
 pub use pushover::{EndCurves, PushoverError, derive};

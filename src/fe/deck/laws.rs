@@ -61,6 +61,7 @@ pub(super) fn law_of(raw: &Raw, part: &RawPart, messages: &mut Messages) -> Opti
     };
     let law = Law {
         concrete: None,
+        rebar: None,
         density_kg_m3: material.density,
         youngs_modulus_pa: material.youngs,
         poisson_ratio: material.poisson,
