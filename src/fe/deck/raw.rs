@@ -167,10 +167,13 @@ pub(super) struct Raw {
     pub starts: Vec<RawStart>,
     pub walls: Vec<RawWall>,
     pub contact: Option<crate::fe::model::ContactSettings>,
+    /// Parts between which contact is asked for, which have to be all.
+    pub contact_parts: Option<(Who, At)>,
     pub end_time: Option<f64>,
     pub step_safety: Option<f64>,
     pub mass_scaling: Option<f64>,
     pub state_interval: Option<f64>,
+    pub state_count: Option<u64>,
     pub history_interval: Option<f64>,
     pub energy_interval: Option<f64>,
     pub history: Vec<(Who, At)>,

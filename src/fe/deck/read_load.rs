@@ -98,7 +98,8 @@ fn driven(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, set: bool) {
     }
 }
 
-/// A positive value accelerates the mass against the axis: it is the acceleration of the base on which the model stands.
+/// A positive value accelerates the mass against the axis: it is the acceleration of the base on which the model stands
+/// (LS-DYNA Keyword User's Manual I, `*LOAD_BODY`: "positive body load acts in the negative direction").
 fn body_load(cards: &mut Cards<'_, '_>, raw: &mut Raw, axis: usize) {
     const NAMES: Names = &["LCID", "SF", "LCIDDR", "XC", "YC", "ZC", "CID"];
     let Some(card) = cards.required(NAMES) else { return };
@@ -260,8 +261,11 @@ fn contact(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, eroding: bool
     cards.skip_title(titled);
     let Some(first) = cards.required(FIRST) else { return };
     let settings = ContactSettings { friction: 0.0 };
-    if cards.id(&first, 0) != Some(0) && cards.whole(&first, 2) != Some(5) {
-        cards.refuse(&first, 0, "contact is between all outer faces of the model: SSID = 0");
+    match (cards.id(&first, 0), cards.whole(&first, 2)) {
+        (Some(0), Some(_)) | (Some(_), Some(5)) | (None, _) | (_, None) => {}
+        (Some(id), Some(2)) => raw.contact_parts = Some((Who::PartSet(id), first.place(0))),
+        (Some(id), Some(3)) => raw.contact_parts = Some((Who::Part(id), first.place(0))),
+        _ => cards.refuse(&first, 0, "contact is between all outer faces of the model: SSID = 0"),
     }
     cards.must_be_zero(&first, 4, "contact is between all outer faces of the model");
     let second = cards.card(SECOND);
