@@ -96,6 +96,8 @@ pub(super) fn read_file(path: &Path) -> Result<Source, Unreadable> {
         Ok(text) => text,
         Err(error) => error.into_bytes().into_iter().map(char::from).collect(),
     };
+    // editors on Windows put a mark before the text
+    let text = text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text);
     Ok(Source::new(path.display().to_string(), text))
 }
 
@@ -153,7 +155,8 @@ impl<'a> Splitter<'a> {
         let text = line[1..].trim().to_uppercase();
         let mut words = text.split_whitespace();
         let first = words.next().unwrap_or("");
-        let block = |keyword: &str, columns| Block { keyword: keyword.into(), at, lines: Vec::new(), columns };
+        let block =
+            |keyword: &str, columns| Block { keyword: keyword.into(), at, lines: Vec::new(), columns };
         match first {
             "END" => return None,
             "KEYWORD" | "KEYWORD_ID" | "KEYWORD_JOBID" => {
