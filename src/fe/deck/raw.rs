@@ -157,6 +157,8 @@ pub(super) struct Raw {
     pub node_sets: Defined<Vec<u64>>,
     /// Ranges of sets given by `_GENERATE`, both ends inside.
     pub node_ranges: Defined<Vec<[u64; 2]>>,
+    /// What sets given by `_GENERAL` are made of.
+    pub node_general: Defined<Vec<Who>>,
     pub part_sets: Defined<Vec<u64>>,
     pub solid_sets: Defined<Vec<u64>>,
     pub boxes: Defined<[[f64; 2]; 3]>,

@@ -142,6 +142,7 @@ pub(super) const KEYWORDS: &[&str] = &[
     "SECTION_BEAM",
     "SET_NODE_LIST",
     "SET_NODE_LIST_GENERATE",
+    "SET_NODE_GENERAL",
     "SET_NODE",
     "SET_PART_LIST",
     "SET_PART",

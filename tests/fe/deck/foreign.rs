@@ -134,6 +134,27 @@ fn an_entry_in_place_of_a_heading() {
     assert!(text.contains("*BOUNDARY_SPC_SET_ID: numbers in place of an identifier and a heading"), "{text}");
 }
 
+#[test]
+fn sets_of_nodes_by_part() {
+    let model = good(CUBE).model;
+    let list = "*SET_NODE_LIST\n         3\n         1         2         3         4\n";
+    let general =
+        |lines: &str| with(CUBE, list, &format!("*SET_NODE_GENERAL_TITLE\nfoot\n         3\n{lines}"));
+    same(&model, &good(&general("NODE               4         1         2\nnode,3,1\n")).model);
+    for all in ["ALL\n", "PART              10\n"] {
+        assert_eq!(good(&general(all)).model.constraints.len(), 8, "{all}");
+    }
+    for (lines, said) in [
+        ("BOX                1\n", "OPTION is `BOX`"),
+        ("PART              11\n", "no part 11"),
+        ("NODE               9\n", "no node 9"),
+    ] {
+        assert!(errors(&general(lines)).contains(said), "{}", errors(&general(lines)));
+    }
+    let twice = general("ALL\n") + list;
+    assert!(errors(&twice.replace("*END\n", "")).contains("set of nodes 3 is defined twice"));
+}
+
 fn files(room: &tempfile::TempDir, files: &[(&str, String)]) -> Model {
     for (name, text) in files {
         let path = room.path().join(name);
