@@ -175,7 +175,7 @@ fn velocity_of_parts(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
             let center = [0, 1, 2].map(|i| cards.real(&second, i));
             let axis = [3, 4, 5].map(|i| cards.real(&second, i));
             let length = axis.iter().map(|n| n * n).sum::<f64>().sqrt();
-            if omega != 0.0 && (length == 0.0 || axis[0] == -999.0) {
+            if omega != 0.0 && (!normal_length(&axis) || axis[0] == -999.0) {
                 cards.refuse(&second, 3, "the axis of rotation is given by the components of a vector");
             } else if omega != 0.0 {
                 spin = Some((axis.map(|n| omega * n / length), center));
@@ -206,6 +206,12 @@ fn velocity_of_nodes(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
             });
         }
     }
+}
+
+/// Whether the length of a vector can be divided by: neither lost nor without bounds. So is one with an error in it.
+fn normal_length(vector: &[f64; 3]) -> bool {
+    let square: f64 = vector.iter().map(|c| c * c).sum();
+    square.is_normal() || square.is_nan()
 }
 
 /// Friction: 0 to 1 Coulomb, exactly 1 no slip.
@@ -243,6 +249,8 @@ fn walls(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, keyword: &str) 
                 3,
                 "the normal points from (XT, YT, ZT) to (XH, YH, ZH), which are the same point",
             );
+        } else if !normal_length(&std::array::from_fn(|i| head[i] - tail[i])) {
+            cards.refuse(&second, 3, "give the two points of the normal a distance that can be squared");
         }
         if let (Some(set), Some(without)) = (set, without) {
             let friction = if friction == 1.0 { f64::INFINITY } else { friction };

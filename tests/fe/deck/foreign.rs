@@ -208,6 +208,19 @@ fn written_for_other_programs() {
     assert_eq!(step.len(), 80);
 }
 
+/// Vectors whose length squared is lost or has no bounds give no direction.
+#[test]
+fn lengths_out_of_reach() {
+    let wall = "       0.0       0.0       0.0       0.0       0.0       1.0       0.4";
+    for z in ["1e-200", "1e200"] {
+        let text = errors(&with(CUBE, wall, &format!("0,0,0,0,0,{z},0.4")));
+        assert!(text.contains("*RIGIDWALL_PLANAR: XH is"), "{text}");
+        let spin = format!("*INITIAL_VELOCITY_GENERATION\n10,2,3.0\n0,0,0,0,0,{z}\n*NODE\n");
+        let text = errors(&with(CUBE, "*NODE\n", &spin));
+        assert!(text.contains("*INITIAL_VELOCITY_GENERATION: NX is"), "{text}");
+    }
+}
+
 #[test]
 fn expressions_are_refused_by_name() {
     let text = errors(&with(CUBE, "*PART\n", "*PARAMETER_EXPRESSION\nR e  2*1e11\n*PART\n"));
