@@ -38,6 +38,7 @@ pub(super) fn assemble(raw: &Raw, messages: &mut Messages) -> Option<(Model, Ids
     model.initial_velocity_m_s = starts(raw, &groups, messages);
     model.walls = raw.walls.iter().map(|w| wall(raw, w, &groups, messages)).collect();
     model.body_contact = raw.contact;
+    contact_of_all(raw, messages);
     for (who, at) in &raw.history {
         model.control.history_nodes.extend(groups.nodes(who, *at, messages));
     }
@@ -64,7 +65,11 @@ fn control(raw: &Raw, messages: &mut Messages) -> Control {
         end_time_s,
         step_safety: raw.step_safety.unwrap_or(crate::fe::dynamics::STEP_SAFETY),
         mass_scaling_step_s: raw.mass_scaling,
-        state_interval_s: raw.state_interval.unwrap_or(end_time_s / STATES),
+        state_interval_s: raw
+            .state_count
+            .map(|n| end_time_s / n as f64)
+            .or(raw.state_interval)
+            .unwrap_or(end_time_s / STATES),
         history_interval_s: histories.unwrap_or(end_time_s / HISTORIES),
         history_nodes: Vec::new(),
     }
@@ -129,6 +134,28 @@ fn mesh(raw: &Raw, groups: &Groups<'_>, ids: &mut Ids, messages: &mut Messages) 
     mesh.elements = order.iter().map(|e| mesh.elements[*e]).collect();
     ids.elements = order.iter().map(|e| ids.elements[*e]).collect();
     mesh
+}
+
+/// Contact between named parts has to mean all parts with solid elements.
+fn contact_of_all(raw: &Raw, messages: &mut Messages) {
+    let Some((who, at)) = &raw.contact_parts else { return };
+    let one;
+    let named: &[u64] = match who {
+        Who::PartSet(id) => match raw.part_sets.get(id) {
+            Some((parts, _)) => parts,
+            None => return unknown(*at, "set of parts", *id, "*SET_PART_LIST", messages),
+        },
+        Who::Part(id) => {
+            one = [*id];
+            &one
+        }
+        _ => return,
+    };
+    if let Some(solid) = raw.solids.iter().find(|s| !named.contains(&s.part)) {
+        let message = format!("the contact leaves out part {}", solid.part);
+        let help = "contact is between all outer faces of the model: SSID = 0";
+        messages.error(*at, "unsupported-value", message, "", help);
+    }
 }
 
 /// Index of a law, which is entered unless it is there.

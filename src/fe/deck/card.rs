@@ -1,7 +1,7 @@
 //! Data lines cut into fields: columns of fixed width, or pieces between commas.
 
 use super::error::{At, Messages};
-use super::lines::Block;
+use super::lines::{Block, Columns};
 use super::number;
 use crate::base::diagnostic::{closest, quoted};
 use std::collections::BTreeMap;
@@ -10,9 +10,6 @@ use std::collections::BTreeMap;
 pub(super) type Names = &'static [&'static str];
 /// Values of `*PARAMETER` by name in capitals.
 pub(super) type Parameters = BTreeMap<String, f64>;
-
-/// Width of a field in the long format.
-const LONG: usize = 20;
 
 /// One data line.
 #[derive(Debug, Clone)]
@@ -116,8 +113,23 @@ impl<'a, 'm> Cards<'a, 'm> {
         if !self.more() {
             return None;
         }
+        if titled && self.next > 0 {
+            self.must_be_title();
+        }
         self.skip_title(titled);
         self.required(names)
+    }
+
+    /// Refuses a line of several numbers where an identifier and a heading are expected: it may be an entry.
+    fn must_be_title(&mut self) {
+        let at = self.block.lines[self.next];
+        let mut words = self.line(at).split([' ', ',']).filter(|w| !w.is_empty());
+        let numbers = words.clone().count() > 1 && words.all(|w| number::real(w).is_some());
+        if numbers {
+            let message = format!("*{}: numbers in place of an identifier and a heading", self.block.keyword);
+            let help = "each entry has a line with its identifier and heading before it; repeat the keyword before others";
+            self.messages.error(at, "missing-title", message, "", help);
+        }
     }
 
     /// The next line with fields of the given widths (20 columns each in the long format).
@@ -151,7 +163,7 @@ impl<'a, 'm> Cards<'a, 'm> {
                 return Some(Card { names, at, fields });
             }
             for width in widths {
-                let to = after_columns(line, from, if self.block.long { LONG } else { *width });
+                let to = after_columns(line, from, self.block.columns.width(*width));
                 if from == to {
                     break;
                 }
@@ -279,7 +291,11 @@ impl<'a, 'm> Cards<'a, 'm> {
         let name = card.names.get(field).copied().unwrap_or("?");
         let text = card.text(field);
         let message = format!("*{}: {name} is {}, expected {expected}", self.block.keyword, quoted(text));
-        let columns = if self.block.long { "20" } else { "8 or 10" };
+        let columns = match self.block.columns {
+            Columns::Standard => "8 or 10",
+            Columns::Ten => "10",
+            Columns::Long => "20",
+        };
         let help = match text.contains(char::is_whitespace) {
             true => format!("the fields are {columns} columns wide; otherwise put commas between them"),
             false => String::new(),

@@ -21,6 +21,14 @@ impl<'a> Groups<'a> {
                 messages.error(item.at, "duplicate-id", message, "", "give one of them another identifier");
             }
         }
+        let later = raw.node_ranges.iter().map(|(id, (_, at))| (id, *at));
+        for (id, at) in later.chain(raw.node_general.iter().map(|(id, (_, at))| (id, *at))) {
+            let general = raw.node_ranges.contains_key(id) && raw.node_general.contains_key(id);
+            if raw.node_sets.contains_key(id) || general {
+                let message = format!("the set of nodes {id} is defined twice");
+                messages.error(at, "duplicate-id", message, "", "give one of them another identifier");
+            }
+        }
         Self { raw, node }
     }
 
@@ -58,6 +66,11 @@ impl<'a> Groups<'a> {
     fn set(&self, id: u64, at: At, messages: &mut Messages) -> Vec<usize> {
         if let Some((ids, place)) = self.raw.node_sets.get(&id) {
             return ids.iter().filter_map(|n| self.node(*n, *place, messages)).collect();
+        }
+        if let Some((of, place)) = self.raw.node_general.get(&id) {
+            let found: BTreeSet<usize> =
+                of.iter().flat_map(|who| self.nodes(who, *place, messages)).collect();
+            return found.into_iter().collect();
         }
         let Some((ranges, _)) = self.raw.node_ranges.get(&id) else {
             unknown(at, "set of nodes", id, "*SET_NODE_LIST", messages);

@@ -50,26 +50,35 @@ pub(super) fn whole(text: &str) -> Option<i64> {
 
 /// A number in at most `width` columns that reads back to the last bit; `None` if there is no such text.
 pub(super) fn shortest(x: f64, width: usize) -> Option<String> {
-    let fits = |text: &String| text.len() <= width;
+    common(x, width).or_else(|| {
+        let (dotted, digits, exponent) = scientific(x)?;
+        let decimals = dotted.split_once('.').map_or(0, |(_, d)| d.len() as i32);
+        let whole = match dotted.strip_suffix(".0") {
+            Some(whole) => format!("{whole}{exponent:+}"),
+            None => format!("{digits}{:+}", exponent - decimals),
+        };
+        [format!("{dotted}{exponent:+}"), whole].into_iter().find(|c| c.len() <= width)
+    })
+}
+
+/// Like [`shortest`], in a spelling that all programs read: an exponent stands after an `e`.
+pub(super) fn common(x: f64, width: usize) -> Option<String> {
     if x == 0.0 {
         return Some(if x.is_sign_negative() { "-0.0" } else { "0.0" }.into());
     }
     let plain = if (1e-5..1e16).contains(&x.abs()) { format!("{x:?}") } else { String::new() };
-    let scientific = format!("{x:e}");
-    let (mantissa, exponent) = scientific.split_once('e')?;
-    let exponent: i32 = exponent.parse().ok()?;
-    let dotted = if mantissa.contains('.') { mantissa.to_string() } else { format!("{mantissa}.0") };
-    let decimals = mantissa.split_once('.').map_or(0, |(_, d)| d.len() as i32);
-    let digits = mantissa.replace('.', "");
+    let (dotted, _, exponent) = scientific(x)?;
     let without_zero = plain.replacen("0.", ".", usize::from(x.abs() < 1.0));
-    let candidates = [
-        plain.clone(),
-        format!("{dotted}e{exponent}"),
-        without_zero,
-        format!("{dotted}{exponent:+}"),
-        format!("{digits}{:+}", exponent - decimals),
-    ];
-    candidates.into_iter().find(|c| !c.is_empty() && fits(c))
+    let candidates = [plain, format!("{dotted}e{exponent}"), without_zero];
+    candidates.into_iter().find(|c| !c.is_empty() && c.len() <= width)
+}
+
+/// Mantissa with a point, its digits without, exponent.
+fn scientific(x: f64) -> Option<(String, String, i32)> {
+    let text = format!("{x:e}");
+    let (mantissa, exponent) = text.split_once('e')?;
+    let dotted = if mantissa.contains('.') { mantissa.to_string() } else { format!("{mantissa}.0") };
+    Some((dotted, mantissa.replace('.', ""), exponent.parse().ok()?))
 }
 
 #[cfg(test)]

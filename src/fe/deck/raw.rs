@@ -157,6 +157,8 @@ pub(super) struct Raw {
     pub node_sets: Defined<Vec<u64>>,
     /// Ranges of sets given by `_GENERATE`, both ends inside.
     pub node_ranges: Defined<Vec<[u64; 2]>>,
+    /// What sets given by `_GENERAL` are made of.
+    pub node_general: Defined<Vec<Who>>,
     pub part_sets: Defined<Vec<u64>>,
     pub solid_sets: Defined<Vec<u64>>,
     pub boxes: Defined<[[f64; 2]; 3]>,
@@ -167,10 +169,13 @@ pub(super) struct Raw {
     pub starts: Vec<RawStart>,
     pub walls: Vec<RawWall>,
     pub contact: Option<crate::fe::model::ContactSettings>,
+    /// Parts between which contact is asked for, which have to be all.
+    pub contact_parts: Option<(Who, At)>,
     pub end_time: Option<f64>,
     pub step_safety: Option<f64>,
     pub mass_scaling: Option<f64>,
     pub state_interval: Option<f64>,
+    pub state_count: Option<u64>,
     pub history_interval: Option<f64>,
     pub energy_interval: Option<f64>,
     pub history: Vec<(Who, At)>,

@@ -53,6 +53,7 @@ pub fn is_deck(path: &Path) -> bool {
             let mut head = Vec::new();
             let opened = std::fs::File::open(path).and_then(|f| f.take(65_536).read_to_end(&mut head));
             let text = String::from_utf8_lossy(&head);
+            let text = text.trim_start_matches('\u{feff}');
             let mut lines = text.lines().filter(|l| !l.trim().is_empty() && !l.starts_with('$'));
             opened.is_ok() && lines.next().is_some_and(|l| l.starts_with('*'))
         }
@@ -129,6 +130,8 @@ pub(super) const KEYWORDS: &[&str] = &[
     "TITLE",
     "END",
     "INCLUDE",
+    "INCLUDE_PATH",
+    "INCLUDE_PATH_RELATIVE",
     "PARAMETER",
     "COMMENT",
     "NODE",
@@ -139,6 +142,7 @@ pub(super) const KEYWORDS: &[&str] = &[
     "SECTION_BEAM",
     "SET_NODE_LIST",
     "SET_NODE_LIST_GENERATE",
+    "SET_NODE_GENERAL",
     "SET_NODE",
     "SET_PART_LIST",
     "SET_PART",
@@ -187,6 +191,9 @@ fn unknown(block: &Block, options: DeckOptions, messages: &mut Messages) {
     let message = format!("keyword {} is not known", quoted(&format!("*{}", block.keyword)));
     let near = closest(&block.keyword, KEYWORDS.iter().copied());
     let help = match near {
+        _ if block.keyword.starts_with("PARAMETER_EXPRESSION") => {
+            "expressions are not computed: put their values into *PARAMETER".into()
+        }
         Some(near) => format!("did you mean `*{near}`? --skip-unknown leaves unknown keywords out"),
         None => {
             "take it out; --skip-unknown leaves unknown keywords out (docs/decks.md lists the known ones)"

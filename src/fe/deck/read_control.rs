@@ -16,7 +16,36 @@ const WITHOUT_EFFECT: &[&str] = &[
     "CONTROL_CONTACT",
     "CONTROL_CPU",
     "CONTROL_PARALLEL",
+    "CONTROL_RIGID",
+    "CONTROL_STRUCTURED",
+    "CONTROL_SUBCYCLE",
+    "CONTROL_MPP_DECOMPOSITION_METHOD",
+    "CONTROL_MPP_IO_NODUMP",
+    "CONTROL_CHECK_SHELL",
     "DATABASE_EXTENT_BINARY",
+    "DATABASE_EXTENT_INTFOR",
+    "DATABASE_EXTENT_SSSTAT",
+    "DATABASE_ABSTAT",
+    "DATABASE_DEFGEO",
+    "DATABASE_DISBOUT",
+    "DATABASE_JNTFORC",
+    "DATABASE_NCFORC",
+    "DATABASE_RBDOUT",
+    "DATABASE_SECFORC",
+    "DATABASE_SSSTAT",
+    "DATABASE_SWFORC",
+    "DATABASE_TPRINT",
+    "DATABASE_CROSS_SECTION_PLANE",
+    "DATABASE_CROSS_SECTION_PLANE_ID",
+    "DATABASE_CROSS_SECTION_SET",
+    "DATABASE_CROSS_SECTION_SET_ID",
+    "DATABASE_NODAL_FORCE_GROUP",
+    "DATABASE_HISTORY_BEAM_SET",
+    "DATABASE_HISTORY_SHELL",
+    "DATABASE_HISTORY_SHELL_SET",
+    "DATABASE_BINARY_D3PART",
+    "DATABASE_BINARY_D3DRLF",
+    "DATABASE_BINARY_BLSTFOR",
     "DATABASE_FORMAT",
     "DATABASE_ELOUT",
     "DATABASE_RCFORC",
@@ -49,7 +78,7 @@ pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
             cards.block.at,
             "*CONTROL_DYNAMIC_RELAXATION has no effect: loads of a deck act from the beginning of the run",
         ),
-        "DATABASE_BINARY_D3PLOT" => interval(cards, |raw| &mut raw.state_interval, raw),
+        "DATABASE_BINARY_D3PLOT" => states(cards, raw),
         "DATABASE_NODOUT" => interval(cards, |raw| &mut raw.history_interval, raw),
         "DATABASE_GLSTAT" | "DATABASE_MATSUM" => interval(cards, |raw| &mut raw.energy_interval, raw),
         "DATABASE_HISTORY_NODE" => history_nodes(cards, raw, false),
@@ -102,19 +131,45 @@ fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
         );
     } else if least < 0.0 {
         raw.mass_scaling = Some(-least * safety);
+        if cards.whole(&card, 7) == Some(0) {
+            let text = "mass is added once, before the first step, as with MS1ST = 1";
+            cards.messages.note(card.place(4), text);
+        }
     }
     cards.must_be_zero(&card, 5, "a curve that limits the step is not supported");
 }
 
-/// The interval of field `DT`.
+/// The interval of field `DT`; blank or 0 asks for nothing.
 fn interval(cards: &mut Cards<'_, '_>, slot: fn(&mut Raw) -> &mut Option<f64>, raw: &mut Raw) {
-    let Some(card) = cards.required(&["DT", "BINARY/LCDT", "LCUR"]) else { return };
-    let value = cards.positive(&card, 0);
-    if cards.block.keyword.contains("D3PLOT") {
-        cards.must_be_zero(&card, 1, "states are written at a constant interval");
+    let Some(card) = cards.required(&["DT", "BINARY", "LCUR"]) else { return };
+    let value = cards.real(&card, 0);
+    if value < 0.0 {
+        cards.refuse(&card, 0, "an interval is not negative");
     }
-    let slot = slot(raw);
-    *slot = Some(slot.map_or(value, |v| v.min(value)));
+    if cards.id(&card, 2).is_some_and(|id| id > 0) {
+        cards.messages.note(card.place(2), "LCUR has no effect: the interval is DT");
+    }
+    if value > 0.0 {
+        let slot = slot(raw);
+        *slot = Some(slot.map_or(value, |v| v.min(value)));
+    }
+}
+
+/// States at an interval, or `NPLTC` of them, which goes before.
+fn states(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
+    let Some(card) = cards.required(&["DT", "LCDT", "BEAM", "NPLTC", "PSETID"]) else { return };
+    let value = cards.real(&card, 0);
+    if value < 0.0 {
+        cards.refuse(&card, 0, "an interval is not negative");
+    }
+    cards.must_be_zero(&card, 1, "states are written at a constant interval");
+    match cards.id(&card, 3) {
+        Some(0) | None => {}
+        Some(count) => raw.state_count = Some(count),
+    }
+    if value > 0.0 {
+        raw.state_interval = Some(raw.state_interval.map_or(value, |v| v.min(value)));
+    }
 }
 
 fn history_nodes(cards: &mut Cards<'_, '_>, raw: &mut Raw, sets: bool) {

@@ -98,7 +98,8 @@ fn driven(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, set: bool) {
     }
 }
 
-/// A positive value accelerates the mass against the axis: it is the acceleration of the base on which the model stands.
+/// A positive value accelerates the mass against the axis: it is the acceleration of the base on which the model stands
+/// (LS-DYNA Keyword User's Manual I, `*LOAD_BODY`: "positive body load acts in the negative direction").
 fn body_load(cards: &mut Cards<'_, '_>, raw: &mut Raw, axis: usize) {
     const NAMES: Names = &["LCID", "SF", "LCIDDR", "XC", "YC", "ZC", "CID"];
     let Some(card) = cards.required(NAMES) else { return };
@@ -174,7 +175,7 @@ fn velocity_of_parts(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
             let center = [0, 1, 2].map(|i| cards.real(&second, i));
             let axis = [3, 4, 5].map(|i| cards.real(&second, i));
             let length = axis.iter().map(|n| n * n).sum::<f64>().sqrt();
-            if omega != 0.0 && (length == 0.0 || axis[0] == -999.0) {
+            if omega != 0.0 && (!normal_length(&axis) || axis[0] == -999.0) {
                 cards.refuse(&second, 3, "the axis of rotation is given by the components of a vector");
             } else if omega != 0.0 {
                 spin = Some((axis.map(|n| omega * n / length), center));
@@ -205,6 +206,12 @@ fn velocity_of_nodes(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
             });
         }
     }
+}
+
+/// Whether the length of a vector can be divided by: neither lost nor without bounds. So is one with an error in it.
+fn normal_length(vector: &[f64; 3]) -> bool {
+    let square: f64 = vector.iter().map(|c| c * c).sum();
+    square.is_normal() || square.is_nan()
 }
 
 /// Friction: 0 to 1 Coulomb, exactly 1 no slip.
@@ -242,6 +249,8 @@ fn walls(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, keyword: &str) 
                 3,
                 "the normal points from (XT, YT, ZT) to (XH, YH, ZH), which are the same point",
             );
+        } else if !normal_length(&std::array::from_fn(|i| head[i] - tail[i])) {
+            cards.refuse(&second, 3, "give the two points of the normal a distance that can be squared");
         }
         if let (Some(set), Some(without)) = (set, without) {
             let friction = if friction == 1.0 { f64::INFINITY } else { friction };
@@ -260,8 +269,11 @@ fn contact(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool, eroding: bool
     cards.skip_title(titled);
     let Some(first) = cards.required(FIRST) else { return };
     let settings = ContactSettings { friction: 0.0 };
-    if cards.id(&first, 0) != Some(0) && cards.whole(&first, 2) != Some(5) {
-        cards.refuse(&first, 0, "contact is between all outer faces of the model: SSID = 0");
+    match (cards.id(&first, 0), cards.whole(&first, 2)) {
+        (Some(0), Some(_)) | (Some(_), Some(5)) | (None, _) | (_, None) => {}
+        (Some(id), Some(2)) => raw.contact_parts = Some((Who::PartSet(id), first.place(0))),
+        (Some(id), Some(3)) => raw.contact_parts = Some((Who::Part(id), first.place(0))),
+        _ => cards.refuse(&first, 0, "contact is between all outer faces of the model: SSID = 0"),
     }
     cards.must_be_zero(&first, 4, "contact is between all outer faces of the model");
     let second = cards.card(SECOND);

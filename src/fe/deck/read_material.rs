@@ -130,8 +130,9 @@ fn piecewise(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         curve = cards.id(&second, 2);
         cards.must_be_zero(&second, 3, "curves of the rate effect are not supported; give C and P");
         if let (Some(strains), Some(stresses)) = (cards.card(STRAINS), cards.card(STRESSES)) {
-            let count = strains.len().max(stresses.len()).min(8);
-            points = (0..count).map(|i| [cards.real(&strains, i), cards.real(&stresses, i)]).collect();
+            points = (0..8).map(|i| [cards.real(&strains, i), cards.real(&stresses, i)]).collect();
+            // zeros at the end, or throughout, are no points
+            points.truncate(points.iter().rposition(|p| *p != [0.0; 2]).map_or(0, |i| i + 1));
             check_points(cards, &strains, &stresses, &points);
         }
     }
@@ -204,6 +205,7 @@ fn erosion(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
             cards.refuse(&second, 3, "give a positive strain (curves and tables are not supported)");
         }
     }
+    further_criteria(cards, exclude, ONLY);
     if plastic_strain <= 0.0 {
         cards.refuse(&first, 4, "give a positive strain (curves and tables are not supported)");
     } else if plastic_strain.is_finite() {
@@ -215,6 +217,24 @@ fn erosion(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     cards.end();
     if let Some(material) = material {
         raw.erosions.push(RawErosion { material, plastic_strain, principal_strain, at: first.place(0) });
+    }
+}
+
+/// The lines after the second: damage, forming limits, steps. They may be there, and ask for nothing.
+fn further_criteria(cards: &mut Cards<'_, '_>, exclude: f64, why: &str) {
+    const LINES: [(Names, &[usize]); 3] = [
+        (&["IDAM"], &[0]),
+        (
+            &["LCFLD", "NSFF", "EPSTHIN", "ENGCRT", "RADCRT", "LCEPS12", "LCEPS13", "LCEPSMX"],
+            &[0, 2, 3, 4, 5, 6, 7],
+        ),
+        (&["DTEFLT", "VOLFRAC", "MXTMP", "DTMIN"], &[0, 2, 3]),
+    ];
+    for (names, fields) in LINES {
+        let Some(card) = cards.card(names) else { return };
+        for field in fields {
+            refuse_unless_excluded(cards, &card, *field, exclude, why);
+        }
     }
 }
 

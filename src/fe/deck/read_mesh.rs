@@ -2,7 +2,7 @@
 
 use super::card::{Cards, Names};
 use super::error::At;
-use super::raw::{Defined, Raw, RawBeam, RawNode, RawPart, RawSection, RawSolid};
+use super::raw::{Defined, Raw, RawBeam, RawNode, RawPart, RawSection, RawSolid, Who};
 
 /// Reads the block if it is one of these; says whether it was.
 pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
@@ -18,6 +18,7 @@ pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
         "SECTION_BEAM" => beam_sections(cards, raw, titled),
         "SET_NODE" | "SET_NODE_LIST" => list(cards, &mut raw.node_sets, titled),
         "SET_NODE_LIST_GENERATE" => ranges(cards, raw, titled),
+        "SET_NODE_GENERAL" => general(cards, raw, titled),
         "SET_PART" | "SET_PART_LIST" => list(cards, &mut raw.part_sets, titled),
         "SET_SOLID" => list(cards, &mut raw.solid_sets, titled),
         "DEFINE_BOX" => boxes(cards, raw, titled),
@@ -241,17 +242,38 @@ fn ranges(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         }
     }
     if let Some(id) = id {
-        if raw.node_sets.contains_key(&id) {
-            let message = format!("*{}: {id} is defined twice", cards.block.keyword);
-            cards.messages.error(
-                head.place(0),
-                "duplicate-id",
-                message,
-                "",
-                "give one of them another identifier",
-            );
-        }
         define(cards, &mut raw.node_ranges, id, items, head.place(0));
+    }
+}
+
+/// A set of all nodes, of nodes by identifier, of parts.
+fn general(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
+    const NAMES: Names = &["OPTION", "E1", "E2", "E3", "E4", "E5", "E6", "E7"];
+    cards.skip_title(titled);
+    let Some(head) = cards.required(SET) else { return };
+    let id = cards.required_id(&head, 0);
+    let mut items = Vec::new();
+    loop {
+        cards.skip_blank();
+        let Some(card) = cards.card(NAMES) else { break };
+        let of: fn(u64) -> Who = match &card.text(0).to_uppercase()[..] {
+            "ALL" => {
+                items.push(Who::All);
+                continue;
+            }
+            "NODE" => Who::Node,
+            "PART" => Who::Part,
+            _ => {
+                cards.refuse(&card, 0, "ALL, NODE or PART; other ways to make sets are not supported");
+                continue;
+            }
+        };
+        for field in 1..card.len().min(8) {
+            items.extend(cards.id(&card, field).filter(|i| *i > 0).map(of));
+        }
+    }
+    if let Some(id) = id {
+        define(cards, &mut raw.node_general, id, items, head.place(0));
     }
 }
 

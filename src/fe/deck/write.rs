@@ -1,11 +1,11 @@
 //! From a model to a deck that other programs run.
 //!
-//! A block stands in the standard format where its numbers come back from it to the last bit, and else in the
-//! long format (`*NODE+`, 20 columns). What does not fit 20 columns either (negative numbers of 17 digits below 0.01)
+//! A block stands in the standard format where its numbers come back from it to the last bit and have their exponents
+//! after an `e`, and else in the long format (`*NODE+`, 20 columns). What does not fit 20 columns either (negative numbers of 17 digits below 0.01)
 //! goes in as a parameter, which is positive and fits.
 
 use super::normal::{head_of, least_step_of_element, normalised};
-use super::number::shortest;
+use super::number::{common, shortest};
 use crate::fe::law::{ElementForm, Hourglass, Law};
 use crate::fe::model::{Curve, Model};
 use std::collections::BTreeMap;
@@ -98,7 +98,7 @@ impl Writer {
             Row::Title(_) => true,
             Row::Card(widths, cells) => cells.iter().zip(*widths).all(|(cell, width)| match cell {
                 Id(id) => id.to_string().len() <= *width,
-                Real(x) => shortest(*x, *width).is_some(),
+                Real(x) => common(*x, *width).is_some(),
                 Blank => true,
             }),
         };
@@ -165,7 +165,12 @@ impl Writer {
         let least = control
             .mass_scaling_step_s
             .map_or(Blank, |step| Real(-least_step_of_element(step, control.step_safety)));
-        self.card("CONTROL_TIMESTEP", vec![Real(0.0), Real(control.step_safety), Blank, Blank, least]);
+        let mut step = vec![Real(0.0), Real(control.step_safety)];
+        if let Real(_) = least {
+            // mass is added once: MS1ST
+            step.extend([Blank, Blank, least, Blank, Blank, Id(1)]);
+        }
+        self.card("CONTROL_TIMESTEP", step);
         self.card("CONTROL_ENERGY", vec![Id(2), Id(2), Id(2)]);
         self.card("DATABASE_BINARY_D3PLOT", vec![Real(control.state_interval_s)]);
         self.card("DATABASE_NODOUT", vec![Real(control.history_interval_s)]);
@@ -245,7 +250,8 @@ impl Writer {
         let failure = law.erosion.plastic_strain;
         let failure = if failure.is_finite() { Real(failure) } else { Blank };
         first.extend([Real(begin.stress_pa), Real(0.0), failure]);
-        let mut second = law.rate.map_or(vec![Blank, Blank], |r| vec![Real(r.c_1_s), Real(r.p)]);
+        // zeros, not blanks: some programs pass over a blank line
+        let mut second = law.rate.map_or(vec![Real(0.0); 2], |r| vec![Real(r.c_1_s), Real(r.p)]);
         let table = &law.hardening;
         if table.len() > 8 {
             let curve = Curve(table.iter().map(|p| [p.plastic_strain, p.stress_pa]).collect());

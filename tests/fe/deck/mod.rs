@@ -1,6 +1,8 @@
 //! Keyword decks: formats, messages, round trip, runs.
 
 mod bad;
+mod foreign;
+mod fuzz;
 mod round_trip;
 mod run;
 mod variants;
