@@ -165,6 +165,21 @@ pub const STEEL: Table = Table {
     ],
 };
 
+/// Rate factor.
+pub const RATE_FACTOR: Table = Table {
+    noun: "a rate factor",
+    doc: "Factor 1 + (rate / c)^(1 / p) on the yield stress, with the equivalent plastic strain rate (Cowper and Symonds 1957).",
+    keys: &[
+        must(
+            "c",
+            quantity(Dimension::Rate, 1e-2, 1e8, (1.0, 1e5)),
+            "\"40 1/s\"",
+            "Rate at which the yield stress is doubled.",
+        ),
+        must("p", quantity(Dimension::Number, 1.0, 20.0, (2.0, 10.0)), "5", "Exponent."),
+    ],
+};
+
 /// Homogenised reinforced concrete.
 pub const HOMOGENISED: Table = Table {
     noun: "a homogenised material",
@@ -186,6 +201,18 @@ pub const HOMOGENISED: Table = Table {
             quantity(Dimension::Number, 1e-4, 2.0, (0.01, 0.5)),
             "0.1",
             "Equivalent plastic strain at which an element erodes.",
+        ),
+        may(
+            "critical_principal_strain",
+            quantity(Dimension::Number, 1e-4, 2.0, (0.001, 0.5)),
+            "0.1",
+            "Largest principal strain (tension) at which an element erodes, if that comes first; default: not by this.",
+        ),
+        may(
+            "rate_factor",
+            Kind::Table(&RATE_FACTOR),
+            "{ c = \"40 1/s\", p = 5 }",
+            "Rate factor on the yield stress, in FE only; default: none.",
         ),
     ],
 };

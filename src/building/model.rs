@@ -128,6 +128,21 @@ pub struct Homogenised {
     pub hardening: Vec<HardeningPoint>,
     /// Equivalent plastic strain at which an element erodes (equation 1).
     pub critical_plastic_strain: f64,
+    /// Rate factor on the yield stress; `None`: the law knows no rate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_factor: Option<CowperSymonds>,
+    /// Largest principal strain (tension) at which an element erodes, if that comes first; `None`: not by this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_principal_strain: Option<f64>,
+}
+
+/// Rate factor `1 + (ε̇ / C)^(1/P)` on the yield stress (Cowper and Symonds 1957), with the equivalent plastic strain rate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CowperSymonds {
+    /// C \[1/s\].
+    pub c_1_s: f64,
+    /// P.
+    pub p: f64,
 }
 
 /// One point of a hardening table.

@@ -20,6 +20,8 @@ pub fn empty() -> Building {
         poisson_ratio: 0.2,
         hardening: vec![HardeningPoint { plastic_strain: 0.0, stress_pa: 20e6 }],
         critical_plastic_strain: 0.1,
+        rate_factor: None,
+        critical_principal_strain: None,
     };
     let materials = BTreeMap::from([
         ("c30".to_string(), Material::Concrete(concrete)),
