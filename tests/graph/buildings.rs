@@ -89,6 +89,7 @@ pub fn add(building: &mut Building, id: &str, kind: MemberKind, min: [f64; 3], m
         storey: None,
         openings,
         rotation_deg: 0.0,
+        inclined: None,
     });
 }
 
