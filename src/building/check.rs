@@ -27,6 +27,7 @@ pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     turned(draft, found);
     obstacles(draft, found);
     below_ground(draft, found);
+    supported_braces(draft, found);
     events_on_removed(draft, found);
     mesh(root, draft, found);
     if draft.members.complete && !draft.members.list.is_empty() {
@@ -114,7 +115,8 @@ fn turned_pair(
 ) -> Option<(&'static str, String, Option<&'static str>)> {
     let [p, q] = [a, b].map(TurnedBox::of);
     if a.inclined.is_some() || b.inclined.is_some() {
-        let near = |m: &Member, shape: TurnedBox| shape.longer(m.axis, m.inclined.map_or(0.0, |i| i.slack_m()));
+        let near =
+            |m: &Member, shape: TurnedBox| shape.longer(m.axis, m.inclined.map_or(0.0, |i| i.slack_m()));
         if !(a.is_skew() && b.is_skew() && near(a, p).overlaps(&near(b, q))) {
             return None;
         }
@@ -328,7 +330,6 @@ fn support(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
         }
     }
     high_supports(draft, found);
-    supported_braces(draft, found);
 }
 
 /// A brace has no face that a support could hold.

@@ -151,13 +151,19 @@ impl Clear {
         (0..count * count).map(|k| [at(a, k % count), at(b, k / count)]).collect()
     }
 
-    /// The free stretch about the middle of the line at an offset across the member.
-    fn free(&self, offset: [f64; 2]) -> Line {
+    /// A point of the middle section at an offset across the member, not nearer to the faces than [`INSET`], along its own axes.
+    fn inset(&self, offset: [f64; 2]) -> [f64; 3] {
         let mut local = [0.0; 3];
         for (i, value) in self.across().into_iter().zip(offset) {
             let inside = (1.0 - INSET) * self.gross.half_m[i];
             local[i] = value.clamp(-inside, inside);
         }
+        local
+    }
+
+    /// The free stretch about the middle of the line at an offset across the member.
+    fn free(&self, offset: [f64; 2]) -> Line {
+        let local = self.inset(offset);
         let (from, along) = (self.gross.to_global(local), self.gross.direction(self.axis));
         let (half, slack) = (self.gross.half_m[self.axis], self.slack_m.unwrap_or(0.0));
         let mut blocked: Vec<([f64; 2], usize)> = Vec::new();
@@ -244,8 +250,7 @@ impl Clear {
     pub fn lowest_m(&self) -> f64 {
         let ends = self.lines(JUDGED_LINES).into_iter().flat_map(|offset| {
             self.range_at(offset).map(|at| {
-                let mut local = [0.0; 3];
-                self.across().into_iter().zip(offset).for_each(|(i, value)| local[i] = value);
+                let mut local = self.inset(offset);
                 local[self.axis] = at;
                 self.gross.to_global(local)[2]
             })
@@ -256,9 +261,8 @@ impl Clear {
     /// Whether its clear shape and that of another have more than [`ON_FACE_M`] of depth in common, by points along its lines.
     pub fn overlaps(&self, other: &Self) -> bool {
         let within = |local: [f64; 3], clear: &Self| {
-            let inside = |i: usize, [low, high]: [f64; 2]| {
-                local[i] > low + ON_FACE_M && local[i] < high - ON_FACE_M
-            };
+            let inside =
+                |i: usize, [low, high]: [f64; 2]| local[i] > low + ON_FACE_M && local[i] < high - ON_FACE_M;
             let across = clear.across();
             across.iter().all(|i| inside(*i, clear.range_m[*i]))
                 && inside(clear.axis, clear.range_at(across.map(|i| local[i])))

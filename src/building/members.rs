@@ -275,7 +275,8 @@ impl Place {
             return None;
         }
         if !(0.2..=LONGEST_M.0).contains(&length) {
-            let message = format!("this brace is {} long", show(round_to_digits(length, 4), Dimension::Length));
+            let message =
+                format!("this brace is {} long", show(round_to_digits(length, 4), Dimension::Length));
             let error = Diagnostic::error("out-of-range", message)
                 .at(self.to_span, format!("plausible: 0.2 m to {} m", LONGEST_M.0))
                 .also(self.from_span, "");
@@ -283,13 +284,7 @@ impl Place {
             return None;
         }
         let SectionShape::Rectangle { width_m, depth_m, .. } = shape? else { return None };
-        Some(Inclined {
-            from_m: self.from,
-            to_m: self.to,
-            roll_deg,
-            width_m: *width_m,
-            depth_m: *depth_m,
-        })
+        Some(Inclined { from_m: self.from, to_m: self.to, roll_deg, width_m: *width_m, depth_m: *depth_m })
     }
 
     fn wrong_direction(&self, kind: MemberKind, runs: &[usize], wanted: &str) -> Diagnostic {

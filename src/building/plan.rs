@@ -80,7 +80,8 @@ pub fn meshing(root: &Node, members: &Members, size_m: f64, found: &mut Vec<Diag
                 m.item.id == placed.item && matches!(m.item.kind, MemberKind::Column | MemberKind::Beam)
             };
             if ends_m.is_some() && !members.list.iter().any(|m| bar(&m)) {
-                let brace = members.list.iter().any(|m| m.item.id == placed.item && m.item.inclined.is_some());
+                let brace =
+                    members.list.iter().any(|m| m.item.id == placed.item && m.item.inclined.is_some());
                 let why = if brace { "a brace: it has one size" } else { "a plate: it has no ends" };
                 let message = format!("{} is {why}", quoted(&placed.item));
                 let error = Diagnostic::error("wrong-kind", message)

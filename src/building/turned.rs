@@ -35,11 +35,7 @@ impl TurnedBox {
 
     /// A box that is not turned.
     pub fn of_box(solid: &Aabb) -> Self {
-        Self {
-            center_m: solid.center(),
-            half_m: solid.size().map(|s| 0.5 * s),
-            axes: about_vertical(0.0),
-        }
+        Self { center_m: solid.center(), half_m: solid.size().map(|s| 0.5 * s), axes: about_vertical(0.0) }
     }
 
     /// The same box, longer at both ends along one of its own axes \[m\].
@@ -184,8 +180,13 @@ mod tests {
     #[test]
     fn crossing_bars_are_told_apart_by_their_edges() {
         let bar = |to: [f64; 3], roll_deg: f64, z: f64| {
-            let inclined = Inclined { from_m: to.map(|c| -c), to_m: to, roll_deg, width_m: 0.2, depth_m: 0.2 };
-            TurnedBox { center_m: [0.0, 0.0, z], half_m: [inclined.length_m(), 0.1, 0.1], axes: inclined.axes() }
+            let inclined =
+                Inclined { from_m: to.map(|c| -c), to_m: to, roll_deg, width_m: 0.2, depth_m: 0.2 };
+            TurnedBox {
+                center_m: [0.0, 0.0, z],
+                half_m: [inclined.length_m(), 0.1, 0.1],
+                axes: inclined.axes(),
+            }
         };
         // rolled by 45 degrees they face each other edge to edge: 0.2 / sqrt 2 from axis to edge each
         let (a, b) = (bar([1.0, 1.0, 0.0], 45.0, 0.0), |z| bar([1.0, -1.0, 0.0], 45.0, z));

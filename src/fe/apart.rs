@@ -41,7 +41,11 @@ pub(super) fn blocks(building: &Building, apart: &[bool], size_m: f64) -> Vec<Bl
         let own = &building.members[member];
         let finer = meshing.refine.iter().filter(|r| r.member == own.id).map(|r| r.size_m);
         let size = finer.fold(size_m, f64::min);
-        if own.is_skew() { turned(&all, member, size, TURNED_REACH_SHARE * size_m) } else { upright(building, member, size) }
+        if own.is_skew() {
+            turned(&all, member, size, TURNED_REACH_SHARE * size_m)
+        } else {
+            upright(building, member, size)
+        }
     };
     let members = (0..apart.len()).filter(|m| apart[*m] && !building.is_cut(&building.members[*m].id));
     members.map(block).collect()
