@@ -128,7 +128,7 @@ fn bar_theory(building: &Building, points: [[f64; 3]; 2]) -> [f64; 2] {
     let axial = SOFT_PA * area / length * along[0] * along[0];
     let bending = |side: f64| 12.0 * SOFT_PA * area * side * side / 12.0 / length.powi(3);
     let k = axial + bending(0.2) * wide[0] * wide[0] + bending(0.3) * deep[0] * deep[0];
-    [k, SOFT_PA * area / length * along[0] / k]
+    [k, SOFT_PA * area / length * along[0].abs() / k]
 }
 
 /// Stiffness and axial force of [`two_floors`] by FE over [`bar_theory`], less one.
