@@ -194,7 +194,7 @@ mod tests {
         assert!((a.separation_m(&b(reach + 0.01)) - 0.01).abs() < 1e-12);
         assert!(a.overlaps(&b(reach - 0.01)) && !a.touches(&b(reach)), "an edge on an edge");
         assert!(bar([1.0, 1.0, 0.0], 0.0, 0.0).touches(&bar([1.0, -1.0, 0.0], 0.0, 0.2)), "face on face");
-        assert!(a.contains([0.9, 0.9, 0.0], 0.0) && !a.contains([0.9, 0.9, 0.1], 0.0));
+        assert!(a.contains([0.9, 0.9, 0.0], 0.0) && !a.contains([0.9, 0.9, 0.15], 0.0));
         assert!((a.bounds().max[2] - 0.1 * 2.0_f64.sqrt()).abs() < 1e-12);
     }
 }
