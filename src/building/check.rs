@@ -27,6 +27,7 @@ pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     turned(draft, found);
     obstacles(draft, found);
     below_ground(draft, found);
+    supported_braces(draft, found);
     events_on_removed(draft, found);
     mesh(root, draft, found);
     if draft.members.complete && !draft.members.list.is_empty() {
@@ -74,7 +75,7 @@ fn overlap(
 ) -> Option<(&'static str, String, Option<&'static str>)> {
     use MemberKind::{Beam, Column, Footing, Slab, Wall};
     if a.is_skew() || b.is_skew() {
-        return turned_pair(a, b);
+        return turned_pair(a, b, all);
     }
     let common = a.solid.intersection(&b.solid, COORDINATE_TOLERANCE_M)?;
     let volume = format!("{:.4} m3 of common volume", common.volume());
@@ -107,8 +108,24 @@ fn overlap(
 }
 
 /// What is wrong with two members one of which is turned. One such member may run into others ([`turned`] looks at it alone).
-fn turned_pair(a: &Member, b: &Member) -> Option<(&'static str, String, Option<&'static str>)> {
+fn turned_pair(
+    a: &Member,
+    b: &Member,
+    all: &[Placed<Member>],
+) -> Option<(&'static str, String, Option<&'static str>)> {
     let [p, q] = [a, b].map(TurnedBox::of);
+    if a.inclined.is_some() || b.inclined.is_some() {
+        let near =
+            |m: &Member, shape: TurnedBox| shape.longer(m.axis, m.inclined.map_or(0.0, |i| i.slack_m()));
+        if !(a.is_skew() && b.is_skew() && near(a, p).overlaps(&near(b, q))) {
+            return None;
+        }
+        let members: Vec<&Member> = all.iter().map(|m| &m.item).collect();
+        let place = |m: &Member| members.iter().position(|o| std::ptr::eq(*o, m));
+        let (p, q) = (Clear::of(&members, place(a)?), Clear::of(&members, place(b)?));
+        let remedy = "a brace meets members along the axes only: move one aside, or let both end at a column, beam or slab";
+        return p.overlaps(&q).then(|| ("have a common volume", "outside their joints".into(), Some(remedy)));
+    }
     let remedy = "tie each to a member along the axes, such as a slab, and leave a gap between them";
     (a.is_skew() && b.is_skew() && p.touches(&q)).then(|| {
         (
@@ -125,8 +142,11 @@ fn turned(draft: &Draft, found: &mut Vec<Diagnostic>) {
     for (index, member) in draft.members.list.iter().enumerate().filter(|(_, m)| m.item.is_skew()) {
         let Some(wrong) = Clear::of(&members, index).problem() else { continue };
         let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));
-        let message = format!("the turned {noun} {id} {}", wrong.problem);
-        let label = format!("`rotation_deg = {}`", member.item.rotation_deg);
+        let (turned, label) = match member.item.inclined {
+            Some(_) => ("", String::new()),
+            None => ("turned ", format!("`rotation_deg = {}`", member.item.rotation_deg)),
+        };
+        let message = format!("the {turned}{noun} {id} {}", wrong.problem);
         found.push(Diagnostic::error("turned-member", message).at(member.span, label).help(wrong.remedy));
     }
 }
@@ -164,8 +184,16 @@ fn obstacles(draft: &Draft, found: &mut Vec<Diagnostic>) {
 fn below_ground(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(ground) = draft.ground else { return };
     let mut seen: Vec<Span> = Vec::new();
-    for member in draft.members.list.iter().filter(|m| m.item.kind != MemberKind::Footing) {
-        let depth = ground.level_m - member.item.solid.min[2];
+    let members: Vec<&Member> = draft.members.list.iter().map(|m| &m.item).collect();
+    for (index, member) in draft.members.list.iter().enumerate() {
+        if member.item.kind == MemberKind::Footing {
+            continue;
+        }
+        let lowest = match member.item.inclined {
+            Some(_) if member.item.solid.min[2] < ground.level_m => Clear::of(&members, index).lowest_m(),
+            _ => member.item.solid.min[2],
+        };
+        let depth = ground.level_m - lowest;
         if depth > COORDINATE_TOLERANCE_M && !seen.contains(&member.span) {
             seen.push(member.span);
             let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));
@@ -304,6 +332,20 @@ fn support(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     high_supports(draft, found);
 }
 
+/// A brace has no face that a support could hold.
+fn supported_braces(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    for support in &draft.supports {
+        let member = draft.members.list.iter().find(|m| m.item.id == support.item.member);
+        let Some(member) = member.filter(|m| m.item.inclined.is_some()) else { continue };
+        let message = format!("the brace {} cannot be supported", quoted(&member.item.id));
+        let error = Diagnostic::error("not-supported", message)
+            .at(support.span, "")
+            .also(member.span, "the brace")
+            .help("let it end in a footing, and support that");
+        found.push(error);
+    }
+}
+
 fn high_supports(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(ground) = draft.ground else { return };
     let mut seen: Vec<Span> = Vec::new();
@@ -377,7 +419,7 @@ fn mesh(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     let settings = root.get("settings");
     let place = settings.and_then(|s| s.get("mesh_size")).or(settings).map(|n| n.span);
     let Some(span) = place else { return };
-    let volume: f64 = draft.members.list.iter().map(|m| m.item.solid.volume()).sum();
+    let volume: f64 = draft.members.list.iter().map(|m| m.item.size_m().iter().product::<f64>()).sum();
     let elements = volume / size.powi(3);
     if elements > MAX_ELEMENTS {
         let error =
@@ -390,7 +432,7 @@ fn mesh(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
                 ));
         found.push(error);
     }
-    let longest = |m: &Placed<Member>| m.item.solid.size().into_iter().fold(0.0, f64::max);
+    let longest = |m: &Placed<Member>| m.item.size_m().into_iter().fold(0.0, f64::max);
     let shortest = draft.members.list.iter().min_by(|a, b| longest(a).total_cmp(&longest(b)));
     if let Some(member) = shortest.filter(|m| size > 0.5 * longest(m)) {
         let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));

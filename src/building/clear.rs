@@ -1,13 +1,18 @@
-//! What is left of a turned member between its neighbours.
+//! What is left of a turned member or brace between its neighbours.
 //!
 //! A turned member yields to every other: it butts against their faces. Along a column the common clear height counts, as with columns that are
 //! not turned. Beams and walls that lie wholly under a slab or on a footing end at its face; each line along their axis then runs from the face that it
 //! meets at one end to that at the other: the ends are mitred, no corner dips into a neighbour, and no volume counts twice.
+//!
+//! So do all lines along a brace, whatever its direction: at the corner of a column and a beam its end has two faces. Its axis says where it runs; how long it is
+//! its neighbours decide. Where it ends less than [`Inclined::slack_m`](super::inclined::Inclined::slack_m) before a face it is prolonged, and as much of it may come out behind a neighbour,
+//! such as the corners of its end behind a thin slab: that is cut off. Its whole end must meet neighbours.
 
 use super::model::{Member, MemberKind};
 use super::partition::COORDINATE_TOLERANCE_M;
 use super::turned::TurnedBox;
 use crate::base::geom::Aabb;
+use crate::base::units::round_to_digits;
 
 /// Lines across the section in each direction on which the volume is summed.
 const VOLUME_LINES: usize = 64;
@@ -15,6 +20,8 @@ const VOLUME_LINES: usize = 64;
 const JUDGED_LINES: usize = 5;
 /// How far lines stay off the member's faces, as a share of half its width: a line in the face of a neighbour meets it.
 const INSET: f64 = 1e-4;
+/// Lines across the section in each direction on which two braces are tested for a common volume.
+const OVERLAP_LINES: usize = 9;
 /// Steepest mitre, as length over width: a member that meets a face under less than about 27 degrees is refused.
 const STEEPEST: f64 = 2.0;
 /// Least share of the gross length that must be left.
@@ -27,9 +34,11 @@ const ON_FACE_M: f64 = 1e-3;
 pub struct Clear {
     /// The gross shape.
     pub gross: TurnedBox,
-    /// Its own long axis: 2 of a column, the horizontal one of a beam or wall.
+    /// Its own long axis: 2 of a column, the horizontal one of a beam or wall, 0 of a brace.
     pub axis: usize,
-    /// Clear extent along its own axes, from the centre \[m\]; along the axis of a beam or wall still gross.
+    /// How far its ends may be prolonged or cut off \[m\]; `None`: not a brace.
+    slack_m: Option<f64>,
+    /// Clear extent along its own axes, from the centre \[m\]; along the axis of a beam or wall still gross, of a brace that of its centre line.
     pub range_m: [[f64; 2]; 3],
     /// Members that it overlaps or touches, with their ids.
     neighbours: Vec<Neighbour>,
@@ -40,6 +49,8 @@ struct Line {
     length_m: f64,
     /// Free stretch about the middle, from the centre \[m\].
     range_m: [f64; 2],
+    /// Neighbours that it ends at.
+    met: [Option<usize>; 2],
     /// Neighbour beyond which there is another free stretch.
     beyond: Option<usize>,
 }
@@ -67,14 +78,17 @@ impl Clear {
         let gross = TurnedBox::of(member);
         let neighbour =
             |m: &&Member| Neighbour { id: m.id.clone(), solid: m.solid, openings: m.openings.clone() };
-        let near =
-            |m: &&Member| !m.is_skew() && gross.separation_m(&TurnedBox::of(m)) < COORDINATE_TOLERANCE_M;
         let axis = match member.kind {
             MemberKind::Wall => 1 - member.axis,
             _ => member.axis,
         };
+        let slack_m = member.inclined.map(|i| i.slack_m());
+        let around = gross.longer(axis, slack_m.unwrap_or(0.0));
+        let near =
+            |m: &&Member| !m.is_skew() && around.separation_m(&TurnedBox::of(m)) < COORDINATE_TOLERANCE_M;
         let mut clear = Self {
             axis,
+            slack_m,
             range_m: gross.half_m.map(|h| [-h, h]),
             neighbours: members
                 .iter()
@@ -84,7 +98,9 @@ impl Clear {
                 .collect(),
             gross,
         };
-        if axis == 2 {
+        if slack_m.is_some() {
+            clear.range_m[axis] = clear.free([0.0; 2]).range_m;
+        } else if axis == 2 {
             clear.trim_column();
         } else {
             clear.trim_height();
@@ -135,15 +151,21 @@ impl Clear {
         (0..count * count).map(|k| [at(a, k % count), at(b, k / count)]).collect()
     }
 
-    /// The free stretch about the middle of the line at an offset across the member.
-    fn free(&self, offset: [f64; 2]) -> Line {
+    /// A point of the middle section at an offset across the member, not nearer to the faces than [`INSET`], along its own axes.
+    fn inset(&self, offset: [f64; 2]) -> [f64; 3] {
         let mut local = [0.0; 3];
         for (i, value) in self.across().into_iter().zip(offset) {
             let inside = (1.0 - INSET) * self.gross.half_m[i];
             local[i] = value.clamp(-inside, inside);
         }
+        local
+    }
+
+    /// The free stretch about the middle of the line at an offset across the member.
+    fn free(&self, offset: [f64; 2]) -> Line {
+        let local = self.inset(offset);
         let (from, along) = (self.gross.to_global(local), self.gross.direction(self.axis));
-        let half = self.gross.half_m[self.axis];
+        let (half, slack) = (self.gross.half_m[self.axis], self.slack_m.unwrap_or(0.0));
         let mut blocked: Vec<([f64; 2], usize)> = Vec::new();
         for (n, neighbour) in self.neighbours.iter().enumerate() {
             let Some(inside) = within(&neighbour.solid, from, along) else { continue };
@@ -153,7 +175,7 @@ impl Clear {
             }
             blocked.extend(parts.into_iter().map(|p| (p, n)));
         }
-        let (mut low, mut high) = (-half, half);
+        let (mut low, mut high) = (-half - slack, half + slack);
         for ([from, to], _) in &blocked {
             if from + to < 0.0 {
                 low = low.max(*to);
@@ -165,7 +187,7 @@ impl Clear {
             let rest = blocked
                 .iter()
                 .fold(vec![range], |rest, (b, _)| rest.into_iter().flat_map(|p| without(p, *b)).collect());
-            rest.iter().any(|[a, b]| b - a > COORDINATE_TOLERANCE_M)
+            rest.iter().any(|[a, b]| b - a > COORDINATE_TOLERANCE_M.max(slack))
         };
         let at = |end: f64| blocked.iter().find(|(b, _)| b.contains(&end)).map(|(_, n)| *n);
         let beyond = if lost([-half, low]) {
@@ -175,7 +197,7 @@ impl Clear {
         } else {
             None
         };
-        Line { length_m: high - low, range_m: [low, high], beyond }
+        Line { length_m: high - low, range_m: [low, high], met: [at(low), at(high)], beyond }
     }
 
     /// Clear extent of a line along the member at an offset across it, from the centre \[m\].
@@ -224,6 +246,69 @@ impl Clear {
         levels.windows(2).map(|w| [w[0], w[1]]).filter(|[a, b]| b - a > COORDINATE_TOLERANCE_M).collect()
     }
 
+    /// Lowest point of its clear shape \[m\].
+    pub fn lowest_m(&self) -> f64 {
+        let ends = self.lines(JUDGED_LINES).into_iter().flat_map(|offset| {
+            self.range_at(offset).map(|at| {
+                let mut local = self.inset(offset);
+                local[self.axis] = at;
+                self.gross.to_global(local)[2]
+            })
+        });
+        ends.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether its clear shape and that of another have more than [`ON_FACE_M`] of depth in common, by points along its lines.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let within = |local: [f64; 3], clear: &Self| {
+            let inside =
+                |i: usize, [low, high]: [f64; 2]| local[i] > low + ON_FACE_M && local[i] < high - ON_FACE_M;
+            let across = clear.across();
+            across.iter().all(|i| inside(*i, clear.range_m[*i]))
+                && inside(clear.axis, clear.range_at(across.map(|i| local[i])))
+        };
+        let across = self.across();
+        let widest = across.iter().map(|i| self.range_m[*i][1] - self.range_m[*i][0]).fold(0.0, f64::max);
+        self.lines(OVERLAP_LINES).into_iter().any(|offset| {
+            let [low, high] = self.range_at(offset);
+            let count = ((high - low) * OVERLAP_LINES as f64 / widest).ceil().max(1.0) as usize;
+            (0..=count).any(|k| {
+                let mut local = [0.0; 3];
+                across.iter().zip(offset).for_each(|(i, value)| local[*i] = value);
+                local[self.axis] = low + (high - low) * k as f64 / count as f64;
+                within(other.gross.to_local(self.gross.to_global(local)), other)
+            })
+        })
+    }
+
+    /// What is wrong with the ends of a brace.
+    fn loose_end(&self, lines: &[Line]) -> Option<NotClear> {
+        for end in 0..2 {
+            let met = lines.iter().filter_map(|line| line.met[end]).next();
+            if lines.iter().all(|line| line.met[end].is_some()) {
+                continue;
+            }
+            let mut local = [0.0; 3];
+            local[self.axis] = [-1.0, 1.0][end] * self.gross.half_m[self.axis];
+            let [x, y, z] = self.gross.to_global(local).map(|c| round_to_digits(c, 4));
+            let name = ["`from`", "`to`"][end];
+            return Some(match met {
+                None => NotClear {
+                    problem: format!("touches nothing at {name}, ({x}, {y}, {z}) m"),
+                    remedy: "let its axis run into a column, beam, slab, wall or footing along the axes",
+                },
+                Some(n) => NotClear {
+                    problem: format!(
+                        "meets `{}` at {name}, ({x}, {y}, {z}) m, only with a part of its end",
+                        self.neighbours[n].id
+                    ),
+                    remedy: "its whole end must meet neighbours: move the point to the middle of a face or joint, or put a footing under it",
+                },
+            });
+        }
+        None
+    }
+
     /// What keeps the member from being modelled, if anything.
     pub fn problem(&self) -> Option<NotClear> {
         let lines = self.lines(JUDGED_LINES);
@@ -235,14 +320,27 @@ impl Clear {
         if let Some(n) = free.iter().find_map(|f| f.beyond) {
             return Some(NotClear {
                 problem: format!("passes through `{}`", self.neighbours[n].id),
-                remedy: "a turned member ends in its neighbours: divide it there",
+                remedy: if self.slack_m.is_some() {
+                    "a brace ends in its neighbours: divide it there, or move it aside"
+                } else {
+                    "a turned member ends in its neighbours: divide it there"
+                },
             });
         }
         if shortest < LEAST_LEFT * gross || height < LEAST_LEFT * 2.0 * self.gross.half_m[2] {
             return Some(NotClear {
                 problem: "lies mostly inside other members".into(),
-                remedy: "a turned member yields to all others; describe only what stands between them",
+                remedy: if self.slack_m.is_some() {
+                    "a brace yields to all others; let it run between them"
+                } else {
+                    "a turned member yields to all others; describe only what stands between them"
+                },
             });
+        }
+        if self.slack_m.is_some()
+            && let Some(loose) = self.loose_end(&free)
+        {
+            return Some(loose);
         }
         if self.axis == 2 {
             return None;
@@ -260,7 +358,11 @@ impl Clear {
             let ids: Vec<String> = self.neighbours.iter().map(|n| format!("`{}`", n.id)).collect();
             NotClear {
                 problem: format!("meets its neighbours ({}) at too flat an angle or only in part", ids.join(", ")),
-                remedy: "let its whole end meet a face under at least 27 degrees, and its top lie wholly under a slab or not at all",
+                remedy: if self.slack_m.is_some() {
+                    "let its whole end meet faces under at least 27 degrees"
+                } else {
+                    "let its whole end meet a face under at least 27 degrees, and its top lie wholly under a slab or not at all"
+                },
             }
         })
     }

@@ -9,7 +9,8 @@ use petgraph::unionfind::UnionFind;
 /// Whether two gross solids overlap or share a face with an area.
 pub fn touch(a: &Member, b: &Member) -> bool {
     if a.is_skew() || b.is_skew() {
-        return TurnedBox::of(a).touches(&TurnedBox::of(b));
+        let [p, q] = [a, b].map(|m| TurnedBox::of(m).longer(m.axis, m.inclined.map_or(0.0, |i| i.slack_m())));
+        return p.touches(&q);
     }
     touch_box(&a.solid, &b.solid)
 }

@@ -165,6 +165,21 @@ pub const STEEL: Table = Table {
     ],
 };
 
+/// Rate factor.
+pub const RATE_FACTOR: Table = Table {
+    noun: "a rate factor",
+    doc: "Factor 1 + (rate / c)^(1 / p) on the yield stress, with the equivalent plastic strain rate (Cowper and Symonds 1957).",
+    keys: &[
+        must(
+            "c",
+            quantity(Dimension::Rate, 1e-2, 1e8, (1.0, 1e5)),
+            "\"40 1/s\"",
+            "Rate at which the yield stress is doubled.",
+        ),
+        must("p", quantity(Dimension::Number, 1.0, 20.0, (2.0, 10.0)), "5", "Exponent."),
+    ],
+};
+
 /// Homogenised reinforced concrete.
 pub const HOMOGENISED: Table = Table {
     noun: "a homogenised material",
@@ -186,6 +201,18 @@ pub const HOMOGENISED: Table = Table {
             quantity(Dimension::Number, 1e-4, 2.0, (0.01, 0.5)),
             "0.1",
             "Equivalent plastic strain at which an element erodes.",
+        ),
+        may(
+            "critical_principal_strain",
+            quantity(Dimension::Number, 1e-4, 2.0, (0.001, 0.5)),
+            "0.1",
+            "Largest principal strain (tension) at which an element erodes, if that comes first; default: not by this.",
+        ),
+        may(
+            "rate_factor",
+            Kind::Table(&RATE_FACTOR),
+            "{ c = \"40 1/s\", p = 5 }",
+            "Rate factor on the yield stress, in FE only; default: none.",
         ),
     ],
 };
@@ -266,13 +293,13 @@ const SIDE: Kind = length(0.1, 3.0, (0.15, 1.5));
 /// Rectangle.
 pub const RECTANGLE: Table = Table {
     noun: "a rectangle section",
-    doc: "Reinforced rectangle of columns and beams. Give the bars by `bars_around`, `bar_layers` or one by \
+    doc: "Reinforced rectangle of columns, beams and braces. Give the bars by `bars_around`, `bar_layers` or one by \
           one by `bars`; what is given adds up.",
     keys: &[
         CONCRETE_ID,
         STEEL_ID,
         LAW_ID,
-        must("width", SIDE, "\"400 mm\"", "Width: along x for a column, horizontal for a beam."),
+        must("width", SIDE, "\"400 mm\"", "Width: along x for a column, horizontal for a beam or brace."),
         must(
             "depth",
             SIDE,
@@ -386,14 +413,14 @@ pub const MEMBER: Table = Table {
     noun: "a member",
     doc: "A single member. `from` and `to` are: column: bottom and top of its axis; beam: both ends of its axis \
           at the height of its top; slab, footing: two opposite corners of the top face; wall: two opposite \
-          corners of its middle plane.",
+          corners of its middle plane; brace: both ends of its axis, in any direction.",
     keys: &[
         must("id", Kind::Id, "\"C9\"", "Unique id."),
         must(
             "kind",
             Kind::Choice(
-                &["column", "beam", "slab", "wall", "footing"],
-                &["brace", "truss", "shell", "stair", "pile"],
+                &["column", "beam", "slab", "wall", "footing", "brace"],
+                &["truss", "shell", "stair", "pile"],
             ),
             "\"column\"",
             "Kind.",
@@ -413,6 +440,13 @@ pub const MEMBER: Table = Table {
             "30",
             "Angle in degrees by which a column, beam or wall is turned about the vertical axis through its centre, \
              anticlockwise seen from above; default: 0. Such a member butts against its neighbours and runs in FE only.",
+        ),
+        may(
+            "roll_deg",
+            quantity(Dimension::Number, -360.0, 360.0, (-180.0, 180.0)),
+            "45",
+            "Angle in degrees by which the section of a brace is rolled about its axis, anticlockwise looking from `to` to `from`; \
+             default 0: its width is horizontal (along x if the brace is vertical).",
         ),
     ],
 };

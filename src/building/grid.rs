@@ -188,7 +188,7 @@ impl<'a> Grid<'a> {
 
 fn member(id: String, kind: MemberKind, section: &str, solid: Aabb, axis: usize, storey: usize) -> Member {
     let (section, storey) = (section.to_string(), Some(storey as u32));
-    Member { id, kind, section, solid, axis, storey, openings: Vec::new(), rotation_deg: 0.0 }
+    Member { id, kind, section, solid, axis, storey, openings: Vec::new(), rotation_deg: 0.0, inclined: None }
 }
 
 /// "A1" for the first axes, "AA1" for the 27th x axis.

@@ -2,10 +2,11 @@
 
 use super::fields::{Fields, Placed, number_of};
 use super::format::{
-    BAR, BAR_LAYER, BARS_AROUND, CONCRETE, HOMOGENISED, Kind, MESH, PLATE, RECTANGLE, STEEL, TIES,
+    BAR, BAR_LAYER, BARS_AROUND, CONCRETE, HOMOGENISED, Kind, MESH, PLATE, RATE_FACTOR, RECTANGLE, STEEL,
+    TIES,
 };
 use super::model::{
-    Bar, Concrete, HardeningPoint, Homogenised, Material, Section, SectionShape, Steel, Ties,
+    Bar, Concrete, CowperSymonds, HardeningPoint, Homogenised, Material, Section, SectionShape, Steel, Ties,
 };
 use super::structure::{is_id, list_words};
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
@@ -67,12 +68,25 @@ fn steel(fields: Fields<'_>, found: &mut Vec<Diagnostic>) -> Option<Material> {
 
 fn homogenised(fields: Fields<'_>, found: &mut Vec<Diagnostic>) -> Option<Material> {
     let hardening = hardening(fields, found);
+    let rate_factor = match fields.child("rate_factor") {
+        Some(node) => {
+            let fields = Fields { node, table: &RATE_FACTOR };
+            Some(CowperSymonds { c_1_s: fields.number("c")?, p: fields.number("p")? })
+        }
+        None => None,
+    };
+    let critical_principal_strain = match fields.child("critical_principal_strain") {
+        Some(_) => Some(fields.number("critical_principal_strain")?),
+        None => None,
+    };
     Some(Material::Homogenised(Homogenised {
         density_kg_m3: fields.number("density")?,
         youngs_modulus_pa: fields.number("youngs_modulus")?,
         poisson_ratio: fields.number("poisson_ratio")?,
         hardening: hardening?,
         critical_plastic_strain: fields.number("critical_plastic_strain")?,
+        rate_factor,
+        critical_principal_strain,
     }))
 }
 

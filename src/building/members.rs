@@ -3,15 +3,17 @@
 use super::fields::{Fields, Placed};
 use super::format::{GRID, MEMBER};
 use super::grid::{Grid, Shapes, clean};
+use super::inclined::Inclined;
 use super::materials::Defined;
 use super::model::{Member, MemberKind, Section, SectionShape};
 use super::openings;
 use super::structure::list_words;
+use super::turned::TurnedBox;
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::geom::Aabb;
 use crate::base::source::Span;
 use crate::base::tree::Node;
-use crate::base::units::{Dimension, show};
+use crate::base::units::{Dimension, round_to_digits, show};
 
 /// Two coordinates nearer than this are the same \[m\].
 const SAME_M: f64 = 1e-6;
@@ -119,7 +121,8 @@ fn section_shape(
         found.push(error.help_if(help));
         return None;
     };
-    let wanted = if matches!(kind, MemberKind::Column | MemberKind::Beam) { "rectangle" } else { "plate" };
+    let bar = matches!(kind, MemberKind::Column | MemberKind::Beam | MemberKind::Brace);
+    let wanted = if bar { "rectangle" } else { "plate" };
     let has = section.item.0.as_str();
     if matches!(has, "rectangle" | "plate") && has != wanted {
         let message = format!("a {} needs a {wanted} section, but {} is a {has}", kind.name(), quoted(id));
@@ -140,12 +143,21 @@ fn member(
         "beam" => MemberKind::Beam,
         "slab" => MemberKind::Slab,
         "wall" => MemberKind::Wall,
+        "brace" => MemberKind::Brace,
         _ => MemberKind::Footing,
     };
     let shape = section_shape(fields, "section", kind, sections, used, found);
     let (from, to) = (fields.point("from")?, fields.point("to")?);
     let place = Place { from, to, from_span: fields.span("from"), to_span: fields.span("to") };
-    let (solid, axis) = place.solid(kind, shape.as_ref(), found)?;
+    let rotation_deg = rotation(fields, kind, found)?;
+    let roll_deg = roll(fields, kind, found)?;
+    let (solid, axis, inclined) = if kind == MemberKind::Brace {
+        let inclined = place.inclined(roll_deg, shape.as_ref(), found)?;
+        (Aabb::from_corners(from, to), 0, Some(inclined))
+    } else {
+        let (solid, axis) = place.solid(kind, shape.as_ref(), found)?;
+        (solid, axis, None)
+    };
     let mut item = Member {
         id: fields.text("id")?.to_string(),
         kind,
@@ -154,8 +166,12 @@ fn member(
         axis,
         storey: None,
         openings: Vec::new(),
-        rotation_deg: rotation(fields, kind, found)?,
+        rotation_deg,
+        inclined,
     };
+    if inclined.is_some() {
+        item.solid = TurnedBox::of(&item).bounds();
+    }
     item.openings = openings::check(fields, "openings", &item, found)?;
     Some(Placed { item, span: fields.span("id") })
 }
@@ -166,12 +182,16 @@ fn rotation(fields: Fields<'_>, kind: MemberKind, found: &mut Vec<Diagnostic>) -
     if angle == 0.0 {
         return Some(0.0);
     }
-    let plate = matches!(kind, MemberKind::Slab | MemberKind::Footing);
+    let plate = matches!(kind, MemberKind::Slab | MemberKind::Footing | MemberKind::Brace);
     let open = fields.child("openings").is_some_and(|o| !o.items().is_empty());
     let (message, remedy) = if plate {
         (
             format!("a {} cannot be turned", kind.name()),
-            "only columns, beams and walls: leave `rotation_deg` out",
+            if kind == MemberKind::Brace {
+                "its two points say its direction; `roll_deg` rolls its section about its axis"
+            } else {
+                "only columns, beams and walls: leave `rotation_deg` out"
+            },
         )
     } else if open {
         (
@@ -186,6 +206,19 @@ fn rotation(fields: Fields<'_>, kind: MemberKind, found: &mut Vec<Diagnostic>) -
             .at(fields.span("rotation_deg"), "not supported")
             .help(remedy),
     );
+    None
+}
+
+/// The angle by which a brace is rolled \[deg\]; `None` after an error.
+fn roll(fields: Fields<'_>, kind: MemberKind, found: &mut Vec<Diagnostic>) -> Option<f64> {
+    let angle = fields.number_or("roll_deg", 0.0)?;
+    if kind == MemberKind::Brace || fields.child("roll_deg").is_none() {
+        return Some(angle);
+    }
+    let error = Diagnostic::error("not-supported", format!("a {} cannot be rolled", kind.name()))
+        .at(fields.span("roll_deg"), "only braces")
+        .help("leave `roll_deg` out; `rotation_deg` turns columns, beams and walls about the vertical axis");
+    found.push(error);
     None
 }
 
@@ -218,6 +251,7 @@ impl Place {
             (MemberKind::Wall, [0, 2]) => (1, ""),
             (MemberKind::Wall, [1, 2]) => (0, ""),
             (MemberKind::Wall, _) => (0, "a wall is vertical along x or y: z and one of them must differ"),
+            (MemberKind::Brace, _) => (0, ""), // [`Self::inclined`]
         };
         if !wanted.is_empty() {
             found.push(self.wrong_direction(kind, &runs, wanted));
@@ -226,6 +260,31 @@ impl Place {
         self.check_length(kind, &runs, found)?;
         let gross = Aabb::from_corners(self.from, self.to);
         Some((thicken(gross, kind, axis, shape?), axis))
+    }
+
+    /// Axis and section of a bar in any direction; without a shape only the points are checked.
+    fn inclined(
+        &self,
+        roll_deg: f64,
+        shape: Option<&SectionShape>,
+        found: &mut Vec<Diagnostic>,
+    ) -> Option<Inclined> {
+        let length = (0..3).map(|i| (self.to[i] - self.from[i]).powi(2)).sum::<f64>().sqrt();
+        if length <= SAME_M {
+            found.push(self.wrong_direction(MemberKind::Brace, &[], "the axis has no length"));
+            return None;
+        }
+        if !(0.2..=LONGEST_M.0).contains(&length) {
+            let message =
+                format!("this brace is {} long", show(round_to_digits(length, 4), Dimension::Length));
+            let error = Diagnostic::error("out-of-range", message)
+                .at(self.to_span, format!("plausible: 0.2 m to {} m", LONGEST_M.0))
+                .also(self.from_span, "");
+            found.push(error);
+            return None;
+        }
+        let SectionShape::Rectangle { width_m, depth_m, .. } = shape? else { return None };
+        Some(Inclined { from_m: self.from, to_m: self.to, roll_deg, width_m: *width_m, depth_m: *depth_m })
     }
 
     fn wrong_direction(&self, kind: MemberKind, runs: &[usize], wanted: &str) -> Diagnostic {
@@ -240,13 +299,17 @@ impl Place {
             _ => runs.len() == 3,
         };
         if skew {
-            let turn = "place it along x or y about its middle and turn it with `rotation_deg`";
             let level = (self.from[2] - self.to[2]).abs() <= SAME_M;
-            let turns = kind == MemberKind::Beam && level || kind == MemberKind::Wall;
+            let bar = matches!(kind, MemberKind::Column | MemberKind::Beam);
+            let remedy = if kind == MemberKind::Beam && level || kind == MemberKind::Wall {
+                Some("place it along x or y about its middle and turn it with `rotation_deg`")
+            } else {
+                bar.then_some("a `brace` runs in any direction")
+            };
             return Diagnostic::error("not-supported", format!("a skew {noun} is not supported"))
                 .at(self.to_span, wanted)
                 .also(self.from_span, "")
-                .help_if(turns.then(|| turn.to_string()));
+                .help_if(remedy.map(String::from));
         }
         Diagnostic::error("bad-place", format!("these points do not make a {noun}"))
             .at(self.to_span, wanted)

@@ -21,6 +21,7 @@ pub mod ends;
 mod fields;
 pub mod format;
 mod grid;
+pub mod inclined;
 mod materials;
 mod members;
 pub mod model;
@@ -33,6 +34,7 @@ mod structure;
 pub mod tracked;
 pub mod turned;
 
+pub use inclined::Inclined;
 pub use model::*;
 pub use read::{Inspection, inspect, inspect_file, parse, read};
 

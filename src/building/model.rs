@@ -4,6 +4,7 @@
 //! have passed. Later modules take it as given: ids are unique, references resolve, solids have
 //! volume, and `members` are sorted by id order of the file (grid members first, in storey order).
 
+use super::inclined::Inclined;
 use super::turned::TurnedBox;
 use crate::base::geom::Aabb;
 use serde::{Deserialize, Serialize};
@@ -47,15 +48,19 @@ impl Building {
     /// # Errors
     /// If there is such a member, with its id, the key and the remedy.
     pub fn without_skew(&self, what: &str) -> Result<(), String> {
-        match self.members.iter().find(|m| m.is_skew()) {
-            None => Ok(()),
-            Some(m) => Err(format!(
-                "{what}: skew members run in FE only, and the {} `{}` has `rotation_deg = {}`\n  = help: run `fallwerk fe`, or leave `rotation_deg` out of it",
-                m.kind.name(),
-                m.id,
-                m.rotation_deg
-            )),
-        }
+        let Some(m) = self.members.iter().find(|m| m.is_skew()) else { return Ok(()) };
+        let (is, remedy) = match m.inclined {
+            Some(_) => (
+                "has an axis of its own direction".to_string(),
+                "leave it out of the file, if the building stands without it",
+            ),
+            None => (format!("has `rotation_deg = {}`", m.rotation_deg), "leave `rotation_deg` out of it"),
+        };
+        Err(format!(
+            "{what}: skew members run in FE only, and the {} `{}` {is}\n  = help: run `fallwerk fe`, or {remedy}",
+            m.kind.name(),
+            m.id
+        ))
     }
 
     /// Whether preparatory work cuts a member away.
@@ -128,6 +133,21 @@ pub struct Homogenised {
     pub hardening: Vec<HardeningPoint>,
     /// Equivalent plastic strain at which an element erodes (equation 1).
     pub critical_plastic_strain: f64,
+    /// Rate factor on the yield stress; `None`: the law knows no rate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_factor: Option<CowperSymonds>,
+    /// Largest principal strain (tension) at which an element erodes, if that comes first; `None`: not by this.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub critical_principal_strain: Option<f64>,
+}
+
+/// Rate factor `1 + (ε̇ / C)^(1/P)` on the yield stress (Cowper and Symonds 1957), with the equivalent plastic strain rate.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CowperSymonds {
+    /// C \[1/s\].
+    pub c_1_s: f64,
+    /// P.
+    pub p: f64,
 }
 
 /// One point of a hardening table.
@@ -217,6 +237,8 @@ pub enum MemberKind {
     Wall,
     /// Footing on the ground.
     Footing,
+    /// Bar in any direction.
+    Brace,
 }
 
 impl MemberKind {
@@ -228,11 +250,12 @@ impl MemberKind {
             Self::Slab => "slab",
             Self::Wall => "wall",
             Self::Footing => "footing",
+            Self::Brace => "brace",
         }
     }
 }
 
-/// A structural member: an axis-aligned solid, or one turned about the vertical axis.
+/// A structural member: an axis-aligned solid, one turned about the vertical axis, or a bar in any direction.
 ///
 /// Solids are given gross, as a formwork drawing names them: a column reaches from floor to floor,
 /// a beam's depth includes the slab. Where solids of different kinds overlap, the stiffer plate owns the
@@ -245,9 +268,9 @@ pub struct Member {
     pub kind: MemberKind,
     /// Section id.
     pub section: String,
-    /// Gross solid \[m\], before it is turned.
+    /// Gross solid \[m\], before it is turned; of a bar in any direction the box around it.
     pub solid: Aabb,
-    /// Long axis of a column or beam, normal of a slab, wall or footing: 0 = x, 1 = y, 2 = z.
+    /// Long axis of a column or beam, normal of a slab, wall or footing: 0 = x, 1 = y, 2 = z; 0 of a bar in any direction, whose own first axis is the long one.
     pub axis: usize,
     /// Storey number from 1, if the member came from a grid.
     pub storey: Option<u32>,
@@ -257,6 +280,9 @@ pub struct Member {
     /// Angle by which the solid is turned about the vertical axis through its centre, anticlockwise seen from above \[deg\].
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rotation_deg: f64,
+    /// Axis and section of a bar in any direction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inclined: Option<Inclined>,
 }
 
 /// Whether a number is zero.
@@ -267,17 +293,21 @@ fn is_zero(value: &f64) -> bool {
 impl Member {
     /// Whether it is turned out of the axes. Such a member is no part of the partition and runs in FE only ([`super::clear`]).
     pub fn is_skew(&self) -> bool {
-        self.rotation_deg != 0.0
+        self.rotation_deg != 0.0 || self.inclined.is_some()
     }
 
-    /// A point in the member's own directions, turned back about its centre \[m\].
-    pub fn turned_back(&self, point_m: [f64; 3]) -> [f64; 3] {
+    /// Edges of the gross shape along its own axes \[m\].
+    pub fn size_m(&self) -> [f64; 3] {
+        if self.is_skew() { TurnedBox::of(self).half_m.map(|h| 2.0 * h) } else { self.solid.size() }
+    }
+
+    /// Distance of a point along the member's axis from its lower or first end \[m\].
+    pub fn along_m(&self, point_m: [f64; 3]) -> f64 {
         if !self.is_skew() {
-            return point_m;
+            return point_m[self.axis] - self.solid.min[self.axis];
         }
         let shape = TurnedBox::of(self);
-        let local = shape.to_local(point_m);
-        std::array::from_fn(|i| shape.center_m[i] + local[i])
+        shape.half_m[self.axis] + shape.to_local(point_m)[self.axis]
     }
 }
 

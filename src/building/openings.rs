@@ -46,7 +46,8 @@ pub fn check(
     let corners = rectangles(fields, key)?;
     let nodes = fields.child(key).map_or(&[][..], Node::items);
     let before = found.len();
-    if let (MemberKind::Column | MemberKind::Beam, Some(_)) = (member.kind, nodes.first()) {
+    if let (MemberKind::Column | MemberKind::Beam | MemberKind::Brace, Some(_)) = (member.kind, nodes.first())
+    {
         let message = format!("the {} {} cannot have openings", member.kind.name(), quoted(&member.id));
         let error = Diagnostic::error("wrong-kind", message)
             .at(fields.span(key), "only slabs, walls and footings")

@@ -32,7 +32,7 @@ pub fn precedence(kind: MemberKind) -> u8 {
         MemberKind::Slab => 3,
         MemberKind::Wall => 2,
         MemberKind::Beam => 1,
-        MemberKind::Column => 0,
+        MemberKind::Column | MemberKind::Brace => 0,
     }
 }
 

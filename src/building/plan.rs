@@ -80,7 +80,10 @@ pub fn meshing(root: &Node, members: &Members, size_m: f64, found: &mut Vec<Diag
                 m.item.id == placed.item && matches!(m.item.kind, MemberKind::Column | MemberKind::Beam)
             };
             if ends_m.is_some() && !members.list.iter().any(|m| bar(&m)) {
-                let message = format!("{} is a plate: it has no ends", quoted(&placed.item));
+                let brace =
+                    members.list.iter().any(|m| m.item.id == placed.item && m.item.inclined.is_some());
+                let why = if brace { "a brace: it has one size" } else { "a plate: it has no ends" };
+                let message = format!("{} is {why}", quoted(&placed.item));
                 let error = Diagnostic::error("wrong-kind", message)
                     .at(fields.span("ends"), "only for columns and beams")
                     .help("leave `ends` out to refine all of it");
@@ -291,8 +294,8 @@ fn event(fields: Fields<'_>, members: &Members, found: &mut Vec<Diagnostic>) -> 
 }
 
 fn check_stretch(member: &Member, [from, to]: [f64; 2], span: Span, found: &mut Vec<Diagnostic>) {
-    let length = member.solid.size()[member.axis];
-    if !matches!(member.kind, MemberKind::Column | MemberKind::Beam) {
+    let length = member.size_m()[member.axis];
+    if !matches!(member.kind, MemberKind::Column | MemberKind::Beam | MemberKind::Brace) {
         let message = format!("a stretch of a {} is not supported", member.kind.name());
         let error = Diagnostic::error("not-supported", message).at(span, "").help("remove the whole member");
         found.push(error);

@@ -68,6 +68,7 @@ fn shares(building: &Building) -> Vec<Share> {
         (MemberKind::Slab, "slabs"),
         (MemberKind::Wall, "walls"),
         (MemberKind::Footing, "footings"),
+        (MemberKind::Brace, "braces"),
     ];
     let share = |(kind, name)| {
         let mut share = Share { kind: name, count: 0, volume_m3: 0.0, mass_kg: 0.0 };

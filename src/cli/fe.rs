@@ -360,6 +360,7 @@ fn record(building: &Building, fe: &FeRun, mesh_size_m: f64) -> Result<Value, Fa
             "torn": deaths(Death::Torn),
             "split": deaths(Death::Split),
         },
+        "ruptures": fe.ruptures,
         "touches": fe.touches,
         "times_s": fe.times_s,
         "tracked": fe.tracked,
@@ -408,7 +409,7 @@ pub fn energies_csv(fe: &FeRun) -> String {
     text
 }
 
-/// Ends of elements and first contacts of parts, in order of time; positions are centres of the elements in the undeformed mesh.
+/// Ends of elements, ruptures of bars and first contacts of parts, in order of time; positions are centres in the undeformed mesh.
 pub fn events_csv(fe: &FeRun) -> String {
     let ends = fe.deaths.iter().map(|d| {
         let word = match d.cause {
@@ -420,12 +421,17 @@ pub fn events_csv(fe: &FeRun) -> String {
         };
         let part = &fe.mesh.parts[fe.mesh.elements[d.element].part];
         let [x, y, z] = fe.mesh.center(d.element);
-        (d.time_s, format!("{word},{part},,{},{x},{y},{z}", d.element))
+        (d.time_s, format!("{word},{part},,{},{x},{y},{z},", d.element))
     });
-    let contacts = fe.touches.iter().map(|t| (t.time_s, format!("contact,{},{},,,,", t.part, t.surface)));
-    let mut events: Vec<(f64, String)> = ends.chain(contacts).collect();
+    let ruptures = fe.ruptures.iter().map(|r| {
+        let [a, b] = fe.mesh.trusses[r.bar].nodes.map(|n| fe.mesh.nodes[n]);
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+        (r.time_s, format!("ruptured,{},,{},{x},{y},{z},{}", fe.mesh.parts[r.part], r.bar, r.strain))
+    });
+    let contacts = fe.touches.iter().map(|t| (t.time_s, format!("contact,{},{},,,,,", t.part, t.surface)));
+    let mut events: Vec<(f64, String)> = ends.chain(ruptures).chain(contacts).collect();
     events.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut text = String::from("time_s,event,part,surface,element,x_m,y_m,z_m\n");
+    let mut text = String::from("time_s,event,part,surface,element,x_m,y_m,z_m,strain\n");
     for (time_s, event) in events {
         let _ = writeln!(text, "{time_s},{event}");
     }
@@ -475,7 +481,13 @@ fn summary(s: &FeSummary) -> String {
         s.elapsed.wall_s,
         s.elapsed.cpu_s,
     ) + &erosion_words(&s.erosion)
+        + &bar_words(s)
         + &s.mass_scaling.as_ref().map_or(String::new(), mass_scaling_words)
+}
+
+/// Ruptured bars, if there are any.
+fn bar_words(s: &FeSummary) -> String {
+    if s.ruptured_bars == 0 { String::new() } else { format!("  ruptured bars: {}\n", s.ruptured_bars) }
 }
 
 /// What failed elements took with them, if any did.

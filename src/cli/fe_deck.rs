@@ -127,6 +127,15 @@ fn record(deck: &Deck, run: &ModelRun) -> Result<Value, Failure> {
             "velocity_m_s": h.velocity_m_s,
         })
     };
+    let rupture = |r: &crate::fe::truss::BarRupture| {
+        json!({
+            "bar": deck.ids.trusses[r.bar],
+            "part": deck.ids.parts[r.part],
+            "time_s": r.time_s,
+            "strain": r.strain,
+            "plastic_strain": r.plastic_strain,
+        })
+    };
     Ok(json!({
         "schema": SCHEMA,
         "title": deck.model.title,
@@ -141,6 +150,7 @@ fn record(deck: &Deck, run: &ModelRun) -> Result<Value, Failure> {
             "torn": deaths(Death::Torn),
             "collapsed": deaths(Death::Collapsed),
         },
+        "ruptures": run.ruptures.iter().map(rupture).collect::<Vec<_>>(),
         "times_s": run.times_s,
         "histories": run.histories.iter().map(history).collect::<Vec<_>>(),
         "energies": run.energies,
@@ -210,6 +220,9 @@ fn summary(deck: &Deck, run: &ModelRun) -> String {
         percent(s.energy_error),
         percent(s.hourglass_share),
     );
+    if s.ruptured_bars > 0 {
+        let _ = writeln!(text, "  ruptured bars: {} of {}", s.ruptured_bars, deck.model.mesh.trusses.len());
+    }
     if run.added_mass_kg > 0.0 {
         let _ = writeln!(text, "  added mass: {}", percent(run.added_mass_kg / s.mass_kg));
     }

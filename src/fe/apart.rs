@@ -2,8 +2,8 @@
 //!
 //! A conforming block mesh runs all planes through the whole building. A column that stands off the lines of the others brings
 //! planes close to theirs: thin elements in every slab, and a small time step. Such a column is meshed by itself, and the
-//! nodes of its end faces are tied to the faces of the elements they lie on ([`super::tie`]). A member turned about the vertical axis has a
-//! mesh of its own in any case: it butts against its neighbours ([`Clear`]), and all its nodes that lie on their faces are tied.
+//! nodes of its end faces are tied to the faces of the elements they lie on ([`super::tie`]). A member turned about the vertical axis, or a brace in any
+//! direction, has a mesh of its own in any case: it butts against its neighbours ([`Clear`]), and all its nodes that lie on their faces are tied.
 //! What the mesh leaves out of its volume, such as the corners of a column beside a narrower beam, is made up for by the factor on
 //! density, stiffness and strength, and reported as a volume ratio.
 
@@ -41,7 +41,11 @@ pub(super) fn blocks(building: &Building, apart: &[bool], size_m: f64) -> Vec<Bl
         let own = &building.members[member];
         let finer = meshing.refine.iter().filter(|r| r.member == own.id).map(|r| r.size_m);
         let size = finer.fold(size_m, f64::min);
-        if own.is_skew() { turned(&all, member, size) } else { upright(building, member, size) }
+        if own.is_skew() {
+            turned(&all, member, size, TURNED_REACH_SHARE * size_m)
+        } else {
+            upright(building, member, size)
+        }
     };
     let members = (0..apart.len()).filter(|m| apart[*m] && !building.is_cut(&building.members[*m].id));
     members.map(block).collect()
@@ -49,7 +53,7 @@ pub(super) fn blocks(building: &Building, apart: &[bool], size_m: f64) -> Vec<Bl
 
 /// Elements along each direction of a member: [`ELEMENTS_ACROSS`] at least across a bar and through a plate.
 fn counts(member: &Member, lengths_m: [f64; 3], size_m: f64) -> [usize; 3] {
-    let bar = matches!(member.kind, MemberKind::Column | MemberKind::Beam);
+    let bar = matches!(member.kind, MemberKind::Column | MemberKind::Beam | MemberKind::Brace);
     std::array::from_fn(|i| {
         let least = if bar == (i == member.axis) { 1 } else { ELEMENTS_ACROSS };
         ((lengths_m[i] / size_m - 0.01).round() as usize).max(least)
@@ -89,8 +93,8 @@ fn upright(building: &Building, member: usize, size_m: f64) -> Block {
     Block { member, nodes, counts, reach_m: REACH_SHARE * size_m, tied }
 }
 
-/// A member turned about the vertical axis, between its neighbours. The ends of a beam or wall are mitred to the faces they meet.
-fn turned(all: &[&Member], member: usize, size_m: f64) -> Block {
+/// A member turned out of the axes, between its neighbours. The ends of a beam, wall or brace are mitred to the faces they meet.
+fn turned(all: &[&Member], member: usize, size_m: f64, reach_m: f64) -> Block {
     let own = all[member];
     let clear = Clear::of(all, member);
     let counts = counts(own, clear.range_m.map(|[low, high]| high - low), size_m);
@@ -105,7 +109,7 @@ fn turned(all: &[&Member], member: usize, size_m: f64) -> Block {
     let outer = |place: [usize; 3]| (0..3).any(|a| place[a] == 0 || place[a] == counts[a]);
     let nodes: Vec<[f64; 3]> = numbered(counts).map(at).collect();
     let tied = numbered(counts).zip(&nodes).map(|(place, p)| outer(place) && clear.meets(*p)).collect();
-    Block { member, nodes, counts, reach_m: TURNED_REACH_SHARE * size_m, tied }
+    Block { member, nodes, counts, reach_m, tied }
 }
 
 impl Block {

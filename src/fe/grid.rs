@@ -52,6 +52,7 @@ fn hold(kind: MemberKind) -> u8 {
         MemberKind::Footing => 3,
         MemberKind::Slab => 2,
         MemberKind::Beam => 1,
+        MemberKind::Brace => 0,
     }
 }
 

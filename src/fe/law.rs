@@ -1,5 +1,6 @@
 //! What a group of elements is made of and how it is integrated: material law, erosion, element form.
 
+pub use crate::building::CowperSymonds;
 use crate::building::{HardeningPoint, Homogenised};
 use crate::material::concrete::ConcreteLaw;
 use crate::material::j2::HardeningTable;
@@ -20,7 +21,7 @@ pub struct Law {
     /// Yield stress over equivalent plastic strain, first strain zero, strains increasing, constant beyond the last
     /// point; empty: elastic.
     pub hardening: Vec<HardeningPoint>,
-    /// Rate factor on the yield stress.
+    /// Rate factor on the yield stress ([`crate::material::rate`]).
     pub rate: Option<CowperSymonds>,
     /// When an element dies.
     pub erosion: Erosion,
@@ -41,16 +42,6 @@ impl Law {
             None => table,
         }
     }
-}
-
-/// Rate factor `1 + (ε̇ / C)^(1/P)` on the yield stress (Cowper and Symonds 1957), with the equivalent plastic strain rate
-/// ([`crate::material::rate`]).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct CowperSymonds {
-    /// C \[1/s\].
-    pub c_1_s: f64,
-    /// P.
-    pub p: f64,
 }
 
 /// Strains at which an element erodes; infinite: never.
@@ -117,8 +108,11 @@ impl From<&Homogenised> for Law {
             youngs_modulus_pa: law.youngs_modulus_pa,
             poisson_ratio: law.poisson_ratio,
             hardening: law.hardening.clone(),
-            rate: None,
-            erosion: Erosion { plastic_strain: law.critical_plastic_strain, ..Erosion::NEVER },
+            rate: law.rate_factor,
+            erosion: Erosion {
+                plastic_strain: law.critical_plastic_strain,
+                principal_strain: law.critical_principal_strain.unwrap_or(f64::INFINITY),
+            },
             form: ElementForm::default(),
             concrete: None,
             rebar: None,

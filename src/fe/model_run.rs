@@ -8,6 +8,7 @@ use super::model::Model;
 use super::result::{ElementDeath, FeSummary};
 use super::run::{ENERGY_LIMIT, FeError, Progress, check_share, contact_error};
 use super::strain_rate::StrainWindow;
+use super::truss::BarRupture;
 use super::vtu::{Frame, FrameSink};
 use crate::base::cpu::Stopwatch;
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,8 @@ pub struct ModelRun {
     pub energies: Vec<ModelEnergies>,
     /// Element deaths in order.
     pub deaths: Vec<ElementDeath>,
+    /// Ruptures of bars in order.
+    pub ruptures: Vec<BarRupture>,
     /// Plastic strain of each element at the end.
     pub plastic_strain: Vec<f64>,
     /// Positions at the end \[m\].
@@ -260,6 +263,7 @@ impl Recorder {
             histories: model.control.history_nodes.iter().map(history).collect(),
             energies: Vec::new(),
             deaths: Vec::new(),
+            ruptures: Vec::new(),
             plastic_strain: Vec::new(),
             end_m: Vec::new(),
             added_mass_kg: 0.0,
@@ -281,6 +285,7 @@ impl Recorder {
             self.run.deaths.push(ElementDeath { element: *element, time_s: body.time_s, cause: *cause });
             self.window.note_end(&model.mesh, *element, &body.x);
         }
+        self.run.ruptures.extend(body.trusses.ruptures(&model.mesh, body.time_s));
     }
 
     /// Hands the state of the mesh on.
@@ -370,6 +375,7 @@ impl Recorder {
         run.summary.energy_error = if self.largest_j > 0.0 { residual_j / self.largest_j } else { 0.0 };
         run.summary.erosion = ErosionTable { free: free_nodes(body), ..body.failure.table };
         run.summary.eroded_elements = run.summary.erosion.eroded();
+        run.summary.ruptured_bars = run.ruptures.len();
         run.summary.body_contact = body.body_contact.as_ref().map(|c| c.summary().clone());
         run.plastic_strain = (0..model.mesh.elements.len()).map(|e| body.blocks.plastic_strain(e)).collect();
         run.end_m.clone_from(&body.x);

@@ -8,6 +8,7 @@ use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, KeptFra
 use super::run::{ENERGY_LIMIT, FeError};
 use super::split::Split;
 use super::strain_rate::StrainWindow;
+use super::truss::BarRupture;
 use super::vtu::{Frame, FrameSink};
 use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
@@ -33,6 +34,7 @@ pub(super) struct Recorder {
     rates: StrainRates,
     window: StrainWindow,
     pub(super) deaths: Vec<ElementDeath>,
+    ruptures: Vec<BarRupture>,
     pub(super) removed: Vec<bool>,
     pub(super) splits: Vec<Split>,
     touches: Vec<Touch>,
@@ -76,6 +78,7 @@ impl Recorder {
             rates: StrainRates::new(mesh.elements.len(), building.settings.critical_strain_rate_1_s),
             window: StrainWindow::new(&body.x),
             deaths: Vec::new(),
+            ruptures: Vec::new(),
             removed: vec![false; mesh.elements.len()],
             splits: Vec::new(),
             touches: Vec::new(),
@@ -96,6 +99,7 @@ impl Recorder {
             self.deaths.push(ElementDeath { element: *element, time_s: body.time_s, cause: *cause });
             self.window.note_end(mesh, *element, &body.x);
         }
+        self.ruptures.extend(body.trusses.ruptures(mesh, body.time_s));
         for (node, surface) in std::mem::take(&mut body.surfaces.new_touches) {
             let Some(element) = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0) else {
                 continue;
@@ -234,6 +238,7 @@ impl Recorder {
             first_ground_contact_s: self.first_contact_s,
             eroded_elements: erosion.eroded(),
             erosion,
+            ruptured_bars: self.ruptures.len(),
             energy_error: self.energy_error,
             hourglass_share: self.hourglass_share,
             quiet_share: body.blocks.skipped() as f64
@@ -252,6 +257,7 @@ impl Recorder {
             strain_rates: self.rates,
             plastic_strain,
             deaths: self.deaths,
+            ruptures: self.ruptures,
             touches: self.touches,
             energies: self.energies,
             summary,

@@ -5,6 +5,7 @@ use super::dynamics::Death;
 use super::erosion::ErosionTable;
 use super::mass_scaling::MassScaling;
 use super::mesh::{Mesh, Snapped};
+use super::truss::BarRupture;
 use crate::base::cpu::Elapsed;
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +31,8 @@ pub struct FeRun {
     pub plastic_strain: Vec<f64>,
     /// Element deaths in order.
     pub deaths: Vec<ElementDeath>,
+    /// Ruptures of bars in order.
+    pub ruptures: Vec<BarRupture>,
     /// First contact of each part with ground or obstacle, in order.
     pub touches: Vec<Touch>,
     /// Energies.
@@ -161,6 +164,8 @@ pub struct FeSummary {
     pub first_ground_contact_s: Option<f64>,
     /// Eroded elements at the end.
     pub eroded_elements: usize,
+    /// Bars that ruptured.
+    pub ruptured_bars: usize,
     /// What failed elements took out of the structure, and the debris nodes at the end.
     pub erosion: ErosionTable,
     /// Largest energy residual over the largest of kinetic + internal energy and work of gravity.

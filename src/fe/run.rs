@@ -387,8 +387,7 @@ impl Removal {
                         return false;
                     }
                     let member = &building.members[mesh.elements[*e].part];
-                    let along =
-                        member.turned_back(mesh.center(*e))[member.axis] - member.solid.min[member.axis];
+                    let along = member.along_m(mesh.center(*e));
                     charge.stretch_m.is_none_or(|[from, to]| along >= from && along <= to)
                 };
                 (charge.time_s, (0..mesh.elements.len()).filter(hit).collect())

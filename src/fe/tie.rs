@@ -11,15 +11,26 @@
 //! booked as released.
 //!
 //! Limits: a node is tied, not a face. Rigid motion, linear fields, force and moment are exact always; a uniform stress where the tied side's nodes
-//! include the masters' (1:2, 1:3). Elsewhere the masters' shares of a uniform traction are not those of their own shape functions, and a disturbance remains
-//! within about an element of the interface: 2.4 % of the elongation of a bar at a 2:3 interface, a tenth of it two elements away (`tests/fe/ties.rs`).
+//! include the masters' (1:2, 1:3). Elsewhere the masters' shares of a uniform traction are not those of their own shape functions. What that disturbs at a 2:3
+//! interface, measured on a bar in tension (`tests/fe/ties.rs`) in units of the elongation of one element of the masters' side:
+//!
+//! | | at the interface | one element away | two | three |
+//! |---|---|---|---|---|
+//! | displacement, masters' side | 0.19 to 0.20 | 0.020 to 0.023 | 0.007 to 0.009 | 0.002 to 0.005 |
+//!
+//! All of the tied side stays displaced by 0.020, what the interface gives. The mean stress of an element is off by at most 0.7 % on the masters' side, and on the tied side by
+//! 11 % in the first layer of elements, 1.6 to 1.7 % in the second, 0.4 to 0.5 % in the third. These figures are the same for 2, 4 and 6 elements across: the disturbance belongs to the
+//! elements. So that of the stress stays, in a zone that shrinks with them, and that of displacements falls with their size: of the elongation of a bar of eight elements, 2.4 % at the interface
+//! and 0.26 % behind it; of sixteen 1.2 % and 0.12 %, of twenty-four 0.84 % and 0.08 %.
 //!
 //! No choice of weights that are not negative mends that. On an edge of length 1 with masters at 0, 1/2, 1 and tied nodes at 0, 1/3, 2/3, 1 a uniform traction puts 1/6,
 //! 1/3, 1/3, 1/6 on the tied nodes and should put 1/4, 1/2, 1/4 on the masters. The node at 0 must follow the master at 0 alone (`Σ w x_m = x_s`, without which moments
 //! and rigid rotations are lost) and gives it 1/6. The node at 1/3 has, by the same condition, a weight of at least 1/3 there, and gives it at least 1/9: together 0.278 or more,
 //! not 0.25. Weights by the overlap of tributary areas give 1/4, 1/2, 1/4 exactly, but place the node at 0 at x = 1/12 and that at 1 at 11/12: the interface would
-//! turn with 5/6 of the rotation at its edge and bear a moment that is in no element. Weights of both signs (a mortar method) would do, at the price of a mass matrix that is no
-//! longer diagonal and positive. So the nodes are tied where they are.
+//! turn with 5/6 of the rotation at its edge and bear a moment that is in no element. Weights of both signs would do: 7/24, 3/4 and -1/24 at
+//! 1/3 and the mirror image at 2/3 are exact to round-off. They are not used. In a building meshes overlap at random, and such weights have to be found from the areas of overlap of all faces of an interface together; a
+//! tied node then hangs on nodes of several elements, of which one may erode while its tie goes on; and row sums no longer bound `Tᵀ M T`, so that the frequency bound of the time step is lost. So the nodes are tied
+//! where they are.
 
 use super::blocks::Blocks;
 use super::incidence::starts_of;

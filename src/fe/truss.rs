@@ -34,6 +34,21 @@ pub struct Trusses {
     pub ruptured: Vec<usize>,
 }
 
+/// The rupture of a bar.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BarRupture {
+    /// Index of the bar in [`Mesh::trusses`].
+    pub bar: usize,
+    /// Index into [`Mesh::parts`].
+    pub part: usize,
+    /// End of the time step in which it ruptured \[s\].
+    pub time_s: f64,
+    /// Logarithmic strain since the start.
+    pub strain: f64,
+    /// Plastic strain.
+    pub plastic_strain: f64,
+}
+
 /// One bar.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bar {
@@ -69,6 +84,11 @@ impl Bar {
         self.stress_pa * self.area_m2 * self.length_m[0] / self.length_m[1]
     }
 
+    /// Logarithmic strain since the start.
+    pub fn strain(&self) -> f64 {
+        (self.length_m[1] / self.length_m[0]).ln()
+    }
+
     /// Axial stiffness over length, `E A / l` \[N/m\], at a length \[m\].
     fn stiffness_n_m(&self, length_m: f64) -> f64 {
         self.youngs_modulus_pa * self.area_m2 * self.length_m[0] / (length_m * length_m)
@@ -100,8 +120,7 @@ impl Bar {
         self.stress_pa = stress;
         self.plastic_strain += increment;
         self.length_m[1] = length_m;
-        let stretched = (length_m / self.length_m[0]).ln();
-        if self.plastic_strain >= self.critical_strain[0] || stretched >= self.critical_strain[1] {
+        if self.plastic_strain >= self.critical_strain[0] || self.strain() >= self.critical_strain[1] {
             self.stress_pa = 0.0;
             self.acts = false;
         }
@@ -170,6 +189,20 @@ impl Trusses {
             let square = 4.0 * bar.stiffness_n_m(length) / bar.mass_kg;
             self.bound_1_s2 = if square > self.bound_1_s2 { square } else { self.bound_1_s2 };
         }
+    }
+
+    /// The bars that ruptured in the last update, which ends at this time \[s\], in the order of the mesh.
+    pub fn ruptures(&self, mesh: &Mesh, time_s: f64) -> impl Iterator<Item = BarRupture> {
+        self.ruptured.iter().map(move |&index| {
+            let bar = &self.bars[index];
+            BarRupture {
+                bar: index,
+                part: mesh.trusses[index].part,
+                time_s,
+                strain: bar.strain(),
+                plastic_strain: bar.plastic_strain,
+            }
+        })
     }
 
     /// Work done on all bars \[J\].

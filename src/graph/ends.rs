@@ -72,7 +72,7 @@ pub fn bar_axis(member: &Member) -> Option<usize> {
     match member.kind {
         MemberKind::Column | MemberKind::Beam => Some(member.axis),
         MemberKind::Wall => Some(2),
-        MemberKind::Slab | MemberKind::Footing => None,
+        MemberKind::Slab | MemberKind::Footing | MemberKind::Brace => None,
     }
 }
 

@@ -206,7 +206,7 @@ impl Structure {
 /// How slender a kind is: the first member of a connection is the most slender one.
 fn slenderness(kind: MemberKind) -> u8 {
     match kind {
-        MemberKind::Column => 0,
+        MemberKind::Column | MemberKind::Brace => 0,
         MemberKind::Wall => 1,
         MemberKind::Beam => 2,
         MemberKind::Slab => 3,

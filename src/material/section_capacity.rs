@@ -412,6 +412,8 @@ mod tests {
             poisson_ratio: 0.2,
             hardening: vec![crate::building::HardeningPoint { plastic_strain: 0.0, stress_pa: 20e6 }],
             critical_plastic_strain: 0.1,
+            rate_factor: None,
+            critical_principal_strain: None,
         };
         let capacity = HomogenisedCapacity::of_rectangle(&law, 0.3, 0.5);
         assert!((capacity.plastic_moment_nm - 375e3).abs() < 1e-6);

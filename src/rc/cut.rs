@@ -53,6 +53,8 @@ impl EndModel {
         let keep = kept_elements(building, mesh, part, owner, point_m, far, outward);
         let (mut piece, old) = mesh.cut_out(|e| keep[e]);
         clamp_cut(mesh, &keep, part, &old, &mut piece);
+        // The push is quasi-static: its speed is one of the computation, no rate effect belongs to it.
+        piece.laws.iter_mut().for_each(|law| law.rate = None);
         let on = |n: &usize, plane: f64| (piece.nodes[*n][axis] - plane).abs() < COORDINATE_TOLERANCE_M;
         let own: Vec<usize> = (0..piece.elements.len()).filter(|e| piece.elements[*e].part == part).collect();
         let mut section_nodes: Vec<usize> =

@@ -132,6 +132,7 @@ pub fn derive(
             2.0 * (a - b).abs() / (a + b)
         })
         .fold(0.0, f64::max);
+    let rupture = law.erosion.plastic_strain.min(law.erosion.principal_strain);
     let shear_modulus = 0.5 * law.youngs_modulus_pa * sample.smear / (1.0 + law.poisson_ratio);
     let shear = shear_modulus * 5.0 / 6.0 * area / model.length_m;
     let depth = model.section_m[0].max(model.section_m[1]);
@@ -146,8 +147,8 @@ pub fn derive(
         axial_stiffness_n_m: pushes[2].1,
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: shear_modulus * torsion_constant(model.section_m) / model.length_m,
-        tensile_capacity_n: scale * table.at(law.erosion.plastic_strain).0 * area,
-        tensile_elongation_m: law.erosion.plastic_strain * model.length_m,
+        tensile_capacity_n: scale * table.at(rupture).0 * area,
+        tensile_elongation_m: rupture * model.length_m,
         asymmetry,
         elements: model.mesh.elements.len(),
     })

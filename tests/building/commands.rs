@@ -57,6 +57,34 @@ fn schema_is_json() {
     assert_eq!(schema, fallwerk::building::schema::json_schema());
 }
 
+/// So is a brace.
+#[test]
+fn braces_run_in_fe_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let member = "[[members]]\nid = \"X1\"\nkind = \"brace\"\nsection = \"beam\"\nfrom = [0, 5, 0.7]\nto = [6, 5, 2.6]\n\n[[supports]]";
+    let text = fallwerk::building::EXAMPLE.replacen("[[supports]]", member, 1);
+    let file = folder.path().join("braced.toml");
+    std::fs::write(&file, text).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let file = file.to_str().unwrap();
+    let (code, out, err) = fallwerk(root, &["check", "--mesh", file]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    assert!(out.contains("1 braces") && out.contains("tied with a mesh of their own: X1"), "{out}");
+    let target = folder.path().join("out");
+    let to = target.to_str().unwrap();
+    let refused = [&["graph", file][..], &["generate-mbs", file, "-o", to], &["library", "derive", file]];
+    for arguments in refused {
+        let (code, _, err) = fallwerk(root, arguments);
+        assert_eq!(code, 2, "{arguments:?}");
+        assert!(
+            err.contains("skew members run in FE only, and the brace `X1` has an axis of its own direction"),
+            "{err}"
+        );
+        assert!(err.contains("help: run `fallwerk fe`, or leave it out of the file"), "{err}");
+    }
+    assert!(!target.exists());
+}
+
 /// A turned member is fine for FE; what knows boxes along the axes only refuses it by name.
 #[test]
 fn turned_members_run_in_fe_only() {

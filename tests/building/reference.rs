@@ -1,8 +1,12 @@
 //! The reference building reads into what the drawing says.
 
+use fallwerk::base::hash::ContentHash;
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;
-use fallwerk::building::{Building, EXAMPLE, MemberKind, Preparation, SectionShape, inspect, parse, read};
+use fallwerk::building::{
+    Building, CowperSymonds, EXAMPLE, MemberKind, Preparation, SectionShape, inspect, parse, read,
+};
+use fallwerk::fe::mesh::Mesh;
 use std::path::Path;
 
 pub fn example_as_json() -> String {
@@ -121,10 +125,16 @@ fn examples_have_no_warnings() {
 #[test]
 fn every_key_has_its_effect() {
     let building = file("tests/building/good/everything.toml");
-    let counts =
-        [MemberKind::Column, MemberKind::Beam, MemberKind::Slab, MemberKind::Wall, MemberKind::Footing]
-            .map(|kind| building.members.iter().filter(|m| m.kind == kind).count());
-    assert_eq!(counts, [13, 15, 3, 1, 1]);
+    use MemberKind::{Beam, Brace, Column, Footing, Slab, Wall};
+    let counts = [Column, Beam, Slab, Wall, Footing, Brace]
+        .map(|kind| building.members.iter().filter(|m| m.kind == kind).count());
+    assert_eq!(counts, [13, 15, 3, 1, 1, 1]);
+    let brace = building.member("X1").and_then(|m| m.inclined).unwrap();
+    assert_eq!((brace.from_m, brace.to_m, brace.roll_deg), ([6.0, 0.0, 0.6], [12.0, 0.0, 2.5], 10.0));
+    assert_eq!((brace.width_m, brace.depth_m), (0.3, 0.5));
+    let law = building.law_of(&building.members[0]);
+    assert_eq!(law.critical_principal_strain, Some(0.12));
+    assert_eq!(law.rate_factor, Some(CowperSymonds { c_1_s: 40.0, p: 5.0 }));
     let solid = |id: &str| building.member(id).map(|m| (m.solid.min, m.solid.max, m.axis)).unwrap();
     assert_eq!(solid("F1"), ([-0.6, -0.6, -0.5], [0.6, 0.6, 0.0], 2));
     assert_eq!(solid("W1"), ([0.2, 4.875, 0.0], [5.8, 5.125, 3.0], 1));
@@ -143,4 +153,33 @@ fn every_key_has_its_effect() {
     assert_eq!(bars.len(), 6);
     let SectionShape::Rectangle { bars, .. } = &building.sections["beam"].shape else { panic!() };
     close(bars[0].x_m, -0.09);
+}
+
+/// What the file says of rate and tension reaches the solver; a file without these keys makes the law that it made before, with the same hash.
+#[test]
+fn optional_keys_of_the_law() {
+    let plain = reference();
+    let law = plain.law_of(&plain.members[0]);
+    let text = serde_json::to_string(law).unwrap();
+    let keys =
+        ["density_kg_m3", "youngs_modulus_pa", "poisson_ratio", "hardening", "critical_plastic_strain"];
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(value.as_object().unwrap().len(), keys.len(), "{text}");
+    assert!(keys.iter().all(|k| value.get(*k).is_some()), "{text}");
+    assert_eq!(&serde_json::from_str::<fallwerk::building::Homogenised>(&text).unwrap(), law);
+    let mesh = Mesh::of(&plain, 0.4).0;
+    assert!(mesh.laws.iter().all(|l| l.rate.is_none() && l.erosion.principal_strain == f64::INFINITY));
+    let changed = EXAMPLE.replacen(
+        "critical_plastic_strain = 0.10",
+        "critical_principal_strain = 0.08\nrate_factor = { c = \"40 1/s\", p = 5 }\ncritical_plastic_strain = 0.10",
+        1,
+    );
+    let changed = parse(&changed, Format::Toml, "a.toml").unwrap_or_else(|e| panic!("{e}"));
+    let hash = |l: &fallwerk::building::Homogenised| ContentHash::of_value(l).unwrap().to_string();
+    assert_ne!(hash(changed.law_of(&changed.members[0])), hash(law));
+    for law in &Mesh::of(&changed, 0.4).0.laws {
+        assert_eq!(law.rate, Some(CowperSymonds { c_1_s: 40.0, p: 5.0 }));
+        assert_eq!((law.erosion.plastic_strain, law.erosion.principal_strain), (0.1, 0.08));
+        assert!(law.table().has_rate());
+    }
 }

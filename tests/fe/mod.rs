@@ -1,5 +1,6 @@
 //! The explicit finite element solver against closed forms, conservation laws and published results.
 
+mod braces;
 mod cantilever;
 mod contact;
 mod contact_body;

@@ -7,6 +7,8 @@ use fallwerk::fe::embed::{embed, embed_trusses};
 use fallwerk::fe::kernel::KernelStep;
 use fallwerk::fe::law::{Erosion, Law};
 use fallwerk::fe::mesh::{Mesh, Truss};
+use fallwerk::fe::model::{Control, Curve, DrivenNode, Model};
+use fallwerk::fe::model_run::{ModelOptions, run_model};
 use fallwerk::fe::preload::equilibrate;
 
 const STEEL_PA: f64 = 200e9;
@@ -118,6 +120,35 @@ fn plastic_elongation_and_rupture() {
         (yield_pa * critical + 0.5 * modulus * critical * critical + 0.5 * last * last / STEEL_PA) * 2e-4;
     let booked = body.trusses.internal_j();
     assert!((booked / work - 1.0).abs() < 1e-3, "{booked} {work}");
+}
+
+/// A run records the rupture of a bar with its time, part and strain, and counts it: of two bars pulled at 1 m/s one ruptures, at `t = l (exp ε - 1) / v`.
+#[test]
+fn a_rupture_is_an_event_of_the_run() {
+    let mut mesh = grid([1, 1, 1], [0.2; 3], elastic(), |p| p[2] == 0.0);
+    let first = mesh.nodes.len();
+    mesh.nodes.extend([[2.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 1.0, 0.0]]);
+    mesh.fixed.extend([first, first + 2]);
+    let weak = Law { erosion: Erosion { principal_strain: 0.02, ..Erosion::NEVER }, ..steel() };
+    mesh.parts.extend(["whole".to_string(), "weak".to_string()]);
+    for (bar, law) in [steel(), weak].into_iter().enumerate() {
+        let nodes = [first + 2 * bar, first + 2 * bar + 1];
+        mesh.laws.push(law);
+        mesh.trusses.push(Truss { nodes, area_m2: 1e-4, part: bar + 1, law: bar + 1 });
+    }
+    let driven =
+        [first + 1, first + 3].map(|node| DrivenNode { node, axis: 0, velocity_m_s: Curve::constant(1.0) });
+    let control = Control { end_time_s: 0.03, ..Control::default() };
+    let model = Model { mesh, driven: driven.to_vec(), control, ..Model::default() };
+    let run =
+        run_model(&model, &ModelOptions::default(), None, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((run.ruptures.len(), run.summary.ruptured_bars, run.deaths.len()), (1, 1, 0));
+    let rupture = run.ruptures[0];
+    assert_eq!((rupture.bar, rupture.part, rupture.plastic_strain), (1, 2, 0.0));
+    let step = run.summary.time_step_s;
+    let expected = f64::exp(0.02) - 1.0;
+    assert!((0.0..2.0 * step).contains(&(rupture.time_s - expected)), "{} {expected}", rupture.time_s);
+    assert!((0.02..0.02 + 2.0 * step).contains(&rupture.strain), "{}", rupture.strain);
 }
 
 /// Unloading and loading again in the other direction is elastic until the grown yield stress.

@@ -20,6 +20,8 @@ pub fn empty() -> Building {
         poisson_ratio: 0.2,
         hardening: vec![HardeningPoint { plastic_strain: 0.0, stress_pa: 20e6 }],
         critical_plastic_strain: 0.1,
+        rate_factor: None,
+        critical_principal_strain: None,
     };
     let materials = BTreeMap::from([
         ("c30".to_string(), Material::Concrete(concrete)),
@@ -87,6 +89,7 @@ pub fn add(building: &mut Building, id: &str, kind: MemberKind, min: [f64; 3], m
         storey: None,
         openings,
         rotation_deg: 0.0,
+        inclined: None,
     });
 }
 

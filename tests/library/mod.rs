@@ -24,6 +24,8 @@ pub fn law(yield_stress_pa: f64) -> Homogenised {
             HardeningPoint { plastic_strain: 0.1, stress_pa: 1.3 * yield_stress_pa },
         ],
         critical_plastic_strain: 0.12,
+        rate_factor: None,
+        critical_principal_strain: None,
     }
 }
 

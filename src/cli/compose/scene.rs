@@ -18,7 +18,7 @@ fn group(building: &Building, member: &str) -> String {
         Some(MemberKind::Slab) => "slab",
         Some(MemberKind::Wall) => "wall",
         Some(MemberKind::Footing) => "footing",
-        None => "other",
+        Some(MemberKind::Brace) | None => "other",
     };
     word.to_string()
 }
