@@ -36,3 +36,4 @@ pub mod sweep;
 pub mod tie;
 pub mod truss;
 pub mod vtu;
+pub mod watch;
