@@ -229,7 +229,7 @@ pub(super) fn returned(control: &Control, before: f64, rate: f64, ratio: f64, ta
 }
 
 /// Energy that hourglass stresses `3 * α + i` store in an element with its nodes at `x` \[m\]: `Q K⁻¹ Q / 2` with the moduli of its form \[J\]; none
-/// in the viscous form.
+/// in the viscous form. Infinite in an element that is turned inside out, where the moduli mean nothing.
 pub(super) fn stored_j(form: ElementForm, x: &[Vec3; 8], [lambda, mu]: [f64; 2], stress: &[f64; 12]) -> f64 {
     let mut at = [[0.0; 3]; 7];
     for i in 0..3 {
@@ -239,11 +239,14 @@ pub(super) fn stored_j(form: ElementForm, x: &[Vec3; 8], [lambda, mu]: [f64; 2],
         }
     }
     let (e, volume) = gradient(&at);
-    if !(volume > f64::MIN_POSITIVE) || form == ElementForm::FullyIntegrated {
+    if form == ElementForm::FullyIntegrated {
         return 0.0;
     }
     let rows = frame(at[0], at[1]);
-    let edge = std::array::from_fn(|i| dot(rows[i], at[i]));
+    let edge: Vec3 = std::array::from_fn(|i| dot(rows[i], at[i]));
+    if volume.is_nan() || volume <= 0.0 || edge[0] * edge[1] * edge[2] <= 0.0 {
+        return f64::INFINITY;
+    }
     let of_gradient = e.iter().map(|b| dot(*b, *b)).sum::<f64>() * 8.0 / (64.0 * volume * 64.0 * volume);
     let brick = Brick { edge, volume, gradient: of_gradient, mass: 1.0, lambda, mu };
     let (h, third) = brick.shape();

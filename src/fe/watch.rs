@@ -13,7 +13,7 @@
 //!   them. A motion beyond the limit is soon that of the highest mode alone, and exceeds it.
 //!
 //! Stored energy is that of the stress with bulk viscosity, and of hourglass stresses ([`hourglass::stored_j`]). Parts with viscous hourglass control, whose
-//! forces store nothing, are not watched for alternation.
+//! forces store nothing, and parts with an element turned inside out are not watched for alternation.
 
 use super::dynamics::Dynamics;
 use super::hexahedron::{Vec3, volume_m3};
@@ -333,7 +333,7 @@ fn alternating(mesh: &Mesh, body: &Dynamics) -> Option<(String, f64)> {
     let mut all_j = 0.0;
     for e in (0..body.blocks.elements()).filter(acts) {
         let energy_j = element_stored_j(body, e);
-        all_j += energy_j;
+        all_j += if energy_j.is_finite() { energy_j } else { 0.0 };
         let mut parts = body.blocks.nodes_of(e).map(|n| part_of[n]);
         parts.sort_unstable();
         for i in (0..8).filter(|i| *i == 0 || parts[*i] != parts[i - 1]) {
@@ -369,7 +369,8 @@ fn element_stored_j(body: &Dynamics, element: usize) -> f64 {
     };
     let stresses = std::array::from_fn(|i| state.hourglass[i][l]);
     let of_hourglass = hourglass::stored_j(material.form, &nodes, [lambda, mu], &stresses);
-    state.share[l] * (of_stress.max(0.0) + of_hourglass)
+    let stored = state.share[l] * (of_stress + of_hourglass);
+    if stored >= 0.0 { stored } else { f64::INFINITY }
 }
 
 #[cfg(test)]
