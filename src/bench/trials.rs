@@ -6,6 +6,7 @@ use crate::building::{Building, HardeningPoint, Homogenised, Material, parse};
 use crate::fe::deck::of_building;
 use crate::fe::law::Law;
 use crate::fe::model::{BodyLoad, ContactSettings, Control, Curve, Model, RigidPlane};
+use crate::fe::model_run::ModelOptions;
 use crate::fe::run::FeOptions;
 use crate::fe::shapes::{bilinear, grid};
 use crate::verify::fe::forms::FORMS;
@@ -14,8 +15,8 @@ use crate::verify::fe::forms::FORMS;
 pub enum What {
     /// A building from its dead-load state.
     Building(Box<Building>, FeOptions),
-    /// A model from rest.
-    Model(Box<Model>),
+    /// A model from its initial velocities.
+    Model(Box<Model>, ModelOptions),
 }
 
 /// One run of the sweep.
@@ -45,6 +46,11 @@ pub fn trials() -> Result<Vec<Trial>, String> {
     Ok(list.trials)
 }
 
+/// Shares of the limit of the elements up to which the meshes of frame and member are stable: an assembled mesh allows more than its
+/// elements (`docs/fe-time-step.md`).
+const FRAME_BEARS: f64 = 1.1;
+const MEMBER_BEARS: f64 = 1.2;
+
 struct List {
     frame: Building,
     trials: Vec<Trial>,
@@ -65,17 +71,40 @@ impl List {
     }
 
     fn model(&mut self, parameter: &'static str, value: String, model: Model) {
-        self.trials.push(Trial { parameter, value, what: What::Model(Box::new(model)), must_stop: false });
+        let what = What::Model(Box::new(model), ModelOptions::default());
+        self.trials.push(Trial { parameter, value, what, must_stop: false });
     }
 
     fn time_steps(&mut self) {
         use crate::fe::dynamics::STEP_SAFETY;
         for factor in [0.5, 0.7, 0.9, 1.0, 1.1, 1.2, 1.3, 1.6, 2.5] {
+            let share = factor * STEP_SAFETY;
             self.frame("time step over the safe one", format!("{factor}"), move |_, o| {
-                o.step_safety = Some(factor * STEP_SAFETY);
+                o.step_safety = Some(share);
             });
-            self.trials.last_mut().into_iter().for_each(|t| t.must_stop = factor * STEP_SAFETY > 1.0);
+            self.last_must_stop(share > 1.0);
         }
+        for factor in [1.2, 1.3, 1.6, 2.5] {
+            let share = factor * STEP_SAFETY;
+            self.frame("the same, forced", format!("{factor}"), move |_, o| {
+                (o.step_safety, o.step_forced) = (Some(share), true);
+            });
+            self.last_must_stop(share > FRAME_BEARS);
+            let mut model = member([10, 2, 2], [1.0, 0.2, 0.2]);
+            model.control.step_safety = share;
+            self.model("the same, forced, member", format!("{factor}"), model);
+            if let Some(Trial { what: What::Model(_, options), .. }) = self.trials.last_mut() {
+                options.step_forced = true;
+            }
+            self.last_must_stop(share > MEMBER_BEARS);
+        }
+        for ratio in [0.01, 0.02, 0.05, 0.1, 0.2] {
+            self.model("impact speed over wave speed, at the limit", format!("{ratio}"), impact(ratio));
+        }
+    }
+
+    fn last_must_stop(&mut self, must_stop: bool) {
+        self.trials.last_mut().into_iter().for_each(|t| t.must_stop = must_stop);
     }
 
     fn meshes(&mut self) {
@@ -186,6 +215,31 @@ fn plate(body_contact: Option<ContactSettings>) -> Model {
         walls: vec![ground],
         body_contact,
         control: Control { end_time_s: 0.6, ..Control::default() },
+        ..Model::default()
+    }
+}
+
+/// A bar of 4 x 4 x 16 cubes of a weak law hits a rigid wall, at the limit of stability itself: the linear part of the bulk viscosity is in
+/// that limit, the quadratic one is not.
+fn impact(speed_over_wave_speed: f64) -> Model {
+    let law = bilinear(16.5e9, 0.2, 2500.0, 20e6, 165e6);
+    // E (1 - ν) / ((1 + ν) (1 - 2ν)) = E / 0.9
+    let wave_m_s = (16.5e9 / 0.9 / 2500.0_f64).sqrt();
+    let mesh = grid([4, 4, 16], [0.4, 0.4, 1.6], law, |_| false);
+    let wall = RigidPlane { point_m: [0.0; 3], normal: [0.0, 0.0, 1.0], friction: 0.0, nodes: None };
+    let end_time_s = 3.2 / wave_m_s;
+    Model {
+        initial_velocity_m_s: (0..mesh.nodes.len())
+            .map(|n| (n, [0.0, 0.0, -speed_over_wave_speed * wave_m_s]))
+            .collect(),
+        mesh,
+        walls: vec![wall],
+        control: Control {
+            end_time_s,
+            step_safety: 1.0,
+            history_interval_s: 0.05 * end_time_s,
+            ..Control::default()
+        },
         ..Model::default()
     }
 }

@@ -55,7 +55,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let every = arguments.frames_every();
     let mut series = every.map(|every| VtuSeries::new(output.path(), every));
     let frames = series.as_mut().map(|s| s as &mut dyn FrameSink);
-    let ran = pool.install(|| run_model(&deck.model, &ModelOptions { end_time_s }, frames, &mut report));
+    let ran = pool.install(|| {
+        run_model(&deck.model, &ModelOptions { end_time_s, ..ModelOptions::default() }, frames, &mut report)
+    });
     let run = ran.map_err(|e| Failure::stopped(e.to_string()))?;
     progress.finish();
     for note in &run.notes {

@@ -3,7 +3,7 @@
 //! A step takes positions at `t_n` and velocities at `t_{n-1/2}`, finds the forces there and does
 //! `v_{n+1/2} = v_{n-1/2} + (Δt_{n-1/2} + Δt_{n+1/2}) / 2 a_n`, `x_{n+1} = x_n + Δt_{n+1/2} v_{n+1/2}` (Belytschko, Liu, Moran,
 //! Nonlinear Finite Elements for Continua and Structures, section 6.2). Energies are those of `t_n`. Stable for `Δt <= 2/ω_max`; bulk viscosity of damping
-//! ratio ξ lowers the limit by `sqrt(1 + ξ²) - ξ`.
+//! ratio ξ lowers the limit by `sqrt(1 + ξ²) - ξ`: its linear part here, its quadratic part, under fast compression, in the elements' frequency bounds.
 
 use super::blocks::Blocks;
 use super::contact::body::{Moving, Struck, Surroundings};
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
-/// covers the change of geometry within a step.
+/// covers the change of geometry within a step, and the quadratic bulk viscosity up to [`super::kernel::VISCOUS_SLACK`].
 pub const STEP_SAFETY: f64 = 0.9;
 /// Nodes handed to a thread at a time. Sums over nodes are sums over the sums of chunks, on any number of threads.
 const CHUNK: usize = 512;

@@ -133,7 +133,7 @@ fn element(
     let share = state.share[l];
     let mass = material.mass_kg[l];
     let bound = 8.0 / mass * (lambda * volume * trace_of_g + 2.0 * mu * largest);
-    let viscous = bulk_viscosity(step.rate_1_s() * trace, volume, mass, lambda + 2.0 * mu, bound);
+    let (viscous, damped) = bulk_viscosity(step.rate_1_s() * trace, volume, mass, lambda + 2.0 * mu, bound);
     state.internal_j[l] += share * power;
     state.viscous_j[l] += share * volume * 0.5 * (state.viscous_pa[l] + viscous) * trace;
     state.viscous_pa[l] = viscous;
@@ -146,7 +146,7 @@ fn element(
         }
         nodal[i] = to_nodes(coefficient[i].map(|c| share * c));
     }
-    (nodal, if whole { bound } else { 0.0 })
+    (nodal, if whole { damped * bound } else { 0.0 })
 }
 
 /// Mean displacement gradient by rows, and the trace of `Σ_I b_I b_I`.

@@ -37,7 +37,7 @@
 //!   bending stiffness is missing. In a static solve, which has no rates, it acts as the stiffness form of the same coefficient; what that has gathered is
 //!   gone after the first step.
 
-use super::hexahedron::{Vec3, cbrt, scaled};
+use super::hexahedron::{Vec3, cbrt, dot, frame, gradient, scaled, to_patterns};
 use super::kernel::{BlockState, Scratch};
 use super::law::{ElementForm, Hourglass};
 
@@ -226,4 +226,65 @@ pub(super) fn returned(control: &Control, before: f64, rate: f64, ratio: f64, ta
     let factor = follows * ratio + (1.0 - follows);
     let share = follows * tangent + (1.0 - follows);
     factor * (follows * before + share * rate)
+}
+
+/// Energy that hourglass stresses `3 * α + i` store in an element with its nodes at `x` \[m\]: `Q K⁻¹ Q / 2` with the moduli of its form \[J\]; none
+/// in the viscous form. Infinite in an element that is turned inside out, where the moduli mean nothing.
+pub(super) fn stored_j(form: ElementForm, x: &[Vec3; 8], [lambda, mu]: [f64; 2], stress: &[f64; 12]) -> f64 {
+    let mut at = [[0.0; 3]; 7];
+    for i in 0..3 {
+        let sums = to_patterns(x.map(|n| n[i]));
+        for k in 0..7 {
+            at[k][i] = sums[k];
+        }
+    }
+    let (e, volume) = gradient(&at);
+    if form == ElementForm::FullyIntegrated {
+        return 0.0;
+    }
+    let rows = frame(at[0], at[1]);
+    let edge: Vec3 = std::array::from_fn(|i| dot(rows[i], at[i]));
+    if volume.is_nan() || volume <= 0.0 || edge[0] * edge[1] * edge[2] <= 0.0 {
+        return f64::INFINITY;
+    }
+    let of_gradient = e.iter().map(|b| dot(*b, *b)).sum::<f64>() * 8.0 / (64.0 * volume * 64.0 * volume);
+    let brick = Brick { edge, volume, gradient: of_gradient, mass: 1.0, lambda, mu };
+    let (h, third) = brick.shape();
+    let control = Control::of(form, 0.0);
+    let (plain, spring) =
+        (control.assumed * mu, control.stiffness * (lambda + 2.0 * mu) * volume * of_gradient);
+    let (bending, coupled, last) = if form == ElementForm::OnePoint(Hourglass::Asqbi) {
+        let (sum, longitudinal) = (lambda + mu, lambda + 2.0 * mu);
+        let of_plate = 4.0 * mu * sum / longitudinal;
+        (of_plate, 0.5 * of_plate * lambda / sum, mu * (3.0 * lambda + 2.0 * mu) / sum / 3.0)
+    } else {
+        (control.bending * mu, control.coupling * mu, control.last * mu)
+    };
+    let shear = control.shear * mu;
+    let mut sum = 0.0;
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        // q_ji and q_ij, bent about the axis k
+        let (a, b) = (bending * h[i] + shear * h[k] + spring, bending * h[j] + shear * h[k] + spring);
+        let (p, q) = (stress[3 * j + i], stress[3 * i + j]);
+        let c = coupled * third[k];
+        sum += (b * p * p - 2.0 * c * p * q + a * q * q) / (a * b - c * c);
+        let fourth = last * h[i] + shear * (1.0 / 3.0) * (h[j] + h[k]) + spring;
+        sum += stress[9 + i] * stress[9 + i] / fourth;
+    }
+    // the three twists: diagonal h_j + h_k, couplings Λ_k x_k / 3
+    let d: Vec3 = std::array::from_fn(|i| plain * (h[(i + 1) % 3] + h[(i + 2) % 3]) + spring);
+    let c: Vec3 = third.map(|t| plain * t);
+    let p: Vec3 = std::array::from_fn(|i| stress[4 * i]);
+    let mut adjugate = 0.0;
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        adjugate +=
+            (d[j] * d[k] - c[i] * c[i]) * p[i] * p[i] + 2.0 * (c[i] * c[j] - d[k] * c[k]) * p[i] * p[j];
+    }
+    let determinant = d[0] * d[1] * d[2] + 2.0 * c[0] * c[1] * c[2]
+        - d[0] * c[0] * c[0]
+        - d[1] * c[1] * c[1]
+        - d[2] * c[2] * c[2];
+    0.5 * (sum + adjugate / determinant)
 }

@@ -38,3 +38,4 @@ pub mod sweep;
 pub mod tie;
 pub mod truss;
 pub mod vtu;
+pub mod watch;

@@ -6,23 +6,24 @@ use super::erosion::{ErosionTable, free_nodes};
 use super::mass_scaling::{MOST_ADDED, MassScalingError, scale_mass};
 use super::model::Model;
 use super::result::{ElementDeath, FeSummary};
-use super::run::{ENERGY_LIMIT, FeError, Progress, check_share, contact_error};
+use super::run::{FeError, Progress, check_share, contact_error};
 use super::strain_rate::StrainWindow;
 use super::truss::BarRupture;
 use super::vtu::{Frame, FrameSink};
+use super::watch::{Books, LOOK_STEPS, Watch};
 use crate::base::cpu::Stopwatch;
 use serde::{Deserialize, Serialize};
 
 /// Most time steps of a run: more would take weeks.
 pub const MOST_STEPS: f64 = 1e9;
-/// Steps before the energy balance is judged.
-const FIRST_JUDGED_STEP: u64 = 50;
 
 /// Options of a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ModelOptions {
     /// End time other than the model's \[s\].
     pub end_time_s: Option<f64>,
+    /// Accept a share of the stability limit above 1: to show what the run then comes to.
+    pub step_forced: bool,
 }
 
 /// Why a model does not run to its end.
@@ -134,7 +135,7 @@ pub fn run_model(
     let mut surfaces = RigidSurfaces::default();
     surfaces.planes.clone_from(&model.walls);
     let mut body = Dynamics::new(&model.mesh, 0.0, surfaces, rayon::current_num_threads() > 1);
-    let (added_mass_kg, notes) = begin(model, &mut body)?;
+    let (added_mass_kg, notes) = begin(model, &mut body, options.step_forced)?;
     check_length(&body, end_s)?;
     let mut recorder = Recorder::new(model, &body);
     recorder.initial_j = body.kinetic_j();
@@ -149,10 +150,14 @@ pub fn run_model(
         let due = |count: f64, interval: f64| after >= count * interval - 0.5 * body.dt_s || last;
         let (history, state) =
             (due(histories, control.history_interval_s), due(states, control.state_interval_s));
-        let kinetic_j = body.step(history);
+        let look = !history && (body.steps + 1).is_multiple_of(LOOK_STEPS);
+        let kinetic_j = body.step(history || look);
         recorder.note_deaths(model, &body);
         if let Some(lost) = body.body_contact.as_ref().and_then(|c| c.lost) {
             return Err(contact_error(&model.mesh, &body, lost).into());
+        }
+        if look {
+            recorder.look(model, &body, kinetic_j)?;
         }
         if history {
             recorder.record(model, &mut body, kinetic_j)?;
@@ -176,9 +181,9 @@ fn next(time_s: f64, interval_s: f64) -> f64 {
 }
 
 /// Step safety, constraints, mass scaling, contact and initial velocities; returns the added mass \[kg\] and notes.
-fn begin(model: &Model, body: &mut Dynamics) -> Result<(f64, Vec<String>), ModelError> {
+fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<String>), ModelError> {
     let mut notes = Vec::new();
-    check_share(model.control.step_safety)?;
+    check_share(model.control.step_safety, forced)?;
     body.set_step_safety(model.control.step_safety);
     for constraint in &model.constraints {
         for i in (0..3).filter(|i| constraint.held[*i]) {
@@ -251,7 +256,7 @@ struct Recorder {
     outputs: usize,
     state_time_s: f64,
     initial_j: f64,
-    largest_j: f64,
+    watch: Watch,
 }
 
 impl Recorder {
@@ -277,7 +282,7 @@ impl Recorder {
             },
         };
         let window = StrainWindow::new(&body.x);
-        Self { run, window, outputs: 0, state_time_s: 0.0, initial_j: 0.0, largest_j: 0.0 }
+        Self { run, window, outputs: 0, state_time_s: 0.0, initial_j: 0.0, watch: Watch::new(0.0) }
     }
 
     fn note_deaths(&mut self, model: &Model, body: &Dynamics) {
@@ -312,59 +317,43 @@ impl Recorder {
         Ok(())
     }
 
+    /// The books, if the run is sound.
+    fn look(&mut self, model: &Model, body: &Dynamics, kinetic_j: f64) -> Result<Books, ModelError> {
+        let books = Books::of(body, kinetic_j, self.initial_j, 0.0);
+        self.watch.look(&model.mesh, body, &books)?;
+        Ok(books)
+    }
+
     fn record(&mut self, model: &Model, body: &mut Dynamics, kinetic_j: f64) -> Result<(), ModelError> {
-        if let Some(node) = body.broken_node() {
-            let part = body.blocks.elements_at(node).next();
-            let part = part.map_or("?".into(), |e| model.mesh.parts[model.mesh.elements[e].part].clone());
-            return Err(FeError::NotFinite { time_s: body.time_s, node, part }.into());
-        }
+        let books = self.look(model, body, kinetic_j)?;
         self.run.times_s.push(body.time_s);
         for history in &mut self.run.histories {
             let (from, to) = (model.mesh.nodes[history.node], body.x[history.node]);
             history.displacement_m.push(std::array::from_fn(|i| to[i] - from[i]));
             history.velocity_m_s.push(body.v[history.node]);
         }
-        let energies = self.balance(body, kinetic_j);
+        let energies = self.energies(body, &books);
         self.run.energies.push(energies);
-        self.largest_j = self.largest_j.max(
-            (energies.kinetic_j + energies.internal_j)
-                .max(energies.body_loads_j.abs())
-                .max(energies.driven_j.abs()),
-        );
-        if body.steps < FIRST_JUDGED_STEP || self.largest_j == 0.0 {
-            return Ok(());
-        }
         let summary = &mut self.run.summary;
-        if energies.internal_j > 0.01 * self.largest_j {
+        if self.watch.judges(body) && energies.internal_j > 0.01 * self.watch.largest_j {
             summary.hourglass_share = summary.hourglass_share.max(energies.hourglass_j / energies.internal_j);
-        }
-        let share = energies.residual_j / self.largest_j;
-        if share > ENERGY_LIMIT {
-            return Err(FeError::Energy { time_s: body.time_s, percent: 100.0 * share }.into());
         }
         Ok(())
     }
 
-    fn balance(&self, body: &Dynamics, kinetic_j: f64) -> ModelEnergies {
-        let [solids_j, hourglass_j, viscous_j] = body.blocks.energies_j();
-        let internal_j = solids_j + body.trusses.internal_j();
-        let released_j = body.ties.released_j + body.failure.table.released_j;
-        let eroded_j = self.run.deaths.iter().map(|d| body.blocks.internal_j(d.element)).sum();
-        let [contact_j, friction_j] = body.contact_j;
-        let loads_j = body.gravity_j + body.driven_j;
-        let supplied = self.initial_j + loads_j + contact_j + friction_j + released_j;
+    fn energies(&self, body: &Dynamics, books: &Books) -> ModelEnergies {
         ModelEnergies {
-            kinetic_j,
-            internal_j,
-            eroded_j,
-            hourglass_j,
-            viscous_j,
-            body_loads_j: body.gravity_j,
-            driven_j: body.driven_j,
-            contact_j,
-            friction_j,
-            released_j,
-            residual_j: kinetic_j + internal_j + hourglass_j + viscous_j - supplied,
+            kinetic_j: books.kinetic_j,
+            internal_j: books.internal_j,
+            eroded_j: self.run.deaths.iter().map(|d| body.blocks.internal_j(d.element)).sum(),
+            hourglass_j: books.hourglass_j,
+            viscous_j: books.viscous_j,
+            body_loads_j: books.body_loads_j,
+            driven_j: books.driven_j,
+            contact_j: books.contact_j,
+            friction_j: books.friction_j,
+            released_j: books.released_j,
+            residual_j: books.residual_j(),
         }
     }
 
@@ -372,7 +361,8 @@ impl Recorder {
         let mut run = self.run;
         run.summary.steps = body.steps;
         let residual_j = run.energies.iter().map(|e| e.residual_j.abs()).fold(0.0, f64::max);
-        run.summary.energy_error = if self.largest_j > 0.0 { residual_j / self.largest_j } else { 0.0 };
+        run.summary.energy_error =
+            if self.watch.largest_j > 0.0 { residual_j / self.watch.largest_j } else { 0.0 };
         run.summary.erosion = ErosionTable { free: free_nodes(body), ..body.failure.table };
         run.summary.eroded_elements = run.summary.erosion.eroded();
         run.summary.ruptured_bars = run.ruptures.len();

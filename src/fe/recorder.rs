@@ -5,11 +5,12 @@ use super::erosion::{ErosionTable, free_nodes};
 use super::mesh::{Mesh, Snapped};
 use super::probe::Probe;
 use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, KeptFrame, StrainRates, Touch};
-use super::run::{ENERGY_LIMIT, FeError};
+use super::run::FeError;
 use super::split::Split;
 use super::strain_rate::StrainWindow;
 use super::truss::BarRupture;
 use super::vtu::{Frame, FrameSink};
+use super::watch::{Books, Watch};
 use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
 use crate::building::{Building, MemberKind};
@@ -46,6 +47,7 @@ pub(super) struct Recorder {
     energy_error: f64,
     hourglass_share: f64,
     first_contact_s: Option<f64>,
+    watch: Watch,
 }
 
 impl Recorder {
@@ -90,6 +92,7 @@ impl Recorder {
             energy_error: 0.0,
             hourglass_share: 0.0,
             first_contact_s: None,
+            watch: Watch::new(fall_j(building, body)),
         }
     }
 
@@ -139,14 +142,7 @@ impl Recorder {
         let interval = building.settings.output_interval_s;
         let output = self.times_s.len();
         let time_s = output as f64 * interval;
-        if let Some(node) = body.broken_node() {
-            let part = body
-                .blocks
-                .elements_at(node)
-                .next()
-                .map_or("?".into(), |e| mesh.parts[mesh.elements[e].part].clone());
-            return Err(FeError::NotFinite { time_s: body.time_s, node, part });
-        }
+        self.look(mesh, body)?;
         self.times_s.push(time_s);
         for (i, probe) in self.probes.iter().enumerate() {
             let at = probe.position(mesh, &body.blocks, &body.x).unwrap_or(self.last_m[i]);
@@ -164,34 +160,40 @@ impl Recorder {
             let frame = Frame { output, time_s, mesh, body, start_m, strain_rates_1_s: &rates };
             sink.frame(&frame).map_err(FeError::Output)?;
         }
-        self.balance(building, body)
+        self.balance(building, body);
+        Ok(())
     }
 
-    fn balance(&mut self, building: &Building, body: &Dynamics) -> Result<(), FeError> {
-        let kinetic_j = self.kinetic_j;
-        let [internal_j, hourglass_j, viscous_j] = body.blocks.energies_j();
-        let internal_j = internal_j + body.trusses.internal_j();
+    /// Stops a run that is not sound.
+    pub fn look(&mut self, mesh: &Mesh, body: &Dynamics) -> Result<(), FeError> {
+        let books = self.books(body);
+        self.watch.look(mesh, body, &books)
+    }
+
+    fn books(&self, body: &Dynamics) -> Books {
+        Books::of(body, self.kinetic_j, self.initial_j, self.removed_j)
+    }
+
+    fn balance(&mut self, building: &Building, body: &Dynamics) {
+        let books = self.books(body);
+        let residual_j = books.residual_j();
         let eroded_j = self
             .deaths
             .iter()
             .filter(|d| !matches!(d.cause, Death::Removed | Death::Split))
             .map(|d| body.blocks.internal_j(d.element))
             .sum();
-        let [contact_j, friction_j] = body.contact_j;
-        let released_j = body.ties.released_j + body.failure.table.released_j;
-        let supplied = self.initial_j + body.gravity_j + contact_j + friction_j + self.removed_j + released_j;
-        let residual_j = kinetic_j + internal_j + hourglass_j + viscous_j - supplied;
         self.energies.push(FeEnergies {
-            kinetic_j,
-            internal_j,
+            kinetic_j: books.kinetic_j,
+            internal_j: books.internal_j,
             eroded_j,
-            hourglass_j,
-            viscous_j,
-            gravity_j: body.gravity_j,
-            contact_j,
-            friction_j,
-            removed_j: self.removed_j,
-            released_j,
+            hourglass_j: books.hourglass_j,
+            viscous_j: books.viscous_j,
+            gravity_j: books.body_loads_j,
+            contact_j: books.contact_j,
+            friction_j: books.friction_j,
+            removed_j: books.removed_j,
+            released_j: books.released_j,
             eroded_elastic_j: body.failure.table.elastic_j(),
             free_kinetic_j: free_nodes(body).kinetic_j,
             residual_j,
@@ -201,16 +203,10 @@ impl Recorder {
             .iter()
             .map(|e| e.gravity_j.abs().max(e.kinetic_j + e.internal_j))
             .fold(1e-9, f64::max);
-        let error = residual_j.abs() / largest;
-        let fall_j = 0.01 * body.mass_kg.iter().sum::<f64>() * building.settings.gravity_m_s2;
-        if body.gravity_j > fall_j {
-            self.hourglass_share = self.hourglass_share.max(hourglass_j / internal_j);
-            self.energy_error = self.energy_error.max(error);
-            if residual_j / largest > ENERGY_LIMIT {
-                return Err(FeError::Energy { time_s: body.time_s, percent: 100.0 * error });
-            }
+        if body.gravity_j > fall_j(building, body) {
+            self.hourglass_share = self.hourglass_share.max(books.hourglass_j / books.internal_j);
+            self.energy_error = self.energy_error.max(residual_j.abs() / largest);
         }
-        Ok(())
     }
 
     /// Number of outputs recorded so far.
@@ -263,6 +259,11 @@ impl Recorder {
             summary,
         }
     }
+}
+
+/// Work of gravity when the whole body has fallen by 1 cm \[J\]: with less, a run has not begun.
+fn fall_j(building: &Building, body: &Dynamics) -> f64 {
+    0.01 * body.mass_kg.iter().sum::<f64>() * building.settings.gravity_m_s2
 }
 
 /// Every how many outputs a frame is kept, so that all together are not too large.

@@ -20,6 +20,7 @@ mod relaxation;
 mod removal;
 mod restart;
 mod skipping;
+mod stability;
 mod static_state;
 mod step;
 mod ties;

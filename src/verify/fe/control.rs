@@ -100,7 +100,7 @@ fn mass_scaling() -> Result<Vec<Figure>, String> {
 
 /// First peak of the recorded node \[mm\] and its time \[s\], energy error.
 fn peak(model: &Model) -> Result<[f64; 3], String> {
-    let options = ModelOptions { end_time_s: Some(0.13) };
+    let options = ModelOptions { end_time_s: Some(0.13), ..ModelOptions::default() };
     let run = run_model(model, &options, None, &mut |_| ()).map_err(|e| e.to_string())?;
     let tip = run.histories.first().ok_or("the deck records no node")?;
     let (time, lowest) = run
