@@ -1,9 +1,11 @@
 //! `fallwerk library plot`: the curves of an entry, with those of a test beside them.
 
 use super::library::Failure;
+use super::library_find::quantity;
 use crate::base::diagnostic::Diagnostics;
 use crate::base::output::write_atomic;
 use crate::base::source::Source;
+use crate::base::units::Dimension;
 use crate::library::curve_file::{self, CurveFile};
 use crate::library::{Entry, Store};
 use crate::report::figure::{self, Line, Panel};
@@ -20,6 +22,9 @@ pub struct Arguments {
     /// The SVG file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Draw up to this rotation or displacement, such as `100mrad` or `5mm`
+    #[arg(long, value_name = "X")]
+    to: Option<String>,
     /// A curve to draw beside it, in the format of `library add`
     #[arg(long, value_name = "CSV")]
     reference: Option<PathBuf>,
@@ -35,7 +40,10 @@ pub(super) fn run(arguments: &Arguments, store: &Store, out: &mut dyn Write) -> 
         let wanted = if entry.kind.is_bending() { "moment over rotation" } else { "force over displacement" };
         return Err(Failure::Usage(format!("the reference is no curve of {wanted}")));
     }
-    let svg = figure::svg(&format!("{} — {}", entry.key, entry.words()), &panels(&entry, reference.as_ref()));
+    let dimension = if entry.kind.is_bending() { Dimension::Angle } else { Dimension::Length };
+    let to = arguments.to.as_deref().map(|text| quantity(text, dimension)).transpose();
+    let to = to.map_err(|e| Failure::Usage(format!("--to: {e}")))?;
+    let svg = figure::svg(&entry.key, &entry.words(), &panels(&entry, reference.as_ref(), to));
     match &arguments.output {
         Some(path) => write_atomic(path, svg.as_bytes())
             .map_err(|e| Failure::Usage(format!("{}: {e}", path.display())))?,
@@ -54,7 +62,7 @@ fn reference(path: &Path) -> Result<CurveFile, Failure> {
 /// Lines in SI with their names.
 type Raw = Vec<(String, Vec<[f64; 2]>, bool)>;
 
-fn panels(entry: &Entry, reference: Option<&CurveFile>) -> Vec<Panel> {
+fn panels(entry: &Entry, reference: Option<&CurveFile>, to: Option<f64>) -> Vec<Panel> {
     let mut panels = Vec::new();
     let level_name = |force_n: f64| format!("N = {:.0} kN", force_n / 1e3);
     let beside = |axis: u8| -> Raw {
@@ -68,26 +76,39 @@ fn panels(entry: &Entry, reference: Option<&CurveFile>) -> Vec<Panel> {
         let mut lines: Raw =
             record.envelopes.iter().map(|l| (level_name(l.axial_force_n), l.points.clone(), false)).collect();
         lines.extend(beside(axis));
-        panels.push(panel(&format!("Axis {axis}: moment over rotation"), lines, true));
+        panels.push(panel(&format!("Axis {axis}: moment over rotation"), lines, true, to));
         if let Some(reverse) = &record.reverse {
             let lines: Raw = reverse
                 .envelopes
                 .iter()
                 .map(|l| (level_name(l.axial_force_n), l.points.clone(), false))
                 .collect();
-            panels.push(panel(&format!("Axis {axis}, other sense of rotation"), lines, true));
+            panels.push(panel(&format!("Axis {axis}, other sense of rotation"), lines, true, to));
         }
     }
     for spring in &entry.springs {
         let mut lines: Raw =
             spring.levels.iter().map(|l| (level_name(l.axial_force_n), l.points.clone(), false)).collect();
         lines.extend(beside(1));
-        panels.push(panel(&format!("{:?}: force over displacement", spring.direction), lines, false));
+        panels.push(panel(&format!("{:?}: force over displacement", spring.direction), lines, false, to));
     }
     panels
 }
 
-fn panel(title: &str, lines: Raw, bending: bool) -> Panel {
+/// Cuts a line off at `to`.
+fn cut(points: &mut Vec<[f64; 2]>, to: f64) {
+    let Some(beyond) = points.iter().position(|p| p[0] > to) else { return };
+    if beyond > 0 {
+        let (a, b) = (points[beyond - 1], points[beyond]);
+        points[beyond] = [to, a[1] + (b[1] - a[1]) * (to - a[0]) / (b[0] - a[0])];
+    }
+    points.truncate(if beyond > 0 { beyond + 1 } else { 0 });
+}
+
+fn panel(title: &str, mut lines: Raw, bending: bool, to: Option<f64>) -> Panel {
+    if let Some(to) = to {
+        lines.iter_mut().for_each(|line| cut(&mut line.1, to));
+    }
     let reach = lines.iter().flat_map(|l| &l.1).map(|p| p[0].abs()).fold(0.0, f64::max);
     let (x, y, scale) = match bending {
         true if reach < 0.2 => (("rotation", "mrad"), ("moment", "kN m"), 1e3),

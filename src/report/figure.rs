@@ -10,7 +10,7 @@ pub struct Line {
     pub label: String,
     /// Points in display units.
     pub points: Vec<[f64; 2]>,
-    /// Drawn black and dotted, to compare the others with.
+    /// Drawn black, to compare the others with.
     pub is_reference: bool,
 }
 
@@ -34,6 +34,7 @@ const LEGEND_ROW: f64 = 20.0;
 /// Width of a letter of the legend, about.
 const LETTER: f64 = 7.0;
 const STYLES: usize = 7;
+const REFERENCE_STYLES: usize = 4;
 
 const STYLE: &str = "text{font:13px sans-serif;fill:#1b2127}.plot text{font-size:11.5px;fill:#566069}.title{font-weight:600;font-size:15px}\
 .head{font-weight:600}.end{text-anchor:end}.mid{text-anchor:middle}.plot .unit{font-size:12px}\
@@ -41,13 +42,20 @@ const STYLE: &str = "text{font:13px sans-serif;fill:#1b2127}.plot text{font-size
 .line{fill:none;stroke-width:1.7;stroke-linejoin:round;stroke-linecap:round}\
 .s0{stroke:#1d5c9e}.s1{stroke:#b8480f;stroke-dasharray:8 3}.s2{stroke:#4b5a66;stroke-dasharray:2 3}\
 .s3{stroke:#1d7a63;stroke-dasharray:9 3 2 3}.s4{stroke:#7b4ea3;stroke-dasharray:4 3}.s5{stroke:#94731a;stroke-dasharray:12 4}\
-.s6{stroke:#a8201a;stroke-width:2.4}.ref{stroke:#000;stroke-width:2.4;stroke-dasharray:1 5}";
+.s6{stroke:#a8201a;stroke-width:2.4}.r0,.r1,.r2,.r3{stroke:#000;stroke-width:2.2}.r0{stroke-dasharray:1 5}.r1{stroke-dasharray:7 5}.r2{stroke-dasharray:7 5 1 5}.r3{stroke-dasharray:14 5}";
 
-/// The panels as one SVG file.
-pub fn svg(title: &str, panels: &[Panel]) -> String {
+/// The panels as one SVG file, with a title and a line of words below it.
+pub fn svg(title: &str, words: &str, panels: &[Panel]) -> String {
     let mut body = String::new();
     let mut y = MARGIN + 10.0;
-    let _ = write!(body, "<text class=\"title\" x=\"{MARGIN}\" y=\"{y}\">{}</text>", escape(title));
+    let _ = write!(
+        body,
+        "<text class=\"title\" x=\"{MARGIN}\" y=\"{y}\">{}</text><text x=\"{MARGIN}\" y=\"{}\">{}</text>",
+        escape(title),
+        y + LEGEND_ROW,
+        escape(words)
+    );
+    y += LEGEND_ROW;
     for panel in panels {
         y += 30.0;
         let _ = write!(body, "<text class=\"head\" x=\"{MARGIN}\" y=\"{y}\">{}</text>", escape(&panel.title));
@@ -88,13 +96,15 @@ fn legend(out: &mut String, panel: &Panel, mut y: f64) -> f64 {
 
 impl Panel {
     fn classes(&self) -> Vec<String> {
-        let mut next = 0;
+        let mut next = [0, 0];
         let class = |line: &Line| {
-            if line.is_reference {
-                return "ref".to_string();
-            }
-            next += 1;
-            format!("s{}", (next - 1) % STYLES)
+            let (count, letter, styles) = if line.is_reference {
+                (&mut next[1], 'r', REFERENCE_STYLES)
+            } else {
+                (&mut next[0], 's', STYLES)
+            };
+            *count += 1;
+            format!("{letter}{}", (*count - 1) % styles)
         };
         self.lines.iter().map(class).collect()
     }
@@ -126,10 +136,10 @@ mod tests {
         };
         let lines = vec![line("N = 0", false), line("test <A>", true), line("N = 1", false)];
         let panel = Panel { title: "axis 1".into(), lines, ..Panel::default() };
-        let text = svg("a & b", &[panel.clone(), panel]);
+        let text = svg("a & b", "in words", &[panel.clone(), panel]);
         assert_eq!(text.matches("class=\"line s0\"").count(), 4);
         assert_eq!(text.matches("class=\"line s1\"").count(), 4);
-        assert_eq!(text.matches("class=\"line ref\"").count(), 4);
+        assert_eq!(text.matches("class=\"line r0\"").count(), 4);
         assert!(text.contains("a &amp; b") && text.contains("test &lt;A&gt;") && !text.contains("NaN"));
         assert_eq!(text.matches("<svg").count(), text.matches("</svg>").count());
     }

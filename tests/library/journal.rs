@@ -79,7 +79,7 @@ fn a_damaged_journal_hinders_nobody_and_is_mended_by_a_rebuild() {
     (0..4).for_each(|seed| assert!(store.put(&entry(seed)).is_ok()));
     let path = Journal::of(room.path()).path().to_path_buf();
     let text = fs::read_to_string(&path).unwrap();
-    fs::write(&path, text.replacen("added", "adddd", 1)).unwrap();
+    fs::write(&path, text.replacen("\tadded\t", "\tadddd\t", 1)).unwrap();
     assert_eq!(store.list().unwrap().len(), 4);
     let report = exchange::verify(&store).unwrap();
     assert_eq!(report.journal, ["line 2 does not match its checksum"]);

@@ -138,3 +138,27 @@ fn a_large_batch_goes_in_and_comes_out() {
         store.keys().iter().map(|k| fs::metadata(room.path().join(format!("{k}.json"))).unwrap().len()).sum();
     println!("mean record: {} bytes", bytes / 600);
 }
+
+#[test]
+fn records_of_schema_1_are_read_kept_and_written_as_they_are() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("library/column_hinge");
+    let mut count = 0;
+    for item in fs::read_dir(folder).unwrap() {
+        let path = item.unwrap().path();
+        let text = fs::read_to_string(&path).unwrap();
+        if !text.contains("\"schema\": 1") {
+            continue;
+        }
+        let entry = Entry::from_text(&text).unwrap();
+        assert_eq!((entry.schema, entry.origin), (1, Origin::Submodel));
+        assert_eq!(entry.to_text().unwrap(), text, "{}", path.display());
+        assert!(path.ends_with(format!("{}.json", entry.key)));
+        assert!(entry.hinge().is_ok());
+        // Schema 1 has no other origin.
+        let mut foreign = entry.clone();
+        foreign.origin = Origin::RcSubmodel;
+        assert!(Store::open(tempfile::tempdir().unwrap().path()).unwrap().put(&foreign).is_err());
+        count += 1;
+    }
+    assert_eq!(count, 3);
+}
