@@ -1,6 +1,7 @@
 //! `fallwerk library diff`: in what two entries differ.
 
 use super::library::{Failure, report};
+use crate::base::units::round_to_digits;
 use crate::library::Entry;
 use crate::library::entry::EnvelopeLevel;
 use serde_json::{Value, json};
@@ -67,6 +68,11 @@ pub(super) fn run(first: &Entry, second: &Entry, json: bool, out: &mut dyn Write
     Ok(0)
 }
 
+/// Numbers that differ by rounding only.
+fn near(a: Option<f64>, b: Option<f64>) -> bool {
+    matches!((a, b), (Some(a), Some(b)) if (a - b).abs() <= 1e-9 * a.abs().max(b.abs()))
+}
+
 /// The leaves in which two values differ.
 fn walk(path: &str, a: &Value, b: &Value, found: &mut Vec<Difference>) {
     match (a, b) {
@@ -79,7 +85,13 @@ fn walk(path: &str, a: &Value, b: &Value, found: &mut Vec<Difference>) {
                 walk(&path, x.get(name).unwrap_or(&Value::Null), y.get(name).unwrap_or(&Value::Null), found);
             }
         }
+        (Value::Array(x), Value::Array(y)) if x.len() == y.len() => {
+            for (i, (a, b)) in x.iter().zip(y).enumerate() {
+                walk(&format!("{path}[{i}]"), a, b, found);
+            }
+        }
         _ if a == b => {}
+        (Value::Number(x), Value::Number(y)) if near(x.as_f64(), y.as_f64()) => {}
         _ => found.push(Difference { path: path.to_string(), first: a.clone(), second: b.clone() }),
     }
 }
@@ -88,6 +100,9 @@ fn short(value: &Value) -> String {
     let text = match value {
         Value::Null => "absent".to_string(),
         Value::String(text) => text.clone(),
+        Value::Number(number) => {
+            number.as_f64().map_or(number.to_string(), |x| round_to_digits(x, 6).to_string())
+        }
         other => other.to_string(),
     };
     if text.chars().count() > 48 { text.chars().take(47).chain(['…']).collect() } else { text }
@@ -95,7 +110,9 @@ fn short(value: &Value) -> String {
 
 fn change(d: &Difference) -> String {
     match (d.first.as_f64(), d.second.as_f64()) {
-        (Some(a), Some(b)) if a != 0.0 => format!("  ({:+.2} %)", 100.0 * (b / a - 1.0)),
+        (Some(a), Some(b)) if a != 0.0 && (b / a).abs() < 1e3 => {
+            format!("  ({:+.2} %)", 100.0 * (b / a - 1.0))
+        }
         _ => String::new(),
     }
 }
