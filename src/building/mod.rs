@@ -34,9 +34,11 @@ mod structure;
 pub mod tracked;
 pub mod turned;
 
+pub use fields::Fields;
 pub use inclined::Inclined;
 pub use model::*;
 pub use read::{Inspection, inspect, inspect_file, parse, read};
+pub use structure::check_against;
 
 /// The commented reference building, as `fallwerk init` writes it.
 pub const EXAMPLE: &str = include_str!("../../buildings/three-storey-frame.toml");

@@ -6,10 +6,15 @@ use serde_json::{Map, Value, json};
 
 /// The JSON Schema of a building file.
 pub fn json_schema() -> Value {
-    let mut schema = of_table(&FILE, None);
+    schema_of(&FILE, "Fallwerk building")
+}
+
+/// The JSON Schema of a file that a table of keys describes.
+pub fn schema_of(table: &'static Table, title: &str) -> Value {
+    let mut schema = of_table(table, None);
     if let Value::Object(object) = &mut schema {
         object.insert("$schema".into(), json!("https://json-schema.org/draft/2020-12/schema"));
-        object.insert("title".into(), json!("Fallwerk building"));
+        object.insert("title".into(), json!(title));
     }
     schema
 }

@@ -9,15 +9,20 @@ use crate::base::units::{
     Dimension, UnitError, parse_quantity, round_to_digits, show, show_range, split_quantity,
 };
 
-/// All structural errors of a file.
+/// All structural errors of a building file.
 pub fn check(root: &Node) -> Vec<Diagnostic> {
-    let mut walk = Walk { found: Vec::new() };
+    check_against(root, &FILE)
+}
+
+/// All structural errors of a file that a table of keys describes.
+pub fn check_against(root: &Node, table: &'static Table) -> Vec<Diagnostic> {
+    let mut walk = Walk { found: Vec::new(), file: table.noun };
     if !matches!(root.value, Value::Table(_)) {
         walk.wrong_type(root, "the file", "a table of keys and values", None);
         return walk.found;
     }
     let version_only = version_is_other(root);
-    walk.table(root, root.span, &FILE, "the file", false);
+    walk.table(root, root.span, table, "the file", false);
     if version_only {
         // Another version may have other keys: say only that.
         walk.found.retain(|d| d.code == "schema-version");
@@ -47,6 +52,8 @@ pub fn is_id(text: &str) -> bool {
 
 struct Walk {
     found: Vec<Diagnostic>,
+    /// Noun of the table that the whole file is.
+    file: &'static str,
 }
 
 impl Walk {
@@ -282,7 +289,7 @@ impl Walk {
             format!("add `{} = {}`: {}", key.name, key.example, key.doc)
         };
         let mut error = Diagnostic::error("missing-key", message).help(help);
-        if table.noun == FILE.noun {
+        if table.noun == self.file {
             error.place = None;
         } else {
             error = error.at(header, format!("`{}` is missing", key.name));

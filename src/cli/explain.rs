@@ -279,19 +279,21 @@ fn grouped(reasons: &[Reason]) -> Vec<(&Reason, Vec<&str>)> {
 }
 
 fn entry_text(f: &EntryFacts) -> String {
+    let mut quality: Vec<String> = Vec::new();
+    quality.extend(f.quality.elements.map(|n| format!("{n} elements")));
+    quality.extend(f.quality.kinetic_energy_ratio.map(|x| format!("kinetic over internal energy {x:.3}")));
+    quality.extend(f.quality.asymmetry.map(|x| format!("difference between the senses of rotation {x:.3}")));
+    quality.extend(f.quality.mesh_sensitivity.map(|x| format!("sensitivity to the mesh {x:.3}")));
     format!(
         "    {}\n    peak moments {:.1} and {:.1} kN m; axial force {:.0} to {:.0} kN, rotation up to {:.3} rad\n    \
-         quality: {} elements, kinetic over internal energy {:.3}, difference between the senses of rotation {:.3}\n    \
-         computed by version {} from inputs {}\n",
+         quality: {}\n    computed by version {} from inputs {}\n",
         f.words,
         f.peak_moment_nm[0] / 1e3,
         f.peak_moment_nm[1] / 1e3,
         f.validity.axial_force_n[0] / 1e3,
         f.validity.axial_force_n[1] / 1e3,
-        f.validity.rotation_rad[1],
-        f.quality.elements,
-        f.quality.kinetic_energy_ratio,
-        f.quality.asymmetry,
+        f.validity.rotation_rad.map_or(0.0, |range| range[1]),
+        quality.join(", "),
         f.program_version,
         f.inputs_hash.get(..16).unwrap_or(&f.inputs_hash),
     )

@@ -1,11 +1,14 @@
-//! `fallwerk library`: look at the store of subsystems, check it, mend it, exchange it.
+//! `fallwerk library`: look at the store of subsystems, fill it, check it, mend it, exchange it.
 //!
-//! Exit codes: 0 done; 1 a check failed (damage found); 2 bad input or usage.
+//! Exit codes: 0 done; 1 a check failed (damage found, nothing fits); 2 bad input or usage, or the library cannot be
+//! written because another process has it.
 
-use super::library_derive::{LibraryDeriveError, derive_for};
+use super::library_derive::{LibraryDeriveError, Watch, derive_for};
+use super::library_look::{self, Filter};
 use super::progress::Progress;
+use super::{colour_on_stderr, library_add, library_find, library_plot};
+use crate::base::diagnostic::Diagnostics;
 use crate::base::hash::readable_json;
-use crate::library::entry::Entry;
 use crate::library::{Opened, Store, StoreError, exchange};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
@@ -29,7 +32,7 @@ pub struct LibraryArgs {
 /// The commands of `fallwerk library`.
 #[derive(Debug, Clone, Subcommand)]
 pub enum LibraryCommand {
-    /// Compute the entries that a building's column ends need and add them
+    /// Compute the entries that a building's column ends need and add them; goes on where it was interrupted
     Derive {
         /// The building file
         building: PathBuf,
@@ -37,16 +40,34 @@ pub enum LibraryCommand {
         #[arg(long)]
         again: bool,
     },
+    /// Add a curve from a test or another program
+    Add(library_add::Arguments),
     /// List the entries
-    List,
+    List(Filter),
     /// Show one entry
     Show {
         /// Key, its hash, or the beginning of either
         key: String,
     },
-    /// Check every text record and the working copy
+    /// Draw the curves of an entry as SVG
+    Plot(library_plot::Arguments),
+    /// Compare two entries
+    Diff {
+        /// Key, its hash, or the beginning of either
+        first: String,
+        /// As the first
+        second: String,
+    },
+    /// Find the entry that fits best, or one between two
+    Find(library_find::Arguments),
+    /// Tell what happened to the library, or to one entry
+    History {
+        /// Key, its hash, or the beginning of either
+        key: Option<String>,
+    },
+    /// Check every text record, the working copy and the journal
     Verify,
-    /// Build the working copy from the text records
+    /// Build the working copy from the text records, and mend the journal
     Rebuild,
     /// Write all entries into one JSON file
     Export {
@@ -58,7 +79,7 @@ pub enum LibraryCommand {
         /// The file
         file: PathBuf,
     },
-    /// Mark an entry as no longer to be used
+    /// Mark an entry as no longer to be used; it is kept
     Deprecate {
         /// Key, its hash, or the beginning of either
         key: String,
@@ -80,9 +101,23 @@ pub fn run(args: &LibraryArgs) -> u8 {
 pub fn execute(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> u8 {
     match attempt(args, out, err) {
         Ok(code) => code,
-        Err(Failure::Derive(message)) => {
+        Err(Failure::Stopped(message)) => {
             let _ = writeln!(err, "error: {message}");
             1
+        }
+        Err(Failure::Usage(message)) => {
+            let _ = writeln!(err, "error: {message}");
+            2
+        }
+        Err(Failure::Files(found)) => {
+            for diagnostics in &found {
+                let _ = write!(err, "{}", diagnostics.render(colour_on_stderr()));
+            }
+            if args.json {
+                let all: Vec<Value> = found.iter().map(Diagnostics::to_json).collect();
+                let _ = report(true, out, json!({ "ok": false, "diagnostics": all }), "");
+            }
+            2
         }
         Err(Failure::Store(error)) => {
             let _ = writeln!(err, "error: {error}");
@@ -105,10 +140,15 @@ fn derive(
     json: bool,
     out: &mut dyn Write,
 ) -> Result<u8, Failure> {
+    store.writable()?;
     let Ok(building) = super::read_building(building, json) else { return Ok(2) };
     let progress = Progress::on_stderr();
     progress.stage("curves");
-    let done = derive_for(&building, store, again, &|text| progress.note(text));
+    let watch = Watch {
+        progress: &|share, text| progress.advance(share, text),
+        added: &|key| progress.say(&format!("added {key}")),
+    };
+    let done = derive_for(&building, store, again, &watch);
     progress.finish();
     match done {
         Ok(derived) => {
@@ -117,18 +157,23 @@ fn derive(
             let value = json!({ "added": derived.added, "present": derived.present });
             report(json, out, value, &words)
         }
-        Err(LibraryDeriveError::Skew(message)) => {
-            eprintln!("error: {message}");
-            Ok(2)
-        }
+        Err(LibraryDeriveError::Skew(message)) => Err(Failure::Usage(message)),
         Err(LibraryDeriveError::Store(error)) => Err(Failure::Store(error)),
-        Err(error) => Err(Failure::Derive(error.to_string())),
+        Err(error) => Err(Failure::Stopped(error.to_string())),
     }
 }
 
-enum Failure {
-    Derive(String),
+/// Why a command of the library stopped.
+pub(super) enum Failure {
+    /// What it checks or computes did not succeed.
+    Stopped(String),
+    /// The command line or an input is wrong.
+    Usage(String),
+    /// Input files are wrong.
+    Files(Vec<Diagnostics>),
+    /// The store refused.
     Store(StoreError),
+    /// The output could not be written.
     Output(io::Error),
 }
 
@@ -145,17 +190,55 @@ impl From<io::Error> for Failure {
 }
 
 fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Result<u8, Failure> {
-    if !args.library.is_dir() && !matches!(args.command, LibraryCommand::Import { .. }) {
+    if let LibraryCommand::Add(add) = &args.command
+        && let Some(text) = add.asked_text()
+    {
+        write!(out, "{text}")?;
+        return Ok(0);
+    }
+    let makes_folder = matches!(args.command, LibraryCommand::Import { .. } | LibraryCommand::Add(_));
+    if !args.library.is_dir() && !makes_folder {
         writeln!(err, "error: {}: no such folder; name the library with --library", args.library.display())?;
         return Ok(2);
     }
     let mut store = Store::open(&args.library)?;
     say_how_opened(&store, err)?;
+    let code = dispatch(args, &mut store, out, err)?;
+    if let (true, Opened::TextOnly { why, writable: true }) = (args.command.writes(), store.opened()) {
+        writeln!(err, "note: the text records are written; {why}; the next command builds the copy again")?;
+    }
+    Ok(code)
+}
+
+impl LibraryCommand {
+    fn writes(&self) -> bool {
+        matches!(
+            self,
+            Self::Derive { .. } | Self::Add(_) | Self::Rebuild | Self::Import { .. } | Self::Deprecate { .. }
+        )
+    }
+}
+
+fn dispatch(
+    args: &LibraryArgs,
+    store: &mut Store,
+    out: &mut dyn Write,
+    err: &mut dyn Write,
+) -> Result<u8, Failure> {
+    let json = args.json;
     match &args.command {
-        LibraryCommand::Derive { building, again } => derive(&mut store, building, *again, args.json, out),
-        LibraryCommand::List => list(&store, args.json, out),
-        LibraryCommand::Show { key } => show(&store.get(&store.resolve(key)?)?, args.json, out),
-        LibraryCommand::Verify => verify(&store, args.json, out),
+        LibraryCommand::Derive { building, again } => derive(store, building, *again, json, out),
+        LibraryCommand::Add(add) => library_add::run(add, store, json, out),
+        LibraryCommand::List(filter) => library_look::list(store, filter, json, out),
+        LibraryCommand::Show { key } => library_look::show(&store.get(&store.resolve(key)?)?, json, out),
+        LibraryCommand::Plot(plot) => library_plot::run(plot, store, out),
+        LibraryCommand::Diff { first, second } => {
+            let get = |key: &str| store.get(&store.resolve(key)?);
+            super::library_diff::run(&get(first)?, &get(second)?, json, out)
+        }
+        LibraryCommand::Find(find) => library_find::run(find, store, json, out),
+        LibraryCommand::History { key } => library_look::history(store, key.as_deref(), json, out, err),
+        LibraryCommand::Verify => verify(store, json, out),
         LibraryCommand::Rebuild => {
             let records = store.rebuild()?;
             let damaged = store.damaged().len();
@@ -163,36 +246,28 @@ fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
                 "working copy built from {records} records{}",
                 plural(damaged, ", {} damaged left out")
             );
-            report(args.json, out, json!({ "records": records, "damaged": damaged }), &words)?;
+            report(json, out, json!({ "records": records, "damaged": damaged }), &words)?;
             Ok(u8::from(damaged > 0))
         }
         LibraryCommand::Export { file } => {
-            let entries = exchange::export(&store, file)?;
-            report(
-                args.json,
-                out,
-                json!({ "entries": entries }),
-                &format!("{entries} entries in {}", file.display()),
-            )
+            let entries = exchange::export(store, file)?;
+            let words = format!("{entries} entries in {}", file.display());
+            report(json, out, json!({ "entries": entries }), &words)
         }
         LibraryCommand::Import { file } => {
-            let done = exchange::import(&mut store, file)?;
+            let done = exchange::import(store, file)?;
             let words = format!(
                 "{} added, {} mended, {} were there already",
                 done.added, done.mended, done.unchanged
             );
-            report(args.json, out, json!(done), &words)
+            report(json, out, json!(done), &words)
         }
         LibraryCommand::Deprecate { key, successor, reason } => {
             let key = store.resolve(key)?;
             let successor = successor.as_ref().map(|s| store.resolve(s)).transpose()?;
             store.deprecate(&key, successor.as_deref(), reason)?;
-            report(
-                args.json,
-                out,
-                json!({ "deprecated": key, "successor": successor }),
-                &format!("{key} is deprecated"),
-            )
+            let value = json!({ "deprecated": key, "successor": successor });
+            report(json, out, value, &format!("{key} is deprecated"))
         }
     }
 }
@@ -217,7 +292,8 @@ fn say_how_opened(store: &Store, err: &mut dyn Write) -> io::Result<()> {
         .try_for_each(|(path, what)| writeln!(err, "warning: {}: damaged record: {what}", path.display()))
 }
 
-fn report(json: bool, out: &mut dyn Write, value: Value, words: &str) -> Result<u8, Failure> {
+/// The result as JSON or in words.
+pub(super) fn report(json: bool, out: &mut dyn Write, value: Value, words: &str) -> Result<u8, Failure> {
     if json {
         write!(out, "{}", readable_json(&value).map_err(io::Error::from)?)?;
     } else {
@@ -228,100 +304,6 @@ fn report(json: bool, out: &mut dyn Write, value: Value, words: &str) -> Result<
 
 fn plural(count: usize, words: &str) -> String {
     if count == 0 { String::new() } else { words.replace("{}", &count.to_string()) }
-}
-
-fn list(store: &Store, json: bool, out: &mut dyn Write) -> Result<u8, Failure> {
-    let entries = store.list()?;
-    if json {
-        let rows: Vec<Value> = entries
-            .iter()
-            .map(|e| json!({ "key": e.key, "kind": e.kind, "features": e.features, "quality": e.quality, "deprecated": e.deprecated }))
-            .collect();
-        report(true, out, json!({ "entries": rows }), "")?;
-    } else if entries.is_empty() {
-        writeln!(out, "the library in {} is empty", store.folder().display())?;
-    } else {
-        for entry in &entries {
-            writeln!(out, "{}  M {:7.1} kN m  {}", entry.key, peak_moment_nm(entry) / 1e3, remark(entry))?;
-        }
-    }
-    Ok(u8::from(!store.damaged().is_empty()))
-}
-
-/// Largest moment of any envelope \[N m\].
-fn peak_moment_nm(entry: &Entry) -> f64 {
-    let points = entry.axes.iter().flat_map(|a| &a.envelopes).flat_map(|l| &l.points);
-    points.map(|p| p[1].abs()).fold(0.0, f64::max)
-}
-
-fn remark(entry: &Entry) -> String {
-    match &entry.deprecated {
-        None => String::new(),
-        Some(d) => format!(
-            "deprecated ({}{})",
-            d.reason,
-            d.successor.as_ref().map_or(String::new(), |s| format!(", use {s}"))
-        ),
-    }
-}
-
-fn show(entry: &Entry, json: bool, out: &mut dyn Write) -> Result<u8, Failure> {
-    if json {
-        write!(out, "{}", entry.to_text().map_err(io::Error::from)?)?;
-        return Ok(0);
-    }
-    let f = &entry.features;
-    writeln!(out, "{}", entry.key)?;
-    if entry.deprecated.is_some() {
-        writeln!(out, "  {}", remark(entry))?;
-    }
-    writeln!(
-        out,
-        "  section          {} x {} m, {} m to the point of zero moment",
-        f.width_m, f.depth_m, f.length_to_inflection_m
-    )?;
-    writeln!(out, "  place            {:?} end at {:?}", f.end, f.adjoining)?;
-    writeln!(out, "  law              `{}` ({}), mesh {} m", f.law.id, f.law.hash, f.mesh_size_m)?;
-    writeln!(
-        out,
-        "  stiffness        axial {:.4e} N/m, shear {:.4e} and {:.4e} N/m, torsion {:.4e} N m/rad",
-        entry.stiffness.axial_n_m,
-        entry.stiffness.shear_n_m[0],
-        entry.stiffness.shear_n_m[1],
-        entry.stiffness.torsion_nm_rad
-    )?;
-    for (axis, record) in (1..).zip(&entry.axes) {
-        writeln!(out, "  axis {axis}           bending {:.4e} N m/rad", record.curve.stiffness_nm_rad)?;
-        for level in &record.envelopes {
-            let peak = level
-                .points
-                .iter()
-                .fold([0.0, 0.0], |a: [f64; 2], p| if p[1].abs() > a[1].abs() { *p } else { a });
-            let fracture =
-                level.fracture_rotation_rad.map_or("none".to_string(), |r| format!("at {r:.4} rad"));
-            writeln!(
-                out,
-                "    N {:9.1} kN   M {:8.2} kN m at {:.4} rad, fracture {fracture}",
-                level.axial_force_n / 1e3,
-                peak[1] / 1e3,
-                peak[0]
-            )?;
-        }
-    }
-    let q = &entry.quality;
-    writeln!(
-        out,
-        "  quality          {} elements, kinetic/internal energy {:.2e}, asymmetry {:.2e}",
-        q.elements, q.kinetic_energy_ratio, q.asymmetry
-    )?;
-    let p = &entry.provenance;
-    writeln!(
-        out,
-        "  computed         fallwerk {}, submodel version {}",
-        p.program_version, p.inputs.submodel_version
-    )?;
-    writeln!(out, "  inputs           {}", p.inputs_hash)?;
-    Ok(0)
 }
 
 fn verify(store: &Store, json: bool, out: &mut dyn Write) -> Result<u8, Failure> {
@@ -335,9 +317,14 @@ fn verify(store: &Store, json: bool, out: &mut dyn Write) -> Result<u8, Failure>
         for what in &found.cache {
             writeln!(out, "working copy: {what}")?;
         }
-        let faults = found.text.len() + found.cache.len();
+        for what in &found.journal {
+            writeln!(out, "journal: {what}; `library rebuild` takes it out")?;
+        }
+        let faults = found.text.len() + found.cache.len() + found.journal.len();
         let verdict = if faults == 0 { "all sound".to_string() } else { format!("{faults} faults") };
-        writeln!(out, "{} records: {verdict}", found.records)?;
+        let untold =
+            plural(found.untold, "; {} came or went without the journal, which the next change notes");
+        writeln!(out, "{} records: {verdict}{untold}", found.records)?;
     }
     Ok(u8::from(!found.is_clean()))
 }

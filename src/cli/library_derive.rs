@@ -36,10 +36,19 @@ pub enum LibraryDeriveError {
     Store(#[from] StoreError),
 }
 
-/// Computes what the library lacks for the column ends of a building and stores each entry as soon as it is done.
+/// Who hears of it.
+pub struct Watch<'a> {
+    /// Share done (0 to 1) and what is being computed.
+    pub progress: &'a (dyn Fn(f64, &str) + Sync),
+    /// Key of an entry that is in the library now.
+    pub added: &'a dyn Fn(&str),
+}
+
+/// Computes what the library lacks for the column ends of a building and stores each entry as soon as it is done, so that a
+/// run that was interrupted goes on behind the last one.
 ///
 /// With `again` entries that are there are computed anew. Ends that are mirror images share an entry; columns cut away in
-/// preparation have none. `progress` hears what is being computed.
+/// preparation have none.
 ///
 /// # Errors
 /// If a submodel fails or the library cannot be written.
@@ -47,8 +56,9 @@ pub fn derive_for(
     building: &Building,
     store: &mut Store,
     again: bool,
-    progress: &(dyn Fn(&str) + Sync),
+    watch: &Watch,
 ) -> Result<Derived, LibraryDeriveError> {
+    store.writable()?;
     building.without_skew("no curves can be derived").map_err(LibraryDeriveError::Skew)?;
     let mut derived = Derived::default();
     let mut missing = Vec::new();
@@ -61,11 +71,13 @@ pub fn derive_for(
     }
     let count = missing.len();
     for (number, (key, end, wanted)) in missing.into_iter().enumerate() {
-        let tell = |done, all| {
-            progress(&format!("curves of {end} ({} of {count}): push {done} of {all}", number + 1));
+        let tell = |done: usize, all: usize| {
+            let share = (number as f64 + done as f64 / all.max(1) as f64) / count as f64;
+            (watch.progress)(share, &format!("of {end} ({} of {count}): push {done} of {all}", number + 1));
         };
         let entry = wanted.derive(&end, &tell).map_err(failed(&end))?;
         store.put(&entry)?;
+        (watch.added)(&key);
         derived.added.push(key);
     }
     Ok(derived)

@@ -13,7 +13,12 @@ pub mod graph;
 mod init;
 pub mod knowledge;
 pub mod library;
+mod library_add;
 pub mod library_derive;
+mod library_diff;
+mod library_find;
+mod library_look;
+mod library_plot;
 pub mod progress;
 pub mod rules;
 mod schema;
@@ -92,7 +97,7 @@ enum Command {
     Graph(graph::Arguments),
     /// Run a multibody model file
     Simulate(simulate::SimulateArgs),
-    /// The library of subsystems: derive, list, show, verify, rebuild, export, import, deprecate
+    /// The library of subsystems: derive, add, list, show, plot, diff, find, history, deprecate, verify, rebuild, export, import
     Library(library::LibraryArgs),
     /// The rules: list, check, show, features
     Rules(rules::RulesArgs),

@@ -73,6 +73,14 @@ impl Progress {
         });
     }
 
+    /// A line that is always shown.
+    pub fn say(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            None => eprintln!("{text}"),
+        }
+    }
+
     /// A line, unless the last one is too near.
     fn line(&self, text: impl Fn(&State) -> String) {
         let mut state = self.state();

@@ -1,8 +1,10 @@
 //! Fast evaluation of a capacity: all levels on one common grid of plastic rotations.
 //!
 //! Each level is piecewise linear in the plastic rotation; on the union of all break points the
-//! interpolation in both directions stays exact and one segment search serves every level.
+//! interpolation in both directions stays exact and one segment search serves every level. What the interpolation
+//! may and may not do is said in [`super::between`].
 
+use super::between::interpolate;
 use super::{CurveError, ResistanceCurve};
 
 /// A capacity ready for the time loop.
@@ -39,12 +41,13 @@ impl CapacityTable {
     /// Compiles a curve; `factor` scales the capacity (not the stiffness).
     pub fn new(curve: &ResistanceCurve, factor: f64) -> Result<Self, CurveError> {
         curve.check()?;
-        let mut alpha: Vec<f64> = curve.levels.iter().flat_map(|l| l.capacity.iter().map(|p| p[0])).collect();
+        let lines: Vec<Vec<[f64; 2]>> = (0..curve.levels.len()).map(|level| curve.lasting(level)).collect();
+        let mut alpha: Vec<f64> = lines.iter().flatten().map(|p| p[0]).collect();
         alpha.sort_by(f64::total_cmp);
         alpha.dedup_by(|a, b| *a - *b <= 1e-12);
         let mut value = Vec::with_capacity(alpha.len() * curve.levels.len());
         for &a in &alpha {
-            value.extend(curve.levels.iter().map(|l| factor * interpolate(&l.capacity, a)));
+            value.extend(lines.iter().map(|line| factor * interpolate(line, a)));
         }
         Ok(Self {
             stiffness_nm_rad: curve.stiffness_nm_rad,
@@ -122,17 +125,4 @@ impl CapacityTable {
         let low = self.fracture[level];
         if weight > 0.0 { low + weight * (self.fracture[level + 1] - low) } else { low }
     }
-}
-
-/// Piecewise linear, constant beyond the ends.
-fn interpolate(points: &[[f64; 2]], x: f64) -> f64 {
-    let upper = points.partition_point(|p| p[0] <= x);
-    if upper == 0 {
-        return points[0][1];
-    }
-    if upper == points.len() {
-        return points[upper - 1][1];
-    }
-    let ([x0, y0], [x1, y1]) = (points[upper - 1], points[upper]);
-    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }

@@ -7,6 +7,7 @@
 //!
 //! Sign conventions: axial force `N` is positive in **compression**. Units: rad, N m, N.
 
+pub mod between;
 pub mod capacity;
 pub mod envelope;
 pub mod hinge;
@@ -22,7 +23,8 @@ use serde::{Deserialize, Serialize};
 pub struct ResistanceCurve {
     /// Elastic rotational stiffness `K` \[N m/rad\], also the stiffness of unloading.
     pub stiffness_nm_rad: f64,
-    /// Capacity at increasing axial force; interpolated linearly in between, held constant outside.
+    /// Capacity at increasing axial force; interpolated linearly in between, held constant outside ([`between`] says
+    /// what this keeps).
     pub levels: Vec<CapacityLevel>,
 }
 

@@ -182,20 +182,17 @@ fn chunk(
         let table = &tables[block.material.table];
         let (material, state) = (&block.material.lanes(), &mut block.state);
         let (dt_s, step) = (sweep.dt_s, sweep.step);
-        let mut bound = match (&mut block.full, material.form) {
-            _ if block.concrete.is_some() => {
-                let history = block.concrete.as_mut().map(|c| &mut **c);
-                history.map_or([0.0; LANES], |history| {
-                    concrete::update(&at, &moved, dt_s, material, concretes, state, history, &mut force, step)
-                })
+        let mut bound = match (&mut block.full, &mut block.concrete, material.form) {
+            (_, Some(history), _) => {
+                concrete::update(&at, &moved, dt_s, material, concretes, state, history, &mut force, step)
             }
-            (None, ElementForm::OnePoint(Hourglass::Asqbi)) => {
+            (None, None, ElementForm::OnePoint(Hourglass::Asqbi)) => {
                 kernel::update::<true>(&at, &moved, dt_s, material, table, state, &mut force, step)
             }
-            (None, _) => kernel::update_other_in(
+            (None, None, _) => kernel::update_other_in(
                 sweep.isa, &at, &moved, dt_s, material, table, state, &mut force, step,
             ),
-            (Some(points), _) => {
+            (Some(points), None, _) => {
                 full::update(&at, &moved, dt_s, material, table, state, points, &mut force, step)
             }
         };

@@ -109,16 +109,17 @@ pub fn hinges(
             .entries
             .get(key)
             .ok_or_else(|| StoreError::NotFound { key: key.clone(), hint: String::new() })?;
+        let hinge = entry.hinge()?;
         let bending = [0, 1].map(|axis| Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 });
         joints.push(Joint {
             id: end.id.clone(),
             body_a: other.map(|o| place.bodies[o].id.clone()),
             body_b: place.bodies[own].id.clone(),
-            point_m: hinge_point(end, entry.hinge_offset_m),
+            point_m: hinge_point(end, hinge.offset_m),
             axes: axes(end),
-            axial_stiffness_n_m: entry.stiffness.axial_n_m,
-            shear_stiffness_n_m: entry.stiffness.shear_n_m,
-            torsional_stiffness_nm_rad: entry.stiffness.torsion_nm_rad,
+            axial_stiffness_n_m: hinge.stiffness.axial_n_m,
+            shear_stiffness_n_m: hinge.stiffness.shear_n_m,
+            torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,

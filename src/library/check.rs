@@ -1,16 +1,20 @@
 //! Whether an entry makes sense: the same checks when it is written and when it is read.
 
-use super::entry::{AxisRecord, ENTRY_SCHEMA, Entry};
+use super::entry::{
+    AxisRecord, Branch, ENTRY_SCHEMA, Entry, EntryKind, EnvelopeLevel, OLDEST_SCHEMA, Origin,
+};
 use super::key;
+use super::parts::SpringRecord;
 use crate::base::hash::ContentHash;
+use crate::curve::ResistanceCurve;
 
 /// Checks key, inputs and numbers.
 ///
 /// # Errors
 /// The first fault, in words.
 pub fn entry(entry: &Entry) -> Result<(), String> {
-    if entry.schema != ENTRY_SCHEMA {
-        return Err(format!("schema {}, expected {ENTRY_SCHEMA}", entry.schema));
+    if !(OLDEST_SCHEMA..=ENTRY_SCHEMA).contains(&entry.schema) {
+        return Err(format!("schema {}, expected {OLDEST_SCHEMA} to {ENTRY_SCHEMA}", entry.schema));
     }
     let inputs = ContentHash::of_value(&entry.provenance.inputs).map_err(|e| e.to_string())?;
     if entry.provenance.inputs_hash != inputs.to_string() {
@@ -23,50 +27,110 @@ pub fn entry(entry: &Entry) -> Result<(), String> {
             key::key_of(entry.kind, &entry.features, &inputs)
         ));
     }
-    let f = &entry.features;
-    for (name, value) in [
-        ("features.width_m", f.width_m),
-        ("features.depth_m", f.depth_m),
-        ("features.length_to_inflection_m", f.length_to_inflection_m),
-        ("features.mesh_size_m", f.mesh_size_m),
-        ("features.law.youngs_modulus_pa", f.law.youngs_modulus_pa),
-        ("stiffness.axial_n_m", entry.stiffness.axial_n_m),
-        ("stiffness.shear_n_m[0]", entry.stiffness.shear_n_m[0]),
-        ("stiffness.shear_n_m[1]", entry.stiffness.shear_n_m[1]),
-        ("stiffness.torsion_nm_rad", entry.stiffness.torsion_nm_rad),
-        ("tensile_capacity_n", entry.tensile_capacity_n.unwrap_or(1.0)),
-    ] {
-        positive(name, value)?;
+    parts(entry)?;
+    numbers(entry)?;
+    let interpolated = entry.provenance.inputs.interpolation.is_some();
+    for (i, axis) in entry.axes.iter().enumerate() {
+        self::axis(axis, interpolated).map_err(|e| format!("axes[{i}]: {e}"))?;
     }
-    let q = &entry.quality;
-    if !(q.kinetic_energy_ratio.is_finite() && q.asymmetry.is_finite()) {
-        return Err("a figure of `quality` is not a number".to_string());
-    }
-    for (name, [low, high]) in
-        [("axial_force_n", entry.validity.axial_force_n), ("rotation_rad", entry.validity.rotation_rad)]
+    entry
+        .springs
+        .iter()
+        .enumerate()
+        .try_for_each(|(i, s)| spring(s).map_err(|e| format!("springs[{i}]: {e}")))
+}
+
+/// Whether the parts are there that the kind and the origin ask for.
+fn parts(entry: &Entry) -> Result<(), String> {
+    let kind = entry.kind.name();
+    if entry.schema == OLDEST_SCHEMA
+        && (entry.kind, entry.origin) != (EntryKind::ColumnHinge, Origin::Submodel)
     {
-        if !(low.is_finite() && high.is_finite() && low <= high) {
+        return Err("schema 1 knows column hinges of the submodel only".to_string());
+    }
+    match (entry.kind.is_bending(), entry.axes.len(), entry.springs.len()) {
+        (true, 1..=2, 0) | (false, 0, 1..) => {}
+        (true, ..) => return Err(format!("a `{kind}` has one or two `axes` and no `springs`")),
+        (false, ..) => return Err(format!("a `{kind}` has `springs` and no `axes`")),
+    }
+    let inputs = &entry.provenance.inputs;
+    if entry.origin.is_own() && inputs.interpolation.is_none() {
+        if entry.kind == EntryKind::ColumnHinge {
+            entry.hinge().map_err(|e| e.to_string())?;
+        }
+        if inputs.submodel_version.is_none() {
+            return Err("`provenance.inputs.submodel_version` is missing".to_string());
+        }
+    }
+    if !entry.origin.is_own() && inputs.source.is_none() && inputs.interpolation.is_none() {
+        return Err(format!("a record of a {} names its `source`", entry.origin.words()));
+    }
+    Ok(())
+}
+
+fn numbers(entry: &Entry) -> Result<(), String> {
+    for (name, (value, _)) in entry.features.numbers() {
+        if entry.features.further.contains_key(&name) {
+            finite(&format!("features.further.{name}"), value)?;
+        } else {
+            positive(&format!("features.{name}"), value)?;
+        }
+    }
+    if let Some(s) = &entry.stiffness {
+        positive("stiffness.axial_n_m", s.axial_n_m)?;
+        positive("stiffness.shear_n_m[0]", s.shear_n_m[0])?;
+        positive("stiffness.shear_n_m[1]", s.shear_n_m[1])?;
+        positive("stiffness.torsion_nm_rad", s.torsion_nm_rad)?;
+    }
+    positive("tensile_capacity_n", entry.tensile_capacity_n.unwrap_or(1.0))?;
+    let q = &entry.quality;
+    for (name, figure) in [
+        ("kinetic_energy_ratio", q.kinetic_energy_ratio),
+        ("asymmetry", q.asymmetry),
+        ("mesh_sensitivity", q.mesh_sensitivity),
+    ] {
+        finite(&format!("quality.{name}"), figure.unwrap_or(0.0))?;
+    }
+    let v = &entry.validity;
+    for (name, range) in [
+        ("axial_force_n", Some(v.axial_force_n)),
+        ("rotation_rad", v.rotation_rad),
+        ("displacement_m", v.displacement_m),
+    ] {
+        if let Some([low, high]) = range
+            && !(low.is_finite() && high.is_finite() && low <= high)
+        {
             return Err(format!("`validity.{name}` is no range: {low} to {high}"));
         }
     }
-    entry.axes.iter().enumerate().try_for_each(|(i, a)| axis(a).map_err(|e| format!("axes[{i}]: {e}")))
+    Ok(())
 }
 
-fn axis(axis: &AxisRecord) -> Result<(), String> {
-    positive("curve.stiffness_nm_rad", axis.curve.stiffness_nm_rad)?;
-    if axis.curve.levels.is_empty() || axis.envelopes.is_empty() {
+fn axis(axis: &AxisRecord, interpolated: bool) -> Result<(), String> {
+    branch(&axis.envelopes, &axis.curve, interpolated)?;
+    match &axis.reverse {
+        Some(Branch { envelopes, curve }) => {
+            branch(envelopes, curve, interpolated).map_err(|e| format!("reverse: {e}"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn branch(envelopes: &[EnvelopeLevel], curve: &ResistanceCurve, interpolated: bool) -> Result<(), String> {
+    positive("curve.stiffness_nm_rad", curve.stiffness_nm_rad)?;
+    if curve.levels.is_empty() || envelopes.is_empty() != interpolated {
         return Err("has no level".to_string());
     }
-    increasing("envelopes", axis.envelopes.iter().map(|l| l.axial_force_n))?;
-    increasing("curve.levels", axis.curve.levels.iter().map(|l| l.axial_force_n))?;
-    for (i, level) in axis.envelopes.iter().enumerate() {
+    increasing("envelopes", envelopes.iter().map(|l| l.axial_force_n))?;
+    increasing("curve.levels", curve.levels.iter().map(|l| l.axial_force_n))?;
+    for (i, level) in envelopes.iter().enumerate() {
         points(&format!("envelopes[{i}]"), &level.points)?;
         positive(
             &format!("envelopes[{i}].fracture_rotation_rad"),
             level.fracture_rotation_rad.unwrap_or(1.0),
         )?;
     }
-    for (i, level) in axis.curve.levels.iter().enumerate() {
+    for (i, level) in curve.levels.iter().enumerate() {
         let name = format!("curve.levels[{i}]");
         points(&name, &level.capacity)?;
         if level.capacity[0][0] != 0.0 || level.capacity.iter().any(|p| p[1] < 0.0) {
@@ -77,6 +141,26 @@ fn axis(axis: &AxisRecord) -> Result<(), String> {
         positive(&format!("{name}.fracture_rotation_rad"), level.fracture_rotation_rad)?;
     }
     Ok(())
+}
+
+fn spring(spring: &SpringRecord) -> Result<(), String> {
+    positive("stiffness_n_m", spring.stiffness_n_m)?;
+    if spring.levels.is_empty() {
+        return Err("has no level".to_string());
+    }
+    increasing("levels", spring.levels.iter().map(|l| l.axial_force_n))?;
+    for (i, level) in spring.levels.iter().enumerate() {
+        points(&format!("levels[{i}]"), &level.points)?;
+        positive(
+            &format!("levels[{i}].fracture_displacement_m"),
+            level.fracture_displacement_m.unwrap_or(1.0),
+        )?;
+    }
+    Ok(())
+}
+
+fn finite(name: &str, value: f64) -> Result<(), String> {
+    if value.is_finite() { Ok(()) } else { Err(format!("`{name}` is not a number")) }
 }
 
 fn points(name: &str, points: &[[f64; 2]]) -> Result<(), String> {

@@ -2,7 +2,7 @@
 
 use super::entry::{
     Adjoining, AxisRecord, ColumnEnd, Computed, Entry, EntryKind, EnvelopeLevel, Features, Inputs,
-    LawFeatures, Quality, Stiffness, Validity,
+    LawFeatures, Origin, Quality, Stiffness, Validity,
 };
 use super::key::key_of;
 use super::thin::thinned;
@@ -77,19 +77,27 @@ impl Wanted {
         let features = Features {
             width_m: micrometres(model.section_m[0]),
             depth_m: micrometres(model.section_m[1]),
-            length_to_inflection_m: micrometres(model.length_m),
-            end: match end.end {
+            length_to_inflection_m: Some(micrometres(model.length_m)),
+            end: Some(match end.end {
                 End::Lower => ColumnEnd::Bottom,
                 End::Upper => ColumnEnd::Top,
-            },
-            adjoining: adjoining(building, partition, end),
-            law: LawFeatures::of(&section.law, &law),
-            mesh_size_m: building.settings.mesh_size_m,
+            }),
+            adjoining: Some(adjoining(building, partition, end)),
+            law: Some(LawFeatures::of(&section.law, &law)),
+            mesh_size_m: Some(building.settings.mesh_size_m),
+            rc: None,
             further,
         };
         Some(Self {
             features,
-            inputs: Inputs { section, law, geometry, settings, submodel_version: SUBMODEL_VERSION },
+            inputs: Inputs {
+                section: Some(section),
+                law: Some(law),
+                geometry,
+                settings,
+                submodel_version: Some(SUBMODEL_VERSION),
+                ..Inputs::default()
+            },
             model,
         })
     }
@@ -104,29 +112,29 @@ impl Wanted {
         let curves = crate::rc::derive(&self.model, progress)?;
         let record = |axis: usize| axis_record(&curves, axis, end);
         let computed = Computed {
-            axes: [record(0)?, record(1)?],
-            stiffness: Stiffness {
+            axes: vec![record(0)?, record(1)?],
+            stiffness: Some(Stiffness {
                 axial_n_m: curves.axial_stiffness_n_m,
                 shear_n_m: curves.shear_stiffness_n_m,
                 torsion_nm_rad: curves.torsional_stiffness_nm_rad,
-            },
+            }),
             tensile_capacity_n: Some(curves.tensile_capacity_n),
             tensile_elongation_m: Some(curves.tensile_elongation_m),
             compressive_capacity_n: Some(curves.tensile_capacity_n),
-            hinge_offset_m: curves.hinge_offset_m,
+            hinge_offset_m: Some(curves.hinge_offset_m),
             quality: Quality {
-                kinetic_energy_ratio: curves
-                    .axes
-                    .iter()
-                    .flatten()
-                    .map(|p| p.kinetic_share)
-                    .fold(0.0, f64::max),
-                elements: curves.elements as u64,
-                asymmetry: curves.asymmetry,
+                kinetic_energy_ratio: Some(
+                    curves.axes.iter().flatten().map(|p| p.kinetic_share).fold(0.0, f64::max),
+                ),
+                elements: Some(curves.elements as u64),
+                asymmetry: Some(curves.asymmetry),
+                mesh_sensitivity: None,
             },
             validity: validity(&curves),
+            ..Computed::default()
         };
-        Ok(Entry::new(EntryKind::ColumnHinge, self.features.clone(), self.inputs.clone(), computed)?)
+        let (features, inputs) = (self.features.clone(), self.inputs.clone());
+        Ok(Entry::new(EntryKind::ColumnHinge, Origin::Submodel, features, inputs, computed)?)
     }
 }
 
@@ -168,7 +176,7 @@ fn axis_record(curves: &EndCurves, axis: usize, end: &str) -> Result<AxisRecord,
             fracture_rotation_rad: p.failed.then(|| p.points.last().map_or(0.0, |q| q[0])),
         })
         .collect();
-    Ok(AxisRecord { envelopes, curve })
+    Ok(AxisRecord { envelopes, curve, reverse: None })
 }
 
 fn validity(curves: &EndCurves) -> Validity {
@@ -185,6 +193,7 @@ fn validity(curves: &EndCurves) -> Validity {
             forces.clone().fold(f64::INFINITY, f64::min),
             forces.fold(f64::NEG_INFINITY, f64::max),
         ],
-        rotation_rad: [0.0, rotation],
+        rotation_rad: Some([0.0, rotation]),
+        displacement_m: None,
     }
 }

@@ -1,237 +1,67 @@
-//! One subsystem of the library: what is stored of a member end.
+//! One subsystem of the library: the record and its text form.
 //!
 //! SI units; axial force is positive in compression. The text form is JSON with sorted keys; its
 //! `checksum` is the hash of the record without that field, so that a flipped digit is noticed.
+//!
+//! Schema 2 has kinds beside the column hinge, an `origin`, and parts that may be absent. A record of schema 1 (column
+//! hinges of the homogenised submodel) is one of schema 2 without `origin`; it keeps its key and its schema number.
 
+use super::error::StoreError;
+pub use super::features::{Adjoining, ColumnEnd, EntryKind, Features, LawFeatures, RcFeatures};
+pub use super::parts::{
+    AxisRecord, Branch, Deprecation, Direction, EnvelopeLevel, Inputs, Interpolation, Loading, Origin,
+    Provenance, Quality, Source, SpringLevel, SpringRecord, Stiffness, Validity,
+};
 use crate::base::hash::{ContentHash, readable_json};
-use crate::building::{HardeningPoint, Homogenised, Section};
-use crate::curve::ResistanceCurve;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::BTreeMap;
 
-/// Version of the record format.
-pub const ENTRY_SCHEMA: u32 = 1;
+/// Version of the record format that is written.
+pub const ENTRY_SCHEMA: u32 = 2;
+/// Oldest version that is read.
+pub const OLDEST_SCHEMA: u32 = 1;
 
 /// Largest size of a record \[bytes\]: larger values make the working copy (sled) keep blobs that it
 /// never gives back.
 pub const RECORD_LIMIT_BYTES: usize = 16_000;
 
-/// What kind of subsystem an entry is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum EntryKind {
-    /// The hinge at a column end: rotational resistance about two axes and the stiffnesses beside it.
-    ColumnHinge,
-}
-
-impl EntryKind {
-    /// The name in files and the folder of the records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ColumnHinge => "column_hinge",
-        }
-    }
-}
-
-/// Which end of the column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ColumnEnd {
-    /// The head.
-    Top,
-    /// The foot.
-    Bottom,
-}
-
-/// What the end is joined to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Adjoining {
-    /// A slab without a beam at this place.
-    Slab,
-    /// A beam (with or without a slab).
-    Beam,
-    /// The ground or a footing: clamped.
-    Ground,
-}
-
-/// The law of the column, as far as entries are compared by it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LawFeatures {
-    /// Id of the law in the building file; a name for people, not compared.
-    pub id: String,
-    /// Hash of the whole law: equal hashes mean the same law.
-    pub hash: String,
-    /// Young's modulus \[Pa\].
-    pub youngs_modulus_pa: f64,
-    /// First yield stress \[Pa\].
-    pub yield_stress_pa: f64,
-    /// Largest yield stress of the hardening table \[Pa\].
-    pub peak_stress_pa: f64,
-    /// Plastic strain at which an element erodes.
-    pub critical_plastic_strain: f64,
-}
-
-impl LawFeatures {
-    /// The features of a homogenised law known under `id`.
-    pub fn of(id: &str, law: &Homogenised) -> Self {
-        let stress = |point: &HardeningPoint| point.stress_pa;
-        Self {
-            id: id.to_string(),
-            hash: ContentHash::of_value(law).map(|h| h.short()).unwrap_or_default(),
-            youngs_modulus_pa: law.youngs_modulus_pa,
-            yield_stress_pa: law.hardening.first().map_or(0.0, stress),
-            peak_stress_pa: law.hardening.iter().map(stress).fold(0.0, f64::max),
-            critical_plastic_strain: law.critical_plastic_strain,
-        }
-    }
-}
-
-/// By what an entry is found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Features {
-    /// Width of the section, along x for a column \[m\].
-    pub width_m: f64,
-    /// Depth of the section, along y for a column \[m\].
-    pub depth_m: f64,
-    /// Distance from the end to the point of zero moment \[m\].
-    pub length_to_inflection_m: f64,
-    /// Which end.
-    pub end: ColumnEnd,
-    /// What it is joined to.
-    pub adjoining: Adjoining,
-    /// The law of the column.
-    pub law: LawFeatures,
-    /// Edge length of the elements of the submodel \[m\].
-    pub mesh_size_m: f64,
-    /// Further numbers, compared by name (for instance `reinforcement_ratio`).
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub further: BTreeMap<String, f64>,
-}
-
-/// All that an entry was computed from. Its hash ends the key.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Inputs {
-    /// The reinforced section.
-    pub section: Section,
-    /// The law of the submodel.
-    pub law: Homogenised,
-    /// Geometry of the submodel, names with units (`length_m`, `plate_thickness_m`).
-    pub geometry: BTreeMap<String, f64>,
-    /// Settings of the submodel's runs (load levels, speed of loading, hourglass control).
-    pub settings: BTreeMap<String, Value>,
-    /// Version of the submodel's procedure: a change that changes results counts it up.
-    pub submodel_version: u32,
-}
-
-/// Moment over rotation at one constant axial force, as computed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EnvelopeLevel {
-    /// Axial force, compression positive \[N\].
-    pub axial_force_n: f64,
-    /// `[rotation (rad), moment (N m)]`, rotations increasing.
-    pub points: Vec<[f64; 2]>,
-    /// Rotation at which the section separates \[rad\]; `None`: not reached in the run.
-    pub fracture_rotation_rad: Option<f64>,
-}
-
-/// Resistance about one bending axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisRecord {
-    /// The envelopes at increasing axial force.
-    pub envelopes: Vec<EnvelopeLevel>,
-    /// What a hinge uses, derived from the envelopes.
-    pub curve: ResistanceCurve,
-}
-
-/// Elastic stiffness beside the bending stiffness (which the curves hold).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Stiffness {
-    /// Axial \[N/m\].
-    pub axial_n_m: f64,
-    /// Shear along axes 1 and 2 \[N/m\].
-    pub shear_n_m: [f64; 2],
-    /// Torsion \[N m/rad\].
-    pub torsion_nm_rad: f64,
-}
-
-/// How good the computation was.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Quality {
-    /// Largest ratio of kinetic to internal energy during loading (small: quasi-static).
-    pub kinetic_energy_ratio: f64,
-    /// Number of elements of the submodel.
-    pub elements: u64,
-    /// Largest relative difference of the moment between the two senses of rotation.
-    pub asymmetry: f64,
-}
-
-/// Where the record comes from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Provenance {
-    /// What it was computed from.
-    pub inputs: Inputs,
-    /// Hash of `inputs`, all 64 digits; the key ends with the first 16.
-    pub inputs_hash: String,
-    /// Version of the program that computed it.
-    pub program_version: String,
-}
-
-/// Where the record holds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Validity {
-    /// Lowest and highest axial force computed \[N\].
-    pub axial_force_n: [f64; 2],
-    /// Range of the rotation computed \[rad\].
-    pub rotation_rad: [f64; 2],
-}
-
-/// An entry that is no longer to be used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Deprecation {
-    /// Why.
-    pub reason: String,
-    /// Key of the entry to use instead.
-    pub successor: Option<String>,
-}
-
 /// One subsystem of the library.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Always [`ENTRY_SCHEMA`].
+    /// [`OLDEST_SCHEMA`] to [`ENTRY_SCHEMA`].
     pub schema: u32,
     /// Readable path, `@`, and the first 16 digits of the hash of the inputs.
     pub key: String,
     /// Kind.
     pub kind: EntryKind,
+    /// How the curves were obtained; not written in schema 1.
+    #[serde(default)]
+    pub origin: Origin,
     /// By what it is found.
     pub features: Features,
-    /// Bending about axes 1 and 2.
-    pub axes: [AxisRecord; 2],
+    /// Bending about axes 1 and 2; a test often has axis 1 only.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axes: Vec<AxisRecord>,
+    /// Springs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<SpringRecord>,
     /// Elastic stiffnesses.
-    pub stiffness: Stiffness,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<Stiffness>,
     /// Tension at which the end separates \[N\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tensile_capacity_n: Option<f64>,
     /// Plastic elongation of the end at that tension before it separates \[m\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tensile_elongation_m: Option<f64>,
     /// Axial force at which the section crushes \[N\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compressive_capacity_n: Option<f64>,
     /// Distance of the hinge from the end section, along the member \[m\].
-    pub hinge_offset_m: f64,
-    /// How good the computation was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hinge_offset_m: Option<f64>,
+    /// How good the curves are.
     pub quality: Quality,
     /// Where it comes from.
     pub provenance: Provenance,
@@ -242,13 +72,16 @@ pub struct Entry {
     pub deprecated: Option<Deprecation>,
 }
 
-/// What a submodel computes for one entry; [`Entry::new`] adds the key and the bookkeeping.
-#[derive(Debug, Clone, PartialEq)]
+/// The result of a submodel or a test for one entry; [`Entry::new`] adds the key and the bookkeeping. The fields are
+/// those of [`Entry`]; what is not known stays at its default.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Computed {
     /// Bending about axes 1 and 2.
-    pub axes: [AxisRecord; 2],
+    pub axes: Vec<AxisRecord>,
+    /// Springs.
+    pub springs: Vec<SpringRecord>,
     /// Elastic stiffnesses.
-    pub stiffness: Stiffness,
+    pub stiffness: Option<Stiffness>,
     /// Tension at which the end separates \[N\].
     pub tensile_capacity_n: Option<f64>,
     /// Plastic elongation of the end at that tension before it separates \[m\].
@@ -256,11 +89,22 @@ pub struct Computed {
     /// Axial force at which the section crushes \[N\].
     pub compressive_capacity_n: Option<f64>,
     /// Distance of the hinge from the end section, along the member \[m\].
-    pub hinge_offset_m: f64,
-    /// How good the computation was.
+    pub hinge_offset_m: Option<f64>,
+    /// How good the curves are.
     pub quality: Quality,
-    /// Where it holds.
+    /// Where they hold.
     pub validity: Validity,
+}
+
+/// What a hinge of the multibody model needs of an entry.
+#[derive(Debug, Clone, Copy)]
+pub struct HingeParts<'a> {
+    /// Bending about axes 1 and 2.
+    pub axes: [&'a AxisRecord; 2],
+    /// Elastic stiffnesses.
+    pub stiffness: Stiffness,
+    /// Distance of the hinge from the end section \[m\].
+    pub offset_m: f64,
 }
 
 impl Entry {
@@ -271,17 +115,33 @@ impl Entry {
     /// If the inputs or the result cannot be written as JSON.
     pub fn new(
         kind: EntryKind,
+        origin: Origin,
+        features: Features,
+        inputs: Inputs,
+        computed: Computed,
+    ) -> Result<Self, serde_json::Error> {
+        let mut entry = Self::unthinned(kind, origin, features, inputs, computed)?;
+        super::thin::fit(&mut entry)?;
+        Ok(entry)
+    }
+
+    /// As [`Entry::new`], with all points as they are.
+    pub(super) fn unthinned(
+        kind: EntryKind,
+        origin: Origin,
         features: Features,
         inputs: Inputs,
         computed: Computed,
     ) -> Result<Self, serde_json::Error> {
         let hash = ContentHash::of_value(&inputs)?;
-        let mut entry = Self {
+        Ok(Self {
             schema: ENTRY_SCHEMA,
             key: super::key::key_of(kind, &features, &hash),
             kind,
+            origin,
             features,
             axes: computed.axes,
+            springs: computed.springs,
             stiffness: computed.stiffness,
             tensile_capacity_n: computed.tensile_capacity_n,
             tensile_elongation_m: computed.tensile_elongation_m,
@@ -295,9 +155,58 @@ impl Entry {
             },
             validity: computed.validity,
             deprecated: None,
+        })
+    }
+
+    /// All that a hinge needs.
+    ///
+    /// # Errors
+    /// Which part the entry lacks: a test about one axis does not make a joint in space.
+    pub fn hinge(&self) -> Result<HingeParts<'_>, StoreError> {
+        let lacks = |what: &str| StoreError::Invalid {
+            key: self.key.clone(),
+            what: format!("has no {what}, which a hinge of the multibody model needs"),
         };
-        super::thin::fit(&mut entry)?;
-        Ok(entry)
+        match (self.axes.as_slice(), self.stiffness, self.hinge_offset_m) {
+            ([first, second], Some(stiffness), Some(offset_m)) => {
+                Ok(HingeParts { axes: [first, second], stiffness, offset_m })
+            }
+            ([_, _], None, _) => Err(lacks("elastic stiffness beside bending")),
+            ([_, _], _, None) => Err(lacks("place of the hinge (`hinge_offset_m`)")),
+            _ => Err(lacks("curves about both axes")),
+        }
+    }
+
+    /// The entry in words.
+    pub fn words(&self) -> String {
+        self.features.words(self.kind, self.origin)
+    }
+
+    /// Largest moment of any envelope or curve \[N m\], or force of any spring \[N\].
+    pub fn peak(&self) -> f64 {
+        let envelopes = self.axes.iter().flat_map(|a| &a.envelopes).flat_map(|l| &l.points);
+        let springs = self.springs.iter().flat_map(|s| &s.levels).flat_map(|l| &l.points);
+        let curves = self.axes.iter().filter(|a| a.envelopes.is_empty()).map(|a| a.curve.peak_nm());
+        envelopes.chain(springs).map(|p| p[1].abs()).chain(curves).fold(0.0, f64::max)
+    }
+
+    /// The record as JSON, without its checksum.
+    fn to_value(&self) -> Result<Value, serde_json::Error> {
+        let mut value = serde_json::to_value(self)?;
+        if self.schema == OLDEST_SCHEMA
+            && let Value::Object(members) = &mut value
+        {
+            members.remove("origin");
+        }
+        Ok(value)
+    }
+
+    /// The hash of the record's content, as its `checksum` states it.
+    ///
+    /// # Errors
+    /// If the entry cannot be written as JSON.
+    pub fn checksum(&self) -> Result<ContentHash, serde_json::Error> {
+        ContentHash::of_value(&self.to_value()?)
     }
 
     /// The text of the record with its checksum.
@@ -305,7 +214,7 @@ impl Entry {
     /// # Errors
     /// If the entry cannot be written as JSON.
     pub fn to_text(&self) -> Result<String, serde_json::Error> {
-        let mut value = serde_json::to_value(self)?;
+        let mut value = self.to_value()?;
         let checksum = ContentHash::of_value(&value)?.to_string();
         if let Value::Object(members) = &mut value {
             members.insert("checksum".to_string(), Value::String(checksum));
@@ -328,8 +237,12 @@ impl Entry {
     /// What is wrong, in words.
     pub fn from_value(mut value: Value) -> Result<Self, String> {
         match value.get("schema").and_then(Value::as_u64) {
-            Some(schema) if schema == u64::from(ENTRY_SCHEMA) => {}
-            Some(newer) => return Err(format!("schema {newer}; this program reads schema {ENTRY_SCHEMA}")),
+            Some(schema) if (u64::from(OLDEST_SCHEMA)..=u64::from(ENTRY_SCHEMA)).contains(&schema) => {}
+            Some(other) => {
+                return Err(format!(
+                    "schema {other}; this program reads schema {OLDEST_SCHEMA} to {ENTRY_SCHEMA}"
+                ));
+            }
             None => return Err("no schema number".to_string()),
         }
         let stated = value.as_object_mut().and_then(|members| members.remove("checksum"));

@@ -1,7 +1,8 @@
-//! Verification, and the exchange of whole libraries as one JSON file.
+//! Verification of records, working copy and journal, and the exchange of whole libraries as one JSON file.
 
 use super::entry::Entry;
 use super::error::StoreError;
+use super::journal::Happening;
 use super::store::{Put, Store};
 use super::text::Manifest;
 use crate::base::hash::{ContentHash, readable_json};
@@ -23,12 +24,16 @@ pub struct VerifyReport {
     pub text: Vec<(PathBuf, String)>,
     /// Differences of the working copy.
     pub cache: Vec<String>,
+    /// Damage of the journal.
+    pub journal: Vec<String>,
+    /// Number of records that came or went without the journal; the next command that writes notes them.
+    pub untold: usize,
 }
 
 impl VerifyReport {
     /// Whether nothing was found.
     pub fn is_clean(&self) -> bool {
-        self.text.is_empty() && self.cache.is_empty()
+        self.text.is_empty() && self.cache.is_empty() && self.journal.is_empty()
     }
 }
 
@@ -71,6 +76,10 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
             ));
         }
     }
+    let history = store.history()?;
+    let lines = history.damaged_lines.iter();
+    report.journal = lines.map(|line| format!("line {line} does not match its checksum")).collect();
+    report.untold = store.untold()?.len();
     if let Some(cache) = store.cache() {
         match cache.faults(&manifest, |key| good.contains_key(key)) {
             Ok(faults) => report.cache = faults,
@@ -135,7 +144,8 @@ pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError
         }
         entries.push(entry);
     }
-    let done = store.put_all(&entries)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let done = store.put_as(&entries, Some(Happening::Imported), &format!("from {name}"))?;
     report.added = done.iter().filter(|d| **d == Put::Added).count();
     report.unchanged = done.iter().filter(|d| **d == Put::Unchanged).count();
     Ok(report)

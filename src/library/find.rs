@@ -1,70 +1,94 @@
-//! Which entry fits a wanted member end best.
+//! How far an entry is from what is wanted.
 //!
-//! End and adjoining member must agree. The distance of the rest is
-//! `sqrt( Σ_i (w_i ln(a_i / b_i))² )`: with the weights below it estimates the relative change of the
-//! moment capacity `~ f b h²` and of the rotation capacity. It orders candidates and bounds what
-//! may be used; it is no correction.
+//! Words (end, adjoining member) must agree. The distance of the numbers is
+//! `sqrt( Σ_i (w_i ln(a_i / b_i))² )`: with the weights of [`NUMBERS`](super::features::NUMBERS) it estimates the relative
+//! change of the moment capacity `~ f b h²` and of the rotation capacity. It orders candidates and bounds what may be
+//! used; it is no correction.
 
-use super::entry::Features;
-use super::key::{adjoining_name, end_name};
-
-/// How a number is read from the features.
-type Number = fn(&Features) -> f64;
-
-/// Weights of the logarithmic ratios. A section depth enters the capacity about its own axis squared;
-/// both depths are depths about one of the axes.
-const WEIGHTS: [(&str, f64, Number); 8] = [
-    ("width_m", 2.0, |f| f.width_m),
-    ("depth_m", 2.0, |f| f.depth_m),
-    ("length_to_inflection_m", 1.0, |f| f.length_to_inflection_m),
-    ("law.yield_stress_pa", 1.0, |f| f.law.yield_stress_pa),
-    ("law.peak_stress_pa", 1.0, |f| f.law.peak_stress_pa),
-    ("law.critical_plastic_strain", 1.0, |f| f.law.critical_plastic_strain),
-    ("law.youngs_modulus_pa", 0.5, |f| f.law.youngs_modulus_pa),
-    ("mesh_size_m", 0.5, |f| f.mesh_size_m),
-];
+use super::features::{Adjoining, ColumnEnd, EntryKind, Features};
+use super::parts::Origin;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How far an entry is from what is wanted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Match {
     /// All features agree, the law to the last digit.
     pub exact: bool,
-    /// Distance as above; zero for an exact match, infinite if end or adjoining member differ.
+    /// Distance as above; zero for an exact match, infinite if words differ or a number is not known.
     pub distance: f64,
     /// What differs, largest share first; "exact match" if nothing.
     pub reason: String,
 }
 
-/// Compares an entry's features with those wanted.
-pub fn compare(entry: &Features, wanted: &Features) -> Match {
-    if entry.end != wanted.end || entry.adjoining != wanted.adjoining {
-        let reason = format!(
-            "{} end at a {} instead of {} end at a {}",
-            end_name(entry.end),
-            adjoining_name(entry.adjoining),
-            end_name(wanted.end),
-            adjoining_name(wanted.adjoining)
-        );
-        return Match { exact: false, distance: f64::INFINITY, reason };
-    }
-    let mut parts: Vec<(f64, String)> = WEIGHTS
-        .iter()
-        .map(|(name, weight, value)| {
-            (weight * log_ratio(value(entry), value(wanted)), difference(name, value(entry), value(wanted)))
-        })
-        .collect();
-    let names: std::collections::BTreeSet<&String> =
-        entry.further.keys().chain(wanted.further.keys()).collect();
-    for name in names {
-        parts.push(match (entry.further.get(name), wanted.further.get(name)) {
-            (Some(a), Some(b)) => (log_ratio(*a, *b), difference(name, *a, *b)),
-            _ => (f64::INFINITY, format!("`{name}` is known of one side only")),
+/// What a curator asks for: a kind and the features that matter. What is not named may be anything.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Query {
+    /// Kind of the entry.
+    pub kind: Option<EntryKind>,
+    /// How its curves were obtained.
+    pub origin: Option<Origin>,
+    /// Which end.
+    pub end: Option<ColumnEnd>,
+    /// What it is joined to.
+    pub adjoining: Option<Adjoining>,
+    /// Numbers by the names of [`Features::numbers`], SI.
+    pub numbers: BTreeMap<String, f64>,
+}
+
+impl Query {
+    /// Compares an entry with what is asked for; `None` if kind or origin is another.
+    pub fn compare(&self, kind: EntryKind, origin: Origin, features: &Features) -> Option<Match> {
+        if self.kind.is_some_and(|k| k != kind) || self.origin.is_some_and(|o| o != origin) {
+            return None;
+        }
+        let end = self.end.or(features.end);
+        let adjoining = self.adjoining.or(features.adjoining);
+        if let Some(other) = other_place(features, end, adjoining) {
+            return Some(other);
+        }
+        let held = features.numbers();
+        let parts = self.numbers.iter().map(|(name, wanted)| match held.get(name) {
+            Some((value, weight)) => part(name, *weight, *value, *wanted),
+            None => (f64::INFINITY, format!("`{name}` is not known of it")),
         });
+        Some(sum(parts.collect(), true))
     }
+}
+
+/// Compares an entry's features with all those wanted.
+pub fn compare(entry: &Features, wanted: &Features) -> Match {
+    if let Some(other) = other_place(entry, wanted.end, wanted.adjoining) {
+        return other;
+    }
+    let (held, asked) = (entry.numbers(), wanted.numbers());
+    let names: BTreeSet<&String> = held.keys().chain(asked.keys()).collect();
+    let parts = names.into_iter().map(|name| match (held.get(name), asked.get(name)) {
+        (Some((a, weight)), Some((b, _))) => part(name, *weight, *a, *b),
+        _ => (f64::INFINITY, format!("`{name}` is known of one side only")),
+    });
+    let hash = |f: &Features| f.law.as_ref().map(|law| law.hash.clone());
+    sum(parts.collect(), hash(entry) == hash(wanted))
+}
+
+/// The names of the numbers in which two sets of features differ, and whether all else is the same.
+pub(super) fn differing(a: &Features, b: &Features) -> (Vec<String>, bool) {
+    let (x, y) = (a.numbers(), b.numbers());
+    let names: BTreeSet<&String> = x.keys().chain(y.keys()).collect();
+    let same = |name: &String| matches!((x.get(name), y.get(name)), (Some(p), Some(q)) if log_ratio(p.0, q.0) == 0.0);
+    let hash = |f: &Features| f.law.as_ref().map(|law| law.hash.clone());
+    let words = (a.end, a.adjoining, hash(a)) == (b.end, b.adjoining, hash(b));
+    (names.into_iter().filter(|name| !same(name)).cloned().collect(), words)
+}
+
+fn part(name: &str, weight: f64, entry: f64, wanted: f64) -> (f64, String) {
+    (weight * log_ratio(entry, wanted), format!("{name} is {entry} instead of {wanted}"))
+}
+
+fn sum(mut parts: Vec<(f64, String)>, same_law: bool) -> Match {
     let distance = parts.iter().map(|(d, _)| d * d).sum::<f64>().sqrt();
     parts.retain(|(d, _)| *d != 0.0);
     parts.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let exact = parts.is_empty() && entry.law.hash == wanted.law.hash;
+    let exact = parts.is_empty() && same_law;
     let reason = if exact {
         "exact match".to_string()
     } else if parts.is_empty() {
@@ -75,8 +99,21 @@ pub fn compare(entry: &Features, wanted: &Features) -> Match {
     Match { exact, distance, reason }
 }
 
+/// No match, if the words differ.
+fn other_place(entry: &Features, end: Option<ColumnEnd>, adjoining: Option<Adjoining>) -> Option<Match> {
+    let words = |end: Option<ColumnEnd>, beside: Option<Adjoining>| {
+        let end = end.map_or("an unknown", ColumnEnd::name);
+        beside.map_or(format!("{end} end"), |b| format!("{end} end at a {}", b.name()))
+    };
+    ((entry.end, entry.adjoining) != (end, adjoining)).then(|| Match {
+        exact: false,
+        distance: f64::INFINITY,
+        reason: format!("{} instead of {}", words(entry.end, entry.adjoining), words(end, adjoining)),
+    })
+}
+
 /// `|ln(a / b)|`; numbers that differ only by rounding (10⁻⁹ relative) count as equal.
-fn log_ratio(a: f64, b: f64) -> f64 {
+pub(super) fn log_ratio(a: f64, b: f64) -> f64 {
     if (a - b).abs() <= 1e-9 * a.abs().max(b.abs()) {
         0.0
     } else if a / b > 0.0 {
@@ -84,8 +121,4 @@ fn log_ratio(a: f64, b: f64) -> f64 {
     } else {
         f64::INFINITY
     }
-}
-
-fn difference(name: &str, entry: f64, wanted: f64) -> String {
-    format!("{name} is {entry} instead of {wanted}")
 }

@@ -1,26 +1,30 @@
-//! Keys: a readable path and the hash of what the entry was computed from.
+//! Keys: a readable path and the hash of what the entry was made from.
 //!
 //! `column_hinge/400x400-l1625-bottom-ground-m100@0123456789abcdef`: kind, section width and depth,
-//! length to the point of zero moment, end, what adjoins, mesh size (all in mm), hash. The key is
-//! the path of the record below the library folder, without `.json`.
+//! length to the point of zero moment, end, what adjoins, mesh size (all in mm), hash. Reinforced concrete adds its strength
+//! (`fc30`, MPa), the reinforcement ratio (`r157`, in hundredths of a percent) and the spacing of the ties (`s150`, mm).
+//! What an entry does not state is left out. The key is the path of the record below the library folder, without `.json`.
 
-use super::entry::{Adjoining, ColumnEnd, EntryKind, Features};
+use super::features::{EntryKind, Features};
 use crate::base::hash::ContentHash;
 
 /// The key of an entry whose inputs have this hash.
 pub fn key_of(kind: EntryKind, features: &Features, inputs: &ContentHash) -> String {
-    let mm = |length_m: f64| (length_m * 1000.0).round() as i64;
-    format!(
-        "{}/{}x{}-l{}-{}-{}-m{}@{}",
-        kind.name(),
-        mm(features.width_m),
-        mm(features.depth_m),
-        mm(features.length_to_inflection_m),
-        end_name(features.end),
-        adjoining_name(features.adjoining),
-        mm(features.mesh_size_m),
-        inputs.short()
-    )
+    let whole = |value: f64| value.round() as i64;
+    let mm = |length_m: f64| whole(length_m * 1000.0);
+    let rc = features.rc.as_ref();
+    let parts = [
+        Some(format!("{}x{}", mm(features.width_m), mm(features.depth_m))),
+        features.length_to_inflection_m.map(|l| format!("l{}", mm(l))),
+        features.end.map(|e| e.name().to_string()),
+        features.adjoining.map(|a| a.name().to_string()),
+        features.mesh_size_m.map(|m| format!("m{}", mm(m))),
+        rc.and_then(|r| r.concrete_strength_pa).map(|f| format!("fc{}", whole(f / 1e6))),
+        rc.and_then(|r| r.reinforcement_ratio).map(|r| format!("r{}", whole(r * 1e4))),
+        rc.and_then(|r| r.tie_spacing_m).map(|s| format!("s{}", mm(s))),
+    ];
+    let name: Vec<String> = parts.into_iter().flatten().collect();
+    format!("{}/{}@{}", kind.name(), name.join("-"), inputs.short())
 }
 
 /// Whether a text can be a key: one folder, one name, `@`, 16 hexadecimal digits. Nothing else may
@@ -36,21 +40,6 @@ pub fn is_key(text: &str) -> bool {
         && plain(name)
         && hash.len() == 16
         && hash.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
-}
-
-pub(super) fn end_name(end: ColumnEnd) -> &'static str {
-    match end {
-        ColumnEnd::Top => "top",
-        ColumnEnd::Bottom => "bottom",
-    }
-}
-
-pub(super) fn adjoining_name(adjoining: Adjoining) -> &'static str {
-    match adjoining {
-        Adjoining::Slab => "slab",
-        Adjoining::Beam => "beam",
-        Adjoining::Ground => "ground",
-    }
 }
 
 #[cfg(test)]

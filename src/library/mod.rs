@@ -7,27 +7,42 @@
 //!
 //! | file | owns |
 //! |---|---|
-//! | [`entry`] | the record: features, curves, provenance, text form |
+//! | [`entry`], `features`, `parts` | the record: text form; by what it is found; curves, quality, provenance |
 //! | `key`, `check`, `thin` | keys; soundness of a record; thinning below the size limit |
-//! | `text`, `cache` | the text folder; the working copy |
-//! | [`store`] | opening, reading, writing, queries |
-//! | [`find`] | the distance between features |
+//! | `text`, `cache`, `lock` | the text folder; the working copy; the right to write |
+//! | [`store`] | opening, reading, writing |
+//! | [`journal`], `history` | the journal of events; what the store tells it |
+//! | [`find`], `query`, `interpolate` | the distance between features; queries; an entry between two |
+//! | [`derive`] | entries computed by the submodel |
+//! | [`add`], [`curve_file`], [`meta`] | entries from tests and other programs: the curve, what is said of it |
 //! | [`exchange`] | verify, export, import |
 
+pub mod add;
 mod cache;
 mod check;
+pub mod curve_file;
 pub mod derive;
 pub mod entry;
 mod error;
 pub mod exchange;
+pub mod features;
 pub mod find;
+mod history;
+mod interpolate;
+pub mod journal;
 mod key;
+mod lock;
+pub mod meta;
+mod parts;
+mod query;
 pub mod store;
 mod text;
 mod thin;
 
-pub use entry::{Computed, Entry, EntryKind, Features, Inputs};
+pub use entry::{Computed, Entry, EntryKind, Features, Inputs, Origin};
 pub use error::StoreError;
+pub use find::Query;
 pub use key::{is_key, key_of};
-pub use store::{Found, Nearest, Opened, Put, Store};
+pub use query::{Answer, Found, Nearest};
+pub use store::{Opened, Put, Store};
 pub use thin::thinned;

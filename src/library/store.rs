@@ -1,16 +1,16 @@
 //! The store: text records as the truth, a checked working copy beside them.
 
 use super::cache::{self, Cache};
-use super::entry::{Deprecation, Entry, Features, RECORD_LIMIT_BYTES};
+use super::entry::{Deprecation, Entry, EntryKind, Features, Origin, RECORD_LIMIT_BYTES};
 use super::error::StoreError;
-use super::find;
+use super::journal::{Happening, Journal};
 use super::key;
+use super::lock::Lock;
 use super::text::{Manifest, TextFile, TextFolder};
 use crate::base::hash::ContentHash;
 use std::collections::BTreeMap;
-use std::fs::{self, File, TryLockError};
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 /// How the store was opened.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,29 +44,15 @@ pub enum Put {
     Replaced,
 }
 
-/// The entry that fits best.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Found {
-    /// The entry.
-    pub entry: Entry,
-    /// How well it fits.
-    pub fit: find::Match,
-}
-
-/// The nearest entry by key, for a message when none fits.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Nearest {
-    /// Its key.
-    pub key: String,
-    /// How well it fits.
-    pub fit: find::Match,
-}
-
 /// What queries need of each usable record.
-struct Indexed {
-    features: Features,
-    submodel_version: u32,
-    deprecated: bool,
+pub(super) struct Indexed {
+    pub(super) kind: EntryKind,
+    pub(super) origin: Origin,
+    pub(super) features: Features,
+    pub(super) submodel_version: u32,
+    pub(super) deprecated: bool,
+    /// Hash of the record's content.
+    pub(super) content: Option<ContentHash>,
 }
 
 /// The library of subsystems.
@@ -74,12 +60,15 @@ pub struct Store {
     text: TextFolder,
     cache_folder: PathBuf,
     cache: Option<Cache>,
+    pub(super) journal: Journal,
+    /// Whether the journal has been brought up to what lies in the folder.
+    pub(super) journal_is_current: bool,
     /// Held as long as this process may write.
-    lock: Option<File>,
+    lock: Option<Lock>,
     manifest: Manifest,
     /// Records refused at opening, with the reason; key -> words.
     damaged: BTreeMap<String, String>,
-    index: Mutex<Option<BTreeMap<String, Indexed>>>,
+    pub(super) index: BTreeMap<String, Indexed>,
     opened: Opened,
 }
 
@@ -101,7 +90,7 @@ impl Store {
     /// If the text records cannot be read.
     pub fn open_with_cache(library: &Path, cache_folder: &Path) -> Result<Self, StoreError> {
         let text = TextFolder::new(library);
-        let (lock, why_not) = match take_lock(library) {
+        let (lock, why_not) = match Lock::take(library) {
             Ok(lock) => (Some(lock), String::new()),
             Err(why) => (None, why),
         };
@@ -113,9 +102,11 @@ impl Store {
             manifest: files.iter().map(|f| (f.key.clone(), ContentHash::of_bytes(&f.bytes))).collect(),
             text,
             cache_folder: cache_folder.to_path_buf(),
+            journal: Journal::of(library),
+            journal_is_current: false,
             cache: None,
             damaged: BTreeMap::new(),
-            index: Mutex::new(None),
+            index: BTreeMap::new(),
             opened: Opened::TextOnly { why: why_not, writable: false },
             lock,
         };
@@ -128,11 +119,11 @@ impl Store {
 
     /// Checks all text records; notes the damaged ones and fills the index.
     fn check_text(&mut self, files: &[TextFile]) {
-        let mut index = BTreeMap::new();
+        self.index.clear();
         for file in files {
             match self.text.parse(&file.key, &file.bytes) {
                 Ok(entry) => {
-                    index.insert(file.key.clone(), Indexed::of(&entry));
+                    self.index.insert(file.key.clone(), Indexed::of(&entry));
                 }
                 Err(StoreError::Damaged { what, .. }) => {
                     self.damaged.insert(file.key.clone(), what);
@@ -142,7 +133,6 @@ impl Store {
                 }
             }
         }
-        *self.index.get_mut().unwrap_or_else(PoisonError::into_inner) = Some(index);
     }
 
     /// Opens the working copy, or builds it anew if anything about it differs from the text.
@@ -285,43 +275,66 @@ impl Store {
         self.put_all(std::slice::from_ref(entry)).map(|done| done[0])
     }
 
-    /// Stores entries: all are checked before the first is written; text first, then the working copy.
+    /// Whether this process may write.
+    ///
+    /// # Errors
+    /// [`StoreError::ReadOnly`] with the reason: another process has the library open, or the folder is read-only.
+    pub fn writable(&self) -> Result<(), StoreError> {
+        match (&self.lock, &self.opened) {
+            (Some(_), _) => Ok(()),
+            (None, Opened::TextOnly { why, .. }) => Err(StoreError::ReadOnly { why: why.clone() }),
+            (None, _) => Err(StoreError::ReadOnly { why: "it is not locked".to_string() }),
+        }
+    }
+
+    /// Stores entries: all are checked before the first is written; text first, then the working copy, then the journal.
     ///
     /// # Errors
     /// As [`Store::put`].
     pub fn put_all(&mut self, entries: &[Entry]) -> Result<Vec<Put>, StoreError> {
-        if self.lock.is_none() {
-            let why = match &self.opened {
-                Opened::TextOnly { why, .. } => why.clone(),
-                _ => String::new(),
-            };
-            return Err(StoreError::ReadOnly { why });
-        }
+        self.put_as(entries, None, "")
+    }
+
+    /// As [`Store::put_all`]; the journal tells that this `happened` (of itself: added, replaced or mended) with a note.
+    ///
+    /// # Errors
+    /// As [`Store::put`]. If only the journal could not be written the records are stored, and the next writer notes them.
+    pub fn put_as(
+        &mut self,
+        entries: &[Entry],
+        happened: Option<Happening>,
+        note: &str,
+    ) -> Result<Vec<Put>, StoreError> {
+        self.writable()?;
         let mut changed: Vec<(String, String)> = Vec::new();
+        let mut events = Vec::new();
         let mut done = Vec::with_capacity(entries.len());
         for entry in entries {
             let text = sound_text(entry)?;
             let hash = ContentHash::of_bytes(text.as_bytes());
-            done.push(match self.manifest.get(&entry.key) {
-                Some(held) if *held == hash => Put::Unchanged,
-                Some(_) => Put::Replaced,
-                None => Put::Added,
-            });
-            if done.last() != Some(&Put::Unchanged) {
+            let (put, own) = match self.manifest.get(&entry.key) {
+                Some(held) if *held == hash => (Put::Unchanged, Happening::Added),
+                Some(_) if self.damaged.contains_key(&entry.key) => (Put::Replaced, Happening::Mended),
+                Some(_) => (Put::Replaced, Happening::Replaced),
+                None => (Put::Added, Happening::Added),
+            };
+            if put != Put::Unchanged {
+                events.push((happened.unwrap_or(own), entry.key.clone()));
                 changed.push((entry.key.clone(), text));
             }
+            done.push(put);
         }
         if changed.is_empty() {
             return Ok(done);
         }
+        self.bring_journal_up()?;
         self.text.write(&changed)?;
         for (key, text) in &changed {
             self.manifest.insert(key.clone(), ContentHash::of_bytes(text.as_bytes()));
             self.damaged.remove(key);
         }
-        let index = self.index.get_mut().unwrap_or_else(PoisonError::into_inner).get_or_insert_default();
         for entry in entries {
-            index.insert(entry.key.clone(), Indexed::of(entry));
+            self.index.insert(entry.key.clone(), Indexed::of(entry));
         }
         if let Some(cache) = &self.cache {
             let records = changed.iter().map(|(key, text)| (key.as_str(), text.as_bytes()));
@@ -332,42 +345,8 @@ impl Store {
                     Opened::TextOnly { why: format!("the working copy failed: {fault}"), writable: true };
             }
         }
+        self.tell(events, note)?;
         Ok(done)
-    }
-
-    /// The usable, not deprecated entry that fits best: an exact match first (of several the newest
-    /// submodel version, then the first key), else the nearest within `tolerance`
-    /// ([`find`] says what the distance means), else none.
-    ///
-    /// # Errors
-    /// If its record cannot be read.
-    pub fn find(&self, wanted: &Features, tolerance: f64) -> Result<Option<Found>, StoreError> {
-        match self.nearest(wanted) {
-            Some(near) if near.fit.exact || near.fit.distance <= tolerance => {
-                Ok(Some(Found { entry: self.get(&near.key)?, fit: near.fit }))
-            }
-            _ => Ok(None),
-        }
-    }
-
-    /// The best candidate without regard to a tolerance (its distance may be infinite); none only in a
-    /// library without usable entries. For messages, not for use.
-    pub fn nearest(&self, wanted: &Features) -> Option<Nearest> {
-        let index = self.index.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut best: Option<(Nearest, u32)> = None;
-        for (key, item) in index.iter().flatten().filter(|(_, item)| !item.deprecated) {
-            let fit = find::compare(&item.features, wanted);
-            let rank =
-                |fit: &find::Match, version: u32| (!fit.exact, fit.distance, std::cmp::Reverse(version));
-            let better = best.as_ref().is_none_or(|(held, version)| {
-                let (a, b) = (rank(&fit, item.submodel_version), rank(&held.fit, *version));
-                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)).is_lt()
-            });
-            if better {
-                best = Some((Nearest { key: key.clone(), fit }, item.submodel_version));
-            }
-        }
-        best.map(|(near, _)| near)
     }
 
     /// Marks an entry as no longer to be used.
@@ -388,22 +367,27 @@ impl Store {
         }
         entry.deprecated =
             Some(Deprecation { reason: reason.to_string(), successor: successor.map(str::to_string) });
-        self.put(&entry).map(|_| ())
+        let note = match successor {
+            Some(successor) => format!("{reason}; successor {successor}"),
+            None => reason.to_string(),
+        };
+        self.put_as(&[entry], Some(Happening::Deprecated), &note).map(|_| ())
     }
 
-    /// Reads all text again and builds the working copy anew; returns the number of usable records.
+    /// Reads all text again, builds the working copy anew and mends the journal; returns the number of usable records.
     ///
     /// # Errors
-    /// If the text cannot be read, or another process holds the library.
+    /// If the text cannot be read, the journal cannot be written, or another process holds the library.
     pub fn rebuild(&mut self) -> Result<usize, StoreError> {
-        if let (None, Opened::TextOnly { why, .. }) = (&self.lock, &self.opened) {
-            return Err(StoreError::ReadOnly { why: why.clone() });
-        }
+        self.writable()?;
         let files = self.text.read_all()?;
         self.manifest = files.iter().map(|f| (f.key.clone(), ContentHash::of_bytes(&f.bytes))).collect();
         self.damaged.clear();
         self.check_text(&files);
         self.build_cache(&files, "it was asked for".to_string());
+        self.journal.mend(&self.cache_folder.join("history.bad"))?;
+        self.journal_is_current = false;
+        self.bring_journal_up()?;
         Ok(files.len() - self.damaged.len())
     }
 
@@ -419,9 +403,12 @@ impl Store {
 impl Indexed {
     fn of(entry: &Entry) -> Self {
         Self {
+            kind: entry.kind,
+            origin: entry.origin,
             features: entry.features.clone(),
-            submodel_version: entry.provenance.inputs.submodel_version,
+            submodel_version: entry.provenance.inputs.submodel_version.unwrap_or(0),
             deprecated: entry.deprecated.is_some(),
+            content: entry.checksum().ok(),
         }
     }
 }
@@ -444,26 +431,3 @@ fn sound_text(entry: &Entry) -> Result<String, StoreError> {
     }
     Ok(text)
 }
-
-/// The right to write: a lock on `library/.cache/lock`, given back when the file is closed.
-fn take_lock(library: &Path) -> Result<File, String> {
-    let folder = library.join(".cache");
-    let path = folder.join("lock");
-    let file = fs::create_dir_all(&folder)
-        .and_then(|()| File::options().create(true).truncate(false).write(true).open(&path))
-        .map_err(|e| format!("{}: {e}", path.display()))?;
-    for _ in 0..LOCK_TRIES {
-        match file.try_lock() {
-            Ok(()) => return Ok(file),
-            Err(TryLockError::WouldBlock) => std::thread::sleep(LOCK_PAUSE),
-            Err(TryLockError::Error(e)) => return Err(format!("{}: {e}", path.display())),
-        }
-    }
-    Err("another process has it open".to_string())
-}
-
-/// How often the lock is asked for: a process that is just ending, or being started by one that holds the lock,
-/// keeps it for some milliseconds longer.
-const LOCK_TRIES: u32 = 20;
-/// Pause between two tries.
-const LOCK_PAUSE: std::time::Duration = std::time::Duration::from_millis(10);

@@ -49,16 +49,14 @@ fn farthest(points: &[[f64; 2]], kept: &[bool]) -> Option<usize> {
 /// Rounds and thins the curves of an entry until its text is below the limit (or no further gain is
 /// possible; the store then refuses the entry).
 pub(super) fn fit(entry: &mut Entry) -> Result<(), serde_json::Error> {
-    round_curves(entry);
-    let original = entry.axes.clone();
+    for line in lines(entry) {
+        line.iter_mut().flatten().for_each(|x| *x = rounded(*x));
+        line.dedup_by(|a, b| a[0] == b[0]);
+    }
+    let original: Vec<Vec<[f64; 2]>> = lines(entry).into_iter().map(|line| line.clone()).collect();
     for limit in [POINTS_LIMIT, 32, 26, 20, 16, 12, 9, 7, 5] {
-        for (axis, full) in entry.axes.iter_mut().zip(&original) {
-            for (level, full) in axis.envelopes.iter_mut().zip(&full.envelopes) {
-                level.points = thinned(&full.points, limit);
-            }
-            for (level, full) in axis.curve.levels.iter_mut().zip(&full.curve.levels) {
-                level.capacity = thinned(&full.capacity, limit);
-            }
+        for (line, full) in lines(entry).into_iter().zip(&original) {
+            *line = thinned(full, limit);
         }
         if entry.to_text()?.len() < RECORD_LIMIT_BYTES {
             break;
@@ -67,17 +65,19 @@ pub(super) fn fit(entry: &mut Entry) -> Result<(), serde_json::Error> {
     Ok(())
 }
 
-fn round_curves(entry: &mut Entry) {
+/// All lists of points of an entry.
+fn lines(entry: &mut Entry) -> Vec<&mut Vec<[f64; 2]>> {
+    let mut all = Vec::new();
     for axis in &mut entry.axes {
-        for level in &mut axis.envelopes {
-            level.points.iter_mut().flatten().for_each(|x| *x = rounded(*x));
-            level.points.dedup_by(|a, b| a[0] == b[0]);
-        }
-        for level in &mut axis.curve.levels {
-            level.capacity.iter_mut().flatten().for_each(|x| *x = rounded(*x));
-            level.capacity.dedup_by(|a, b| a[0] == b[0]);
+        all.extend(axis.envelopes.iter_mut().map(|l| &mut l.points));
+        all.extend(axis.curve.levels.iter_mut().map(|l| &mut l.capacity));
+        if let Some(reverse) = &mut axis.reverse {
+            all.extend(reverse.envelopes.iter_mut().map(|l| &mut l.points));
+            all.extend(reverse.curve.levels.iter_mut().map(|l| &mut l.capacity));
         }
     }
+    all.extend(entry.springs.iter_mut().flat_map(|s| &mut s.levels).map(|l| &mut l.points));
+    all
 }
 
 /// A number with 9 significant digits (a relative change below 5·10⁻⁹, far below what an explicit run resolves).

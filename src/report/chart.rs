@@ -159,7 +159,8 @@ impl Chart {
         (axis(x0, x1, wanted.0, true), axis(y0, y1, wanted.1, false))
     }
 
-    fn svg(&self, out: &mut String) {
+    /// The drawing without title and legend.
+    pub(super) fn svg(&self, out: &mut String) {
         let (width, height) = match self.size {
             Size::Wide => (1124.0, 300.0),
             Size::Half => (547.0, 260.0),

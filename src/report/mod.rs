@@ -9,6 +9,7 @@
 //! | `input`, `scene_input` | the data a report shows |
 //! | `number` | numbers as text: digits, prefixes, axis ticks |
 //! | `chart` | one line chart as SVG |
+//! | `figure` | charts as an SVG file of their own |
 //! | `loglog` | a plot on logarithmic axes as an SVG file |
 //! | `plots` | which charts a report has |
 //! | `page` | tables and figures for the template |
@@ -17,6 +18,7 @@
 
 mod chart;
 mod codec;
+pub mod figure;
 pub mod input;
 pub mod loglog;
 mod number;

@@ -65,3 +65,78 @@ fn commands_answer_in_words_json_and_exit_codes() {
     let (code, _, err) = fallwerk(&room.path().join("absent"), &["list"]);
     assert!(code == 2 && err.contains("no such folder") && !room.path().join("absent").exists());
 }
+
+/// A library with the example of the documentation, and its files.
+fn with_example(room: &Path) -> (std::path::PathBuf, String, String) {
+    let (library, curve, meta) = (room.join("library"), room.join("c.csv"), room.join("m.toml"));
+    fs::write(&curve, fallwerk(room, &["add", "--example-curve"]).1).unwrap();
+    fs::write(&meta, fallwerk(room, &["add", "--example"]).1).unwrap();
+    (library, curve.display().to_string(), meta.display().to_string())
+}
+
+#[test]
+fn a_curve_is_checked_added_found_and_drawn() {
+    let room = tempfile::tempdir().unwrap();
+    let (library, curve, meta) = with_example(room.path());
+    let run = |words: &[&str]| fallwerk(&library, words);
+    let (code, out, _) = run(&["add", &curve, "--meta", &meta, "--check"]);
+    assert!(
+        code == 0
+            && out.starts_with("sound column_hinge/350x350")
+            && Store::open(&library).unwrap().keys().is_empty()
+    );
+    assert!(run(&["add", &curve, "--meta", &meta]).1.starts_with("added column_hinge/350x350"));
+    assert!(run(&["add", &curve, "--meta", &meta]).1.ends_with("was there already\n"));
+    let (_, out, _) = run(&["history"]);
+    assert!(out.lines().count() == 1 && out.contains("  added  ") && out.contains("Z  "), "{out}");
+
+    // Twice the ties, half the moments: an entry between the two.
+    let text = fs::read_to_string(&meta).unwrap().replace("75 mm", "150 mm");
+    fs::write(&meta, text).unwrap();
+    assert_eq!(run(&["add", &curve, "--meta", &meta]).0, 0);
+    let (code, out, _) = run(&["find", "--kind", "column_hinge", "width=350mm", "tie_spacing=100mm"]);
+    assert!(code == 0 && out.starts_with("between ") && out.contains("share of the second"), "{out}");
+    let record = room.path().join("between.json");
+    let words = ["find", "--kind", "column_hinge", "tie_spacing=0.1", "-o", record.to_str().unwrap()];
+    assert_eq!(run(&words).0, 0);
+    let between = fallwerk::library::Entry::from_text(&fs::read_to_string(record).unwrap()).unwrap();
+    assert_eq!(between.features.rc.unwrap().tie_spacing_m, Some(0.1));
+    let (code, out, _) = run(&["find", "--kind", "column_hinge", "tie_spacing=76mm", "--no-interpolation"]);
+    assert!(code == 0 && out.contains("rc.tie_spacing_m is 0.075 instead of 0.076"), "{out}");
+    let (code, out, _) = run(&["find", "--kind", "column_hinge", "width=900mm"]);
+    assert!(code == 1 && out.starts_with("none; the nearest is"), "{out}");
+
+    let (code, out, _) = run(&[
+        "diff",
+        "column_hinge/350x350-l1000-bottom-ground-fc35-r320-s75",
+        "column_hinge/350x350-l1000-bottom-ground-fc35-r320-s150",
+    ]);
+    assert!(code == 0 && out.contains("features.rc.tie_spacing_m") && out.contains("(+100.00 %)"), "{out}");
+    let (code, svg, _) = run(&[
+        "plot",
+        "column_hinge/350x350-l1000-bottom-ground-fc35-r320-s75",
+        "--reference",
+        &curve,
+        "--to",
+        "50mrad",
+    ]);
+    assert!(code == 0 && svg.starts_with("<svg xmlns") && svg.contains("reference, N = 600 kN"), "{svg}");
+}
+
+#[test]
+fn lists_are_filtered_and_errors_of_files_are_shown_with_their_places() {
+    let room = tempfile::tempdir().unwrap();
+    let (library, curve, meta) = with_example(room.path());
+    let run = |words: &[&str]| fallwerk(&library, words);
+    assert_eq!(run(&["add", &curve, "--meta", &meta]).0, 0);
+    Store::open(&library).unwrap().put_all(&[entry(0), entry(20)]).unwrap();
+    let count = |words: &[&str]| run(words).1.lines().filter(|l| l.contains('@')).count();
+    assert_eq!(count(&["list"]), 3);
+    assert_eq!(count(&["list", "--origin", "test"]), 1);
+    assert_eq!(count(&["list", "--kind", "beam_hinge"]), 0);
+    assert_eq!(count(&["list", "--width", "300mm..0.5"]), 2);
+    assert_eq!(count(&["list", "--width", "200mm", "--depth", "0.2"]), 1);
+    fs::write(&curve, "rotation, moment [kN m]\n0,0\n").unwrap();
+    let (code, _, err) = run(&["add", &curve, "--meta", &meta]);
+    assert!(code == 2 && err.contains("c.csv:1:1") && err.contains("write `rotation [deg]`"), "{err}");
+}

@@ -11,7 +11,7 @@ fn filled(folder: &Path, count: u32) -> Vec<Entry> {
     entries
 }
 
-fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
+pub fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
     let mut items: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|i| i.unwrap().path()).collect();
     items.sort();
     for path in items {
@@ -20,7 +20,7 @@ fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// The next number of the generator `splitmix64` (Steele, Lea and Flood 2014).
-fn splitmix(state: &mut u64) -> u64 {
+pub fn splitmix(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -28,7 +28,7 @@ fn splitmix(state: &mut u64) -> u64 {
     z ^ (z >> 31)
 }
 
-fn copy_folder(from: &Path, to: &Path) {
+pub fn copy_folder(from: &Path, to: &Path) {
     fs::create_dir_all(to).unwrap();
     for item in fs::read_dir(from).unwrap() {
         let path = item.unwrap().path();
@@ -136,7 +136,11 @@ fn every_kind_of_text_damage_is_found() {
         ("half", text.as_bytes()[..text.len() / 2].to_vec(), "not JSON"),
         ("no text", vec![0xff; 100], "not UTF-8"),
         ("another record", other.into_bytes(), "it holds the record of"),
-        ("newer", text.replace("\"schema\": 1", "\"schema\": 2").into_bytes(), "this program reads schema 1"),
+        (
+            "newer",
+            text.replace("\"schema\": 2", "\"schema\": 3").into_bytes(),
+            "this program reads schema 1 to 2",
+        ),
         ("no checksum", text.replace("\"checksum\"", "\"check\"").into_bytes(), "no checksum"),
     ];
     for (name, bytes, expected) in damages {
@@ -217,7 +221,8 @@ const CHILD_FOLDER: &str = "FALLWERK_TEST_WRITER_FOLDER";
 
 fn two_results(seed: u32) -> [Entry; 2] {
     let first = entry(seed);
-    let second = super::entry_of(first.features.clone(), first.provenance.inputs.law.clone(), 1, seed + 1);
+    let second =
+        super::entry_of(first.features.clone(), first.provenance.inputs.law.clone().unwrap(), 1, seed + 1);
     [first, second]
 }
 

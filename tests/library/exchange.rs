@@ -53,7 +53,7 @@ fn a_bad_import_changes_nothing() {
     let last = text.rfind("\"elements\": 5000").unwrap();
     expect(&format!("{}\"elements\": 5001{}", &text[..last], &text[last + 16..]), "entry 3");
     // The same key with another result is a matter for people, not for an import.
-    let other = entry_of(entry(2).features, entry(2).provenance.inputs.law, 1, 8);
+    let other = entry_of(entry(2).features, entry(2).provenance.inputs.law.unwrap(), 1, 8);
     target.put(&other).unwrap();
     fs::write(&file, &text).unwrap();
     let message = exchange::import(&mut target, &file).unwrap_err().to_string();

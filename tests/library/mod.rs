@@ -1,17 +1,21 @@
 //! The store of subsystems: records survive a damaged working copy, damaged text is named and refused.
 
+mod add;
 mod commands;
 mod damage;
 mod exchange;
+mod interpolation;
+mod journal;
 mod queries;
 mod records;
+mod torture;
 
 use fallwerk::building::{Bar, HardeningPoint, Homogenised, Section, SectionShape, Ties};
 use fallwerk::curve::{CapacityLevel, ResistanceCurve};
 use fallwerk::library::entry::{
     Adjoining, AxisRecord, ColumnEnd, EnvelopeLevel, LawFeatures, Quality, Stiffness, Validity,
 };
-use fallwerk::library::{Computed, Entry, EntryKind, Features, Inputs};
+use fallwerk::library::{Computed, Entry, EntryKind, Features, Inputs, Origin};
 
 /// A homogenised law with this first yield stress \[Pa\].
 pub fn law(yield_stress_pa: f64) -> Homogenised {
@@ -34,11 +38,12 @@ pub fn features(width_m: f64, end: ColumnEnd, adjoining: Adjoining, law: &Homoge
     Features {
         width_m,
         depth_m: width_m,
-        length_to_inflection_m: 1.625,
-        end,
-        adjoining,
-        law: LawFeatures::of("rc", law),
-        mesh_size_m: 0.1,
+        length_to_inflection_m: Some(1.625),
+        end: Some(end),
+        adjoining: Some(adjoining),
+        law: Some(LawFeatures::of("rc", law)),
+        mesh_size_m: Some(0.1),
+        rc: None,
         further: Default::default(),
     }
 }
@@ -58,13 +63,14 @@ pub fn entry(seed: u32) -> Entry {
 /// An entry with these features.
 pub fn entry_of(features: Features, law: Homogenised, submodel_version: u32, seed: u32) -> Entry {
     let inputs = Inputs {
-        section: section(features.width_m),
-        law,
-        geometry: [("length_m".to_string(), 2.0 * features.length_to_inflection_m)].into(),
+        section: Some(section(features.width_m)),
+        law: Some(law),
+        geometry: [("length_m".to_string(), 2.0 * features.length_to_inflection_m.unwrap())].into(),
         settings: [("levels".to_string(), serde_json::json!([0.0, 0.2, 0.4]))].into(),
-        submodel_version,
+        submodel_version: Some(submodel_version),
+        ..Inputs::default()
     };
-    Entry::new(EntryKind::ColumnHinge, features, inputs, computed(seed, 5, 60)).unwrap()
+    Entry::new(EntryKind::ColumnHinge, Origin::Submodel, features, inputs, computed(seed, 5, 60)).unwrap()
 }
 
 fn section(width_m: f64) -> Section {
@@ -113,15 +119,26 @@ pub fn computed(seed: u32, levels: u32, points: u32) -> Computed {
                 })
                 .collect(),
         },
+        reverse: None,
     };
     Computed {
-        axes: [axis(1.0), axis(1.01)],
-        stiffness: Stiffness { axial_n_m: 3.1e9, shear_n_m: [1.1e8, 1.2e8], torsion_nm_rad: 4.4e7 },
+        axes: vec![axis(1.0), axis(1.01)],
+        springs: vec![],
+        stiffness: Some(Stiffness { axial_n_m: 3.1e9, shear_n_m: [1.1e8, 1.2e8], torsion_nm_rad: 4.4e7 }),
         tensile_capacity_n: Some(1.2e6),
         tensile_elongation_m: Some(0.12),
         compressive_capacity_n: Some(1.2e6),
-        hinge_offset_m: 0.3,
-        quality: Quality { kinetic_energy_ratio: 0.011, elements: 5000, asymmetry: 0.002 },
-        validity: Validity { axial_force_n: [0.0, 8e5], rotation_rad: [0.0, 0.1] },
+        hinge_offset_m: Some(0.3),
+        quality: Quality {
+            kinetic_energy_ratio: Some(0.011),
+            elements: Some(5000),
+            asymmetry: Some(0.002),
+            mesh_sensitivity: None,
+        },
+        validity: Validity {
+            axial_force_n: [0.0, 8e5],
+            rotation_rad: Some([0.0, 0.1]),
+            displacement_m: None,
+        },
     }
 }

@@ -49,7 +49,7 @@ fn another_law_with_equal_features_is_near_but_not_exact() {
     store.put(&entry_of(wanted(&b), b.clone(), 3, 1)).unwrap();
     store.put(&entry_of(wanted(&b), b.clone(), 2, 1)).unwrap();
     let found = store.find(&wanted(&b), 0.0).unwrap().unwrap();
-    assert_eq!(found.entry.provenance.inputs.submodel_version, 3);
+    assert_eq!(found.entry.provenance.inputs.submodel_version, Some(3));
 }
 
 #[test]

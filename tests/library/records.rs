@@ -1,7 +1,7 @@
 //! Writing and reading records.
 
 use super::{computed, entry, entry_of};
-use fallwerk::library::{Entry, EntryKind, Opened, Put, Store, StoreError};
+use fallwerk::library::{Entry, EntryKind, Opened, Origin, Put, Store, StoreError};
 use std::fs;
 
 #[test]
@@ -33,6 +33,7 @@ fn records_stay_below_the_limit() {
         let small = entry(3);
         Entry::new(
             EntryKind::ColumnHinge,
+            Origin::Submodel,
             small.features.clone(),
             small.provenance.inputs.clone(),
             computed(3, 7, 2000),
@@ -48,6 +49,7 @@ fn records_stay_below_the_limit() {
     // An entry that cannot be thinned enough is refused, with the number.
     let huge = Entry::new(
         EntryKind::ColumnHinge,
+        Origin::Submodel,
         large.features.clone(),
         large.provenance.inputs.clone(),
         computed(3, 80, 2000),
@@ -61,9 +63,13 @@ fn records_stay_below_the_limit() {
 fn the_key_changes_with_every_input_and_only_with_inputs() {
     let base = entry(4);
     let p = base.provenance.inputs.clone();
-    assert_eq!(entry_of(base.features.clone(), p.law.clone(), 1, 77).key, base.key, "the result is no input");
-    assert_ne!(entry_of(base.features.clone(), p.law.clone(), 2, 4).key, base.key);
-    let mut law = p.law.clone();
+    assert_eq!(
+        entry_of(base.features.clone(), p.law.clone().unwrap(), 1, 77).key,
+        base.key,
+        "the result is no input"
+    );
+    assert_ne!(entry_of(base.features.clone(), p.law.clone().unwrap(), 2, 4).key, base.key);
+    let mut law = p.law.clone().unwrap();
     law.critical_plastic_strain = f64::from_bits(law.critical_plastic_strain.to_bits() + 1);
     assert_ne!(entry_of(base.features.clone(), law, 1, 4).key, base.key);
 }
@@ -76,8 +82,8 @@ fn unsound_entries_are_refused_and_nothing_is_written() {
         (|e| e.axes[1].envelopes[2].points[3][1] = f64::NAN, "axes[1]: envelopes[2]"),
         (|e| e.axes[0].envelopes[0].points.swap(1, 2), "must increase"),
         (|e| e.axes[0].curve.levels[0].capacity[1][1] = -1.0, "never be negative"),
-        (|e| e.stiffness.axial_n_m = 0.0, "stiffness.axial_n_m"),
-        (|e| e.provenance.inputs.law.density_kg_m3 = 1.0, "inputs_hash"),
+        (|e| e.stiffness.as_mut().unwrap().axial_n_m = 0.0, "stiffness.axial_n_m"),
+        (|e| e.provenance.inputs.law.as_mut().unwrap().density_kg_m3 = 1.0, "inputs_hash"),
     ];
     let room = tempfile::tempdir().unwrap();
     let mut store = Store::open(room.path()).unwrap();
@@ -98,7 +104,7 @@ fn unsound_entries_are_refused_and_nothing_is_written() {
 fn a_new_result_of_the_same_inputs_replaces_the_record() {
     let room = tempfile::tempdir().unwrap();
     let first = entry(6);
-    let second = entry_of(first.features.clone(), first.provenance.inputs.law.clone(), 1, 7);
+    let second = entry_of(first.features.clone(), first.provenance.inputs.law.clone().unwrap(), 1, 7);
     let mut store = Store::open(room.path()).unwrap();
     store.put(&first).unwrap();
     assert_eq!(store.put(&second).unwrap(), Put::Replaced);
@@ -131,4 +137,28 @@ fn a_large_batch_goes_in_and_comes_out() {
     let bytes: u64 =
         store.keys().iter().map(|k| fs::metadata(room.path().join(format!("{k}.json"))).unwrap().len()).sum();
     println!("mean record: {} bytes", bytes / 600);
+}
+
+#[test]
+fn records_of_schema_1_are_read_kept_and_written_as_they_are() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("library/column_hinge");
+    let mut count = 0;
+    for item in fs::read_dir(folder).unwrap() {
+        let path = item.unwrap().path();
+        let text = fs::read_to_string(&path).unwrap();
+        if !text.contains("\"schema\": 1") {
+            continue;
+        }
+        let entry = Entry::from_text(&text).unwrap();
+        assert_eq!((entry.schema, entry.origin), (1, Origin::Submodel));
+        assert_eq!(entry.to_text().unwrap(), text, "{}", path.display());
+        assert!(path.ends_with(format!("{}.json", entry.key)));
+        assert!(entry.hinge().is_ok());
+        // Schema 1 has no other origin.
+        let mut foreign = entry.clone();
+        foreign.origin = Origin::RcSubmodel;
+        assert!(Store::open(tempfile::tempdir().unwrap().path()).unwrap().put(&foreign).is_err());
+        count += 1;
+    }
+    assert_eq!(count, 3);
 }

@@ -2,28 +2,13 @@
 
 use crate::generate::Generated;
 use crate::library::Entry;
-use crate::library::entry::{Adjoining, ColumnEnd};
 use crate::mbs::model::{Bending, Joint};
 use crate::report::{BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, RuleRow, TraceRow};
 use std::collections::BTreeMap;
 
 /// An entry in words, such as `column 0.40 x 0.40 m, top at a beam, 1.71 m to the point of zero moment`.
 pub fn entry_words(entry: &Entry) -> String {
-    let f = &entry.features;
-    let end = match f.end {
-        ColumnEnd::Top => "top",
-        ColumnEnd::Bottom => "bottom",
-    };
-    let beside = match f.adjoining {
-        Adjoining::Slab => "a slab",
-        Adjoining::Beam => "a beam",
-        Adjoining::Ground => "the ground",
-    };
-    let weakened = f.further.get("strength_factor").map_or(String::new(), |x| format!(", strength × {x}"));
-    format!(
-        "column {:.2} x {:.2} m, {end} at {beside}, {:.2} m to the point of zero moment{weakened}",
-        f.width_m, f.depth_m, f.length_to_inflection_m
-    )
+    entry.words()
 }
 
 /// All tables of the model.

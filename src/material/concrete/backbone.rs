@@ -185,7 +185,7 @@ fn compressive_line(law: &ConcreteLaw, length_m: f64) -> Result<Vec<[f64; 2]>, L
         .collect();
     let unit = area(&bell) + 0.5 * bell[0][0] * (1.0 + bell[0][1]);
     let width = (allowed - before) / (fc * unit);
-    let least = fc / e; // narrower: the line would snap back
+    let least = 0.65 * fc / e; // the bell is steepest with 0.61 f_c over its width: narrower, it would snap back
     if width < least {
         let longest = law.crushing_energy_j_m2 / (before + least * fc * unit);
         return Err(LawError {

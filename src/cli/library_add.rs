@@ -1,0 +1,69 @@
+//! `fallwerk library add`: a curve from a test or another program.
+
+use super::library::{Failure, report};
+use crate::library::{Put, Store, add, meta};
+use clap::Args;
+use serde_json::json;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// What to add.
+#[derive(Debug, Clone, Args)]
+pub struct Arguments {
+    /// The curve: columns with units in the header, such as `rotation [mrad], moment [kN m], axial force [kN]`
+    #[arg(required_unless_present_any = ["example", "example_curve", "schema"])]
+    curve: Option<PathBuf>,
+    /// What is said of it (TOML)
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["example", "example_curve", "schema"])]
+    meta: Option<PathBuf>,
+    /// Check both files and add nothing
+    #[arg(long)]
+    check: bool,
+    /// Print a commented example of the description
+    #[arg(long, exclusive = true)]
+    example: bool,
+    /// Print the curve that belongs to the example
+    #[arg(long, exclusive = true)]
+    example_curve: bool,
+    /// Print the JSON Schema of the description
+    #[arg(long, exclusive = true)]
+    schema: bool,
+}
+
+impl Arguments {
+    /// The text that is asked for instead of adding something.
+    pub fn asked_text(&self) -> Option<String> {
+        if self.schema {
+            return Some(format!("{:#}\n", meta::json_schema()));
+        }
+        let example = self.example.then(|| meta::EXAMPLE.to_string());
+        example.or_else(|| self.example_curve.then(|| meta::EXAMPLE_CURVE.to_string()))
+    }
+}
+
+/// Runs the command.
+pub(super) fn run(
+    arguments: &Arguments,
+    store: &mut Store,
+    json: bool,
+    out: &mut dyn Write,
+) -> Result<u8, Failure> {
+    let (Some(curve), Some(meta)) = (&arguments.curve, &arguments.meta) else {
+        return Err(Failure::Usage("give a curve and --meta FILE".to_string()));
+    };
+    let entry = add::entry_of_files(curve, meta).map_err(Failure::Files)?;
+    let what = if arguments.check {
+        "sound"
+    } else {
+        match store.put(&entry)? {
+            Put::Added => "added",
+            Put::Unchanged => "was there already",
+            Put::Replaced => "replaced",
+        }
+    };
+    let words = match what {
+        "was there already" => format!("{} was there already", entry.key),
+        what => format!("{what} {}", entry.key),
+    };
+    report(json, out, json!({ "key": entry.key, "done": what }), &words)
+}

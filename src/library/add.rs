@@ -1,0 +1,261 @@
+//! Entries from tests and other programs: a curve and what is said of it become a record.
+
+use super::curve_file::{self, CurveFile, FileLevel};
+use super::entry::{
+    AxisRecord, Computed, Entry, EnvelopeLevel, Inputs, Source as Origin, SpringLevel, SpringRecord, Validity,
+};
+use super::meta::{self, HingeMeta, Meta};
+use super::parts::Direction;
+use crate::base::diagnostic::{Diagnostic, Diagnostics};
+use crate::base::hash::ContentHash;
+use crate::base::source::Source;
+use crate::curve::{CurveError, Envelope, ResistanceCurve};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Reads a curve and its description; the entry is not stored.
+///
+/// # Errors
+/// All errors of both files at once.
+pub fn entry_of_files(curve: &Path, meta: &Path) -> Result<Entry, Vec<Diagnostics>> {
+    let read =
+        |path: &Path| Source::read(path).map_err(|e| Diagnostics::unreadable(&path.display().to_string(), e));
+    match (read(curve), read(meta)) {
+        (Ok(curve), Ok(meta)) => entry_of(curve, meta),
+        (curve, meta) => Err([curve.err(), meta.err()].into_iter().flatten().collect()),
+    }
+}
+
+/// As [`entry_of_files`], for texts already read.
+///
+/// # Errors
+/// All errors of both texts at once.
+pub fn entry_of(curve_text: Source, meta_text: Source) -> Result<Entry, Vec<Diagnostics>> {
+    let (mut in_curve, mut in_meta) = (Vec::new(), Vec::new());
+    let curve = curve_file::read(&curve_text).map_err(|e| in_curve = e).ok();
+    let meta = meta::read(&meta_text).map_err(|e| in_meta = e).ok();
+    let mut entry = None;
+    if let (Some(curve), Some(meta)) = (&curve, &meta) {
+        fit_together(curve, meta, &mut in_curve, &mut in_meta);
+        if in_curve.is_empty() && in_meta.is_empty() {
+            entry = made(&curve_text, curve, meta, &mut in_curve);
+        }
+    }
+    match entry {
+        Some(entry) => Ok(entry),
+        None => Err([(curve_text, in_curve), (meta_text, in_meta)]
+            .into_iter()
+            .filter(|(_, found)| !found.is_empty())
+            .map(|(source, found)| Diagnostics::new(Arc::new(source), found))
+            .collect()),
+    }
+}
+
+/// What must agree between the two files.
+fn fit_together(
+    curve: &CurveFile,
+    meta: &Meta,
+    in_curve: &mut Vec<Diagnostic>,
+    in_meta: &mut Vec<Diagnostic>,
+) {
+    let first = curve.levels.first().map(|l| l.span).unwrap_or_default();
+    let kind = meta.kind.name();
+    if meta.kind.is_bending() != curve.is_bending {
+        let wanted = if meta.kind.is_bending() { "moment over rotation" } else { "force over displacement" };
+        in_curve.push(
+            Diagnostic::error("wrong-curve", format!("a `{kind}` has a curve of {wanted}"))
+                .help("change the columns of the curve, or the `kind` in its description"),
+        );
+    }
+    if !curve.is_bending && curve.levels.iter().any(|l| l.axis != 1) {
+        in_curve.push(Diagnostic::error("wrong-axis", "a spring has no second bending axis").at(first, ""));
+    }
+    match (curve.levels.iter().any(|l| l.axial_force_n.is_some()), meta.axial_force_n) {
+        (false, None) if curve.is_bending => in_meta.push(
+            Diagnostic::error("missing-key", "the axial force is not known")
+                .at(meta.axial_force_span, "`axial_force` is missing")
+                .help("add `axial_force = \"0 kN\"` (compression positive), or a column `axial force [kN]` to the curve"),
+        ),
+        (true, Some(_)) => in_meta.push(
+            Diagnostic::error("twice", "the axial force is given twice")
+                .at(meta.axial_force_span, "the curve has a column of it")
+                .help("take it out here or there"),
+        ),
+        _ => {}
+    }
+}
+
+fn made(text: &Source, curve: &CurveFile, meta: &Meta, errors: &mut Vec<Diagnostic>) -> Option<Entry> {
+    let force = |level: &FileLevel| level.axial_force_n.or(meta.axial_force_n).unwrap_or(0.0);
+    let mut computed = Computed { quality: meta.quality.clone(), ..Computed::default() };
+    if curve.is_bending {
+        for axis in 1..=2 {
+            let levels: Vec<&FileLevel> = curve.levels.iter().filter(|l| l.axis == axis).collect();
+            if !levels.is_empty() {
+                computed.axes.push(bending(&levels, &force, errors)?);
+            } else if axis == 1 {
+                let error = Diagnostic::error("wrong-axis", "there is an axis 2 and no axis 1");
+                errors.push(error.help("a curve about a single axis is one about axis 1"));
+                return None;
+            }
+        }
+    } else {
+        computed.springs.push(spring(&curve.levels, meta.direction?, &force, errors)?);
+    }
+    computed.validity = validity(curve, &force);
+    if let Some(h) = &meta.hinge {
+        apply(h, &mut computed);
+    }
+    let inputs = inputs(text, meta)?;
+    let entry = Entry::new(meta.kind, meta.origin, meta.features.clone(), inputs, computed).ok()?;
+    match super::check::entry(&entry) {
+        Ok(()) => Some(entry),
+        Err(what) => {
+            errors.push(Diagnostic::error("unsound", format!("this makes no sound entry: {what}")));
+            None
+        }
+    }
+}
+
+fn apply(hinge: &HingeMeta, computed: &mut Computed) {
+    computed.stiffness = Some(hinge.stiffness);
+    computed.hinge_offset_m = Some(hinge.offset_m);
+    computed.tensile_capacity_n = hinge.tensile_capacity_n;
+    computed.tensile_elongation_m = hinge.tensile_elongation_m;
+    computed.compressive_capacity_n = hinge.compressive_capacity_n;
+}
+
+fn bending(
+    levels: &[&FileLevel],
+    force: &impl Fn(&FileLevel) -> f64,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<AxisRecord> {
+    let envelopes: Vec<Envelope> =
+        levels.iter().map(|l| Envelope { axial_force_n: force(l), points: l.points.clone() }).collect();
+    match ResistanceCurve::from_envelopes(&envelopes) {
+        Ok(curve) => {
+            let level = |e: &Envelope| EnvelopeLevel {
+                axial_force_n: e.axial_force_n,
+                points: e.points.clone(),
+                fracture_rotation_rad: None,
+            };
+            Some(AxisRecord { envelopes: envelopes.iter().map(level).collect(), curve, reverse: None })
+        }
+        Err(error) => {
+            let span = match &error {
+                CurveError::Envelope { level, .. } => levels[*level].span,
+                _ => levels[0].span,
+            };
+            errors.push(
+                Diagnostic::error("no-curve", format!("this makes no resistance curve: {error}"))
+                    .at(span, "the level that begins here")
+                    .help("a curve rises from the origin to a peak; rotations are those of the chord, elastic part included"),
+            );
+            None
+        }
+    }
+}
+
+fn spring(
+    levels: &[FileLevel],
+    direction: Direction,
+    force: &impl Fn(&FileLevel) -> f64,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<SpringRecord> {
+    let secants: Vec<Option<f64>> = levels.iter().map(|l| secant(&l.points)).collect();
+    if let Some(at) = secants.iter().position(Option::is_none) {
+        errors.push(
+            Diagnostic::error("no-curve", "the force does not grow with the displacement")
+                .at(levels[at].span, "the level that begins here")
+                .help(
+                    "shortening, compression and approach are positive, and tension with elongation negative",
+                ),
+        );
+        return None;
+    }
+    Some(SpringRecord {
+        direction,
+        stiffness_n_m: secants.into_iter().flatten().fold(0.0, f64::max),
+        levels: levels
+            .iter()
+            .map(|l| SpringLevel {
+                axial_force_n: force(l),
+                points: l.points.clone(),
+                fracture_displacement_m: None,
+            })
+            .collect(),
+    })
+}
+
+/// The secant from the origin to half of the largest force, on the side of that force \[N/m\].
+fn secant(points: &[[f64; 2]]) -> Option<f64> {
+    let peak = points.iter().map(|p| p[1]).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let side: Vec<[f64; 2]> = {
+        let mut side: Vec<[f64; 2]> = points
+            .iter()
+            .map(|p| [p[0] * peak.signum(), p[1] * peak.signum()])
+            .filter(|p| p[0] > 0.0)
+            .collect();
+        side.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        side
+    };
+    let half = 0.5 * peak.abs();
+    let mut before = [0.0, 0.0];
+    for point in side {
+        if point[1] >= half && half > 0.0 {
+            let share = if point[1] > before[1] { (half - before[1]) / (point[1] - before[1]) } else { 1.0 };
+            return Some(half / (before[0] + share * (point[0] - before[0])));
+        }
+        before = point;
+    }
+    None
+}
+
+fn validity(curve: &CurveFile, force: &impl Fn(&FileLevel) -> f64) -> Validity {
+    let forces = curve.levels.iter().map(force);
+    let first =
+        curve.levels.iter().filter_map(|l| l.points.first()).map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
+    let last =
+        curve.levels.iter().filter_map(|l| l.points.last()).map(|p| p[0]).fold(f64::INFINITY, f64::min);
+    Validity {
+        axial_force_n: [
+            forces.clone().fold(f64::INFINITY, f64::min),
+            forces.fold(f64::NEG_INFINITY, f64::max),
+        ],
+        rotation_rad: curve.is_bending.then_some([0.0, last]),
+        displacement_m: (!curve.is_bending).then_some([first.min(last), last]),
+    }
+}
+
+/// All that the entry is made from: the file by its hash, and what is said of it.
+fn inputs(text: &Source, meta: &Meta) -> Option<Inputs> {
+    let mut settings = std::collections::BTreeMap::new();
+    settings.insert("features".to_string(), serde_json::to_value(&meta.features).ok()?);
+    if let Some(h) = &meta.hinge {
+        settings.insert("stiffness".to_string(), serde_json::to_value(h.stiffness).ok()?);
+        let numbers = serde_json::json!([
+            h.offset_m,
+            h.tensile_capacity_n,
+            h.tensile_elongation_m,
+            h.compressive_capacity_n
+        ]);
+        settings.insert("offset_and_axial_capacities".to_string(), numbers);
+    }
+    if let Some(force) = meta.axial_force_n {
+        settings.insert("axial_force_n".to_string(), force.into());
+    }
+    let name = Path::new(&text.name).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Some(Inputs {
+        settings,
+        source: Some(Origin {
+            citation: meta.citation.clone(),
+            by: meta.by.clone(),
+            program: meta.program.clone(),
+            loading: meta.loading,
+            second_order_included: meta.second_order_included,
+            file: name,
+            file_hash: ContentHash::of_bytes(text.text.as_bytes()).to_string(),
+        }),
+        ..Inputs::default()
+    })
+}

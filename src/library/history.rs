@@ -1,0 +1,65 @@
+//! What the store tells the journal.
+
+use super::error::StoreError;
+use super::journal::{Event, Happening, History};
+use super::store::Store;
+use std::collections::BTreeMap;
+
+impl Store {
+    /// The journal of the library.
+    ///
+    /// # Errors
+    /// As the file system reports them.
+    pub fn history(&self) -> Result<History, StoreError> {
+        self.journal.read()
+    }
+
+    /// What the journal does not know yet: records that came (`found`) or went (`missing`) without it.
+    ///
+    /// # Errors
+    /// If the journal cannot be read.
+    pub fn untold(&self) -> Result<Vec<Event>, StoreError> {
+        let history = self.journal.read()?;
+        let mut known: BTreeMap<&str, &str> = BTreeMap::new();
+        for event in history.events.iter().filter(|e| e.key != "-") {
+            if event.what == Happening::Missing {
+                known.remove(event.key.as_str());
+            } else {
+                known.insert(&event.key, &event.record);
+            }
+        }
+        let mut events = Vec::new();
+        for key in self.index.keys() {
+            let record = self.record_of(key);
+            if known.get(key.as_str()) != Some(&record.as_str()) {
+                events.push(Event::now(Happening::Found, key, &record, ""));
+            }
+        }
+        let held = self.keys();
+        let gone = known.keys().filter(|key| held.binary_search_by(|h| h.as_str().cmp(key)).is_err());
+        events.extend(gone.map(|key| Event::now(Happening::Missing, key, "-", "")));
+        Ok(events)
+    }
+
+    /// Notes what the journal does not know, once for this store.
+    pub(super) fn bring_journal_up(&mut self) -> Result<(), StoreError> {
+        if !self.journal_is_current {
+            let untold = self.untold()?;
+            self.journal.append(&untold)?;
+            self.journal_is_current = true;
+        }
+        Ok(())
+    }
+
+    /// Notes what happened to records that are stored now.
+    pub(super) fn tell(&self, events: Vec<(Happening, String)>, note: &str) -> Result<(), StoreError> {
+        let events: Vec<Event> =
+            events.iter().map(|(what, key)| Event::now(*what, key, &self.record_of(key), note)).collect();
+        self.journal.append(&events)
+    }
+
+    fn record_of(&self, key: &str) -> String {
+        let content = self.index.get(key).and_then(|item| item.content);
+        content.map_or_else(|| "-".to_string(), |hash| hash.short())
+    }
+}

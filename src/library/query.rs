@@ -1,0 +1,132 @@
+//! Queries: the entry that fits best, one between two, or none.
+
+use super::entry::{Entry, Features};
+use super::error::StoreError;
+use super::find::{self, Match, Query};
+use super::interpolate;
+use super::store::{Indexed, Store};
+use std::cmp::Reverse;
+
+/// The entry that fits best.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// The entry.
+    pub entry: Entry,
+    /// How well it fits.
+    pub fit: Match,
+}
+
+/// The nearest entry by key, for a message when none fits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nearest {
+    /// Its key.
+    pub key: String,
+    /// How well it fits.
+    pub fit: Match,
+}
+
+/// The answer to a [`Query`].
+#[derive(Debug, Clone, PartialEq)]
+pub enum Answer {
+    /// An entry of the library.
+    Entry(Box<Found>),
+    /// One between two entries; it is not in the library.
+    Between(Box<Entry>),
+    /// None within the tolerance; the nearest of the kind, if there is any.
+    None(Option<Nearest>),
+}
+
+impl Store {
+    /// The usable, not deprecated entry that fits best: an exact match first (of several the newest
+    /// submodel version, then the first key), else the nearest within `tolerance`
+    /// ([`find`] says what the distance means), else none.
+    ///
+    /// # Errors
+    /// If its record cannot be read.
+    pub fn find(&self, wanted: &Features, tolerance: f64) -> Result<Option<Found>, StoreError> {
+        match self.nearest(wanted) {
+            Some(near) if near.fit.exact || near.fit.distance <= tolerance => {
+                Ok(Some(Found { entry: self.get(&near.key)?, fit: near.fit }))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// The best candidate without regard to a tolerance (its distance may be infinite); none only in a
+    /// library without usable entries. For messages, not for use.
+    pub fn nearest(&self, wanted: &Features) -> Option<Nearest> {
+        self.best(|item| Some(find::compare(&item.features, wanted)))
+    }
+
+    /// Answers a curator: an exact match; else, with `interpolate`, an entry between the two nearest that
+    /// differ in one of the numbers asked for and have it between them; else the nearest within `tolerance`; else none.
+    ///
+    /// # Errors
+    /// If a record cannot be read, or the interpolated entry cannot be written as JSON.
+    pub fn answer(&self, query: &Query, tolerance: f64, interpolate: bool) -> Result<Answer, StoreError> {
+        let near = self.best(|item| query.compare(item.kind, item.origin, &item.features));
+        let fits = |near: &Nearest| near.fit.exact || near.fit.distance <= tolerance;
+        let exact = near.as_ref().is_some_and(|n| n.fit.exact);
+        if interpolate
+            && !exact
+            && let Some(between) = self.between(query)?
+        {
+            return Ok(Answer::Between(Box::new(between)));
+        }
+        match near {
+            Some(near) if fits(&near) => {
+                Ok(Answer::Entry(Box::new(Found { entry: self.get(&near.key)?, fit: near.fit })))
+            }
+            near => Ok(Answer::None(near)),
+        }
+    }
+
+    /// The entry between the two that enclose what is asked for most closely.
+    fn between(&self, query: &Query) -> Result<Option<Entry>, StoreError> {
+        let usable: Vec<(&String, &Indexed)> = self
+            .index
+            .iter()
+            .filter(|(_, item)| !item.deprecated)
+            .filter(|(_, item)| {
+                query.compare(item.kind, item.origin, &item.features).is_some_and(|m| m.distance.is_finite())
+            })
+            .collect();
+        let mut best: Option<(f64, String, &String, &String)> = None;
+        for (i, (key_a, a)) in usable.iter().enumerate() {
+            for (key_b, b) in &usable[i + 1..] {
+                if (a.kind, a.origin, a.submodel_version) != (b.kind, b.origin, b.submodel_version) {
+                    continue;
+                }
+                let Some((feature, width)) = interpolate::bracket(&a.features, &b.features, query) else {
+                    continue;
+                };
+                if best.as_ref().is_none_or(|(least, ..)| width < *least) {
+                    best = Some((width, feature, key_a, key_b));
+                }
+            }
+        }
+        let Some((_, feature, key_a, key_b)) = best else { return Ok(None) };
+        let (a, b) = (self.get(key_a)?, self.get(key_b)?);
+        let invalid = |what: String| StoreError::Invalid { key: format!("{key_a} and {key_b}"), what };
+        interpolate::between(&a, &b, &feature, query.numbers[&feature])
+            .map_err(|e| invalid(e.to_string()))
+            .map(|entry| entry.filter(|e| super::check::entry(e).is_ok()))
+    }
+
+    /// The best of all usable, not deprecated entries.
+    fn best(&self, compare: impl Fn(&Indexed) -> Option<Match>) -> Option<Nearest> {
+        let mut best: Option<(Nearest, u32)> = None;
+        for (key, item) in self.index.iter().filter(|(_, item)| !item.deprecated) {
+            let Some(fit) = compare(item) else { continue };
+            let rank = |fit: &Match, version: u32| (!fit.exact, fit.distance, Reverse(version));
+            let better = best.as_ref().is_none_or(|(held, version)| {
+                let (a, b) = (rank(&fit, item.submodel_version), rank(&held.fit, *version));
+                a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)).is_lt()
+            });
+            if better {
+                best = Some((Nearest { key: key.clone(), fit }, item.submodel_version));
+            }
+        }
+        best.map(|(near, _)| near)
+    }
+}

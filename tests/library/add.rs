@@ -1,0 +1,130 @@
+//! Curves from tests and other programs.
+
+use fallwerk::base::source::Source;
+use fallwerk::library::add::entry_of;
+use fallwerk::library::entry::{Direction, Loading};
+use fallwerk::library::meta::{EXAMPLE, EXAMPLE_CURVE, json_schema};
+use fallwerk::library::{Entry, EntryKind, Origin, Store};
+
+fn made(curve: &str, meta: &str) -> Result<Entry, String> {
+    entry_of(Source::new("curve.csv", curve), Source::new("meta.toml", meta))
+        .map_err(|found| found.iter().map(|d| d.render(false)).collect())
+}
+
+#[test]
+fn the_example_makes_an_entry_that_is_stored_and_read_back() {
+    let entry = made(EXAMPLE_CURVE, EXAMPLE).unwrap();
+    assert_eq!((entry.kind, entry.origin, entry.schema), (EntryKind::ColumnHinge, Origin::Test, 2));
+    assert!(
+        entry.key.starts_with("column_hinge/350x350-l1000-bottom-ground-fc35-r320-s75@"),
+        "{}",
+        entry.key
+    );
+    let forces: Vec<f64> = entry.axes[0].envelopes.iter().map(|l| l.axial_force_n).collect();
+    assert_eq!(forces, [0.0, 600e3]);
+    assert_eq!(entry.axes[0].envelopes[1].points[3], [0.025, 262e3]);
+    assert_eq!(entry.validity.rotation_rad, Some([0.0, 0.06]));
+    let source = entry.provenance.inputs.source.as_ref().unwrap();
+    assert_eq!((source.loading, source.second_order_included), (Loading::Monotonic, false));
+    let text = entry.to_text().unwrap();
+    assert!(!text.contains("kinetic_energy_ratio") && !text.contains("mesh_size_m"), "absent, not zero");
+    assert!(entry.hinge().unwrap_err().to_string().contains("about both axes"));
+    let room = tempfile::tempdir().unwrap();
+    Store::open(room.path()).unwrap().put(&entry).unwrap();
+    assert_eq!(Store::open(room.path()).unwrap().get(&entry.key).unwrap(), entry);
+    // What is said of a curve belongs to its inputs.
+    let other = made(EXAMPLE_CURVE, &EXAMPLE.replace("75 mm", "150 mm")).unwrap();
+    assert_ne!(other.provenance.inputs_hash, entry.provenance.inputs_hash);
+}
+
+#[test]
+fn the_schema_knows_the_keys_of_the_example() {
+    let schema = json_schema();
+    let features = &schema["properties"]["features"]["properties"];
+    for key in ["width", "depth", "tie_spacing", "concrete_strength"] {
+        assert!(features[key].is_object() && EXAMPLE.contains(&format!("{key} =")), "{key}");
+    }
+    assert_eq!(schema["properties"]["origin"]["enum"], serde_json::json!(["test", "program"]));
+}
+
+#[test]
+fn all_errors_of_both_files_come_at_once_with_place_and_remedy() {
+    let curve = "rotaton [mrad], moment [kNmm], axial force\n1,2,3\n";
+    let meta = "schema = 1\nkind = \"colum_hinge\"\norigin = \"test\"\n[features]\nwidth = \"350 MPa\"\ndepht = 0.3\n\
+                [source]\ncitation = \"x\"\n[loading]\nkind = \"monotonic\"\nsecond_order = \"no\"\n";
+    let told = made(curve, meta).unwrap_err();
+    for words in [
+        "unknown column `rotaton`",
+        "did you mean `rotation`?",
+        "`kNmm` is no unit of `moment`",
+        "the column `axial force` has no unit",
+        "--> curve.csv:1:1",
+        "`colum_hinge` is no `kind`",
+        "did you mean `column_hinge`?",
+        "unknown key `depht`",
+        "the source needs the key `by`",
+        "`no` is no `second_order`",
+        "--> meta.toml:",
+    ] {
+        assert!(told.contains(words), "{words}\n{told}");
+    }
+}
+
+#[test]
+fn rows_are_checked_one_by_one() {
+    let header = "rotation [rad]; moment [N m]; axial force [kN]\n";
+    let told = |rows: &str| made(&format!("{header}{rows}"), EXAMPLE).unwrap_err();
+    let back = told("0;0;0\n0.01;100;0\n0.005;90;0\n");
+    assert!(
+        back.contains("the rotation goes back, from 0.01 to 0.005") && back.contains("curve.csv:4:1"),
+        "{back}"
+    );
+    assert!(back.contains("envelope (backbone)"), "{back}");
+    let words = told("0;0;0\n0,01;100;0\nx;1;0\n");
+    assert!(
+        words.contains("the decimal separator is a point: `0.01`") && words.contains("`x` is no number"),
+        "{words}"
+    );
+    assert!(told("0;0\n").contains("2 cells in a row of a table with 3 columns"));
+    assert!(told("").contains("no row below the header"));
+    assert!(told("0;0;0\n").contains("a curve of a single point"));
+    assert!(told("-0.01;0;0\n0.01;1;0\n").contains("begins at a negative rotation"));
+    assert!(told("0;0;0\n0.01;-100;0\n").contains("makes no resistance curve"));
+    assert!(told("0;0;0\n0.01;nan;0\n").contains("`nan` is no number"));
+}
+
+#[test]
+fn curve_and_description_must_fit_together() {
+    let springs = "displacement [mm], force [kN]\n-2,-30\n-1,-20\n0,0\n1,100\n5,140\n";
+    let told = made(springs, EXAMPLE).unwrap_err();
+    assert!(told.contains("a `column_hinge` has a curve of moment over rotation"), "{told}");
+    let told = made("rotation [%], moment [kNm]\n0,0\n1,100\n2,90\n", EXAMPLE).unwrap_err();
+    assert!(
+        told.contains("the axial force is not known") && told.contains("add `axial_force = \"0 kN\"`"),
+        "{told}"
+    );
+    let twice = EXAMPLE.replace("# axial_force = \"600 kN\"", "axial_force = \"600 kN\"");
+    assert!(made(EXAMPLE_CURVE, &twice).unwrap_err().contains("given twice"));
+    let program = EXAMPLE.replace("origin = \"test\"", "origin = \"program\"");
+    assert!(made(EXAMPLE_CURVE, &program).unwrap_err().contains("needs the key `program`"));
+    let entry = made(springs, &EXAMPLE.replace("\"column_hinge\"", "\"axial_spring\"")).unwrap();
+    assert_eq!((entry.springs[0].direction, entry.axes.len()), (Direction::Axial, 0));
+    assert!(
+        (entry.springs[0].stiffness_n_m - 1e8).abs() < 1.0,
+        "secant to 70 kN: {}",
+        entry.springs[0].stiffness_n_m
+    );
+    assert_eq!(entry.validity.displacement_m, Some([-0.002, 0.005]));
+}
+
+#[test]
+fn a_second_axis_and_the_parts_of_a_joint_make_a_hinge() {
+    let curve = "axis, rotation [mrad], moment [kN m], axial force [kN]\n1,0,0,0\n1,5,100,0\n1,50,90,0\n\
+                 2,0,0,0\n2,5,80,0\n2,50,70,0\n";
+    let hinge = "[hinge]\naxial_stiffness_n_m = 3.1e9\nshear_stiffness_n_m = [1.1e8, 1.2e8]\n\
+                 torsional_stiffness_nm_rad = 4.4e7\noffset = \"0.2 m\"\n";
+    let entry = made(curve, &format!("{EXAMPLE}\n{hinge}")).unwrap();
+    let parts = entry.hinge().unwrap();
+    assert_eq!((parts.offset_m, parts.stiffness.shear_n_m), (0.2, [1.1e8, 1.2e8]));
+    assert!(parts.axes[0].curve.peak_nm() > parts.axes[1].curve.peak_nm());
+}
