@@ -7,6 +7,7 @@
 use super::member::{Joint, RcMember};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
+use nalgebra::{Matrix3, Vector3};
 
 /// Time over which the axial force is applied, and in which it comes to rest \[s\].
 const AXIAL_S: [f64; 2] = [0.02, 0.02];
@@ -51,7 +52,9 @@ pub struct Bent {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BendError {
     /// The section does not bear its axial force.
-    #[error("the member does not bear N = {axial_n:.0} N: it shortened by {shortening_m:.4} m; use a smaller axial force")]
+    #[error(
+        "the member does not bear N = {axial_n:.0} N: it shortened by {shortening_m:.4} m; use a smaller axial force"
+    )]
     Crushed {
         /// Axial force \[N\].
         axial_n: f64,
@@ -78,52 +81,50 @@ struct Run<'a> {
     spread: Option<Spread>,
 }
 
-/// A section on a plane of symmetry: no displacement along the member; across it, it spreads by `a_1 x + a_2 x y` along x and
-/// `b_1 y + b_2 x y` along y, and nothing else. Single nodes must not yield to the shear force, which the cracked part of the section could not take up.
+/// A section on a plane of symmetry: no displacement along the member; across it, it spreads by `a_1 x + a_2 x² + a_3 x y` along x and
+/// `b_1 y + b_2 y² + b_3 x y` along y, and nothing else. Single nodes must not yield to the shear force, which the cracked part of the section could not
+/// take up.
 struct Spread {
     nodes: Vec<usize>,
-    /// Patterns by axis: `1, 2` of each node.
-    patterns: [Vec<[f64; 2]>; 2],
-    /// Inverse of `Σ m p_i p_j` by axis.
-    inverse: [[[f64; 2]; 2]; 2],
-    mass_kg: Vec<f64>,
+    shares: Vec<f64>,
+    /// Patterns of each node by axis.
+    patterns: [Vec<Vector3<f64>>; 2],
+    /// Inverse of `Σ share p pᵀ` by axis.
+    inverse: [Matrix3<f64>; 2],
 }
 
 impl Spread {
     fn of(member: &RcMember) -> Self {
-        let nodes: Vec<usize> = member.base.iter().map(|(n, _)| *n).collect();
-        let mass_kg: Vec<f64> = member.base.iter().map(|(_, share)| *share).collect();
-        let at = |n: usize| member.mesh.nodes[n];
-        let patterns = [0, 1].map(|axis| nodes.iter().map(|n| [at(*n)[axis], at(*n)[0] * at(*n)[1]]).collect());
-        let inverse = [0, 1].map(|axis: usize| {
-            let patterns: &Vec<[f64; 2]> = &patterns[axis];
-            let sum = |i: usize, j: usize| -> f64 {
-                patterns.iter().zip(&mass_kg).map(|(p, m)| m * p[i] * p[j]).sum()
+        let (nodes, shares): (Vec<usize>, Vec<f64>) = member.base.iter().copied().unzip();
+        let half = (0..3).map(|i| nodes.iter().map(|n| member.mesh.nodes[*n][i].abs()).fold(0.0, f64::max));
+        let half: Vec<f64> = half.collect();
+        let patterns = [0, 1].map(|axis: usize| {
+            let of = |n: &usize| {
+                let x = member.mesh.nodes[*n];
+                let (a, b) = (x[axis] / half[axis], x[1 - axis] / half[1 - axis]);
+                Vector3::new(a, a * a, a * b)
             };
-            let (a, b, c) = (sum(0, 0), sum(0, 1), sum(1, 1));
-            let determinant = a * c - b * b;
-            [[c / determinant, -b / determinant], [-b / determinant, a / determinant]]
+            nodes.iter().map(of).collect::<Vec<_>>()
         });
-        Self { nodes, patterns, inverse, mass_kg }
+        let inverse = [0, 1].map(|axis: usize| {
+            let sum: Matrix3<f64> =
+                patterns[axis].iter().zip(&shares).map(|(p, s)| p * p.transpose() * *s).sum();
+            sum.try_inverse().unwrap_or_else(Matrix3::zeros)
+        });
+        Self { nodes, shares, patterns, inverse }
     }
 
-    /// Takes the last step's motion of the section to the nearest one that it can have, in the norm of the masses.
+    /// Takes the last step's motion of the section to the nearest one that it can have.
     fn hold(&self, body: &mut Dynamics) {
         for axis in 0..3 {
-            let mut amplitude = [0.0; 2];
-            if axis < 2 {
-                let mut sums = [0.0; 2];
-                for (i, n) in self.nodes.iter().enumerate() {
-                    let p = self.patterns[axis][i];
-                    sums[0] += self.mass_kg[i] * p[0] * body.v[*n][axis];
-                    sums[1] += self.mass_kg[i] * p[1] * body.v[*n][axis];
-                }
-                let inverse = self.inverse[axis];
-                amplitude = [0, 1].map(|i: usize| inverse[i][0] * sums[0] + inverse[i][1] * sums[1]);
-            }
+            let parts = || self.nodes.iter().zip(&self.shares).enumerate();
+            let amplitudes = (axis < 2).then(|| {
+                let sum: Vector3<f64> =
+                    parts().map(|(i, (n, s))| self.patterns[axis][i] * (s * body.v[*n][axis])).sum();
+                self.inverse[axis] * sum
+            });
             for (i, n) in self.nodes.iter().enumerate() {
-                let p = if axis < 2 { self.patterns[axis][i] } else { [0.0; 2] };
-                let held = amplitude[0] * p[0] + amplitude[1] * p[1];
+                let held = amplitudes.map_or(0.0, |a| a.dot(&self.patterns[axis][i]));
                 body.x[*n][axis] += body.taken_s * (held - body.v[*n][axis]);
                 body.v[*n][axis] = held;
             }
@@ -213,6 +214,12 @@ impl Run<'_> {
             }
             bent.points.push(point);
             progress(rotation);
+&& bent.points.len() % 4 == 0
+                && rotation > 0.0105
+                && rotation < 0.0145
+            {
+                self.dbg();
+            }
             peak = peak.max(point[1]);
             if rotation > 2e-3 && point[1] > 0.8 * peak {
                 let internal = self.body.blocks.energies_j()[0] + self.body.trusses.internal_j();

@@ -291,7 +291,7 @@ impl<'a> Builder<'a> {
 fn tie_levels(z: &[f64], block: usize, spacing_m: f64) -> Vec<(i32, f64)> {
     let mut steel = vec![0.0; z.len()];
     let length = z[z.len() - 1];
-    let mut at = 0.5 * spacing_m;
+    let mut at = 0.5 * spacing_m - SAME_M; // of two layers equally near the lower one
     while at < length {
         let k = (block..z.len()).min_by(|a, b| (z[*a] - at).abs().total_cmp(&(z[*b] - at).abs()));
         steel[k.unwrap_or(block)] += 1.0;

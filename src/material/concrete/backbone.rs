@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// Points of the compressive line from the elastic limit to the peak, and after it.
 const RISING: usize = 40;
 const FALLING: usize = 60;
-/// Widths of the bell after which the rest (four millionths of it) is cut off.
-const BELL_END: f64 = 4.5;
+/// Strains `s` of the exponential after which the rest, a thousandth, is cut off.
+const LAST: f64 = 7.0;
 /// Crack openings of Hordijk's table over the final one.
 const OPENINGS: [f64; 13] = [0.0, 0.02, 0.05, 0.09, 0.14, 0.2, 0.27, 0.35, 0.44, 0.55, 0.68, 0.83, 1.0];
 
@@ -176,16 +176,16 @@ fn compressive_line(law: &ConcreteLaw, length_m: f64) -> Result<Vec<[f64; 2]>, L
     let mut line: Vec<[f64; 2]> = rising.collect();
     let before = 0.5 * limit * limit / e + area(&line);
     let allowed = law.crushing_energy_j_m2 / length_m;
-    let bell: Vec<[f64; 2]> = (1..=FALLING)
+    let falling: Vec<[f64; 2]> = (1..=FALLING)
         .map(|i| {
-            let x = BELL_END * i as f64 / FALLING as f64;
-            let end = (-0.5 * BELL_END * BELL_END).exp();
-            [x, ((-0.5 * x * x).exp() - end) / (1.0 - end)]
+            let x = LAST * i as f64 / FALLING as f64;
+            let end = (-LAST).exp();
+            [x, ((-x).exp() - end) / (1.0 - end)]
         })
         .collect();
-    let unit = area(&bell) + 0.5 * bell[0][0] * (1.0 + bell[0][1]);
+    let unit = area(&falling) + 0.5 * falling[0][0] * (1.0 + falling[0][1]);
     let width = (allowed - before) / (fc * unit);
-    let least = 0.65 * fc / e; // the bell is steepest with 0.61 f_c over its width: narrower, it would snap back
+    let least = 1.05 * fc / e; // steeper, it would snap back
     if width < least {
         let longest = law.crushing_energy_j_m2 / (before + least * fc * unit);
         return Err(LawError {
@@ -194,7 +194,7 @@ fn compressive_line(law: &ConcreteLaw, length_m: f64) -> Result<Vec<[f64; 2]>, L
             expected: format!("at most {longest:.3} m for this crushing energy"),
         });
     }
-    line.extend(bell.iter().map(|[x, y]| [e0 + width * x, fc * y]));
+    line.extend(falling.iter().map(|[x, y]| [e0 + width * x, fc * y]));
     Ok(line)
 }
 

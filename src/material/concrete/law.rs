@@ -33,8 +33,8 @@ pub struct ConcreteLaw {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CompressionCurve {
-    /// Linear up to this share of the strength, then a power line to the peak, then a bell
-    /// `exp(-((ε - ε_0) / s)² / 2)` whose width follows from the crushing energy.
+    /// Linear up to this share of the strength, then a power line to the peak, then `exp(-(ε - ε_0) / s)`, whose `s` follows from the crushing
+    /// energy.
     Standard {
         /// Share of the strength up to which concrete is elastic.
         elastic_share: f64,
@@ -105,13 +105,11 @@ pub struct LawError {
 
 impl ConcreteLaw {
     /// Ordinary concrete of a mean compressive strength \[Pa\]: Young's modulus of EN 1992-1-1 table 3.1 (`E_cm`), tensile strength `0.3 f^(2/3)` (MPa), fracture
-    /// energy `73 f^0.18` J/m² (fib Model Code 2010, eq. 5.1-9), crushing energy `(f_c / f_t)² G_F` (Krätzig and Pölling, Comput. Struct. 82
-    /// (2004) 1201-1215), strain at the peak 0.002.
+    /// energy `73 f^0.18` J/m² (fib Model Code 2010, eq. 5.1-9), crushing energy [`CRUSHING_ENERGY_J_M2`], strain at the peak 0.002.
     pub fn of_strength(compressive_strength_pa: f64) -> Self {
         let mpa = compressive_strength_pa * 1e-6;
         let tensile_strength_pa = 0.3e6 * mpa.powf(2.0 / 3.0);
         let fracture_energy_j_m2 = 73.0 * mpa.powf(0.18);
-        let ratio = compressive_strength_pa / tensile_strength_pa;
         Self {
             density_kg_m3: 2400.0,
             youngs_modulus_pa: 22e9 * (mpa / 10.0).powf(0.3),
@@ -119,7 +117,7 @@ impl ConcreteLaw {
             compressive_strength_pa,
             tensile_strength_pa,
             fracture_energy_j_m2,
-            crushing_energy_j_m2: ratio * ratio * fracture_energy_j_m2,
+            crushing_energy_j_m2: CRUSHING_ENERGY_J_M2,
             peak_strain: 0.002,
             compression: CompressionCurve::Standard { elastic_share: 0.4 },
             tension: TensionCurve::Hordijk,
@@ -172,6 +170,9 @@ impl ConcreteLaw {
         Ok(())
     }
 }
+
+/// Crushing energy of concrete that nothing confines \[J/m²\] (Coleman and Spacone, J. Struct. Eng. 127 (2001) 1257-1265, after Jansen and Shah's tests).
+pub const CRUSHING_ENERGY_J_M2: f64 = 25e3;
 
 /// Compressive strength at a strain rate over the static one, fib Model Code 2010, eq. 5.1-112.
 pub fn compression_rate_factor(rate_1_s: f64) -> f64 {
