@@ -214,12 +214,6 @@ impl Run<'_> {
             }
             bent.points.push(point);
             progress(rotation);
-&& bent.points.len() % 4 == 0
-                && rotation > 0.0105
-                && rotation < 0.0145
-            {
-                self.dbg();
-            }
             peak = peak.max(point[1]);
             if rotation > 2e-3 && point[1] > 0.8 * peak {
                 let internal = self.body.blocks.energies_j()[0] + self.body.trusses.internal_j();
