@@ -10,7 +10,8 @@ use super::contact::body::{Moving, Struck, Surroundings};
 use super::contact::{BodyContact, RigidSurfaces, TiedStrikes};
 use super::erosion::{self, Failure};
 use super::isa::Isa;
-use super::kernel::{BULK_LINEAR, KernelStep};
+use super::kernel::KernelStep;
+use super::limit::BULK_LINEAR;
 use super::mesh::Mesh;
 use super::node_field::NodeField;
 use super::sweep::Sweep;
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Share of the stability limit that is used. The element bound is rigorous at the current configuration; the rest
-/// covers the change of geometry within a step, and the quadratic bulk viscosity up to [`super::kernel::VISCOUS_SLACK`].
+/// covers the change of geometry within a step, and the quadratic bulk viscosity up to [`super::limit::VISCOUS_SLACK`].
 pub const STEP_SAFETY: f64 = 0.9;
 /// Nodes handed to a thread at a time. Sums over nodes are sums over the sums of chunks, on any number of threads.
 const CHUNK: usize = 512;

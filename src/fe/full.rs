@@ -16,8 +16,9 @@
 
 use super::hexahedron::{Vec3, add, cross, dot, frame, gradient, scaled, to_global, to_nodes};
 use super::kernel::{
-    BlockForce, BlockMaterial, BlockState, KernelStep, LANES, Lane, bulk_viscosity, patterns, turned_strain,
+    BlockForce, BlockMaterial, BlockState, KernelStep, LANES, Lane, patterns, turned_strain,
 };
+use super::limit::bulk_viscosity;
 use crate::material::j2::HardeningTable;
 use serde::{Deserialize, Serialize};
 

@@ -16,6 +16,7 @@ mod incidence;
 pub mod isa;
 pub mod kernel;
 pub mod law;
+pub mod limit;
 pub mod mass_scaling;
 pub mod mesh;
 pub mod model;

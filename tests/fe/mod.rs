@@ -2,6 +2,7 @@
 
 mod braces;
 mod cantilever;
+mod concrete;
 mod contact;
 mod contact_body;
 mod contact_planes;

@@ -3,8 +3,8 @@
 use super::card::{Card, Cards, Names};
 use super::raw::{Raw, RawErosion, RawMaterial, RawPlastic};
 use super::read_mesh::{define, without_title};
-use crate::fe::kernel::{BULK_LINEAR, BULK_QUADRATIC};
 use crate::fe::law::{CowperSymonds, Hourglass};
+use crate::fe::limit::{BULK_LINEAR, BULK_QUADRATIC};
 
 /// Hourglass coefficient where a deck gives none.
 pub(super) const DEFAULT_COEFFICIENT: f64 = 0.1;
