@@ -82,14 +82,14 @@ impl Backbones {
         self.effective[i] + self.slope_pa(i) * (plastic - self.plastic[i])
     }
 
-    /// The plastic multiplier at which a surface above the effective strength at `plastic` meets the one at `plastic + rate Δ`. It exists: the
+    /// The plastic multiplier at which a surface above `share` of the effective strength at `plastic` meets that at `plastic + rate Δ`. It exists: the
     /// surface falls without end, and the effective strength rises.
-    pub fn meet(&self, surface: Falling, plastic: f64, rate: f64) -> f64 {
+    pub fn meet(&self, surface: Falling, plastic: f64, rate: f64, share: f64) -> f64 {
         let (mut delta, mut i) = (0.0, self.segment(plastic));
-        let mut excess = surface.value - self.effective_pa(plastic);
+        let mut excess = surface.value - share * self.effective_pa(plastic);
         loop {
             let before = delta < surface.kink;
-            let closing = surface.slopes[usize::from(!before)] + rate * self.slope_pa(i);
+            let closing = surface.slopes[usize::from(!before)] + rate * share * self.slope_pa(i);
             let segment_end = if i + 2 < self.plastic.len() {
                 (self.plastic[i + 1] - plastic) / rate
             } else {

@@ -68,6 +68,8 @@ pub struct Surface {
     pub confined_ductility: f64,
     /// Loss of tensile strength when the compressive strength acts across it.
     pub tension_reduction: f64,
+    /// Loss of compressive strength by open cracks along it: `1 / (0.8 + this ε_cr / ε_0) <= 1`; 0: none.
+    pub crack_softening: f64,
 }
 
 impl Surface {
@@ -79,6 +81,7 @@ impl Surface {
         dilation: 0.2,
         confined_ductility: 70.0,
         tension_reduction: 0.8,
+        crack_softening: 0.34,
     };
 
     /// The seed's pure surfaces, equations 3 and 4.
@@ -87,6 +90,7 @@ impl Surface {
         lode_amplitude: 0.0,
         confined_ductility: 0.0,
         tension_reduction: 0.0,
+        crack_softening: 0.0,
         ..Self::FULL
     };
 }
@@ -146,7 +150,7 @@ impl ConcreteLaw {
         let (fc, e) = (self.compressive_strength_pa, self.youngs_modulus_pa);
         let positive = "a positive number";
         let least = 1.4 * fc / e; // the secant to the peak must leave room for the measured residual strain
-        let ranges: [(&'static str, f64, f64, f64, String); 14] = [
+        let ranges: [(&'static str, f64, f64, f64, String); 15] = [
             ("density_kg_m3", self.density_kg_m3, 1.0, 1e5, positive.into()),
             ("youngs_modulus_pa", e, 1e6, 1e12, "1 MPa to 1 TPa".into()),
             ("poisson_ratio", self.poisson_ratio, 0.0, 0.45, "0 to 0.45".into()),
@@ -161,6 +165,7 @@ impl ConcreteLaw {
             ("dilation", s.dilation, 0.0, 0.5, "0 to 0.5".into()),
             ("confined_ductility", s.confined_ductility, 0.0, 1e3, "0 or more".into()),
             ("tension_reduction", s.tension_reduction, 0.0, 0.95, "0 to 0.95".into()),
+            ("crack_softening", s.crack_softening, 0.0, 1.0, "0 to 1".into()),
         ];
         for (name, value, low, high, expected) in ranges {
             if !(value >= low && value <= high) {

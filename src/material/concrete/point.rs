@@ -14,6 +14,9 @@ const CRACK_SWEEPS: usize = 24;
 /// Ratio of lateral pressure and strength measure beyond which ductility grows no more.
 const CONFINED_LIMIT: f64 = 1.0;
 
+/// Distance of cracks over which the strain of Vecchio and Collins is a mean \[m\].
+const CRACK_SPACING_M: f64 = 0.2;
+
 /// What a point of the concrete remembers. Components: xx, yy, zz, xy, yz, zx.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ConcreteState {
@@ -39,6 +42,8 @@ pub struct ConcretePoint {
     dilation: f64,
     ductility: f64,
     reduction: f64,
+    /// Loss of strength by a crack strain of one.
+    softening: f64,
     lines: Backbones,
 }
 
@@ -62,6 +67,7 @@ impl ConcretePoint {
             dilation: law.surface.dilation,
             ductility: law.surface.confined_ductility,
             reduction: law.surface.tension_reduction,
+            softening: law.surface.crack_softening / law.peak_strain * (length_m / CRACK_SPACING_M).min(1.0),
             lines,
         })
     }
@@ -132,7 +138,8 @@ impl ConcretePoint {
         let (mut strain, q) = principal(&state.mechanical);
         let before = 1.0 - self.lines.damage(state.plastic);
         let (mut effective, mut crack) = self.cracked(&strain, state.crack, before);
-        let flow = self.compressed(&effective, state.plastic);
+        let widest = crack.iter().fold(0.0, |m: f64, c| m.max(*c));
+        let flow = self.compressed(&effective, state.plastic, self.beside_cracks(widest));
         let mut left = before;
         if let Some((plastic, hardened)) = flow {
             for i in 0..3 {
@@ -145,6 +152,11 @@ impl ConcretePoint {
         }
         state.crack = crack.iter().fold(state.crack, |m, c| m.max(*c));
         assemble(effective.map(|s| left * s), &q)
+    }
+
+    /// Share of the compressive strength that is left beside a crack strain.
+    fn beside_cracks(&self, crack: f64) -> f64 {
+        if self.softening > 0.0 { 1.0 / (0.8 + self.softening * crack).max(1.0) } else { 1.0 }
     }
 
     /// Effective principal stresses \[Pa\] and crack strains at principal mechanical strains. `left` is `1 - d`.
@@ -174,13 +186,13 @@ impl ConcretePoint {
         (std::array::from_fn(|i| stress(&crack, i)), crack)
     }
 
-    /// Principal plastic strains and the hardening variable after the return to the surface of compression; `None` inside of it.
-    fn compressed(&self, stress: &[f64; 3], plastic: f64) -> Option<([f64; 3], f64)> {
+    /// Principal plastic strains and the hardening variable after the return to the surface of compression, `share` of whose strength is left; `None` inside of it.
+    fn compressed(&self, stress: &[f64; 3], plastic: f64, share: f64) -> Option<([f64; 3], f64)> {
         let mean = (stress[0] + stress[1] + stress[2]) / 3.0;
         let s = stress.map(|v| v - mean);
         let j2 = 0.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
         let mises = (3.0 * j2).sqrt();
-        let strength = self.lines.effective_pa(plastic);
+        let strength = share * self.lines.effective_pa(plastic);
         let scale = 1.0 / (1.0 - self.alpha);
         if scale * (3.0 * self.alpha * mean + (1.0 + self.lode) * mises) <= strength {
             return None; // the confined surface lies outside of this one
@@ -204,7 +216,7 @@ impl ConcretePoint {
         }
         let pressure = ((-stress[0]).max(0.0) / trial).min(CONFINED_LIMIT);
         let rate = (1.0 - self.dilation) / (1.0 + self.ductility * pressure);
-        let delta = self.lines.meet(surface, plastic, rate);
+        let delta = self.lines.meet(surface, plastic, rate, share);
         let flow = std::array::from_fn(|i| delta * (1.5 * s[i] / mises + self.dilation));
         Some((flow, plastic + rate * delta))
     }
