@@ -11,6 +11,8 @@ const SUB_STEP: f64 = 0.25;
 const MOST_SUB_STEPS: f64 = 64.0;
 /// Sweeps over the three cracks; they converge by `(λ / (λ + 2μ))²` a sweep.
 const CRACK_SWEEPS: usize = 24;
+/// Returns to the surface of compression in a sub-step, while cracks close.
+const FLOW_ROUNDS: usize = 8;
 /// Ratio of lateral pressure and strength measure beyond which ductility grows no more.
 const CONFINED_LIMIT: f64 = 1.0;
 
@@ -23,6 +25,8 @@ pub struct ConcreteState {
     pub plastic: f64,
     /// Largest crack strain so far.
     pub crack: f64,
+    /// Share of the tensile line that compression across open cracks has taken so far.
+    pub crack_loss: f64,
 }
 
 /// A law for elements of one length, ready for the time loop.
@@ -40,6 +44,16 @@ pub struct ConcretePoint {
     ductility: f64,
     reduction: f64,
     lines: Backbones,
+}
+
+/// Cracks at principal strains.
+struct Cracked {
+    /// Effective principal stresses \[Pa\].
+    effective: [f64; 3],
+    /// Crack strains.
+    crack: [f64; 3],
+    /// Factor on the tensile line.
+    factor: f64,
 }
 
 impl ConcretePoint {
@@ -88,7 +102,9 @@ impl ConcretePoint {
         {
             return stress;
         }
-        let largest = increment.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+        let squares: [f64; 6] = increment.map(|s| s * s);
+        let normal = squares[0] + squares[1] + squares[2];
+        let largest = (normal + 2.0 * (squares[3] + squares[4] + squares[5])).sqrt(); // the same in all axes
         let unit = SUB_STEP * self.tensile / (self.lambda + 2.0 * self.mu);
         let count = (largest / unit).ceil().clamp(1.0, MOST_SUB_STEPS);
         let mut stress = [0.0; 6];
@@ -130,48 +146,52 @@ impl ConcretePoint {
     /// Stress in the full law; the state has the mechanical strain before cracks and plastic flow.
     fn inelastic(&self, state: &mut ConcreteState) -> [f64; 6] {
         let (mut strain, q) = principal(&state.mechanical);
-        let before = 1.0 - self.lines.damage(state.plastic);
-        let (mut effective, mut crack) = self.cracked(&strain, state.crack, before);
-        let flow = self.compressed(&effective, state.plastic);
-        let mut left = before;
-        if let Some((plastic, hardened)) = flow {
+        let mut left = 1.0 - self.lines.damage(state.plastic);
+        let mut cracked = self.cracked(&strain, state, left);
+        // cracks that close while it flows leave it outside of the surface
+        for _ in 0..FLOW_ROUNDS {
+            let Some((plastic, hardened)) = self.compressed(&cracked.effective, state.plastic) else { break };
             for i in 0..3 {
                 strain[i] -= plastic[i];
             }
             state.plastic = hardened;
             state.mechanical = assemble(strain, &q);
             left = 1.0 - self.lines.damage(hardened);
-            (effective, crack) = self.cracked(&strain, state.crack, left);
+            cracked = self.cracked(&strain, state, left);
         }
-        state.crack = crack.iter().fold(state.crack, |m, c| m.max(*c));
-        assemble(effective.map(|s| left * s), &q)
+        let widest = cracked.crack.iter().fold(0.0, |m: f64, c| m.max(*c));
+        if widest > 0.0 {
+            state.crack = state.crack.max(widest);
+            state.crack_loss = 1.0 - cracked.factor;
+        }
+        assemble(cracked.effective.map(|s| left * s), &q)
     }
 
-    /// Effective principal stresses \[Pa\] and crack strains at principal mechanical strains. `left` is `1 - d`.
-    fn cracked(&self, strain: &[f64; 3], largest: f64, left: f64) -> ([f64; 3], [f64; 3]) {
+    /// Effective principal stresses and cracks at principal mechanical strains. `left` is `1 - d`. What compression across open cracks has once taken
+    /// from the tensile line stays lost: otherwise a crack opened under compression and closed without it would give energy away.
+    fn cracked(&self, strain: &[f64; 3], state: &ConcreteState, left: f64) -> Cracked {
         let modulus = self.lambda + 2.0 * self.mu;
         let stress = |crack: &[f64; 3], i: usize| {
             let open: f64 = (0..3).map(|j| strain[j] - crack[j]).sum();
             self.lambda * open + 2.0 * self.mu * (strain[i] - crack[i])
         };
-        let mut crack = [0.0; 3];
-        if strain[0] <= 0.0 {
-            return (std::array::from_fn(|i| stress(&crack, i)), crack);
-        }
-        let factor = self.tension_factor(left * stress(&crack, 2));
-        for _ in 0..CRACK_SWEEPS {
-            let mut change: f64 = 0.0;
-            for i in 0..3 {
-                let closed = stress(&crack, i) + modulus * crack[i];
-                let open = self.lines.opening(closed, modulus, largest, factor);
-                change = change.max((open - crack[i]).abs());
-                crack[i] = open;
+        let (mut crack, mut factor) = ([0.0; 3], 1.0 - state.crack_loss);
+        if strain[0] > 0.0 {
+            for _ in 0..CRACK_SWEEPS {
+                let mut change: f64 = 0.0;
+                factor = self.tension_factor(left * stress(&crack, 2)).min(1.0 - state.crack_loss);
+                for i in 0..3 {
+                    let closed = stress(&crack, i) + modulus * crack[i];
+                    let open = self.lines.opening(closed, modulus, state.crack, factor);
+                    change = change.max((open - crack[i]).abs());
+                    crack[i] = open;
+                }
+                if change * modulus <= 1e-6 * self.tensile {
+                    break;
+                }
             }
-            if change * modulus <= 1e-6 * self.tensile {
-                break;
-            }
         }
-        (std::array::from_fn(|i| stress(&crack, i)), crack)
+        Cracked { effective: std::array::from_fn(|i| stress(&crack, i)), crack, factor }
     }
 
     /// Principal plastic strains and the hardening variable after the return to the surface of compression; `None` inside of it.
