@@ -19,7 +19,7 @@
 //!
 //! **Tension** (rotating smeared cracks): each principal effective stress stays below `T(c) (1 - 0.8 <-σ_min> / f_c)`, the bracket after Kupfer and
 //! Gerstle (J. Eng. Mech. Div. ASCE 99 (1973) 853-866). `T` softens (Hordijk, Heron 37/1 (1992), figure 2.3) with the crack strain; below the largest one so far, it is the
-//! secant to the origin. A crack closes at zero crack strain with the full stiffness, and an open crack makes no lateral contraction.
+//! secant to the origin; where the bracket cuts the secant off, the secant stays so low (or cycles would gain energy). A crack closes at zero crack strain with the full stiffness, and an open crack makes no lateral contraction.
 //!
 //! **Crack band** (Bažant and Oh, Matériaux et Constructions 16 (1983) 155-177): what an element dissipates until it bears nothing is `G_F` (tension) or `G_c`
 //! (compression) per area, whatever its length `l`.

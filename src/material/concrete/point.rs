@@ -25,7 +25,7 @@ pub struct ConcreteState {
     pub plastic: f64,
     /// Largest crack strain so far.
     pub crack: f64,
-    /// Share of the tensile line that compression across open cracks has taken so far.
+    /// Share of the secant of cracks that compression across them has taken so far.
     pub crack_loss: f64,
 }
 
@@ -159,30 +159,31 @@ impl ConcretePoint {
             left = 1.0 - self.lines.damage(hardened);
             cracked = self.cracked(&strain, state, left);
         }
-        let widest = cracked.crack.iter().fold(0.0, |m: f64, c| m.max(*c));
-        if widest > 0.0 {
-            state.crack = state.crack.max(widest);
-            state.crack_loss = 1.0 - cracked.factor;
+        let largest = state.crack;
+        for c in cracked.crack.into_iter().filter(|c| *c > 0.0) {
+            state.crack = state.crack.max(c);
+            state.crack_loss = state.crack_loss.max(1.0 - cracked.factor * (largest / c).max(1.0));
         }
         assemble(cracked.effective.map(|s| left * s), &q)
     }
 
-    /// Effective principal stresses and cracks at principal mechanical strains. `left` is `1 - d`. What compression across open cracks has once taken
-    /// from the tensile line stays lost: otherwise a crack opened under compression and closed without it would give energy away.
+    /// Effective principal stresses and cracks at principal mechanical strains. `left` is `1 - d`. Where compression across a crack cuts its secant
+    /// off, the secant stays so low: otherwise a crack opened under compression and closed without it would give energy away.
     fn cracked(&self, strain: &[f64; 3], state: &ConcreteState, left: f64) -> Cracked {
         let modulus = self.lambda + 2.0 * self.mu;
         let stress = |crack: &[f64; 3], i: usize| {
             let open: f64 = (0..3).map(|j| strain[j] - crack[j]).sum();
             self.lambda * open + 2.0 * self.mu * (strain[i] - crack[i])
         };
-        let (mut crack, mut factor) = ([0.0; 3], 1.0 - state.crack_loss);
+        let kept = 1.0 - state.crack_loss;
+        let (mut crack, mut factor) = ([0.0; 3], kept);
         if strain[0] > 0.0 {
             for _ in 0..CRACK_SWEEPS {
                 let mut change: f64 = 0.0;
-                factor = self.tension_factor(left * stress(&crack, 2)).min(1.0 - state.crack_loss);
+                factor = self.tension_factor(left * stress(&crack, 2)).min(kept);
                 for i in 0..3 {
                     let closed = stress(&crack, i) + modulus * crack[i];
-                    let open = self.lines.opening(closed, modulus, state.crack, factor);
+                    let open = self.lines.opening(closed, modulus, state.crack, [kept, factor]);
                     change = change.max((open - crack[i]).abs());
                     crack[i] = open;
                 }
