@@ -51,9 +51,7 @@ pub struct Bent {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BendError {
     /// The section does not bear its axial force.
-    #[error(
-        "the member does not bear N = {axial_n:.0} N: it shortened by {shortening_m:.4} m; use a smaller axial force"
-    )]
+    #[error("the member does not bear N = {axial_n:.0} N: it shortened by {shortening_m:.4} m; use a smaller axial force")]
     Crushed {
         /// Axial force \[N\].
         axial_n: f64,
@@ -96,8 +94,7 @@ impl Spread {
         let nodes: Vec<usize> = member.base.iter().map(|(n, _)| *n).collect();
         let mass_kg: Vec<f64> = member.base.iter().map(|(_, share)| *share).collect();
         let at = |n: usize| member.mesh.nodes[n];
-        let patterns =
-            [0, 1].map(|axis| nodes.iter().map(|n| [at(*n)[axis], at(*n)[0] * at(*n)[1]]).collect());
+        let patterns = [0, 1].map(|axis| nodes.iter().map(|n| [at(*n)[axis], at(*n)[0] * at(*n)[1]]).collect());
         let inverse = [0, 1].map(|axis: usize| {
             let patterns: &Vec<[f64; 2]> = &patterns[axis];
             let sum = |i: usize, j: usize| -> f64 {

@@ -134,22 +134,15 @@ impl<'a> Builder<'a> {
             Joint::Block => (BLOCK_DEPTHS * depth / (2.0 * fine)).round().max(2.0) as usize,
             Joint::Symmetry => 0,
         };
-        let mut z: Vec<f64> = (0..=layers)
-            .map(|i| {
-                BLOCK_DEPTHS * depth * (i as f64 / layers.max(1) as f64 - if layers > 0 { 1.0 } else { 0.0 })
-            })
-            .collect();
+        let mut z: Vec<f64> =
+            (0..=layers).map(|i| BLOCK_DEPTHS * depth * (i as f64 / layers.max(1) as f64 - if layers > 0 { 1.0 } else { 0.0 })).collect();
         let critical = (CRITICAL_DEPTHS * depth).min(length_m);
         let fine_layers = (critical / fine).ceil() as usize;
         z.extend((1..=fine_layers).map(|i| fine * i as f64).filter(|h| *h < length_m - 0.5 * fine));
         let last = z[z.len() - 1];
         let coarse = ((length_m - last) / (2.0 * fine)).round().max(1.0);
         z.extend((1..=coarse as usize).map(|i| last + (length_m - last) * i as f64 / coarse));
-        let mesh = Mesh {
-            laws: laws(section, concrete),
-            parts: vec!["member".into(), "block".into()],
-            ..Mesh::default()
-        };
+        let mesh = Mesh { laws: laws(section, concrete), parts: vec!["member".into(), "block".into()], ..Mesh::default() };
         Self { section, joint, x, y, z, block: layers, nodes: BTreeMap::new(), mesh }
     }
 
@@ -216,13 +209,7 @@ impl<'a> Builder<'a> {
         const CORNERS: [[i32; 3]; 8] =
             [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
         let nodes = CORNERS.map(|c| self.node([i + c[0], j + c[1], k + c[2]]));
-        self.mesh.elements.push(Element {
-            nodes,
-            part: usize::from(law == BLOCK),
-            law,
-            smear: 1.0,
-            strength: 1.0,
-        });
+        self.mesh.elements.push(Element { nodes, part: usize::from(law == BLOCK), law, smear: 1.0, strength: 1.0 });
     }
 
     fn truss(&mut self, ends: [[i32; 3]; 2], area_m2: f64, law: usize) {
