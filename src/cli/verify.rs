@@ -2,7 +2,7 @@
 
 use super::progress::Progress;
 use super::{Failure, Outcome, print, thread_pool};
-use crate::verify::{Case, Figure, fe, manual, select, suite};
+use crate::verify::{Case, Figure, fe, manual, rc, select, suite};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -20,6 +20,8 @@ pub struct Arguments {
 enum Solver {
     /// The explicit finite element solver
     Fe(Options),
+    /// Reinforced concrete: material point, bar, section
+    Rc(Options),
 }
 
 /// What to run and how to show it.
@@ -45,19 +47,44 @@ struct Options {
     threads: Option<u16>,
 }
 
-const TITLE: &str = "Verification of the finite element solver";
-const INTRO: &str = "\
+/// What is verified.
+struct Manual {
+    title: &'static str,
+    intro: &'static str,
+    cases: fn() -> Vec<Case>,
+}
+
+const FE: Manual = Manual {
+    title: "Verification of the finite element solver",
+    intro: "\
 Small models whose answers are known from elsewhere: closed forms, publications, or another program on the same mesh. The page is the
 output of `fallwerk verify fe --markdown`, which computes every figure anew; `fallwerk verify fe` prints the same as a table and
 ends with exit code 1 if a figure lies outside its tolerance. Tolerances in per cent are relative to the reference; those with ± are
 absolute. A tolerance says what the method can be held to on that mesh, not what would look good: where a figure is off by a
 known amount the case says why.
-";
+",
+    cases: fe::cases,
+};
+
+const RC: Manual = Manual {
+    title: "Verification of reinforced concrete",
+    intro: "\
+Laws of concrete and bars at a material point, and sections, against closed forms, tests and other programs. The page is the output of
+`fallwerk verify rc --markdown`, which computes every figure anew; `fallwerk verify rc` prints the same as a table and ends with exit
+code 1 if a figure lies outside its tolerance. Tolerances in per cent are relative to the reference; those with ± are absolute.
+Tension is positive. The law itself is described at the head of `src/material/concrete/mod.rs`.
+",
+    cases: rc::cases,
+};
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let Solver::Fe(options) = &arguments.solver;
-    let cases = select(fe::cases(), options.short, options.case.as_deref()).map_err(Failure::input)?;
+    let (manual_of, options) = match &arguments.solver {
+        Solver::Fe(options) => (FE, options),
+        Solver::Rc(options) => (RC, options),
+    };
+    let cases =
+        select((manual_of.cases)(), options.short, options.case.as_deref()).map_err(Failure::input)?;
     if options.list {
         print(&list(&cases));
         return Ok(Outcome::Done);
@@ -78,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     if options.json {
         print(&manual::json(&figures).map_err(|e| Failure::stopped(e.to_string()))?);
     } else if options.markdown {
-        print(&manual::markdown(TITLE, INTRO, &cases, &figures));
+        print(&manual::markdown(manual_of.title, manual_of.intro, &cases, &figures));
     } else {
         print(&(manual::table(&figures) + &manual::verdict(&figures)));
     }

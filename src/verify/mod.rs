@@ -11,11 +11,13 @@
 //! | `manual` | the table for a terminal, the JSON list, the Markdown page |
 //! | `columns` | tested columns of reinforced concrete |
 //! | `fe/` | the cases of the explicit finite element solver |
+//! | `rc/` | the cases of reinforced concrete: material point, bar, section |
 
 pub mod columns;
 pub mod fe;
 pub mod figure;
 pub mod manual;
+pub mod rc;
 pub mod suite;
 
 pub use figure::{Figure, Tolerance};

@@ -132,13 +132,17 @@ impl Backbones {
         t0 + (t1 - t0) * (crack - c0) / (c1 - c0)
     }
 
-    /// Crack strain at which `stress - modulus * c` meets the tensile line times `factor`, if `c` has been `largest` before: below that the
-    /// line is the secant to the origin. `stress` and `modulus` in Pa.
-    pub fn opening(&self, stress: f64, modulus: f64, largest: f64, factor: f64) -> f64 {
+    /// Crack strain at which `stress - modulus * c` meets the tensile line times a factor, if `c` has been `largest` before: below that the
+    /// line is the secant to the origin, cut off at its height. `stress` and `modulus` in Pa; factors: the one that the secant has kept, and
+    /// the present one, which is not larger.
+    pub fn opening(&self, stress: f64, modulus: f64, largest: f64, [kept, factor]: [f64; 2]) -> f64 {
         let known = factor * self.tensile_pa(largest);
         if stress - modulus * largest <= known {
-            // closed, or on the secant
-            return if largest > 0.0 && stress > 0.0 { stress / (modulus + known / largest) } else { 0.0 };
+            if largest <= 0.0 || stress <= 0.0 {
+                return 0.0;
+            }
+            let secant = stress / (modulus + kept * self.tensile_pa(largest) / largest);
+            return secant.max((stress - known) / modulus);
         }
         let (mut c0, mut t0) = (largest, known);
         for i in self.crack.partition_point(|c| *c <= largest)..self.crack.len() {

@@ -68,7 +68,7 @@ pub struct Surface {
     pub confined_ductility: f64,
     /// Loss of tensile strength when the compressive strength acts across it.
     pub tension_reduction: f64,
-    /// Loss of compressive strength by open cracks along it: `1 / (0.8 + this ε_cr / ε_0) <= 1`; 0: none.
+    /// Loss of compressive strength by open cracks along it: `1 / (1 + this (ε_cr / ε_0 - 0.28)^0.8) <= 1`; 0: none.
     pub crack_softening: f64,
 }
 
@@ -81,7 +81,7 @@ impl Surface {
         dilation: 0.2,
         confined_ductility: 70.0,
         tension_reduction: 0.8,
-        crack_softening: 0.34,
+        crack_softening: 0.19,
     };
 
     /// The seed's pure surfaces, equations 3 and 4.

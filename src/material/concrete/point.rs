@@ -3,6 +3,7 @@
 use super::backbone::{Backbones, Falling};
 use super::law::{ConcreteLaw, LawError};
 use super::principal::{assemble, principal};
+use crate::material::rate::power;
 use serde::{Deserialize, Serialize};
 
 /// Largest strain increment of a sub-step, over the cracking strain.
@@ -11,6 +12,8 @@ const SUB_STEP: f64 = 0.25;
 const MOST_SUB_STEPS: f64 = 64.0;
 /// Sweeps over the three cracks; they converge by `(λ / (λ + 2μ))²` a sweep.
 const CRACK_SWEEPS: usize = 24;
+/// Returns to the surface of compression in a sub-step, while cracks close.
+const FLOW_ROUNDS: usize = 8;
 /// Ratio of lateral pressure and strength measure beyond which ductility grows no more.
 const CONFINED_LIMIT: f64 = 1.0;
 
@@ -26,6 +29,8 @@ pub struct ConcreteState {
     pub plastic: f64,
     /// Largest crack strain so far.
     pub crack: f64,
+    /// Share of the secant of cracks that compression across them has taken so far.
+    pub crack_loss: f64,
 }
 
 /// A law for elements of one length, ready for the time loop.
@@ -42,9 +47,20 @@ pub struct ConcretePoint {
     dilation: f64,
     ductility: f64,
     reduction: f64,
-    /// Loss of strength by a crack strain of one.
+    /// Loss of strength beside cracks, and mean strain over several cracks over the peak strain for a crack strain of one.
     softening: f64,
+    crack_ratio: f64,
     lines: Backbones,
+}
+
+/// Cracks at principal strains.
+struct Cracked {
+    /// Effective principal stresses \[Pa\].
+    effective: [f64; 3],
+    /// Crack strains.
+    crack: [f64; 3],
+    /// Factor on the tensile line.
+    factor: f64,
 }
 
 impl ConcretePoint {
@@ -67,7 +83,8 @@ impl ConcretePoint {
             dilation: law.surface.dilation,
             ductility: law.surface.confined_ductility,
             reduction: law.surface.tension_reduction,
-            softening: law.surface.crack_softening / law.peak_strain * (length_m / CRACK_SPACING_M).min(1.0),
+            softening: law.surface.crack_softening,
+            crack_ratio: (length_m / CRACK_SPACING_M).min(1.0) / law.peak_strain,
             lines,
         })
     }
@@ -94,7 +111,9 @@ impl ConcretePoint {
         {
             return stress;
         }
-        let largest = increment.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+        let squares: [f64; 6] = increment.map(|s| s * s);
+        let normal = squares[0] + squares[1] + squares[2];
+        let largest = (normal + 2.0 * (squares[3] + squares[4] + squares[5])).sqrt(); // the same in all axes
         let unit = SUB_STEP * self.tensile / (self.lambda + 2.0 * self.mu);
         let count = (largest / unit).ceil().clamp(1.0, MOST_SUB_STEPS);
         let mut stress = [0.0; 6];
@@ -136,54 +155,67 @@ impl ConcretePoint {
     /// Stress in the full law; the state has the mechanical strain before cracks and plastic flow.
     fn inelastic(&self, state: &mut ConcreteState) -> [f64; 6] {
         let (mut strain, q) = principal(&state.mechanical);
-        let before = 1.0 - self.lines.damage(state.plastic);
-        let (mut effective, mut crack) = self.cracked(&strain, state.crack, before);
-        let widest = crack.iter().fold(0.0, |m: f64, c| m.max(*c));
-        let flow = self.compressed(&effective, state.plastic, self.beside_cracks(widest));
-        let mut left = before;
-        if let Some((plastic, hardened)) = flow {
+        let mut left = 1.0 - self.lines.damage(state.plastic);
+        let mut cracked = self.cracked(&strain, state, left);
+        // cracks that close while it flows leave it outside of the surface
+        for _ in 0..FLOW_ROUNDS {
+            let share = self.beside_cracks(&cracked.crack);
+            let Some((plastic, hardened)) = self.compressed(&cracked.effective, state.plastic, share) else {
+                break;
+            };
             for i in 0..3 {
                 strain[i] -= plastic[i];
             }
             state.plastic = hardened;
             state.mechanical = assemble(strain, &q);
             left = 1.0 - self.lines.damage(hardened);
-            (effective, crack) = self.cracked(&strain, state.crack, left);
+            cracked = self.cracked(&strain, state, left);
         }
-        state.crack = crack.iter().fold(state.crack, |m, c| m.max(*c));
-        assemble(effective.map(|s| left * s), &q)
+        let largest = state.crack;
+        for c in cracked.crack.into_iter().filter(|c| *c > 0.0) {
+            state.crack = state.crack.max(c);
+            state.crack_loss = state.crack_loss.max(1.0 - cracked.factor * (largest / c).max(1.0));
+        }
+        assemble(cracked.effective.map(|s| left * s), &q)
     }
 
-    /// Share of the compressive strength that is left beside a crack strain.
-    fn beside_cracks(&self, crack: f64) -> f64 {
-        if self.softening > 0.0 { 1.0 / (0.8 + self.softening * crack).max(1.0) } else { 1.0 }
+    /// Share of the compressive strength that is left beside cracks.
+    fn beside_cracks(&self, crack: &[f64; 3]) -> f64 {
+        let widest = crack.iter().fold(0.0, |m: f64, c| m.max(*c));
+        let excess = self.crack_ratio * widest - 0.28;
+        if self.softening > 0.0 && excess > 0.0 {
+            1.0 / (1.0 + self.softening * power(excess, 0.8))
+        } else {
+            1.0
+        }
     }
 
-    /// Effective principal stresses \[Pa\] and crack strains at principal mechanical strains. `left` is `1 - d`.
-    fn cracked(&self, strain: &[f64; 3], largest: f64, left: f64) -> ([f64; 3], [f64; 3]) {
+    /// Effective principal stresses and cracks at principal mechanical strains. `left` is `1 - d`. Where compression across a crack cuts its secant
+    /// off, the secant stays so low: otherwise a crack opened under compression and closed without it would give energy away.
+    fn cracked(&self, strain: &[f64; 3], state: &ConcreteState, left: f64) -> Cracked {
         let modulus = self.lambda + 2.0 * self.mu;
         let stress = |crack: &[f64; 3], i: usize| {
             let open: f64 = (0..3).map(|j| strain[j] - crack[j]).sum();
             self.lambda * open + 2.0 * self.mu * (strain[i] - crack[i])
         };
-        let mut crack = [0.0; 3];
-        if strain[0] <= 0.0 {
-            return (std::array::from_fn(|i| stress(&crack, i)), crack);
-        }
-        let factor = self.tension_factor(left * stress(&crack, 2));
-        for _ in 0..CRACK_SWEEPS {
-            let mut change: f64 = 0.0;
-            for i in 0..3 {
-                let closed = stress(&crack, i) + modulus * crack[i];
-                let open = self.lines.opening(closed, modulus, largest, factor);
-                change = change.max((open - crack[i]).abs());
-                crack[i] = open;
+        let kept = 1.0 - state.crack_loss;
+        let (mut crack, mut factor) = ([0.0; 3], kept);
+        if strain[0] > 0.0 {
+            for _ in 0..CRACK_SWEEPS {
+                let mut change: f64 = 0.0;
+                factor = self.tension_factor(left * stress(&crack, 2)).min(kept);
+                for i in 0..3 {
+                    let closed = stress(&crack, i) + modulus * crack[i];
+                    let open = self.lines.opening(closed, modulus, state.crack, [kept, factor]);
+                    change = change.max((open - crack[i]).abs());
+                    crack[i] = open;
+                }
+                if change * modulus <= 1e-6 * self.tensile {
+                    break;
+                }
             }
-            if change * modulus <= 1e-6 * self.tensile {
-                break;
-            }
         }
-        (std::array::from_fn(|i| stress(&crack, i)), crack)
+        Cracked { effective: std::array::from_fn(|i| stress(&crack, i)), crack, factor }
     }
 
     /// Principal plastic strains and the hardening variable after the return to the surface of compression, `share` of whose strength is left; `None` inside of it.

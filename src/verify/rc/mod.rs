@@ -1,0 +1,30 @@
+//! Reinforced concrete against closed forms, tests and other programs: the material point, the bar, the section.
+//!
+//! | file | cases |
+//! |---|---|
+//! | `point` | stress paths of a material point (no cases) |
+//! | `strength` | strengths in one, two and three directions |
+//! | `softening` | dissipated energy, residual strains, closing of cracks |
+//! | `curves` | curves given by points, rate factors |
+//! | `paths` | random strain paths, other axes, other steps |
+//! | `bars` | the reinforcing bar |
+//! | `sections` | the fibre section |
+
+mod bars;
+mod curves;
+mod paths;
+pub mod point;
+mod sections;
+mod softening;
+pub mod strength;
+
+use super::suite::Case;
+
+/// Groups in the order of the manual: from the material point to the member.
+const GROUPS: &[fn() -> Vec<Case>] =
+    &[strength::cases, softening::cases, curves::cases, paths::cases, bars::cases, sections::cases];
+
+/// All cases, in the order of the manual.
+pub fn cases() -> Vec<Case> {
+    GROUPS.iter().flat_map(|group| group()).collect()
+}
