@@ -114,25 +114,28 @@ pub fn update(
     step: KernelStep,
 ) -> Lane {
     let share = state.share;
-    let respond =
-        |strain: &[Lane; 6], bent: &Lane, stress: &mut [Lane; 6], tangent: &mut Lane, hourglass: &mut [Lane; 12]| {
-            for l in (0..LANES).filter(|l| share[*l] > 0.0) {
-                let point = &points[concrete.points[l] as usize];
-                let increment = std::array::from_fn(|i| strain[i][l]);
-                let flowed = concrete.states[l].plastic;
-                let new = point.respond(&mut concrete.states[l], &increment);
-                (0..6).for_each(|i| stress[i][l] = new[i]);
-                let left = stiffness_left(point, &concrete.states[l], &new).clamp(LEAST_SHARE, 1.0);
-                let flows = concrete.states[l].plastic > flowed;
-                tangent[l] = if flows { left.min(HOURGLASS_FLOOR) } else { left };
-                let most = most_bent_pa(point, &concrete.states[l], &new);
-                let bounded = if bent[l] > most { most / bent[l] } else { 1.0 };
-                tangent[l] *= bounded;
-                let fade = (left / concrete.left[l]).min(1.0) * bounded;
-                hourglass.iter_mut().for_each(|h| h[l] *= fade);
-                concrete.left[l] = left;
-            }
-        };
+    let respond = |strain: &[Lane; 6],
+                   bent: &Lane,
+                   stress: &mut [Lane; 6],
+                   tangent: &mut Lane,
+                   hourglass: &mut [Lane; 12]| {
+        for l in (0..LANES).filter(|l| share[*l] > 0.0) {
+            let point = &points[concrete.points[l] as usize];
+            let increment = std::array::from_fn(|i| strain[i][l]);
+            let flowed = concrete.states[l].plastic;
+            let new = point.respond(&mut concrete.states[l], &increment);
+            (0..6).for_each(|i| stress[i][l] = new[i]);
+            let left = stiffness_left(point, &concrete.states[l], &new).clamp(LEAST_SHARE, 1.0);
+            let flows = concrete.states[l].plastic > flowed;
+            tangent[l] = if flows { left.min(HOURGLASS_FLOOR) } else { left };
+            let most = most_bent_pa(point, &concrete.states[l], &new);
+            let bounded = if bent[l] > most { most / bent[l] } else { 1.0 };
+            tangent[l] *= bounded;
+            let fade = (left / concrete.left[l]).min(1.0) * bounded;
+            hourglass.iter_mut().for_each(|h| h[l] *= fade);
+            concrete.left[l] = left;
+        }
+    };
     let bound = respond_with(x, v, factor, material, state, force, step, respond);
     for l in 0..LANES {
         state.plastic_strain[l] = concrete.states[l].plastic;

@@ -7,8 +7,10 @@
 //! `4 v / (L 2 l_p)`, the strain rate in the bars that times their distance from the neutral axis, the one in the compressed face that times the axis' depth.
 //! Strengths and rate are found in turn, from static strengths. Nothing in it is taken from the test but its load, sizes and static strengths.
 
-use super::slab_model::{BAR_AREA_M2, BARS, HEIGHT_M, SPAN_M, WIDTH_M, concrete, depth_m, pressure_pa, steel};
 use super::slab_model::Load;
+use super::slab_model::{
+    BAR_AREA_M2, BARS, HEIGHT_M, SPAN_M, WIDTH_M, concrete, depth_m, pressure_pa, steel,
+};
 
 /// What the estimate says.
 #[derive(Debug, Clone, Copy)]
@@ -66,5 +68,10 @@ fn round(load: Load, before: Estimate) -> Estimate {
     let hinge = 2.0 * (0.5 * d + 0.05 * 0.5 * SPAN_M);
     let curvature_rate = 4.0 * speed / (SPAN_M * hinge);
     let depth = block / 0.8;
-    Estimate { steel_1_s: curvature_rate * (d - depth), concrete_1_s: curvature_rate * depth, peak: [w, t], resistance_pa }
+    Estimate {
+        steel_1_s: curvature_rate * (d - depth),
+        concrete_1_s: curvature_rate * depth,
+        peak: [w, t],
+        resistance_pa,
+    }
 }

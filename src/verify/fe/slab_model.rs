@@ -89,7 +89,8 @@ pub fn pressure_pa(load: Load, time_s: f64) -> f64 {
             let i = RECORD.partition_point(|p| p[0] <= 1e3 * time_s).clamp(1, RECORD.len() - 1);
             let ([t0, p0], [t1, p1]) = (RECORD[i - 1], RECORD[i]);
             let read = p0 + (p1 - p0) * (1e3 * time_s - t0) / (t1 - t0);
-            let impulse: f64 = RECORD.windows(2).map(|p| 0.5 * (p[0][1] + p[1][1]) * (p[1][0] - p[0][0])).sum();
+            let impulse: f64 =
+                RECORD.windows(2).map(|p| 0.5 * (p[0][1] + p[1][1]) * (p[1][0] - p[0][0])).sum();
             1e3 * read * IMPULSE_PA_S / impulse
         }
     }
@@ -207,9 +208,8 @@ impl SlabModel {
             mesh.trusses.extend((1..y.len()).map(|j| bar([id(i, j - 1, level), id(i, j, level)], 1.0)));
         }
         let top = z.len() - 1;
-        let face = |i: usize, j: usize| {
-            [id(i, j, top), id(i + 1, j, top), id(i + 1, j + 1, top), id(i, j + 1, top)]
-        };
+        let face =
+            |i: usize, j: usize| [id(i, j, top), id(i + 1, j, top), id(i + 1, j + 1, top), id(i, j + 1, top)];
         let faces = (0..counts[1]).flat_map(|j| (0..counts[0]).map(move |i| face(i, j))).collect();
         let support = x[at(&x, 0.5 * SPAN_M)];
         let held = mesh.nodes.iter().map(|p| [p[0] == 0.0, p[1] == 0.0, p[2] == 0.0 && p[0] == support]);
