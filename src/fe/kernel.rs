@@ -306,8 +306,8 @@ pub(super) fn update<const ASQBI: bool>(
     bound
 }
 
-/// The kernel with a law of its own at the centre: `respond` gets the strain increments and writes the stress, the share of the elastic
-/// stiffness left to the hourglass strains, and what it takes from the hourglass stresses.
+/// The kernel with a law of its own at the centre: `respond` gets the strain increments and the Mises stress that the trial hourglass stresses
+/// stand for \[Pa\], and writes the stress, the share of the elastic stiffness left to the hourglass strains, and what it takes from the hourglass stresses.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
 pub(super) fn respond_with(
@@ -318,19 +318,33 @@ pub(super) fn respond_with(
     state: &mut BlockState,
     force: &mut BlockForce,
     step: KernelStep,
-    mut respond: impl FnMut(&[Lane; 6], &mut [Lane; 6], &mut Lane, &mut [Lane; 12]),
+    mut respond: impl FnMut(&[Lane; 6], &Lane, &mut [Lane; 6], &mut Lane, &mut [Lane; 12]),
 ) -> Lane {
     let mut s = Scratch::new();
     let control = Control::of(material.form, step.rate_1_s());
     for l in 0..LANES {
         deform::<true>(l, x, v, factor, &control, material, state, &mut s);
     }
-    respond(&s.strain, &mut s.trial, &mut s.tangent, &mut state.hourglass);
+    let mut bent = ZERO;
+    for l in 0..LANES {
+        let centre = mises(&s.trial, l);
+        let square = s.mises[l] * s.mises[l] - centre * centre;
+        bent[l] = if square > 0.0 { square.sqrt() } else { 0.0 };
+    }
+    respond(&s.strain, &bent, &mut s.trial, &mut s.tangent, &mut state.hourglass);
     let mut bound = ZERO;
     for l in 0..LANES {
         resist::<true>(l, step.rate_1_s(), &control, material, &s, state, force, &mut bound);
     }
     bound
+}
+
+/// Von Mises stress of a lane.
+#[inline(always)]
+fn mises(t: &[Lane; 6], l: usize) -> f64 {
+    let (a, b, c) = (t[0][l] - t[1][l], t[1][l] - t[2][l], t[2][l] - t[0][l]);
+    let shear = t[3][l] * t[3][l] + t[4][l] * t[4][l] + t[5][l] * t[5][l];
+    (0.5 * (a * a + b * b + c * c) + 3.0 * shear).sqrt()
 }
 
 /// Positions and displacement increments to strain increments and trial stress.

@@ -94,6 +94,11 @@ impl ConcretePoint {
         [self.lambda, self.mu]
     }
 
+    /// Uniaxial compressive and tensile strength \[Pa\].
+    pub fn strengths_pa(&self) -> [f64; 2] {
+        [self.strength, self.tensile]
+    }
+
     /// Damage by crushing, 0 to 1.
     pub fn damage(&self, state: &ConcreteState) -> f64 {
         self.lines.damage(state.plastic)

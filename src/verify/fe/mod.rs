@@ -11,6 +11,7 @@
 //! | `bars` | two-node bars |
 //! | `statics` | dynamic relaxation, tied faces |
 //! | `control` | rate factor, mass scaling, a keyword deck |
+//! | `slab` | a reinforced slab under blast |
 //! | `order` | orders of convergence |
 
 mod bars;
@@ -23,6 +24,9 @@ mod impact;
 mod j2;
 mod motion;
 mod order;
+pub mod slab;
+pub mod slab_estimate;
+pub mod slab_model;
 mod statics;
 mod waves;
 
@@ -40,6 +44,7 @@ pub fn cases() -> Vec<Case> {
         bars::cases(),
         statics::cases(),
         control::cases(),
+        slab::cases(),
         order::cases(),
     ]
     .into_iter()
