@@ -82,7 +82,7 @@ pub const SECTION_FILE: Table = Table {
 };
 
 const CONCRETE: Table = Table {
-    noun: "the concrete",
+    noun: "[concrete]",
     doc: "Concrete. What is not given follows from the strength.",
     keys: &[
         key(
@@ -133,7 +133,7 @@ const CONCRETE: Table = Table {
 };
 
 const STEEL: Table = Table {
-    noun: "the steel",
+    noun: "[steel]",
     doc: "Steel of the longitudinal bars.",
     keys: &[
         key("yield_strength", true, STEEL_STRENGTH, "\"550 MPa\"", "Yield strength."),
@@ -151,7 +151,7 @@ const STEEL: Table = Table {
 };
 
 const TIES: Table = Table {
-    noun: "the ties",
+    noun: "[ties]",
     doc: "Ties on the longitudinal bars.",
     keys: &[
         key("diameter", true, DIAMETER, "\"8 mm\"", "Diameter."),

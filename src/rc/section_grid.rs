@@ -6,7 +6,7 @@ use crate::base::source::Source;
 use crate::base::tree::{self, Format};
 use crate::base::units::Dimension;
 use crate::building::format::{Key, Kind, Quantity, Table};
-use crate::building::{Bar, Fields, check_against};
+use crate::building::{Bar, Fields, LEAST_COVER_M, check_against};
 use crate::material::concrete::ConcreteLaw;
 use crate::material::rebar::Buckling;
 use serde_json::Value;
@@ -167,8 +167,13 @@ fn with_ratio(base: &RcSection, ratio: f64) -> Result<RcSection, String> {
     let grown = 0.5 * (thick(&section) - thick(base));
     if let Some(ties) = &mut section.input.ties {
         ties.cover_m -= grown;
-        if ties.cover_m < 0.0 {
-            return Err(format!("{}: no cover is left over the ties", section.name));
+        if ties.cover_m < LEAST_COVER_M - 1e-9 {
+            return Err(format!(
+                "{}: the cover of the ties is {:.0} mm, at least {:.0} mm is needed",
+                section.name,
+                1e3 * ties.cover_m,
+                1e3 * LEAST_COVER_M
+            ));
         }
     }
     section.input.steel.buckling =

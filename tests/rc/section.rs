@@ -104,7 +104,7 @@ fn a_grid_is_every_combination_and_refuses_what_does_not_fit() {
         assert!((found - wanted).abs() < 1e-12);
     }
     let thick = SectionGrid { ratios: vec![0.09], ..SectionGrid::default() };
-    assert!(thick.sections(&base).unwrap_err().contains("no cover"));
+    assert!(thick.sections(&base).unwrap_err().contains("the cover of the ties is 8 mm"));
 }
 
 #[test]
