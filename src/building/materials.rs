@@ -212,6 +212,19 @@ fn rectangle(fields: Fields<'_>, header: Span, found: &mut Vec<Diagnostic>) -> O
         Some(node) => Some(ties(Fields { node, table: &TIES })?),
         None => None,
     };
+    let bars = section_bars(fields, size, ties.map_or(0.0, |t| t.diameter_m), header, found)?;
+    Some(SectionShape::Rectangle { width_m, depth_m, bars, ties })
+}
+
+/// Bars of a rectangle of `size` \[m\] from the keys `bars_around`, `bar_layers` and `bars`; `header` is where to say that there are none. What
+/// lies outside, too near to a face for ties of `tie_diameter` \[m\], or in another bar, is reported.
+pub fn section_bars(
+    fields: Fields<'_>,
+    size: [f64; 2],
+    tie_diameter: f64,
+    header: Span,
+    found: &mut Vec<Diagnostic>,
+) -> Option<Vec<Bar>> {
     let mut bars: Vec<Placed<Bar>> = Vec::new();
     if let Some(node) = fields.child("bars_around") {
         let made = around(Fields { node, table: &BARS_AROUND }, size)?;
@@ -232,9 +245,8 @@ fn rectangle(fields: Fields<'_>, header: Span, found: &mut Vec<Diagnostic>) -> O
             .help("add `bars_around = { per_face = 3, diameter = \"20 mm\", edge_distance = \"50 mm\" }`");
         found.push(error);
     }
-    check_bars(&bars, size, ties.map_or(0.0, |t| t.diameter_m), found);
-    let bars = bars.into_iter().map(|bar| bar.item).collect();
-    Some(SectionShape::Rectangle { width_m, depth_m, bars, ties })
+    check_bars(&bars, size, tie_diameter, found);
+    Some(bars.into_iter().map(|bar| bar.item).collect())
 }
 
 fn ties(fields: Fields<'_>) -> Option<Ties> {

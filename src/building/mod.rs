@@ -36,6 +36,7 @@ pub mod turned;
 
 pub use fields::Fields;
 pub use inclined::Inclined;
+pub use materials::{LEAST_COVER_M, section_bars};
 pub use model::*;
 pub use read::{Inspection, inspect, inspect_file, parse, read};
 pub use structure::check_against;

@@ -3,17 +3,18 @@
 //! Exit codes: 0 done; 1 a check failed (damage found, nothing fits); 2 bad input or usage, or the library cannot be
 //! written because another process has it.
 
-use super::library_derive::{LibraryDeriveError, Watch, derive_for};
+use super::library_derive::{self, LibraryDeriveError, Watch, derive_for, derive_sections};
 use super::library_look::{self, Filter};
 use super::progress::Progress;
 use super::{colour_on_stderr, library_add, library_find, library_plot};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::hash::readable_json;
 use crate::library::{Opened, Store, StoreError, exchange};
+use crate::rc::{RcSection, section_file, section_grid};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `fallwerk library`.
 #[derive(Debug, Clone, Args)]
@@ -32,14 +33,9 @@ pub struct LibraryArgs {
 /// The commands of `fallwerk library`.
 #[derive(Debug, Clone, Subcommand)]
 pub enum LibraryCommand {
-    /// Compute the entries that a building's column ends need and add them; goes on where it was interrupted
-    Derive {
-        /// The building file
-        building: PathBuf,
-        /// Compute entries that are there anew
-        #[arg(long)]
-        again: bool,
-    },
+    /// Compute the entries that a building's column ends need, or those of sections in concrete and steel, and add them; goes on where it
+    /// was interrupted
+    Derive(library_derive::Arguments),
     /// Add a curve from a test or another program
     Add(library_add::Arguments),
     /// List the entries
@@ -132,29 +128,60 @@ pub fn execute(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> 
     }
 }
 
-/// Entries for the column ends of a building.
+/// Sections of section and grid files; all errors of all files at once.
+fn sections(what: &library_derive::Arguments) -> Result<Vec<RcSection>, Failure> {
+    let (mut sections, mut found) = (Vec::new(), Vec::new());
+    for file in &what.section {
+        match section_file::read_file(file) {
+            Ok(section) => sections.push(section),
+            Err(errors) => found.push(errors),
+        }
+    }
+    for file in &what.grid {
+        match section_grid::read_file(file) {
+            Ok(own) => sections.extend(own),
+            Err(errors) => found.extend(errors),
+        }
+    }
+    if found.is_empty() { Ok(sections) } else { Err(Failure::Files(found)) }
+}
+
+/// Entries for the column ends of a building, or for sections.
 fn derive(
     store: &mut Store,
-    building: &Path,
-    again: bool,
+    what: &library_derive::Arguments,
     json: bool,
     out: &mut dyn Write,
 ) -> Result<u8, Failure> {
     store.writable()?;
-    let Ok(building) = super::read_building(building, json) else { return Ok(2) };
     let progress = Progress::on_stderr();
     progress.stage("curves");
     let watch = Watch {
         progress: &|share, text| progress.advance(share, text),
         added: &|key| progress.say(&format!("added {key}")),
     };
-    let done = derive_for(&building, store, again, &watch);
+    let done = match &what.building {
+        None => {
+            let sections = sections(what)?;
+            derive_sections(&sections, &what.bending, store, what.again, &watch)
+        }
+        Some(_) if what.bending.is_given() => {
+            let message = "--axial, --until, --mesh, --joint, --no-buckling and --seed-law are of --section and --grid; a building's own settings hold";
+            return Err(Failure::Usage(message.to_string()));
+        }
+        Some(path) => {
+            let Ok(building) = super::read_building(path, json) else { return Ok(2) };
+            derive_for(&building, store, what.again, &watch)
+        }
+    };
     progress.finish();
     match done {
         Ok(derived) => {
             let words =
                 format!("{} added, {} were there already", derived.added.len(), derived.present.len());
-            let value = json!({ "added": derived.added, "present": derived.present });
+            derived.left_out.iter().for_each(|level| progress.say(&format!("note: left out: {level}")));
+            let value =
+                json!({ "added": derived.added, "present": derived.present, "left_out": derived.left_out });
             report(json, out, value, &words)
         }
         Err(LibraryDeriveError::Skew(message)) => Err(Failure::Usage(message)),
@@ -214,7 +241,7 @@ impl LibraryCommand {
     fn writes(&self) -> bool {
         matches!(
             self,
-            Self::Derive { .. } | Self::Add(_) | Self::Rebuild | Self::Import { .. } | Self::Deprecate { .. }
+            Self::Derive(_) | Self::Add(_) | Self::Rebuild | Self::Import { .. } | Self::Deprecate { .. }
         )
     }
 }
@@ -227,7 +254,7 @@ fn dispatch(
 ) -> Result<u8, Failure> {
     let json = args.json;
     match &args.command {
-        LibraryCommand::Derive { building, again } => derive(store, building, *again, json, out),
+        LibraryCommand::Derive(what) => derive(store, what, json, out),
         LibraryCommand::Add(add) => library_add::run(add, store, json, out),
         LibraryCommand::List(filter) => library_look::list(store, filter, json, out),
         LibraryCommand::Show { key } => library_look::show(&store.get(&store.resolve(key)?)?, json, out),

@@ -5,8 +5,31 @@ use crate::building::partition::Partition;
 use crate::building::{Building, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted};
+use crate::library::rc::{RC_AXIAL_SHARES, RC_UNTIL_RAD, RcDeriveError, RcWanted};
 use crate::library::{Store, StoreError};
+use crate::rc::RcSection;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// What to derive.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Arguments {
+    /// The building file
+    #[arg(required_unless_present_any = ["section", "grid"], conflicts_with_all = ["section", "grid"])]
+    pub building: Option<PathBuf>,
+    /// Column hinges of sections in concrete and steel, from section files (`fallwerk rc --example`)
+    #[arg(long, value_name = "SECTION", num_args = 1..)]
+    pub section: Vec<PathBuf>,
+    /// Column hinges of all sections of a grid file (`fallwerk rc --example-grid`)
+    #[arg(long, value_name = "GRID", num_args = 1..)]
+    pub grid: Vec<PathBuf>,
+    /// Compute entries that are there anew
+    #[arg(long)]
+    pub again: bool,
+    /// How sections are meshed and bent
+    #[command(flatten)]
+    pub bending: super::rc::Bending,
+}
 
 /// What became of the entries of a building, by key.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -15,6 +38,8 @@ pub struct Derived {
     pub added: Vec<String>,
     /// Already there.
     pub present: Vec<String>,
+    /// Levels of axial force that entries lack, in words.
+    pub left_out: Vec<String>,
 }
 
 /// Why entries could not be derived. Those computed before are in the library.
@@ -27,6 +52,14 @@ pub enum LibraryDeriveError {
         end: String,
         /// Why.
         source: DeriveError,
+    },
+    /// The RC submodel failed.
+    #[error("{section}: {source}")]
+    Rc {
+        /// Name of the section.
+        section: String,
+        /// Why.
+        source: RcDeriveError,
     },
     /// A member is turned out of the axes.
     #[error("{0}")]
@@ -103,4 +136,51 @@ fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Wanted)>, Lib
 
 fn failed(end: &str) -> impl FnOnce(DeriveError) -> LibraryDeriveError + '_ {
     move |source| LibraryDeriveError::Derive { end: end.to_string(), source }
+}
+
+/// Computes what the library lacks for sections in concrete and steel, and stores each entry as soon as it is done. Axial forces, rotation and
+/// mesh are those of `bending`.
+///
+/// # Errors
+/// If a submodel fails or the library cannot be written; entries computed before are in the library.
+pub fn derive_sections(
+    sections: &[RcSection],
+    bending: &super::rc::Bending,
+    store: &mut Store,
+    again: bool,
+    watch: &Watch,
+) -> Result<Derived, LibraryDeriveError> {
+    store.writable()?;
+    let options = bending.options(&RC_AXIAL_SHARES, RC_UNTIL_RAD);
+    let mut derived = Derived::default();
+    let mut missing: BTreeMap<String, RcWanted> = BTreeMap::new();
+    for section in sections {
+        let section = bending.section(section.clone());
+        let failed = |e: serde_json::Error| rc_failed(&section)(RcDeriveError::from(e));
+        let wanted = RcWanted::of(&section, &options).map_err(failed)?;
+        let key = wanted.key().map_err(failed)?;
+        if again || store.keys().binary_search(&key).is_err() {
+            missing.insert(key, wanted);
+        } else if !derived.present.contains(&key) {
+            derived.present.push(key);
+        }
+    }
+    let count = missing.len();
+    for (number, (key, wanted)) in missing.into_iter().enumerate() {
+        let name = &wanted.section.name;
+        let tell = |share: f64, text: &str| {
+            let share = (number as f64 + share) / count as f64;
+            (watch.progress)(share, &format!("of {name} ({} of {count}): {text}", number + 1));
+        };
+        let done = wanted.derive(&tell).map_err(rc_failed(&wanted.section))?;
+        store.put(&done.entry)?;
+        (watch.added)(&key);
+        derived.left_out.extend(done.left_out.iter().map(|what| format!("{name}: {what}")));
+        derived.added.push(key);
+    }
+    Ok(derived)
+}
+
+fn rc_failed(section: &RcSection) -> impl FnOnce(RcDeriveError) -> LibraryDeriveError + '_ {
+    move |source| LibraryDeriveError::Rc { section: section.name.clone(), source }
 }

@@ -20,6 +20,7 @@ mod library_find;
 mod library_look;
 mod library_plot;
 pub mod progress;
+pub mod rc;
 pub mod rules;
 mod schema;
 pub mod simulate;
@@ -99,6 +100,7 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// The library of subsystems: derive, add, list, show, plot, diff, find, history, deprecate, verify, rebuild, export, import
     Library(library::LibraryArgs),
+    Rc(rc::Arguments),
     /// The rules: list, check, show, features
     Rules(rules::RulesArgs),
     Study(study::Arguments),
@@ -117,6 +119,7 @@ pub fn run() -> ExitCode {
         Command::Schema(arguments) => schema::run(&arguments),
         Command::Graph(arguments) => finish(show_graph(&arguments)),
         Command::Library(arguments) => return ExitCode::from(library::run(&arguments)),
+        Command::Rc(arguments) => finish(rc::run(&arguments)),
         Command::Rules(arguments) => return ExitCode::from(rules::run(&arguments)),
         Command::Study(arguments) => finish(study::run(&arguments)),
         Command::Verify(arguments) => finish(verify::run(&arguments)),

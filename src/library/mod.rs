@@ -35,6 +35,7 @@ mod lock;
 pub mod meta;
 mod parts;
 mod query;
+pub mod rc;
 pub mod store;
 mod text;
 mod thin;

@@ -1,4 +1,7 @@
-//! The submodel of a member end against beam theory and plastic theory.
+//! The submodel of a member end against beam theory and plastic theory, and that in concrete and steel with its section files.
+
+mod section;
+mod series;
 
 use fallwerk::building::ends::End;
 use fallwerk::building::{Building, EXAMPLE};

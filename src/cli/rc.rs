@@ -1,0 +1,306 @@
+//! `fallwerk rc`: bends a reinforced member end in concrete and steel.
+
+use super::progress::Progress;
+use super::{Failure, Outcome, colour_on_stderr, print, read_building, thread_pool, write};
+use crate::base::hash::readable_json;
+use crate::base::output::OutputFolder;
+use crate::base::units::Dimension;
+use crate::rc::member::Joint;
+use crate::rc::section_file::{self, RcSection};
+use crate::rc::section_grid;
+use crate::rc::series::{self, Case, Series, SeriesOptions};
+use crate::report::figure::{self, Line, Panel};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Bend a reinforced member end in concrete and steel, and compare it with its fibre section
+///
+/// One bend for each axial force and direction, each on one thread. The section comes from a section file, or with --end from a
+/// building's column end. Exit codes: 0 done, 1 a bend failed, 2 bad input.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// A section file; with --end a building file
+    #[arg(required_unless_present_any = ["schema", "example", "example_grid"])]
+    file: Option<PathBuf>,
+    /// Take section, materials and length (half the clear height) from this column end, such as `C1-A1.bottom`
+    #[arg(long, value_name = "ID")]
+    end: Option<String>,
+    /// Directions in degrees in which the free end is pushed: 0 along the width, 90 along the depth
+    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true, default_values_t = [90.0])]
+    direction: Vec<f64>,
+    #[command(flatten)]
+    bending: Bending,
+    /// Write curves.csv, result.json and moment-rotation.svg into this folder
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Worker threads (default: all cores)
+    #[arg(long, value_name = "N")]
+    threads: Option<u16>,
+    /// Print the JSON Schema of the section file
+    #[arg(long, exclusive = true)]
+    schema: bool,
+    /// Print a commented example of a section file
+    #[arg(long, exclusive = true)]
+    example: bool,
+    /// Print a commented example of a grid of sections, for `library derive --grid`
+    #[arg(long, exclusive = true)]
+    example_grid: bool,
+}
+
+/// How members are meshed and bent.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Bending {
+    /// Axial forces over f_c A, compression positive [default: 0 0.1 0.3 0.6; of library entries also -0.05]
+    #[arg(long, value_name = "SHARE", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true, value_parser = share)]
+    pub axial: Vec<f64>,
+    /// Rotation at which a bend stops, such as `100mrad` [default: 0.1 rad; of library entries 0.25 rad]
+    #[arg(long, value_name = "ROTATION", value_parser = rotation)]
+    pub until: Option<f64>,
+    /// Size of the elements [default: 50 mm]
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub mesh: Option<f64>,
+    /// What the member stands on: a plane of symmetry, or a block of uncracked concrete [default: symmetry]
+    #[arg(long, value_name = "KIND", value_parser = ["symmetry", "block"])]
+    pub joint: Option<String>,
+    /// Bars stay straight
+    #[arg(long)]
+    pub no_buckling: bool,
+    /// The seed's surfaces of the concrete law: no meridians, no gain of ductility under lateral pressure
+    #[arg(long)]
+    pub seed_law: bool,
+}
+
+fn within(value: f64, low: f64, high: f64, what: &str) -> Result<f64, String> {
+    if (low..=high).contains(&value) { Ok(value) } else { Err(format!("{what} is {low} to {high}")) }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    within(super::library_find::quantity(text, Dimension::Number)?, -1.0, 1.5, "an axial share")
+}
+
+fn rotation(text: &str) -> Result<f64, String> {
+    within(super::library_find::quantity(text, Dimension::Angle)?, 0.001, 1.0, "a rotation [rad]")
+}
+
+fn size(text: &str) -> Result<f64, String> {
+    within(super::library_find::quantity(text, Dimension::Length)?, 0.005, 1.0, "the size of an element [m]")
+}
+
+impl Bending {
+    /// The options; `axial_shares` and `until_rad` are used where the command line says nothing.
+    pub fn options(&self, axial_shares: &[f64], until_rad: f64) -> SeriesOptions {
+        let defaults = SeriesOptions::default();
+        SeriesOptions {
+            axial_shares: if self.axial.is_empty() { axial_shares.to_vec() } else { self.axial.clone() },
+            until_rad: self.until.unwrap_or(until_rad),
+            mesh_size_m: self.mesh.unwrap_or(defaults.mesh_size_m),
+            joint: if self.joint.as_deref() == Some("block") { Joint::Block } else { Joint::Symmetry },
+            seed_law: self.seed_law,
+            ..defaults
+        }
+    }
+
+    /// Whether the command line says anything of it.
+    pub fn is_given(&self) -> bool {
+        let numbers = !self.axial.is_empty() || self.until.is_some() || self.mesh.is_some();
+        numbers || self.joint.is_some() || self.no_buckling || self.seed_law
+    }
+
+    /// The section with or without buckling.
+    pub fn section(&self, section: RcSection) -> RcSection {
+        if self.no_buckling { section.without_buckling() } else { section }
+    }
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    if arguments.schema {
+        print(&format!("{:#}\n", section_file::json_schema()));
+        return Ok(Outcome::Done);
+    }
+    if arguments.example_grid {
+        print(section_grid::EXAMPLE);
+        return Ok(Outcome::Done);
+    }
+    let Some(file) = arguments.file.as_ref().filter(|_| !arguments.example) else {
+        print(section_file::EXAMPLE);
+        return Ok(Outcome::Done);
+    };
+    let section = match &arguments.end {
+        Some(end) => {
+            let building = read_building(file, arguments.json)?;
+            eprintln!("note: strengths are those of the building file; the submodel takes them as means");
+            RcSection::of_column_end(&building, end).map_err(Failure::input)?
+        }
+        None => section_file::read_file(file).map_err(|found| {
+            eprint!("{}", found.render(colour_on_stderr()));
+            if arguments.json {
+                print(&format!("{:#}\n", json!({ "ok": false, "diagnostics": found.to_json() })));
+            }
+            Failure::input(String::new())
+        })?,
+    };
+    let section = arguments.bending.section(section);
+    let defaults = SeriesOptions::default();
+    let options = SeriesOptions {
+        directions_deg: arguments.direction.clone(),
+        ..arguments.bending.options(&defaults.axial_shares, defaults.until_rad)
+    };
+    if let Some(odd) = options.directions_deg.iter().find(|d| !d.is_finite()) {
+        return Err(Failure::input(format!("--direction {odd} is no angle; give degrees such as 90")));
+    }
+    let output = arguments.output.as_deref().map(OutputFolder::create).transpose();
+    let output = output.map_err(|e| Failure::input(e.to_string()))?;
+    let progress = Progress::on_stderr();
+    progress.stage("bends");
+    let done = thread_pool(arguments.threads)?
+        .install(|| series::run(&section, &options, &|share, text| progress.advance(share, text)));
+    progress.finish();
+    let series = done.map_err(|e| {
+        Failure::input(format!("{e}\n  = help: use other elements (--mesh), or correct the concrete"))
+    })?;
+    if let Some(output) = output {
+        write(&output, "curves.csv", &csv(&series))?;
+        write(&output, "result.json", &text_of(&result(&section, &series))?)?;
+        write(&output, "moment-rotation.svg", &svg(&section, &series))?;
+        output.commit().map_err(|e| Failure::input(e.to_string()))?;
+    }
+    if arguments.json {
+        let mut value = result(&section, &series);
+        for (case, own) in series.cases.iter().enumerate() {
+            value["bends"][case]["seconds"] = json!(own.seconds);
+        }
+        print(&text_of(&value)?);
+    } else {
+        print(&table(&section, &series));
+    }
+    let failed = series.cases.iter().any(|c| c.bent.is_err());
+    Ok(if failed { Outcome::CheckFailed } else { Outcome::Done })
+}
+
+fn text_of(value: &Value) -> Result<String, Failure> {
+    readable_json(value).map_err(|e| Failure::stopped(e.to_string()))
+}
+
+/// The figures as JSON, without run times.
+fn result(section: &RcSection, series: &Series) -> Value {
+    let case = |c: &Case| match &c.bent {
+        Err(error) => json!({
+            "axial_share": c.axial_share, "axial_force_n": c.axial_n, "direction_deg": c.direction_deg,
+            "fibre_peak_nm": c.fibre_peak_nm, "error": error.to_string(),
+        }),
+        Ok(bent) => json!({
+            "axial_share": c.axial_share, "axial_force_n": c.axial_n, "direction_deg": c.direction_deg,
+            "figures": c.figures, "fibre_peak_nm": c.fibre_peak_nm, "peak_over_fibre": ratio(c),
+            "kinetic_share": bent.kinetic_share, "steps": bent.steps, "failed": bent.failed,
+            "last_rotation_rad": bent.points.last().map(|p| p[0]),
+        }),
+    };
+    json!({
+        "schema": 1,
+        "section": section,
+        "options": series.options,
+        "elements": { "hexahedra": series.elements[0], "bars": series.elements[1] },
+        "length_m": series.length_m,
+        "bends": series.cases.iter().map(case).collect::<Vec<_>>(),
+    })
+}
+
+fn ratio(case: &Case) -> Option<f64> {
+    Some(case.figures?.peak_nm / case.fibre_peak_nm?)
+}
+
+fn csv(series: &Series) -> String {
+    let mut text =
+        String::from("axial force [kN],direction [deg],rotation [rad],moment [kN m],shortening [mm]\n");
+    for case in &series.cases {
+        for [rotation, moment, shortening] in case.bent.iter().flat_map(|b| &b.points) {
+            let _ = writeln!(
+                text,
+                "{:.3},{},{:.6e},{:.6e},{:.6e}",
+                case.axial_n / 1e3,
+                case.direction_deg,
+                rotation,
+                moment / 1e3,
+                shortening * 1e3
+            );
+        }
+    }
+    text
+}
+
+fn svg(section: &RcSection, series: &Series) -> String {
+    let line = |c: &Case| {
+        let bent = c.bent.as_ref().ok()?;
+        Some(Line {
+            label: format!("n = {}", c.axial_share),
+            points: bent.points.iter().map(|p| [1e3 * p[0], p[1] / 1e3]).collect(),
+            is_reference: false,
+        })
+    };
+    let owned = |name: &str, unit: &str| (name.to_string(), unit.to_string());
+    let panel = |direction: &f64| Panel {
+        title: format!("Direction {direction}°: moment over rotation of the chord"),
+        x: owned("rotation", "mrad"),
+        y: owned("moment", "kN m"),
+        lines: series.cases.iter().filter(|c| c.direction_deg == *direction).filter_map(line).collect(),
+    };
+    let panels: Vec<Panel> =
+        series.options.directions_deg.iter().map(panel).filter(|p| !p.lines.is_empty()).collect();
+    figure::svg(&section.name, &words(section, series), &panels)
+}
+
+fn words(section: &RcSection, series: &Series) -> String {
+    let input = &section.input;
+    let ties = input.ties.map_or("no ties".to_string(), |t| {
+        format!("ties {:.0} mm every {:.0} mm", 1e3 * t.diameter_m, 1e3 * t.spacing_m)
+    });
+    format!(
+        "{:.2} x {:.2} m, {:.2} m to the point of zero moment, {} bars ({:.2} %), {ties}, f_c {:.1} MPa, {} hexahedra, {} bar elements",
+        input.size_m[0],
+        input.size_m[1],
+        series.length_m,
+        input.bars.len(),
+        100.0 * section.steel_m2() / input.area_m2(),
+        section.concrete.compressive_strength_pa / 1e6,
+        series.elements[0],
+        series.elements[1]
+    )
+}
+
+/// The table on standard output.
+fn table(section: &RcSection, series: &Series) -> String {
+    let mut text = format!("{}: {}\n\n", section.name, words(section, series));
+    text +=
+        "     n      N   dir    peak      at   yield   80 %   20 %  kinetic   fibre  ratio  elements     s\n";
+    text += "           kN   deg    kN m    mrad    mrad   mrad   mrad             kN m                         \n";
+    let optional = |value: Option<f64>, scale: f64, digits: usize| {
+        value.map_or("-".to_string(), |v| format!("{:.digits$}", scale * v))
+    };
+    for c in &series.cases {
+        let _ = write!(text, "{:6.2} {:6.0} {:5.0} ", c.axial_share, c.axial_n / 1e3, c.direction_deg);
+        let f = c.figures;
+        let _ = match &c.bent {
+            Err(error) => writeln!(text, "{error}"),
+            Ok(bent) => writeln!(
+                text,
+                "{:>7} {:>7} {:>7} {:>6} {:>6} {:>8.4} {:>7} {:>6} {:>9} {:>5.0}",
+                optional(f.map(|f| f.peak_nm), 1e-3, 1),
+                optional(f.map(|f| f.peak_rotation_rad), 1e3, 2),
+                optional(f.map(|f| f.yield_rotation_rad), 1e3, 2),
+                optional(f.and_then(|f| f.rotation_80_rad), 1e3, 1),
+                optional(f.and_then(|f| f.rotation_20_rad), 1e3, 1),
+                bent.kinetic_share,
+                optional(c.fibre_peak_nm, 1e-3, 1),
+                optional(ratio(c), 1.0, 3),
+                series.elements[0],
+                c.seconds
+            ),
+        };
+    }
+    text
+}

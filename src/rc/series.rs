@@ -1,0 +1,241 @@
+//! A series of bends of one member end: axial forces and directions, with the figures of each curve.
+//!
+//! Bends run beside each other on the threads of the pool, each of them on one thread: results do not depend on the number of threads.
+
+use super::bend::{Bend, BendError, Bent, bend};
+use super::member::{Joint, RcMember};
+use super::section_file::RcSection;
+use crate::material::concrete::{ConcreteLaw, LawError, Surface};
+use crate::material::fibre::FibreSection;
+use crate::material::fibre_concrete;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::Mutex;
+use std::time::Instant;
+
+/// Share of the peak through which the secant to the yield rotation is drawn.
+pub const YIELD_SHARE: f64 = 0.75;
+/// Curvature times depth up to which the fibre section is bent.
+const FIBRE_REACH: f64 = 0.4;
+
+/// What is run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SeriesOptions {
+    /// Axial forces over `f_c A`, compression positive.
+    pub axial_shares: Vec<f64>,
+    /// Directions of the push: 0 along x, 90 along y \[deg\].
+    pub directions_deg: Vec<f64>,
+    /// Rotation at which a bend stops \[rad\].
+    pub until_rad: f64,
+    /// Size of the elements \[m\].
+    pub mesh_size_m: f64,
+    /// What the member stands on.
+    pub joint: Joint,
+    /// Whether the concrete has the seed's pure surfaces.
+    pub seed_law: bool,
+}
+
+impl Default for SeriesOptions {
+    fn default() -> Self {
+        Self {
+            axial_shares: vec![0.0, 0.1, 0.3, 0.6],
+            directions_deg: vec![90.0],
+            until_rad: 0.1,
+            mesh_size_m: 0.05,
+            joint: Joint::Symmetry,
+            seed_law: false,
+        }
+    }
+}
+
+/// Figures of a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Figures {
+    /// Largest moment \[N m\].
+    pub peak_nm: f64,
+    /// Rotation at it \[rad\].
+    pub peak_rotation_rad: f64,
+    /// Rotation at which the secant through [`YIELD_SHARE`] of the peak reaches the peak: an estimate of first yield \[rad\].
+    pub yield_rotation_rad: f64,
+    /// Rotation beyond the peak at which 80 % of it are left \[rad\]; `None`: not reached.
+    pub rotation_80_rad: Option<f64>,
+    /// As before, 20 %.
+    pub rotation_20_rad: Option<f64>,
+}
+
+impl Figures {
+    /// Figures of `[rotation (rad), moment (N m), ...]` points; `None` without a positive moment.
+    pub fn of(points: &[[f64; 3]]) -> Option<Self> {
+        let peak = (0..points.len()).reduce(|a, b| if points[b][1] > points[a][1] { b } else { a })?;
+        let [peak_rotation_rad, peak_nm, _] = points[peak];
+        if peak_nm <= 0.0 {
+            return None;
+        }
+        let wanted = YIELD_SHARE * peak_nm;
+        let rising = points[..=peak].windows(2).find(|w| w[0][1] < wanted && w[1][1] >= wanted)?;
+        let fall = |share: f64| {
+            let level = share * peak_nm;
+            points[peak..].windows(2).find(|w| w[0][1] >= level && w[1][1] < level).map(|w| at(w, level))
+        };
+        Some(Self {
+            peak_nm,
+            peak_rotation_rad,
+            yield_rotation_rad: at(rising, wanted) / YIELD_SHARE,
+            rotation_80_rad: fall(0.8),
+            rotation_20_rad: fall(super::bend::FAILED_SHARE),
+        })
+    }
+}
+
+/// Rotation at which a moment is passed between two points.
+fn at(pair: &[[f64; 3]], moment: f64) -> f64 {
+    let share = (moment - pair[0][1]) / (pair[1][1] - pair[0][1]);
+    pair[0][0] + share * (pair[1][0] - pair[0][0])
+}
+
+/// One bend of a series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Axial force over `f_c A`.
+    pub axial_share: f64,
+    /// Axial force, compression positive \[N\].
+    pub axial_n: f64,
+    /// Direction of the push \[deg\].
+    pub direction_deg: f64,
+    /// The bend, or why there is none.
+    pub bent: Result<Bent, BendError>,
+    /// Figures of the curve.
+    pub figures: Option<Figures>,
+    /// Largest moment of the fibre section (Mander's concrete, bars not deducted, with history) \[N m\].
+    pub fibre_peak_nm: Option<f64>,
+    /// Time it took \[s\].
+    pub seconds: f64,
+}
+
+/// All bends of a member end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// What was run.
+    pub options: SeriesOptions,
+    /// Elements of the mesh: hexahedra and bars.
+    pub elements: [usize; 2],
+    /// Length after meshing \[m\].
+    pub length_m: f64,
+    /// Bends by direction, then by axial force, in the order asked for.
+    pub cases: Vec<Case>,
+}
+
+/// The concrete law that a series uses.
+pub fn concrete_of(section: &RcSection, options: &SeriesOptions) -> ConcreteLaw {
+    let mut law = section.concrete.clone();
+    if options.seed_law {
+        law.surface = Surface::SEED;
+    }
+    law
+}
+
+/// Runs a series on the threads of the present pool; `progress` is told the share done (0 to 1) and what is under way.
+///
+/// # Errors
+/// If the concrete does not suit the size of the elements. A bend that fails is told in its case.
+pub fn run(
+    section: &RcSection,
+    options: &SeriesOptions,
+    progress: &(dyn Fn(f64, &str) + Sync),
+) -> Result<Series, LawError> {
+    let member = RcMember::new(
+        &section.input,
+        &concrete_of(section, options),
+        options.joint,
+        section.length_m,
+        options.mesh_size_m,
+    )?;
+    let jobs: Vec<[f64; 2]> = options
+        .directions_deg
+        .iter()
+        .flat_map(|d| options.axial_shares.iter().map(|share| [*share, *d]))
+        .collect();
+    let shares = Mutex::new(vec![0.0; jobs.len()]);
+    let tell = |job: usize, done: f64| {
+        let mut all = shares.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        all[job] = done;
+        let sum: f64 = all.iter().sum();
+        let finished = all.iter().filter(|s| **s >= 1.0).count();
+        progress(sum / all.len() as f64, &format!("{finished} of {} bends done", all.len()));
+    };
+    let cases = jobs
+        .par_iter()
+        .with_max_len(1)
+        .enumerate()
+        .map(|(job, [share, direction])| {
+            let case = one(section, &member, options, [*share, *direction], &|done| tell(job, done));
+            tell(job, 1.0);
+            case
+        })
+        .collect();
+    Ok(Series {
+        options: options.clone(),
+        elements: [member.mesh.elements.len(), member.mesh.trusses.len()],
+        length_m: member.length_m,
+        cases,
+    })
+}
+
+fn one(
+    section: &RcSection,
+    member: &RcMember,
+    options: &SeriesOptions,
+    [axial_share, direction_deg]: [f64; 2],
+    progress: &dyn Fn(f64),
+) -> Case {
+    let began = Instant::now();
+    let axial_n = section.axial_n(axial_share);
+    let load = Bend { axial_n, direction_deg, until_rad: options.until_rad };
+    let bent = bend(member, &load, false, &|rotation| progress(time_share(rotation, options.until_rad)));
+    let figures = bent.as_ref().ok().and_then(|b| Figures::of(&b.points));
+    let fibre_peak_nm = fibre_peak_nm(section, axial_n, direction_deg);
+    Case {
+        axial_share,
+        axial_n,
+        direction_deg,
+        bent,
+        figures,
+        fibre_peak_nm,
+        seconds: began.elapsed().as_secs_f64(),
+    }
+}
+
+/// Share of a bend's time at a rotation, for the time left only: 0.04 s of axial force, then 0.15 rad/s after a ramp of 0.05 s.
+fn time_share(rotation_rad: f64, until_rad: f64) -> f64 {
+    let time = |r: f64| 0.04 + if r < 0.00375 { (r / 1.5).max(0.0).sqrt() } else { 0.025 + r / 0.15 };
+    (time(rotation_rad) / time(until_rad)).min(0.999)
+}
+
+/// Largest moment of the fibre section \[N m\]; `None` if it does not bear the axial force.
+pub fn fibre_peak_nm(section: &RcSection, axial_n: f64, direction_deg: f64) -> Option<f64> {
+    let fibres = FibreSection::of(&section.input, fibre_concrete::ConcreteLaw::Mander);
+    let depth = section.input.size_m[0].min(section.input.size_m[1]);
+    let curvatures = FibreSection::curvatures_to(FIBRE_REACH / depth);
+    let points = fibres.moment_curvature(axial_n, direction_deg.to_radians(), &curvatures);
+    let peak = points.iter().map(|p| p.moment_nm).fold(0.0, f64::max);
+    (peak > 0.0).then_some(peak)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Figures;
+
+    #[test]
+    fn figures_of_a_polygon_are_those_of_its_lines() {
+        let points =
+            [[0.0, 0.0, 0.0], [0.01, 75.0, 0.0], [0.03, 100.0, 0.0], [0.05, 60.0, 0.0], [0.06, 10.0, 0.0]];
+        let f = Figures::of(&points).unwrap();
+        assert_eq!((f.peak_nm, f.peak_rotation_rad), (100.0, 0.03));
+        assert!((f.yield_rotation_rad - 0.01 / 0.75).abs() < 1e-15);
+        assert!((f.rotation_80_rad.unwrap() - 0.04).abs() < 1e-15);
+        assert!((f.rotation_20_rad.unwrap() - 0.058).abs() < 1e-15);
+        let short = Figures::of(&points[..3]).unwrap();
+        assert_eq!((short.rotation_80_rad, short.rotation_20_rad), (None, None));
+        assert_eq!(Figures::of(&[[0.0; 3]]), None);
+    }
+}
