@@ -17,8 +17,8 @@ const FLOW_ROUNDS: usize = 8;
 /// Ratio of lateral pressure and strength measure beyond which ductility grows no more.
 const CONFINED_LIMIT: f64 = 1.0;
 
-/// Distance of cracks over which the strain of Vecchio and Collins is a mean \[m\].
-const CRACK_SPACING_M: f64 = 0.2;
+/// Distance of cracks over which the strain of Vecchio and Collins is a mean: that of EN 1992-1-1, eq. 7.11, for 40 mm of cover and 20 mm bars, 2 % of the tension zone \[m\].
+const CRACK_SPACING_M: f64 = 0.3;
 
 /// What a point of the concrete remembers. Components: xx, yy, zz, xy, yz, zx.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
