@@ -81,7 +81,7 @@ impl Surface {
         dilation: 0.2,
         confined_ductility: 70.0,
         tension_reduction: 0.8,
-        crack_softening: 0.19,
+        crack_softening: 0.0,
     };
 
     /// The seed's pure surfaces, equations 3 and 4.
