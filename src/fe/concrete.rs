@@ -11,11 +11,12 @@
 //! ([`super::hourglass`]) is `1 / sqrt(2 (1 + ν))` of the stress at the faces of an element in plane bending. Beyond that they are scaled down.
 
 use super::kernel::{
-    BlockForce, BlockMaterial, BlockState, HOURGLASS_FLOOR, KernelStep, LANES, Lane, respond_with,
+    BlockForce, BlockMaterial, BlockState, HOURGLASS_FLOOR, KernelStep, LANES, Lane, deform_lanes,
+    resist_lanes,
 };
 use super::law::Law;
 use super::mesh::Mesh;
-use crate::material::concrete::{ConcretePoint, ConcreteState, LawError};
+use crate::material::concrete::{ConcretePoint, ConcreteState, LawError, respond_lanes};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -113,30 +114,41 @@ pub fn update(
     force: &mut BlockForce,
     step: KernelStep,
 ) -> Lane {
-    let share = state.share;
-    let respond = |strain: &[Lane; 6],
-                   bent: &Lane,
-                   stress: &mut [Lane; 6],
-                   tangent: &mut Lane,
-                   hourglass: &mut [Lane; 12]| {
-        for l in (0..LANES).filter(|l| share[*l] > 0.0) {
-            let point = &points[concrete.points[l] as usize];
-            let increment = std::array::from_fn(|i| strain[i][l]);
-            let flowed = concrete.states[l].plastic;
-            let new = point.respond(&mut concrete.states[l], &increment);
-            (0..6).for_each(|i| stress[i][l] = new[i]);
-            let left = stiffness_left(point, &concrete.states[l], &new).clamp(LEAST_SHARE, 1.0);
-            let flows = concrete.states[l].plastic > flowed;
-            tangent[l] = if flows { left.min(HOURGLASS_FLOOR) } else { left };
-            let most = most_bent_pa(point, &concrete.states[l], &new);
-            let bounded = if bent[l] > most { most / bent[l] } else { 1.0 };
-            tangent[l] *= bounded;
-            let fade = (left / concrete.left[l]).min(1.0) * bounded;
-            hourglass.iter_mut().for_each(|h| h[l] *= fade);
-            concrete.left[l] = left;
+    let acts = state.share.map(|s| s > 0.0);
+    let own: [&ConcretePoint; LANES] = std::array::from_fn(|l| &points[concrete.points[l] as usize]);
+    let (mut s, bent) = deform_lanes(x, v, factor, material, state, step);
+    let mut flowed = [0.0; LANES];
+    let (mut lambda, mut mu) = ([0.0; LANES], [0.0; LANES]);
+    for l in 0..LANES {
+        flowed[l] = concrete.states[l].plastic;
+        [lambda[l], mu[l]] = own[l].lame_pa();
+    }
+    let mut mechanical = [[0.0; LANES]; 6];
+    respond_lanes(&own, &mut concrete.states, &s.strain, &acts, [&mut s.trial, &mut mechanical]);
+    let mut left = [1.0; LANES];
+    for l in 0..LANES {
+        left[l] = stiffness_left([lambda[l], mu[l]], &lane(&mechanical, l), &lane(&s.trial, l));
+    }
+    let mut fade = [1.0; LANES];
+    for l in (0..LANES).filter(|l| acts[*l]) {
+        let flows = concrete.states[l].plastic > flowed[l];
+        s.tangent[l] = if flows { left[l].min(HOURGLASS_FLOOR) } else { left[l] };
+        let bounded = if bent[l] > least_bent_pa(own[l]) {
+            let most = most_bent_pa(own[l], &concrete.states[l], &lane(&s.trial, l));
+            if bent[l] > most { most / bent[l] } else { 1.0 }
+        } else {
+            1.0
+        };
+        s.tangent[l] *= bounded;
+        fade[l] = (left[l] / concrete.left[l]).min(1.0) * bounded;
+        concrete.left[l] = left[l];
+    }
+    for values in &mut state.hourglass {
+        for l in 0..LANES {
+            values[l] *= fade[l];
         }
-    };
-    let bound = respond_with(x, v, factor, material, state, force, step, respond);
+    }
+    let bound = resist_lanes(&s, material, state, force, step);
     for l in 0..LANES {
         state.plastic_strain[l] = concrete.states[l].plastic;
     }
@@ -158,14 +170,51 @@ fn most_bent_pa(point: &ConcretePoint, state: &ConcreteState, t: &[f64; 6]) -> f
     of_faces * (tensile + 3.0 * pressed * (1.0 - pressed / strength).max(0.0))
 }
 
-/// `σ : e / e : C : e`; 1 without strain.
-fn stiffness_left(point: &ConcretePoint, state: &ConcreteState, stress: &[f64; 6]) -> f64 {
-    let e = &state.mechanical;
+/// The least that [`most_bent_pa`] can be beside any stress \[Pa\]: most elements are below it.
+fn least_bent_pa(point: &ConcretePoint) -> f64 {
     let [lambda, mu] = point.lame_pa();
+    point.strengths_pa()[1] * ((lambda + mu) / (3.0 * lambda + 2.0 * mu)).sqrt()
+}
+
+/// `σ : e / e : C : e` between [`LEAST_SHARE`] and 1; 1 without strain.
+#[inline(always)]
+fn stiffness_left([lambda, mu]: [f64; 2], e: &[f64; 6], stress: &[f64; 6]) -> f64 {
     let trace = e[0] + e[1] + e[2];
     let twice = |i: usize| if i < 3 { 1.0 } else { 2.0 };
-    let squares: f64 = (0..6).map(|i| twice(i) * e[i] * e[i]).sum();
+    let (mut squares, mut held) = (0.0, 0.0);
+    for i in 0..6 {
+        squares += twice(i) * e[i] * e[i];
+        held += twice(i) * stress[i] * e[i];
+    }
     let elastic = lambda * trace * trace + 2.0 * mu * squares;
-    let held: f64 = (0..6).map(|i| twice(i) * stress[i] * e[i]).sum();
-    if elastic > 0.0 { held / elastic } else { 1.0 }
+    let left = if elastic > 0.0 { held / elastic } else { 1.0 };
+    let left = if left > LEAST_SHARE { left } else { LEAST_SHARE };
+    if left < 1.0 { left } else { 1.0 }
+}
+
+/// One lane.
+#[inline(always)]
+fn lane(values: &[Lane; 6], l: usize) -> [f64; 6] {
+    std::array::from_fn(|i| values[i][l])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ConcretePoint, ConcreteState, least_bent_pa, most_bent_pa};
+    use crate::material::concrete::ConcreteLaw;
+
+    #[test]
+    fn no_stress_makes_the_bound_of_hourglass_stress_smaller_than_its_least() {
+        let point = ConcretePoint::new(&ConcreteLaw::of_strength(30e6), 0.05).unwrap();
+        let least = least_bent_pa(&point);
+        for plastic in [0.0, 1e-3, 1.0] {
+            let state = ConcreteState { plastic, ..ConcreteState::default() };
+            for pa in [-60e6, -30e6, -10e6, 0.0, 1e6, 3e6] {
+                for side in [-5e6, 0.0, 2e6] {
+                    let most = most_bent_pa(&point, &state, &[pa, side, side, 0.3 * pa, 0.0, 0.0]);
+                    assert!(most >= least, "{plastic} {pa} {side}: {most} {least}");
+                }
+            }
+        }
+    }
 }

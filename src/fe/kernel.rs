@@ -306,20 +306,18 @@ pub(super) fn update<const ASQBI: bool>(
     bound
 }
 
-/// The kernel with a law of its own at the centre: `respond` gets the strain increments and the Mises stress that the trial hourglass stresses
-/// stand for \[Pa\], and writes the stress, the share of the elastic stiffness left to the hourglass strains, and what it takes from the hourglass stresses.
+/// The first half of the kernel for a law of its own at the centre; with it the Mises stress that the trial hourglass stresses
+/// stand for \[Pa\]. Then `trial` becomes the stress, `tangent` the share of the elastic stiffness left to the hourglass strains, and what the law takes
+/// from the hourglass stresses is taken from the state before [`resist_lanes`].
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
-pub(super) fn respond_with(
+pub(super) fn deform_lanes(
     x: &BlockForce,
     v: &BlockForce,
     factor: f64,
     material: &BlockMaterial,
-    state: &mut BlockState,
-    force: &mut BlockForce,
+    state: &BlockState,
     step: KernelStep,
-    mut respond: impl FnMut(&[Lane; 6], &Lane, &mut [Lane; 6], &mut Lane, &mut [Lane; 12]),
-) -> Lane {
+) -> (Scratch, Lane) {
     let mut s = Scratch::new();
     let control = Control::of(material.form, step.rate_1_s());
     for l in 0..LANES {
@@ -331,10 +329,22 @@ pub(super) fn respond_with(
         let square = s.mises[l] * s.mises[l] - centre * centre;
         bent[l] = if square > 0.0 { square.sqrt() } else { 0.0 };
     }
-    respond(&s.strain, &bent, &mut s.trial, &mut s.tangent, &mut state.hourglass);
+    (s, bent)
+}
+
+/// The second half.
+#[inline(always)]
+pub(super) fn resist_lanes(
+    s: &Scratch,
+    material: &BlockMaterial,
+    state: &mut BlockState,
+    force: &mut BlockForce,
+    step: KernelStep,
+) -> Lane {
+    let control = Control::of(material.form, step.rate_1_s());
     let mut bound = ZERO;
     for l in 0..LANES {
-        resist::<true>(l, step.rate_1_s(), &control, material, &s, state, force, &mut bound);
+        resist::<true>(l, step.rate_1_s(), &control, material, s, state, force, &mut bound);
     }
     bound
 }

@@ -24,6 +24,24 @@ pub struct Backbones {
     crack: Vec<f64>,
     /// Stress there \[Pa\].
     tensile: Vec<f64>,
+    /// Slopes of the effective strength and of the tensile stress in each segment \[Pa\].
+    effective_slope: Vec<f64>,
+    tensile_slope: Vec<f64>,
+}
+
+/// What cracks remember while they open and close.
+#[derive(Debug, Clone, Copy)]
+pub struct Memory {
+    /// Largest crack strain so far.
+    pub largest: f64,
+    /// Segment of the tensile line that holds it, and the stress there \[Pa\].
+    pub place: usize,
+    pub held_pa: f64,
+    /// `λ + 2μ` \[Pa\], and one over it.
+    pub modulus_pa: f64,
+    pub flexibility_1_pa: f64,
+    /// Crack strain over stress along the secant \[1/Pa\].
+    pub secant_1_pa: f64,
 }
 
 /// A surface that falls piecewise linearly with the plastic multiplier.
@@ -58,7 +76,11 @@ impl Backbones {
         }
         plastic[0] = 0.0;
         let (crack, tensile) = tensile_line(law, length_m)?;
-        Ok(Self { plastic, effective, nominal, crack, tensile })
+        let slopes = |x: &[f64], y: &[f64]| -> Vec<f64> {
+            x.windows(2).zip(y.windows(2)).map(|(x, y)| (y[1] - y[0]) / (x[1] - x[0])).collect()
+        };
+        let (effective_slope, tensile_slope) = (slopes(&plastic, &effective), slopes(&crack, &tensile));
+        Ok(Self { plastic, effective, nominal, crack, tensile, effective_slope, tensile_slope })
     }
 
     /// Effective stress at the elastic limit \[Pa\].
@@ -66,95 +88,105 @@ impl Backbones {
         self.effective[0]
     }
 
-    /// Segment of the compressive table that holds a plastic strain.
-    fn segment(&self, plastic: f64) -> usize {
-        self.plastic.partition_point(|p| *p <= plastic).clamp(1, self.plastic.len() - 1) - 1
+    /// Segment of the compressive table that holds a plastic strain, sought from a guess.
+    #[inline]
+    pub fn segment(&self, plastic: f64, guess: usize) -> usize {
+        sought(&self.plastic, plastic, guess)
     }
 
-    /// Slope of the effective strength in a segment \[Pa\].
-    fn slope_pa(&self, i: usize) -> f64 {
-        (self.effective[i + 1] - self.effective[i]) / (self.plastic[i + 1] - self.plastic[i])
+    /// Segment of the tensile table that holds a crack strain, sought from a guess.
+    pub fn crack_segment(&self, crack: f64, guess: usize) -> usize {
+        sought(&self.crack, crack, guess)
     }
 
-    /// Effective strength `q` at a plastic strain \[Pa\].
-    pub fn effective_pa(&self, plastic: f64) -> f64 {
-        let i = self.segment(plastic);
-        self.effective[i] + self.slope_pa(i) * (plastic - self.plastic[i])
+    /// Effective strength `q` at a plastic strain in its segment \[Pa\].
+    pub fn effective_pa(&self, plastic: f64, i: usize) -> f64 {
+        self.effective[i] + self.effective_slope[i] * (plastic - self.plastic[i])
     }
 
-    /// The plastic multiplier at which a surface above `share` of the effective strength at `plastic` meets that at `plastic + rate Δ`. It exists: the
+    /// The plastic multiplier at which a surface above `share` of the effective strength at `plastic`, in segment `i`, meets that at `plastic + rate Δ`. It exists: the
     /// surface falls without end, and the effective strength rises.
-    pub fn meet(&self, surface: Falling, plastic: f64, rate: f64, share: f64) -> f64 {
-        let (mut delta, mut i) = (0.0, self.segment(plastic));
-        let mut excess = surface.value - share * self.effective_pa(plastic);
+    pub fn meet(&self, surface: Falling, [plastic, rate, share]: [f64; 3], mut i: usize) -> f64 {
+        let mut delta = 0.0;
+        let mut excess = surface.value - share * self.effective_pa(plastic, i);
         loop {
             let before = delta < surface.kink;
-            let closing = surface.slopes[usize::from(!before)] + rate * share * self.slope_pa(i);
-            let segment_end = if i + 2 < self.plastic.len() {
-                (self.plastic[i + 1] - plastic) / rate
-            } else {
-                f64::INFINITY
-            };
-            let end = if before { segment_end.min(surface.kink) } else { segment_end };
+            let closing = surface.slopes[usize::from(!before)] + rate * share * self.effective_slope[i];
             let root = delta + excess / closing;
-            if root <= end {
+            let left = if i + 2 < self.plastic.len() { self.plastic[i + 1] - plastic } else { f64::INFINITY };
+            if root * rate <= left && (!before || root <= surface.kink) {
                 return root;
             }
+            let segment_end = left / rate;
+            let end = if before { segment_end.min(surface.kink) } else { segment_end };
             excess -= closing * (end - delta);
             delta = end;
             i += usize::from(end >= segment_end);
         }
     }
 
-    /// Damage `d` at a plastic strain: nominal stress is `1 - d` times effective stress.
-    pub fn damage(&self, plastic: f64) -> f64 {
+    /// Share of stress that is left at a plastic strain in its segment, `1 - d`: nominal stress is that times effective stress.
+    #[inline]
+    pub fn left(&self, plastic: f64, i: usize) -> f64 {
         if plastic <= 0.0 {
-            return 0.0;
-        }
-        let last = self.plastic.len() - 1;
-        if plastic >= self.plastic[last] {
             return 1.0;
         }
-        let i = self.segment(plastic);
-        let share = (plastic - self.plastic[i]) / (self.plastic[i + 1] - self.plastic[i]);
-        let along = |values: &[f64]| values[i] + share * (values[i + 1] - values[i]);
-        1.0 - along(&self.nominal) / along(&self.effective)
-    }
-
-    /// Tensile stress at a crack strain that was never larger \[Pa\].
-    pub fn tensile_pa(&self, crack: f64) -> f64 {
-        let i = self.crack.partition_point(|c| *c <= crack);
-        if i == self.crack.len() {
+        let (low, high) = (self.plastic[i], self.plastic[i + 1]);
+        if plastic >= high && i + 2 == self.plastic.len() {
             return 0.0;
         }
-        let [c0, c1] = [self.crack[i - 1], self.crack[i]];
-        let [t0, t1] = [self.tensile[i - 1], self.tensile[i]];
-        t0 + (t1 - t0) * (crack - c0) / (c1 - c0)
+        let share = (plastic - low) / (high - low);
+        let along = |values: &[f64]| values[i] + share * (values[i + 1] - values[i]);
+        along(&self.nominal) / along(&self.effective)
     }
 
-    /// Crack strain at which `stress - modulus * c` meets the tensile line times a factor, if `c` has been `largest` before: below that the
-    /// line is the secant to the origin, cut off at its height. `stress` and `modulus` in Pa; factors: the one that the secant has kept, and
-    /// the present one, which is not larger.
-    pub fn opening(&self, stress: f64, modulus: f64, largest: f64, [kept, factor]: [f64; 2]) -> f64 {
-        let known = factor * self.tensile_pa(largest);
-        if stress - modulus * largest <= known {
-            if largest <= 0.0 || stress <= 0.0 {
-                return 0.0;
-            }
-            let secant = stress / (modulus + kept * self.tensile_pa(largest) / largest);
-            return secant.max((stress - known) / modulus);
+    /// Tensile stress at a crack strain that was never larger, in its segment \[Pa\].
+    pub fn tensile_pa(&self, crack: f64, i: usize) -> f64 {
+        if crack >= self.crack[self.crack.len() - 1] {
+            return 0.0;
         }
-        let (mut c0, mut t0) = (largest, known);
-        for i in self.crack.partition_point(|c| *c <= largest)..self.crack.len() {
-            let (c1, t1) = (self.crack[i], factor * self.tensile[i]);
-            if stress - modulus * c1 <= t1 {
-                let (gap, end) = (stress - modulus * c0 - t0, stress - modulus * c1 - t1);
-                return c0 + (c1 - c0) * gap / (gap - end);
-            }
-            (c0, t0) = (c1, t1);
-        }
-        stress / modulus
+        self.tensile[i] + self.tensile_slope[i] * (crack - self.crack[i])
     }
+
+    /// Crack strain at which `stress - modulus * c` meets the tensile line times a factor, and how much more the crack opens with more
+    /// stress \[1/Pa\]. Below the largest crack strain before, the line is the secant to the origin, cut off at its height. `stress` in Pa.
+    #[inline]
+    pub fn opening(&self, stress: f64, factor: f64, memory: &Memory) -> [f64; 2] {
+        let (known, modulus) = (factor * memory.held_pa, memory.modulus_pa);
+        if stress - modulus * memory.largest <= known {
+            if memory.largest <= 0.0 || stress <= 0.0 {
+                return [0.0; 2];
+            }
+            let secant = stress * memory.secant_1_pa;
+            let cut = (stress - known) * memory.flexibility_1_pa;
+            return if secant >= cut { [secant, memory.secant_1_pa] } else { [cut, memory.flexibility_1_pa] };
+        }
+        let (mut c0, mut t0) = (memory.largest, known);
+        if c0 < self.crack[self.crack.len() - 1] {
+            for i in memory.place..self.tensile_slope.len() {
+                let (c1, t1) = (self.crack[i + 1], factor * self.tensile[i + 1]);
+                if stress - modulus * c1 <= t1 {
+                    let slope = 1.0 / (modulus + factor * self.tensile_slope[i]);
+                    return [c0 + (stress - modulus * c0 - t0) * slope, slope];
+                }
+                (c0, t0) = (c1, t1);
+            }
+        }
+        [stress * memory.flexibility_1_pa, memory.flexibility_1_pa]
+    }
+}
+
+/// The segment `i` of increasing places with `x[i] <= at < x[i + 1]`, the first or the last for what lies outside.
+fn sought(x: &[f64], at: f64, guess: usize) -> usize {
+    let last = x.len() - 2;
+    let mut i = guess.min(last);
+    while i > 0 && x[i] > at {
+        i -= 1;
+    }
+    while i < last && x[i + 1] <= at {
+        i += 1;
+    }
+    i
 }
 
 /// Residual over peak strain after Karsan and Jirsa.

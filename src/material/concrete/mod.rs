@@ -34,10 +34,12 @@
 //! `ε_p / ε_0 = 0.145 r² + 0.13 r` up to `r = ε / ε_0 = 2`, then `0.707 (r - 2) + 0.834`.
 
 mod backbone;
+mod lanes;
 mod law;
 mod point;
 mod principal;
 
 pub use backbone::Backbones;
+pub use lanes::respond_lanes;
 pub use law::{CompressionCurve, ConcreteLaw, LawError, Surface, TensionCurve};
 pub use point::{ConcretePoint, ConcreteState};
