@@ -5,6 +5,7 @@ use super::{Failure, Outcome, colour_on_stderr, print, read_building, thread_poo
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
 use crate::base::units::Dimension;
+use crate::rc::events;
 use crate::rc::member::Joint;
 use crate::rc::section_file::{self, RcSection};
 use crate::rc::section_grid;
@@ -197,7 +198,7 @@ fn result(section: &RcSection, series: &Series) -> Value {
             "axial_share": c.axial_share, "axial_force_n": c.axial_n, "direction_deg": c.direction_deg,
             "figures": c.figures, "fibre_peak_nm": c.fibre_peak_nm, "peak_over_fibre": ratio(c),
             "kinetic_share": bent.kinetic_share, "steps": bent.steps, "failed": bent.failed,
-            "last_rotation_rad": bent.points.last().map(|p| p[0]),
+            "last_rotation_rad": bent.points.last().map(|p| p[0]), "events": bent.events,
         }),
     };
     json!({
@@ -301,6 +302,11 @@ fn table(section: &RcSection, series: &Series) -> String {
                 c.seconds
             ),
         };
+    }
+    for c in &series.cases {
+        for words in c.bent.iter().flat_map(|b| events::in_words(&b.events)) {
+            let _ = writeln!(text, "n = {}, direction {}: {words}", c.axial_share, c.direction_deg);
+        }
     }
     text
 }

@@ -150,6 +150,13 @@ pub fn run(
         section.length_m,
         options.mesh_size_m,
     )?;
+    let member = match &section.anchorage {
+        Some(anchorage) => {
+            let strength_pa = section.concrete.compressive_strength_pa;
+            member.anchored(anchorage, section.input.steel, &section.input.bars, strength_pa)
+        }
+        None => member,
+    };
     let jobs: Vec<[f64; 2]> = options
         .directions_deg
         .iter()
