@@ -339,6 +339,11 @@ impl<'a> Anchored<'a> {
         }
     }
 
+    /// Largest slip now \[m\], 0 with full bond.
+    pub fn largest_slip_m(&self) -> f64 {
+        self.states.iter().map(|s| s.slip_m).fold(0.0, f64::max)
+    }
+
     /// Nodes of the bars that slide out of the joint.
     pub fn sliding(&self) -> impl Iterator<Item = usize> {
         let pairs = self.slips.iter().zip(&self.states);

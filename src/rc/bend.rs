@@ -48,6 +48,8 @@ pub struct Bent {
     pub steps: u64,
     /// Whether the moment fell below [`FAILED_SHARE`] of its peak.
     pub failed: bool,
+    /// Largest slip of a bar out of the joint at each point \[m\].
+    pub slips_m: Vec<f64>,
     /// What happened to single bars and ties.
     pub events: Vec<Event>,
 }
@@ -195,7 +197,7 @@ impl Run<'_> {
     fn push(&mut self, bend: &Bend, progress: &dyn Fn(f64)) -> Result<Bent, BendError> {
         self.body.damping_1_s = PUSH_DAMPING_1_S;
         let from = self.body.time_s;
-        let mut bent = Bent { points: vec![[0.0; 3]], ..Bent::default() };
+        let mut bent = Bent { points: vec![[0.0; 3]], slips_m: vec![0.0], ..Bent::default() };
         let mut watch = Watch::of(self.member);
         let (mut sum, mut count, mut since, mut peak) = ([0.0; 3], 0.0, 0.0, 0.0f64);
         loop {
@@ -227,6 +229,7 @@ impl Run<'_> {
                 return Err(BendError::NotFinite { rotation_rad: rotation });
             }
             bent.points.push(point);
+            bent.slips_m.push(self.anchored.largest_slip_m());
             progress(rotation);
             peak = peak.max(point[1]);
             if rotation > 2e-3 && point[1] > 0.8 * peak {
