@@ -5,11 +5,13 @@ use super::{Failure, Outcome, colour_on_stderr, print, read_building, thread_poo
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
 use crate::base::units::Dimension;
+use crate::rc::events;
 use crate::rc::member::Joint;
 use crate::rc::section_file::{self, RcSection};
 use crate::rc::section_grid;
 use crate::rc::series::{self, Case, Series, SeriesOptions};
 use crate::report::figure::{self, Line, Panel};
+use crate::report::interaction::{self, Group};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -31,7 +33,7 @@ pub struct Arguments {
     direction: Vec<f64>,
     #[command(flatten)]
     bending: Bending,
-    /// Write curves.csv, result.json and moment-rotation.svg into this folder
+    /// Write curves.csv, result.json and moment-rotation.svg into this folder, with more than two directions also biaxial.svg
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Print JSON
@@ -167,6 +169,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         write(&output, "curves.csv", &csv(&series))?;
         write(&output, "result.json", &text_of(&result(&section, &series))?)?;
         write(&output, "moment-rotation.svg", &svg(&section, &series))?;
+        if let Some(text) = biaxial(&section, &series) {
+            write(&output, "biaxial.svg", &text)?;
+        }
         output.commit().map_err(|e| Failure::input(e.to_string()))?;
     }
     if arguments.json {
@@ -197,7 +202,8 @@ fn result(section: &RcSection, series: &Series) -> Value {
             "axial_share": c.axial_share, "axial_force_n": c.axial_n, "direction_deg": c.direction_deg,
             "figures": c.figures, "fibre_peak_nm": c.fibre_peak_nm, "peak_over_fibre": ratio(c),
             "kinetic_share": bent.kinetic_share, "steps": bent.steps, "failed": bent.failed,
-            "last_rotation_rad": bent.points.last().map(|p| p[0]),
+            "largest_slip_m": bent.slips_m.iter().copied().fold(0.0, f64::max),
+            "last_rotation_rad": bent.points.last().map(|p| p[0]), "events": bent.events,
         }),
     };
     json!({
@@ -254,6 +260,30 @@ fn svg(section: &RcSection, series: &Series) -> String {
     figure::svg(&section.name, &words(section, series), &panels)
 }
 
+/// Strength over direction, if there are more than two: peaks of the bends over those of the fibre section.
+fn biaxial(section: &RcSection, series: &Series) -> Option<String> {
+    if series.options.directions_deg.len() < 3 {
+        return None;
+    }
+    let at = |deg: f64, moment: f64| {
+        let (sin, cos) = deg.to_radians().sin_cos();
+        [cos * moment / 1e3, sin * moment / 1e3]
+    };
+    let group = |share: &f64| {
+        let of_share = series.cases.iter().filter(|c| c.axial_share == *share);
+        let line = series::fibre_peaks(section, *share, series);
+        Group {
+            label: format!("n = {share}"),
+            line: line.into_iter().map(|[deg, moment]| at(deg, moment)).collect(),
+            points: of_share.filter_map(|c| Some(at(c.direction_deg, c.figures?.peak_nm))).collect(),
+        }
+    };
+    let groups: Vec<Group> = series.options.axial_shares.iter().map(group).collect();
+    let words = "largest moments of the pushes (points) over those of the fibre section (lines), each in the direction of its push";
+    let axes = ["moment of a push along the width [kN m]", "moment of a push along the depth [kN m]"];
+    Some(interaction::svg(&section.name, words, axes, &groups))
+}
+
 fn words(section: &RcSection, series: &Series) -> String {
     let input = &section.input;
     let ties = input.ties.map_or("no ties".to_string(), |t| {
@@ -301,6 +331,11 @@ fn table(section: &RcSection, series: &Series) -> String {
                 c.seconds
             ),
         };
+    }
+    for c in &series.cases {
+        for words in c.bent.iter().flat_map(|b| events::in_words(&b.events)) {
+            let _ = writeln!(text, "n = {}, direction {}: {words}", c.axial_share, c.direction_deg);
+        }
     }
     text
 }

@@ -167,10 +167,13 @@ impl RcWanted {
             ("depth_m".to_string(), input.size_m[1]),
             ("length_m".to_string(), section.length_m),
         ]);
-        let settings = BTreeMap::from([
+        let mut settings = BTreeMap::from([
             ("bars_x_y_diameter_m".to_string(), json!(bars)),
             ("series".to_string(), serde_json::to_value(&options)?),
         ]);
+        if let Some(anchorage) = &section.anchorage {
+            settings.insert("anchorage".to_string(), serde_json::to_value(anchorage)?);
+        }
         let inputs = Inputs {
             materials,
             geometry,

@@ -4,6 +4,8 @@
 //! moment, so it is what the section bears; a hinge gets its P-Δ from the geometry of the model it is used in. Rotation is that of the chord. Quasi-static by explicit
 //! integration: the ratio of kinetic to internal energy is recorded.
 
+use super::anchorage::Anchored;
+use super::events::{Event, Watch};
 use super::member::{Joint, RcMember};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
@@ -36,7 +38,7 @@ pub struct Bend {
 }
 
 /// A bent member end.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Bent {
     /// `[chord rotation (rad), moment (N m), shortening (m)]`, from the axially loaded state.
     pub points: Vec<[f64; 3]>,
@@ -46,6 +48,10 @@ pub struct Bent {
     pub steps: u64,
     /// Whether the moment fell below [`FAILED_SHARE`] of its peak.
     pub failed: bool,
+    /// Largest slip of a bar out of the joint at each point \[m\].
+    pub slips_m: Vec<f64>,
+    /// What happened to single bars and ties.
+    pub events: Vec<Event>,
 }
 
 /// A run that cannot be used.
@@ -79,6 +85,8 @@ struct Run<'a> {
     rest_m: f64,
     /// How a plane of symmetry is held.
     spread: Option<Spread>,
+    /// Bars that slip.
+    anchored: Anchored<'a>,
 }
 
 /// A section on a plane of symmetry: no displacement along the member; across it, it spreads by `a_1 x + a_2 x² + a_3 x y` along x and
@@ -95,7 +103,8 @@ struct Spread {
 
 impl Spread {
     fn of(member: &RcMember) -> Self {
-        let (nodes, shares): (Vec<usize>, Vec<f64>) = member.base.iter().copied().unzip();
+        let (nodes, shares): (Vec<usize>, Vec<f64>) =
+            member.base.iter().copied().filter(|b| b.1 > 0.0).unzip();
         let half = (0..3).map(|i| nodes.iter().map(|n| member.mesh.nodes[*n][i].abs()).fold(0.0, f64::max));
         let half: Vec<f64> = half.collect();
         let patterns = [0, 1].map(|axis: usize| {
@@ -140,9 +149,12 @@ pub fn bend(
     progress: &dyn Fn(f64),
 ) -> Result<Bent, BendError> {
     let angle = bend.direction_deg.to_radians();
+    let mut body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), parallel);
+    let anchored = Anchored::of(member, &mut body);
     let mut run = Run {
         member,
-        body: Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), parallel),
+        body,
+        anchored,
         direction: [angle.cos(), angle.sin()],
         rest_m: 0.0,
         spread: (member.joint == Joint::Symmetry).then(|| Spread::of(member)),
@@ -154,10 +166,12 @@ pub fn bend(
 impl Run<'_> {
     /// One step, with the end section held by its joint.
     fn step(&mut self) {
+        self.anchored.pull(&mut self.body);
         self.body.step(false);
         if let Some(spread) = &self.spread {
             spread.hold(&mut self.body);
         }
+        self.anchored.hold(&mut self.body);
     }
 
     /// Applies the axial force.
@@ -183,7 +197,8 @@ impl Run<'_> {
     fn push(&mut self, bend: &Bend, progress: &dyn Fn(f64)) -> Result<Bent, BendError> {
         self.body.damping_1_s = PUSH_DAMPING_1_S;
         let from = self.body.time_s;
-        let mut bent = Bent { points: vec![[0.0; 3]], kinetic_share: 0.0, steps: 0, failed: false };
+        let mut bent = Bent { points: vec![[0.0; 3]], slips_m: vec![0.0], ..Bent::default() };
+        let mut watch = Watch::of(self.member);
         let (mut sum, mut count, mut since, mut peak) = ([0.0; 3], 0.0, 0.0, 0.0f64);
         loop {
             let ramp = ((self.body.time_s - from) / RAMP_S).min(1.0);
@@ -198,6 +213,7 @@ impl Run<'_> {
                 continue;
             }
             let rotation = self.rotation_rad();
+            watch.look(&self.body, self.anchored.sliding(), rotation, &mut bent.events);
             let moment = self.moment_nm();
             for (s, v) in sum.iter_mut().zip([rotation, moment, self.rest_m - self.height_m()]) {
                 *s += v;
@@ -213,6 +229,7 @@ impl Run<'_> {
                 return Err(BendError::NotFinite { rotation_rad: rotation });
             }
             bent.points.push(point);
+            bent.slips_m.push(self.anchored.largest_slip_m());
             progress(rotation);
             peak = peak.max(point[1]);
             if rotation > 2e-3 && point[1] > 0.8 * peak {

@@ -56,6 +56,7 @@ impl RcSection {
             input,
             concrete: law,
             length_m: 0.5 * end.clear_m,
+            anchorage: None,
         })
     }
 }

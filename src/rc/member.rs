@@ -5,6 +5,7 @@
 //! are twice as long. Perimeter ties run through the outer bars, cross ties through the inner ones. The joint block is elastic, wider than
 //! the member, and clamped at its base: what tests call a footing or stub.
 
+use super::anchorage::BarSlip;
 use crate::fe::concrete::ConcretePoints;
 use crate::fe::law::{ElementForm, Erosion, Law};
 use crate::fe::mesh::{Element, Mesh, Truss};
@@ -47,7 +48,7 @@ pub struct RcMember {
     pub length_m: f64,
     /// Nodes of the free end with their share of its area.
     pub tip: Vec<(usize, f64)>,
-    /// Nodes that hold it: those of the base of the block, or of the end section, with their share of its area.
+    /// Nodes that hold it: those of the base of the block, or of the end section, with their share of its area (none for nodes of slipping bars).
     pub base: Vec<(usize, f64)>,
     /// What it stands on.
     pub joint: Joint,
@@ -55,6 +56,8 @@ pub struct RcMember {
     pub block_m: f64,
     /// Index of each truss that is a longitudinal bar.
     pub bars: Vec<usize>,
+    /// Bars that slip out of the joint; empty with full bond ([`RcMember::anchored`]).
+    pub slips: Vec<BarSlip>,
 }
 
 /// Planes of the mesh along one axis.
@@ -183,6 +186,7 @@ impl<'a> Builder<'a> {
             base,
             joint: self.joint,
             bars,
+            slips: Vec::new(),
         }
     }
 

@@ -3,12 +3,16 @@
 //! Two of them: a piece of the global mesh with the homogenised law ([`cut`], [`pushover`]), and a mesh of its own in concrete and steel
 //! ([`member`], [`bend`]), described by a section file ([`section_file`]) or a building's column end and run as a [`series`].
 //!
+//! Bars may slip out of the joint ([`anchorage`]); what happens to single bars and ties is told as [`events`].
+//!
 //! A curve never sees the history of the building it is later used in: the piece of the global mesh around the
 //! member end, with the global model's own law and element size, is clamped where it was cut and bent to failure.
 
+pub mod anchorage;
 pub mod bend;
 mod column_end;
 pub mod cut;
+pub mod events;
 pub mod member;
 pub mod pushover;
 pub mod section_file;

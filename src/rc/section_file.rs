@@ -2,6 +2,7 @@
 //!
 //! Read with the field machinery of building files: all errors at once, each with its place, the value found and what would be right.
 
+use super::anchorage::{Anchorage, Ending};
 use crate::base::diagnostic::{Diagnostic, Diagnostics};
 use crate::base::source::Source;
 use crate::base::tree::{self, Format, Node};
@@ -42,6 +43,8 @@ const STEEL_STRENGTH: Kind = quantity(Dimension::Stress, 100e6, 2.5e9, (200e6, 9
 const STEEL_MODULUS: Kind = quantity(Dimension::Stress, 100e9, 300e9, (180e9, 220e9));
 const RUPTURE: Kind = quantity(Dimension::Number, 0.005, 0.4, (0.02, 0.2));
 const LEGS: Kind = quantity(Dimension::Number, 2.0, 20.0, (2.0, 6.0));
+const BOND: Kind = quantity(Dimension::Stress, 0.1e6, 50e6, (1e6, 20e6));
+const ANCHORED: Kind = quantity(Dimension::Length, 0.02, 20.0, (0.1, 3.0));
 const ENERGY: Kind = quantity(Dimension::Number, 1.0, 1e6, (10.0, 1e5));
 
 /// The file.
@@ -78,6 +81,13 @@ pub const SECTION_FILE: Table = Table {
         key("concrete", true, Kind::Table(&CONCRETE), "", "Concrete."),
         key("steel", true, Kind::Table(&STEEL), "", "Steel of the longitudinal bars."),
         key("ties", false, Kind::Table(&TIES), "", "Ties; without them bars do not buckle either."),
+        key(
+            "anchorage",
+            false,
+            Kind::Table(&ANCHORAGE),
+            "",
+            "How bars are held in the joint; default: perfectly.",
+        ),
     ],
 };
 
@@ -169,6 +179,48 @@ const TIES: Table = Table {
     ],
 };
 
+const ANCHORAGE: Table = Table {
+    noun: "[anchorage]",
+    doc: "How the longitudinal bars are held in the joint or footing.",
+    keys: &[
+        key(
+            "kind",
+            true,
+            Kind::Choice(&["perfect", "slip"], &[]),
+            "\"slip\"",
+            "`slip`: bars slip by the strains along their bond, and may be pulled out.",
+        ),
+        key(
+            "length",
+            false,
+            ANCHORED,
+            "\"600 mm\"",
+            "Straight length from the end section to the end of a bar or its hook; default: long enough.",
+        ),
+        key(
+            "ending",
+            false,
+            Kind::Choice(&["straight", "hook"], &[]),
+            "\"hook\"",
+            "What is at the end; a hook holds what bond leaves. Default: straight.",
+        ),
+        key(
+            "bond_strength",
+            false,
+            BOND,
+            "\"6 MPa\"",
+            "Bond along the elastic part of a bar; default sqrt(f_c) in MPa.",
+        ),
+        key(
+            "yielded_bond_strength",
+            false,
+            BOND,
+            "\"3 MPa\"",
+            "Bond along the yielded part of a bar; default half of the other.",
+        ),
+    ],
+};
+
 /// The JSON Schema of the file.
 pub fn json_schema() -> Value {
     crate::building::schema::schema_of(&SECTION_FILE, "Fallwerk section of a member end")
@@ -185,6 +237,9 @@ pub struct RcSection {
     pub concrete: ConcreteLaw,
     /// From the end section to the point of zero moment \[m\].
     pub length_m: f64,
+    /// Slip of the bars out of the joint; `None`: full bond.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub anchorage: Option<Anchorage>,
 }
 
 impl RcSection {
@@ -242,6 +297,7 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<RcSection> {
         Some(fields) => Some(self::ties(fields, size_m, &bars)?),
         None => None,
     };
+    let anchorage = section("anchorage", &ANCHORAGE).and_then(anchorage);
     let thin = bars.iter().map(|b| b.diameter_m).fold(f64::INFINITY, f64::min);
     let steel = steel?;
     let concrete = concrete?;
@@ -262,6 +318,7 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<RcSection> {
         },
         concrete,
         length_m: top.number("length")?,
+        anchorage,
     })
 }
 
@@ -332,6 +389,19 @@ fn steel(f: Fields, errors: &mut Vec<Diagnostic>) -> Option<RebarLaw> {
         ultimate_strain,
         loops: LoopShape::default(),
         buckling: None,
+    })
+}
+
+/// `None` for bars that are held perfectly.
+fn anchorage(f: Fields) -> Option<Anchorage> {
+    if f.text("kind") != Some("slip") {
+        return None;
+    }
+    Some(Anchorage {
+        length_m: f.number("length"),
+        ending: if f.text("ending") == Some("hook") { Ending::Hook } else { Ending::Straight },
+        bond_pa: f.number("bond_strength"),
+        yielded_bond_pa: f.number("yielded_bond_strength"),
     })
 }
 

@@ -18,6 +18,9 @@ pub const YIELD_SHARE: f64 = 0.75;
 /// Curvature times depth up to which the fibre section is bent.
 const FIBRE_REACH: f64 = 0.4;
 
+/// Step of direction between fibre sections of a biaxial figure \[deg\].
+const FIBRE_STEP_DEG: f64 = 15.0;
+
 /// What is run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SeriesOptions {
@@ -150,6 +153,13 @@ pub fn run(
         section.length_m,
         options.mesh_size_m,
     )?;
+    let member = match &section.anchorage {
+        Some(anchorage) => {
+            let strength_pa = section.concrete.compressive_strength_pa;
+            member.anchored(anchorage, section.input.steel, &section.input.bars, strength_pa)
+        }
+        None => member,
+    };
     let jobs: Vec<[f64; 2]> = options
         .directions_deg
         .iter()
@@ -219,6 +229,30 @@ pub fn fibre_peak_nm(section: &RcSection, axial_n: f64, direction_deg: f64) -> O
     let points = fibres.moment_curvature(axial_n, direction_deg.to_radians(), &curvatures);
     let peak = points.iter().map(|p| p.moment_nm).fold(0.0, f64::max);
     (peak > 0.0).then_some(peak)
+}
+
+/// Largest moments of the fibre section at an axial share over the directions of a series, every 15° between the first and the last and at those asked for:
+/// `[direction (deg), moment (N m)]`.
+pub fn fibre_peaks(section: &RcSection, axial_share: f64, series: &Series) -> Vec<[f64; 2]> {
+    let asked = &series.options.directions_deg;
+    let (first, last) =
+        asked.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), d| (a.min(*d), b.max(*d)));
+    let mut directions = asked.clone();
+    directions.extend((1..).map(|k| first + FIBRE_STEP_DEG * f64::from(k)).take_while(|d| *d < last));
+    directions.sort_by(f64::total_cmp);
+    directions.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    let peak = |deg: &f64| {
+        let known = series
+            .cases
+            .iter()
+            .find(|c| c.axial_share == axial_share && (c.direction_deg - deg).abs() < 1e-6);
+        let moment = match known {
+            Some(case) => case.fibre_peak_nm,
+            None => fibre_peak_nm(section, section.axial_n(axial_share), *deg),
+        };
+        Some([*deg, moment?])
+    };
+    directions.par_iter().filter_map(peak).collect()
 }
 
 #[cfg(test)]

@@ -20,6 +20,7 @@ mod chart;
 mod codec;
 pub mod figure;
 pub mod input;
+pub mod interaction;
 pub mod loglog;
 mod number;
 mod page;

@@ -9,8 +9,12 @@
 //! | `paths` | random strain paths, other axes, other steps |
 //! | `bars` | the reinforcing bar |
 //! | `sections` | the fibre section |
+//! | `anchorage` | slip and pull-out of a bar |
+//! | `biaxial` | the submodel in skew bending |
 
+mod anchorage;
 mod bars;
+mod biaxial;
 mod curves;
 mod paths;
 pub mod point;
@@ -21,8 +25,16 @@ pub mod strength;
 use super::suite::Case;
 
 /// Groups in the order of the manual: from the material point to the member.
-const GROUPS: &[fn() -> Vec<Case>] =
-    &[strength::cases, softening::cases, curves::cases, paths::cases, bars::cases, sections::cases];
+const GROUPS: &[fn() -> Vec<Case>] = &[
+    strength::cases,
+    softening::cases,
+    curves::cases,
+    paths::cases,
+    bars::cases,
+    sections::cases,
+    anchorage::cases,
+    biaxial::cases,
+];
 
 /// All cases, in the order of the manual.
 pub fn cases() -> Vec<Case> {

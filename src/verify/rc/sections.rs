@@ -56,7 +56,8 @@ fn steel_ties(diameter_m: f64, spacing_m: f64, cover_m: f64) -> TieInput {
     }
 }
 
-fn s1() -> SectionInput {
+/// 400 mm, eight bars.
+pub(super) fn s1() -> SectionInput {
     let places = [-0.16, 0.0, 0.16];
     let grid = places.iter().flat_map(|x| places.iter().map(|y| [*x, *y]));
     let ring = grid.filter(|p| *p != [0.0, 0.0]);
@@ -72,7 +73,8 @@ fn s1() -> SectionInput {
     }
 }
 
-fn s2() -> SectionInput {
+/// 300 mm, four bars.
+pub(super) fn s2() -> SectionInput {
     let corners = [[0.115, 0.115], [0.115, -0.115], [-0.115, 0.115], [-0.115, -0.115]];
     SectionInput {
         size_m: [0.3, 0.3],
