@@ -21,6 +21,7 @@ mod library_look;
 mod library_plot;
 pub mod progress;
 pub mod rc;
+mod rc_cycles;
 pub mod rules;
 mod schema;
 pub mod simulate;

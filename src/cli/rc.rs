@@ -1,6 +1,7 @@
 //! `fallwerk rc`: bends a reinforced member end in concrete and steel.
 
 use super::progress::Progress;
+use super::rc_cycles::{self, Loading};
 use super::{Failure, Outcome, colour_on_stderr, print, read_building, thread_pool, write};
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
@@ -32,8 +33,11 @@ pub struct Arguments {
     #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true, default_values_t = [90.0])]
     direction: Vec<f64>,
     #[command(flatten)]
+    loading: Loading,
+    #[command(flatten)]
     bending: Bending,
-    /// Write curves.csv, result.json and moment-rotation.svg into this folder, with more than two directions also biaxial.svg
+    /// Write curves.csv, result.json and moment-rotation.svg into this folder, with more than two directions also biaxial.svg; of cyclic bends
+    /// history.csv, cycles.csv, envelope.csv, result.json and loops.svg
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Print JSON
@@ -89,7 +93,7 @@ fn rotation(text: &str) -> Result<f64, String> {
 }
 
 fn size(text: &str) -> Result<f64, String> {
-    within(super::library_find::quantity(text, Dimension::Length)?, 0.005, 1.0, "the size of an element [m]")
+    super::library_find::quantity(text, Dimension::Length)
 }
 
 impl Bending {
@@ -148,9 +152,13 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     };
     let section = arguments.bending.section(section);
     let defaults = SeriesOptions::default();
+    let turns_rad = arguments.loading.turns_rad()?;
+    let axial_shares =
+        if turns_rad.is_empty() { &defaults.axial_shares[..] } else { &rc_cycles::AXIAL_SHARES };
     let options = SeriesOptions {
         directions_deg: arguments.direction.clone(),
-        ..arguments.bending.options(&defaults.axial_shares, defaults.until_rad)
+        turns_rad,
+        ..arguments.bending.options(axial_shares, defaults.until_rad)
     };
     if let Some(odd) = options.directions_deg.iter().find(|d| !d.is_finite()) {
         return Err(Failure::input(format!("--direction {odd} is no angle; give degrees such as 90")));
@@ -162,16 +170,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let done = thread_pool(arguments.threads)?
         .install(|| series::run(&section, &options, &|share, text| progress.advance(share, text)));
     progress.finish();
-    let series = done.map_err(|e| {
-        Failure::input(format!("{e}\n  = help: use other elements (--mesh), or correct the concrete"))
-    })?;
+    let series = done.map_err(|e| Failure::input(e.to_string()))?;
     if let Some(output) = output {
-        write(&output, "curves.csv", &csv(&series))?;
-        write(&output, "result.json", &text_of(&result(&section, &series))?)?;
-        write(&output, "moment-rotation.svg", &svg(&section, &series))?;
-        if let Some(text) = biaxial(&section, &series) {
-            write(&output, "biaxial.svg", &text)?;
-        }
+        write_files(&output, &section, &series)?;
         output.commit().map_err(|e| Failure::input(e.to_string()))?;
     }
     if arguments.json {
@@ -185,6 +186,23 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     let failed = series.cases.iter().any(|c| c.bent.is_err());
     Ok(if failed { Outcome::CheckFailed } else { Outcome::Done })
+}
+
+fn write_files(output: &OutputFolder, section: &RcSection, series: &Series) -> Result<(), Failure> {
+    if series.options.turns_rad.is_empty() {
+        write(output, "curves.csv", &csv(series))?;
+        write(output, "moment-rotation.svg", &svg(section, series))?;
+        if let Some(text) = biaxial(section, series) {
+            write(output, "biaxial.svg", &text)?;
+        }
+    } else {
+        write(output, "history.csv", &rc_cycles::history_csv(series))?;
+        write(output, "cycles.csv", &rc_cycles::cycles_csv(series))?;
+        write(output, "envelope.csv", &rc_cycles::envelope_csv(series))?;
+        let panels = rc_cycles::panels(series);
+        write(output, "loops.svg", &figure::svg(&section.name, &words(section, series), &panels))?;
+    }
+    write(output, "result.json", &text_of(&result(section, series))?)
 }
 
 fn text_of(value: &Value) -> Result<String, Failure> {
@@ -201,9 +219,10 @@ fn result(section: &RcSection, series: &Series) -> Value {
         Ok(bent) => json!({
             "axial_share": c.axial_share, "axial_force_n": c.axial_n, "direction_deg": c.direction_deg,
             "figures": c.figures, "fibre_peak_nm": c.fibre_peak_nm, "peak_over_fibre": ratio(c),
-            "kinetic_share": bent.kinetic_share, "steps": bent.steps, "failed": bent.failed,
-            "largest_slip_m": bent.slips_m.iter().copied().fold(0.0, f64::max),
-            "last_rotation_rad": bent.points.last().map(|p| p[0]), "events": bent.events,
+            "kinetic_share": bent.kinetic_share, "energies": bent.energies, "steps": bent.steps, "failed": bent.failed(),
+            "ending": bent.ending, "last_rotation_rad": bent.points.last().map(|p| p[0]),
+            "cycles": c.hysteresis.as_ref().map(|h| &h.cycles), "excursions": c.hysteresis.as_ref().map(|h| &h.excursions),
+            "largest_slip_m": bent.slips_m.iter().copied().fold(0.0, f64::max), "events": bent.events,
         }),
     };
     json!({
@@ -305,9 +324,8 @@ fn words(section: &RcSection, series: &Series) -> String {
 /// The table on standard output.
 fn table(section: &RcSection, series: &Series) -> String {
     let mut text = format!("{}: {}\n\n", section.name, words(section, series));
-    text +=
-        "     n      N   dir    peak      at   yield   80 %   20 %  kinetic   fibre  ratio  elements     s\n";
-    text += "           kN   deg    kN m    mrad    mrad   mrad   mrad             kN m                         \n";
+    text += "     n      N   dir    peak      at   yield   80 %   20 %  kinetic  balance   fibre  ratio  elements     s\n";
+    text += "           kN   deg    kN m    mrad    mrad   mrad   mrad                      kN m                         \n";
     let optional = |value: Option<f64>, scale: f64, digits: usize| {
         value.map_or("-".to_string(), |v| format!("{:.digits$}", scale * v))
     };
@@ -318,13 +336,14 @@ fn table(section: &RcSection, series: &Series) -> String {
             Err(error) => writeln!(text, "{error}"),
             Ok(bent) => writeln!(
                 text,
-                "{:>7} {:>7} {:>7} {:>6} {:>6} {:>8.4} {:>7} {:>6} {:>9} {:>5.0}",
+                "{:>7} {:>7} {:>7} {:>6} {:>6} {:>8.4} {:>8.4} {:>7} {:>6} {:>9} {:>5.0}",
                 optional(f.map(|f| f.peak_nm), 1e-3, 1),
                 optional(f.map(|f| f.peak_rotation_rad), 1e3, 2),
                 optional(f.map(|f| f.yield_rotation_rad), 1e3, 2),
                 optional(f.and_then(|f| f.rotation_80_rad), 1e3, 1),
                 optional(f.and_then(|f| f.rotation_20_rad), 1e3, 1),
                 bent.kinetic_share,
+                bent.energies.residual_share,
                 optional(c.fibre_peak_nm, 1e-3, 1),
                 optional(ratio(c), 1.0, 3),
                 series.elements[0],
@@ -337,5 +356,6 @@ fn table(section: &RcSection, series: &Series) -> String {
             let _ = writeln!(text, "n = {}, direction {}: {words}", c.axial_share, c.direction_deg);
         }
     }
+    series.cases.iter().for_each(|c| text += &rc_cycles::table(c));
     text
 }

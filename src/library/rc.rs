@@ -8,11 +8,10 @@ use super::key::key_of;
 use super::thin::thinned;
 use crate::base::hash::ContentHash;
 use crate::curve::{CurveError, Envelope, ResistanceCurve};
-use crate::material::concrete::LawError;
 use crate::rc::bend::{BendError, Bent};
 use crate::rc::member::Joint;
 use crate::rc::pushover::torsion_constant;
-use crate::rc::series::{self, Case, Series, concrete_of};
+use crate::rc::series::{self, Case, Series, SeriesError, concrete_of};
 use crate::rc::{RcSection, SeriesOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -44,9 +43,9 @@ pub struct RcWanted {
 /// Why an entry cannot be computed.
 #[derive(Debug, thiserror::Error)]
 pub enum RcDeriveError {
-    /// The concrete does not suit the elements.
-    #[error("{0}; use other elements (--mesh)")]
-    Law(#[from] LawError),
+    /// The elements do not suit the section or the concrete.
+    #[error(transparent)]
+    Series(#[from] SeriesError),
     /// A bend failed that an entry cannot do without.
     #[error("axial share {share}, direction {direction_deg}°: {source}")]
     Bend {
@@ -318,7 +317,7 @@ fn axis(series: &Series, levels: &[f64], direction_deg: f64) -> Result<AxisRecor
     let level = |(envelope, (_, bent)): (&Envelope, &(f64, &Bent))| EnvelopeLevel {
         axial_force_n: envelope.axial_force_n,
         points: thinned(&envelope.points, ENVELOPE_POINTS),
-        fracture_rotation_rad: bent.failed.then(|| envelope.points.last().map_or(0.0, |p| p[0])),
+        fracture_rotation_rad: bent.failed().then(|| envelope.points.last().map_or(0.0, |p| p[0])),
     };
     let envelopes = measured.iter().zip(&bends).map(level).collect();
     Ok(AxisRecord { envelopes, curve, reverse: None })

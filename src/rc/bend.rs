@@ -1,57 +1,113 @@
-//! Bends a reinforced member end: axial force first, then the free end is pushed sideways.
+//! Bends a reinforced member end: axial force first, then the free end is pushed sideways, once or to and fro.
 //!
 //! The moment is that of the stress resultants in the end section, from the reactions of the clamped base: it contains the second-order
 //! moment, so it is what the section bears; a hinge gets its P-Δ from the geometry of the model it is used in. Rotation is that of the chord. Quasi-static by explicit
-//! integration: the ratio of kinetic to internal energy is recorded.
+//! integration: the ratio of kinetic to internal energy and the energy balance are recorded, and a run whose balance is off is refused.
 
 use super::anchorage::Anchored;
 use super::events::{Event, Watch};
+use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, Means, Path};
 use super::member::{Joint, RcMember};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 use nalgebra::{Matrix3, Vector3};
+use serde::Serialize;
 
 /// Time over which the axial force is applied, and in which it comes to rest \[s\].
 const AXIAL_S: [f64; 2] = [0.02, 0.02];
 /// Damping while it is \[1/s\].
 const AXIAL_DAMPING_1_S: f64 = 1500.0;
-/// Time over which the push speeds up \[s\].
-const RAMP_S: f64 = 0.05;
-/// Speed of the chord \[rad/s\].
-const SPEED_RAD_S: f64 = 0.15;
 /// Damping while pushed \[1/s\].
 const PUSH_DAMPING_1_S: f64 = 20.0;
 /// Share of its peak at which a section has failed.
 pub const FAILED_SHARE: f64 = 0.2;
 /// Interval of rotation over which forces are averaged, at the start and at most \[rad\].
 const SAMPLE_RAD: [f64; 2] = [5e-5, 5e-4];
+/// Steps between two looks at forces and motion.
+const LOOK_STEPS: u64 = 4;
+/// Shortening over length at which the axial force counts as not borne, before the member is bent.
+const CRUSHED_STRAIN: f64 = 0.01;
+/// Shortening over length, without that of a straight chord that turns, at which a bent member no longer bears its axial force.
+pub const AXIAL_LOSS_STRAIN: f64 = 0.03;
+/// Rotation from which on the kinetic energy counts \[rad\].
+const KINETIC_FROM_RAD: f64 = 2e-3;
 
 /// How a member end is bent.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Bend {
     /// Axial force, compression positive \[N\].
     pub axial_n: f64,
     /// Direction in which the free end is pushed: 0 along x, 90 along y \[deg\].
     pub direction_deg: f64,
-    /// Rotation at which to stop \[rad\].
-    pub until_rad: f64,
+    /// Turning points of the rotation, see [`Path::through`]; one alone is a monotonic push \[rad\].
+    pub turns_rad: Vec<f64>,
+}
+
+impl Bend {
+    /// A push in one sense up to a rotation \[rad\].
+    pub fn monotonic(axial_n: f64, direction_deg: f64, until_rad: f64) -> Self {
+        Self { axial_n, direction_deg, turns_rad: vec![until_rad] }
+    }
+}
+
+/// What ended a bend.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Ending {
+    /// The end of its path.
+    Path,
+    /// The moment fell below [`FAILED_SHARE`] of its peak, in every sense in which the member is bent.
+    Moment,
+    /// The member no longer bore its axial force.
+    Axial {
+        /// Rotation \[rad\].
+        rotation_rad: f64,
+        /// Shortening since the bending began \[m\].
+        shortening_m: f64,
+    },
+}
+
+impl std::fmt::Display for Ending {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Path => write!(f, "end of the path"),
+            Self::Moment => write!(f, "moment below {:.0} % of its peak", 100.0 * FAILED_SHARE),
+            Self::Axial { rotation_rad, shortening_m } => write!(
+                f,
+                "axial failure at drift {:.2} %: shortened by {:.1} mm",
+                100.0 * rotation_rad,
+                1e3 * shortening_m
+            ),
+        }
+    }
 }
 
 /// A bent member end.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Bent {
     /// `[chord rotation (rad), moment (N m), shortening (m)]`, from the axially loaded state.
     pub points: Vec<[f64; 3]>,
-    /// Largest kinetic over internal energy beyond a tenth of the peak rotation.
+    /// Index of the first point behind each turning point that was passed.
+    pub turned_at: Vec<usize>,
+    /// Largest kinetic over internal energy beyond a rotation of 2 mrad; of a monotonic push as long as it bears 80 % of its peak.
     pub kinetic_share: f64,
+    /// Energies at the end.
+    pub energies: Energies,
     /// Time steps.
     pub steps: u64,
-    /// Whether the moment fell below [`FAILED_SHARE`] of its peak.
-    pub failed: bool,
+    /// What ended it.
+    pub ending: Ending,
     /// Largest slip of a bar out of the joint at each point \[m\].
     pub slips_m: Vec<f64>,
     /// What happened to single bars and ties.
     pub events: Vec<Event>,
+}
+
+impl Bent {
+    /// Whether it ended because the section had failed.
+    pub fn failed(&self) -> bool {
+        self.ending != Ending::Path
+    }
 }
 
 /// A run that cannot be used.
@@ -73,10 +129,19 @@ pub enum BendError {
         /// Rotation \[rad\].
         rotation_rad: f64,
     },
+    /// Energy came from nowhere or got lost.
+    #[error(
+        "the energy balance is off by {:.1} % of the internal energy at a rotation of {rotation_rad:.4} rad (limit {:.0} %); use other elements (--mesh)",
+        100.0 * share,
+        100.0 * ENERGY_LIMIT
+    )]
+    Energy {
+        /// Residual over internal energy.
+        share: f64,
+        /// Rotation \[rad\].
+        rotation_rad: f64,
+    },
 }
-
-/// Shortening over length at which the axial force counts as not borne.
-const CRUSHED_STRAIN: f64 = 0.01;
 
 struct Run<'a> {
     member: &'a RcMember,
@@ -87,6 +152,7 @@ struct Run<'a> {
     spread: Option<Spread>,
     /// Bars that slip.
     anchored: Anchored<'a>,
+    energy: EnergyWatch,
 }
 
 /// A section on a plane of symmetry: no displacement along the member; across it, it spreads by `a_1 x + a_2 x² + a_3 x y` along x and
@@ -99,6 +165,8 @@ struct Spread {
     patterns: [Vec<Vector3<f64>>; 2],
     /// Inverse of `Σ share p pᵀ` by axis.
     inverse: [Matrix3<f64>; 2],
+    /// Velocities after the last step \[m/s\].
+    last: Vec<[f64; 3]>,
 }
 
 impl Spread {
@@ -120,11 +188,13 @@ impl Spread {
                 patterns[axis].iter().zip(&shares).map(|(p, s)| p * p.transpose() * *s).sum();
             sum.try_inverse().unwrap_or_else(Matrix3::zeros)
         });
-        Self { nodes, shares, patterns, inverse }
+        let last = vec![[0.0; 3]; nodes.len()];
+        Self { nodes, shares, patterns, inverse, last }
     }
 
-    /// Takes the last step's motion of the section to the nearest one that it can have.
-    fn hold(&self, body: &mut Dynamics) {
+    /// Takes the last step's motion of the section to the nearest one that it can have; returns the work of that \[J\].
+    fn hold(&mut self, body: &mut Dynamics) -> f64 {
+        let mut work = 0.0;
         for axis in 0..3 {
             let parts = || self.nodes.iter().zip(&self.shares).enumerate();
             let amplitudes = (axis < 2).then(|| {
@@ -135,13 +205,19 @@ impl Spread {
             for (i, n) in self.nodes.iter().enumerate() {
                 let held = amplitudes.map_or(0.0, |a| a.dot(&self.patterns[axis][i]));
                 body.x[*n][axis] += body.taken_s * (held - body.v[*n][axis]);
+                work += 0.5 * body.mass_kg[*n] * (held - body.v[*n][axis]) * (held + self.last[i][axis]);
+                self.last[i][axis] = held;
                 body.v[*n][axis] = held;
             }
         }
+        work
     }
 }
 
-/// Bends a member end. `parallel`: use the rayon pool. `progress` is told the rotation reached \[rad\].
+/// Bends a member end. `parallel`: use the rayon pool. `progress` is told the share of the run's time that is done (0 to 1).
+///
+/// # Errors
+/// If the member does not bear the axial force before it is bent, or the run cannot be used.
 pub fn bend(
     member: &RcMember,
     bend: &Bend,
@@ -151,6 +227,7 @@ pub fn bend(
     let angle = bend.direction_deg.to_radians();
     let mut body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), parallel);
     let anchored = Anchored::of(member, &mut body);
+    let mass_kg = body.mass_kg.iter().sum();
     let mut run = Run {
         member,
         body,
@@ -158,24 +235,33 @@ pub fn bend(
         direction: [angle.cos(), angle.sin()],
         rest_m: 0.0,
         spread: (member.joint == Joint::Symmetry).then(|| Spread::of(member)),
+        energy: EnergyWatch::new(mass_kg),
     };
-    run.load(bend.axial_n)?;
-    run.push(bend, progress)
+    let path = Path::through(&bend.turns_rad);
+    let whole_s = AXIAL_S[0] + AXIAL_S[1] + path.duration_s();
+    let tell = |time_s: f64| progress((time_s / whole_s).min(0.999));
+    run.load(bend.axial_n, &tell)?;
+    run.push(&path, &tell)
 }
 
 impl Run<'_> {
-    /// One step, with the end section held by its joint.
-    fn step(&mut self) {
+    /// One step, with the end section held by its joint; every so many steps, the books of damping are kept and the answer is true.
+    fn step(&mut self) -> bool {
         self.anchored.pull(&mut self.body);
         self.body.step(false);
-        if let Some(spread) = &self.spread {
-            spread.hold(&mut self.body);
+        if let Some(spread) = &mut self.spread {
+            self.energy.held_j += spread.hold(&mut self.body);
         }
         self.anchored.hold(&mut self.body);
+        let look = self.body.steps.is_multiple_of(LOOK_STEPS);
+        if look {
+            self.energy.damped(&self.body, LOOK_STEPS as f64);
+        }
+        look
     }
 
     /// Applies the axial force.
-    fn load(&mut self, axial_n: f64) -> Result<(), BendError> {
+    fn load(&mut self, axial_n: f64, progress: &dyn Fn(f64)) -> Result<(), BendError> {
         let start = self.height_m();
         self.body.damping_1_s = AXIAL_DAMPING_1_S;
         while self.body.time_s < AXIAL_S[0] + AXIAL_S[1] {
@@ -184,64 +270,84 @@ impl Run<'_> {
             for (n, share) in &self.member.tip {
                 self.body.applied_n[*n] = [0.0, 0.0, force * share];
             }
-            self.step();
-        }
-        let shortening_m = start - self.height_m();
-        if shortening_m.is_nan() || shortening_m > CRUSHED_STRAIN * self.member.length_m {
-            return Err(BendError::Crushed { axial_n, shortening_m });
+            if self.step() {
+                let shortening_m = start - self.height_m();
+                if shortening_m.is_nan() || shortening_m > CRUSHED_STRAIN * self.member.length_m {
+                    return Err(BendError::Crushed { axial_n, shortening_m });
+                }
+                progress(self.body.time_s);
+            }
         }
         self.rest_m = self.height_m();
         Ok(())
     }
 
-    fn push(&mut self, bend: &Bend, progress: &dyn Fn(f64)) -> Result<Bent, BendError> {
+    fn push(&mut self, path: &Path, progress: &dyn Fn(f64)) -> Result<Bent, BendError> {
         self.body.damping_1_s = PUSH_DAMPING_1_S;
         let from = self.body.time_s;
-        let mut bent = Bent { points: vec![[0.0; 3]], slips_m: vec![0.0], ..Bent::default() };
+        let mut course = Course::new(path, self.member.length_m);
+        let mut means = Means::<3>::default();
         let mut watch = Watch::of(self.member);
-        let (mut sum, mut count, mut since, mut peak) = ([0.0; 3], 0.0, 0.0, 0.0f64);
-        loop {
-            let ramp = ((self.body.time_s - from) / RAMP_S).min(1.0);
-            let speed = SPEED_RAD_S * ramp * self.member.length_m;
-            for (n, _) in &self.member.tip {
-                let held = &mut self.body.prescribed_m_s[*n];
-                held[0] = Some(speed * self.direction[0]);
-                held[1] = Some(speed * self.direction[1]);
+        let (mut events, mut slips_m) = (Vec::new(), vec![0.0]);
+        let (mut next, mut since, mut turn) = (0, 0.0, 0.0);
+        let (ending, energies) = loop {
+            let motion = path.motion(self.body.time_s - from);
+            if motion.next != next {
+                if let Some(point) = means.take() {
+                    course.add(point, next);
+                    slips_m.push(self.anchored.largest_slip_m());
+                }
+                course.turned(next);
+                (since, turn, next) = (self.rotation_rad(), self.rotation_rad(), motion.next);
             }
-            self.step();
-            if !self.body.steps.is_multiple_of(4) {
+            self.drive(motion.rate_rad_s);
+            if !self.step() {
                 continue;
             }
-            let rotation = self.rotation_rad();
-            watch.look(&self.body, self.anchored.sliding(), rotation, &mut bent.events);
-            let moment = self.moment_nm();
-            for (s, v) in sum.iter_mut().zip([rotation, moment, self.rest_m - self.height_m()]) {
-                *s += v;
-            }
-            count += 1.0;
-            let interval = (SAMPLE_RAD[0] + 0.05 * rotation).min(SAMPLE_RAD[1]);
-            if rotation - since < interval {
+            let (rotation, sense) = (self.rotation_rad(), path.sense(next));
+            watch.look(&self.body, self.anchored.sliding(), rotation, &mut events);
+            means.add([rotation, self.moment_nm(), self.rest_m - self.height_m()]);
+            let interval = (SAMPLE_RAD[0] + 0.05 * (sense * (rotation - turn))).min(SAMPLE_RAD[1]);
+            if sense * (rotation - since) < interval {
                 continue;
             }
-            let point = sum.map(|s| s / count);
-            (sum, count, since) = ([0.0; 3], 0.0, rotation);
-            if point.iter().any(|v| !v.is_finite()) || self.body.broken_node().is_some() {
-                return Err(BendError::NotFinite { rotation_rad: rotation });
+            since = rotation;
+            let Some(point) = means.take() else { continue };
+            let energies = self.energy.look(&self.body);
+            self.check(rotation, &point, &energies)?;
+            progress(self.body.time_s);
+            course.add(point, next);
+            slips_m.push(self.anchored.largest_slip_m());
+            course.kinetic(&energies);
+            let passed = next + 1 == path.turns() && sense * (rotation - path.turn_rad(next)) >= 0.0;
+            if let Some(ending) = course.ending().or(passed.then_some(Ending::Path)) {
+                break (ending, energies);
             }
-            bent.points.push(point);
-            bent.slips_m.push(self.anchored.largest_slip_m());
-            progress(rotation);
-            peak = peak.max(point[1]);
-            if rotation > 2e-3 && point[1] > 0.8 * peak {
-                let internal = self.body.blocks.energies_j()[0] + self.body.trusses.internal_j();
-                bent.kinetic_share = bent.kinetic_share.max(self.body.kinetic_j() / internal.max(1.0));
-            }
-            bent.failed = point[1] < FAILED_SHARE * peak;
-            if bent.failed || rotation >= bend.until_rad {
-                bent.steps = self.body.steps;
-                return Ok(bent);
-            }
+        };
+        let Course { points, turned_at, kinetic_share, .. } = course;
+        let steps = self.body.steps;
+        Ok(Bent { points, turned_at, kinetic_share, energies, steps, ending, slips_m, events })
+    }
+
+    /// Gives the free end a rate of rotation \[rad/s\].
+    fn drive(&mut self, rate_rad_s: f64) {
+        let speed = rate_rad_s * self.member.length_m;
+        for (n, _) in &self.member.tip {
+            let held = &mut self.body.prescribed_m_s[*n];
+            held[0] = Some(speed * self.direction[0]);
+            held[1] = Some(speed * self.direction[1]);
         }
+    }
+
+    fn check(&self, rotation_rad: f64, point: &[f64; 3], energies: &Energies) -> Result<(), BendError> {
+        if point.iter().any(|v| !v.is_finite()) || self.body.broken_node().is_some() {
+            return Err(BendError::NotFinite { rotation_rad });
+        }
+        let share = energies.residual_share;
+        if share.is_nan() || share > ENERGY_LIMIT {
+            return Err(BendError::Energy { share, rotation_rad });
+        }
+        Ok(())
     }
 
     /// Mean of a coordinate over the free end \[m\].
@@ -259,7 +365,8 @@ impl Run<'_> {
         moved / self.member.length_m
     }
 
-    /// Moment of the stress resultants in the end section about the axis across the push \[N m\].
+    /// Moment of the stress resultants in the end section about the axis across the push, positive where it resists a push in its
+    /// direction \[N m\].
     fn moment_nm(&self) -> f64 {
         let [c, s] = self.direction;
         let (mut moment, mut shear) = (0.0, 0.0);
@@ -272,6 +379,88 @@ impl Run<'_> {
             moment += (c * x[0] + s * x[1]) * force[2];
             shear += c * force[0] + s * force[1];
         }
-        moment.abs() - self.member.block_m * shear.abs()
+        moment + self.member.block_m * shear
+    }
+}
+
+/// Index of a sense: positive 0, negative 1.
+fn index(sense: f64) -> usize {
+    usize::from(sense < 0.0)
+}
+
+/// What a bend has met so far.
+struct Course<'a> {
+    path: &'a Path,
+    length_m: f64,
+    points: Vec<[f64; 3]>,
+    turned_at: Vec<usize>,
+    kinetic_share: f64,
+    /// Largest moment by sense, and that of the present way \[N m\].
+    peak: [f64; 2],
+    way_peak: f64,
+    /// Largest rotation by sense \[rad\].
+    reach: [f64; 2],
+    /// Whether the moment is lost, by sense.
+    lost: [bool; 2],
+}
+
+impl<'a> Course<'a> {
+    fn new(path: &'a Path, length_m: f64) -> Self {
+        Self {
+            path,
+            length_m,
+            points: vec![[0.0; 3]],
+            turned_at: Vec::new(),
+            kinetic_share: 0.0,
+            peak: [0.0; 2],
+            way_peak: 0.0,
+            reach: [0.0; 2],
+            lost: [false; 2],
+        }
+    }
+
+    /// A point on the way to a turning point.
+    fn add(&mut self, point: [f64; 3], next: usize) {
+        self.points.push(point);
+        let sense = self.path.sense(next);
+        let (side, [rotation, moment]) = (index(sense), [sense * point[0], sense * point[1]]);
+        self.peak[side] = self.peak[side].max(moment);
+        self.way_peak = self.way_peak.max(moment);
+        if rotation > self.reach[side] {
+            self.reach[side] = rotation;
+            self.lost[side] = moment < FAILED_SHARE * self.peak[side];
+        }
+    }
+
+    /// A turning point was passed.
+    fn turned(&mut self, passed: usize) {
+        let (sense, at) = (self.path.sense(passed), self.path.turn_rad(passed));
+        if sense * at > 0.0 {
+            self.lost[index(sense)] |= self.way_peak < FAILED_SHARE * self.peak[index(sense)];
+        }
+        self.way_peak = 0.0;
+        self.turned_at.push(self.points.len());
+    }
+
+    fn kinetic(&mut self, energies: &Energies) {
+        let sense = self.path.sense(0);
+        let bears = sense * self.points[self.points.len() - 1][1] > 0.8 * self.peak[index(sense)];
+        let far = self.reach[0].max(self.reach[1]) > KINETIC_FROM_RAD;
+        if far && (bears || self.path.turns() > 1) {
+            self.kinetic_share = self.kinetic_share.max(energies.kinetic_j / energies.internal_j.max(1.0));
+        }
+    }
+
+    /// Whether the bend is over before its path is.
+    fn ending(&self) -> Option<Ending> {
+        let [rotation_rad, _, shortening_m] = self.points[self.points.len() - 1];
+        // a straight chord that turns comes down by θ² L / 2
+        let lost_m = shortening_m - 0.5 * rotation_rad * rotation_rad * self.length_m;
+        if lost_m > AXIAL_LOSS_STRAIN * self.length_m {
+            return Some(Ending::Axial { rotation_rad, shortening_m });
+        }
+        let used =
+            [1.0, -1.0].map(|sense| (0..self.path.turns()).any(|i| sense * self.path.turn_rad(i) > 0.0));
+        (0..2).all(|i| self.lost[i] || !used[i]).then_some(Ending::Moment)
     }
 }

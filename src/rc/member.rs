@@ -100,6 +100,19 @@ impl RcMember {
         ConcretePoints::of(&member.mesh)?;
         Ok(member)
     }
+
+    /// Number of hexahedra that [`Self::new`] makes, without making them.
+    pub fn hexahedra(
+        section: &SectionInput,
+        concrete: &ConcreteLaw,
+        joint: Joint,
+        length_m: f64,
+        size_m: f64,
+    ) -> usize {
+        let builder = Builder::new(section, concrete, joint, length_m, size_m);
+        let (nx, ny) = (builder.x.0.len() - 1, builder.y.0.len() - 1);
+        nx * ny * (builder.z.len() - 1 - builder.block) + (nx + 2) * (ny + 2) * builder.block
+    }
 }
 
 struct Builder<'a> {

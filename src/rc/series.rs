@@ -3,6 +3,7 @@
 //! Bends run beside each other on the threads of the pool, each of them on one thread: results do not depend on the number of threads.
 
 use super::bend::{Bend, BendError, Bent, bend};
+use super::hysteresis::{History, Hysteresis};
 use super::member::{Joint, RcMember};
 use super::section_file::RcSection;
 use crate::material::concrete::{ConcreteLaw, LawError, Surface};
@@ -20,6 +21,10 @@ const FIBRE_REACH: f64 = 0.4;
 
 /// Step of direction between fibre sections of a biaxial figure \[deg\].
 const FIBRE_STEP_DEG: f64 = 15.0;
+/// Most hexahedra of a member end.
+pub const MOST_HEXAHEDRA: usize = 5000;
+/// Smallest size of elements \[m\].
+pub const SMALLEST_MESH_M: f64 = 0.01;
 
 /// What is run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,8 +33,11 @@ pub struct SeriesOptions {
     pub axial_shares: Vec<f64>,
     /// Directions of the push: 0 along x, 90 along y \[deg\].
     pub directions_deg: Vec<f64>,
-    /// Rotation at which a bend stops \[rad\].
+    /// Rotation at which a monotonic bend stops \[rad\].
     pub until_rad: f64,
+    /// Turning points of the rotation ([`super::drive::Path::through`]); none: monotonic bends \[rad\].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub turns_rad: Vec<f64>,
     /// Size of the elements \[m\].
     pub mesh_size_m: f64,
     /// What the member stands on.
@@ -44,6 +52,7 @@ impl Default for SeriesOptions {
             axial_shares: vec![0.0, 0.1, 0.3, 0.6],
             directions_deg: vec![90.0],
             until_rad: 0.1,
+            turns_rad: Vec::new(),
             mesh_size_m: 0.05,
             joint: Joint::Symmetry,
             seed_law: false,
@@ -90,6 +99,17 @@ impl Figures {
     }
 }
 
+impl Figures {
+    /// Figures of the envelope of a sense, with positive numbers.
+    fn of_sense(envelopes: &[Vec<[f64; 3]>; 2], sense: f64) -> Option<Self> {
+        if sense > 0.0 {
+            return Self::of(&envelopes[0]);
+        }
+        let turned: Vec<[f64; 3]> = envelopes[1].iter().map(|p| [-p[0], -p[1], p[2]]).collect();
+        Self::of(&turned)
+    }
+}
+
 /// Rotation at which a moment is passed between two points.
 fn at(pair: &[[f64; 3]], moment: f64) -> f64 {
     let share = (moment - pair[0][1]) / (pair[1][1] - pair[0][1]);
@@ -107,8 +127,10 @@ pub struct Case {
     pub direction_deg: f64,
     /// The bend, or why there is none.
     pub bent: Result<Bent, BendError>,
-    /// Figures of the curve.
+    /// Figures of the curve; of a cyclic one those of its envelope in the sense in which it begins.
     pub figures: Option<Figures>,
+    /// Excursions and cycles of a cyclic bend.
+    pub hysteresis: Option<Hysteresis>,
     /// Largest moment of the fibre section (Mander's concrete, bars not deducted, with history) \[N m\].
     pub fibre_peak_nm: Option<f64>,
     /// Time it took \[s\].
@@ -137,15 +159,71 @@ pub fn concrete_of(section: &RcSection, options: &SeriesOptions) -> ConcreteLaw 
     law
 }
 
+/// Why a series cannot be run.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SeriesError {
+    /// The concrete does not suit the size of the elements.
+    #[error("{0}; use other elements (--mesh), or correct the concrete")]
+    Law(#[from] LawError),
+    /// Elements of a size that makes no sense.
+    #[error(
+        "the size of elements is {:.0} mm (--mesh): it must be at least {:.0} mm and at most half of the smaller side, {:.0} mm",
+        1e3 * size_m,
+        1e3 * SMALLEST_MESH_M,
+        1e3 * largest_m
+    )]
+    Size {
+        /// Size asked for \[m\].
+        size_m: f64,
+        /// Largest size \[m\].
+        largest_m: f64,
+    },
+    /// Too many elements.
+    #[error(
+        "elements of {:.0} mm make {count} hexahedra, more than {MOST_HEXAHEDRA}; use --mesh \"{:.0} mm\" or larger",
+        1e3 * size_m,
+        1e3 * fits_m
+    )]
+    Count {
+        /// Size asked for \[m\].
+        size_m: f64,
+        /// Number of hexahedra that it makes.
+        count: usize,
+        /// A size that is not too small \[m\].
+        fits_m: f64,
+    },
+}
+
+/// Refuses sizes of elements that make no sense, or too many elements.
+fn check_mesh(section: &RcSection, options: &SeriesOptions) -> Result<(), SeriesError> {
+    let [width, depth] = section.input.size_m;
+    let (size_m, largest_m) = (options.mesh_size_m, 0.5 * width.min(depth));
+    // sizes are written in decimals, halves of sides need not be
+    if !(size_m >= SMALLEST_MESH_M * (1.0 - 1e-9) && size_m <= largest_m * (1.0 + 1e-9)) {
+        return Err(SeriesError::Size { size_m, largest_m });
+    }
+    let count_of =
+        |size| RcMember::hexahedra(&section.input, &section.concrete, options.joint, section.length_m, size);
+    let count = count_of(size_m);
+    if count <= MOST_HEXAHEDRA {
+        return Ok(());
+    }
+    let whole_mm = (1e3 * size_m).floor() as u32..=(1e3 * largest_m).floor() as u32;
+    let mut sizes = whole_mm.map(|mm| 1e-3 * f64::from(mm)).filter(|size| *size > size_m);
+    let fits_m = sizes.find(|size| count_of(*size) <= MOST_HEXAHEDRA).unwrap_or(largest_m);
+    Err(SeriesError::Count { size_m, count, fits_m })
+}
+
 /// Runs a series on the threads of the present pool; `progress` is told the share done (0 to 1) and what is under way.
 ///
 /// # Errors
-/// If the concrete does not suit the size of the elements. A bend that fails is told in its case.
+/// If the size of the elements makes no sense or too many of them, or the concrete does not suit it. A bend that fails is told in its case.
 pub fn run(
     section: &RcSection,
     options: &SeriesOptions,
     progress: &(dyn Fn(f64, &str) + Sync),
-) -> Result<Series, LawError> {
+) -> Result<Series, SeriesError> {
+    check_mesh(section, options)?;
     let member = RcMember::new(
         &section.input,
         &concrete_of(section, options),
@@ -200,9 +278,18 @@ fn one(
 ) -> Case {
     let began = Instant::now();
     let axial_n = section.axial_n(axial_share);
-    let load = Bend { axial_n, direction_deg, until_rad: options.until_rad };
-    let bent = bend(member, &load, false, &|rotation| progress(time_share(rotation, options.until_rad)));
-    let figures = bent.as_ref().ok().and_then(|b| Figures::of(&b.points));
+    let is_cyclic = !options.turns_rad.is_empty();
+    let turns_rad = if is_cyclic { options.turns_rad.clone() } else { vec![options.until_rad] };
+    let bent = bend(member, &Bend { axial_n, direction_deg, turns_rad }, false, progress);
+    let hysteresis = bent
+        .as_ref()
+        .ok()
+        .filter(|_| is_cyclic)
+        .map(|b| Hysteresis::of(&History { points: &b.points, axial_n, length_m: member.length_m }));
+    let figures = match &hysteresis {
+        Some(h) => Figures::of_sense(&h.envelopes, options.turns_rad[0]),
+        None => bent.as_ref().ok().and_then(|b| Figures::of(&b.points)),
+    };
     let fibre_peak_nm = fibre_peak_nm(section, axial_n, direction_deg);
     Case {
         axial_share,
@@ -210,15 +297,10 @@ fn one(
         direction_deg,
         bent,
         figures,
+        hysteresis,
         fibre_peak_nm,
         seconds: began.elapsed().as_secs_f64(),
     }
-}
-
-/// Share of a bend's time at a rotation, for the time left only: 0.04 s of axial force, then 0.15 rad/s after a ramp of 0.05 s.
-fn time_share(rotation_rad: f64, until_rad: f64) -> f64 {
-    let time = |r: f64| 0.04 + if r < 0.00375 { (r / 1.5).max(0.0).sqrt() } else { 0.025 + r / 0.15 };
-    (time(rotation_rad) / time(until_rad)).min(0.999)
 }
 
 /// Largest moment of the fibre section \[N m\]; `None` if it does not bear the axial force.

@@ -42,7 +42,7 @@ fn figures(of: &[(&str, SectionInput, f64)], size_m: f64) -> Result<Vec<Figure>,
         let concrete = ConcreteLaw::of_strength(input.concrete_strength_pa);
         let member =
             RcMember::new(&input, &concrete, Joint::Symmetry, LENGTH_M, size_m).map_err(|e| e.to_string())?;
-        let load = Bend { axial_n: force, direction_deg: 45.0, until_rad: UNTIL_RAD };
+        let load = Bend::monotonic(force, 45.0, UNTIL_RAD);
         let bent = bend(&member, &load, false, &|_| {}).map_err(|e| e.to_string())?;
         let peak = bent.points.iter().map(|p| p[1]).fold(0.0, f64::max);
         let what = format!("{name}, n = {share}: peak over that of the fibre section");
