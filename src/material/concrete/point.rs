@@ -63,7 +63,7 @@ pub struct ConcretePoint {
     reduction: f64,
     /// Loss of strength beside cracks, and mean strain over several cracks over the peak strain for a crack strain of one.
     softening: f64,
-    crack_ratio: f64,
+    crack_share: f64,
     lines: Backbones,
     /// What tells in a few operations whether a point is elastic.
     pub(super) screen: Screen,
@@ -147,7 +147,7 @@ impl ConcretePoint {
             ductility: law.surface.confined_ductility,
             reduction: law.surface.tension_reduction,
             softening: law.surface.crack_softening,
-            crack_ratio: (length_m / CRACK_SPACING_M).min(1.0) / law.peak_strain,
+            crack_share: (length_m / CRACK_SPACING_M).min(1.0),
             lines,
             screen,
         })
@@ -239,7 +239,7 @@ impl ConcretePoint {
         let mut flowed = false;
         // cracks that close while it flows leave it outside of the surface
         for _ in 0..FLOW_ROUNDS {
-            let share = self.beside_cracks(&cracked.crack);
+            let share = self.beside_cracks(&cracked.crack, state.plastic - strain[2]);
             let Some((plastic, hardened)) = self.compressed(&cracked.effective, state, share) else {
                 break;
             };
@@ -266,15 +266,14 @@ impl ConcretePoint {
         Settled { nominal: cracked.effective.map(|s| left * s), strain, flowed }
     }
 
-    /// Share of the compressive strength that is left beside cracks.
-    fn beside_cracks(&self, crack: &[f64; 3]) -> f64 {
+    /// Share of the compressive strength that is left beside cracks, at a compressive strain (positive).
+    fn beside_cracks(&self, crack: &[f64; 3], compressed: f64) -> f64 {
         let widest = crack.iter().fold(0.0, |m: f64, c| m.max(*c));
-        let excess = self.crack_ratio * widest - 0.28;
-        if self.softening > 0.0 && excess > 0.0 {
-            1.0 / (1.0 + self.softening * power(excess, 0.8))
-        } else {
-            1.0
+        if self.softening <= 0.0 || widest <= 0.0 || compressed <= 0.0 {
+            return 1.0;
         }
+        let excess = self.crack_share * widest / compressed - 0.28;
+        if excess > 0.0 { 1.0 / (1.0 + self.softening * power(excess, 0.8)) } else { 1.0 }
     }
 
     /// Effective principal stresses and cracks at principal mechanical strains. `left` is `1 - d`. Where compression across a crack cuts its secant
