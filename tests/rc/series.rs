@@ -14,7 +14,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// 200 mm, four bars, short.
-const SMALL: &str = r#"
+pub(super) const SMALL: &str = r#"
 schema = 1
 name = "small"
 width = "200 mm"
@@ -37,7 +37,7 @@ fn small() -> RcSection {
     read(&Source::new("small.toml", SMALL)).unwrap()
 }
 
-fn coarse(axial_shares: &[f64]) -> SeriesOptions {
+pub(super) fn coarse(axial_shares: &[f64]) -> SeriesOptions {
     SeriesOptions {
         axial_shares: axial_shares.to_vec(),
         until_rad: 0.02,
@@ -188,6 +188,24 @@ fn the_commands_run_write_and_go_on() {
     assert_eq!(json["bends"].as_array().unwrap().len(), 2);
     assert!(json["bends"][0]["figures"]["peak_nm"].as_f64().unwrap() > 0.0);
     assert!(json["bends"][0].get("seconds").is_none());
+
+    let skew = [
+        "rc",
+        "small.toml",
+        "--mesh",
+        "100 mm",
+        "--until",
+        "8mrad",
+        "--axial",
+        "0.2",
+        "--direction",
+        "0,45,90",
+    ];
+    let (code, _, err) = fallwerk(folder, &[&skew[..], &["-o", "skew"]].concat());
+    assert_eq!(code, 0, "{err}");
+    let svg = std::fs::read_to_string(folder.join("skew/biaxial.svg")).unwrap();
+    assert!(svg.matches("<circle").count() == 4 && svg.contains("n = 0.2"), "{svg}");
+    assert!(!folder.join("out/biaxial.svg").exists());
 
     std::fs::create_dir(folder.join("library")).unwrap();
     let words = [&["library", "derive", "--section", "small.toml"][..], &coarse].concat();
