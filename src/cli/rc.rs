@@ -155,6 +155,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let options = SeriesOptions {
         directions_deg: arguments.direction.clone(),
         turns_rad,
+        fit_rule: arguments.loading.wants_rule()?,
         ..arguments.bending.options(axial_shares, defaults.until_rad)
     };
     if let Some(odd) = options.directions_deg.iter().find(|d| !d.is_finite()) {
@@ -215,7 +216,7 @@ fn result(section: &RcSection, series: &Series) -> Value {
             "figures": c.figures, "fibre_peak_nm": c.fibre_peak_nm, "peak_over_fibre": ratio(c),
             "kinetic_share": bent.kinetic_share, "energies": bent.energies, "steps": bent.steps, "failed": bent.failed(),
             "ending": bent.ending, "last_rotation_rad": bent.points.last().map(|p| p[0]),
-            "cycles": c.hysteresis.as_ref().map(|h| &h.cycles), "excursions": c.hysteresis.as_ref().map(|h| &h.excursions),
+            "cycles": c.hysteresis.as_ref().map(|h| &h.cycles), "curve": c.curve.as_ref().and_then(|c| c.as_ref().ok()), "excursions": c.hysteresis.as_ref().map(|h| &h.excursions),
         }),
     };
     json!({

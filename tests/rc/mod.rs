@@ -1,5 +1,6 @@
 //! The submodel of a member end against beam theory and plastic theory, and that in concrete and steel with its section files.
 
+mod cyclic;
 mod section;
 mod series;
 
