@@ -153,5 +153,9 @@ fn hinge_curve() -> ResistanceCurve {
         capacity: vec![[0.0, peak], [0.1, peak], [0.4, 0.0]],
         fracture_rotation_rad: 0.4,
     };
-    ResistanceCurve { stiffness_nm_rad: 8e7, levels: vec![level(0.0, 250e3), level(500e3, 290e3)] }
+    ResistanceCurve {
+        stiffness_nm_rad: 8e7,
+        levels: vec![level(0.0, 250e3), level(500e3, 290e3)],
+        cyclic: None,
+    }
 }

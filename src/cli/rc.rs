@@ -158,6 +158,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let options = SeriesOptions {
         directions_deg: arguments.direction.clone(),
         turns_rad,
+        fit_rule: arguments.loading.wants_rule()?,
         ..arguments.bending.options(axial_shares, defaults.until_rad)
     };
     if let Some(odd) = options.directions_deg.iter().find(|d| !d.is_finite()) {
@@ -222,6 +223,7 @@ fn result(section: &RcSection, series: &Series) -> Value {
             "kinetic_share": bent.kinetic_share, "energies": bent.energies, "steps": bent.steps, "failed": bent.failed(),
             "ending": bent.ending, "last_rotation_rad": bent.points.last().map(|p| p[0]),
             "cycles": c.hysteresis.as_ref().map(|h| &h.cycles), "excursions": c.hysteresis.as_ref().map(|h| &h.excursions),
+            "curve": c.curve.as_ref().and_then(|c| c.as_ref().ok()),
             "largest_slip_m": bent.slips_m.iter().copied().fold(0.0, f64::max), "events": bent.events,
         }),
     };

@@ -29,9 +29,20 @@ pub struct Loading {
     /// Bend along a record of drifts: a file with one number a line, in rad, or in the unit of a header such as `drift [%]`
     #[arg(long, value_name = "FILE", conflicts_with_all = ["cycles", "until"])]
     history: Option<PathBuf>,
+    /// Bend monotonically too, and fit the rule of degradation of a resistance curve to both
+    #[arg(long)]
+    pub fit_rule: bool,
 }
 
 impl Loading {
+    /// Whether a rule is to be fitted; that needs cycles.
+    pub fn wants_rule(&self) -> Result<bool, Failure> {
+        if self.fit_rule && self.cycles.is_empty() && self.history.is_none() {
+            return Err(Failure::input("--fit-rule needs cycles; add --cycles or --history".into()));
+        }
+        Ok(self.fit_rule)
+    }
+
     /// Turning points of the path \[rad\]; none: a monotonic push.
     pub fn turns_rad(&self) -> Result<Vec<f64>, Failure> {
         let turns = match &self.history {
@@ -267,7 +278,30 @@ pub fn table(case: &Case) -> String {
             c.damping_ratio
         );
     }
+    text += &rule(case);
     text
+}
+
+/// The rule of degradation in words.
+fn rule(case: &Case) -> String {
+    match &case.curve {
+        None => String::new(),
+        Some(Err(reason)) => format!("  no rule of degradation: {reason}\n"),
+        Some(Ok(curve)) => curve.cyclic.map_or(String::new(), |rule| {
+            let fit = rule.fit.map_or(String::new(), |f| {
+                format!(
+                    "; residuals: strength {:.3} (lowest {:.2}), unloading {:.2}",
+                    f.strength_residual, f.lowest_strength, f.unloading_residual
+                )
+            });
+            format!(
+                "  degradation: reference energy {:.2} rad M_peak, unloading stiffness falls with (drift / {:.2} %)^-{:.2}{fit}\n",
+                rule.strength_reference_rad,
+                100.0 * rule.yield_rotation_rad,
+                rule.unloading_exponent
+            )
+        }),
+    }
 }
 
 #[cfg(test)]

@@ -72,6 +72,7 @@ impl ResistanceCurve {
         Some(Self {
             stiffness_nm_rad: mixed(self.stiffness_nm_rad, other.stiffness_nm_rad, share),
             levels: levels.collect(),
+            cyclic: self.cyclic.zip(other.cyclic).map(|(a, b)| a.between(&b, share)),
         })
     }
 
@@ -88,7 +89,7 @@ impl ResistanceCurve {
     }
 
     /// The plastic rotations at which the capacity at an axial force has a kink \[rad\].
-    fn rotations(&self, axial_force_n: f64) -> Vec<f64> {
+    pub(super) fn rotations(&self, axial_force_n: f64) -> Vec<f64> {
         let (low, high, share) = self.neighbours(axial_force_n);
         let own = if share > 0.0 { low..=high } else { low..=low };
         own.flat_map(|i| self.lasting(i)).map(|p| p[0]).collect()
@@ -169,7 +170,7 @@ mod tests {
                 }
                 CapacityLevel { axial_force_n: force, capacity, fracture_rotation_rad: end * reach }
             });
-            ResistanceCurve { stiffness_nm_rad, levels: levels.collect() }
+            ResistanceCurve { stiffness_nm_rad, levels: levels.collect(), cyclic: None }
         })
     }
 

@@ -41,7 +41,7 @@ impl ResistanceCurve {
             .enumerate()
             .map(|(level, envelope)| envelope.level(level, stiffness))
             .collect::<Result<Vec<_>, _>>()?;
-        let curve = Self { stiffness_nm_rad: stiffness, levels };
+        let curve = Self { stiffness_nm_rad: stiffness, levels, cyclic: None };
         curve.check()?;
         Ok(curve)
     }

@@ -3,18 +3,25 @@
 //! A curve is measured (or computed, [`crate::rc`]) as an envelope of moment over chord rotation for
 //! several constant axial forces. For use in a hinge it is split into a linear elastic part of
 //! stiffness `K` and a capacity `C(α, N)` over accumulated plastic rotation `α`:
-//! `θ = M / K + θ_p`, `|M| <= C(α, N)`, `α̇ = |θ̇_p|`. Unloading follows `K`.
+//! `θ = M / K + θ_p`, `|M| <= C(α, N)`, `α̇ = |θ̇_p|`. Unloading follows `K`. A curve may say what cycles do to it ([`cyclic`]);
+//! [`loops`] is a hinge that follows it.
 //!
 //! Sign conventions: axial force `N` is positive in **compression**. Units: rad, N m, N.
 
 pub mod between;
 pub mod capacity;
+pub mod cyclic;
+pub mod cyclic_fit;
 pub mod envelope;
 pub mod hinge;
+pub mod loops;
 
 pub use capacity::{Capacity, CapacityHint, CapacityTable};
+pub use cyclic::{Backbone, CyclicFit, CyclicRule, LevelBackbone};
+pub use cyclic_fit::MeasuredExcursion;
 pub use envelope::Envelope;
 pub use hinge::{Hinge2, HingeStep};
+pub use loops::CyclicHinge;
 
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +33,9 @@ pub struct ResistanceCurve {
     /// Capacity at increasing axial force; interpolated linearly in between, held constant outside ([`between`] says
     /// what this keeps).
     pub levels: Vec<CapacityLevel>,
+    /// What cycles do to it; absent: nothing is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cyclic: Option<CyclicRule>,
 }
 
 /// Capacity at one constant axial force.
@@ -84,6 +94,16 @@ pub enum CurveError {
         /// The value found \[rad\].
         value: f64,
     },
+    /// A number of the rule of degradation is out of its range.
+    #[error("cyclic.{name} is {value}, expected {expected}")]
+    Cyclic {
+        /// Name of the number.
+        name: &'static str,
+        /// The value found.
+        value: f64,
+        /// What would be right.
+        expected: &'static str,
+    },
     /// A measured envelope cannot be split into an elastic and a plastic part.
     #[error("envelope {level}: {reason}")]
     Envelope {
@@ -111,7 +131,7 @@ impl ResistanceCurve {
             previous_force = entry.axial_force_n;
             entry.check(level)?;
         }
-        Ok(())
+        self.cyclic.as_ref().map_or(Ok(()), CyclicRule::check)
     }
 
     /// Largest capacity of any level \[N m\].

@@ -121,6 +121,7 @@ fn branch(envelopes: &[EnvelopeLevel], curve: &ResistanceCurve, interpolated: bo
     if curve.levels.is_empty() || envelopes.is_empty() != interpolated {
         return Err("has no level".to_string());
     }
+    curve.cyclic.as_ref().map_or(Ok(()), |rule| rule.check().map_err(|e| format!("curve: {e}")))?;
     increasing("envelopes", envelopes.iter().map(|l| l.axial_force_n))?;
     increasing("curve.levels", curve.levels.iter().map(|l| l.axial_force_n))?;
     for (i, level) in envelopes.iter().enumerate() {

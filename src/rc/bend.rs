@@ -25,10 +25,8 @@ pub const FAILED_SHARE: f64 = 0.2;
 const SAMPLE_RAD: [f64; 2] = [5e-5, 5e-4];
 /// Steps between two looks at forces and motion.
 const LOOK_STEPS: u64 = 4;
-/// Shortening over length at which the axial force counts as not borne, before the member is bent.
-const CRUSHED_STRAIN: f64 = 0.01;
-/// Shortening over length, without that of a straight chord that turns, at which a bent member no longer bears its axial force.
-pub const AXIAL_LOSS_STRAIN: f64 = 0.03;
+/// Shortening over length at which the axial force counts as not borne; of a bent member without the part that a straight chord has from turning.
+pub const CRUSHED_STRAIN: f64 = 0.01;
 /// Rotation from which on the kinetic energy counts \[rad\].
 const KINETIC_FROM_RAD: f64 = 2e-3;
 
@@ -456,7 +454,7 @@ impl<'a> Course<'a> {
         let [rotation_rad, _, shortening_m] = self.points[self.points.len() - 1];
         // a straight chord that turns comes down by θ² L / 2
         let lost_m = shortening_m - 0.5 * rotation_rad * rotation_rad * self.length_m;
-        if lost_m > AXIAL_LOSS_STRAIN * self.length_m {
+        if lost_m > CRUSHED_STRAIN * self.length_m {
             return Some(Ending::Axial { rotation_rad, shortening_m });
         }
         let used =

@@ -2,11 +2,11 @@
 //!
 //! Between two zeros of the moment no elastic energy of the hinge is left over, so the area `∮ M dθ` is what was dissipated.
 
+use super::series::Figures;
+use crate::curve::{Envelope, LevelBackbone, MeasuredExcursion, ResistanceCurve, cyclic_fit};
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Share of the largest moment that an excursion has to reach to count as one.
-const NOISE_SHARE: f64 = 0.02;
 /// Shares of the moment at the turning point between which the unloading stiffness is a secant.
 pub const UNLOADING_SHARES: [f64; 2] = [0.8, 0.3];
 
@@ -15,6 +15,8 @@ pub const UNLOADING_SHARES: [f64; 2] = [0.8, 0.3];
 pub struct History<'a> {
     /// Points in the order of time.
     pub points: &'a [[f64; 3]],
+    /// Index of the first point behind each turning point of the rotation, as in [`super::bend::Bent::turned_at`].
+    pub turned_at: &'a [usize],
     /// Axial force, compression positive \[N\].
     pub axial_n: f64,
     /// Length to the point of zero moment \[m\].
@@ -90,6 +92,36 @@ impl Hysteresis {
     }
 }
 
+impl Hysteresis {
+    /// The curve of a monotonic bend under the same axial force, with the rule of degradation that fits these cycles.
+    ///
+    /// # Errors
+    /// If the bend makes no curve, or no excursion goes beyond its elastic line.
+    pub fn curve(&self, monotonic: &[[f64; 3]], axial_n: f64) -> Result<ResistanceCurve, String> {
+        let history = History { points: monotonic, turned_at: &[], axial_n, length_m: 1.0 };
+        let points = history.envelope(1.0).iter().map(|p| [p[0], p[1]]).collect();
+        let mut curve = ResistanceCurve::from_envelopes(&[Envelope { axial_force_n: axial_n, points }])
+            .map_err(|e| e.to_string())?;
+        let figures = Figures::of(monotonic).ok_or("the monotonic bend has no peak")?;
+        let backbone = LevelBackbone::of(&curve, axial_n);
+        let rule = cyclic_fit::fit(&self.measured(), &backbone, figures.yield_rotation_rad, axial_n);
+        curve.cyclic = Some(rule.ok_or("no cycle goes beyond the elastic line")?);
+        Ok(curve)
+    }
+
+    /// The excursions as the fit of a rule takes them.
+    pub fn measured(&self) -> Vec<MeasuredExcursion> {
+        let one = |e: &Excursion| MeasuredExcursion {
+            sense: e.sense,
+            rotation_rad: e.turn[0],
+            moment_nm: e.turn[1],
+            energy_j: e.energy_j,
+            unloading_nm_rad: e.unloading_nm_rad,
+        };
+        self.excursions.iter().filter(|e| e.is_complete).map(one).collect()
+    }
+}
+
 /// A stretch of points of one sense, with the points of zero moment at its ends.
 struct Part {
     sense: f64,
@@ -98,28 +130,33 @@ struct Part {
 }
 
 impl History<'_> {
-    /// The stretches between zeros of the moment. A change of sign counts once the moment behind it is more than noise.
+    /// The stretches between zeros of the moment. Between two turning points the moment changes its sign once, at the last zero on that way
+    /// (shocks of closing cracks make more of them); a way that does not change it belongs to the stretch before.
     fn parts(&self) -> Vec<Part> {
         let points = self.points;
-        let noise = NOISE_SHARE * points.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
         let mut parts: Vec<Part> = Vec::new();
-        let mut sense = 0.0;
-        // where the moment last changed its sign
-        let mut changed = 0;
         let mut begin: (usize, [f64; 3]) = (0, points.first().copied().unwrap_or_default());
-        for i in 1..points.len() {
-            if points[i][1] * points[i - 1][1] <= 0.0 {
-                changed = i;
-            }
-            if points[i][1].abs() <= noise || points[i][1].signum() == sense {
+        let mut sense = 0.0;
+        let ends = self.turned_at.iter().copied().chain([points.len()]);
+        let mut from = 0;
+        for end in ends {
+            let way = from.max(1) - 1..end;
+            from = end;
+            let along = match (points.get(way.start), points.get(end.max(1) - 1)) {
+                (Some(a), Some(b)) if a[0] != b[0] => (b[0] - a[0]).signum(),
+                _ => continue,
+            };
+            if sense == 0.0 {
+                sense = along;
                 continue;
             }
-            if sense != 0.0 {
-                let zero = zero(points[changed - 1], points[changed]);
-                parts.push(part(sense, begin, &points[begin.0..changed], Some(zero)));
-                begin = (changed, zero);
+            let Some(last) = way.rev().find(|i| along * points[*i][1] <= 0.0) else { continue };
+            if along == sense || last + 1 >= end {
+                continue;
             }
-            sense = points[i][1].signum();
+            let zero = zero(points[last], points[last + 1]);
+            parts.push(part(sense, begin, &points[begin.0..=last], Some(zero)));
+            (begin, sense) = ((last + 1, zero), along);
         }
         if sense != 0.0 {
             parts.push(part(sense, begin, &points[begin.0..], None));
@@ -211,10 +248,13 @@ mod tests {
     use super::*;
 
     /// Elastic and perfectly plastic: stiffness 1000, strength 10.
-    fn elastic_plastic(turns: &[f64]) -> Vec<[f64; 3]> {
+    fn elastic_plastic(turns: &[f64]) -> (Vec<[f64; 3]>, Vec<usize>) {
         let (mut at, mut plastic) = (0.0f64, 0.0f64);
-        let mut points = vec![[0.0; 3]];
-        for turn in turns {
+        let (mut points, mut turned_at) = (vec![[0.0; 3]], Vec::new());
+        for (i, turn) in turns.iter().enumerate() {
+            if i > 0 {
+                turned_at.push(points.len());
+            }
             let steps = 400;
             let from = at;
             for i in 1..=steps {
@@ -225,13 +265,18 @@ mod tests {
                 points.push([at, moment, 0.001 * at.abs()]);
             }
         }
-        points
+        (points, turned_at)
     }
 
     #[test]
     fn cycles_of_an_elastic_plastic_hinge_are_parallelograms() {
-        let points = elastic_plastic(&[0.03, -0.03, 0.03, -0.03, 0.0]);
-        let found = Hysteresis::of(&History { points: &points, axial_n: 100.0, length_m: 2.0 });
+        let (points, turned_at) = elastic_plastic(&[0.03, -0.03, 0.03, -0.03, 0.0]);
+        let found = Hysteresis::of(&History {
+            points: &points,
+            turned_at: &turned_at,
+            axial_n: 100.0,
+            length_m: 2.0,
+        });
         assert_eq!((found.cycles.len(), found.excursions.len()), (2, 5));
         // from +0.03 to -0.03: plastic ways of 0.04 each
         let second = &found.cycles[1];
@@ -252,11 +297,13 @@ mod tests {
 
     #[test]
     fn a_push_is_one_excursion_and_nothing_is_none() {
-        let points = elastic_plastic(&[0.03]);
-        let found = Hysteresis::of(&History { points: &points, axial_n: 0.0, length_m: 2.0 });
+        let (points, turned_at) = elastic_plastic(&[0.03]);
+        let found =
+            Hysteresis::of(&History { points: &points, turned_at: &turned_at, axial_n: 0.0, length_m: 2.0 });
         assert_eq!((found.cycles.len(), found.excursions.len()), (0, 1));
         assert!((found.energy_j - 10.0 * 0.025).abs() < 1e-9);
-        let none = Hysteresis::of(&History { points: &[[0.0; 3]], axial_n: 0.0, length_m: 2.0 });
+        let none =
+            Hysteresis::of(&History { points: &[[0.0; 3]], turned_at: &[], axial_n: 0.0, length_m: 2.0 });
         assert_eq!((none.excursions.len(), none.envelopes[0].len()), (0, 1));
     }
 }

@@ -6,6 +6,7 @@ use super::bend::{Bend, BendError, Bent, bend};
 use super::hysteresis::{History, Hysteresis};
 use super::member::{Joint, RcMember};
 use super::section_file::RcSection;
+use crate::curve::ResistanceCurve;
 use crate::material::concrete::{ConcreteLaw, LawError, Surface};
 use crate::material::fibre::FibreSection;
 use crate::material::fibre_concrete;
@@ -21,6 +22,8 @@ const FIBRE_REACH: f64 = 0.4;
 
 /// Step of direction between fibre sections of a biaxial figure \[deg\].
 const FIBRE_STEP_DEG: f64 = 15.0;
+/// Rotation of the monotonic bend to which a rule is fitted, over the largest one of the cycles.
+const BACKBONE_REACH: f64 = 1.25;
 /// Most hexahedra of a member end.
 pub const MOST_HEXAHEDRA: usize = 5000;
 /// Smallest size of elements \[m\].
@@ -38,6 +41,9 @@ pub struct SeriesOptions {
     /// Turning points of the rotation ([`super::drive::Path::through`]); none: monotonic bends \[rad\].
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub turns_rad: Vec<f64>,
+    /// Whether a cyclic bend is followed by a monotonic one, and the rule of degradation fitted to both.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub fit_rule: bool,
     /// Size of the elements \[m\].
     pub mesh_size_m: f64,
     /// What the member stands on.
@@ -53,6 +59,7 @@ impl Default for SeriesOptions {
             directions_deg: vec![90.0],
             until_rad: 0.1,
             turns_rad: Vec::new(),
+            fit_rule: false,
             mesh_size_m: 0.05,
             joint: Joint::Symmetry,
             seed_law: false,
@@ -131,6 +138,8 @@ pub struct Case {
     pub figures: Option<Figures>,
     /// Excursions and cycles of a cyclic bend.
     pub hysteresis: Option<Hysteresis>,
+    /// The curve of a monotonic bend with the rule of degradation of the cycles, or why there is none; `None`: not asked for.
+    pub curve: Option<Result<ResistanceCurve, String>>,
     /// Largest moment of the fibre section (Mander's concrete, bars not deducted, with history) \[N m\].
     pub fibre_peak_nm: Option<f64>,
     /// Time it took \[s\].
@@ -281,15 +290,24 @@ fn one(
     let is_cyclic = !options.turns_rad.is_empty();
     let turns_rad = if is_cyclic { options.turns_rad.clone() } else { vec![options.until_rad] };
     let bent = bend(member, &Bend { axial_n, direction_deg, turns_rad }, false, progress);
-    let hysteresis = bent
-        .as_ref()
-        .ok()
-        .filter(|_| is_cyclic)
-        .map(|b| Hysteresis::of(&History { points: &b.points, axial_n, length_m: member.length_m }));
+    let hysteresis = bent.as_ref().ok().filter(|_| is_cyclic).map(|b| {
+        Hysteresis::of(&History {
+            points: &b.points,
+            turned_at: &b.turned_at,
+            axial_n,
+            length_m: member.length_m,
+        })
+    });
     let figures = match &hysteresis {
         Some(h) => Figures::of_sense(&h.envelopes, options.turns_rad[0]),
         None => bent.as_ref().ok().and_then(|b| Figures::of(&b.points)),
     };
+    let curve = hysteresis.as_ref().filter(|_| options.fit_rule).map(|h| {
+        let until = options.turns_rad.iter().map(|t| t.abs()).fold(0.0, f64::max);
+        let load = Bend::monotonic(axial_n, direction_deg, BACKBONE_REACH * until);
+        let backbone = bend(member, &load, false, &|_| {}).map_err(|e| e.to_string())?;
+        h.curve(&backbone.points, axial_n)
+    });
     let fibre_peak_nm = fibre_peak_nm(section, axial_n, direction_deg);
     Case {
         axial_share,
@@ -298,6 +316,7 @@ fn one(
         bent,
         figures,
         hysteresis,
+        curve,
         fibre_peak_nm,
         seconds: began.elapsed().as_secs_f64(),
     }

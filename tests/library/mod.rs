@@ -118,6 +118,7 @@ pub fn computed(seed: u32, levels: u32, points: u32) -> Computed {
                     fracture_rotation_rad: 0.1,
                 })
                 .collect(),
+            cyclic: None,
         },
         reverse: None,
     };

@@ -16,8 +16,11 @@ fn work_is_elastic_energy_plus_dissipation_in_every_step() {
         capacity: vec![[0.0, 80e3 * factor], [0.01, 120e3 * factor], [0.05, 20e3], [0.08, 0.0]],
         fracture_rotation_rad: 0.5,
     });
-    let strong =
-        CapacityTable::new(&ResistanceCurve { stiffness_nm_rad: 2e7, levels: levels.to_vec() }, 1.0).unwrap();
+    let strong = CapacityTable::new(
+        &ResistanceCurve { stiffness_nm_rad: 2e7, levels: levels.to_vec(), cyclic: None },
+        1.0,
+    )
+    .unwrap();
     let weak = softening_table();
     let laws = [AxisLaw::Plastic(&strong), AxisLaw::Plastic(&weak)];
     let mut state = Hinge2::default();
@@ -148,6 +151,7 @@ fn interpolation_in_axial_force_is_exact_between_levels_of_different_break_point
             level(0.0, [[0.0, 10.0], [0.02, 20.0], [0.1, 0.0]]),
             level(100.0, [[0.0, 30.0], [0.05, 40.0], [0.08, 0.0]]),
         ],
+        cyclic: None,
     };
     let table = CapacityTable::new(&curve, 2.0).unwrap();
     let mut hint = CapacityHint::default();

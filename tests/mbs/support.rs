@@ -97,6 +97,7 @@ pub fn curve(capacity: &[[f64; 2]], fracture: f64) -> ResistanceCurve {
             capacity: capacity.to_vec(),
             fracture_rotation_rad: fracture,
         }],
+        cyclic: None,
     }
 }
 

@@ -14,7 +14,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// 200 mm, four bars, short.
-pub(super) const SMALL: &str = r#"
+pub const SMALL: &str = r#"
 schema = 1
 name = "small"
 width = "200 mm"
@@ -33,11 +33,11 @@ spacing = "100 mm"
 yield_strength = "500 MPa"
 "#;
 
-fn small() -> RcSection {
+pub fn small() -> RcSection {
     read(&Source::new("small.toml", SMALL)).unwrap()
 }
 
-pub(super) fn coarse(axial_shares: &[f64]) -> SeriesOptions {
+pub fn coarse(axial_shares: &[f64]) -> SeriesOptions {
     SeriesOptions {
         axial_shares: axial_shares.to_vec(),
         until_rad: 0.02,
@@ -220,5 +220,39 @@ fn the_commands_run_write_and_go_on() {
     let (code, _, err) = fallwerk(folder, &["rc", "bad.toml"]);
     assert!(code == 2 && err.contains("bad.toml:2") && err.contains("width"), "{err}");
     let (code, _, err) = fallwerk(folder, &["rc", "small.toml", "--mesh", "3 m"]);
-    assert!(code == 2 && err.contains("element"), "{err}");
+    assert!(
+        code == 2 && err.contains("3000 mm") && err.contains("at most half of the smaller side, 100 mm"),
+        "{err}"
+    );
+    let (code, _, err) = fallwerk(folder, &["rc", "small.toml", "--mesh", "10 mm"]);
+    assert!(code == 2 && err.contains("hexahedra, more than 5000; use --mesh"), "{err}");
+    let (code, _, err) = fallwerk(folder, &["rc", "small.toml", "--cycles", "1mm"]);
+    assert!(code == 2 && err.contains("write such as"), "{err}");
+
+    let words = [
+        "rc",
+        "small.toml",
+        "--mesh",
+        "100 mm",
+        "--axial",
+        "0.2",
+        "--cycles",
+        "0.5%",
+        "--repeat",
+        "1",
+        "-o",
+        "loops",
+    ];
+    let (code, out, err) = fallwerk(folder, &words);
+    assert!(code == 0 && out.contains("end of the path") && out.contains("secant"), "{err}");
+    let rows = |name: &str| std::fs::read_to_string(folder.join("loops").join(name)).unwrap().lines().count();
+    assert_eq!(rows("cycles.csv"), 2);
+    assert!(rows("history.csv") > rows("envelope.csv") && rows("envelope.csv") > 20);
+    assert!(
+        std::fs::read_to_string(folder.join("loops/loops.svg")).unwrap().contains("lateral force over drift")
+    );
+    let text = std::fs::read_to_string(folder.join("loops/result.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["bends"][0]["ending"]["kind"], "path");
+    assert!(json["bends"][0]["cycles"][0]["energy_j"].as_f64().unwrap() > 0.0);
 }
