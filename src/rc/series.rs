@@ -33,6 +33,8 @@ pub struct SeriesOptions {
     pub joint: Joint,
     /// Whether the concrete has the seed's pure surfaces.
     pub seed_law: bool,
+    /// Whether the whole section is meshed where half of it would do ([`RcMember::half`]).
+    pub whole: bool,
 }
 
 impl Default for SeriesOptions {
@@ -44,6 +46,7 @@ impl Default for SeriesOptions {
             mesh_size_m: 0.05,
             joint: Joint::Symmetry,
             seed_law: false,
+            whole: false,
         }
     }
 }
@@ -117,7 +120,7 @@ pub struct Case {
 pub struct Series {
     /// What was run.
     pub options: SeriesOptions,
-    /// Elements of the mesh: hexahedra and bars.
+    /// Elements of the mesh of the first direction: hexahedra and bars.
     pub elements: [usize; 2],
     /// Length after meshing \[m\].
     pub length_m: f64,
@@ -143,17 +146,20 @@ pub fn run(
     options: &SeriesOptions,
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Series, LawError> {
-    let member = RcMember::new(
-        &section.input,
-        &concrete_of(section, options),
-        options.joint,
-        section.length_m,
-        options.mesh_size_m,
-    )?;
-    let jobs: Vec<[f64; 2]> = options
+    let concrete = concrete_of(section, options);
+    let member = |direction: &f64| {
+        let sizes = [section.length_m, options.mesh_size_m];
+        if options.whole {
+            return RcMember::new(&section.input, &concrete, options.joint, sizes[0], sizes[1]);
+        }
+        RcMember::half(&section.input, &concrete, options.joint, sizes, *direction)
+    };
+    let members: Vec<RcMember> = options.directions_deg.iter().map(member).collect::<Result<_, _>>()?;
+    let jobs: Vec<(&RcMember, [f64; 2])> = options
         .directions_deg
         .iter()
-        .flat_map(|d| options.axial_shares.iter().map(|share| [*share, *d]))
+        .zip(&members)
+        .flat_map(|(d, member)| options.axial_shares.iter().map(move |share| (member, [*share, *d])))
         .collect();
     let shares = Mutex::new(vec![0.0; jobs.len()]);
     let tell = |job: usize, done: f64| {
@@ -167,16 +173,16 @@ pub fn run(
         .par_iter()
         .with_max_len(1)
         .enumerate()
-        .map(|(job, [share, direction])| {
-            let case = one(section, &member, options, [*share, *direction], &|done| tell(job, done));
+        .map(|(job, (member, [share, direction]))| {
+            let case = one(section, member, options, [*share, *direction], &|done| tell(job, done));
             tell(job, 1.0);
             case
         })
         .collect();
     Ok(Series {
         options: options.clone(),
-        elements: [member.mesh.elements.len(), member.mesh.trusses.len()],
-        length_m: member.length_m,
+        elements: members.first().map_or([0; 2], |m| [m.mesh.elements.len(), m.mesh.trusses.len()]),
+        length_m: members.first().map_or(section.length_m, |m| m.length_m),
         cases,
     })
 }
