@@ -78,6 +78,9 @@ pub struct Bending {
     /// The seed's surfaces of the concrete law: no meridians, no gain of ductility under lateral pressure
     #[arg(long)]
     pub seed_law: bool,
+    /// Mesh the whole section, also where it is symmetric about the plane in which it is bent and half of it would do
+    #[arg(long)]
+    pub whole: bool,
 }
 
 fn within(value: f64, low: f64, high: f64, what: &str) -> Result<f64, String> {
@@ -106,6 +109,7 @@ impl Bending {
             mesh_size_m: self.mesh.unwrap_or(defaults.mesh_size_m),
             joint: if self.joint.as_deref() == Some("block") { Joint::Block } else { Joint::Symmetry },
             seed_law: self.seed_law,
+            whole: self.whole,
             ..defaults
         }
     }
@@ -113,7 +117,7 @@ impl Bending {
     /// Whether the command line says anything of it.
     pub fn is_given(&self) -> bool {
         let numbers = !self.axial.is_empty() || self.until.is_some() || self.mesh.is_some();
-        numbers || self.joint.is_some() || self.no_buckling || self.seed_law
+        numbers || self.joint.is_some() || self.no_buckling || self.seed_law || self.whole
     }
 
     /// The section with or without buckling.

@@ -2,7 +2,8 @@
 //!
 //! The moment is that of the stress resultants in the end section, from the reactions of the clamped base: it contains the second-order
 //! moment, so it is what the section bears; a hinge gets its P-Δ from the geometry of the model it is used in. Rotation is that of the chord. Quasi-static by explicit
-//! integration: the ratio of kinetic to internal energy and the energy balance are recorded, and a run whose balance is off is refused.
+//! integration: the ratio of kinetic energy (without that of the member's turn as a whole) to internal energy and the energy balance are recorded, and a
+//! run whose balance is off is refused.
 
 use super::anchorage::Anchored;
 use super::events::{Event, Watch};
@@ -87,7 +88,8 @@ pub struct Bent {
     pub points: Vec<[f64; 3]>,
     /// Index of the first point behind each turning point that was passed.
     pub turned_at: Vec<usize>,
-    /// Largest kinetic over internal energy beyond a rotation of 2 mrad; of a monotonic push as long as it bears 80 % of its peak.
+    /// Largest kinetic energy beside that of a turn of the whole member over internal energy, beyond a rotation of 2 mrad; of a monotonic push as
+    /// long as it bears 80 % of its peak.
     pub kinetic_share: f64,
     /// Energies at the end.
     pub energies: Energies,
@@ -171,20 +173,28 @@ impl Spread {
     fn of(member: &RcMember) -> Self {
         let (nodes, shares): (Vec<usize>, Vec<f64>) =
             member.base.iter().copied().filter(|b| b.1 > 0.0).unzip();
+        // half a section moves like the whole: even patterns of its own axis and odd ones of the other are those of no mirror image
+        let kept = |axis: usize| match member.mirror {
+            None => [1.0, 1.0, 1.0],
+            Some(mirror) if mirror == axis => [1.0, 0.0, 1.0],
+            Some(_) => [1.0, 1.0, 0.0],
+        };
         let half = (0..3).map(|i| nodes.iter().map(|n| member.mesh.nodes[*n][i].abs()).fold(0.0, f64::max));
         let half: Vec<f64> = half.collect();
         let patterns = [0, 1].map(|axis: usize| {
             let of = |n: &usize| {
                 let x = member.mesh.nodes[*n];
                 let (a, b) = (x[axis] / half[axis], x[1 - axis] / half[1 - axis]);
-                Vector3::new(a, a * a, a * b)
+                let [one, square, product] = kept(axis);
+                Vector3::new(one * a, square * a * a, product * a * b)
             };
             nodes.iter().map(of).collect::<Vec<_>>()
         });
         let inverse = [0, 1].map(|axis: usize| {
             let sum: Matrix3<f64> =
                 patterns[axis].iter().zip(&shares).map(|(p, s)| p * p.transpose() * *s).sum();
-            sum.try_inverse().unwrap_or_else(Matrix3::zeros)
+            let left_out = Matrix3::from_diagonal(&Vector3::from(kept(axis)).map(|k| 1.0 - k));
+            (sum + left_out).try_inverse().unwrap_or_else(Matrix3::zeros)
         });
         let last = vec![[0.0; 3]; nodes.len()];
         Self { nodes, shares, patterns, inverse, last }
@@ -235,6 +245,11 @@ pub fn bend(
         spread: (member.joint == Joint::Symmetry).then(|| Spread::of(member)),
         energy: EnergyWatch::new(mass_kg),
     };
+    if let Some(axis) = member.mirror {
+        for n in &member.mirrored {
+            run.body.prescribed_m_s[*n][axis] = Some(0.0);
+        }
+    }
     let path = Path::through(&bend.turns_rad);
     let whole_s = AXIAL_S[0] + AXIAL_S[1] + path.duration_s();
     let tell = |time_s: f64| progress((time_s / whole_s).min(0.999));
@@ -264,7 +279,7 @@ impl Run<'_> {
         self.body.damping_1_s = AXIAL_DAMPING_1_S;
         while self.body.time_s < AXIAL_S[0] + AXIAL_S[1] {
             let s = (self.body.time_s / AXIAL_S[0]).min(1.0);
-            let force = -axial_n * s * s * (3.0 - 2.0 * s);
+            let force = -axial_n * self.member.share * s * s * (3.0 - 2.0 * s);
             for (n, share) in &self.member.tip {
                 self.body.applied_n[*n] = [0.0, 0.0, force * share];
             }
@@ -316,7 +331,7 @@ impl Run<'_> {
             progress(self.body.time_s);
             course.add(point, next);
             slips_m.push(self.anchored.largest_slip_m());
-            course.kinetic(&energies);
+            course.kinetic(self.vibration_j(motion.rate_rad_s) / energies.internal_j.max(1.0));
             let passed = next + 1 == path.turns() && sense * (rotation - path.turn_rad(next)) >= 0.0;
             if let Some(ending) = course.ending().or(passed.then_some(Ending::Path)) {
                 break (ending, energies);
@@ -348,6 +363,17 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Kinetic energy of what is left of the motion without a turn of the whole member about the end section \[J\]: that turn strains nothing.
+    fn vibration_j(&self, rate_rad_s: f64) -> f64 {
+        let [c, s] = self.direction;
+        let of_node = |((x, v), mass): ((&[f64; 3], &[f64; 3]), &f64)| {
+            let (along, height) = (c * x[0] + s * x[1], x[2].max(0.0));
+            let turn = [c * height, s * height, if x[2] < 0.0 { 0.0 } else { -along }];
+            0.5 * mass * (0..3).map(|i| (v[i] - rate_rad_s * turn[i]).powi(2)).sum::<f64>()
+        };
+        self.body.x.iter().zip(&self.body.v).zip(&self.body.mass_kg).map(of_node).sum()
+    }
+
     /// Mean of a coordinate over the free end \[m\].
     fn tip_m(&self, axis: usize) -> f64 {
         self.member.tip.iter().map(|(n, share)| share * self.body.x[*n][axis]).sum()
@@ -377,7 +403,7 @@ impl Run<'_> {
             moment += (c * x[0] + s * x[1]) * force[2];
             shear += c * force[0] + s * force[1];
         }
-        moment + self.member.block_m * shear
+        (moment + self.member.block_m * shear) / self.member.share
     }
 }
 
@@ -440,12 +466,12 @@ impl<'a> Course<'a> {
         self.turned_at.push(self.points.len());
     }
 
-    fn kinetic(&mut self, energies: &Energies) {
+    fn kinetic(&mut self, share: f64) {
         let sense = self.path.sense(0);
         let bears = sense * self.points[self.points.len() - 1][1] > 0.8 * self.peak[index(sense)];
         let far = self.reach[0].max(self.reach[1]) > KINETIC_FROM_RAD;
         if far && (bears || self.path.turns() > 1) {
-            self.kinetic_share = self.kinetic_share.max(energies.kinetic_j / energies.internal_j.max(1.0));
+            self.kinetic_share = self.kinetic_share.max(share);
         }
     }
 

@@ -4,6 +4,9 @@
 //! Mesh planes run through the bars. Along the member the critical length has layers that divide the tie spacing; beyond it they
 //! are twice as long. Perimeter ties run through the outer bars, cross ties through the inner ones. The joint block is elastic, wider than
 //! the member, and clamped at its base: what tests call a footing or stub.
+//!
+//! Bent along an axis, a section that is its own mirror image across that axis needs only half a mesh: nodes on the plane of symmetry stay in it, bars and
+//! tie legs on it have half their area. Forces are those of the half ([`RcMember::share`]).
 
 use super::anchorage::BarSlip;
 use crate::fe::concrete::ConcretePoints;
@@ -58,15 +61,22 @@ pub struct RcMember {
     pub bars: Vec<usize>,
     /// Bars that slip out of the joint; empty with full bond ([`RcMember::anchored`]).
     pub slips: Vec<BarSlip>,
+    /// Share of the section that is meshed: 1, or 0.5.
+    pub share: f64,
+    /// Axis across the plane of symmetry of half a section: 0 for x, 1 for y.
+    pub mirror: Option<usize>,
+    /// Nodes on that plane.
+    pub mirrored: Vec<usize>,
 }
 
 /// Planes of the mesh along one axis.
 struct Planes(Vec<f64>);
 
 impl Planes {
-    /// Between the faces and through `through`, not further apart than `size`.
-    fn new(half: f64, through: impl Iterator<Item = f64>, size: f64) -> Self {
-        let mut fixed: Vec<f64> = through.chain([-half, half]).collect();
+    /// Between the faces, or with `mirrored` from the middle to one face, and through `through`, not further apart than `size`.
+    fn new(half: f64, mirrored: bool, through: impl Iterator<Item = f64>, size: f64) -> Self {
+        let first = if mirrored { 0.0 } else { -half };
+        let mut fixed: Vec<f64> = through.filter(|at| *at > first).chain([first, half]).collect();
         fixed.sort_by(f64::total_cmp);
         fixed.dedup_by(|a, b| (*a - *b).abs() < SAME_M);
         let mut planes = vec![fixed[0]];
@@ -96,7 +106,33 @@ impl RcMember {
         length_m: f64,
         size_m: f64,
     ) -> Result<Self, LawError> {
-        let member = Builder::new(section, concrete, joint, length_m, size_m).build();
+        Self::meshed(section, concrete, joint, [length_m, size_m], None)
+    }
+
+    /// As [`Self::new`], but half the section where it is symmetric about the plane in which it is bent: along x or y
+    /// (`direction_deg` a multiple of 90).
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn half(
+        section: &SectionInput,
+        concrete: &ConcreteLaw,
+        joint: Joint,
+        [length_m, size_m]: [f64; 2],
+        direction_deg: f64,
+    ) -> Result<Self, LawError> {
+        let mirror = mirror_of(section, direction_deg);
+        Self::meshed(section, concrete, joint, [length_m, size_m], mirror)
+    }
+
+    fn meshed(
+        section: &SectionInput,
+        concrete: &ConcreteLaw,
+        joint: Joint,
+        sizes_m: [f64; 2],
+        mirror: Option<usize>,
+    ) -> Result<Self, LawError> {
+        let member = Builder::new(section, concrete, joint, sizes_m, mirror).build();
         ConcretePoints::of(&member.mesh)?;
         Ok(member)
     }
@@ -109,15 +145,35 @@ impl RcMember {
         length_m: f64,
         size_m: f64,
     ) -> usize {
-        let builder = Builder::new(section, concrete, joint, length_m, size_m);
+        let builder = Builder::new(section, concrete, joint, [length_m, size_m], None);
         let (nx, ny) = (builder.x.0.len() - 1, builder.y.0.len() - 1);
         nx * ny * (builder.z.len() - 1 - builder.block) + (nx + 2) * (ny + 2) * builder.block
     }
 }
 
+/// The axis along which a section bent in a direction is its own mirror image, if it is bent along the other one.
+fn mirror_of(section: &SectionInput, direction_deg: f64) -> Option<usize> {
+    let quarter = direction_deg / 90.0;
+    if quarter != quarter.round() {
+        return None;
+    }
+    let mirror = if quarter % 2.0 == 0.0 { 1 } else { 0 };
+    let at = |b: &crate::building::Bar| [b.x_m, b.y_m];
+    let has_image = |bar: &crate::building::Bar| {
+        let mut image = at(bar);
+        image[mirror] = -image[mirror];
+        section.bars.iter().any(|other| {
+            let near = (0..2).all(|i| (at(other)[i] - image[i]).abs() < SAME_M);
+            near && (other.diameter_m - bar.diameter_m).abs() < SAME_M
+        })
+    };
+    section.bars.iter().all(has_image).then_some(mirror)
+}
+
 struct Builder<'a> {
     section: &'a SectionInput,
     joint: Joint,
+    mirror: Option<usize>,
     x: Planes,
     y: Planes,
     /// Layers from the base of the block; `z[block]` is the end section.
@@ -138,11 +194,14 @@ impl<'a> Builder<'a> {
         section: &'a SectionInput,
         concrete: &ConcreteLaw,
         joint: Joint,
-        length_m: f64,
-        size_m: f64,
+        [length_m, size_m]: [f64; 2],
+        mirror: Option<usize>,
     ) -> Self {
-        let x = Planes::new(0.5 * section.size_m[0], section.bars.iter().map(|b| b.x_m), size_m);
-        let y = Planes::new(0.5 * section.size_m[1], section.bars.iter().map(|b| b.y_m), size_m);
+        let planes = |axis: usize| {
+            let bars = section.bars.iter().map(|b| [b.x_m, b.y_m][axis]);
+            Planes::new(0.5 * section.size_m[axis], mirror == Some(axis), bars, size_m)
+        };
+        let (x, y) = (planes(0), planes(1));
         let depth = section.size_m[0].max(section.size_m[1]);
         let spacing = section.ties.map_or(size_m, |t| t.spacing_m);
         let fine = spacing / (spacing / size_m).round().max(1.0);
@@ -166,15 +225,16 @@ impl<'a> Builder<'a> {
             parts: vec!["member".into(), "block".into()],
             ..Mesh::default()
         };
-        Self { section, joint, x, y, z, block: layers, nodes: BTreeMap::new(), mesh }
+        Self { section, joint, mirror, x, y, z, block: layers, nodes: BTreeMap::new(), mesh }
     }
 
     fn build(mut self) -> RcMember {
         let (nx, ny) = (self.x.0.len() as i32 - 1, self.y.0.len() as i32 - 1);
         for k in 0..self.z.len() - 1 {
             let (law, margin) = if k < self.block { (BLOCK, 1) } else { (CONCRETE, 0) };
-            for j in -margin..ny + margin {
-                for i in -margin..nx + margin {
+            let first = [0, 1].map(|axis| if self.mirror == Some(axis) { 0 } else { -margin });
+            for j in first[1]..ny + margin {
+                for i in first[0]..nx + margin {
                     self.element([i, j, k as i32], law);
                 }
             }
@@ -191,7 +251,12 @@ impl<'a> Builder<'a> {
         if self.joint == Joint::Block {
             self.mesh.fixed = base.iter().map(|(n, _)| *n).collect();
         }
+        let on_plane = |at: &[i32; 3]| self.mirror.is_some_and(|axis| at[axis] == 0);
+        let mirrored = self.nodes.iter().filter(|(at, _)| on_plane(at)).map(|(_, n)| *n).collect();
         RcMember {
+            share: if self.mirror.is_some() { 0.5 } else { 1.0 },
+            mirror: self.mirror,
+            mirrored,
             length_m: self.z[top as usize],
             block_m: -self.z[0],
             mesh: self.mesh,
@@ -250,8 +315,12 @@ impl<'a> Builder<'a> {
     /// Longitudinal bars, anchored at the base of the block.
     fn bars(&mut self) -> Vec<usize> {
         for bar in &self.section.bars {
+            let share = self.mirror.map_or(1.0, |axis| share_of([bar.x_m, bar.y_m][axis]));
+            if share == 0.0 {
+                continue;
+            }
             let (i, j) = (self.x.nearest(bar.x_m) as i32, self.y.nearest(bar.y_m) as i32);
-            let area = 0.25 * std::f64::consts::PI * bar.diameter_m * bar.diameter_m;
+            let area = share * 0.25 * std::f64::consts::PI * bar.diameter_m * bar.diameter_m;
             for k in 0..self.z.len() as i32 - 1 {
                 self.truss([[i, j, k], [i, j, k + 1]], area, BARS);
             }
@@ -263,23 +332,32 @@ impl<'a> Builder<'a> {
     fn ties(&mut self) {
         let Some(ties) = self.section.ties else { return };
         let leg = 0.25 * std::f64::consts::PI * ties.diameter_m * ties.diameter_m;
-        let lines = |planes: &Planes, of: &dyn Fn(&crate::building::Bar) -> f64| {
-            let mut at: Vec<i32> = self.section.bars.iter().map(|b| planes.nearest(of(b)) as i32).collect();
-            at.sort_unstable();
-            at.dedup();
-            at
+        // lines of bars with the legs on them: all of them count, those of the other half are left out
+        let lines = |axis: usize, legs: f64| -> Vec<(i32, f64)> {
+            let planes = [&self.x, &self.y][axis];
+            let mut at: Vec<f64> = self.section.bars.iter().map(|b| [b.x_m, b.y_m][axis]).collect();
+            at.sort_by(f64::total_cmp);
+            at.dedup_by(|a, b| (*a - *b).abs() < SAME_M);
+            let share = |x: f64| if self.mirror == Some(axis) { share_of(x) } else { 1.0 };
+            let weights = leg_weights(at.len(), legs);
+            at.iter().zip(weights).map(|(x, w)| (planes.nearest(*x) as i32, w * share(*x))).collect()
         };
-        let (xs, ys) = (lines(&self.x, &|b| b.x_m), lines(&self.y, &|b| b.y_m));
+        let (xs, ys) = (lines(0, ties.legs[1]), lines(1, ties.legs[0]));
+        let span = |axis: usize, lines: &[(i32, f64)]| {
+            let first = if self.mirror == Some(axis) { 0 } else { lines[0].0 };
+            first..lines[lines.len() - 1].0
+        };
+        let (along_x, along_y) = (span(0, &xs), span(1, &ys));
         let levels = tie_levels(&self.z, self.block, ties.spacing_m);
         for (k, share) in levels {
             // legs along x lie on lines of constant y, and the other way round
-            for (line, weight) in leg_weights(&ys, ties.legs[0]) {
-                for i in xs[0]..xs[xs.len() - 1] {
+            for (line, weight) in ys.iter().copied().filter(|(_, w)| *w > 0.0) {
+                for i in along_x.clone() {
                     self.truss([[i, line, k], [i + 1, line, k]], share * weight * leg, TIES);
                 }
             }
-            for (line, weight) in leg_weights(&xs, ties.legs[1]) {
-                for j in ys[0]..ys[ys.len() - 1] {
+            for (line, weight) in xs.iter().copied().filter(|(_, w)| *w > 0.0) {
+                for j in along_y.clone() {
                     self.truss([[line, j, k], [line, j + 1, k]], share * weight * leg, TIES);
                 }
             }
@@ -292,7 +370,7 @@ impl<'a> Builder<'a> {
             let low = planes.0[i.saturating_sub(1)];
             0.5 * (planes.0[(i + 1).min(planes.0.len() - 1)] - low)
         };
-        let area = self.section.area_m2();
+        let area = self.section.area_m2() * if self.mirror.is_some() { 0.5 } else { 1.0 };
         let mut nodes = Vec::new();
         for j in 0..self.y.0.len() {
             for i in 0..self.x.0.len() {
@@ -317,13 +395,22 @@ fn tie_levels(z: &[f64], block: usize, spacing_m: f64) -> Vec<(i32, f64)> {
     steel.iter().enumerate().filter(|(_, s)| **s > 0.0).map(|(k, s)| (k as i32, *s)).collect()
 }
 
-/// Tie legs on each line of bars: one on the outer lines, the rest shared by the inner lines.
-fn leg_weights(lines: &[i32], legs: f64) -> Vec<(i32, f64)> {
-    let inner = lines.len().saturating_sub(2);
+/// Tie legs on each of some lines of bars: one on the outer lines, the rest shared by the inner lines.
+fn leg_weights(lines: usize, legs: f64) -> Vec<f64> {
+    let inner = lines.saturating_sub(2);
     let each = if inner > 0 { (legs - 2.0).max(0.0) / inner as f64 } else { 0.0 };
-    let last = lines.len() - 1;
-    let weight = |i: usize| if i == 0 || i == last { 1.0 } else { each };
-    lines.iter().enumerate().map(|(i, l)| (*l, weight(i))).filter(|(_, w)| *w > 0.0).collect()
+    (0..lines).map(|i| if i == 0 || i + 1 == lines { 1.0 } else { each }).collect()
+}
+
+/// Share of what stands at a coordinate that belongs to the positive half.
+fn share_of(at: f64) -> f64 {
+    if at.abs() < SAME_M {
+        0.5
+    } else if at > 0.0 {
+        1.0
+    } else {
+        0.0
+    }
 }
 
 /// Laws of the mesh: concrete, block, bars, ties.

@@ -50,6 +50,8 @@ pub struct SeriesOptions {
     pub joint: Joint,
     /// Whether the concrete has the seed's pure surfaces.
     pub seed_law: bool,
+    /// Whether the whole section is meshed where half of it would do ([`RcMember::half`]).
+    pub whole: bool,
 }
 
 impl Default for SeriesOptions {
@@ -63,6 +65,7 @@ impl Default for SeriesOptions {
             mesh_size_m: 0.05,
             joint: Joint::Symmetry,
             seed_law: false,
+            whole: false,
         }
     }
 }
@@ -151,7 +154,7 @@ pub struct Case {
 pub struct Series {
     /// What was run.
     pub options: SeriesOptions,
-    /// Elements of the mesh: hexahedra and bars.
+    /// Elements of the mesh of the first direction: hexahedra and bars.
     pub elements: [usize; 2],
     /// Length after meshing \[m\].
     pub length_m: f64,
@@ -233,24 +236,28 @@ pub fn run(
     progress: &(dyn Fn(f64, &str) + Sync),
 ) -> Result<Series, SeriesError> {
     check_mesh(section, options)?;
-    let member = RcMember::new(
-        &section.input,
-        &concrete_of(section, options),
-        options.joint,
-        section.length_m,
-        options.mesh_size_m,
-    )?;
-    let member = match &section.anchorage {
-        Some(anchorage) => {
-            let strength_pa = section.concrete.compressive_strength_pa;
-            member.anchored(anchorage, section.input.steel, &section.input.bars, strength_pa)
-        }
-        None => member,
+    let concrete = concrete_of(section, options);
+    let member = |direction: &f64| {
+        let sizes = [section.length_m, options.mesh_size_m];
+        let member = if options.whole {
+            RcMember::new(&section.input, &concrete, options.joint, sizes[0], sizes[1])
+        } else {
+            RcMember::half(&section.input, &concrete, options.joint, sizes, *direction)
+        }?;
+        Ok(match &section.anchorage {
+            Some(anchorage) => {
+                let strength_pa = section.concrete.compressive_strength_pa;
+                member.anchored(anchorage, section.input.steel, &section.input.bars, strength_pa)
+            }
+            None => member,
+        })
     };
-    let jobs: Vec<[f64; 2]> = options
+    let members: Vec<RcMember> = options.directions_deg.iter().map(member).collect::<Result<_, LawError>>()?;
+    let jobs: Vec<(&RcMember, [f64; 2])> = options
         .directions_deg
         .iter()
-        .flat_map(|d| options.axial_shares.iter().map(|share| [*share, *d]))
+        .zip(&members)
+        .flat_map(|(d, member)| options.axial_shares.iter().map(move |share| (member, [*share, *d])))
         .collect();
     let shares = Mutex::new(vec![0.0; jobs.len()]);
     let tell = |job: usize, done: f64| {
@@ -264,16 +271,16 @@ pub fn run(
         .par_iter()
         .with_max_len(1)
         .enumerate()
-        .map(|(job, [share, direction])| {
-            let case = one(section, &member, options, [*share, *direction], &|done| tell(job, done));
+        .map(|(job, (member, [share, direction]))| {
+            let case = one(section, member, options, [*share, *direction], &|done| tell(job, done));
             tell(job, 1.0);
             case
         })
         .collect();
     Ok(Series {
         options: options.clone(),
-        elements: [member.mesh.elements.len(), member.mesh.trusses.len()],
-        length_m: member.length_m,
+        elements: members.first().map_or([0; 2], |m| [m.mesh.elements.len(), m.mesh.trusses.len()]),
+        length_m: members.first().map_or(section.length_m, |m| m.length_m),
         cases,
     })
 }

@@ -72,6 +72,26 @@ fn a_bend_is_near_its_fibre_section_and_the_number_of_threads_does_not_matter() 
 }
 
 #[test]
+fn half_a_symmetric_section_bends_like_the_whole() {
+    // along both axes of a rectangle, with bars on the planes of symmetry
+    let text =
+        SMALL.replace("depth = \"200 mm\"", "depth = \"250 mm\"").replace("per_face = 2", "per_face = 3");
+    let section = read(&Source::new("half.toml", &text)).unwrap();
+    let options = SeriesOptions { directions_deg: vec![0.0, 90.0], until_rad: 0.01, ..coarse(&[0.2]) };
+    let half = series::run(&section, &options, &|_, _| {}).unwrap();
+    let whole = SeriesOptions { whole: true, ..options };
+    let whole = series::run(&section, &whole, &|_, _| {}).unwrap();
+    assert_eq!(2 * half.elements[0], whole.elements[0]);
+    for (half, whole) in half.cases.iter().zip(&whole.cases) {
+        let (half, whole) = (&half.bent.as_ref().unwrap().points, &whole.bent.as_ref().unwrap().points);
+        let peak = whole.iter().map(|p| p[1]).fold(0.0, f64::max);
+        for (a, b) in half.iter().zip(whole) {
+            assert!((a[1] - b[1]).abs() < 0.02 * peak, "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
 fn an_axial_force_that_is_not_borne_is_told_in_its_case() {
     let crushed = series::run(&small(), &coarse(&[1.5]), &|_, _| {}).unwrap();
     let error = crushed.cases[0].bent.as_ref().unwrap_err().to_string();

@@ -184,6 +184,6 @@ mod tests {
             }
         }
         assert!(errors(&[1e-3, 1e-200, -1e-250, 0.0, 1e-300, 0.0], None) < 2e-15);
-        assert!(errors(&[1e-150; 6], None) < 1.0); // no NaN
+        assert!(errors(&[1e-150; 6], None).is_finite());
     }
 }
