@@ -4,6 +4,7 @@
 //! moment, so it is what the section bears; a hinge gets its P-Δ from the geometry of the model it is used in. Rotation is that of the chord. Quasi-static by explicit
 //! integration: the ratio of kinetic to internal energy is recorded.
 
+use super::gauge::{EndStrains, Gauge};
 use super::member::{Joint, RcMember};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
@@ -40,6 +41,8 @@ pub struct Bend {
 pub struct Bent {
     /// `[chord rotation (rad), moment (N m), shortening (m)]`, from the axially loaded state.
     pub points: Vec<[f64; 3]>,
+    /// Strains at each point.
+    pub strains: Vec<EndStrains>,
     /// Largest kinetic over internal energy beyond a tenth of the peak rotation.
     pub kinetic_share: f64,
     /// Time steps.
@@ -183,7 +186,15 @@ impl Run<'_> {
     fn push(&mut self, bend: &Bend, progress: &dyn Fn(f64)) -> Result<Bent, BendError> {
         self.body.damping_1_s = PUSH_DAMPING_1_S;
         let from = self.body.time_s;
-        let mut bent = Bent { points: vec![[0.0; 3]], kinetic_share: 0.0, steps: 0, failed: false };
+        let mut gauge = Gauge::of(self.member, self.direction);
+        gauge.take(&self.body);
+        let mut bent = Bent {
+            points: vec![[0.0; 3]],
+            strains: vec![gauge.read()],
+            kinetic_share: 0.0,
+            steps: 0,
+            failed: false,
+        };
         let (mut sum, mut count, mut since, mut peak) = ([0.0; 3], 0.0, 0.0, 0.0f64);
         loop {
             let ramp = ((self.body.time_s - from) / RAMP_S).min(1.0);
@@ -203,6 +214,7 @@ impl Run<'_> {
                 *s += v;
             }
             count += 1.0;
+            gauge.take(&self.body);
             let interval = (SAMPLE_RAD[0] + 0.05 * rotation).min(SAMPLE_RAD[1]);
             if rotation - since < interval {
                 continue;
@@ -213,6 +225,7 @@ impl Run<'_> {
                 return Err(BendError::NotFinite { rotation_rad: rotation });
             }
             bent.points.push(point);
+            bent.strains.push(gauge.read());
             progress(rotation);
             peak = peak.max(point[1]);
             if rotation > 2e-3 && point[1] > 0.8 * peak {

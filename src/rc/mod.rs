@@ -1,7 +1,7 @@
 //! The submodel of a member end: its resistance curves by FE, from the member end alone.
 //!
 //! Two of them: a piece of the global mesh with the homogenised law ([`cut`], [`pushover`]), and a mesh of its own in concrete and steel
-//! ([`member`], [`bend`]), described by a section file ([`section_file`]) or a building's column end and run as a [`series`].
+//! ([`member`], [`bend`], strains by [`gauge`]), described by a section file ([`section_file`]) or a building's column end and run as a [`series`].
 //!
 //! A curve never sees the history of the building it is later used in: the piece of the global mesh around the
 //! member end, with the global model's own law and element size, is clamped where it was cut and bent to failure.
@@ -9,6 +9,7 @@
 pub mod bend;
 mod column_end;
 pub mod cut;
+pub mod gauge;
 pub mod member;
 pub mod pushover;
 pub mod section_file;

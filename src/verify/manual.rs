@@ -1,7 +1,7 @@
 //! Figures as text: a table for a terminal, the JSON list, the Markdown page.
 
 use super::figure::{Figure, Tolerance};
-use super::suite::Case;
+use super::suite::{Case, Form};
 use std::fmt::Write;
 
 /// Six significant digits, in powers of ten where that is shorter.
@@ -40,6 +40,11 @@ fn with_unit(figure: &Figure) -> String {
     } else {
         format!("{} [{}]", figure.quantity, figure.unit)
     }
+}
+
+/// Text as it stands in a cell of a Markdown table.
+pub fn in_cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('[', "\\[").replace(']', "\\]")
 }
 
 /// The figures as a table of fixed width, for a terminal.
@@ -88,7 +93,11 @@ pub fn markdown(title: &str, intro: &str, cases: &[Case], figures: &[Figure]) ->
     let mut text = format!("# {title}\n\n{intro}\n{}", verdict(figures));
     for case in cases {
         let of_case: Vec<&Figure> = figures.iter().filter(|f| f.case == case.name).collect();
-        let form = if case.short { "" } else { " (full form only)" };
+        let form = match case.form {
+            Form::Short => "",
+            Form::Full => " (full form only)",
+            Form::Complete => " (complete form only)",
+        };
         let _ = write!(text, "\n## {}{form}\n\n{}\n\n", case.name, case.about);
         text.push_str(
             "| quantity | reference | ours | tolerance | | source |\n|---|---:|---:|---:|---|---|\n",
@@ -97,7 +106,7 @@ pub fn markdown(title: &str, intro: &str, cases: &[Case], figures: &[Figure]) ->
             let _ = writeln!(
                 text,
                 "| {} | {} | {} | {} | {} | {} |",
-                with_unit(f).replace('|', "\\|").replace('[', "\\[").replace(']', "\\]"),
+                in_cell(&with_unit(f)),
                 number(f.reference),
                 number(f.ours),
                 tolerance(f),

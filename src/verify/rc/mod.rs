@@ -1,4 +1,4 @@
-//! Reinforced concrete against closed forms, tests and other programs: the material point, the bar, the section.
+//! Reinforced concrete against closed forms, tests and other programs: the material point, the bar, the section, the member end.
 //!
 //! | file | cases |
 //! |---|---|
@@ -9,9 +9,17 @@
 //! | `paths` | random strain paths, other axes, other steps |
 //! | `bars` | the reinforcing bar |
 //! | `sections` | the fibre section |
+//! | `members` | member ends of the RC submodel beside their fibre sections |
+//! | `column_runs` | tested columns bent by the RC submodel (no cases) |
+//! | `columns` | their figures beside the tests |
+//! | `column_page` | every one of them on a page (no cases) |
 
 mod bars;
+pub mod column_page;
+pub mod column_runs;
+pub mod columns;
 mod curves;
+mod members;
 mod paths;
 pub mod point;
 mod sections;
@@ -21,8 +29,16 @@ pub mod strength;
 use super::suite::Case;
 
 /// Groups in the order of the manual: from the material point to the member.
-const GROUPS: &[fn() -> Vec<Case>] =
-    &[strength::cases, softening::cases, curves::cases, paths::cases, bars::cases, sections::cases];
+const GROUPS: &[fn() -> Vec<Case>] = &[
+    strength::cases,
+    softening::cases,
+    curves::cases,
+    paths::cases,
+    bars::cases,
+    sections::cases,
+    members::cases,
+    columns::cases,
+];
 
 /// All cases, in the order of the manual.
 pub fn cases() -> Vec<Case> {
