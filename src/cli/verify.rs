@@ -118,7 +118,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     if options.json {
         print(&manual::json(&figures).map_err(|e| Failure::stopped(e.to_string()))?);
     } else if options.markdown {
-        print(&manual::markdown(manual_of.title, manual_of.intro, &cases, &figures));
+        // a page of all cases also names those that were not run
+        let all = if options.case.is_none() { (manual_of.cases)() } else { cases };
+        let ran = if options.case.is_none() { form } else { Form::Complete };
+        print(&manual::markdown(manual_of.title, manual_of.intro, &all, ran, &figures));
     } else {
         print(&(manual::table(&figures) + &manual::verdict(&figures)));
     }

@@ -88,8 +88,8 @@ pub fn json(figures: &[Figure]) -> Result<String, serde_json::Error> {
     Ok(format!("[\n{}\n]\n", lines?.join(",\n")))
 }
 
-/// The manual: each case with what it models, and its figures. `intro` follows the title.
-pub fn markdown(title: &str, intro: &str, cases: &[Case], figures: &[Figure]) -> String {
+/// The manual: each case with what it models, and its figures; cases beyond the form `ran` say that they were not run. `intro` follows the title.
+pub fn markdown(title: &str, intro: &str, cases: &[Case], ran: Form, figures: &[Figure]) -> String {
     let mut text = format!("# {title}\n\n{intro}\n{}", verdict(figures));
     for case in cases {
         let of_case: Vec<&Figure> = figures.iter().filter(|f| f.case == case.name).collect();
@@ -99,6 +99,10 @@ pub fn markdown(title: &str, intro: &str, cases: &[Case], figures: &[Figure]) ->
             Form::Complete => " (complete form only)",
         };
         let _ = write!(text, "\n## {}{form}\n\n{}\n\n", case.name, case.about);
+        if case.form > ran {
+            text.push_str("Not run for this page.\n");
+            continue;
+        }
         text.push_str(
             "| quantity | reference | ours | tolerance | | source |\n|---|---:|---:|---:|---|---|\n",
         );
@@ -137,6 +141,15 @@ mod tests {
             assert_eq!(number(x), expected);
         }
         assert_eq!(number(f64::NAN), "NaN");
+    }
+
+    #[test]
+    fn the_page_says_which_cases_were_not_run() {
+        let figure = || Ok(vec![Figure::relative("u", "m", [1.0, 1.0], 0.1, "s")]);
+        let cases = [Case::short("a", "A.", figure), Case::complete("b", "B.", figure)];
+        let page = markdown("T", "", &cases, Form::Full, &cases[0].figures().unwrap());
+        assert!(page.contains("## a\n\nA.\n\n| quantity") && page.contains("| u \\[m\\] |"), "{page}");
+        assert!(page.ends_with("## b (complete form only)\n\nB.\n\nNot run for this page.\n"), "{page}");
     }
 
     #[test]
