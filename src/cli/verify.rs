@@ -76,7 +76,7 @@ const RC: Manual = Manual {
     title: "Verification of reinforced concrete",
     intro: "\
 Laws of concrete and bars at a material point, sections, and member ends, against closed forms, tests and other programs. The page is the output of
-`fallwerk verify rc --complete --markdown`, which computes every figure anew; `fallwerk verify rc` prints the same as a table and ends with exit
+`fallwerk verify rc --markdown` (with `--complete` also of the longest cases), which computes every figure anew; `fallwerk verify rc` prints the same as a table and ends with exit
 code 1 if a figure lies outside its tolerance. Tolerances in per cent are relative to the reference; those with ± are absolute.
 Tension is positive. The law itself is described at the head of `src/material/concrete/mod.rs`.
 ",
