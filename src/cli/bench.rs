@@ -155,7 +155,7 @@ fn stability(options: &Stability) -> Result<Outcome, Failure> {
 }
 
 /// Writes files into a folder, if one was asked for.
-fn save(folder: Option<&Path>, files: &[(&str, &str)]) -> Result<(), Failure> {
+pub(super) fn save(folder: Option<&Path>, files: &[(&str, &str)]) -> Result<(), Failure> {
     let Some(folder) = folder else { return Ok(()) };
     let failed = |e: std::io::Error| Failure::input(format!("{}: {e}", folder.display()));
     std::fs::create_dir_all(folder).map_err(failed)?;

@@ -163,10 +163,10 @@ fn derive(
     let done = match &what.building {
         None => {
             let sections = sections(what)?;
-            derive_sections(&sections, &what.bending, store, what.again, &watch)
+            derive_sections(&sections, what, store, &watch)
         }
-        Some(_) if what.bending.is_given() => {
-            let message = "--axial, --until, --mesh, --joint, --no-buckling and --seed-law are of --section and --grid; a building's own settings hold";
+        Some(_) if what.bending.is_given() || what.check_mesh => {
+            let message = "--axial, --until, --mesh, --elements, --check-mesh, --joint, --no-buckling and --seed-law are of --section and --grid; a building's own settings hold";
             return Err(Failure::Usage(message.to_string()));
         }
         Some(path) => {

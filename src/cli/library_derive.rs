@@ -23,6 +23,9 @@ pub struct Arguments {
     /// Column hinges of all sections of a grid file (`fallwerk rc --example-grid`)
     #[arg(long, value_name = "GRID", num_args = 1..)]
     pub grid: Vec<PathBuf>,
+    /// Bend sections in elements of twice the size as well, and state in the quality of their entries how much that changes
+    #[arg(long)]
+    pub check_mesh: bool,
     /// Compute entries that are there anew
     #[arg(long)]
     pub again: bool,
@@ -139,25 +142,27 @@ fn failed(end: &str) -> impl FnOnce(DeriveError) -> LibraryDeriveError + '_ {
 }
 
 /// Computes what the library lacks for sections in concrete and steel, and stores each entry as soon as it is done. Axial forces, rotation and
-/// mesh are those of `bending`.
+/// mesh are those of `bending`; with `check_mesh` the bends are run in coarser elements as well.
 ///
 /// # Errors
 /// If a submodel fails or the library cannot be written; entries computed before are in the library.
 pub fn derive_sections(
     sections: &[RcSection],
-    bending: &super::rc::Bending,
+    what: &Arguments,
     store: &mut Store,
-    again: bool,
     watch: &Watch,
 ) -> Result<Derived, LibraryDeriveError> {
     store.writable()?;
+    let (bending, again) = (&what.bending, what.again);
     let options = bending.options(&RC_AXIAL_SHARES, RC_UNTIL_RAD);
     let mut derived = Derived::default();
     let mut missing: BTreeMap<String, RcWanted> = BTreeMap::new();
     for section in sections {
         let section = bending.section(section.clone());
         let failed = |e: serde_json::Error| rc_failed(&section)(RcDeriveError::from(e));
-        let wanted = RcWanted::of(&section, &options).map_err(failed)?;
+        let options = bending.meshed(&options, &section);
+        let mut wanted = RcWanted::of(&section, &options).map_err(failed)?;
+        wanted.check_mesh = what.check_mesh;
         let key = wanted.key().map_err(failed)?;
         if again || store.keys().binary_search(&key).is_err() {
             missing.insert(key, wanted);

@@ -245,6 +245,8 @@ fn provenance(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     quality.extend(q.kinetic_energy_ratio.map(|x| format!("kinetic/internal energy {x:.2e}")));
     quality.extend(q.asymmetry.map(|x| format!("asymmetry {x:.2e}")));
     quality.extend(q.mesh_sensitivity.map(|x| format!("mesh sensitivity {x:.2e}")));
+    quality.extend(q.mesh_sensitivity_rotation.map(|x| format!("of the rotation at 80 % {x:.2e}")));
+    quality.extend(q.mesh_compared_m.map(|x| format!("against elements of {:.1} mm", 1e3 * x)));
     let quality = if quality.is_empty() { "not stated".to_string() } else { quality.join(", ") };
     writeln!(out, "  quality     {quality}")?;
     let p = &entry.provenance;

@@ -29,6 +29,7 @@ mod study;
 mod summary;
 pub mod verdict;
 mod verify;
+mod verify_columns;
 
 use crate::base::output::OutputFolder;
 use crate::building::{Building, inspect_file};

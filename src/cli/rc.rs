@@ -69,6 +69,9 @@ pub struct Bending {
     /// Size of the elements [default: 50 mm]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub mesh: Option<f64>,
+    /// Number of elements over the depth of each section, in the place of --mesh
+    #[arg(long, value_name = "N", value_parser = count, conflicts_with = "mesh")]
+    pub elements: Option<f64>,
     /// What the member stands on: a plane of symmetry, or a block of uncracked concrete [default: symmetry]
     #[arg(long, value_name = "KIND", value_parser = ["symmetry", "block"])]
     pub joint: Option<String>,
@@ -95,6 +98,15 @@ fn rotation(text: &str) -> Result<f64, String> {
     within(super::library_find::quantity(text, Dimension::Angle)?, 0.001, 1.0, "a rotation [rad]")
 }
 
+fn count(text: &str) -> Result<f64, String> {
+    within(
+        super::library_find::quantity(text, Dimension::Number)?,
+        2.0,
+        40.0,
+        "the number of elements over a depth",
+    )
+}
+
 fn size(text: &str) -> Result<f64, String> {
     super::library_find::quantity(text, Dimension::Length)
 }
@@ -114,10 +126,18 @@ impl Bending {
         }
     }
 
+    /// The options for a section: with --elements the size goes by its larger side, to a tenth of a millimetre.
+    pub fn meshed(&self, options: &SeriesOptions, section: &RcSection) -> SeriesOptions {
+        let depth_m = section.input.size_m[0].max(section.input.size_m[1]);
+        let mesh_size_m = self.elements.map_or(options.mesh_size_m, |n| (1e4 * depth_m / n).round() / 1e4);
+        SeriesOptions { mesh_size_m, ..options.clone() }
+    }
+
     /// Whether the command line says anything of it.
     pub fn is_given(&self) -> bool {
         let numbers = !self.axial.is_empty() || self.until.is_some() || self.mesh.is_some();
-        numbers || self.joint.is_some() || self.no_buckling || self.seed_law || self.whole
+        let laws = self.joint.is_some() || self.no_buckling || self.seed_law;
+        numbers || self.elements.is_some() || laws || self.whole
     }
 
     /// The section with or without buckling.
@@ -165,6 +185,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         fit_rule: arguments.loading.wants_rule()?,
         ..arguments.bending.options(axial_shares, defaults.until_rad)
     };
+    let options = arguments.bending.meshed(&options, &section);
     if let Some(odd) = options.directions_deg.iter().find(|d| !d.is_finite()) {
         return Err(Failure::input(format!("--direction {odd} is no angle; give degrees such as 90")));
     }

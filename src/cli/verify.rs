@@ -1,8 +1,9 @@
 //! `fallwerk verify`: the verification manual, run live.
 
 use super::progress::Progress;
+use super::verify_columns;
 use super::{Failure, Outcome, print, thread_pool};
-use crate::verify::{Case, Figure, fe, manual, rc, select, suite};
+use crate::verify::{Case, Figure, Form, fe, manual, rc, select, suite};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -20,8 +21,10 @@ pub struct Arguments {
 enum Solver {
     /// The explicit finite element solver
     Fe(Options),
-    /// Reinforced concrete: material point, bar, section
+    /// Reinforced concrete: material point, bar, section, member end
     Rc(Options),
+    /// Tested columns, each bent by the RC submodel: table and plot (20 to 60 minutes)
+    Columns(verify_columns::Arguments),
 }
 
 /// What to run and how to show it.
@@ -34,8 +37,11 @@ struct Options {
     #[arg(long, conflicts_with = "list")]
     markdown: bool,
     /// Only the cases that together take less than 30 s of one processor
-    #[arg(long)]
+    #[arg(long, conflicts_with = "complete")]
     short: bool,
+    /// Also the cases that take many minutes each
+    #[arg(long)]
+    complete: bool,
     /// Only cases whose name begins so
     #[arg(long, value_name = "NAME")]
     case: Option<String>,
@@ -69,8 +75,8 @@ known amount the case says why.
 const RC: Manual = Manual {
     title: "Verification of reinforced concrete",
     intro: "\
-Laws of concrete and bars at a material point, and sections, against closed forms, tests and other programs. The page is the output of
-`fallwerk verify rc --markdown`, which computes every figure anew; `fallwerk verify rc` prints the same as a table and ends with exit
+Laws of concrete and bars at a material point, sections, and member ends, against closed forms, tests and other programs. The page is the output of
+`fallwerk verify rc --markdown` (with `--complete` also of the longest cases), which computes every figure anew; `fallwerk verify rc` prints the same as a table and ends with exit
 code 1 if a figure lies outside its tolerance. Tolerances in per cent are relative to the reference; those with ± are absolute.
 Tension is positive. The law itself is described at the head of `src/material/concrete/mod.rs`.
 ",
@@ -82,9 +88,16 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let (manual_of, options) = match &arguments.solver {
         Solver::Fe(options) => (FE, options),
         Solver::Rc(options) => (RC, options),
+        Solver::Columns(columns) => return verify_columns::run(columns),
     };
-    let cases =
-        select((manual_of.cases)(), options.short, options.case.as_deref()).map_err(Failure::input)?;
+    let form = match (options.short, options.complete) {
+        (true, _) => Form::Short,
+        (_, true) => Form::Complete,
+        _ => Form::Full,
+    };
+    // a list leaves nothing out unless asked to
+    let form = if options.list && form == Form::Full { Form::Complete } else { form };
+    let cases = select((manual_of.cases)(), form, options.case.as_deref()).map_err(Failure::input)?;
     if options.list {
         print(&list(&cases));
         return Ok(Outcome::Done);
@@ -105,7 +118,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     if options.json {
         print(&manual::json(&figures).map_err(|e| Failure::stopped(e.to_string()))?);
     } else if options.markdown {
-        print(&manual::markdown(manual_of.title, manual_of.intro, &cases, &figures));
+        // a page of all cases also names those that were not run
+        let all = if options.case.is_none() { (manual_of.cases)() } else { cases };
+        let ran = if options.case.is_none() { form } else { Form::Complete };
+        print(&manual::markdown(manual_of.title, manual_of.intro, &all, ran, &figures));
     } else {
         print(&(manual::table(&figures) + &manual::verdict(&figures)));
     }
@@ -116,10 +132,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 /// Names, forms and subjects.
 fn list(cases: &[Case]) -> String {
     let width = cases.iter().map(|c| c.name.len()).max().unwrap_or(0);
-    let line = |c: &Case| {
-        let form = if c.short { "short" } else { "full " };
-        format!("{:width$}  {form}  {}\n", c.name, c.about)
-    };
+    let line = |c: &Case| format!("{:width$}  {:8}  {}\n", c.name, c.form.word(), c.about);
     cases.iter().map(line).collect()
 }
 

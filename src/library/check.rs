@@ -88,6 +88,8 @@ fn numbers(entry: &Entry) -> Result<(), String> {
         ("kinetic_energy_ratio", q.kinetic_energy_ratio),
         ("asymmetry", q.asymmetry),
         ("mesh_sensitivity", q.mesh_sensitivity),
+        ("mesh_sensitivity_rotation", q.mesh_sensitivity_rotation),
+        ("mesh_compared_m", q.mesh_compared_m),
     ] {
         finite(&format!("quality.{name}"), figure.unwrap_or(0.0))?;
     }

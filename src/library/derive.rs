@@ -128,7 +128,7 @@ impl Wanted {
                 ),
                 elements: Some(curves.elements as u64),
                 asymmetry: Some(curves.asymmetry),
-                mesh_sensitivity: None,
+                ..Quality::default()
             },
             validity: validity(&curves),
             ..Computed::default()

@@ -13,7 +13,7 @@
 //! | [`store`] | opening, reading, writing |
 //! | [`journal`], `history` | the journal of events; what the store tells it |
 //! | [`find`], `query`, `interpolate` | the distance between features; queries; an entry between two |
-//! | [`derive`] | entries computed by the submodel |
+//! | [`derive`], [`rc`], [`mesh_check`] | entries computed by the submodels; how much they depend on the mesh |
 //! | [`add`], [`curve_file`], [`meta`] | entries from tests and other programs: the curve, what is said of it |
 //! | [`exchange`] | verify, export, import |
 
@@ -32,6 +32,7 @@ mod interpolate;
 pub mod journal;
 mod key;
 mod lock;
+pub mod mesh_check;
 pub mod meta;
 mod parts;
 mod query;

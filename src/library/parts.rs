@@ -155,9 +155,15 @@ pub struct Quality {
     /// Largest relative difference of the moment between the two senses of rotation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub asymmetry: Option<f64>,
-    /// Relative change of the peak moment from a mesh of half the element size.
+    /// Relative change of the peak moment from a mesh of another element size, the largest of all curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh_sensitivity: Option<f64>,
+    /// As before, of the rotation at 80 % of the peak; absent also if no curve falls to it in both meshes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_sensitivity_rotation: Option<f64>,
+    /// Element size of that mesh \[m\]; absent: half of the entry's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_compared_m: Option<f64>,
 }
 
 /// How a test or a run of another program loaded the member.

@@ -5,6 +5,7 @@ use super::entry::{
     Quality, RcFeatures, Stiffness, Validity,
 };
 use super::key::key_of;
+use super::mesh_check::{COARSER, MeshChange, asymmetry};
 use super::thin::thinned;
 use crate::base::hash::ContentHash;
 use crate::curve::{CurveError, Envelope, ResistanceCurve};
@@ -24,6 +25,8 @@ pub const RC_AXIAL_SHARES: [f64; 5] = [-0.05, 0.0, 0.1, 0.3, 0.6];
 pub const RC_UNTIL_RAD: f64 = 0.25;
 /// Points that a stored envelope keeps.
 const ENVELOPE_POINTS: usize = 40;
+/// Share of the time that the bends in coarser elements take, for the progress only.
+const CHECK_SHARE: f64 = 0.08;
 /// Lengths in which a section counts as symmetric \[m\].
 const SAME_M: f64 = 1e-6;
 
@@ -38,6 +41,8 @@ pub struct RcWanted {
     pub features: Features,
     /// Everything that it is computed from.
     pub inputs: Inputs,
+    /// Whether the bends are run in coarser elements as well, for the entry's quality (not part of its key).
+    pub check_mesh: bool,
 }
 
 /// Why an entry cannot be computed.
@@ -74,7 +79,7 @@ pub enum RcDeriveError {
 pub struct RcDerived {
     /// The entry.
     pub entry: Entry,
-    /// Levels that were left out, in words.
+    /// Levels that were left out, and a check of the mesh that could not be made, in words.
     pub left_out: Vec<String>,
 }
 
@@ -180,7 +185,7 @@ impl RcWanted {
             submodel_version: Some(RC_SUBMODEL_VERSION),
             ..Inputs::default()
         };
-        Ok(Self { section: section.clone(), options, features, inputs })
+        Ok(Self { section: section.clone(), options, features, inputs, check_mesh: false })
     }
 
     /// The key that the entry has.
@@ -198,8 +203,9 @@ impl RcWanted {
     /// # Errors
     /// If the concrete does not suit the mesh, or what is left makes no curve.
     pub fn derive(&self, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<RcDerived, RcDeriveError> {
-        let series = series::run(&self.section, &self.options, progress)?;
-        let (levels, left_out) = usable(&series)?;
+        let own_share = if self.check_mesh { 1.0 - CHECK_SHARE } else { 1.0 };
+        let series = series::run(&self.section, &self.options, &|s, text| progress(own_share * s, text))?;
+        let (levels, mut left_out) = usable(&series)?;
         let axis = |direction_deg: f64| axis(&series, &levels, direction_deg);
         let first = self.axis_with_reverse(90.0, &axis)?;
         let second = if Symmetry::of(&self.section).axes_alike {
@@ -209,13 +215,41 @@ impl RcWanted {
         };
         let computed = Computed {
             axes: vec![first, second],
-            quality: quality(&series),
+            quality: self.quality(&series, progress, &mut left_out),
             validity: validity(&series, &levels),
             ..self.elastic_and_axial(&series)
         };
         let (features, inputs) = (self.features.clone(), self.inputs.clone());
         let entry = Entry::new(EntryKind::ColumnHinge, Origin::RcSubmodel, features, inputs, computed)?;
         Ok(RcDerived { entry, left_out })
+    }
+
+    /// Quality of the curves; with the check of the mesh, if it is wanted and can be made.
+    fn quality(
+        &self,
+        series: &Series,
+        progress: &(dyn Fn(f64, &str) + Sync),
+        left_out: &mut Vec<String>,
+    ) -> Quality {
+        let mut quality = quality(series);
+        if !self.check_mesh {
+            return quality;
+        }
+        let mesh_size_m = COARSER * self.options.mesh_size_m;
+        let coarse = SeriesOptions { mesh_size_m, ..self.options.clone() };
+        let tell = |share: f64, text: &str| {
+            progress(1.0 - CHECK_SHARE * (1.0 - share), &format!("in coarser elements, {text}"));
+        };
+        let other = series::run(&self.section, &coarse, &tell).map_err(|e| e.to_string());
+        match other.and_then(|other| MeshChange::between(series, &other)) {
+            Ok(change) => {
+                quality.mesh_sensitivity = Some(change.peak);
+                quality.mesh_sensitivity_rotation = change.rotation_80;
+                quality.mesh_compared_m = Some(change.other_size_m);
+            }
+            Err(why) => left_out.push(format!("check of the mesh: {why}")),
+        }
+        quality
     }
 
     fn axis_with_reverse(
@@ -328,8 +362,8 @@ fn quality(series: &Series) -> Quality {
     Quality {
         kinetic_energy_ratio: Some(kinetic.fold(0.0, f64::max)),
         elements: Some(series.elements[0] as u64),
-        asymmetry: None,
-        mesh_sensitivity: None,
+        asymmetry: asymmetry(series),
+        ..Quality::default()
     }
 }
 

@@ -6,8 +6,9 @@
 //! run whose balance is off is refused.
 
 use super::anchorage::Anchored;
-use super::events::{Event, Watch};
 use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, Means, Path};
+use super::events::{Event, Watch};
+use super::gauge::{EndStrains, Gauge};
 use super::member::{Joint, RcMember};
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
@@ -86,6 +87,8 @@ impl std::fmt::Display for Ending {
 pub struct Bent {
     /// `[chord rotation (rad), moment (N m), shortening (m)]`, from the axially loaded state.
     pub points: Vec<[f64; 3]>,
+    /// Strains at each point.
+    pub strains: Vec<EndStrains>,
     /// Index of the first point behind each turning point that was passed.
     pub turned_at: Vec<usize>,
     /// Largest kinetic energy beside that of a turn of the whole member over internal energy, beyond a rotation of 2 mrad; of a monotonic push as
@@ -302,6 +305,9 @@ impl Run<'_> {
         let mut means = Means::<3>::default();
         let mut watch = Watch::of(self.member);
         let (mut events, mut slips_m) = (Vec::new(), vec![0.0]);
+        let mut gauge = Gauge::of(self.member, self.direction);
+        gauge.take(&self.body);
+        let mut strains = vec![gauge.read()];
         let (mut next, mut since, mut turn) = (0, 0.0, 0.0);
         let (ending, energies) = loop {
             let motion = path.motion(self.body.time_s - from);
@@ -309,6 +315,7 @@ impl Run<'_> {
                 if let Some(point) = means.take() {
                     course.add(point, next);
                     slips_m.push(self.anchored.largest_slip_m());
+                    strains.push(gauge.read());
                 }
                 course.turned(next);
                 (since, turn, next) = (self.rotation_rad(), self.rotation_rad(), motion.next);
@@ -320,6 +327,7 @@ impl Run<'_> {
             let (rotation, sense) = (self.rotation_rad(), path.sense(next));
             watch.look(&self.body, self.anchored.sliding(), rotation, &mut events);
             means.add([rotation, self.moment_nm(), self.rest_m - self.height_m()]);
+            gauge.take(&self.body);
             let interval = (SAMPLE_RAD[0] + 0.05 * (sense * (rotation - turn))).min(SAMPLE_RAD[1]);
             if sense * (rotation - since) < interval {
                 continue;
@@ -331,6 +339,7 @@ impl Run<'_> {
             progress(self.body.time_s);
             course.add(point, next);
             slips_m.push(self.anchored.largest_slip_m());
+            strains.push(gauge.read());
             course.kinetic(self.vibration_j(motion.rate_rad_s) / energies.internal_j.max(1.0));
             let passed = next + 1 == path.turns() && sense * (rotation - path.turn_rad(next)) >= 0.0;
             if let Some(ending) = course.ending().or(passed.then_some(Ending::Path)) {
@@ -339,7 +348,7 @@ impl Run<'_> {
         };
         let Course { points, turned_at, kinetic_share, .. } = course;
         let steps = self.body.steps;
-        Ok(Bent { points, turned_at, kinetic_share, energies, steps, ending, slips_m, events })
+        Ok(Bent { points, strains, turned_at, kinetic_share, energies, steps, ending, slips_m, events })
     }
 
     /// Gives the free end a rate of rotation \[rad/s\].

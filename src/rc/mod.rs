@@ -1,8 +1,8 @@
 //! The submodel of a member end: its resistance curves by FE, from the member end alone.
 //!
 //! Two of them: a piece of the global mesh with the homogenised law ([`cut`], [`pushover`]), and a mesh of its own in concrete and steel
-//! ([`member`], [`bend`], driven along a path of [`drive`]), described by a section file ([`section_file`]) or a building's column end and run as a [`series`];
-//! cyclic histories are evaluated in [`hysteresis`].
+//! ([`member`], [`bend`], driven along a path of [`drive`], strains by [`gauge`]), described by a section file ([`section_file`]) or a building's column end
+//! and run as a [`series`]; cyclic histories are evaluated in [`hysteresis`].
 //!
 //! Bars may slip out of the joint ([`anchorage`]); what happens to single bars and ties is told as [`events`].
 //!
@@ -15,6 +15,7 @@ mod column_end;
 pub mod cut;
 pub mod drive;
 pub mod events;
+pub mod gauge;
 pub mod hysteresis;
 pub mod member;
 pub mod pushover;

@@ -252,7 +252,8 @@ pub fn run(
             None => member,
         })
     };
-    let members: Vec<RcMember> = options.directions_deg.iter().map(member).collect::<Result<_, LawError>>()?;
+    let members: Vec<RcMember> =
+        options.directions_deg.iter().map(member).collect::<Result<_, LawError>>()?;
     let jobs: Vec<(&RcMember, [f64; 2])> = options
         .directions_deg
         .iter()

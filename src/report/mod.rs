@@ -11,6 +11,7 @@
 //! | `chart` | one line chart as SVG |
 //! | `figure` | charts as an SVG file of their own |
 //! | `loglog` | a plot on logarithmic axes as an SVG file |
+//! | `scatter` | points of two quantities that should be equal, as an SVG file |
 //! | `plots` | which charts a report has |
 //! | `page` | tables and figures for the template |
 //! | `codec`, `scene` | the packed data of the 3D view |
@@ -25,6 +26,7 @@ pub mod loglog;
 mod number;
 mod page;
 mod plots;
+pub mod scatter;
 mod scene;
 pub mod scene_input;
 

@@ -58,8 +58,10 @@ pub struct Specimen {
     pub failure: Failure,
     /// Largest base moment in positive and negative direction \[N m\].
     pub peak_moment_nm: [f64; 2],
-    /// Drift at 80 % of the largest lateral force.
+    /// Drift at 80 % of the largest lateral force, or the last one of the test.
     pub drift_at_80: f64,
+    /// Whether the lateral force fell to 80 % before the test ended.
+    pub fell: bool,
 }
 
 impl Specimen {
@@ -146,6 +148,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [837_770.0, 876_910.0],
         drift_at_80: 0.02822,
+        fell: false,
     },
     Specimen {
         name: "Gill No. 4",
@@ -166,6 +169,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [902_510.0, 899_860.0],
         drift_at_80: 0.01303,
+        fell: false,
     },
     Specimen {
         name: "Ang No. 3",
@@ -186,6 +190,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [336_500.0, 325_320.0],
         drift_at_80: 0.03183,
+        fell: true,
     },
     Specimen {
         name: "Soesianawati No. 1",
@@ -206,6 +211,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [353_810.0, 333_100.0],
         drift_at_80: 0.0489,
+        fell: true,
     },
     Specimen {
         name: "Soesianawati No. 2",
@@ -226,6 +232,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [481_020.0, 460_870.0],
         drift_at_80: 0.03143,
+        fell: true,
     },
     Specimen {
         name: "Watson No. 5",
@@ -246,6 +253,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [535_230.0, 516_660.0],
         drift_at_80: 0.02292,
+        fell: true,
     },
     Specimen {
         name: "Watson No. 7",
@@ -266,6 +274,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [525_470.0, 432_580.0],
         drift_at_80: 0.01021,
+        fell: true,
     },
     Specimen {
         name: "Tanaka No. 1",
@@ -286,6 +295,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [290_410.0, 283_220.0],
         drift_at_80: 0.03936,
+        fell: true,
     },
     Specimen {
         name: "Tanaka No. 7",
@@ -306,6 +316,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [1_073_100.0, 1_115_400.0],
         drift_at_80: 0.04976,
+        fell: true,
     },
     Specimen {
         name: "Ohno L1",
@@ -326,6 +337,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [195_540.0, 202_740.0],
         drift_at_80: 0.05129,
+        fell: false,
     },
     Specimen {
         name: "Atalay No. 1S1",
@@ -346,6 +358,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [112_270.0, 103_990.0],
         drift_at_80: 0.02498,
+        fell: false,
     },
     Specimen {
         name: "Atalay No. 5S1",
@@ -366,6 +379,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [138_990.0, 145_180.0],
         drift_at_80: 0.03081,
+        fell: false,
     },
     Specimen {
         name: "Atalay No. 10",
@@ -386,6 +400,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [151_160.0, 151_210.0],
         drift_at_80: 0.02391,
+        fell: true,
     },
     Specimen {
         name: "Saatcioglu U1",
@@ -406,6 +421,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [276_200.0, 251_300.0],
         drift_at_80: 0.04851,
+        fell: true,
     },
     Specimen {
         name: "Saatcioglu U3",
@@ -426,6 +442,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [283_580.0, 281_980.0],
         drift_at_80: 0.0511,
+        fell: true,
     },
     Specimen {
         name: "Saatcioglu U4",
@@ -446,6 +463,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [366_760.0, 331_420.0],
         drift_at_80: 0.0929,
+        fell: true,
     },
     Specimen {
         name: "Saatcioglu U6",
@@ -466,6 +484,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [387_200.0, 358_760.0],
         drift_at_80: 0.089,
+        fell: false,
     },
     Specimen {
         name: "Lynn 3CLH18",
@@ -486,6 +505,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Shear,
         peak_moment_nm: [415_820.0, 383_580.0],
         drift_at_80: 0.01,
+        fell: true,
     },
     Specimen {
         name: "Lynn 2CLH18",
@@ -506,6 +526,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [368_940.0, 360_990.0],
         drift_at_80: 0.02593,
+        fell: true,
     },
     Specimen {
         name: "Lynn 2CMH18",
@@ -526,6 +547,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [472_120.0, 471_850.0],
         drift_at_80: 0.00957,
+        fell: true,
     },
     Specimen {
         name: "Sezen No. 1",
@@ -546,6 +568,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [463_500.0, 481_820.0],
         drift_at_80: 0.02554,
+        fell: true,
     },
     Specimen {
         name: "Sezen No. 2",
@@ -566,6 +589,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [476_930.0, 563_810.0],
         drift_at_80: 0.01522,
+        fell: true,
     },
     Specimen {
         name: "Sezen No. 4",
@@ -586,6 +610,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [454_080.0, 354_580.0],
         drift_at_80: 0.02888,
+        fell: true,
     },
 ];
 

@@ -1,7 +1,7 @@
 //! Figures as text: a table for a terminal, the JSON list, the Markdown page.
 
 use super::figure::{Figure, Tolerance};
-use super::suite::Case;
+use super::suite::{Case, Form};
 use std::fmt::Write;
 
 /// Six significant digits, in powers of ten where that is shorter.
@@ -40,6 +40,11 @@ fn with_unit(figure: &Figure) -> String {
     } else {
         format!("{} [{}]", figure.quantity, figure.unit)
     }
+}
+
+/// Text as it stands in a cell of a Markdown table.
+pub fn in_cell(text: &str) -> String {
+    text.replace('|', "\\|").replace('[', "\\[").replace(']', "\\]")
 }
 
 /// The figures as a table of fixed width, for a terminal.
@@ -83,13 +88,21 @@ pub fn json(figures: &[Figure]) -> Result<String, serde_json::Error> {
     Ok(format!("[\n{}\n]\n", lines?.join(",\n")))
 }
 
-/// The manual: each case with what it models, and its figures. `intro` follows the title.
-pub fn markdown(title: &str, intro: &str, cases: &[Case], figures: &[Figure]) -> String {
+/// The manual: each case with what it models, and its figures; cases beyond the form `ran` say that they were not run. `intro` follows the title.
+pub fn markdown(title: &str, intro: &str, cases: &[Case], ran: Form, figures: &[Figure]) -> String {
     let mut text = format!("# {title}\n\n{intro}\n{}", verdict(figures));
     for case in cases {
         let of_case: Vec<&Figure> = figures.iter().filter(|f| f.case == case.name).collect();
-        let form = if case.short { "" } else { " (full form only)" };
+        let form = match case.form {
+            Form::Short => "",
+            Form::Full => " (full form only)",
+            Form::Complete => " (complete form only)",
+        };
         let _ = write!(text, "\n## {}{form}\n\n{}\n\n", case.name, case.about);
+        if case.form > ran {
+            text.push_str("Not run for this page.\n");
+            continue;
+        }
         text.push_str(
             "| quantity | reference | ours | tolerance | | source |\n|---|---:|---:|---:|---|---|\n",
         );
@@ -97,7 +110,7 @@ pub fn markdown(title: &str, intro: &str, cases: &[Case], figures: &[Figure]) ->
             let _ = writeln!(
                 text,
                 "| {} | {} | {} | {} | {} | {} |",
-                with_unit(f).replace('|', "\\|").replace('[', "\\[").replace(']', "\\]"),
+                in_cell(&with_unit(f)),
                 number(f.reference),
                 number(f.ours),
                 tolerance(f),
@@ -128,6 +141,15 @@ mod tests {
             assert_eq!(number(x), expected);
         }
         assert_eq!(number(f64::NAN), "NaN");
+    }
+
+    #[test]
+    fn the_page_says_which_cases_were_not_run() {
+        let figure = || Ok(vec![Figure::relative("u", "m", [1.0, 1.0], 0.1, "s")]);
+        let cases = [Case::short("a", "A.", figure), Case::complete("b", "B.", figure)];
+        let page = markdown("T", "", &cases, Form::Full, &cases[0].figures().unwrap());
+        assert!(page.contains("## a\n\nA.\n\n| quantity") && page.contains("| u \\[m\\] |"), "{page}");
+        assert!(page.ends_with("## b (complete form only)\n\nB.\n\nNot run for this page.\n"), "{page}");
     }
 
     #[test]

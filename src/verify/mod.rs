@@ -9,9 +9,9 @@
 //! | `figure` | a figure, its tolerance and the judgement |
 //! | `suite` | cases, their choice by name, running them side by side |
 //! | `manual` | the table for a terminal, the JSON list, the Markdown page |
-//! | `columns` | tested columns of reinforced concrete |
+//! | `columns` | tested columns of reinforced concrete: data |
 //! | `fe/` | the cases of the explicit finite element solver |
-//! | `rc/` | the cases of reinforced concrete: material point, bar, section |
+//! | `rc/` | the cases of reinforced concrete: material point, bar, section, member end, tested columns |
 
 pub mod columns;
 pub mod fe;
@@ -21,4 +21,4 @@ pub mod rc;
 pub mod suite;
 
 pub use figure::{Figure, Tolerance};
-pub use suite::{Case, Failed, select};
+pub use suite::{Case, Failed, Form, select};

@@ -6,14 +6,41 @@ use rayon::prelude::*;
 /// What runs a case; the error says why it came to no figures.
 pub type Run = Box<dyn Fn() -> Result<Vec<Figure>, String> + Send + Sync>;
 
+/// How much is run: each form contains the ones before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Form {
+    /// What CI runs: all cases together take less than 30 s of one processor.
+    Short,
+    /// The manual: up to half an hour of one processor.
+    Full,
+    /// With cases of many minutes each.
+    Complete,
+}
+
+impl Form {
+    /// The short form, or else the full one.
+    pub fn short_if(short: bool) -> Self {
+        if short { Self::Short } else { Self::Full }
+    }
+
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Short => "short",
+            Self::Full => "full",
+            Self::Complete => "complete",
+        }
+    }
+}
+
 /// A verification case.
 pub struct Case {
     /// Name on the command line.
     pub name: String,
     /// What is modelled and what is checked, one sentence.
     pub about: &'static str,
-    /// Whether it belongs to the short form, whose cases together take less than 30 s of one processor.
-    pub short: bool,
+    /// The smallest form that it belongs to.
+    pub form: Form,
     /// Computes its figures.
     pub run: Run,
 }
@@ -25,16 +52,25 @@ impl Case {
         about: &'static str,
         run: impl Fn() -> Result<Vec<Figure>, String> + Send + Sync + 'static,
     ) -> Self {
-        Self { name: name.into(), about, short: true, run: Box::new(run) }
+        Self { name: name.into(), about, form: Form::Short, run: Box::new(run) }
     }
 
-    /// A case of the full form only.
+    /// A case of the full and the complete form.
     pub fn long(
         name: impl Into<String>,
         about: &'static str,
         run: impl Fn() -> Result<Vec<Figure>, String> + Send + Sync + 'static,
     ) -> Self {
-        Self { short: false, ..Self::short(name, about, run) }
+        Self { form: Form::Full, ..Self::short(name, about, run) }
+    }
+
+    /// A case of the complete form only.
+    pub fn complete(
+        name: impl Into<String>,
+        about: &'static str,
+        run: impl Fn() -> Result<Vec<Figure>, String> + Send + Sync + 'static,
+    ) -> Self {
+        Self { form: Form::Complete, ..Self::short(name, about, run) }
     }
 
     /// Its figures, with its name in them.
@@ -56,16 +92,19 @@ pub struct Failed {
     pub message: String,
 }
 
-/// The cases of the short form or all, those whose name is or begins with `name` if one is given.
+/// The cases of a form; with `name` those called so, and those of the short and full form (or the complete one, if that is asked for) whose
+/// name begins so.
 ///
 /// # Errors
 /// If no case has that name.
-pub fn select(cases: Vec<Case>, short: bool, name: Option<&str>) -> Result<Vec<Case>, String> {
+pub fn select(cases: Vec<Case>, form: Form, name: Option<&str>) -> Result<Vec<Case>, String> {
     let Some(name) = name else {
-        return Ok(cases.into_iter().filter(|c| c.short || !short).collect());
+        return Ok(cases.into_iter().filter(|c| c.form <= form).collect());
     };
     let names: Vec<String> = cases.iter().map(|c| c.name.clone()).collect();
-    let chosen: Vec<Case> = cases.into_iter().filter(|c| c.name.starts_with(name)).collect();
+    let wide = form.max(Form::Full);
+    let chosen: Vec<Case> =
+        cases.into_iter().filter(|c| c.name == name || c.form <= wide && c.name.starts_with(name)).collect();
     if chosen.is_empty() {
         return Err(format!("no case begins with `{name}`; there are: {}", names.join(", ")));
     }
@@ -92,18 +131,22 @@ mod tests {
             Case::short("a", "", figure),
             Case::long("a-fine", "", figure),
             Case::short("b", "", || Err("no state".into())),
+            Case::complete("b-all", "", figure),
         ]
     }
 
     #[test]
     fn cases_are_chosen_by_form_and_by_name() {
-        let names = |short, name| {
-            select(cases(), short, name).map(|c| c.into_iter().map(|c| c.name).collect::<Vec<_>>())
+        let names = |form, name| {
+            select(cases(), form, name).map(|c| c.into_iter().map(|c| c.name).collect::<Vec<_>>())
         };
-        assert_eq!(names(true, None).unwrap(), ["a", "b"]);
-        assert_eq!(names(false, None).unwrap(), ["a", "a-fine", "b"]);
-        assert_eq!(names(true, Some("a-")).unwrap(), ["a-fine"]);
-        assert!(names(false, Some("c")).unwrap_err().contains("a-fine"));
+        assert_eq!(names(Form::Short, None).unwrap(), ["a", "b"]);
+        assert_eq!(names(Form::Full, None).unwrap(), ["a", "a-fine", "b"]);
+        assert_eq!(names(Form::Complete, None).unwrap(), ["a", "a-fine", "b", "b-all"]);
+        assert_eq!(names(Form::Short, Some("a-")).unwrap(), ["a-fine"]);
+        assert_eq!(names(Form::Full, Some("b")).unwrap(), ["b"]);
+        assert_eq!(names(Form::Short, Some("b-all")).unwrap(), ["b-all"]);
+        assert!(names(Form::Full, Some("c")).unwrap_err().contains("a-fine"));
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod add;
 mod commands;
 mod damage;
 mod exchange;
+mod grids;
 mod interpolation;
 mod journal;
 mod queries;
@@ -134,7 +135,7 @@ pub fn computed(seed: u32, levels: u32, points: u32) -> Computed {
             kinetic_energy_ratio: Some(0.011),
             elements: Some(5000),
             asymmetry: Some(0.002),
-            mesh_sensitivity: None,
+            ..Quality::default()
         },
         validity: Validity {
             axial_force_n: [0.0, 8e5],

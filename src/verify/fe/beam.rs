@@ -7,7 +7,7 @@ use crate::fe::dynamics::Dynamics;
 use crate::fe::law::{ElementForm, Law};
 use crate::fe::preload::equilibrate;
 use crate::fe::shapes::{bilinear, elastic, grid, nearest};
-use crate::verify::{Case, Figure};
+use crate::verify::{Case, Figure, Form};
 
 const GRAVITY_M_S2: f64 = 9.81;
 
@@ -19,7 +19,7 @@ pub fn cases() -> Vec<Case> {
         let default = form.form == ElementForm::default();
         for (along, short) in [(20, true), (40, default)].into_iter().chain(default.then_some((80, false))) {
             cases.push(Case {
-                short,
+                form: Form::short_if(short),
                 ..Case::long(
                     format!("elastic-cantilever-{along}-{}", form.name),
                     "Cantilever 10 x 1 x 1 m, E 30 GPa, ν 0.2, 2500 kg/m³, under suddenly applied gravity; two, four or eight \
@@ -28,7 +28,7 @@ pub fn cases() -> Vec<Case> {
                 )
             });
             cases.push(Case {
-                short,
+                form: Form::short_if(short),
                 ..Case::long(
                     format!("plastic-cantilever-{along}-{}", form.name),
                     "The elastic cantilever with a yield stress of 2 MPa and a tangent modulus of 300 MPa. The converged tip at \

@@ -11,7 +11,7 @@ use crate::fe::law::Law;
 use crate::fe::mesh::{Element, Mesh};
 use crate::fe::model::ContactSettings;
 use crate::fe::shapes::{bilinear, elastic, grid, ground, nearest, round_bar};
-use crate::verify::{Case, Figure};
+use crate::verify::{Case, Figure, Form};
 
 const GRAVITY_M_S2: f64 = 9.81;
 
@@ -56,7 +56,7 @@ pub fn cases() -> Vec<Case> {
     for form in FORMS {
         for (layers, refine, short) in [(24, 1, true), (48, 2, false)] {
             cases.push(Case {
-                short,
+                form: Form::short_if(short),
                 ..Case::long(
                     format!("taylor-bar-{}-{}", layers * 48 * refine * refine, form.name),
                     "Taylor's copper bar: L 32.4 mm, R 3.2 mm, 227 m/s, E 117 GPa, ν 0.35, 8930 kg/m³, yield 400 MPa, tangent \

@@ -1,4 +1,4 @@
-//! Reinforced concrete against closed forms, tests and other programs: the material point, the bar, the section.
+//! Reinforced concrete against closed forms, tests and other programs: the material point, the bar, the section, the member end.
 //!
 //! | file | cases |
 //! |---|---|
@@ -11,11 +11,19 @@
 //! | `sections` | the fibre section |
 //! | `anchorage` | slip and pull-out of a bar |
 //! | `biaxial` | the submodel in skew bending |
+//! | `members` | member ends of the RC submodel beside their fibre sections |
+//! | `column_runs` | tested columns bent by the RC submodel (no cases) |
+//! | `columns` | their figures beside the tests |
+//! | `column_page` | every one of them on a page (no cases) |
 
 mod anchorage;
 mod bars;
 mod biaxial;
+pub mod column_page;
+pub mod column_runs;
+pub mod columns;
 mod curves;
+mod members;
 mod paths;
 pub mod point;
 mod sections;
@@ -34,6 +42,8 @@ const GROUPS: &[fn() -> Vec<Case>] = &[
     sections::cases,
     anchorage::cases,
     biaxial::cases,
+    members::cases,
+    columns::cases,
 ];
 
 /// All cases, in the order of the manual.

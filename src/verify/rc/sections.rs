@@ -56,7 +56,7 @@ fn steel_ties(diameter_m: f64, spacing_m: f64, cover_m: f64) -> TieInput {
     }
 }
 
-/// 400 mm, eight bars.
+/// Column of 400 mm: 8 bars of 20 mm, ties of 8 mm at 150 mm, 30 MPa; bars and ties 500 MPa.
 pub(super) fn s1() -> SectionInput {
     let places = [-0.16, 0.0, 0.16];
     let grid = places.iter().flat_map(|x| places.iter().map(|y| [*x, *y]));
@@ -73,7 +73,7 @@ pub(super) fn s1() -> SectionInput {
     }
 }
 
-/// 300 mm, four bars.
+/// Column of 300 mm: 4 bars of 16 mm, ties of 6 mm at 200 mm, 25 MPa.
 pub(super) fn s2() -> SectionInput {
     let corners = [[0.115, 0.115], [0.115, -0.115], [-0.115, 0.115], [-0.115, -0.115]];
     SectionInput {
@@ -83,6 +83,31 @@ pub(super) fn s2() -> SectionInput {
         tensile_strength_pa: 2.565e6,
         youngs_modulus_pa: 28.96e9,
         ties: Some(steel_ties(0.006, 0.20, 0.021)),
+        ..s1()
+    }
+}
+
+/// Beam of 300 x 500 mm: 3 bars of 20 mm at the bottom (y < 0), 2 of 16 mm at the top, ties of 8 mm at 150 mm, 30 MPa.
+pub(super) fn s3() -> SectionInput {
+    let bottom = [-0.11, 0.0, 0.11].map(|x_m| Bar { x_m, y_m: -0.21, diameter_m: 0.020 });
+    let top = [-0.11, 0.11].map(|x_m| Bar { x_m, y_m: 0.21, diameter_m: 0.016 });
+    SectionInput { size_m: [0.3, 0.5], bars: [&bottom[..], &top].concat(), ..s1() }
+}
+
+/// Column of 500 mm: 12 bars of 25 mm, ties of 10 mm at 100 mm with four legs each way that hold all bars, 40 MPa.
+pub(super) fn s4() -> SectionInput {
+    let places = [-0.2, -0.2 / 3.0, 0.2 / 3.0, 0.2];
+    let outer = |c: f64| c.abs() > 0.19;
+    let grid = places.iter().flat_map(|x| places.iter().map(|y| [*x, *y]));
+    let ring = grid.filter(|[x, y]| outer(*x) || outer(*y));
+    let concrete = crate::material::concrete::ConcreteLaw::of_strength(40e6);
+    SectionInput {
+        size_m: [0.5, 0.5],
+        bars: ring.map(|[x_m, y_m]| Bar { x_m, y_m, diameter_m: 0.025 }).collect(),
+        concrete_strength_pa: 40e6,
+        tensile_strength_pa: concrete.tensile_strength_pa,
+        youngs_modulus_pa: concrete.youngs_modulus_pa,
+        ties: Some(TieInput { legs: [4.0; 2], all_bars_held: true, ..steel_ties(0.010, 0.10, 0.0275) }),
         ..s1()
     }
 }
