@@ -252,7 +252,7 @@ mod tests {
     fn the_rule_that_made_the_loops_is_found_again() {
         let curve = curve(&[[0.0, 10.0], [0.2, 10.0]]);
         let backbone = LevelBackbone::of(&curve, 0.0);
-        let made = rule(1.5, 0.4);
+        let made = rule(0.5, 0.4);
         let turns: Vec<f64> = [0.02, 0.03, 0.04].iter().flat_map(|a| [*a, -a, *a, -a]).collect();
         let mut hinge = CyclicHinge::default();
         let (mut excursions, mut zero_j, mut top) = (Vec::new(), 0.0, CyclicHinge::default());

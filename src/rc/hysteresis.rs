@@ -301,7 +301,7 @@ mod tests {
         let found =
             Hysteresis::of(&History { points: &points, turned_at: &turned_at, axial_n: 0.0, length_m: 2.0 });
         assert_eq!((found.cycles.len(), found.excursions.len()), (0, 1));
-        assert!((found.energy_j - 10.0 * 0.025).abs() < 1e-9);
+        assert!((found.energy_j - 10.0 * 0.025).abs() < 1e-5);
         let none =
             Hysteresis::of(&History { points: &[[0.0; 3]], turned_at: &[], axial_n: 0.0, length_m: 2.0 });
         assert_eq!((none.excursions.len(), none.envelopes[0].len()), (0, 1));

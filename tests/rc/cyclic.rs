@@ -27,14 +27,15 @@ fn a_path_that_turns_is_a_monotonic_push_until_it_slows_down() {
     assert_eq!(push.points[..common], turned.points[..common]);
     assert_eq!(turned.turned_at.len(), 1);
     let turn = turned.points[turned.turned_at[0] - 1][0];
-    assert!((turn - 0.012).abs() < 5e-5, "{turn}");
+    // the last point is the mean over an interval of 0.5 mrad at most
+    assert!((turn - 0.012).abs() < 2.5e-4, "{turn}");
     // slower, the moment is the same but for vibrations
-    let at = |bent: &Bent, x: f64| {
-        let near: Vec<f64> = bent.points.iter().filter(|p| (p[0] - x).abs() < 1e-3).map(|p| p[1]).collect();
+    let at = |points: &[[f64; 3]]| {
+        let near: Vec<f64> = points.iter().filter(|p| (p[0] - 0.0105).abs() < 1e-3).map(|p| p[1]).collect();
         near.iter().sum::<f64>() / near.len() as f64
     };
     let long = bent(0.2, &[0.014]);
-    let [a, b] = [at(&long, 0.0105), at(&turned, 0.0105)];
+    let [a, b] = [at(&long.points), at(&turned.points[..turned.turned_at[0]])];
     assert!((a / b - 1.0).abs() < 0.03, "{a} {b}");
 }
 
