@@ -14,6 +14,7 @@
 //! | [`journal`], `history` | the journal of events; what the store tells it |
 //! | [`find`], `query`, `interpolate` | the distance between features; queries; an entry between two |
 //! | [`derive`] | entries computed by the submodel |
+//! | [`rc`], [`rc_kinds`], [`rc_springs`] | entries of sections in concrete and steel: bending; columns, beams, slabs, walls; springs |
 //! | [`add`], [`curve_file`], [`meta`] | entries from tests and other programs: the curve, what is said of it |
 //! | [`exchange`] | verify, export, import |
 
@@ -36,6 +37,8 @@ pub mod meta;
 mod parts;
 mod query;
 pub mod rc;
+pub mod rc_kinds;
+pub mod rc_springs;
 pub mod store;
 mod text;
 mod thin;

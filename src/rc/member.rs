@@ -93,7 +93,23 @@ impl RcMember {
         length_m: f64,
         size_m: f64,
     ) -> Result<Self, LawError> {
-        let member = Builder::new(section, concrete, joint, length_m, size_m).build();
+        let member = Builder::new(section, concrete, joint, [length_m, CRITICAL_DEPTHS], size_m).build();
+        ConcretePoints::of(&member.mesh)?;
+        Ok(member)
+    }
+
+    /// A piece between two plane sections, with the fine mesh throughout; otherwise as [`RcMember::new`].
+    ///
+    /// # Errors
+    /// As [`RcMember::new`].
+    pub fn piece(
+        section: &SectionInput,
+        concrete: &ConcreteLaw,
+        length_m: f64,
+        size_m: f64,
+    ) -> Result<Self, LawError> {
+        let all = [length_m, f64::INFINITY];
+        let member = Builder::new(section, concrete, Joint::Symmetry, all, size_m).build();
         ConcretePoints::of(&member.mesh)?;
         Ok(member)
     }
@@ -114,7 +130,7 @@ struct Builder<'a> {
 /// Laws of the mesh by index.
 const CONCRETE: usize = 0;
 const BLOCK: usize = 1;
-const BARS: usize = 2;
+pub(super) const BARS: usize = 2;
 const TIES: usize = 3;
 
 impl<'a> Builder<'a> {
@@ -122,7 +138,7 @@ impl<'a> Builder<'a> {
         section: &'a SectionInput,
         concrete: &ConcreteLaw,
         joint: Joint,
-        length_m: f64,
+        [length_m, critical_depths]: [f64; 2],
         size_m: f64,
     ) -> Self {
         let x = Planes::new(0.5 * section.size_m[0], section.bars.iter().map(|b| b.x_m), size_m);
@@ -139,7 +155,7 @@ impl<'a> Builder<'a> {
                 BLOCK_DEPTHS * depth * (i as f64 / layers.max(1) as f64 - if layers > 0 { 1.0 } else { 0.0 })
             })
             .collect();
-        let critical = (CRITICAL_DEPTHS * depth).min(length_m);
+        let critical = (critical_depths * depth).min(length_m);
         let fine_layers = (critical / fine).ceil() as usize;
         z.extend((1..=fine_layers).map(|i| fine * i as f64).filter(|h| *h < length_m - 0.5 * fine));
         let last = z[z.len() - 1];

@@ -1,21 +1,28 @@
 //! The submodel of a member end: its resistance curves by FE, from the member end alone.
 //!
 //! Two of them: a piece of the global mesh with the homogenised law ([`cut`], [`pushover`]), and a mesh of its own in concrete and steel
-//! ([`member`], [`bend`]), described by a section file ([`section_file`]) or a building's column end and run as a [`series`].
+//! ([`member`], [`bend`]; [`piece`] for [`axial`], [`shear`] and [`torsion`]), described by a section file ([`section_file`]) or a building's column end and run as a [`series`].
 //!
 //! A curve never sees the history of the building it is later used in: the piece of the global mesh around the
 //! member end, with the global model's own law and element size, is clamped where it was cut and bent to failure.
 
+pub mod axial;
 pub mod bend;
 mod column_end;
 pub mod cut;
 pub mod member;
+pub mod piece;
+mod plate;
 pub mod pushover;
 pub mod section_file;
 pub mod section_grid;
 pub mod series;
+pub mod shear;
+pub mod springs;
+pub mod torsion;
 
 pub use cut::EndModel;
 pub use pushover::{EndCurves, PushoverError, derive};
 pub use section_file::RcSection;
 pub use series::{Series, SeriesOptions};
+pub use springs::{SpringOptions, Springs};

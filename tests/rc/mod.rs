@@ -2,6 +2,7 @@
 
 mod section;
 mod series;
+mod springs;
 
 use fallwerk::building::ends::End;
 use fallwerk::building::{Building, EXAMPLE};
