@@ -242,8 +242,7 @@ fn table(section: &RcSection, found: &Springs) -> String {
     text += "\n     n   dir  compared with                value       found   ratio\n";
     for c in &found.cases {
         for r in &c.references {
-            let scale = if r.value.abs() < 1.0 { 1e3 } else { 1e-3 };
-            let number = |v: f64| format!("{:.4e}", v * scale / scale);
+            let number = |v: f64| format!("{v:.4e}");
             let _ = writeln!(
                 text,
                 "{:6.2} {:5.0}  {:<22} {:>11} {:>11} {:>7}",

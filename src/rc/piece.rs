@@ -365,11 +365,14 @@ impl Run<'_> {
             if !(point.force.is_finite() && point.at.is_finite()) || self.body.broken_node().is_some() {
                 return Err(PieceError::NotFinite { deformation });
             }
+            peak = peak.max(point.force);
+            found.failed = deformation > CRACKING && point.force < FAILED_SHARE * peak;
+            if found.failed {
+                point.force = point.force.max(0.0); // the rebound of a piece torn apart is not a resistance
+            }
             self.watch(&point, &mut found);
             found.points.push(point);
             progress(deformation);
-            peak = peak.max(point.force);
-            found.failed = deformation > CRACKING && point.force < FAILED_SHARE * peak;
             if found.failed || deformation >= self.load.until {
                 if peak <= 0.0 {
                     return Err(PieceError::NoResistance { deformation });

@@ -278,7 +278,8 @@ fn references(section: &RcSection, load: &PieceLoad, length_m: f64, f: &SpringFi
                 line("G_c A", crushing, Some(f.energy_j[0])),
             ];
             if let Some(core) = axial::confined_n(section) {
-                all.insert(2, line("confined core", core, Some(f.peak)));
+                // the pressure of the ties is there when they yield
+                all.insert(2, line("confined core", core, force(f.tie_yield)));
             }
             all
         }
