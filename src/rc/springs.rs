@@ -315,7 +315,8 @@ fn references(section: &RcSection, load: &PieceLoad, length_m: f64, f: &SpringFi
                 line("plastic cracking", plastic, force(f.softened)),
             ];
             if let Some(truss) = torsion::space_truss_nm(section, n) {
-                all.push(line("EN 6.3.2", truss, Some(f.peak)));
+                // its ties yield; the piece goes on rising with the stretch of its bars
+                all.push(line("EN 6.3.2", truss, force(f.tie_yield)));
             }
             all
         }
