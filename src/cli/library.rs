@@ -6,6 +6,7 @@
 use super::library_derive::{self, LibraryDeriveError, Watch, derive_for, derive_sections};
 use super::library_look::{self, Filter};
 use super::progress::Progress;
+use super::library_springs::{self, makes_hinges};
 use super::{colour_on_stderr, library_add, library_find, library_plot};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::hash::readable_json;
@@ -163,7 +164,9 @@ fn derive(
     let done = match &what.building {
         None => {
             let sections = sections(what)?;
-            derive_sections(&sections, what, store, &watch)
+            let hinges = if makes_hinges(&what.make) { sections.as_slice() } else { &[] };
+            derive_sections(hinges, what, store, &watch)
+                .and_then(|done| library_springs::derive(&sections, what, store, &watch, done))
         }
         Some(_) if what.bending.is_given() || what.check_mesh => {
             let message = "--axial, --until, --mesh, --elements, --check-mesh, --joint, --no-buckling and --seed-law are of --section and --grid; a building's own settings hold";

@@ -5,7 +5,9 @@ use crate::building::partition::Partition;
 use crate::building::{Building, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted};
-use crate::library::rc::{RC_AXIAL_SHARES, RC_UNTIL_RAD, RcDeriveError, RcWanted};
+use crate::library::rc::{RC_UNTIL_RAD, RcDeriveError, RcWanted};
+use crate::library::rc_kinds;
+use crate::library::rc_springs::RcSpringError;
 use crate::library::{Store, StoreError};
 use crate::rc::RcSection;
 use std::collections::BTreeMap;
@@ -17,15 +19,18 @@ pub struct Arguments {
     /// The building file
     #[arg(required_unless_present_any = ["section", "grid"], conflicts_with_all = ["section", "grid"])]
     pub building: Option<PathBuf>,
-    /// Column hinges of sections in concrete and steel, from section files (`fallwerk rc --example`)
+    /// Entries of sections in concrete and steel, from section files (`fallwerk rc --example`)
     #[arg(long, value_name = "SECTION", num_args = 1..)]
     pub section: Vec<PathBuf>,
-    /// Column hinges of all sections of a grid file (`fallwerk rc --example-grid`)
+    /// Entries of all sections of a grid file (`fallwerk rc --example-grid`)
     #[arg(long, value_name = "GRID", num_args = 1..)]
     pub grid: Vec<PathBuf>,
     /// Bend sections in elements of twice the size as well, and state in the quality of their entries how much that changes
     #[arg(long)]
     pub check_mesh: bool,
+    /// What to make of a section: its hinge (of a slab: the yield line), springs, crushing in contact
+    #[arg(long, value_name = "WHAT", num_args = 1.., value_delimiter = ',', default_values_t = ["hinge".to_string()], value_parser = clap::builder::PossibleValuesParser::new(super::library_springs::MAKES))]
+    pub make: Vec<String>,
     /// Compute entries that are there anew
     #[arg(long)]
     pub again: bool,
@@ -63,6 +68,14 @@ pub enum LibraryDeriveError {
         section: String,
         /// Why.
         source: RcDeriveError,
+    },
+    /// A spring of a section failed.
+    #[error("{section}: {source}")]
+    Spring {
+        /// Name of the section.
+        section: String,
+        /// Why.
+        source: RcSpringError,
     },
     /// A member is turned out of the axes.
     #[error("{0}")]
@@ -154,12 +167,12 @@ pub fn derive_sections(
 ) -> Result<Derived, LibraryDeriveError> {
     store.writable()?;
     let (bending, again) = (&what.bending, what.again);
-    let options = bending.options(&RC_AXIAL_SHARES, RC_UNTIL_RAD);
     let mut derived = Derived::default();
     let mut missing: BTreeMap<String, RcWanted> = BTreeMap::new();
     for section in sections {
         let section = bending.section(section.clone());
         let failed = |e: serde_json::Error| rc_failed(&section)(RcDeriveError::from(e));
+        let options = bending.options(rc_kinds::axial_shares(&section), RC_UNTIL_RAD);
         let options = bending.meshed(&options, &section);
         let mut wanted = RcWanted::of(&section, &options).map_err(failed)?;
         wanted.check_mesh = what.check_mesh;

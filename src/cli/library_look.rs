@@ -3,7 +3,7 @@
 use super::library::{Failure, report};
 use super::library_find::{kind_of, origin_of, quantity};
 use crate::base::units::{self, Dimension};
-use crate::library::entry::{EnvelopeLevel, SpringRecord};
+use crate::library::entry::{Direction, EnvelopeLevel, SpringRecord};
 use crate::library::features::NUMBERS;
 use crate::library::{Entry, EntryKind, Origin, Store};
 use clap::Args;
@@ -89,6 +89,7 @@ pub(super) fn list(store: &Store, filter: &Filter, json: bool, out: &mut dyn Wri
 fn peak_words(entry: &Entry) -> String {
     match entry.kind.is_bending() {
         true => format!("M {:7.1} kN m", entry.peak() / 1e3),
+        false if entry.kind == EntryKind::TorsionSpring => format!("T {:7.1} kN m", entry.peak() / 1e3),
         false => format!("F {:7.1} kN", entry.peak() / 1e3),
     }
 }
@@ -212,8 +213,15 @@ fn capacities(levels: &[crate::curve::CapacityLevel], out: &mut dyn Write) -> io
 }
 
 fn spring(spring: &SpringRecord, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "\n  spring {:?}: elastic {:.4e} N/m", spring.direction, spring.stiffness_n_m)?;
-    writeln!(out, "      N [kN]   F_min [kN]   F_max [kN]   from [mm]   to [mm]")?;
+    let turns = spring.direction == Direction::Torsion;
+    let unit = if turns { "N m/rad" } else { "N/m" };
+    writeln!(out, "\n  spring {:?}: elastic {:.4e} {unit}", spring.direction, spring.stiffness_n_m)?;
+    let head = if turns {
+        "      N [kN] T_min [kN m] T_max [kN m] from [mrad] to [mrad]"
+    } else {
+        "      N [kN]   F_min [kN]   F_max [kN]   from [mm]   to [mm]"
+    };
+    writeln!(out, "{head}")?;
     spring.levels.iter().try_for_each(|level| {
         let forces = level.points.iter().map(|p| p[1]);
         let ends = [level.points.first(), level.points.last()].map(|p| p.map_or(0.0, |p| p[0] * 1e3));

@@ -7,6 +7,7 @@ use crate::base::output::write_atomic;
 use crate::base::source::Source;
 use crate::base::units::Dimension;
 use crate::library::curve_file::{self, CurveFile};
+use crate::library::entry::Direction;
 use crate::library::{Entry, Store};
 use crate::report::figure::{self, Line, Panel};
 use clap::Args;
@@ -90,7 +91,9 @@ fn panels(entry: &Entry, reference: Option<&CurveFile>, to: Option<f64>) -> Vec<
         let mut lines: Raw =
             spring.levels.iter().map(|l| (level_name(l.axial_force_n), l.points.clone(), false)).collect();
         lines.extend(beside(1));
-        panels.push(panel(&format!("{:?}: force over displacement", spring.direction), lines, false, to));
+        let turns = spring.direction == Direction::Torsion;
+        let what = if turns { "torque over rotation" } else { "force over displacement" };
+        panels.push(panel(&format!("{:?}: {what}", spring.direction), lines, turns, to));
     }
     panels
 }

@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Bend a reinforced member end in concrete and steel, and compare it with its fibre section
+/// Bend a reinforced member end in concrete and steel, and compare it with its fibre section; or crush, pull, shear or twist a piece of it
 ///
 /// One bend for each axial force and direction, each on one thread. The section comes from a section file, or with --end from a
 /// building's column end. Exit codes: 0 done, 1 a bend failed, 2 bad input.
@@ -31,21 +31,23 @@ pub struct Arguments {
     end: Option<String>,
     /// Directions in degrees in which the free end is pushed: 0 along the width, 90 along the depth
     #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true, default_values_t = [90.0])]
-    direction: Vec<f64>,
+    pub(super) direction: Vec<f64>,
     #[command(flatten)]
     loading: Loading,
     #[command(flatten)]
-    bending: Bending,
+    pub(super) piece: super::rc_springs::Loading,
+    #[command(flatten)]
+    pub(super) bending: Bending,
     /// Write curves.csv, result.json and moment-rotation.svg into this folder, with more than two directions also biaxial.svg; of cyclic bends
     /// history.csv, cycles.csv, envelope.csv, result.json and loops.svg
     #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     /// Worker threads (default: all cores)
     #[arg(long, value_name = "N")]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
     /// Print the JSON Schema of the section file
     #[arg(long, exclusive = true)]
     schema: bool,
@@ -175,6 +177,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         })?,
     };
     let section = arguments.bending.section(section);
+    if let Some(drive) = arguments.piece.drive() {
+        return super::rc_springs::run(&section, drive, arguments);
+    }
     let defaults = SeriesOptions::default();
     let turns_rad = arguments.loading.turns_rad()?;
     let axial_shares =

@@ -446,6 +446,12 @@ impl Blocks {
         self.blocks[block as usize].state.plastic_strain[lane as usize]
     }
 
+    /// Largest crack strain so far of an element of concrete; 0 for other laws.
+    pub fn crack_strain(&self, element: usize) -> f64 {
+        let (block, lane) = self.place[element];
+        self.blocks[block as usize].concrete.as_ref().map_or(0.0, |c| c.states[lane as usize].crack)
+    }
+
     /// Work done on an element by its stresses \[J\].
     pub fn internal_j(&self, element: usize) -> f64 {
         let (block, lane) = self.place[element];

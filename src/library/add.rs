@@ -182,6 +182,7 @@ fn spring(
                 axial_force_n: force(l),
                 points: l.points.clone(),
                 fracture_displacement_m: None,
+                dissipated_j: None,
             })
             .collect(),
     })

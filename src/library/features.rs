@@ -23,19 +23,22 @@ pub enum EntryKind {
     AxialSpring,
     /// A spring across a member.
     ShearSpring,
+    /// A spring about a member's axis; displacements are rotations, forces torques.
+    TorsionSpring,
     /// Crushing of a member's end or edge in contact.
     ContactCrushing,
 }
 
 impl EntryKind {
     /// All kinds.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::ColumnHinge,
         Self::BeamHinge,
         Self::WallHinge,
         Self::SlabYieldLine,
         Self::AxialSpring,
         Self::ShearSpring,
+        Self::TorsionSpring,
         Self::ContactCrushing,
     ];
 
@@ -48,6 +51,7 @@ impl EntryKind {
             Self::SlabYieldLine => "slab_yield_line",
             Self::AxialSpring => "axial_spring",
             Self::ShearSpring => "shear_spring",
+            Self::TorsionSpring => "torsion_spring",
             Self::ContactCrushing => "contact_crushing",
         }
     }
@@ -66,6 +70,7 @@ impl EntryKind {
             Self::SlabYieldLine => "yield line",
             Self::AxialSpring => "axial spring",
             Self::ShearSpring => "shear spring",
+            Self::TorsionSpring => "torsion spring",
             Self::ContactCrushing => "contact",
         }
     }

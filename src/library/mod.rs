@@ -13,7 +13,8 @@
 //! | [`store`] | opening, reading, writing |
 //! | [`journal`], `history` | the journal of events; what the store tells it |
 //! | [`find`], `query`, `interpolate` | the distance between features; queries; an entry between two |
-//! | [`derive`], [`rc`], [`mesh_check`] | entries computed by the submodels; how much they depend on the mesh |
+//! | [`derive`] | entries computed by the homogenised submodel |
+//! | [`rc`], [`mesh_check`], [`rc_kinds`], [`rc_springs`] | entries of sections in concrete and steel: bending, and how much it depends on the mesh; columns, beams, slabs, walls; springs |
 //! | [`add`], [`curve_file`], [`meta`] | entries from tests and other programs: the curve, what is said of it |
 //! | [`exchange`] | verify, export, import |
 
@@ -37,6 +38,8 @@ pub mod meta;
 mod parts;
 mod query;
 pub mod rc;
+pub mod rc_kinds;
+pub mod rc_springs;
 pub mod store;
 mod text;
 mod thin;

@@ -101,6 +101,8 @@ pub enum Direction {
     Shear1,
     /// Across it along axis 2.
     Shear2,
+    /// About its axis: rotations \[rad\] and torques \[N m\] in the place of displacements and forces.
+    Torsion,
     /// Normal to a contact; approach and pressure are positive.
     Normal,
 }
@@ -128,6 +130,9 @@ pub struct SpringLevel {
     /// Displacement at which it separates \[m\]; absent: not reached.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fracture_displacement_m: Option<f64>,
+    /// Energy taken up to the last point \[J\]; absent: not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dissipated_j: Option<f64>,
 }
 
 /// Elastic stiffness beside the bending stiffness (which the curves hold).

@@ -1,11 +1,12 @@
 //! Column hinges from the RC submodel: bends of a section about both axes at several axial forces become one entry.
 
 use super::entry::{
-    Adjoining, AxisRecord, Branch, Computed, Entry, EntryKind, EnvelopeLevel, Features, Inputs, Origin,
+    Adjoining, AxisRecord, Branch, Computed, Entry, EnvelopeLevel, Features, Inputs, Origin,
     Quality, RcFeatures, Stiffness, Validity,
 };
 use super::key::key_of;
 use super::mesh_check::{COARSER, MeshChange, asymmetry};
+use super::rc_kinds;
 use super::thin::thinned;
 use crate::base::hash::ContentHash;
 use crate::curve::{CurveError, Envelope, ResistanceCurve};
@@ -134,8 +135,8 @@ impl RcWanted {
     /// # Errors
     /// If its inputs cannot be written as JSON.
     pub fn of(section: &RcSection, options: &SeriesOptions) -> Result<Self, serde_json::Error> {
-        let mut options =
-            SeriesOptions { directions_deg: Symmetry::of(section).directions_deg(), ..options.clone() };
+        let directions_deg = rc_kinds::directions_deg(section, Symmetry::of(section).directions_deg());
+        let mut options = SeriesOptions { directions_deg, ..options.clone() };
         options.axial_shares.sort_by(f64::total_cmp);
         options.axial_shares.dedup();
         let input = &section.input;
@@ -158,6 +159,7 @@ impl RcWanted {
             rc: Some(rc),
             further: BTreeMap::new(),
         };
+        let features = rc_kinds::features(section, features);
         let mut materials = BTreeMap::from([
             ("concrete".to_string(), serde_json::to_value(concrete_of(section, &options))?),
             ("bars".to_string(), serde_json::to_value(input.steel)?),
@@ -193,7 +195,7 @@ impl RcWanted {
     /// # Errors
     /// If the inputs cannot be written as JSON.
     pub fn key(&self) -> Result<String, serde_json::Error> {
-        Ok(key_of(EntryKind::ColumnHinge, &self.features, &ContentHash::of_value(&self.inputs)?))
+        Ok(key_of(rc_kinds::kind(&self.section), &self.features, &ContentHash::of_value(&self.inputs)?))
     }
 
     /// Computes the entry on the threads of the present pool. `progress` is told the share done and what is under way.
@@ -208,19 +210,22 @@ impl RcWanted {
         let (levels, mut left_out) = usable(&series)?;
         let axis = |direction_deg: f64| axis(&series, &levels, direction_deg);
         let first = self.axis_with_reverse(90.0, &axis)?;
-        let second = if Symmetry::of(&self.section).axes_alike {
-            first.clone()
-        } else {
-            self.axis_with_reverse(0.0, &axis)?
-        };
+        let mut axes = vec![first.clone()];
+        if self.options.directions_deg.contains(&0.0) {
+            axes.push(self.axis_with_reverse(0.0, &axis)?);
+        } else if !rc_kinds::is_flat(&self.section) {
+            axes.push(first);
+        }
         let computed = Computed {
-            axes: vec![first, second],
+            axes,
             quality: self.quality(&series, progress, &mut left_out),
             validity: validity(&series, &levels),
             ..self.elastic_and_axial(&series)
         };
         let (features, inputs) = (self.features.clone(), self.inputs.clone());
-        let entry = Entry::new(EntryKind::ColumnHinge, Origin::RcSubmodel, features, inputs, computed)?;
+        let computed = rc_kinds::scaled(&self.section, computed);
+        let kind = rc_kinds::kind(&self.section);
+        let entry = Entry::new(kind, Origin::RcSubmodel, features, inputs, computed)?;
         Ok(RcDerived { entry, left_out })
     }
 

@@ -53,6 +53,7 @@ impl RcSection {
         input.steel.buckling = input.ties.map(|t| Buckling::between_ties(t.spacing_m, thin));
         Ok(Self {
             name: format!("{} {id}", building.name),
+            member: MemberKind::Column,
             input,
             concrete: law,
             length_m: 0.5 * end.clear_m,

@@ -132,7 +132,22 @@ impl RcMember {
         sizes_m: [f64; 2],
         mirror: Option<usize>,
     ) -> Result<Self, LawError> {
-        let member = Builder::new(section, concrete, joint, sizes_m, mirror).build();
+        let member = Builder::new(section, concrete, joint, sizes_m, CRITICAL_DEPTHS, mirror).build();
+        ConcretePoints::of(&member.mesh)?;
+        Ok(member)
+    }
+
+    /// A piece between two plane sections, with the fine mesh throughout; otherwise as [`RcMember::new`].
+    ///
+    /// # Errors
+    /// As [`RcMember::new`].
+    pub fn piece(
+        section: &SectionInput,
+        concrete: &ConcreteLaw,
+        length_m: f64,
+        size_m: f64,
+    ) -> Result<Self, LawError> {
+                let member = Builder::new(section, concrete, Joint::Symmetry, [length_m, size_m], f64::INFINITY, None).build();
         ConcretePoints::of(&member.mesh)?;
         Ok(member)
     }
@@ -145,7 +160,7 @@ impl RcMember {
         length_m: f64,
         size_m: f64,
     ) -> usize {
-        let builder = Builder::new(section, concrete, joint, [length_m, size_m], None);
+        let builder = Builder::new(section, concrete, joint, [length_m, size_m], CRITICAL_DEPTHS, None);
         let (nx, ny) = (builder.x.0.len() - 1, builder.y.0.len() - 1);
         nx * ny * (builder.z.len() - 1 - builder.block) + (nx + 2) * (ny + 2) * builder.block
     }
@@ -186,7 +201,7 @@ struct Builder<'a> {
 /// Laws of the mesh by index.
 const CONCRETE: usize = 0;
 const BLOCK: usize = 1;
-const BARS: usize = 2;
+pub(super) const BARS: usize = 2;
 const TIES: usize = 3;
 
 impl<'a> Builder<'a> {
@@ -195,6 +210,7 @@ impl<'a> Builder<'a> {
         concrete: &ConcreteLaw,
         joint: Joint,
         [length_m, size_m]: [f64; 2],
+        critical_depths: f64,
         mirror: Option<usize>,
     ) -> Self {
         let planes = |axis: usize| {
@@ -214,7 +230,7 @@ impl<'a> Builder<'a> {
                 BLOCK_DEPTHS * depth * (i as f64 / layers.max(1) as f64 - if layers > 0 { 1.0 } else { 0.0 })
             })
             .collect();
-        let critical = (CRITICAL_DEPTHS * depth).min(length_m);
+        let critical = (critical_depths * depth).min(length_m);
         let fine_layers = (critical / fine).ceil() as usize;
         z.extend((1..=fine_layers).map(|i| fine * i as f64).filter(|h| *h < length_m - 0.5 * fine));
         let last = z[z.len() - 1];

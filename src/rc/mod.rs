@@ -1,8 +1,8 @@
 //! The submodel of a member end: its resistance curves by FE, from the member end alone.
 //!
 //! Two of them: a piece of the global mesh with the homogenised law ([`cut`], [`pushover`]), and a mesh of its own in concrete and steel
-//! ([`member`], [`bend`], driven along a path of [`drive`], strains by [`gauge`]), described by a section file ([`section_file`]) or a building's column end
-//! and run as a [`series`]; cyclic histories are evaluated in [`hysteresis`].
+//! ([`member`], [`bend`], driven along a path of [`drive`], strains by [`gauge`]; [`piece`] for [`axial`], [`shear`] and [`torsion`]), described by a section
+//! file ([`section_file`]) or a building's column end and run as a [`series`]; cyclic histories are evaluated in [`hysteresis`].
 //!
 //! Bars may slip out of the joint ([`anchorage`]); what happens to single bars and ties is told as [`events`].
 //!
@@ -10,6 +10,7 @@
 //! member end, with the global model's own law and element size, is clamped where it was cut and bent to failure.
 
 pub mod anchorage;
+pub mod axial;
 pub mod bend;
 mod column_end;
 pub mod cut;
@@ -18,12 +19,18 @@ pub mod events;
 pub mod gauge;
 pub mod hysteresis;
 pub mod member;
+pub mod piece;
+mod plate;
 pub mod pushover;
 pub mod section_file;
 pub mod section_grid;
 pub mod series;
+pub mod shear;
+pub mod springs;
+pub mod torsion;
 
 pub use cut::EndModel;
 pub use pushover::{EndCurves, PushoverError, derive};
 pub use section_file::RcSection;
 pub use series::{Series, SeriesOptions};
+pub use springs::{SpringOptions, Springs};

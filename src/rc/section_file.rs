@@ -8,7 +8,7 @@ use crate::base::source::Source;
 use crate::base::tree::{self, Format, Node};
 use crate::base::units::{Dimension, show};
 use crate::building::format::{BAR, BAR_LAYER, BARS_AROUND, Key, Kind, Quantity, Table};
-use crate::building::{Bar, Fields, check_against, section_bars};
+use crate::building::{Bar, Fields, MemberKind, check_against, section_bars};
 use crate::material::concrete::ConcreteLaw;
 use crate::material::fibre::{FibreOptions, SectionInput};
 use crate::material::fibre_concrete::TieInput;
@@ -54,6 +54,13 @@ pub const SECTION_FILE: Table = Table {
     keys: &[
         key("schema", true, Kind::Version, "1", "Version of this format."),
         key("name", true, Kind::Text(100), "\"column-400\"", "Short name, used in titles."),
+        key(
+            "member",
+            false,
+            Kind::Choice(&["column", "beam", "slab", "wall"], &[]),
+            "\"beam\"",
+            "What it is a section of; of a slab: a strip of this width. Default: column.",
+        ),
         key("width", true, SIDE, "\"400 mm\"", "Width, along x."),
         key("depth", true, SIDE, "\"400 mm\"", "Depth, along y."),
         key("length", true, LENGTH, "\"1.5 m\"", "From the end section to the point of zero moment."),
@@ -231,6 +238,8 @@ pub fn json_schema() -> Value {
 pub struct RcSection {
     /// Short name.
     pub name: String,
+    /// What it is a section of. Beams and slabs bend about x; y points up.
+    pub member: MemberKind,
     /// Section with bars, ties and steel; bars do not displace concrete and remember.
     pub input: SectionInput,
     /// Law of the concrete.
@@ -303,6 +312,12 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<RcSection> {
     let concrete = concrete?;
     Some(RcSection {
         name: top.text("name")?.to_string(),
+        member: match top.text("member") {
+            Some("beam") => MemberKind::Beam,
+            Some("slab") => MemberKind::Slab,
+            Some("wall") => MemberKind::Wall,
+            _ => MemberKind::Column,
+        },
         input: SectionInput {
             size_m,
             concrete_strength_pa: concrete.compressive_strength_pa,

@@ -50,6 +50,7 @@ pub const GRID_FILE: Table = Table {
             example: "\"column.toml\"",
         },
         list("widths", &SIDE, "[\"300 mm\", \"400 mm\"]", "Widths; the depth in the same ratio."),
+        list("depths", &SIDE, "[\"400 mm\"]", "Depths, or thicknesses of a slab; the width stays."),
         list("reinforcement_ratios", &RATIO, "[0.01, 0.02]", "Area of the bars over that of the section."),
         list("tie_spacings", &SPACING, "[\"100 mm\"]", "Spacings of the ties."),
         list("concrete_strengths", &STRENGTH, "[\"30 MPa\"]", "Mean strengths of the concrete."),
@@ -67,6 +68,8 @@ pub fn json_schema() -> Value {
 pub struct SectionGrid {
     /// Widths \[m\].
     pub widths_m: Vec<f64>,
+    /// Depths \[m\].
+    pub depths_m: Vec<f64>,
     /// Reinforcement ratios.
     pub ratios: Vec<f64>,
     /// Spacings of ties \[m\].
@@ -99,6 +102,7 @@ pub fn read_file(path: &Path) -> Result<Vec<RcSection>, Vec<Diagnostics>> {
     let numbers = |name: &str| fields.numbers(name).unwrap_or_default();
     let grid = SectionGrid {
         widths_m: numbers("widths"),
+        depths_m: numbers("depths"),
         ratios: numbers("reinforcement_ratios"),
         tie_spacings_m: numbers("tie_spacings"),
         strengths_pa: numbers("concrete_strengths"),
@@ -127,6 +131,7 @@ impl SectionGrid {
             all.iter().flat_map(|s| values.iter().map(|v| change(s, *v))).collect()
         };
         all = spread(all, &self.widths_m, &with_width)?;
+        all = spread(all, &self.depths_m, &with_depth)?;
         all = spread(all, &self.ratios, &with_ratio)?;
         all = spread(all, &self.tie_spacings_m, &with_tie_spacing)?;
         all = spread(all, &self.strengths_pa, &with_strength)?;
@@ -136,12 +141,23 @@ impl SectionGrid {
     }
 }
 
-/// Bars stretched with the sides, so that the outermost keep their distance from the faces.
 fn with_width(base: &RcSection, width_m: f64) -> Result<RcSection, String> {
     let mut section = base.clone();
     section.name = format!("{} b {:.0} mm", base.name, 1e3 * width_m);
     let from = base.input.size_m;
-    let to = from.map(|side| side * width_m / from[0]);
+    with_sides(section, from.map(|side| side * width_m / from[0]))
+}
+
+fn with_depth(base: &RcSection, depth_m: f64) -> Result<RcSection, String> {
+    let mut section = base.clone();
+    section.name = format!("{} h {:.0} mm", base.name, 1e3 * depth_m);
+    with_sides(section, [base.input.size_m[0], depth_m])
+}
+
+/// Bars stretched with the sides, so that the outermost keep their distance from the faces.
+fn with_sides(mut section: RcSection, to: [f64; 2]) -> Result<RcSection, String> {
+    let base = section.clone();
+    let from = base.input.size_m;
     for (axis, side) in to.iter().enumerate() {
         let reach = base.input.bars.iter().map(|b| [b.x_m, b.y_m][axis].abs()).fold(0.0, f64::max);
         let edge = 0.5 * from[axis] - reach;

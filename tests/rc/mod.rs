@@ -4,6 +4,7 @@ mod anchorage;
 mod cyclic;
 mod section;
 mod series;
+mod springs;
 
 use fallwerk::building::ends::End;
 use fallwerk::building::{Building, EXAMPLE};

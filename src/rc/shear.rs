@@ -1,0 +1,156 @@
+//! A piece of a member sheared between parallel ends: its mesh, and published formulae with the strengths as they are (means, no safety factors).
+//!
+//! With both ends kept from turning the moment is zero at mid-length and `V l / 2` at the ends. So that the piece fails in shear and not by these moments, its
+//! longitudinal bars stay elastic, as a shear test has them strong; the bending of the ends belongs to the hinges beside the spring.
+
+use super::member::{BARS, RcMember};
+use super::section_file::RcSection;
+use crate::fe::law::Law;
+use crate::material::concrete::{ConcreteLaw, LawError};
+
+/// The mesh of a piece of a length \[m\]; `elastic`: its longitudinal bars neither yield nor buckle nor rupture.
+///
+/// # Errors
+/// If the concrete does not suit the elements.
+pub fn piece(
+    section: &RcSection,
+    concrete: &ConcreteLaw,
+    length_m: f64,
+    mesh_size_m: f64,
+    elastic: bool,
+) -> Result<RcMember, LawError> {
+    let mut member = RcMember::piece(&section.input, concrete, length_m, mesh_size_m)?;
+    if elastic {
+        let bars = &mut member.mesh.laws[BARS];
+        *bars = Law { rebar: None, ..bars.clone() };
+    }
+    Ok(member)
+}
+
+/// What the formulae need of a section sheared along one of its axes.
+#[derive(Debug, Clone, Copy)]
+struct Sheared {
+    width_m: f64,
+    effective_m: f64,
+    area_m2: f64,
+    /// Bars in the half that is in tension at one end \[m²\].
+    tension_m2: f64,
+    /// Area of tie legs over their spacing \[m\], their spacing \[m\] and strength \[Pa\].
+    ties: [f64; 3],
+    strength_mpa: f64,
+    /// Axial force over area, compression positive \[MPa\].
+    pressed_mpa: f64,
+}
+
+impl Sheared {
+    /// Along x (axis 0) or y (axis 1).
+    fn of(section: &RcSection, axis: usize, axial_n: f64) -> Self {
+        let input = &section.input;
+        let place = |b: &crate::building::Bar| [b.x_m, b.y_m][axis];
+        let area = |b: &crate::building::Bar| 0.25 * std::f64::consts::PI * b.diameter_m * b.diameter_m;
+        let reach = input.bars.iter().map(place).fold(0.0, f64::max);
+        let ties = input.ties.map_or([0.0, 1.0, 0.0], |t| {
+            let leg = 0.25 * std::f64::consts::PI * t.diameter_m * t.diameter_m;
+            [t.legs[axis] * leg / t.spacing_m, t.spacing_m, t.yield_strength_pa]
+        });
+        Self {
+            width_m: input.size_m[1 - axis],
+            effective_m: 0.5 * input.size_m[axis] + reach,
+            area_m2: input.area_m2(),
+            tension_m2: input.bars.iter().filter(|b| place(b) > 1e-6).map(area).sum(),
+            ties,
+            strength_mpa: section.concrete.compressive_strength_pa / 1e6,
+            pressed_mpa: axial_n / input.area_m2() / 1e6,
+        }
+    }
+}
+
+/// Axis of a direction \[deg\]: 0 along x, 1 along y.
+pub fn axis_of(direction_deg: f64) -> usize {
+    let (sin, cos) = direction_deg.to_radians().sin_cos();
+    usize::from(sin.abs() > cos.abs())
+}
+
+/// Shear force \[N\] at which the principal tension at the axis of a rectangle reaches the tensile strength:
+/// `2/3 b h f_t sqrt(1 + σ / f_t)`, compression `σ` positive.
+pub fn cracking_n(section: &RcSection, axial_n: f64) -> f64 {
+    let ft = section.concrete.tensile_strength_pa;
+    let area = section.input.area_m2();
+    area / 1.5 * ft * (1.0 + axial_n / area / ft).max(0.0).sqrt()
+}
+
+/// EN 1992-1-1 6.2.2, eq. 6.2 with `γ_c = 1`: members without shear reinforcement \[N\].
+pub fn en_without_ties_n(section: &RcSection, axis: usize, axial_n: f64) -> f64 {
+    let s = Sheared::of(section, axis, axial_n);
+    let k = (1.0 + (0.2 / s.effective_m).sqrt()).min(2.0);
+    let ratio = (s.tension_m2 / (s.width_m * s.effective_m)).min(0.02);
+    let least = 0.035 * k.powf(1.5) * s.strength_mpa.sqrt();
+    let own = 0.18 * k * (100.0 * ratio * s.strength_mpa).cbrt();
+    let pressed = 0.15 * s.pressed_mpa.min(0.2 * s.strength_mpa);
+    (own.max(least) + pressed).max(0.0) * s.width_m * s.effective_m * 1e6
+}
+
+/// EN 1992-1-1 6.2.3, eq. 6.8 and 6.9 with `γ = 1`, `z = 0.9 d`: the truss of the best inclination, `1 <= cot θ <= 2.5` \[N\]; and its `cot θ`.
+pub fn en_truss_n(section: &RcSection, axis: usize, axial_n: f64) -> [f64; 2] {
+    let s = Sheared::of(section, axis, axial_n);
+    let share = s.pressed_mpa / s.strength_mpa;
+    let alpha = match share {
+        n if n <= 0.0 => 1.0,
+        n if n <= 0.25 => 1.0 + n,
+        n if n <= 0.5 => 1.25,
+        n => (2.5 * (1.0 - n)).max(0.0),
+    };
+    let arm = 0.9 * s.effective_m;
+    let strut = alpha * s.width_m * arm * 0.6 * (1.0 - s.strength_mpa / 250.0) * s.strength_mpa * 1e6;
+    let tie = s.ties[0] * s.ties[2] * arm;
+    if tie <= 0.0 {
+        return [0.0, 2.5];
+    }
+    let cot = (strut / tie - 1.0).max(1.0).sqrt().clamp(1.0, 2.5);
+    [(tie * cot).min(strut / (cot + 1.0 / cot)), cot]
+}
+
+/// ASCE 41-17, eq. 10-3 (Sezen and Moehle 2004) without loss by ductility, for a shear span of `span_m` \[N\].
+pub fn asce_column_n(section: &RcSection, axis: usize, axial_n: f64, span_m: f64) -> f64 {
+    let s = Sheared::of(section, axis, axial_n);
+    let slender = (span_m / s.effective_m).clamp(2.0, 4.0);
+    let alpha = (4.0 * (1.0 - s.ties[1] / s.effective_m)).clamp(0.0, 1.0);
+    let ties = alpha * s.ties[0] * s.ties[2] * s.effective_m;
+    let root = 0.5 * s.strength_mpa.sqrt();
+    let concrete = root / slender * (1.0 + s.pressed_mpa / root).max(0.0).sqrt() * 0.8e6 * s.area_m2;
+    ties + concrete
+}
+
+/// Stiffness of an uncracked piece between ends that do not turn: bending `12 E I / l³` and shear `G 5/6 A / l` in series \[N/m\].
+pub fn stiffness_n_m(section: &RcSection, axis: usize, length_m: f64) -> f64 {
+    let input = &section.input;
+    let e = section.concrete.youngs_modulus_pa;
+    let g = 0.5 * e / (1.0 + section.concrete.poisson_ratio);
+    let inertia = input.size_m[1 - axis] * input.size_m[axis].powi(3) / 12.0;
+    let bending = 12.0 * e * inertia / length_m.powi(3);
+    let shear = g * 5.0 / 6.0 * input.area_m2() / length_m;
+    1.0 / (1.0 / bending + 1.0 / shear)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::source::Source;
+    use crate::rc::section_file::{EXAMPLE, read};
+
+    #[test]
+    fn formulae_are_those_worked_by_hand() {
+        let s = read(&Source::new("section.toml", EXAMPLE)).unwrap();
+        // 400 x 400, d = 360, f_c 38, f_t = 0.3 38^(2/3) = 3.391 MPa
+        assert!((cracking_n(&s, 0.0) / 361.7e3 - 1.0).abs() < 1e-3, "{}", cracking_n(&s, 0.0));
+        // N = 608 kN: 3.8 MPa, sqrt(1 + 1.1206) = 1.4562
+        assert!((cracking_n(&s, 608e3) / 526.8e3 - 1.0).abs() < 1e-3);
+        // k = 1.7454, 3 bars of 20: rho = 0.006545, (24.87)^(1/3) = 2.919, 0.917 MPa
+        assert!((en_without_ties_n(&s, 1, 0.0) / 132.06e3 - 1.0).abs() < 1e-3);
+        // 2 d8 / 150: 0.6702 mm2/mm x 550 x 324 x 2.5
+        let [truss, cot] = en_truss_n(&s, 1, 0.0);
+        assert!((truss / 298.6e3 - 1.0).abs() < 1e-3 && cot == 2.5, "{truss} {cot}");
+        // 0.6702 x 550 x 360 + 3.0822 / 2 x 0.8 x 160000
+        assert!((asce_column_n(&s, 1, 0.0, 0.5) / 329.96e3 - 1.0).abs() < 1e-3);
+    }
+}
