@@ -1,5 +1,6 @@
 //! Entries of the library for all column ends of a building, whatever the rules make of them.
 
+use super::rc::Bending;
 use crate::building::ends::member_ends;
 use crate::building::partition::Partition;
 use crate::building::{Building, MemberKind};
@@ -9,7 +10,9 @@ use crate::library::rc::{RC_UNTIL_RAD, RcDeriveError, RcWanted};
 use crate::library::rc_kinds;
 use crate::library::rc_springs::RcSpringError;
 use crate::library::{Store, StoreError};
-use crate::rc::RcSection;
+use crate::rc::anchorage::Anchorage;
+use crate::rc::member::Joint;
+use crate::rc::{RcSection, SeriesOptions};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -154,6 +157,18 @@ fn failed(end: &str) -> impl FnOnce(DeriveError) -> LibraryDeriveError + '_ {
     move |source| LibraryDeriveError::Derive { end: end.to_string(), source }
 }
 
+/// Member ends of buildings are those of tests: on a block out of which their bars slip, unless the command line asks for a plane of symmetry
+/// (`docs/rc-columns.md` has the comparison).
+fn joint(bending: &Bending) -> Joint {
+    if bending.joint.as_deref() == Some("symmetry") { Joint::Symmetry } else { Joint::Block }
+}
+
+/// The section, with slip of its bars out of a block if it does not say how they are anchored.
+fn as_tested(section: RcSection, bending: &Bending) -> RcSection {
+    let slip = joint(bending) == Joint::Block;
+    RcSection { anchorage: section.anchorage.or(slip.then_some(Anchorage::LONG)), ..section }
+}
+
 /// Computes what the library lacks for sections in concrete and steel, and stores each entry as soon as it is done. Axial forces, rotation and
 /// mesh are those of `bending`; with `check_mesh` the bends are run in coarser elements as well.
 ///
@@ -170,10 +185,10 @@ pub fn derive_sections(
     let mut derived = Derived::default();
     let mut missing: BTreeMap<String, RcWanted> = BTreeMap::new();
     for section in sections {
-        let section = bending.section(section.clone());
+        let section = as_tested(bending.section(section.clone()), bending);
         let failed = |e: serde_json::Error| rc_failed(&section)(RcDeriveError::from(e));
         let options = bending.options(rc_kinds::axial_shares(&section), RC_UNTIL_RAD);
-        let options = bending.meshed(&options, &section);
+        let options = SeriesOptions { joint: joint(bending), ..bending.meshed(&options, &section) };
         let mut wanted = RcWanted::of(&section, &options).map_err(failed)?;
         wanted.check_mesh = what.check_mesh;
         let key = wanted.key().map_err(failed)?;

@@ -1,8 +1,8 @@
 //! Column hinges from the RC submodel: bends of a section about both axes at several axial forces become one entry.
 
 use super::entry::{
-    Adjoining, AxisRecord, Branch, Computed, Entry, EnvelopeLevel, Features, Inputs, Origin,
-    Quality, RcFeatures, Stiffness, Validity,
+    Adjoining, AxisRecord, Branch, Computed, Entry, EnvelopeLevel, Features, Inputs, Origin, Quality,
+    RcFeatures, Stiffness, Validity,
 };
 use super::key::key_of;
 use super::mesh_check::{COARSER, MeshChange, asymmetry};
@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// Version of the RC submodel's procedure; part of every key, so that a change of procedure never reuses old curves.
-pub const RC_SUBMODEL_VERSION: u32 = 1;
+pub const RC_SUBMODEL_VERSION: u32 = 2;
 /// Axial forces of an entry over `f_c A`, compression positive.
 pub const RC_AXIAL_SHARES: [f64; 5] = [-0.05, 0.0, 0.1, 0.3, 0.6];
 /// Rotation at which the bends of an entry stop \[rad\].

@@ -147,7 +147,8 @@ impl RcMember {
         length_m: f64,
         size_m: f64,
     ) -> Result<Self, LawError> {
-                let member = Builder::new(section, concrete, Joint::Symmetry, [length_m, size_m], f64::INFINITY, None).build();
+        let member =
+            Builder::new(section, concrete, Joint::Symmetry, [length_m, size_m], f64::INFINITY, None).build();
         ConcretePoints::of(&member.mesh)?;
         Ok(member)
     }

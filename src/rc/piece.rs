@@ -234,10 +234,8 @@ pub fn run(
     progress: &dyn Fn(f64),
 ) -> Result<PieceRun, PieceError> {
     let body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), false);
-    let plates = [
-        Plate::of(member, &body, &member.base, !load.rough),
-        Plate::of(member, &body, &member.tip, true),
-    ];
+    let plates =
+        [Plate::of(member, &body, &member.base, !load.rough), Plate::of(member, &body, &member.tip, true)];
     let mut is_bar = vec![false; member.mesh.trusses.len()];
     member.bars.iter().for_each(|b| is_bar[*b] = true);
     let scale = member.length_m / if load.drive == Drive::Torsion { width_m } else { 1.0 };
@@ -387,7 +385,8 @@ impl Run<'_> {
     /// Notes the first crack and the first bars that yield.
     fn watch(&self, point: &PiecePoint, found: &mut PieceRun) {
         let now = [point.at, point.force];
-        if found.first_crack.is_none() && self.middle.iter().any(|e| self.body.blocks.crack_strain(*e) > 0.0) {
+        if found.first_crack.is_none() && self.middle.iter().any(|e| self.body.blocks.crack_strain(*e) > 0.0)
+        {
             found.first_crack = Some(now);
         }
         for (bar, longitudinal) in self.body.trusses.bars.iter().zip(&self.is_bar) {

@@ -60,6 +60,8 @@ pub struct Specimen {
     pub peak_moment_nm: [f64; 2],
     /// Drift at 80 % of the largest lateral force, or the last one of the test.
     pub drift_at_80: f64,
+    /// Largest drift of the test.
+    pub last_drift: f64,
     /// Whether the lateral force fell to 80 % before the test ended.
     pub fell: bool,
 }
@@ -148,6 +150,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [837_770.0, 876_910.0],
         drift_at_80: 0.02822,
+        last_drift: 0.02822,
         fell: false,
     },
     Specimen {
@@ -169,6 +172,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [902_510.0, 899_860.0],
         drift_at_80: 0.01303,
+        last_drift: 0.01303,
         fell: false,
     },
     Specimen {
@@ -190,6 +194,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [336_500.0, 325_320.0],
         drift_at_80: 0.03183,
+        last_drift: 0.03183,
         fell: true,
     },
     Specimen {
@@ -211,6 +216,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [353_810.0, 333_100.0],
         drift_at_80: 0.0489,
+        last_drift: 0.06129,
         fell: true,
     },
     Specimen {
@@ -232,6 +238,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [481_020.0, 460_870.0],
         drift_at_80: 0.03143,
+        last_drift: 0.0617,
         fell: true,
     },
     Specimen {
@@ -253,6 +260,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [535_230.0, 516_660.0],
         drift_at_80: 0.02292,
+        last_drift: 0.02432,
         fell: true,
     },
     Specimen {
@@ -274,6 +282,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [525_470.0, 432_580.0],
         drift_at_80: 0.01021,
+        last_drift: 0.01614,
         fell: true,
     },
     Specimen {
@@ -295,6 +304,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [290_410.0, 283_220.0],
         drift_at_80: 0.03936,
+        last_drift: 0.08094,
         fell: true,
     },
     Specimen {
@@ -316,6 +326,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [1_073_100.0, 1_115_400.0],
         drift_at_80: 0.04976,
+        last_drift: 0.05026,
         fell: true,
     },
     Specimen {
@@ -337,6 +348,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [195_540.0, 202_740.0],
         drift_at_80: 0.05129,
+        last_drift: 0.05129,
         fell: false,
     },
     Specimen {
@@ -358,6 +370,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [112_270.0, 103_990.0],
         drift_at_80: 0.02498,
+        last_drift: 0.02498,
         fell: false,
     },
     Specimen {
@@ -379,6 +392,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [138_990.0, 145_180.0],
         drift_at_80: 0.03081,
+        last_drift: 0.03081,
         fell: false,
     },
     Specimen {
@@ -400,6 +414,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [151_160.0, 151_210.0],
         drift_at_80: 0.02391,
+        last_drift: 0.03014,
         fell: true,
     },
     Specimen {
@@ -421,6 +436,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [276_200.0, 251_300.0],
         drift_at_80: 0.04851,
+        last_drift: 0.084,
         fell: true,
     },
     Specimen {
@@ -442,6 +458,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [283_580.0, 281_980.0],
         drift_at_80: 0.0511,
+        last_drift: 0.072,
         fell: true,
     },
     Specimen {
@@ -463,6 +480,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [366_760.0, 331_420.0],
         drift_at_80: 0.0929,
+        last_drift: 0.102,
         fell: true,
     },
     Specimen {
@@ -484,6 +502,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Flexure,
         peak_moment_nm: [387_200.0, 358_760.0],
         drift_at_80: 0.089,
+        last_drift: 0.0898,
         fell: false,
     },
     Specimen {
@@ -505,6 +524,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::Shear,
         peak_moment_nm: [415_820.0, 383_580.0],
         drift_at_80: 0.01,
+        last_drift: 0.02091,
         fell: true,
     },
     Specimen {
@@ -526,6 +546,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [368_940.0, 360_990.0],
         drift_at_80: 0.02593,
+        last_drift: 0.03136,
         fell: true,
     },
     Specimen {
@@ -547,6 +568,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [472_120.0, 471_850.0],
         drift_at_80: 0.00957,
+        last_drift: 0.05464,
         fell: true,
     },
     Specimen {
@@ -568,6 +590,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [463_500.0, 481_820.0],
         drift_at_80: 0.02554,
+        last_drift: 0.04962,
         fell: true,
     },
     Specimen {
@@ -589,6 +612,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [476_930.0, 563_810.0],
         drift_at_80: 0.01522,
+        last_drift: 0.01876,
         fell: true,
     },
     Specimen {
@@ -610,6 +634,7 @@ pub const SPECIMENS: [Specimen; 23] = [
         failure: Failure::FlexureShear,
         peak_moment_nm: [454_080.0, 354_580.0],
         drift_at_80: 0.02888,
+        last_drift: 0.05656,
         fell: true,
     },
 ];

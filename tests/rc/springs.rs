@@ -146,12 +146,9 @@ fn options() -> SeriesOptions {
 fn springs_go_through_the_library_and_are_found() {
     let room = tempfile::tempdir().unwrap();
     let mut store = Store::open(&room.path().join("library")).unwrap();
-    for kind in [
-        EntryKind::AxialSpring,
-        EntryKind::ShearSpring,
-        EntryKind::TorsionSpring,
-        EntryKind::ContactCrushing,
-    ] {
+    for kind in
+        [EntryKind::AxialSpring, EntryKind::ShearSpring, EntryKind::TorsionSpring, EntryKind::ContactCrushing]
+    {
         let wanted = RcSpringWanted::of(&small(), kind, &options(), Some(&[0.0])).unwrap().unwrap();
         let (entry, left_out) = wanted.derive(&|_, _| {}).unwrap();
         assert_eq!((entry.key.clone(), left_out.len()), (wanted.key().unwrap(), 0));
@@ -170,7 +167,8 @@ fn springs_go_through_the_library_and_are_found() {
             EntryKind::AxialSpring => {
                 let points = &entry.springs[0].levels[0].points;
                 assert!(points[0][0] < 0.0 && points[points.len() - 1][0] > 0.0, "{points:?}");
-                let [low, high] = [entry.tensile_capacity_n, entry.compressive_capacity_n].map(Option::unwrap);
+                let [low, high] =
+                    [entry.tensile_capacity_n, entry.compressive_capacity_n].map(Option::unwrap);
                 let ends = points.iter().fold([0.0f64; 2], |e, p| [e[0].min(p[1]), e[1].max(p[1])]);
                 assert!((ends[0] / -low - 1.0).abs() < 1e-6 && (ends[1] / high - 1.0).abs() < 1e-6);
             }
@@ -190,7 +188,8 @@ fn springs_go_through_the_library_and_are_found() {
 fn a_spring_that_cannot_be_computed_says_why() {
     // elements longer than the concrete's fracture energy allows
     let wide = SeriesOptions { mesh_size_m: 1.0, ..options() };
-    let brittle = section(&SMALL.replace("strength = \"30 MPa\"", "strength = \"30 MPa\"\nfracture_energy_j_m2 = 10"));
+    let brittle =
+        section(&SMALL.replace("strength = \"30 MPa\"", "strength = \"30 MPa\"\nfracture_energy_j_m2 = 10"));
     let wanted = RcSpringWanted::of(&brittle, EntryKind::AxialSpring, &wide, None).unwrap().unwrap();
     let error = wanted.derive(&|_, _| {}).unwrap_err();
     assert!(matches!(error, RcSpringError::Law(_)) && error.to_string().contains("--mesh"), "{error}");
@@ -244,8 +243,15 @@ fn the_command_writes_curve_figures_and_picture_of_each_load() {
     let room = tempfile::tempdir().unwrap();
     std::fs::write(room.path().join("s.toml"), SMALL).unwrap();
     for load in ["crush", "tension", "shear", "torsion"] {
-        let words = ["rc", "s.toml", "--load", load, "--mesh", "0.1", "--piece", "1", "--until", "0.002", "--axial", "0", "-o", load];
-        let done = Command::new(env!("CARGO_BIN_EXE_fallwerk")).args(words).current_dir(room.path()).output().unwrap();
+        let words = [
+            "rc", "s.toml", "--load", load, "--mesh", "0.1", "--piece", "1", "--until", "0.002", "--axial",
+            "0", "-o", load,
+        ];
+        let done = Command::new(env!("CARGO_BIN_EXE_fallwerk"))
+            .args(words)
+            .current_dir(room.path())
+            .output()
+            .unwrap();
         let text = String::from_utf8_lossy(&done.stdout).into_owned();
         assert_eq!(done.status.code(), Some(0), "{text}{}", String::from_utf8_lossy(&done.stderr));
         assert!(text.contains("compared with"), "{text}");
