@@ -5,8 +5,8 @@
 
 use super::library_derive::{self, LibraryDeriveError, Watch, derive_for, derive_sections};
 use super::library_look::{self, Filter};
-use super::progress::Progress;
 use super::library_springs::{self, makes_hinges};
+use super::progress::Progress;
 use super::{colour_on_stderr, library_add, library_find, library_plot};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::hash::readable_json;

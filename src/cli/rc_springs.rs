@@ -30,7 +30,11 @@ pub struct Loading {
 
 fn depths(text: &str) -> Result<f64, String> {
     let value: f64 = text.trim().parse().map_err(|_| "write a number such as 4".to_string())?;
-    if (0.5..=20.0).contains(&value) { Ok(value) } else { Err("a piece is 0.5 to 20 depths long".to_string()) }
+    if (0.5..=20.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("a piece is 0.5 to 20 depths long".to_string())
+    }
 }
 
 impl Loading {
@@ -57,15 +61,15 @@ fn units(drive: Drive) -> (&'static str, &'static str, &'static str, &'static st
 }
 
 /// Runs a piece of `section` and writes what it gives.
-pub fn run(
-    section: &RcSection,
-    drive: Drive,
-    arguments: &super::rc::Arguments,
-) -> Result<Outcome, Failure> {
+pub fn run(section: &RcSection, drive: Drive, arguments: &super::rc::Arguments) -> Result<Outcome, Failure> {
     let (loading, bending) = (&arguments.loading, &arguments.bending);
     let defaults = SpringOptions::of(drive);
     let options = SpringOptions {
-        axial_shares: if bending.axial.is_empty() { defaults.axial_shares.clone() } else { bending.axial.clone() },
+        axial_shares: if bending.axial.is_empty() {
+            defaults.axial_shares.clone()
+        } else {
+            bending.axial.clone()
+        },
         directions_deg: arguments.direction.clone(),
         length_depths: loading.piece.unwrap_or(defaults.length_depths),
         until: bending.until.unwrap_or(defaults.until),
@@ -113,7 +117,8 @@ fn text_of(value: &Value) -> Result<String, Failure> {
 
 /// The figures as JSON, without run times.
 fn result(section: &RcSection, found: &Springs) -> Value {
-    let reference = |r: &Reference| json!({ "name": r.name, "value": r.value, "found": r.found, "ratio": r.ratio() });
+    let reference =
+        |r: &Reference| json!({ "name": r.name, "value": r.value, "found": r.found, "ratio": r.ratio() });
     let case = |c: &SpringCase| {
         let mut value = json!({
             "axial_share": c.axial_share, "axial_force_n": c.axial_n, "direction_deg": c.direction_deg,
@@ -178,7 +183,11 @@ fn svg(section: &RcSection, found: &Springs) -> String {
             let points = found.fibre.iter().map(|p| [1e3 * p[0], p[1] / 1e3]).collect();
             lines.push(Line { label: "fibre section".to_string(), points, is_reference: true });
         }
-        let place = if found.options.drive == Drive::Shear { format!("Direction {direction}°: ") } else { String::new() };
+        let place = if found.options.drive == Drive::Shear {
+            format!("Direction {direction}°: ")
+        } else {
+            String::new()
+        };
         Panel { title: format!("{place}{y} over {x}"), x: owned(x, x_unit), y: owned(y, y_unit), lines }
     };
     let panels: Vec<Panel> = directions.iter().map(panel).filter(|p| !p.lines.is_empty()).collect();
@@ -212,8 +221,9 @@ fn table(section: &RcSection, found: &Springs) -> String {
         text,
         "           kN   deg {y_unit:>8} {y_unit:>10} {y_unit:>9} {y_unit:>7} {x_unit:>8} {x_unit:>8} {x_unit:>8}             error"
     );
-    let optional =
-        |value: Option<f64>, digits: usize| value.map_or("-".to_string(), |v| format!("{:.digits$}", 1e3 * v));
+    let optional = |value: Option<f64>, digits: usize| {
+        value.map_or("-".to_string(), |v| format!("{:.digits$}", 1e3 * v))
+    };
     let force = |at: Option<[f64; 2]>| optional(at.map(|p| 1e-6 * p[1]), 1);
     for c in &found.cases {
         let _ = write!(text, "{:6.2} {:6.0} {:5.0} ", c.axial_share, c.axial_n / 1e3, c.direction_deg);

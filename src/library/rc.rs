@@ -1,8 +1,8 @@
 //! Column hinges from the RC submodel: bends of a section about both axes at several axial forces become one entry.
 
 use super::entry::{
-    Adjoining, AxisRecord, Branch, Computed, Entry, EnvelopeLevel, Features, Inputs, Origin,
-    Quality, RcFeatures, Stiffness, Validity,
+    Adjoining, AxisRecord, Branch, Computed, Entry, EnvelopeLevel, Features, Inputs, Origin, Quality,
+    RcFeatures, Stiffness, Validity,
 };
 use super::key::key_of;
 use super::rc_kinds;

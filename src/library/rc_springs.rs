@@ -148,7 +148,8 @@ impl RcSpringWanted {
         let mut records = match self.kind {
             EntryKind::AxialSpring => axial(&all[0], &all[1]),
             EntryKind::ShearSpring => {
-                let along = |direction| if all[0].options.directions_deg.len() > 1 { direction } else { 90.0 };
+                let along =
+                    |direction| if all[0].options.directions_deg.len() > 1 { direction } else { 90.0 };
                 vec![
                     record(Direction::Shear1, &all[0], along(0.0)),
                     record(Direction::Shear2, &all[0], along(90.0)),

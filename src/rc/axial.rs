@@ -54,7 +54,8 @@ fn weaken(member: &mut RcMember, concrete: &ConcreteLaw) {
     let least = mesh.elements.iter().map(off).fold(f64::INFINITY, f64::min);
     // of two layers equally near the upper one
     let above = |e: &crate::fe::mesh::Element| {
-        off(e) < least + 1e-6 && e.nodes.iter().map(|n| nodes[*n][2]).sum::<f64>() / 8.0 > 0.5 * member.length_m - 1e-6
+        off(e) < least + 1e-6
+            && e.nodes.iter().map(|n| nodes[*n][2]).sum::<f64>() / 8.0 > 0.5 * member.length_m - 1e-6
     };
     let chosen: Vec<bool> = mesh.elements.iter().map(above).collect();
     mesh.laws.push(weak);

@@ -234,10 +234,8 @@ pub fn run(
     progress: &dyn Fn(f64),
 ) -> Result<PieceRun, PieceError> {
     let body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), false);
-    let plates = [
-        Plate::of(member, &body, &member.base, !load.rough),
-        Plate::of(member, &body, &member.tip, true),
-    ];
+    let plates =
+        [Plate::of(member, &body, &member.base, !load.rough), Plate::of(member, &body, &member.tip, true)];
     let mut is_bar = vec![false; member.mesh.trusses.len()];
     member.bars.iter().for_each(|b| is_bar[*b] = true);
     let scale = member.length_m / if load.drive == Drive::Torsion { width_m } else { 1.0 };
@@ -248,13 +246,16 @@ pub fn run(
     run.drive(progress)
 }
 
-/// Elements in the middle third of the length.
+/// Elements in the middle third of the length; of a piece without any the nearest to mid-length.
 fn middle_third(member: &RcMember) -> Vec<usize> {
     let height = |e: &crate::fe::mesh::Element| {
         e.nodes.iter().map(|n| member.mesh.nodes[*n][2]).sum::<f64>() / 8.0 / member.length_m
     };
+    let off = |e: &crate::fe::mesh::Element| (height(e) - 0.5).abs();
+    let least = member.mesh.elements.iter().map(off).fold(f64::INFINITY, f64::min);
+    let near = (1.0 / 6.0f64).max(least + 1e-6);
     let elements = member.mesh.elements.iter().enumerate();
-    elements.filter(|(_, e)| (height(e) - 0.5).abs() < 1.0 / 6.0).map(|(i, _)| i).collect()
+    elements.filter(|(_, e)| off(e) < near).map(|(i, _)| i).collect()
 }
 
 impl Run<'_> {
@@ -387,7 +388,8 @@ impl Run<'_> {
     /// Notes the first crack and the first bars that yield.
     fn watch(&self, point: &PiecePoint, found: &mut PieceRun) {
         let now = [point.at, point.force];
-        if found.first_crack.is_none() && self.middle.iter().any(|e| self.body.blocks.crack_strain(*e) > 0.0) {
+        if found.first_crack.is_none() && self.middle.iter().any(|e| self.body.blocks.crack_strain(*e) > 0.0)
+        {
             found.first_crack = Some(now);
         }
         for (bar, longitudinal) in self.body.trusses.bars.iter().zip(&self.is_bar) {

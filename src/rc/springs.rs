@@ -81,9 +81,7 @@ impl SpringOptions {
         let concrete = self.concrete_of(section);
         match self.drive {
             Drive::Crush | Drive::Tension => axial::piece(section, &concrete, length_m, self.mesh_size_m),
-            Drive::Shear => {
-                shear::piece(section, &concrete, length_m, self.mesh_size_m, self.elastic_bars)
-            }
+            Drive::Shear => shear::piece(section, &concrete, length_m, self.mesh_size_m, self.elastic_bars),
             Drive::Torsion => shear::piece(section, &concrete, length_m, self.mesh_size_m, false),
         }
     }
