@@ -246,13 +246,16 @@ pub fn run(
     run.drive(progress)
 }
 
-/// Elements in the middle third of the length.
+/// Elements in the middle third of the length; of a piece without any the nearest to mid-length.
 fn middle_third(member: &RcMember) -> Vec<usize> {
     let height = |e: &crate::fe::mesh::Element| {
         e.nodes.iter().map(|n| member.mesh.nodes[*n][2]).sum::<f64>() / 8.0 / member.length_m
     };
+    let off = |e: &crate::fe::mesh::Element| (height(e) - 0.5).abs();
+    let least = member.mesh.elements.iter().map(off).fold(f64::INFINITY, f64::min);
+    let near = (1.0 / 6.0f64).max(least + 1e-6);
     let elements = member.mesh.elements.iter().enumerate();
-    elements.filter(|(_, e)| (height(e) - 0.5).abs() < 1.0 / 6.0).map(|(i, _)| i).collect()
+    elements.filter(|(_, e)| off(e) < near).map(|(i, _)| i).collect()
 }
 
 impl Run<'_> {
