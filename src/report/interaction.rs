@@ -1,7 +1,7 @@
 //! Strengths in the plane of two moments as an SVG file of its own: points over lines, the same scale on both axes.
 
 use super::chart::escape;
-use super::number::significant;
+use super::number::fixed;
 use std::fmt::Write;
 
 /// A line and the points that belong to it, in display units.
@@ -97,6 +97,7 @@ fn grid(out: &mut String, low: [f64; 2], span: f64, scale: f64) {
         } else {
             10.0
         };
+    let decimals = (-step.log10().floor()).max(0.0) as usize;
     for axis in 0..2 {
         let first = (low[axis] / step - 1e-9).ceil() as i64;
         let last = ((low[axis] + span) / step + 1e-9).floor() as i64;
@@ -104,7 +105,7 @@ fn grid(out: &mut String, low: [f64; 2], span: f64, scale: f64) {
             let value = step * k as f64;
             let way = scale * (value - low[axis]);
             let class = if k == 0 { "zero" } else { "grid" };
-            let label = significant(value, 4);
+            let label = fixed(value, decimals);
             let _ = if axis == 0 {
                 let x = LEFT + way;
                 write!(
