@@ -304,6 +304,8 @@ impl RcMember {
 pub struct Anchored<'a> {
     slips: &'a [BarSlip],
     states: Vec<SlipState>,
+    /// Velocities across the member after the last step \[m/s\].
+    last: Vec<[f64; 2]>,
 }
 
 impl<'a> Anchored<'a> {
@@ -314,7 +316,12 @@ impl<'a> Anchored<'a> {
             body.mass_kg[slip.node] += mass;
             body.mass_kg[slip.onto] += mass;
         }
-        Self { slips: &member.slips, states: vec![SlipState::default(); member.slips.len()] }
+        let count = member.slips.len();
+        Self {
+            slips: &member.slips,
+            states: vec![SlipState::default(); count],
+            last: vec![[0.0; 2]; count],
+        }
     }
 
     /// Forces for the coming step: the bar on the joint, and the joint on the bar.
@@ -328,15 +335,21 @@ impl<'a> Anchored<'a> {
         }
     }
 
-    /// After a step: bars stay where they are across the member.
-    pub fn hold(&self, body: &mut Dynamics) {
-        for slip in self.slips {
+    /// After a step: bars stay where they are across the member; returns the work of that \[J\].
+    pub fn hold(&mut self, body: &mut Dynamics) -> f64 {
+        let mut work = 0.0;
+        for (slip, last) in self.slips.iter().zip(&mut self.last) {
+            let mass = body.mass_kg[slip.node];
             for axis in 0..2 {
-                let v = body.v[slip.onto][axis];
-                body.x[slip.node][axis] += body.taken_s * (v - body.v[slip.node][axis]);
-                body.v[slip.node][axis] = v;
+                let held = body.v[slip.onto][axis];
+                let change = held - body.v[slip.node][axis];
+                body.x[slip.node][axis] += body.taken_s * change;
+                work += 0.5 * mass * change * (held + last[axis]);
+                last[axis] = held;
+                body.v[slip.node][axis] = held;
             }
         }
+        work
     }
 
     /// Largest slip now \[m\], 0 with full bond.

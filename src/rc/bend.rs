@@ -215,8 +215,11 @@ impl Spread {
             });
             for (i, n) in self.nodes.iter().enumerate() {
                 let held = amplitudes.map_or(0.0, |a| a.dot(&self.patterns[axis][i]));
-                body.x[*n][axis] += body.taken_s * (held - body.v[*n][axis]);
-                work += 0.5 * body.mass_kg[*n] * (held - body.v[*n][axis]) * (held + self.last[i][axis]);
+                let change = held - body.v[*n][axis];
+                body.x[*n][axis] += body.taken_s * change;
+                // the step booked forces of slipping bars over the motion that it found, not over that of the section
+                work += 0.5 * body.taken_s * body.applied_n[*n][axis] * change;
+                work += 0.5 * body.mass_kg[*n] * change * (held + self.last[i][axis]);
                 self.last[i][axis] = held;
                 body.v[*n][axis] = held;
             }
@@ -268,7 +271,7 @@ impl Run<'_> {
         if let Some(spread) = &mut self.spread {
             self.energy.held_j += spread.hold(&mut self.body);
         }
-        self.anchored.hold(&mut self.body);
+        self.energy.held_j += self.anchored.hold(&mut self.body);
         let look = self.body.steps.is_multiple_of(LOOK_STEPS);
         if look {
             self.energy.damped(&self.body, LOOK_STEPS as f64);
@@ -348,6 +351,7 @@ impl Run<'_> {
         };
         let Course { points, turned_at, kinetic_share, .. } = course;
         let steps = self.body.steps;
+        let energies = energies.of_whole(self.member.share);
         Ok(Bent { points, strains, turned_at, kinetic_share, energies, steps, ending, slips_m, events })
     }
 

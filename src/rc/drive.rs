@@ -192,6 +192,17 @@ pub struct Energies {
     pub residual_share: f64,
 }
 
+impl Energies {
+    /// Of a whole body, of which these are the share that is meshed.
+    #[must_use]
+    pub fn of_whole(self, share: f64) -> Self {
+        let [external_j, internal_j, artificial_j, kinetic_j, damped_j] =
+            [self.external_j, self.internal_j, self.artificial_j, self.kinetic_j, self.damped_j]
+                .map(|e| e / share);
+        Self { external_j, internal_j, artificial_j, kinetic_j, damped_j, residual_share: self.residual_share }
+    }
+}
+
 /// Watches the energies of a driven body without gravity and contact.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct EnergyWatch {
