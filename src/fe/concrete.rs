@@ -5,10 +5,10 @@
 //! elastic stiffness, and fall with `t` when it falls: cracked or crushed elements have no bending resistance of their own. While the
 //! centre flows in compression, hourglass stiffness is that of the floor, as in J2 plasticity.
 //!
-//! **And the strength bounds it.** An element whose centre stays elastic would otherwise bend elastically for ever: a slab under blast four elements deep
-//! deflected by 77 mm in that way, not 102 mm (eight deep: 103 and 104 mm). A strip that bears no tension, compressed by `s` on average and crushed at `f`, carries at most the moment `s h² (1 - s / f) / 2`, that is a
-//! bending stress of `3 s (1 - s / f)` if it were elastic; to which comes the tensile strength. The Mises stress that hourglass stresses stand for
-//! ([`super::hourglass`]) is `1 / sqrt(2 (1 + ν))` of the stress at the faces of an element in plane bending. Beyond that they are scaled down.
+//! **And the strength bounds it.** An element whose centre stays elastic would otherwise bend elastically for ever, and a member few elements deep would be too strong
+//! (the case of a slab under blast in `src/verify/fe/slab.rs`). A strip that bears no tension, compressed by `s` on average and crushed at `f`, carries at most the moment
+//! `s h² (1 - s / f) / 2`, that is a bending stress of `3 s (1 - s / f)` if it were elastic; to which comes the tensile strength. The Mises stress that hourglass stresses
+//! stand for ([`super::hourglass`]) is `1 / sqrt(2 (1 + ν))` of the stress at the faces of an element in plane bending. Beyond that they are scaled down.
 
 use super::kernel::{
     BlockForce, BlockMaterial, BlockState, HOURGLASS_FLOOR, KernelStep, LANES, Lane, deform_lanes,

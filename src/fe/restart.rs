@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// First bytes of a checkpoint.
 pub const MAGIC: [u8; 8] = *b"FWFECKPT";
 /// Version of the file layout and of the states in it.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 /// Bytes before the head.
 const PREFIX: usize = 8 + 4 + 8 + 8;
 /// Bytes of the checksum.
@@ -63,12 +63,12 @@ pub enum RestartError {
     },
     /// Written by another version.
     #[error(
-        "{path} was written by version {found}, this program is {own}; go on with the version that wrote it, or run from the start"
+        "{path} was written by {found}, this program is {own}; go on with the version that wrote it, or run from the start"
     )]
     Version {
         /// The file.
         path: PathBuf,
-        /// Its version.
+        /// The version that wrote it, as far as the file tells.
         found: String,
         /// Version of this program.
         own: String,
@@ -93,7 +93,7 @@ pub enum RestartError {
 
 /// The file version as it is compared and shown.
 fn version(program: &str, format: u32) -> String {
-    format!("{program} (checkpoint format {format})")
+    format!("version {program} (checkpoint format {format})")
 }
 
 impl Head {
@@ -189,7 +189,7 @@ pub fn decode<S: DeserializeOwned>(bytes: &[u8], path: &Path, own: &Head) -> Res
     let own_version = version(&own.program_version, FORMAT);
     let other = |found| RestartError::Version { path: path(), found, own: own_version.clone() };
     if format != FORMAT {
-        return Err(other(format!("with checkpoint format {format}")));
+        return Err(other(format!("a version with checkpoint format {format}")));
     }
     let head: Head = postcard::from_bytes(&bytes[PREFIX..PREFIX + head_length])
         .map_err(|e| damaged(&format!("head: {e}")))?;
@@ -203,5 +203,38 @@ pub fn decode<S: DeserializeOwned>(bytes: &[u8], path: &Path, own: &Head) -> Res
         Ok((state, [])) => Ok(state),
         Ok((_, rest)) => Err(damaged(&format!("{} bytes are left over", rest.len()))),
         Err(e) => Err(damaged(&format!("state: {e}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_another_format_is_refused_by_its_number() {
+        let head = Head {
+            program_version: "1.2.3".into(),
+            model_hash: [7; 32],
+            mesh_size_m: 0.4,
+            frames_every: None,
+            time_s: 0.5,
+        };
+        let good = encode(&head, &1.0f64).unwrap();
+        let of_format = |format: u32| {
+            let mut bytes = good[..good.len() - CHECKSUM].to_vec();
+            bytes[MAGIC.len()..MAGIC.len() + 4].copy_from_slice(&format.to_le_bytes());
+            let checksum = blake3::hash(&bytes);
+            bytes.extend_from_slice(checksum.as_bytes());
+            decode::<f64>(&bytes, Path::new("old.checkpoint"), &head)
+        };
+        assert_eq!(of_format(FORMAT), Ok(1.0));
+        for format in [0, FORMAT - 1, FORMAT + 1] {
+            let message = of_format(format).unwrap_err().to_string();
+            let expected = format!(
+                "old.checkpoint was written by a version with checkpoint format {format}, this program is version 1.2.3 (checkpoint format {FORMAT}); \
+                 go on with the version that wrote it, or run from the start"
+            );
+            assert_eq!(message, expected);
+        }
     }
 }

@@ -3,11 +3,14 @@
 use super::mesh::{bilinear, grid, ground};
 use fallwerk::base::tree::Format;
 use fallwerk::building::inspect;
+use fallwerk::fe::contact::{BodyContact, RigidSurfaces};
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::mesh::Mesh;
-use fallwerk::fe::restart::{Head, RestartError, decode, encode};
+use fallwerk::fe::model::ContactSettings;
+use fallwerk::fe::restart::{FORMAT, Head, RestartError, decode, encode};
 use fallwerk::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
 use fallwerk::fe::vtu::{Frame, FrameSink, WrittenFrame};
+use fallwerk::verify::fe::slab_model::{Breadth, SlabModel};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -73,6 +76,20 @@ fn no_field_of_a_state_is_left_out() {
             assert!(!text.contains(&word), "{}: {word}", file.display());
         }
     }
+}
+
+/// The encoding has no names: with a field more or less the bytes of an older checkpoint mean something else. The states of two small bodies at rest, one of concrete
+/// with bars, one of a homogenised law in contact, have a length that changes with the fields of their types (and with the tables of concrete).
+#[test]
+fn a_format_has_one_layout_of_the_state() {
+    let slab = SlabModel::new(4, Breadth::Strip, [1.0, 1.0]).mesh;
+    let concrete = Dynamics::new(&slab, 9.81, RigidSurfaces::default(), false);
+    let mesh = grid([2, 1, 1], [0.4, 0.2, 0.2], bilinear(30e9, 0.2, 2500.0, 2e6, 0.0), |_| false);
+    let mut block = Dynamics::new(&mesh, 9.81, ground(0.0, 0.5), false);
+    block.body_contact = Some(Box::new(BodyContact::new(&mesh, ContactSettings { friction: 0.5 })));
+    let [concrete, block] = [concrete, block].map(|body| encode(&head(), &body).unwrap().len());
+    let words = "the state of a run has another layout: raise FORMAT in src/fe/restart.rs, then write it here with the new lengths";
+    assert_eq!((FORMAT, concrete, block), (3, 167_905, 4256), "{words}");
 }
 
 #[test]

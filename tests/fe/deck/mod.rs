@@ -1,6 +1,7 @@
 //! Keyword decks: formats, messages, round trip, runs.
 
 mod bad;
+mod documented;
 mod foreign;
 mod fuzz;
 mod round_trip;
