@@ -91,7 +91,8 @@ pub enum LibraryCommand {
 
 /// Runs the command on standard output and error; returns the exit code.
 pub fn run(args: &LibraryArgs) -> u8 {
-    execute(args, &mut io::stdout().lock(), &mut io::stderr().lock())
+    // not locked: progress is told from other threads
+    execute(args, &mut io::stdout(), &mut io::stderr())
 }
 
 /// Runs the command; results go to `out`, messages to `err`. Returns the exit code.

@@ -74,7 +74,7 @@ pub struct Bending {
     /// Number of elements over the depth of each section, in the place of --mesh
     #[arg(long, value_name = "N", value_parser = count, conflicts_with = "mesh")]
     pub elements: Option<f64>,
-    /// What the member stands on: a plane of symmetry, or a block of uncracked concrete [default: symmetry]
+    /// What the member stands on: a plane of symmetry, or a block of uncracked concrete [default: symmetry; of library entries block, with slip of bars out of it]
     #[arg(long, value_name = "KIND", value_parser = ["symmetry", "block"])]
     pub joint: Option<String>,
     /// Bars stay straight

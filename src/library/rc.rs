@@ -374,13 +374,17 @@ fn quality(series: &Series) -> Quality {
 
 fn validity(series: &Series, levels: &[f64]) -> Validity {
     let used = || series.cases.iter().filter(|c| levels.contains(&c.axial_share));
-    let ends = used().filter_map(|c| c.bent.as_ref().ok()?.points.last()).map(|p| p[0]);
+    let bends = || used().filter_map(|c| c.bent.as_ref().ok());
+    let end = |bent: &Bent| bent.points.last().map(|p| p[0]);
+    // behind a failure nothing is borne, which is known; if every bend failed, the last of them is the end
+    let unbroken = bends().filter(|b| !b.failed()).filter_map(end).reduce(f64::min);
+    let end = unbroken.or_else(|| bends().filter_map(end).reduce(f64::max));
     Validity {
         axial_force_n: [
             used().map(|c| c.axial_n).fold(f64::INFINITY, f64::min),
             used().map(|c| c.axial_n).fold(f64::NEG_INFINITY, f64::max),
         ],
-        rotation_rad: Some([0.0, ends.fold(f64::INFINITY, f64::min)]),
+        rotation_rad: end.map(|end| [0.0, end]),
         displacement_m: None,
     }
 }
