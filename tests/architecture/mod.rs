@@ -90,6 +90,13 @@ fn no_source_file_is_long() {
 }
 
 /// Rows `| [`name`] | ... |` or `| `name` | ... |` of a table: cells without back quotes and brackets.
+#[test]
+fn nobody_holds_a_standard_stream() {
+    // progress is told from the threads of a pool: one that waits for the stream waits for ever
+    let held = |text: &str| ["stderr().lock()", "stdout().lock()"].iter().any(|lock| text.contains(lock));
+    none(&sources().into_iter().filter(|(_, text)| held(text)).map(|(path, _)| path).collect::<Vec<_>>());
+}
+
 fn rows(text: &str) -> Vec<Vec<String>> {
     text.lines()
         .map(|line| line.trim_start_matches("//!").trim())

@@ -68,7 +68,7 @@ pub struct Surface {
     pub confined_ductility: f64,
     /// Loss of tensile strength when the compressive strength acts across it.
     pub tension_reduction: f64,
-    /// Loss of compressive strength by open cracks along it: `1 / (1 + this (ε_cr / ε_0 - 0.28)^0.8) <= 1`; 0: none.
+    /// Loss of compressive strength by open cracks along it: `1 / (1 + this (ε_cr / ε_c - 0.28)^0.8) <= 1` with the compressive strain `ε_c`; 0: none.
     pub crack_softening: f64,
 }
 

@@ -17,11 +17,11 @@
 //! uniaxial compression; it grows more slowly under lateral pressure, by `1 + A <-σ_max> / F`, as ductility does (Mander,
 //! Priestley and Park, J. Struct. Eng. 114 (1988) 1804-1826: strain at the peak rises five times as much as the strength).
 //!
-//! Open cracks weaken the compression along them (optional, off: see below): with the largest crack strain `ε_cr` the share
-//! `1 / (1 + 0.55 · 0.35 (ε_cr / ε_0 - 0.28)^0.8) <= 1` of the strength is left (Vecchio and Collins, J. Struct. Eng. 119 (1993) 3590-3610; 0.55 where cracks slip). It
-//! decides what struts between shear cracks bear. Their strain is a mean over several cracks; a crack in a band of length `l` counts by `l` over the
-//! spacing of cracks, 0.3 m. With it columns with few ties fail in shear at the drift of tests but at too small a force, and columns
-//! in bending lose 3 to 5 % of their strength and up to half of their ductility: hence off.
+//! Open cracks weaken the compression along them (optional, off: see below): with the largest crack strain `ε_cr` and the compressive strain `ε_c` the share
+//! `1 / (1 + C (ε_cr / ε_c - 0.28)^0.8) <= 1` of the strength is left, `C = 0.35 · 0.55 = 0.19` where cracks slip (model A of Vecchio and Collins, J. Struct. Eng. 119 (1993)
+//! 3590-3610). It decides what struts between shear cracks bear. Their strain is a mean over several cracks; a crack in a band of length `l` counts by `l` over the
+//! spacing of cracks, 0.3 m. Columns with few ties then fail in shear, but at too small a force (Sezen and Moehle's first one at 345 of 361 kN m and less), and columns
+//! in bending lose 2 to 5 % of their strength and up to half of their ductility: hence off.
 //!
 //! **Tension** (rotating smeared cracks): each principal effective stress stays below `T(c) (1 - 0.8 <-σ_min> / f_c)`, the bracket after Kupfer and
 //! Gerstle (J. Eng. Mech. Div. ASCE 99 (1973) 853-866). `T` softens (Hordijk, Heron 37/1 (1992), figure 2.3) with the crack strain; below the largest one so far, it is the
