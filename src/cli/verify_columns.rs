@@ -123,7 +123,7 @@ fn bend(computed: &Result<Computed, String>) -> Value {
 
 /// Measured and computed moments and drifts.
 fn plot(runs: &[ColumnRun]) -> String {
-    let groups = ["test ended by bending", "by shear", "cycled ones in one push"].map(String::from).to_vec();
+    let groups = ["ended by bending", "by shear", "cycled: first push"].map(String::from).to_vec();
     let point = |run: &ColumnRun, at: [f64; 2], group: usize, is_bound: bool| Point {
         at,
         name: run.specimen.name.to_string(),

@@ -125,7 +125,8 @@ fn statistics(runs: &[ColumnRun]) -> String {
             crate::verify::Tolerance::Absolute(half) => half,
             crate::verify::Tolerance::Relative(share) => share * f.reference,
         };
-        let digits = |v: f64| format!("{v:.3}").trim_end_matches('0').trim_end_matches('.').to_string();
+        // no minus before a zero
+        let digits = |v: f64| format!("{}", (1e3 * v).round() / 1e3 + 0.0);
         let wanted = if half == 0.0 {
             digits(f.reference)
         } else {
@@ -253,6 +254,7 @@ mod tests {
             page.contains("crushed \\| gone") && page.contains("| ≥ 8.00 |") && page.contains("**missed**")
         );
         assert!(page.contains("| columns bent | 21 | 23 | **missed** |"), "{page}");
+        assert!(page.contains("| 0 to 0.1 | **missed** |") && !page.contains("-0"), "{page}");
         // V_o of Sezen No. 1: 243.9 kN; both drifts, and the cycles' moment is compared
         let [one, two] = [0, 1].map(|i| rows("Sezen No. 1")[i].clone());
         assert!(
