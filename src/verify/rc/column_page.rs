@@ -98,7 +98,7 @@ fn method(options: &Options) -> String {
          drift of the test: beyond it bars harden on, and no test saw that.\n\
          - `d`: drift at which the lateral force had fallen to 80 % of its largest. Cycles have an envelope in each sense, the points on ways in this sense at which the column was bent\n  \
          further than before. The first point behind the largest force of the envelope that lies below 80 % of it counts, interpolated from the one before, in the sense that\n  \
-         falls first. An axial failure counts as a fall at its drift.\n\
+         falls first. An axial failure counts as a fall at its drift. What is lost between the peak of a cycle and the next way beyond it shows as a fall at that peak.\n\
          - `≥`: it had not fallen when the test or the bend ended; the last drift counts. Where the test had not fallen, a bend that bears more counts with the drift of the test\n  \
          (ratio 1).\n\
          - Ratios are measured over computed.\n\n",
