@@ -5,8 +5,9 @@ use super::{Failure, Outcome, print, thread_pool};
 use crate::base::units::Dimension;
 use crate::rc::member::Joint;
 use crate::report::scatter::{self, Panel, Point};
+use crate::verify::rc::column_envelope::Computed;
 use crate::verify::rc::column_runs::{self, ColumnRun, Options};
-use crate::verify::rc::{column_page, columns};
+use crate::verify::rc::{column_page, column_shear, columns};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -28,6 +29,9 @@ pub struct Arguments {
     /// No slip of bars out of the block
     #[arg(long)]
     full_bond: bool,
+    /// One push only: columns near their shear strength are not cycled
+    #[arg(long)]
+    monotonic: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -53,7 +57,8 @@ fn drift(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let joint = if arguments.joint == "block" { Joint::Block } else { Joint::Symmetry };
     let slip = !arguments.full_bond;
-    let options = Options { elements: arguments.elements, joint, slip, until_rad: arguments.until };
+    let cycled = !arguments.monotonic;
+    let options = Options { elements: arguments.elements, joint, slip, until_rad: arguments.until, cycled };
     let progress = Progress::on_stderr();
     progress.stage("columns");
     let runs = thread_pool(arguments.threads)?.install(|| {
@@ -80,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     // of a few columns the figures of all say nothing
     let whole = arguments.only.is_empty();
-    let missed = runs.iter().any(|r| r.computed.is_err())
+    let missed = runs.iter().any(|r| r.computed().is_err())
         || whole && columns::figures(&runs).iter().any(|f| !f.passes());
     Ok(if missed { Outcome::CheckFailed } else { Outcome::Done })
 }
@@ -95,39 +100,56 @@ fn row(run: &ColumnRun) -> Value {
         "elements": run.elements,
         "moment_ratio": run.moment_ratio(), "drift_ratio": run.drift_ratio(),
     });
-    match &run.computed {
-        Ok(c) => {
-            value["computed"] = json!({
-                "peak_nm": c.peak_nm, "peak_drift": c.peak_drift, "lateral_n": c.lateral_n, "drift_at_80": c.drift_at_80,
-                "fell": c.fell, "failed": c.failed, "kinetic_share": c.kinetic_share,
-            });
-        }
-        Err(error) => value["error"] = json!(error),
+    value["shear"] = json!({
+        "strength_n": column_shear::strength_n(s), "lateral_over_strength": run.shear_share(), "cycled": run.cycled.is_some(),
+    });
+    value["monotonic"] = bend(&run.monotonic);
+    if let Some(cycled) = &run.cycled {
+        value["cycled"] = bend(cycled);
     }
     value
 }
 
+/// A bend as JSON.
+fn bend(computed: &Result<Computed, String>) -> Value {
+    match computed {
+        Ok(c) => json!({
+            "peak_nm": c.peak_nm, "peak_drift": c.peak_drift, "lateral_n": c.lateral_n, "drift_at_80": c.drift_at_80,
+            "fell": c.fell, "ending": c.ending, "kinetic_share": c.kinetic_share, "energy_error": c.energy_error,
+        }),
+        Err(error) => json!({ "error": error }),
+    }
+}
+
 /// Measured and computed moments and drifts.
 fn plot(runs: &[ColumnRun]) -> String {
-    let groups = vec!["test ended by bending".to_string(), "by shear".to_string()];
-    let point = |run: &ColumnRun, at: [f64; 2], is_bound: bool| Point {
+    let groups = ["ended by bending", "by shear", "cycled: first push"].map(String::from).to_vec();
+    let point = |run: &ColumnRun, at: [f64; 2], group: usize, is_bound: bool| Point {
         at,
         name: run.specimen.name.to_string(),
-        group: usize::from(run.is_shear_critical()),
+        group,
         is_bound,
     };
-    let done = || runs.iter().filter_map(|r| Some((r, r.computed.as_ref().ok()?)));
-    let moments = done().map(|(r, c)| point(r, [r.measured_nm() / 1e3, c.peak_nm / 1e3], false)).collect();
+    let compared = |run: &ColumnRun| usize::from(run.is_shear_critical());
+    // the push of cycled columns first, so that what is compared lies above it
+    let pushes = || {
+        runs.iter().filter(|r| r.cycled.is_some()).filter_map(|r| Some((r, r.monotonic.as_ref().ok()?, 2)))
+    };
+    let done = || pushes().chain(runs.iter().filter_map(|r| Some((r, r.computed().ok()?, compared(r)))));
+    let moments = done()
+        .map(|(r, c, group)| point(r, [r.measured_nm() / 1e3, c.peak_nm / 1e3], group, false))
+        .collect();
     let drifts = done()
-        .map(|(r, c)| {
+        .map(|(r, c, group)| {
             let at = [r.specimen.drift_at_80, c.drift_at_80].map(|d| 100.0 * d);
-            point(r, at, !(r.specimen.fell && c.fell))
+            point(r, at, group, !(r.specimen.fell && c.fell))
         })
         .collect();
+    let shown = if runs.iter().any(|r| r.cycled.is_some()) { 3 } else { 2 };
     let panel = |title: &str, axes: [&str; 2], points: Vec<Point>, band: f64| Panel {
         title: title.to_string(),
         axes: axes.map(String::from),
-        groups: groups.clone(),
+        groups: groups[..shown].to_vec(),
         points,
         band,
     };
@@ -135,7 +157,7 @@ fn plot(runs: &[ColumnRun]) -> String {
     let moments =
         panel("Largest moment (dashed: 10 %)", ["measured [kN m]", "computed [kN m]"], moments, 0.1);
     let drifts = panel(
-        "Drift at 80 % of the lateral force (dashed: 50 %; hollow: test or bend had not fallen)",
+        "Drift at 80 % of V (dashed: 50 %; hollow: not fallen)",
         ["measured [%]", "computed [%]"],
         drifts,
         0.5,

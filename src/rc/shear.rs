@@ -7,6 +7,7 @@ use super::member::{BARS, RcMember};
 use super::section_file::RcSection;
 use crate::fe::law::Law;
 use crate::material::concrete::{ConcreteLaw, LawError};
+use crate::material::fibre::SectionInput;
 
 /// The mesh of a piece of a length \[m\]; `elastic`: its longitudinal bars neither yield nor buckle nor rupture.
 ///
@@ -43,9 +44,8 @@ struct Sheared {
 }
 
 impl Sheared {
-    /// Along x (axis 0) or y (axis 1).
-    fn of(section: &RcSection, axis: usize, axial_n: f64) -> Self {
-        let input = &section.input;
+    /// Along x (axis 0) or y (axis 1), in concrete of a strength \[Pa\].
+    fn of(input: &SectionInput, strength_pa: f64, axis: usize, axial_n: f64) -> Self {
         let place = |b: &crate::building::Bar| [b.x_m, b.y_m][axis];
         let area = |b: &crate::building::Bar| 0.25 * std::f64::consts::PI * b.diameter_m * b.diameter_m;
         let reach = input.bars.iter().map(place).fold(0.0, f64::max);
@@ -59,9 +59,14 @@ impl Sheared {
             area_m2: input.area_m2(),
             tension_m2: input.bars.iter().filter(|b| place(b) > 1e-6).map(area).sum(),
             ties,
-            strength_mpa: section.concrete.compressive_strength_pa / 1e6,
+            strength_mpa: strength_pa / 1e6,
             pressed_mpa: axial_n / input.area_m2() / 1e6,
         }
+    }
+
+    /// The same of a section with its concrete.
+    fn of_section(section: &RcSection, axis: usize, axial_n: f64) -> Self {
+        Self::of(&section.input, section.concrete.compressive_strength_pa, axis, axial_n)
     }
 }
 
@@ -81,7 +86,7 @@ pub fn cracking_n(section: &RcSection, axial_n: f64) -> f64 {
 
 /// EN 1992-1-1 6.2.2, eq. 6.2 with `γ_c = 1`: members without shear reinforcement \[N\].
 pub fn en_without_ties_n(section: &RcSection, axis: usize, axial_n: f64) -> f64 {
-    let s = Sheared::of(section, axis, axial_n);
+    let s = Sheared::of_section(section, axis, axial_n);
     let k = (1.0 + (0.2 / s.effective_m).sqrt()).min(2.0);
     let ratio = (s.tension_m2 / (s.width_m * s.effective_m)).min(0.02);
     let least = 0.035 * k.powf(1.5) * s.strength_mpa.sqrt();
@@ -92,7 +97,7 @@ pub fn en_without_ties_n(section: &RcSection, axis: usize, axial_n: f64) -> f64 
 
 /// EN 1992-1-1 6.2.3, eq. 6.8 and 6.9 with `γ = 1`, `z = 0.9 d`: the truss of the best inclination, `1 <= cot θ <= 2.5` \[N\]; and its `cot θ`.
 pub fn en_truss_n(section: &RcSection, axis: usize, axial_n: f64) -> [f64; 2] {
-    let s = Sheared::of(section, axis, axial_n);
+    let s = Sheared::of_section(section, axis, axial_n);
     let share = s.pressed_mpa / s.strength_mpa;
     let alpha = match share {
         n if n <= 0.0 => 1.0,
@@ -110,9 +115,10 @@ pub fn en_truss_n(section: &RcSection, axis: usize, axial_n: f64) -> [f64; 2] {
     [(tie * cot).min(strut / (cot + 1.0 / cot)), cot]
 }
 
-/// ASCE 41-17, eq. 10-3 (Sezen and Moehle 2004) without loss by ductility, for a shear span of `span_m` \[N\].
-pub fn asce_column_n(section: &RcSection, axis: usize, axial_n: f64, span_m: f64) -> f64 {
-    let s = Sheared::of(section, axis, axial_n);
+/// ASCE 41-17, eq. 10-3 (Sezen and Moehle 2004) without loss by ductility (`k = 1`), sheared along x (axis 0) or y (axis 1), for concrete of a strength
+/// of `strength_pa`, an axial force of `axial_n` (compression positive) and a shear span of `span_m` \[N\].
+pub fn asce_column_n(input: &SectionInput, strength_pa: f64, axis: usize, axial_n: f64, span_m: f64) -> f64 {
+    let s = Sheared::of(input, strength_pa, axis, axial_n);
     let slender = (span_m / s.effective_m).clamp(2.0, 4.0);
     let alpha = (4.0 * (1.0 - s.ties[1] / s.effective_m)).clamp(0.0, 1.0);
     let ties = alpha * s.ties[0] * s.ties[2] * s.effective_m;
@@ -151,6 +157,10 @@ mod tests {
         let [truss, cot] = en_truss_n(&s, 1, 0.0);
         assert!((truss / 298.6e3 - 1.0).abs() < 1e-3 && cot == 2.5, "{truss} {cot}");
         // 0.6702 x 550 x 360 + 3.0822 / 2 x 0.8 x 160000
-        assert!((asce_column_n(&s, 1, 0.0, 0.5) / 329.96e3 - 1.0).abs() < 1e-3);
+        let asce = |axial_n, span_m| asce_column_n(&s.input, 38e6, 1, axial_n, span_m);
+        assert!((asce(0.0, 0.5) / 329.96e3 - 1.0).abs() < 1e-3);
+        // N = 608 kN: sqrt(1 + 3.8 / 3.0822) = 1.4943; span 1.08 m: 3 d
+        assert!((asce(608e3, 1.08) / (132.70e3 + 131.51e3 * 1.4943) - 1.0).abs() < 1e-3);
+        assert_eq!(asce(0.0, 9.0), asce(0.0, 4.0 * 0.36), "a span beyond 4 d counts as 4 d");
     }
 }

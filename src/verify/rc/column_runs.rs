@@ -1,16 +1,20 @@
 //! Tested columns bent by the RC submodel, and what the comparison says of all of them together.
 //!
-//! Each column stands on a block of uncracked concrete, as the tests stood on stubs and footings, out of which its bars slip. It is meshed from its report's data, loaded by its axial force and bent to [`UNTIL_RAD`] or until a fifth of its largest moment is left. The lateral
-//! force is that of the bend less the second-order moment, `V = (M - N w) / L` with the tip displacement `w`, as the tests' was.
+//! Each column stands on a block of uncracked concrete, as the tests stood on stubs and footings, out of which its bars slip. It is meshed from its report's data, loaded
+//! by its axial force and bent to [`UNTIL_RAD`] or until a fifth of its largest moment is left. One that comes near its shear strength is bent again, to and fro
+//! ([`super::column_shear`]), and its cycles are compared. How a history is read: [`super::column_envelope`].
 //!
 //! **Drifts that were not reached.** A test whose lateral force had not fallen to 80 % when it ended counts with its last drift, and so does a bend. Where the test had
 //! not fallen, a bend that bears more drift than the test saw counts with the test's: neither has fallen then, and the ratio is 1.
 //! No column is left out: one that cannot be bent counts in no mean, and fails the figure of its own.
 
+use super::column_envelope::{Computed, Reading};
+use super::column_shear;
 use crate::material::concrete::ConcreteLaw;
 use crate::material::rebar::Buckling;
 use crate::rc::anchorage::Anchorage;
-use crate::rc::bend::{Bend, BendError, Bent, bend};
+use crate::rc::bend::{Bend, bend};
+use crate::rc::drive::Path;
 use crate::rc::member::{Joint, RcMember};
 use crate::verify::columns::{Failure, SPECIMENS, Specimen};
 use rayon::prelude::*;
@@ -20,8 +24,6 @@ use std::sync::Mutex;
 pub const UNTIL_RAD: f64 = 0.08;
 /// Direction of the push: along the depth \[deg\].
 const PUSH_DEG: f64 = 90.0;
-/// Share of the largest lateral force whose drift is compared.
-const FALLEN_SHARE: f64 = 0.8;
 
 /// How columns are bent.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,31 +36,14 @@ pub struct Options {
     pub slip: bool,
     /// Drift to which they are bent.
     pub until_rad: f64,
+    /// Whether columns near their shear strength are cycled.
+    pub cycled: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { elements: 8.0, joint: Joint::Block, slip: true, until_rad: UNTIL_RAD }
+        Self { elements: 8.0, joint: Joint::Block, slip: true, until_rad: UNTIL_RAD, cycled: true }
     }
-}
-
-/// A computed column.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Computed {
-    /// Largest moment at the base \[N m\].
-    pub peak_nm: f64,
-    /// Drift there.
-    pub peak_drift: f64,
-    /// Largest lateral force \[N\].
-    pub lateral_n: f64,
-    /// Drift at which it has fallen to 80 %, or the last one.
-    pub drift_at_80: f64,
-    /// Whether it fell.
-    pub fell: bool,
-    /// Whether the moment fell to a fifth of its peak.
-    pub failed: bool,
-    /// Largest kinetic over internal energy.
-    pub kinetic_share: f64,
 }
 
 /// A tested column and its computation.
@@ -68,8 +53,10 @@ pub struct ColumnRun {
     pub specimen: &'static Specimen,
     /// Hexahedra.
     pub elements: usize,
-    /// What was computed, or why nothing.
-    pub computed: Result<Computed, String>,
+    /// What one push gave, or why nothing.
+    pub monotonic: Result<Computed, String>,
+    /// What cycles gave, of a column near its shear strength.
+    pub cycled: Option<Result<Computed, String>>,
 }
 
 /// The drifts that are compared.
@@ -82,6 +69,11 @@ pub struct Drifts {
 }
 
 impl ColumnRun {
+    /// What is compared with the test: the cycles of a cycled column, else the push.
+    pub fn computed(&self) -> Result<&Computed, &String> {
+        self.cycled.as_ref().unwrap_or(&self.monotonic).as_ref()
+    }
+
     /// Mean of the two directions' largest moments \[N m\].
     pub fn measured_nm(&self) -> f64 {
         0.5 * (self.specimen.peak_moment_nm[0] + self.specimen.peak_moment_nm[1])
@@ -89,12 +81,12 @@ impl ColumnRun {
 
     /// Measured over computed largest moment.
     pub fn moment_ratio(&self) -> Option<f64> {
-        Some(self.measured_nm() / self.computed.as_ref().ok()?.peak_nm)
+        Some(self.measured_nm() / self.computed().ok()?.peak_nm)
     }
 
     /// Drifts at 80 % of the lateral force as they are compared.
     pub fn drifts(&self) -> Option<Drifts> {
-        let of_bend = self.computed.as_ref().ok()?.drift_at_80;
+        let of_bend = self.computed().ok()?.drift_at_80;
         let measured = self.specimen.drift_at_80;
         let computed = if self.specimen.fell { of_bend } else { of_bend.min(measured) };
         Some(Drifts { measured, computed })
@@ -103,6 +95,11 @@ impl ColumnRun {
     /// Measured over computed drift at 80 % of the lateral force.
     pub fn drift_ratio(&self) -> Option<f64> {
         self.drifts().map(|d| d.measured / d.computed)
+    }
+
+    /// Largest lateral force of the push over the shear strength of the undamaged column, `V_p / V_o`.
+    pub fn shear_share(&self) -> Option<f64> {
+        Some(self.monotonic.as_ref().ok()?.lateral_n / column_shear::strength_n(self.specimen))
     }
 
     /// Whether the test ended in shear, with or without bars that had yielded.
@@ -115,24 +112,99 @@ impl ColumnRun {
 /// [`SPECIMENS`]; `progress` is told the share done and what is under way.
 pub fn run(options: &Options, name: &str, progress: &(dyn Fn(f64, &str) + Sync)) -> Vec<ColumnRun> {
     let chosen: Vec<&'static Specimen> = SPECIMENS.iter().filter(|s| s.name.contains(name)).collect();
-    let shares = Mutex::new(vec![0.0; chosen.len()]);
-    let tell = |column: usize, share: f64| {
-        let mut all = shares.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        all[column] = share;
-        let finished = all.iter().filter(|s| **s >= 1.0).count();
-        let sum: f64 = all.iter().sum();
-        progress(sum / all.len() as f64, &format!("{finished} of {} columns done", all.len()));
-    };
+    let work = Mutex::new(Work::of(&chosen, options));
     let one = |(column, specimen): (usize, &&'static Specimen)| {
-        let done = one(specimen, options, &|share| tell(column, share));
-        tell(column, 1.0);
+        let tell = |news: News| {
+            let mut work = work.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            work.hear(column, news);
+            progress(work.share(), &work.words());
+        };
+        let done = one(specimen, options, &tell);
+        tell(News::Done);
         done
     };
     chosen.par_iter().with_max_len(1).enumerate().map(one).collect()
 }
 
+/// What a column tells of its work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum News {
+    /// Share of the push.
+    Pushed(f64),
+    /// Share of the cycles.
+    Cycled(f64),
+    /// All done.
+    Done,
+}
+
+/// The work of all columns, for the share that is done.
+struct Work {
+    /// Expected work by column: the push, the cycles.
+    whole: Vec<[f64; 2]>,
+    done: Vec<[f64; 2]>,
+    is_done: Vec<bool>,
+    is_cycling: Vec<bool>,
+    /// Share told last: it does not fall when a column turns out to be cycled.
+    told: f64,
+}
+
+impl Work {
+    /// Work is the time of the path times elements over time step, `L / h²` in a mesh of so many elements over the depth `h`. Until its push is done, a
+    /// column counts as cycled if the rule says so for its measured moment.
+    fn of(chosen: &[&Specimen], options: &Options) -> Self {
+        let times = [&[options.until_rad][..], &column_shear::turns_rad(options.until_rad)];
+        let [push, cycles] = times.map(|turns| Path::through(turns).duration_s());
+        let one = |s: &&Specimen| {
+            let weight = s.length_m / s.depth_m.max(s.width_m).powi(2);
+            let measured_n = s.peak_moment_nm[0].max(s.peak_moment_nm[1]) / s.length_m;
+            let is_cycled =
+                options.cycled && column_shear::is_critical(measured_n, column_shear::strength_n(s));
+            [weight * push, if is_cycled { weight * cycles } else { 0.0 }]
+        };
+        let count = chosen.len();
+        Self {
+            whole: chosen.iter().map(one).collect(),
+            done: vec![[0.0; 2]; count],
+            is_done: vec![false; count],
+            is_cycling: vec![false; count],
+            told: 0.0,
+        }
+    }
+
+    fn hear(&mut self, column: usize, news: News) {
+        let whole = self.whole[column];
+        match news {
+            News::Pushed(share) => self.done[column][0] = share * whole[0],
+            News::Cycled(share) => {
+                self.is_cycling[column] = true;
+                self.done[column] = [whole[0], share * whole[1]];
+            }
+            News::Done => {
+                self.is_cycling[column] = false;
+                self.is_done[column] = true;
+                self.done[column] = whole;
+            }
+        }
+    }
+
+    fn share(&mut self) -> f64 {
+        let sum = |all: &[[f64; 2]]| all.iter().flatten().sum::<f64>();
+        self.told = self.told.max(sum(&self.done) / sum(&self.whole).max(f64::MIN_POSITIVE));
+        self.told
+    }
+
+    fn words(&self) -> String {
+        let count = |flags: &[bool]| flags.iter().filter(|f| **f).count();
+        let text = format!("{} of {} columns done", count(&self.is_done), self.whole.len());
+        match count(&self.is_cycling) {
+            0 => text,
+            cycling => format!("{text}, {cycling} in cycles"),
+        }
+    }
+}
+
 /// Bends one column.
-fn one(specimen: &'static Specimen, options: &Options, progress: &dyn Fn(f64)) -> ColumnRun {
+fn one(specimen: &'static Specimen, options: &Options, tell: &dyn Fn(News)) -> ColumnRun {
     let mut input = specimen.section();
     input.steel.buckling = Some(Buckling::between_ties(specimen.tie_spacing_m, specimen.bars.1));
     let concrete = ConcreteLaw::of_strength(specimen.fc_pa);
@@ -143,50 +215,33 @@ fn one(specimen: &'static Specimen, options: &Options, progress: &dyn Fn(f64)) -
             member.anchored(&Anchorage::LONG, input.steel, &input.bars, specimen.fc_pa)
         }
         Ok(member) => member,
-        Err(error) => return ColumnRun { specimen, elements: 0, computed: Err(error.to_string()) },
+        Err(error) => {
+            return ColumnRun { specimen, elements: 0, monotonic: Err(error.to_string()), cycled: None };
+        }
     };
-    let computed = load(&member, specimen.axial_force_n(), options.until_rad, progress)
-        .map_err(|e| e.to_string())
-        .and_then(|bent| {
-            let read = read(&bent.points, specimen.axial_force_n(), member.length_m)?;
-            Ok(Computed { failed: bent.failed(), kinetic_share: bent.kinetic_share, ..read })
-        });
-    ColumnRun { specimen, elements: member.mesh.elements.len(), computed }
+    let monotonic = bent(specimen, &member, vec![options.until_rad], &|share| tell(News::Pushed(share)));
+    let strength_n = column_shear::strength_n(specimen);
+    let is_critical = monotonic.as_ref().is_ok_and(|c| column_shear::is_critical(c.lateral_n, strength_n));
+    let cycled = (options.cycled && is_critical).then(|| {
+        let turns_rad = column_shear::turns_rad(options.until_rad);
+        bent(specimen, &member, turns_rad, &|share| tell(News::Cycled(share)))
+    });
+    ColumnRun { specimen, elements: member.mesh.elements.len(), monotonic, cycled }
 }
 
-/// The loading protocol: pushed once, in one direction. The tests went back and forth.
-fn load(member: &RcMember, axial_n: f64, until_rad: f64, progress: &dyn Fn(f64)) -> Result<Bent, BendError> {
-    bend(member, &Bend::monotonic(axial_n, PUSH_DEG, until_rad), false, progress)
-}
-
-/// Reads the figures of a bend's points.
-fn read(points: &[[f64; 3]], axial_n: f64, length_m: f64) -> Result<Computed, String> {
-    let largest = |values: &[f64]| {
-        (0..values.len())
-            .reduce(|a, b| if values[b] > values[a] { b } else { a })
-            .filter(|i| values[*i] > 0.0)
-    };
-    let drifts: Vec<f64> = points.iter().map(|p| p[0]).collect();
-    let moments: Vec<f64> = points.iter().map(|p| p[1]).collect();
-    let lateral: Vec<f64> = points.iter().map(|p| (p[1] - axial_n * p[0] * length_m) / length_m).collect();
-    let (Some(peak), Some(most)) = (largest(&moments), largest(&lateral)) else {
-        return Err("no positive moment".into());
-    };
-    let level = FALLEN_SHARE * lateral[most];
-    let fall = (most + 1..lateral.len()).find(|i| lateral[*i] < level);
-    let crossed = |i: usize| {
-        let share = (lateral[i - 1] - level) / (lateral[i - 1] - lateral[i]);
-        drifts[i - 1] + share * (drifts[i] - drifts[i - 1])
-    };
-    Ok(Computed {
-        peak_nm: moments[peak],
-        peak_drift: drifts[peak],
-        lateral_n: lateral[most],
-        drift_at_80: fall.map_or(drifts[drifts.len() - 1], crossed),
-        fell: fall.is_some(),
-        failed: false,
-        kinetic_share: 0.0,
-    })
+/// Bends a column through turning points and reads its figures.
+fn bent(
+    specimen: &Specimen,
+    member: &RcMember,
+    turns_rad: Vec<f64>,
+    progress: &dyn Fn(f64),
+) -> Result<Computed, String> {
+    let axial_n = specimen.axial_force_n();
+    let load = Bend { axial_n, direction_deg: PUSH_DEG, turns_rad };
+    let bent = bend(member, &load, false, progress).map_err(|e| e.to_string())?;
+    let reading = Reading { axial_n, length_m: member.length_m, last_drift: specimen.last_drift };
+    let read = reading.read(&bent.points, &bent.turned_at, bent.ending)?;
+    Ok(Computed { kinetic_share: bent.kinetic_share, energy_error: bent.energies.residual_share, ..read })
 }
 
 /// Spread of ratios.
@@ -235,15 +290,19 @@ impl Spread {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rc::bend::Ending;
 
-    #[test]
-    fn lateral_force_loses_the_second_order_moment() {
-        let points = [[0.0, 0.0, 0.0], [0.01, 100e3, 0.0], [0.02, 100e3, 0.0], [0.03, 90e3, 0.0]];
-        // V = (M - N w) / L with N = 1 MN, L = 2 m: 0, 40, 30, 15 kN; 32 kN between the second and the third
-        let c = read(&points, 1e6, 2.0).unwrap();
-        assert!((c.lateral_n - 40e3).abs() < 1e-6 && (c.drift_at_80 - 0.018).abs() < 1e-12 && c.fell);
-        let none = read(&points, 0.0, 2.0).unwrap();
-        assert!(!none.fell && none.drift_at_80 == 0.03 && none.peak_drift == 0.01);
+    fn computed(drift_at_80: f64) -> Computed {
+        Computed {
+            peak_nm: 1.0,
+            peak_drift: 0.01,
+            lateral_n: 1.0,
+            drift_at_80,
+            fell: false,
+            ending: Ending::Path,
+            kinetic_share: 0.0,
+            energy_error: 0.0,
+        }
     }
 
     #[test]
@@ -252,15 +311,8 @@ mod tests {
         let run = |specimen, drift_at_80| ColumnRun {
             specimen,
             elements: 1,
-            computed: Ok(Computed {
-                peak_nm: 1.0,
-                peak_drift: 0.01,
-                lateral_n: 1.0,
-                drift_at_80,
-                fell: false,
-                failed: false,
-                kinetic_share: 0.0,
-            }),
+            monotonic: Ok(computed(drift_at_80)),
+            cycled: None,
         };
         assert_eq!(run(find(false), 0.08).drift_ratio(), Some(1.0));
         let early = run(find(false), 0.01).drift_ratio().unwrap();
@@ -269,6 +321,44 @@ mod tests {
         assert_eq!(run(fallen, 0.08).drift_ratio(), Some(fallen.drift_at_80 / 0.08));
         let lasted: Vec<&str> = SPECIMENS.iter().filter(|s| !s.fell).map(|s| s.name).collect();
         assert_eq!(lasted.len(), 6, "{lasted:?}");
+    }
+
+    #[test]
+    fn cycles_are_compared_where_there_are_any() {
+        let specimen = SPECIMENS.iter().find(|s| s.fell).unwrap();
+        let pushed = ColumnRun { specimen, elements: 1, monotonic: Ok(computed(0.08)), cycled: None };
+        assert_eq!(pushed.drifts().unwrap().computed, 0.08);
+        let cycled = ColumnRun { cycled: Some(Ok(computed(0.02))), ..pushed.clone() };
+        assert_eq!(cycled.drifts().unwrap().computed, 0.02);
+        assert_eq!(cycled.shear_share(), Some(1.0 / column_shear::strength_n(specimen)));
+        let failed = ColumnRun { cycled: Some(Err("off".into())), ..pushed };
+        assert!(failed.computed().is_err() && failed.drift_ratio().is_none());
+    }
+
+    #[test]
+    fn the_share_done_counts_cycles_and_never_falls() {
+        let names = ["Ohno L1", "Lynn 2CLH18"];
+        let chosen = names.map(|n| SPECIMENS.iter().find(|s| s.name == n).unwrap());
+        let mut work = Work::of(&chosen, &Options::default());
+        assert!(work.whole[0][1] == 0.0 && work.whole[1][1] > 5.0 * work.whole[1][0], "{:?}", work.whole);
+        let mut last = 0.0;
+        for (column, news) in [
+            (0, News::Pushed(0.5)),
+            (1, News::Pushed(1.0)),
+            (0, News::Done),
+            (1, News::Cycled(0.1)),
+            (1, News::Cycled(0.9)),
+        ] {
+            work.hear(column, news);
+            let share = work.share();
+            assert!(share > last && share < 1.0, "{share}");
+            last = share;
+        }
+        assert_eq!(work.words(), "1 of 2 columns done, 1 in cycles");
+        work.hear(1, News::Done);
+        assert_eq!((work.share(), work.words()), (1.0, "2 of 2 columns done".to_string()));
+        let pushes = Work::of(&chosen, &Options { cycled: false, ..Options::default() });
+        assert!(pushes.whole.iter().all(|w| w[1] == 0.0));
     }
 
     #[test]

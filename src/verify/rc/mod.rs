@@ -12,6 +12,8 @@
 //! | `anchorage` | slip and pull-out of a bar |
 //! | `biaxial` | the submodel in skew bending |
 //! | `members` | member ends of the RC submodel beside their fibre sections |
+//! | `column_envelope` | what the history of a bent column says (no cases) |
+//! | `column_shear` | which columns are cycled, and how (no cases) |
 //! | `column_runs` | tested columns bent by the RC submodel (no cases) |
 //! | `columns` | their figures beside the tests |
 //! | `column_page` | every one of them on a page (no cases) |
@@ -19,8 +21,10 @@
 mod anchorage;
 mod bars;
 mod biaxial;
+pub mod column_envelope;
 pub mod column_page;
 pub mod column_runs;
+pub mod column_shear;
 pub mod columns;
 mod curves;
 mod members;
