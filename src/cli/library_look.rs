@@ -6,6 +6,7 @@ use crate::base::units::{self, Dimension};
 use crate::library::entry::{Direction, EnvelopeLevel, SpringRecord};
 use crate::library::features::NUMBERS;
 use crate::library::{Entry, EntryKind, Origin, Store};
+use crate::rc::shear::CRITICAL_SHARE;
 use clap::Args;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -255,6 +256,11 @@ fn provenance(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     quality.extend(q.mesh_sensitivity.map(|x| format!("mesh sensitivity {x:.2e}")));
     quality.extend(q.mesh_sensitivity_rotation.map(|x| format!("of the rotation at 80 % {x:.2e}")));
     quality.extend(q.mesh_compared_m.map(|x| format!("against elements of {:.1} mm", 1e3 * x)));
+    quality.extend(q.shear_share.map(|x| {
+        let warning =
+            if x > CRITICAL_SHARE { ": cycles take strength that these curves still have" } else { "" };
+        format!("largest shear force {x:.2} of the shear strength{warning}")
+    }));
     let quality = if quality.is_empty() { "not stated".to_string() } else { quality.join(", ") };
     writeln!(out, "  quality     {quality}")?;
     let p = &entry.provenance;

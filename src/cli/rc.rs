@@ -250,6 +250,9 @@ fn result(section: &RcSection, series: &Series) -> Value {
         Ok(bent) => json!({
             "axial_share": c.axial_share, "axial_force_n": c.axial_n, "direction_deg": c.direction_deg,
             "figures": c.figures, "fibre_peak_nm": c.fibre_peak_nm, "peak_over_fibre": ratio(c),
+            "shear": c.shear.map(|s| json!({
+                "largest_n": s.largest_n, "strength_n": s.strength_n, "share": s.share(), "critical": s.is_critical(),
+            })),
             "kinetic_share": bent.kinetic_share, "energies": bent.energies, "steps": bent.steps, "failed": bent.failed(),
             "ending": bent.ending, "last_rotation_rad": bent.points.last().map(|p| p[0]),
             "cycles": c.hysteresis.as_ref().map(|h| &h.cycles), "excursions": c.hysteresis.as_ref().map(|h| &h.excursions),
@@ -387,6 +390,19 @@ fn table(section: &RcSection, series: &Series) -> String {
         for words in c.bent.iter().flat_map(|b| events::in_words(&b.events)) {
             let _ = writeln!(text, "n = {}, direction {}: {words}", c.axial_share, c.direction_deg);
         }
+    }
+    let is_push = series.options.turns_rad.is_empty();
+    for (c, s) in
+        series.cases.iter().filter_map(|c| Some((c, c.shear?))).filter(|(_, s)| s.is_critical() && is_push)
+    {
+        let _ = writeln!(
+            text,
+            "n = {}, direction {}: near its shear strength: {:.0} kN of {:.0} kN (ASCE 41-17, eq. 10-3); cycles take strength that this push leaves (--cycles)",
+            c.axial_share,
+            c.direction_deg,
+            s.largest_n / 1e3,
+            s.strength_n / 1e3
+        );
     }
     series.cases.iter().for_each(|c| text += &rc_cycles::table(c));
     text

@@ -90,6 +90,7 @@ fn numbers(entry: &Entry) -> Result<(), String> {
         ("mesh_sensitivity", q.mesh_sensitivity),
         ("mesh_sensitivity_rotation", q.mesh_sensitivity_rotation),
         ("mesh_compared_m", q.mesh_compared_m),
+        ("shear_share", q.shear_share),
     ] {
         finite(&format!("quality.{name}"), figure.unwrap_or(0.0))?;
     }

@@ -116,5 +116,6 @@ fn worse(a: &Quality, b: &Quality) -> Quality {
         mesh_sensitivity: larger(a.mesh_sensitivity, b.mesh_sensitivity),
         mesh_sensitivity_rotation: larger(a.mesh_sensitivity_rotation, b.mesh_sensitivity_rotation),
         mesh_compared_m: larger(a.mesh_compared_m, b.mesh_compared_m),
+        shear_share: larger(a.shear_share, b.shear_share),
     }
 }

@@ -84,6 +84,7 @@ mod tests {
                 hysteresis: None,
                 curve: None,
                 fibre_peak_nm: None,
+                shear: None,
                 seconds: 0.0,
             };
         Series {

@@ -169,6 +169,10 @@ pub struct Quality {
     /// Element size of that mesh \[m\]; absent: half of the entry's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh_compared_m: Option<f64>,
+    /// Largest shear force of the curves over the shear strength of the undamaged member (ASCE 41-17, eq. 10-3); above 0.8 cycles take strength that these curves,
+    /// of one push, still have.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_share: Option<f64>,
 }
 
 /// How a test or a run of another program loaded the member.

@@ -368,6 +368,7 @@ fn quality(series: &Series) -> Quality {
         kinetic_energy_ratio: Some(kinetic.fold(0.0, f64::max)),
         elements: Some(series.elements[0] as u64),
         asymmetry: asymmetry(series),
+        shear_share: series.cases.iter().filter_map(|c| Some(c.shear?.share())).reduce(f64::max),
         ..Quality::default()
     }
 }

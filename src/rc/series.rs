@@ -6,6 +6,7 @@ use super::bend::{Bend, BendError, Bent, bend};
 use super::hysteresis::{History, Hysteresis};
 use super::member::{Joint, RcMember};
 use super::section_file::RcSection;
+use super::shear::ShearDemand;
 use crate::curve::ResistanceCurve;
 use crate::material::concrete::{ConcreteLaw, LawError, Surface};
 use crate::material::fibre::FibreSection;
@@ -145,6 +146,8 @@ pub struct Case {
     pub curve: Option<Result<ResistanceCurve, String>>,
     /// Largest moment of the fibre section (Mander's concrete, bars not deducted, with history) \[N m\].
     pub fibre_peak_nm: Option<f64>,
+    /// Its shear force beside the shear strength; `None` without a bend or off the axes.
+    pub shear: Option<ShearDemand>,
     /// Time it took \[s\].
     pub seconds: f64,
 }
@@ -298,6 +301,8 @@ fn one(
     let is_cyclic = !options.turns_rad.is_empty();
     let turns_rad = if is_cyclic { options.turns_rad.clone() } else { vec![options.until_rad] };
     let bent = bend(member, &Bend { axial_n, direction_deg, turns_rad }, false, progress);
+    let demand = |b: &Bent| ShearDemand::of(section, &b.points, axial_n, direction_deg, member.length_m);
+    let shear = bent.as_ref().ok().and_then(demand);
     let hysteresis = bent.as_ref().ok().filter(|_| is_cyclic).map(|b| {
         Hysteresis::of(&History {
             points: &b.points,
@@ -326,6 +331,7 @@ fn one(
         hysteresis,
         curve,
         fibre_peak_nm,
+        shear,
         seconds: began.elapsed().as_secs_f64(),
     }
 }

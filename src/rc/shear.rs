@@ -8,6 +8,7 @@ use super::section_file::RcSection;
 use crate::fe::law::Law;
 use crate::material::concrete::{ConcreteLaw, LawError};
 use crate::material::fibre::SectionInput;
+use serde::Serialize;
 
 /// The mesh of a piece of a length \[m\]; `elastic`: its longitudinal bars neither yield nor buckle nor rupture.
 ///
@@ -127,6 +128,49 @@ pub fn asce_column_n(input: &SectionInput, strength_pa: f64, axis: usize, axial_
     ties + concrete
 }
 
+/// Share of its shear strength from which a member loses strength in cycles that one push leaves: tests that were pushed to and fro fall then as tested columns do
+/// (`docs/rc-columns.md`).
+pub const CRITICAL_SHARE: f64 = 0.8;
+
+/// Largest shear force of a push beside the shear strength of the undamaged column.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ShearDemand {
+    /// Largest shear force \[N\].
+    pub largest_n: f64,
+    /// [`asce_column_n`] \[N\].
+    pub strength_n: f64,
+}
+
+impl ShearDemand {
+    /// Of `[chord rotation (rad), moment (N m), ...]` points of a push along an axis of a member of a length \[m\]: `V = (M - N w) / L`. `None` for other directions.
+    pub fn of(
+        section: &RcSection,
+        points: &[[f64; 3]],
+        axial_n: f64,
+        direction_deg: f64,
+        length_m: f64,
+    ) -> Option<Self> {
+        let quarter = direction_deg / 90.0;
+        let axis = (quarter == quarter.round()).then(|| usize::from(quarter % 2.0 != 0.0))?;
+        let shear = |p: &[f64; 3]| (p[1] / length_m - axial_n * p[0]).abs();
+        let strength_pa = section.concrete.compressive_strength_pa;
+        Some(Self {
+            largest_n: points.iter().map(shear).fold(0.0, f64::max),
+            strength_n: asce_column_n(&section.input, strength_pa, axis, axial_n, length_m),
+        })
+    }
+
+    /// Force over strength.
+    pub fn share(&self) -> f64 {
+        self.largest_n / self.strength_n
+    }
+
+    /// Whether it lies above [`CRITICAL_SHARE`].
+    pub fn is_critical(&self) -> bool {
+        self.share() > CRITICAL_SHARE
+    }
+}
+
 /// Stiffness of an uncracked piece between ends that do not turn: bending `12 E I / l³` and shear `G 5/6 A / l` in series \[N/m\].
 pub fn stiffness_n_m(section: &RcSection, axis: usize, length_m: f64) -> f64 {
     let input = &section.input;
@@ -162,5 +206,20 @@ mod tests {
         // N = 608 kN: sqrt(1 + 3.8 / 3.0822) = 1.4943; span 1.08 m: 3 d
         assert!((asce(608e3, 1.08) / (132.70e3 + 131.51e3 * 1.4943) - 1.0).abs() < 1e-3);
         assert_eq!(asce(0.0, 9.0), asce(0.0, 4.0 * 0.36), "a span beyond 4 d counts as 4 d");
+    }
+
+    #[test]
+    fn the_shear_force_is_the_moment_less_that_of_the_leaning_axial_force() {
+        let s = read(&Source::new("section.toml", EXAMPLE)).unwrap();
+        // 400 kN m / 1.08 m - 608 kN x 0.01, of 329.21 kN (before)
+        let points = [[0.0; 3], [0.01, 400e3, 0.0], [0.02, 380e3, 0.0]];
+        let of = |direction_deg| ShearDemand::of(&s, &points, 608e3, direction_deg, 1.08);
+        let demand = of(90.0).unwrap();
+        assert!((demand.largest_n / 364.29e3 - 1.0).abs() < 1e-4 && demand.is_critical(), "{demand:?}");
+        assert!((demand.share() / (364.29 / 329.21) - 1.0).abs() < 2e-3);
+        assert_eq!(of(270.0), of(90.0));
+        assert_eq!(of(45.0), None);
+        let light = ShearDemand::of(&s, &[[0.01, 200e3, 0.0]], 0.0, 0.0, 1.08).unwrap();
+        assert!(!light.is_critical(), "{light:?}");
     }
 }

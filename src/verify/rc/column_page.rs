@@ -2,9 +2,10 @@
 
 use super::column_envelope::Computed;
 use super::column_runs::{ColumnRun, Options, Spread};
-use super::column_shear::{AMPLITUDES_RAD, CRITICAL_SHARE};
+use super::column_shear::AMPLITUDES_RAD;
 use super::columns::figures;
 use crate::rc::member::Joint;
+use crate::rc::shear::CRITICAL_SHARE;
 use crate::verify::columns::Failure;
 use crate::verify::manual;
 use std::fmt::Write;

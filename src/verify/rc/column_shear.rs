@@ -7,11 +7,9 @@
 //! - `V_o`: shear strength of the undamaged column by ASCE 41-17, eq. 10-3 with `k = 1`, for its axial force and shear span.
 //! - Above [`CRITICAL_SHARE`] of `V_p / V_o` a column is cycled, once each in both senses at [`AMPLITUDES_RAD`], and the cycles are compared with the test.
 
-use crate::rc::shear::asce_column_n;
+use crate::rc::shear::{CRITICAL_SHARE, asce_column_n};
 use crate::verify::columns::Specimen;
 
-/// `V_p / V_o` above which a column is cycled.
-pub const CRITICAL_SHARE: f64 = 0.8;
 /// Drifts of the cycles.
 pub const AMPLITUDES_RAD: [f64; 9] = [0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.04, 0.05, 0.06];
 /// Axis along which columns are pushed: y, along the depth.
