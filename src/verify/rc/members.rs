@@ -44,7 +44,8 @@ pub fn cases() -> Vec<Case> {
         Case::long(
             "member-s1",
             "S1 of section-confinement (400 mm, 30 MPa) as a member end of 1.75 m in elements of 50 mm under n = N / (f_c A). Bars and shear make the first slope 8 % \
-             larger than that of the gross section (bars + 15 %, shear - 4 %); under n = 0.6 the concrete is beyond its elastic part before it is bent. First yield is that of a bar under n = 0 and 0.1, and that of the compressed edge (a strain of 0.002) beyond. At n = 0 the peak \
+             larger than that of the gross section (bars + 15 %, shear - 4 %); under n = 0.6 the concrete is beyond its elastic part before it is bent. First yield is that of a bar under n = 0 and 0.1, and that of the compressed edge (a strain of 0.002) beyond: there it lies 11 to 18 % above that of \
+             strips, of which a stiffer rising line (E_cm, not Mander's 5000 sqrt(f_c)) makes a third, the tensile strength of hardly cracked concrete another, and ties and elements the rest. At n = 0 the peak \
              is that of the hardening bars, and depends on how far they are followed.",
             || {
                 let bends = [bend(0.0, 0.1), bend(0.1, 0.05), bend(0.3, 0.025), bend(0.6, 0.015)];
