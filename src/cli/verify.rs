@@ -3,7 +3,7 @@
 use super::progress::Progress;
 use super::verify_columns;
 use super::{Failure, Outcome, print, thread_pool};
-use crate::verify::{Case, Figure, Form, fe, manual, rc, select, suite};
+use crate::verify::{Case, Figure, Form, fe, manual, mbs, rc, select, suite};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -23,6 +23,8 @@ enum Solver {
     Fe(Options),
     /// Reinforced concrete: material point, bar, section, member end
     Rc(Options),
+    /// The multibody solver: mechanisms on ideal joints
+    Mbs(Options),
     /// Tested columns, each bent by the RC submodel: table and plot (20 to 60 minutes)
     Columns(verify_columns::Arguments),
 }
@@ -72,6 +74,16 @@ known amount the case says why.
     cases: fe::cases,
 };
 
+const MBS: Manual = Manual {
+    title: "Verification of the multibody solver",
+    intro: "\
+Mechanisms on ideal joints whose motion is known from elsewhere: exact solutions, benchmark collections, other programs. The page is the output of
+`fallwerk verify mbs --markdown`, which computes every figure anew; `fallwerk verify mbs` prints the same as a table and ends with exit code 1 if a figure lies
+outside its tolerance. Tolerances in per cent are relative to the reference; those with ± are absolute.
+",
+    cases: mbs::cases,
+};
+
 const RC: Manual = Manual {
     title: "Verification of reinforced concrete",
     intro: "\
@@ -88,6 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let (manual_of, options) = match &arguments.solver {
         Solver::Fe(options) => (FE, options),
         Solver::Rc(options) => (RC, options),
+        Solver::Mbs(options) => (MBS, options),
         Solver::Columns(columns) => return verify_columns::run(columns),
     };
     let form = match (options.short, options.complete) {

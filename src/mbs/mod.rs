@@ -14,6 +14,7 @@
 //! | [`contact_law`] | force and energy of one contact point |
 //! | [`step`] | the explicit integrator |
 //! | [`run`] | the whole run: events, outputs, energy balance |
+//! | [`ideal`] | smooth motion on ideal joints |
 //! | [`result`] | what a run returns |
 //! | [`error`] | why a run stopped |
 
@@ -23,6 +24,7 @@ pub mod contact;
 pub mod contact_law;
 pub mod error;
 pub mod frequency;
+pub mod ideal;
 pub mod joint;
 pub mod math;
 pub mod model;

@@ -11,12 +11,14 @@
 //! | `manual` | the table for a terminal, the JSON list, the Markdown page |
 //! | `columns` | tested columns of reinforced concrete: data |
 //! | `fe/` | the cases of the explicit finite element solver |
+//! | `mbs/` | the cases of the multibody solver |
 //! | `rc/` | the cases of reinforced concrete: material point, bar, section, member end, tested columns |
 
 pub mod columns;
 pub mod fe;
 pub mod figure;
 pub mod manual;
+pub mod mbs;
 pub mod rc;
 pub mod suite;
 

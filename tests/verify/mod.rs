@@ -20,6 +20,11 @@ fn short_form_of_reinforced_concrete_passes() {
     short_form("rc", 150);
 }
 
+#[test]
+fn short_form_of_multibody_systems_passes() {
+    short_form("mbs", 30);
+}
+
 fn short_form(solver: &str, least: usize) {
     let (code, out, err) = fallwerk(&["verify", solver, "--short", "--json"]);
     let list: Vec<Value> = serde_json::from_str(&out).unwrap();
@@ -49,6 +54,7 @@ fn manuals_name_every_case() {
     let pages = [
         ("fe", include_str!("../../docs/verification-fe.md")),
         ("rc", include_str!("../../docs/verification-rc.md")),
+        ("mbs", include_str!("../../docs/verification-mbs.md")),
     ];
     for (solver, page) in pages {
         let (_, list, _) = fallwerk(&["verify", solver, "--list"]);

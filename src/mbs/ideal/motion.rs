@@ -1,0 +1,305 @@
+//! Accelerations of a mechanism at a state, and the nearest state that its joints allow.
+
+use super::factor::BlockFactor;
+use super::force::Acting;
+use super::joint::{Compiled, Pose, Row, is_ground};
+use super::planar::planes;
+use super::{Mechanism, joint};
+use crate::mbs::math::{
+    M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, qexp, qmat, qmul, qrenormalise, scale, sub,
+    transpose,
+};
+use std::collections::BTreeSet;
+
+/// Numbers of a body in a state: position, orientation, velocity, angular velocity.
+pub const STATE: usize = 13;
+
+/// What one pair of rows of `S` gets from a body that two joints share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Part {
+    /// Where the block begins.
+    place: usize,
+    /// Joint of its rows and of its columns, each with the side on which the body is.
+    rows: (usize, usize),
+    columns: (usize, usize),
+}
+
+/// A mechanism in motion.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    gravity: V3,
+    mass: Vec<f64>,
+    inertia: Vec<M3>,
+    inverse_inertia: Vec<M3>,
+    joints: Vec<Compiled>,
+    /// First row of each joint, and the number of rows.
+    first: Vec<usize>,
+    forces: Vec<Acting>,
+    parts: Vec<Part>,
+    factor: BlockFactor,
+    poses: Vec<Pose>,
+    rows: Vec<Row>,
+    /// `M⁻¹` times the rows' parts.
+    moved: Vec<[[V3; 2]; 2]>,
+    loads: Vec<[V3; 2]>,
+    multipliers: Vec<f64>,
+}
+
+impl Motion {
+    /// Prepares a mechanism; rows across the plane of plane parts are left out unless `in_space`.
+    pub fn of(mechanism: &Mechanism, in_space: bool) -> Self {
+        let start: Vec<Pose> = mechanism
+            .bodies
+            .iter()
+            .map(|b| Pose {
+                x: b.position_m,
+                r: qmat(b.orientation),
+                v: b.velocity_m_s,
+                w: b.angular_velocity_rad_s,
+            })
+            .collect();
+        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { start[body] };
+        let planes = if in_space { vec![None; start.len()] } else { planes(mechanism) };
+        let compile = |j: &joint::Joint| {
+            let moving = j.bodies.into_iter().find(|b| !is_ground(*b));
+            let plane = moving.and_then(|b| planes[b]);
+            Compiled::of(j, [&pose(j.bodies[0]), &pose(j.bodies[1])], plane)
+        };
+        let joints: Vec<Compiled> = mechanism.joints.iter().map(compile).collect();
+        let counts: Vec<usize> = joints.iter().map(Compiled::rows).collect();
+        let mut first = vec![0];
+        counts.iter().for_each(|c| first.push(first[first.len() - 1] + c));
+        let (pairs, shared) = shared(&joints, start.len());
+        let factor = BlockFactor::new(&counts, &pairs);
+        let part = |[a, b, side_a, side_b]: [usize; 4]| {
+            let (place, straight) = factor.place(a, b);
+            let (rows, columns) =
+                if straight { ((a, side_a), (b, side_b)) } else { ((b, side_b), (a, side_a)) };
+            Part { place, rows, columns }
+        };
+        let total = first[first.len() - 1];
+        Self {
+            gravity: mechanism.gravity_m_s2,
+            mass: mechanism.bodies.iter().map(|b| b.mass_kg).collect(),
+            inertia: mechanism.bodies.iter().map(|b| b.inertia_kg_m2).collect(),
+            inverse_inertia: mechanism.bodies.iter().map(|b| inverse(&b.inertia_kg_m2)).collect(),
+            parts: shared.into_iter().map(part).collect(),
+            forces: mechanism.forces.iter().map(|f| Acting::of(f, pose)).collect(),
+            loads: vec![[[0.0; 3]; 2]; start.len()],
+            rows: vec![Row::default(); total],
+            moved: vec![[[[0.0; 3]; 2]; 2]; total],
+            multipliers: vec![0.0; total],
+            joints,
+            first,
+            factor,
+            poses: start,
+        }
+    }
+
+    /// The state of the start.
+    pub fn state(mechanism: &Mechanism) -> Vec<f64> {
+        let mut state = Vec::with_capacity(STATE * mechanism.bodies.len());
+        for b in &mechanism.bodies {
+            state.extend(b.position_m);
+            state.extend(b.orientation);
+            state.extend(b.velocity_m_s);
+            state.extend(b.angular_velocity_rad_s);
+        }
+        state
+    }
+
+    /// Constraint rows.
+    pub fn constraints(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Rows that the last factorisation found to depend on others.
+    pub fn dependent(&self) -> usize {
+        self.factor.dependent
+    }
+
+    /// Takes a state: poses, rows, and the factorisation.
+    pub fn take(&mut self, state: &[f64]) {
+        for (pose, s) in self.poses.iter_mut().zip(state.chunks_exact(STATE)) {
+            *pose = read(s);
+        }
+        let inverse: Vec<M3> =
+            self.poses.iter().zip(&self.inverse_inertia).map(|(p, i)| turned(&p.r, i)).collect();
+        for (j, joint) in self.joints.iter().enumerate() {
+            let range = self.first[j]..self.first[j + 1];
+            let pose = |body: usize| if is_ground(body) { &Pose::GROUND } else { &self.poses[body] };
+            joint.write(joint.bodies.map(pose), &mut self.rows[range.clone()]);
+            for (row, moved) in self.rows[range.clone()].iter().zip(&mut self.moved[range]) {
+                for side in 0..2 {
+                    let body = joint.bodies[side];
+                    if !is_ground(body) {
+                        let [linear, angular] = row.of[side];
+                        moved[side] = [scale(1.0 / self.mass[body], linear), mul(&inverse[body], angular)];
+                    }
+                }
+            }
+        }
+        self.fill();
+        self.factor.factorise();
+    }
+
+    fn fill(&mut self) {
+        let values = self.factor.values();
+        values.fill(0.0);
+        for part in &self.parts {
+            let ((a, side_a), (b, side_b)) = (part.rows, part.columns);
+            let (rows, columns) = (self.first[a]..self.first[a + 1], self.first[b]..self.first[b + 1]);
+            let mut at = part.place;
+            for row in &self.rows[rows] {
+                let [linear, angular] = row.of[side_a];
+                for moved in &self.moved[columns.clone()] {
+                    let [l, w] = moved[side_b];
+                    values[at] += dot(linear, l) + dot(angular, w);
+                    at += 1;
+                }
+            }
+        }
+    }
+
+    /// The rate of the state that was taken.
+    pub fn rate(&mut self, rate: &mut [f64]) {
+        for (load, mass) in self.loads.iter_mut().zip(&self.mass) {
+            *load = [scale(*mass, self.gravity), [0.0; 3]];
+        }
+        let poses = &self.poses;
+        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { poses[body] };
+        for force in &self.forces {
+            force.apply(pose, &mut self.loads);
+        }
+        for (b, load) in self.loads.iter_mut().enumerate() {
+            let pose = &self.poses[b];
+            let (inertia, inverse) =
+                (turned(&pose.r, &self.inertia[b]), turned(&pose.r, &self.inverse_inertia[b]));
+            let torque = sub(load[1], cross(pose.w, mul(&inertia, pose.w)));
+            *load = [scale(1.0 / self.mass[b], load[0]), mul(&inverse, torque)];
+        }
+        // loads are accelerations without joints now
+        self.accept(|row| -row.gamma, false);
+        for ((rate, pose), a) in rate.chunks_exact_mut(STATE).zip(&self.poses).zip(&self.loads) {
+            rate[..3].copy_from_slice(&pose.v);
+            rate[7..10].copy_from_slice(&a[0]);
+            rate[10..].copy_from_slice(&a[1]);
+        }
+    }
+
+    /// Solves `S λ = G l + shift` (`plain`: without `G l`) and takes `M⁻¹ Gᵀ λ` off the loads `l`.
+    fn accept(&mut self, shift: impl Fn(&Row) -> f64, plain: bool) {
+        let bodies = self
+            .joints
+            .iter()
+            .enumerate()
+            .flat_map(|(j, joint)| std::iter::repeat_n(joint.bodies, self.first[j + 1] - self.first[j]));
+        for ((row, bodies), wanted) in self.rows.iter().zip(bodies).zip(&mut self.multipliers) {
+            *wanted = shift(row);
+            if plain {
+                continue;
+            }
+            for side in 0..2 {
+                if !is_ground(bodies[side]) {
+                    let [a, w] = self.loads[bodies[side]];
+                    *wanted += dot(row.of[side][0], a) + dot(row.of[side][1], w);
+                }
+            }
+        }
+        self.factor.solve(&mut self.multipliers);
+        for (j, joint) in self.joints.iter().enumerate() {
+            for r in self.first[j]..self.first[j + 1] {
+                for side in 0..2 {
+                    let body = joint.bodies[side];
+                    if !is_ground(body) {
+                        let [linear, angular] = self.moved[r][side];
+                        let [a, w] = &mut self.loads[body];
+                        *a = axpy(*a, -self.multipliers[r], linear);
+                        *w = axpy(*w, -self.multipliers[r], angular);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Moves the state that was taken to the nearest one, in the norm of kinetic energy, that the joints allow: one Newton step of positions, and velocities.
+    pub fn project(&mut self, state: &mut [f64]) {
+        self.loads.fill([[0.0; 3]; 2]);
+        self.accept(|row| row.residual, true);
+        for (s, [shift, turn]) in state.chunks_exact_mut(STATE).zip(&self.loads) {
+            (0..3).for_each(|i| s[i] += shift[i]);
+            let q = qrenormalise(qmul(qexp(*turn), [s[3], s[4], s[5], s[6]]));
+            s[3..7].copy_from_slice(&q);
+        }
+        for (load, s) in self.loads.iter_mut().zip(state.chunks_exact(STATE)) {
+            *load = [[s[7], s[8], s[9]], [s[10], s[11], s[12]]];
+        }
+        self.accept(|_| 0.0, false);
+        for (s, [v, w]) in state.chunks_exact_mut(STATE).zip(&self.loads) {
+            s[7..10].copy_from_slice(v);
+            s[10..].copy_from_slice(w);
+        }
+    }
+
+    /// Largest residual of a joint at the state that was taken: m, or the sine of an angle.
+    pub fn residual(&self) -> f64 {
+        self.rows.iter().map(|r| r.residual.abs()).fold(0.0, f64::max)
+    }
+
+    /// Kinetic, potential (zero at the origin) and elastic energy at the state that was taken \[J\]; work of constant torques is not in it.
+    pub fn energy_j(&self) -> f64 {
+        let of_body = |(b, pose): (usize, &Pose)| {
+            let inertia = turned(&pose.r, &self.inertia[b]);
+            let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(pose.w, mul(&inertia, pose.w));
+            0.5 * kinetic - self.mass[b] * dot(self.gravity, pose.x)
+        };
+        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { self.poses[body] };
+        let bodies: f64 = self.poses.iter().enumerate().map(of_body).sum();
+        bodies + self.forces.iter().map(|f| f.stored_j(pose)).sum::<f64>()
+    }
+}
+
+/// Rate of an orientation: half of the angular velocity times it.
+pub fn quaternion_rate(q: Q, w: V3) -> Q {
+    qmul([0.0, 0.5 * w[0], 0.5 * w[1], 0.5 * w[2]], q)
+}
+
+/// Position of a body's point in a state.
+pub fn point_at(state: &[f64], body: usize, point: V3) -> V3 {
+    let pose = read(&state[STATE * body..STATE * (body + 1)]);
+    add(pose.x, mul(&pose.r, point))
+}
+
+fn read(s: &[f64]) -> Pose {
+    let q = qrenormalise([s[3], s[4], s[5], s[6]]);
+    Pose { x: [s[0], s[1], s[2]], r: qmat(q), v: [s[7], s[8], s[9]], w: [s[10], s[11], s[12]] }
+}
+
+/// A tensor of the body frame in the global one.
+fn turned(r: &M3, tensor: &M3) -> M3 {
+    matmul(&matmul(r, tensor), &transpose(r))
+}
+
+/// Pairs of joints that share a moving body; and for each shared body `[joint, joint, side, side]`, a joint with itself included.
+fn shared(joints: &[Compiled], bodies: usize) -> (BTreeSet<(usize, usize)>, Vec<[usize; 4]>) {
+    let mut at: Vec<Vec<[usize; 2]>> = vec![Vec::new(); bodies];
+    for (j, joint) in joints.iter().enumerate() {
+        for side in 0..2 {
+            if !is_ground(joint.bodies[side]) {
+                at[joint.bodies[side]].push([j, side]);
+            }
+        }
+    }
+    let (mut pairs, mut shared) = (BTreeSet::new(), Vec::new());
+    for list in &at {
+        for (i, [a, side_a]) in list.iter().enumerate() {
+            for [b, side_b] in &list[..=i] {
+                if a != b {
+                    pairs.insert((*a.min(b), *a.max(b)));
+                }
+                shared.push([*a, *b, *side_a, *side_b]);
+            }
+        }
+    }
+    (pairs, shared)
+}

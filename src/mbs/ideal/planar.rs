@@ -1,0 +1,105 @@
+//! Parts of a mechanism that move in a plane: there the rows of joints across the plane have nothing to hold, and are left out.
+//!
+//! A part is what joints connect, the ground aside. It moves in a plane if all of its joints are revolutes about one direction (or rods across it), which is a principal axis of each
+//! body; gravity, velocities, springs and their points have no part along it, and angular velocities and torques none across it.
+
+use super::force::Force;
+use super::joint::{Joint, Kind, is_ground};
+use super::{Body, Mechanism};
+use crate::mbs::math::{V3, axpy, dot, mul, mul_t, norm, qmat, scale, sub};
+
+/// What counts as nothing, relative.
+const NOTHING: f64 = 1e-12;
+
+/// The normal of the plane of each body's part; `None` for those that move in space.
+pub fn planes(mechanism: &Mechanism) -> Vec<Option<V3>> {
+    let parts = parts(mechanism);
+    let count = parts.iter().max().map_or(0, |p| p + 1);
+    let normals: Vec<Option<V3>> = (0..count).map(|part| normal(mechanism, &parts, part)).collect();
+    parts.iter().map(|part| normals[*part]).collect()
+}
+
+/// The part of each body: bodies that joints or forces connect.
+fn parts(mechanism: &Mechanism) -> Vec<usize> {
+    let mut part: Vec<usize> = (0..mechanism.bodies.len()).collect();
+    let links =
+        mechanism.joints.iter().map(|j| j.bodies).chain(mechanism.forces.iter().filter_map(|f| match f {
+            Force::Spring { bodies, .. } | Force::Torsion { bodies, .. } => Some(*bodies),
+            Force::Torque { .. } => None,
+        }));
+    let links: Vec<[usize; 2]> = links.filter(|l| !l.iter().any(|b| is_ground(*b))).collect();
+    loop {
+        let before = part.clone();
+        for [a, b] in &links {
+            let least = part[*a].min(part[*b]);
+            (part[*a], part[*b]) = (least, least);
+        }
+        if part == before {
+            return part;
+        }
+    }
+}
+
+fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
+    let own = |b: &usize| !is_ground(*b) && parts[*b] == part;
+    let joints = || mechanism.joints.iter().filter(|j| j.bodies.iter().any(|b| own(b)));
+    let n = joints().find(|j| j.kind == Kind::Revolute)?.axes[0];
+    let along = |v: V3| dot(v, n).abs() <= NOTHING * norm(v).max(NOTHING);
+    let only = |v: V3| norm(axpy(v, -dot(v, n), n)) <= NOTHING * norm(v).max(NOTHING);
+    let of_joint = |j: &Joint| match j.kind {
+        Kind::Revolute => only(j.axes[0]),
+        Kind::Distance => along(sub(j.points_m[1], j.points_m[0])),
+        _ => false,
+    };
+    let of_body = |b: &Body| {
+        let r = qmat(b.orientation);
+        let moment = mul(&r, mul(&b.inertia_kg_m2, mul_t(&r, n)));
+        along(b.velocity_m_s) && only(b.angular_velocity_rad_s) && only(scale(1.0, moment))
+    };
+    let of_force = |f: &Force| match f {
+        Force::Spring { bodies, points_m, .. } => {
+            !bodies.iter().any(|b| own(b)) || along(sub(points_m[1], points_m[0]))
+        }
+        Force::Torsion { bodies, axis, .. } => !bodies.iter().any(|b| own(b)) || only(*axis),
+        Force::Torque { body, torque_nm } => !own(body) || only(*torque_nm),
+    };
+    let bodies = (0..mechanism.bodies.len()).filter(|b| own(b)).map(|b| &mechanism.bodies[b]);
+    let holds = along(mechanism.gravity_m_s2)
+        && joints().all(of_joint)
+        && bodies.into_iter().all(of_body)
+        && mechanism.forces.iter().all(of_force);
+    holds.then_some(n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::GROUND;
+    use super::*;
+
+    fn pendulum(axis: V3) -> Mechanism {
+        let body = Body::at_rest(1.0, [0.1, 0.2, 0.3], [0.5, 0.0, 0.0]);
+        Mechanism {
+            bodies: vec![body],
+            joints: vec![Joint::at(Kind::Revolute, [GROUND, 0], [0.0; 3], axis)],
+            gravity_m_s2: [0.0, 0.0, -9.81],
+            ..Mechanism::default()
+        }
+    }
+
+    #[test]
+    fn what_leaves_the_plane_is_seen() {
+        let y = [0.0, 1.0, 0.0];
+        assert_eq!(planes(&pendulum(y)), [Some(y)]);
+        assert_eq!(planes(&pendulum([0.0, 0.6, 0.8])), [None], "gravity");
+        let mut moving = pendulum(y);
+        moving.bodies[0].velocity_m_s = [0.0, 1e-6, 0.0];
+        assert_eq!(planes(&moving), [None]);
+        let mut skew = pendulum(y);
+        skew.bodies[0].inertia_kg_m2[0][1] = 0.01;
+        skew.bodies[0].inertia_kg_m2[1][0] = 0.01;
+        assert_eq!(planes(&skew), [None]);
+        let mut ball = pendulum(y);
+        ball.joints.push(Joint::at(Kind::Spherical, [GROUND, 0], [0.0; 3], y));
+        assert_eq!(planes(&ball), [None]);
+    }
+}
