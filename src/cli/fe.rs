@@ -14,7 +14,6 @@ use crate::fe::isa::Isa;
 use crate::fe::law::ElementForm;
 use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
-use crate::fe::restart::RestartError;
 use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
@@ -313,11 +312,12 @@ pub fn run_with_progress(
         }
         progress.advance(at.time_s / at.end_s, &format!("t = {:.2} of {:.2} s", at.time_s, at.end_s));
     });
-    run.map_err(|e| match e {
-        FeError::Restart(RestartError::Io { .. }) | FeError::Output(_) => Failure::stopped(e.to_string()),
-        FeError::Restart(_) => Failure::input(e.to_string()),
-        e => Failure::stopped(e.to_string()),
-    })
+    run.map_err(failure)
+}
+
+/// Bad input, or a run that stopped.
+fn failure(error: FeError) -> Failure {
+    if error.is_input() { Failure::input(error.to_string()) } else { Failure::stopped(error.to_string()) }
 }
 
 /// `fe.json` and the histories as CSV.

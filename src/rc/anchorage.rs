@@ -317,11 +317,7 @@ impl<'a> Anchored<'a> {
             body.mass_kg[slip.onto] += mass;
         }
         let count = member.slips.len();
-        Self {
-            slips: &member.slips,
-            states: vec![SlipState::default(); count],
-            last: vec![[0.0; 2]; count],
-        }
+        Self { slips: &member.slips, states: vec![SlipState::default(); count], last: vec![[0.0; 2]; count] }
     }
 
     /// Forces for the coming step: the bar on the joint, and the joint on the bar.

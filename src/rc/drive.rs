@@ -199,7 +199,14 @@ impl Energies {
         let [external_j, internal_j, artificial_j, kinetic_j, damped_j] =
             [self.external_j, self.internal_j, self.artificial_j, self.kinetic_j, self.damped_j]
                 .map(|e| e / share);
-        Self { external_j, internal_j, artificial_j, kinetic_j, damped_j, residual_share: self.residual_share }
+        Self {
+            external_j,
+            internal_j,
+            artificial_j,
+            kinetic_j,
+            damped_j,
+            residual_share: self.residual_share,
+        }
     }
 }
 
