@@ -5,7 +5,7 @@ use super::dynamics::Dynamics;
 use super::erosion::Fate;
 use super::isa::Isa;
 use super::law::ElementForm;
-use super::mass_scaling::{MassScaling, MassScalingError, scale_mass};
+use super::mass_scaling::{MOST_ADDED, MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
 use super::model::ContactSettings;
 use super::recorder::Recorder;
@@ -154,6 +154,29 @@ pub enum FeError {
     /// All members are cut in preparation.
     #[error("there is nothing to compute: all members are cut in preparation; leave one of them standing")]
     Empty,
+    /// The end comes before the first output.
+    #[error(
+        "the run is to end at {end_s} s, before its first output at {interval_s} s; give at least that, or a shorter `settings.output_interval`"
+    )]
+    TooShort {
+        /// End \[s\].
+        end_s: f64,
+        /// Output interval \[s\].
+        interval_s: f64,
+    },
+    /// A step beyond the next output.
+    #[error(
+        "the time step is {step_s:e} s, longer than the output interval of {interval_s} s{}; give a smaller step of mass scaling, or a longer `settings.output_interval`",
+        added_words(*.added_share)
+    )]
+    LongStep {
+        /// First step \[s\].
+        step_s: f64,
+        /// Output interval \[s\].
+        interval_s: f64,
+        /// Mass added for it, over the mass of the building.
+        added_share: f64,
+    },
     /// A charge that would do nothing.
     #[error(
         "charge `{charge}` reaches no element: none of those of `{member}` has its centre between {from_m} and {to_m} m from the lower end at a mesh size of {size_m} m; give a longer stretch or a smaller mesh size"
@@ -181,13 +204,13 @@ pub enum FeError {
 }
 
 impl FeError {
-    /// Whether the input has to be changed: building, options, or a checkpoint that does not fit; otherwise the run itself failed.
+    /// Whether what the run was given has to be changed: building, options, a checkpoint, or a place that cannot be written; otherwise the run itself failed.
     pub fn is_input(&self) -> bool {
         match self {
             Self::MassScaling(_) | Self::StepShare { .. } | Self::Unmeshed { .. } | Self::Empty => true,
-            Self::NoElements { .. } => true,
-            Self::Restart(error) => !matches!(error, RestartError::Io { .. }),
-            Self::Preload(_) | Self::Unsound(_) | Self::Contact { .. } | Self::Output(_) => false,
+            Self::NoElements { .. } | Self::TooShort { .. } | Self::LongStep { .. } => true,
+            Self::Restart(_) | Self::Output(_) => true,
+            Self::Preload(_) | Self::Unsound(_) | Self::Contact { .. } => false,
         }
     }
 }
@@ -238,7 +261,10 @@ pub fn run_with(
     }
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);
     let interval = settings.output_interval_s;
-    let outputs = (end_s / interval).round().max(1.0) as usize;
+    if end_s < interval * (1.0 - 1e-9) {
+        return Err(FeError::TooShort { end_s, interval_s: interval });
+    }
+    let outputs = outputs(end_s, interval);
     let mut head = head(building, options.form, size_m, &attached)?;
     let mut state = match attached.resume.take() {
         Some(path) => RunState::read(&path, &head, &mut mesh, outputs, &mut attached)?,
@@ -268,6 +294,19 @@ pub fn run_with(
     result.summary.mass_scaling = state.mass_scaling;
     result.summary.elapsed = before + watch.elapsed();
     Ok(result)
+}
+
+/// Number of outputs after the first: the run ends at the one nearest to its end.
+pub fn outputs(end_s: f64, interval_s: f64) -> usize {
+    (end_s / interval_s).round().max(1.0) as usize
+}
+
+/// How much mass was added, if it is more than is accepted without being forced.
+fn added_words(added_share: f64) -> String {
+    if added_share <= MOST_ADDED {
+        return String::new();
+    }
+    format!(", for which mass scaling adds {:.1} % to the mass of the building", 100.0 * added_share)
 }
 
 /// Refuses meshes in which a member, or what a charge is to remove, is missing.
@@ -329,10 +368,21 @@ impl RunState {
         body.failure.fate = options.on_failure;
         body.skip_quiet = options.skip_quiet;
         body.isa = options.isa;
-        let scaled =
-            options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, options.mass_scaling_forced));
+        let most_added = if options.mass_scaling_forced { f64::INFINITY } else { MOST_ADDED };
+        let scaled = options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, most_added));
         let mass_scaling = scaled.transpose()?;
-        let preload = relaxation::static_state(mesh, &mut body).map_err(FeError::Preload)?;
+        let added_share = mass_scaling.as_ref().map_or(0.0, |m| m.added_share);
+        let (step_s, interval_s) = (body.dt_s, building.settings.output_interval_s);
+        if step_s > interval_s {
+            return Err(FeError::LongStep { step_s, interval_s, added_share });
+        }
+        let preload = relaxation::static_state(mesh, &mut body).map_err(|what| {
+            if added_share <= MOST_ADDED {
+                return FeError::Preload(what);
+            }
+            let percent = 100.0 * added_share;
+            FeError::Preload(format!("{what}; mass scaling adds {percent:.1} % to the mass of the building, whose weight has to be borne: give a smaller step of mass scaling"))
+        })?;
         body.surfaces.new_touches.clear();
         if options.body_contact {
             let settings = ContactSettings { friction: building.ground.friction };
