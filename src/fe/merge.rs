@@ -119,8 +119,8 @@ fn most_lost(building: &Building, apart: &[bool], kept: &[Vec<f64>; 3], real_m3:
     lost.min_by_key(|index| (u8::MAX - hold(building.members[*index].kind), *index))
 }
 
-/// The face that does most for a member, with its axis: of its own faces one across the direction in which it changes most, then one of its openings and of the
-/// members that it touches, then any. `None` if all are planes already.
+/// The face that does most for a member, with its axis: of its own faces one across the direction in which it changes most, where that is more than by `sqrt 2`; otherwise others
+/// are to blame: one of its openings, then of itself and the members that it touches, then any. `None` if all are planes already.
 fn face_to_keep(
     building: &Building,
     apart: &[bool],
@@ -151,7 +151,9 @@ fn face_to_keep(
             building.members.iter().zip(apart).filter(|(m, apart)| !**apart && (!touching || meets(m)));
         others.flat_map(|(m, _)| m.openings.iter().chain([&m.solid]).copied()).collect()
     };
-    axes.iter()
+    let changed = axes.iter().filter(|axis| by(**axis) > 0.5 * MOST_CHANGE.ln());
+    changed
+        .into_iter()
         .find_map(|axis| farthest(&[own.solid], &[*axis]))
         .or_else(|| farthest(&own.openings, &[0, 1, 2]))
         .or_else(|| farthest(&around(true), &[0, 1, 2]))
