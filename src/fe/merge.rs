@@ -151,9 +151,8 @@ fn face_to_keep(
             building.members.iter().zip(apart).filter(|(m, apart)| !**apart && (!touching || meets(m)));
         others.flat_map(|(m, _)| m.openings.iter().chain([&m.solid]).copied()).collect()
     };
-    let changed = axes.iter().filter(|axis| by(**axis) > 0.5 * MOST_CHANGE.ln());
+    let mut changed = axes.iter().filter(|axis| by(**axis) > 0.5 * MOST_CHANGE.ln());
     changed
-        .into_iter()
         .find_map(|axis| farthest(&[own.solid], &[*axis]))
         .or_else(|| farthest(&own.openings, &[0, 1, 2]))
         .or_else(|| farthest(&around(true), &[0, 1, 2]))
