@@ -1,5 +1,6 @@
 //! `fallwerk fe`: the FE run of a building alone, or of a keyword deck.
 
+use super::fe_places::{self as places, failure, unwritable};
 use super::progress::Progress;
 use super::verdict::{collapse_words, percent, seconds};
 use super::{Failure, Outcome, print, read_building, thread_pool};
@@ -14,20 +15,17 @@ use crate::fe::isa::Isa;
 use crate::fe::law::ElementForm;
 use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
-use crate::fe::restart::RestartError;
 use crate::fe::result::{FeRun, FeSummary};
-use crate::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
+use crate::fe::run::{Attached, FeOptions, outputs, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use crate::study::{COLLAPSE_DROP_M, facts};
 use crate::verify::fe::forms::{FORMS, form};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Version of `fe.json`.
 pub const FE_SCHEMA: u32 = 1;
-/// Name of the checkpoint among unfinished results.
-const CHECKPOINT: &str = "fe.checkpoint";
 /// Most elements that a mesh size from the command line may lead to: beyond it a run takes weeks and the mesh tens of
 /// gigabytes.
 const MOST_ELEMENTS: f64 = 5e6;
@@ -142,19 +140,27 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     if is_deck(&arguments.building) {
         return super::fe_deck::run(arguments);
     }
+    if arguments.skip_unknown {
+        let what =
+            "--skip-unknown is for decks: a building file with unknown keys is refused; leave the option out";
+        return Err(Failure::input(what.into()));
+    }
     let building = read_building(&arguments.building, arguments.json)?;
     let options = options(arguments, &building)?;
     if let Some(path) = &arguments.write_deck {
         return super::fe_deck::write_building(&building, options.mesh_size_m, path);
     }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
-    let checkpoints = checkpoints(arguments, &target)?;
+    let notes = notes(&building, &options);
+    notes.iter().for_each(|note| eprintln!("warning: {note}"));
+    let checkpoints =
+        places::checkpoints(arguments.checkpoint_every, arguments.checkpoint.as_ref(), &target)?;
     let output = if checkpoints.is_some() || arguments.resume.is_some() {
         OutputFolder::unfinished(&target, arguments.resume.is_some())
     } else {
         OutputFolder::create(&target)
     };
-    let output = output.map_err(|e| Failure::input(e.to_string()))?;
+    let output = output.map_err(|e| unwritable(&e))?;
     let progress = Progress::on_stderr();
     let pool = thread_pool(arguments.threads)?;
     let every = arguments.frames_every();
@@ -166,14 +172,15 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     progress.finish();
     let mesh_size_m = options.mesh_size_m.unwrap_or(building.settings.mesh_size_m);
     write(&output, &building, &fe, mesh_size_m)?;
-    remove_checkpoint(&output.path().join(CHECKPOINT))?;
-    let folder = output.commit().map_err(|e| Failure::input(e.to_string()))?;
+    places::remove_checkpoint(output.path())?;
+    let folder = output.commit().map_err(|e| unwritable(&e))?;
     let collapsed = fe.tracked.iter().any(|h| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M));
     if arguments.json {
         let mut value = json!(fe.summary);
         value["building"] = json!(building.name);
         value["form"] = json!(form_of(&fe));
         value["collapsed"] = json!(collapsed);
+        value["notes"] = json!(notes);
         value["output"] = json!(folder);
         print(&format!("{value:#}\n"));
         return Ok(Outcome::Done);
@@ -222,6 +229,32 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
     })
 }
 
+/// What a run will not do as one might expect: charges after its end, and an end between two outputs.
+fn notes(building: &Building, options: &FeOptions) -> Vec<String> {
+    let settings = &building.settings;
+    let (asked_s, interval_s) =
+        (options.end_time_s.unwrap_or(settings.end_time_s), settings.output_interval_s);
+    let end_s = outputs(asked_s, interval_s) as f64 * interval_s;
+    let mut notes = Vec::new();
+    if (end_s - asked_s).abs() > 1e-6 * interval_s {
+        notes.push(format!("the run ends at {end_s} s, the output nearest to {asked_s} s"));
+    }
+    for charge in &building.events {
+        let (id, member, from_s) = (&charge.id, &charge.member, charge.time_s);
+        let to_s = from_s + settings.removal_duration_s;
+        if from_s >= end_s {
+            notes.push(format!(
+                "the event `{id}` at {from_s} s comes after the end of the run at {end_s} s: `{member}` is not removed; give a later --end-time"
+            ));
+        } else if to_s > end_s {
+            notes.push(format!(
+                "the event `{id}` lasts from {from_s} to {to_s} s, the run to {end_s} s: a part of `{member}` still acts at its end; give a later --end-time"
+            ));
+        }
+    }
+    notes
+}
+
 /// The element form asked for.
 fn element_form(arguments: &Arguments) -> Result<Option<ElementForm>, Failure> {
     arguments.form.as_deref().map(form_named).transpose()
@@ -258,41 +291,6 @@ fn positive(name: &str, value: Option<f64>) -> Result<Option<f64>, Failure> {
     }
 }
 
-/// Checkpoints asked for, with a file that can be written.
-fn checkpoints(arguments: &Arguments, target: &Path) -> Result<Option<Checkpoints>, Failure> {
-    let Some(every_s) = arguments.checkpoint_every else { return Ok(None) };
-    if !(every_s > 0.0 && every_s.is_finite()) {
-        return Err(Failure::input(format!("--checkpoint-every is {every_s}, expected a positive number")));
-    }
-    let path = match &arguments.checkpoint {
-        Some(path) => path.clone(),
-        None => {
-            return Ok(Some(Checkpoints {
-                path: OutputFolder::unfinished_path(target).join(CHECKPOINT),
-                every_s,
-            }));
-        }
-    };
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() || path.is_dir() {
-        return Err(Failure::input(format!(
-            "--checkpoint {} cannot be written: it is a folder, or its folder is missing",
-            path.display()
-        )));
-    }
-    Ok(Some(Checkpoints { path, every_s }))
-}
-
-/// A checkpoint among the results has served when the run is done.
-fn remove_checkpoint(path: &Path) -> Result<(), Failure> {
-    match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(Failure::input(format!("{}: {e}", path.display())))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// Runs the FE model and shows how far it is; `kept` is called once there is a checkpoint.
 pub fn run_with_progress(
     building: &Building,
@@ -313,11 +311,7 @@ pub fn run_with_progress(
         }
         progress.advance(at.time_s / at.end_s, &format!("t = {:.2} of {:.2} s", at.time_s, at.end_s));
     });
-    run.map_err(|e| match e {
-        FeError::Restart(RestartError::Io { .. }) | FeError::Output(_) => Failure::stopped(e.to_string()),
-        FeError::Restart(_) => Failure::input(e.to_string()),
-        e => Failure::stopped(e.to_string()),
-    })
+    run.map_err(|e| failure(&e))
 }
 
 /// `fe.json` and the histories as CSV.
@@ -328,10 +322,10 @@ pub fn write(
     mesh_size_m: f64,
 ) -> Result<(), Failure> {
     let text = |value: &Value| readable_json(value).map_err(|e| Failure::input(e.to_string()));
-    super::write(output, "fe.json", &text(&record(building, fe, mesh_size_m)?)?)?;
-    super::write(output, "fe-displacements.csv", &displacements_csv(fe))?;
-    super::write(output, "fe-energies.csv", &energies_csv(fe))?;
-    super::write(output, "fe-events.csv", &events_csv(fe))
+    places::write(output, "fe.json", &text(&record(building, fe, mesh_size_m)?)?)?;
+    places::write(output, "fe-displacements.csv", &displacements_csv(fe))?;
+    places::write(output, "fe-energies.csv", &energies_csv(fe))?;
+    places::write(output, "fe-events.csv", &events_csv(fe))
 }
 
 /// What `fe.json` holds: everything of the run but frames, strain rates and run times.

@@ -1,15 +1,16 @@
 //! `fallwerk fe DECK`: runs a keyword deck; `--write-deck`: writes one.
 
 use super::fe::Arguments;
+use super::fe_places::{self as places, failure, unwritable};
 use super::progress::Progress;
 use super::verdict::percent;
 use super::{Failure, Outcome, colour_on_stderr, print, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::{OutputFolder, write_atomic};
 use crate::building::Building;
-use crate::fe::deck::{Deck, DeckOptions, of_building, read, write};
+use crate::fe::deck::{Deck, DeckErrors, DeckOptions, of_building, read, write};
 use crate::fe::dynamics::Death;
-use crate::fe::model_run::{ModelOptions, ModelRun, run_model};
+use crate::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -29,13 +30,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         )));
     }
     let options = DeckOptions { skip_unknown: arguments.skip_unknown };
-    let deck = read(&arguments.building, options).map_err(|errors| {
-        eprint!("{}", errors.render(colour_on_stderr()));
-        if arguments.json {
-            print(&format!("{:#}\n", json!({ "ok": false, "diagnostics": errors.to_json() })));
-        }
-        Failure::input(String::new())
-    })?;
+    let deck = read(&arguments.building, options).map_err(|errors| refused(arguments, &errors))?;
     for note in &deck.notes {
         eprintln!("note: {note}");
     }
@@ -45,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     let end_time_s = super::fe::end_time(arguments)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.building));
-    let output = OutputFolder::create(&target).map_err(|e| Failure::input(e.to_string()))?;
+    let output = OutputFolder::create(&target).map_err(|e| unwritable(&e))?;
     let progress = Progress::on_stderr();
     let pool = thread_pool(arguments.threads)?;
     progress.stage("FE run");
@@ -58,16 +53,19 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let ran = pool.install(|| {
         run_model(&deck.model, &ModelOptions { end_time_s, ..ModelOptions::default() }, frames, &mut report)
     });
-    let run = ran.map_err(|e| Failure::stopped(e.to_string()))?;
+    let run = ran.map_err(|error| {
+        progress.finish();
+        stopped(arguments, &deck, &error)
+    })?;
     progress.finish();
     for note in &run.notes {
         eprintln!("note: {note}");
     }
     let text = readable_json(&record(&deck, &run)?).map_err(|e| Failure::input(e.to_string()))?;
-    super::write(&output, "fe.json", &text)?;
-    super::write(&output, "histories.csv", &histories_csv(&deck, &run))?;
-    super::write(&output, "energies.csv", &energies_csv(&run))?;
-    let folder = output.commit().map_err(|e| Failure::input(e.to_string()))?;
+    places::write(&output, "fe.json", &text)?;
+    places::write(&output, "histories.csv", &histories_csv(&deck, &run))?;
+    places::write(&output, "energies.csv", &energies_csv(&run))?;
+    let folder = output.commit().map_err(|e| unwritable(&e))?;
     if arguments.json {
         let mut value = json!(run.summary);
         value["title"] = json!(deck.model.title);
@@ -78,6 +76,29 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         print(&format!("{}  results: {}\n", summary(&deck, &run), folder.display()));
     }
     Ok(Outcome::Done)
+}
+
+/// Why a deck does not run to its end: at the line that is to blame, if there is one.
+fn stopped(arguments: &Arguments, deck: &Deck, error: &ModelError) -> Failure {
+    if let Some(errors) = deck.places.blame(error, arguments.end_time.is_none()) {
+        return refused(arguments, &errors);
+    }
+    match error {
+        ModelError::Broken(error) => failure(error),
+        ModelError::TooLong { .. } | ModelError::TooShort { .. } if arguments.end_time.is_some() => {
+            Failure::input(format!("--end-time: {error}"))
+        }
+        _ => Failure::input(format!("{}: {error}", arguments.building.display())),
+    }
+}
+
+/// Shows what is wrong with a deck.
+fn refused(arguments: &Arguments, errors: &DeckErrors) -> Failure {
+    eprint!("{}", errors.render(colour_on_stderr()));
+    if arguments.json {
+        print(&format!("{:#}\n", json!({ "ok": false, "diagnostics": errors.to_json() })));
+    }
+    Failure::input(String::new())
 }
 
 /// Writes the FE model of a building as a deck.
@@ -92,7 +113,10 @@ pub fn write_building(
 }
 
 fn save(path: &Path, text: &str, notes: &[String]) -> Result<Outcome, Failure> {
-    write_atomic(path, text.as_bytes()).map_err(|e| Failure::input(format!("{}: {e}", path.display())))?;
+    write_atomic(path, text.as_bytes()).map_err(|e| {
+        let remedy = "make room there, or name a file that can be written";
+        Failure::input(format!("--write-deck {}: {e}; {remedy}", path.display()))
+    })?;
     for note in notes {
         eprintln!("note: {note}");
     }

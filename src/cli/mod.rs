@@ -8,6 +8,7 @@ pub mod compose;
 pub mod explain;
 pub mod fe;
 mod fe_deck;
+mod fe_places;
 pub mod generate_mbs;
 pub mod graph;
 mod init;

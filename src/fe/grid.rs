@@ -1,12 +1,13 @@
 //! The planes of a conforming block mesh: faces of the solids, near ones merged, then subdivided.
 
+use super::merge::{kept_planes, moved};
 use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::turned::TurnedBox;
 use crate::building::{Building, Member, MemberKind};
 
 /// Faces closer together than this share of the target size become one mesh plane; what moves is the face of the
-/// member that carries less (column faces stay first).
+/// member that carries less (column faces stay first). Not where a member would be lost by it ([`super::merge`]).
 pub const SNAP_SHARE: f64 = 0.25;
 /// Elements across a column, beam or plate, at least.
 pub const ELEMENTS_ACROSS: usize = 2;
@@ -28,31 +29,14 @@ impl MeshGrid {
     /// Planes for a target element size \[m\].
     pub fn of(building: &Building, size_m: f64) -> Self {
         let apart = apart(building, SNAP_SHARE * size_m);
-        let mut solids: Vec<Aabb> = building.members.iter().map(|m| m.solid).collect();
-        let mut openings: Vec<Vec<Aabb>> = building.members.iter().map(|m| m.openings.clone()).collect();
-        let mut planes: [Vec<f64>; 3] = Default::default();
-        for axis in 0..3 {
-            let kept = kept_faces(building, &apart, axis, SNAP_SHARE * size_m);
-            let snapped = solids.iter_mut().zip(&mut openings).zip(&apart).filter(|(_, apart)| !**apart);
-            for solid in snapped.flat_map(|((solid, openings), _)| openings.iter_mut().chain([solid])) {
-                solid.min[axis] = nearest(&kept, solid.min[axis]);
-                solid.max[axis] = nearest(&kept, solid.max[axis]);
-            }
-            planes[axis] = subdivided(building, &solids, &apart, &kept, axis, size_m);
-        }
-        Self { planes, solids, openings, apart }
-    }
-}
-
-/// Which member's face stays where it is when two are merged; higher stays.
-fn hold(kind: MemberKind) -> u8 {
-    match kind {
-        MemberKind::Column => 5,
-        MemberKind::Wall => 4,
-        MemberKind::Footing => 3,
-        MemberKind::Slab => 2,
-        MemberKind::Beam => 1,
-        MemberKind::Brace => 0,
+        let kept = kept_planes(building, &apart, size_m);
+        let moved = moved(building, &apart, &kept).members;
+        let placed = building.members.iter().zip(&moved).zip(&apart);
+        let solids: Vec<Aabb> =
+            placed.map(|((m, moved), apart)| if *apart { m.solid } else { moved.solid }).collect();
+        let planes =
+            std::array::from_fn(|axis| subdivided(building, &solids, &apart, &kept[axis], axis, size_m));
+        Self { planes, solids, openings: moved.into_iter().map(|m| m.openings).collect(), apart }
     }
 }
 
@@ -117,40 +101,6 @@ pub(super) fn clear_height(building: &Building, column: usize) -> [f64; 2] {
         }
     }
     clear
-}
-
-/// The faces along an axis after merging: in order of hold, a face is kept if no kept face is near.
-fn kept_faces(building: &Building, apart: &[bool], axis: usize, snap_m: f64) -> Vec<f64> {
-    let on_planes = || building.members.iter().zip(apart).filter(|(_, apart)| !**apart).map(|(m, _)| m);
-    let mut faces: Vec<(u8, f64)> = on_planes()
-        .flat_map(|m| [(hold(m.kind), m.solid.min[axis]), (hold(m.kind), m.solid.max[axis])])
-        .collect();
-    for opening in on_planes().flat_map(|m| &m.openings) {
-        faces.extend([(0, opening.min[axis]), (0, opening.max[axis])]);
-    }
-    for refinement in &building.settings.meshing.refine {
-        let Some(member) = on_planes().find(|m| m.id == refinement.member && m.axis == axis) else {
-            continue;
-        };
-        let (low, high) = (member.solid.min[axis], member.solid.max[axis]);
-        if let Some(ends) = refinement.ends_m.filter(|ends| 2.0 * ends < high - low) {
-            faces.extend([(0, low + ends), (0, high - ends)]);
-        }
-    }
-    faces.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
-    let mut kept: Vec<f64> = Vec::new();
-    for (_, face) in faces {
-        if kept.iter().all(|k| (k - face).abs() > snap_m.max(COORDINATE_TOLERANCE_M)) {
-            kept.push(face);
-        }
-    }
-    kept.sort_by(f64::total_cmp);
-    kept
-}
-
-/// The kept face nearest to a coordinate.
-fn nearest(kept: &[f64], value: f64) -> f64 {
-    kept.iter().copied().min_by(|a, b| (a - value).abs().total_cmp(&(b - value).abs())).unwrap_or(value)
 }
 
 /// The finest size asked for between two planes \[m\].

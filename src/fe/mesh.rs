@@ -3,6 +3,7 @@
 use super::apart;
 use super::grid::MeshGrid;
 use super::law::Law;
+use super::merge;
 use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Face, Preparation};
@@ -43,9 +44,6 @@ pub struct Element {
     /// Further factor on strength (preparatory weakening).
     pub strength: f64,
 }
-
-/// The solid of a member that is not on the planes: it contains no cell.
-const EMPTY: Aabb = Aabb { min: [f64::INFINITY; 3], max: [f64::INFINITY; 3] };
 
 /// A two-node bar (rebar): axial force only.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +86,7 @@ impl Mesh {
         let grid = MeshGrid::of(building, size_m);
         let mut moved = building.clone();
         for (i, member) in moved.members.iter_mut().enumerate() {
-            member.solid = if grid.apart[i] { EMPTY } else { grid.solids[i] };
+            member.solid = if grid.apart[i] { merge::EMPTY } else { grid.solids[i] };
             member.openings = grid.openings[i].clone();
         }
         let cells = Partition::on_planes(&moved, grid.planes);
@@ -211,6 +209,15 @@ impl Mesh {
         let nodes = old.iter().map(|n| self.nodes[*n]).collect();
         let (laws, parts) = (self.laws.clone(), self.parts.clone());
         (Self { nodes, elements, laws, trusses, ties, fixed, parts }, old)
+    }
+
+    /// Members of a building that should have elements and have none; at most those that could not be meshed at all ([`merge`]).
+    pub fn unmeshed(&self, building: &Building) -> Vec<String> {
+        let mut meshed = vec![false; building.members.len()];
+        self.elements.iter().for_each(|e| meshed[e.part] = true);
+        let lost =
+            building.members.iter().zip(&meshed).filter(|(m, meshed)| !**meshed && !building.is_cut(&m.id));
+        lost.map(|(m, _)| m.id.clone()).collect()
     }
 
     /// Centre of an element in the undeformed mesh \[m\].

@@ -3,7 +3,7 @@
 use super::contact::{BodyContact, RigidSurfaces};
 use super::dynamics::Dynamics;
 use super::erosion::{ErosionTable, free_nodes};
-use super::mass_scaling::{MOST_ADDED, MassScalingError, scale_mass};
+use super::mass_scaling::{MOST_ADDED, MOST_ADDED_IN_DECK, MassScalingError, scale_mass};
 use super::model::Model;
 use super::result::{ElementDeath, FeSummary};
 use super::run::{FeError, Progress, check_share, contact_error};
@@ -43,6 +43,18 @@ pub enum ModelError {
     NoStep {
         /// The step \[s\].
         step_s: f64,
+        /// Part of the element that allows the least.
+        part: usize,
+    },
+    /// Over before the first step.
+    #[error(
+        "the run is to end at {end_s:e} s, within its first step of {step_s:e} s; give a longer time, or check the units"
+    )]
+    TooShort {
+        /// Simulated time \[s\].
+        end_s: f64,
+        /// First step \[s\].
+        step_s: f64,
     },
     /// Too long.
     #[error(
@@ -54,6 +66,16 @@ pub enum ModelError {
         /// First step \[s\].
         step_s: f64,
     },
+}
+
+impl ModelError {
+    /// Whether model or options have to be changed, see [`FeError::is_input`].
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Broken(error) => error.is_input(),
+            _ => true,
+        }
+    }
 }
 
 /// Motion of one node.
@@ -136,7 +158,7 @@ pub fn run_model(
     surfaces.planes.clone_from(&model.walls);
     let mut body = Dynamics::new(&model.mesh, 0.0, surfaces, rayon::current_num_threads() > 1);
     let (added_mass_kg, notes) = begin(model, &mut body, options.step_forced)?;
-    check_length(&body, end_s)?;
+    check_length(model, &body, end_s)?;
     let mut recorder = Recorder::new(model, &body);
     recorder.initial_j = body.kinetic_j();
     recorder.record(model, &mut body, recorder.initial_j)?;
@@ -192,7 +214,7 @@ fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<S
     }
     let mut added_kg = 0.0;
     if let Some(step_s) = model.control.mass_scaling_step_s {
-        let scaling = scale_mass(&model.mesh, body, step_s, true)?;
+        let scaling = scale_mass(&model.mesh, body, step_s, MOST_ADDED_IN_DECK)?;
         added_kg = scaling.added_kg;
         if scaling.added_share > MOST_ADDED {
             notes.push(format!(
@@ -218,10 +240,15 @@ fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<S
     Ok((added_kg, notes))
 }
 
-fn check_length(body: &Dynamics, end_s: f64) -> Result<(), ModelError> {
+fn check_length(model: &Model, body: &Dynamics, end_s: f64) -> Result<(), ModelError> {
     let step_s = body.dt_s;
     if !(step_s > 0.0 && step_s.is_finite()) {
-        return Err(ModelError::NoStep { step_s });
+        let bounds = body.blocks.element_bounds_1_s2(&body.x);
+        let worst = (0..bounds.len()).max_by(|a, b| bounds[*a].total_cmp(&bounds[*b])).unwrap_or(0);
+        return Err(ModelError::NoStep { step_s, part: model.mesh.elements[worst].part });
+    }
+    if end_s < step_s {
+        return Err(ModelError::TooShort { end_s, step_s });
     }
     if end_s / step_s > MOST_STEPS {
         return Err(ModelError::TooLong { end_s, step_s });

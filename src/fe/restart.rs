@@ -148,7 +148,11 @@ pub fn encode<S: Serialize>(head: &Head, state: &S) -> Result<Vec<u8>, String> {
 pub fn write<S: Serialize>(path: &Path, head: &Head, state: &S) -> Result<(), RestartError> {
     let io = |what: String| RestartError::Io { path: path.to_path_buf(), what };
     let bytes = encode(head, state).map_err(io)?;
-    write_atomic(path, &bytes).map_err(|e| io(e.to_string()))
+    write_atomic(path, &bytes).map_err(|e| {
+        io(format!(
+            "the checkpoint cannot be written: {e}; make room, or name another file with --checkpoint"
+        ))
+    })
 }
 
 /// Reads a checkpoint that `own` may go on from.

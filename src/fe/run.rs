@@ -1,17 +1,18 @@
 //! The FE run of a building: dead load, charges, collapse, histories, checkpoints.
 
 use super::contact::{BodyContact, LostContact, RigidSurfaces};
-use super::dynamics::{Death, Dynamics};
+use super::dynamics::Dynamics;
 use super::erosion::Fate;
 use super::isa::Isa;
 use super::law::ElementForm;
-use super::mass_scaling::{MassScaling, MassScalingError, scale_mass};
+use super::mass_scaling::{MOST_ADDED, MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
 use super::model::ContactSettings;
 use super::recorder::Recorder;
 use super::relaxation::{self, StaticState};
+use super::removal::{Removal, hit};
 use super::restart::{self, Head, RestartError};
-use super::result::{ElementDeath, FeRun};
+use super::result::FeRun;
 use super::split;
 use super::vtu::{FrameSink, WrittenFrame};
 use super::watch::{Diagnosis, LOOK_STEPS};
@@ -142,6 +143,56 @@ pub enum FeError {
     /// A checkpoint cannot be written or gone on from.
     #[error(transparent)]
     Restart(#[from] RestartError),
+    /// Members without elements.
+    #[error("no elements fit into {members} at a mesh size of {size_m} m; give a smaller mesh size")]
+    Unmeshed {
+        /// The members.
+        members: String,
+        /// Mesh size \[m\].
+        size_m: f64,
+    },
+    /// All members are cut in preparation.
+    #[error("there is nothing to compute: all members are cut in preparation; leave one of them standing")]
+    Empty,
+    /// The end comes before the first output.
+    #[error(
+        "the run is to end at {end_s} s, before its first output at {interval_s} s; give at least that, or a shorter `settings.output_interval`"
+    )]
+    TooShort {
+        /// End \[s\].
+        end_s: f64,
+        /// Output interval \[s\].
+        interval_s: f64,
+    },
+    /// A step beyond the next output.
+    #[error(
+        "the time step is {step_s:e} s, longer than the output interval of {interval_s} s{}; give a smaller step of mass scaling, or a longer `settings.output_interval`",
+        added_words(*.added_share)
+    )]
+    LongStep {
+        /// First step \[s\].
+        step_s: f64,
+        /// Output interval \[s\].
+        interval_s: f64,
+        /// Mass added for it, over the mass of the building.
+        added_share: f64,
+    },
+    /// A charge that would do nothing.
+    #[error(
+        "charge `{charge}` reaches no element: none of those of `{member}` has its centre between {from_m} and {to_m} m from the lower end at a mesh size of {size_m} m; give a longer stretch or a smaller mesh size"
+    )]
+    NoElements {
+        /// The charge.
+        charge: String,
+        /// Its member.
+        member: String,
+        /// Begin of its stretch \[m\].
+        from_m: f64,
+        /// End of its stretch \[m\].
+        to_m: f64,
+        /// Mesh size \[m\].
+        size_m: f64,
+    },
     /// A time step beyond stability.
     #[error(
         "the time step is to be {share:.3} of the stability limit, expected more than 0 and at most 1: beyond it elements yield and erode by the instability alone"
@@ -150,6 +201,18 @@ pub enum FeError {
         /// Share of the limit.
         share: f64,
     },
+}
+
+impl FeError {
+    /// Whether what the run was given has to be changed: building, options, a checkpoint, or a place that cannot be written; otherwise the run itself failed.
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::MassScaling(_) | Self::StepShare { .. } | Self::Unmeshed { .. } | Self::Empty => true,
+            Self::NoElements { .. } | Self::TooShort { .. } | Self::LongStep { .. } => true,
+            Self::Restart(_) | Self::Output(_) => true,
+            Self::Preload(_) | Self::Unsound(_) | Self::Contact { .. } => false,
+        }
+    }
 }
 
 /// The state of a run at an output: all that a checkpoint holds.
@@ -192,12 +255,16 @@ pub fn run_with(
     let settings = &building.settings;
     let size_m = options.mesh_size_m.unwrap_or(settings.mesh_size_m);
     let (mut mesh, snapped) = Mesh::of(building, size_m);
+    check_mesh(building, &mesh, size_m)?;
     if let Some(form) = options.form {
         mesh.laws.iter_mut().for_each(|law| law.form = form);
     }
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);
     let interval = settings.output_interval_s;
-    let outputs = (end_s / interval).round().max(1.0) as usize;
+    if end_s < interval * (1.0 - 1e-9) {
+        return Err(FeError::TooShort { end_s, interval_s: interval });
+    }
+    let outputs = outputs(end_s, interval);
     let mut head = head(building, options.form, size_m, &attached)?;
     let mut state = match attached.resume.take() {
         Some(path) => RunState::read(&path, &head, &mut mesh, outputs, &mut attached)?,
@@ -227,6 +294,40 @@ pub fn run_with(
     result.summary.mass_scaling = state.mass_scaling;
     result.summary.elapsed = before + watch.elapsed();
     Ok(result)
+}
+
+/// Number of outputs after the first: the run ends at the one nearest to its end.
+pub fn outputs(end_s: f64, interval_s: f64) -> usize {
+    (end_s / interval_s).round().max(1.0) as usize
+}
+
+/// How much mass was added, if it is more than is accepted without being forced.
+fn added_words(added_share: f64) -> String {
+    if added_share <= MOST_ADDED {
+        return String::new();
+    }
+    format!(", for which mass scaling adds {:.1} % to the mass of the building", 100.0 * added_share)
+}
+
+/// Refuses meshes in which a member, or what a charge is to remove, is missing.
+fn check_mesh(building: &Building, mesh: &Mesh, size_m: f64) -> Result<(), FeError> {
+    let members = mesh.unmeshed(building);
+    if !members.is_empty() {
+        return Err(FeError::Unmeshed { members: members.join(", "), size_m });
+    }
+    if mesh.elements.is_empty() {
+        return Err(FeError::Empty);
+    }
+    for charge in &building.events {
+        if let Some([from_m, to_m]) = charge.stretch_m
+            && !building.is_cut(&charge.member)
+            && hit(building, mesh, charge).is_empty()
+        {
+            let (charge, member) = (charge.id.clone(), charge.member.clone());
+            return Err(FeError::NoElements { charge, member, from_m, to_m, size_m });
+        }
+    }
+    Ok(())
 }
 
 /// What a checkpoint of this run is known by. The end time is left out: a run may be continued beyond its first end.
@@ -267,10 +368,21 @@ impl RunState {
         body.failure.fate = options.on_failure;
         body.skip_quiet = options.skip_quiet;
         body.isa = options.isa;
-        let scaled =
-            options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, options.mass_scaling_forced));
+        let most_added = if options.mass_scaling_forced { f64::INFINITY } else { MOST_ADDED };
+        let scaled = options.mass_scaling_step_s.map(|s| scale_mass(mesh, &mut body, s, most_added));
         let mass_scaling = scaled.transpose()?;
-        let preload = relaxation::static_state(mesh, &mut body).map_err(FeError::Preload)?;
+        let added_share = mass_scaling.as_ref().map_or(0.0, |m| m.added_share);
+        let (step_s, interval_s) = (body.dt_s, building.settings.output_interval_s);
+        if step_s > interval_s {
+            return Err(FeError::LongStep { step_s, interval_s, added_share });
+        }
+        let preload = relaxation::static_state(mesh, &mut body).map_err(|what| {
+            if added_share <= MOST_ADDED {
+                return FeError::Preload(what);
+            }
+            let percent = 100.0 * added_share;
+            FeError::Preload(format!("{what}; mass scaling adds {percent:.1} % to the mass of the building, whose weight has to be borne: give a smaller step of mass scaling"))
+        })?;
         body.surfaces.new_touches.clear();
         if options.body_contact {
             let settings = ContactSettings { friction: building.ground.friction };
@@ -353,75 +465,5 @@ pub(super) fn contact_error(mesh: &Mesh, body: &Dynamics, lost: LostContact) -> 
         other: part(lost.element),
         depth_m: lost.depth_m,
         at_m: lost.at_m,
-    }
-}
-
-/// Charges: which elements go when.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct Removal {
-    /// `(time, elements)` not yet finished.
-    pending: Vec<(f64, Vec<usize>)>,
-    /// Elements whose removal has begun.
-    begun: Vec<bool>,
-}
-
-impl Removal {
-    fn new(building: &Building, mesh: &Mesh) -> Self {
-        let pending = building
-            .events
-            .iter()
-            .map(|charge| {
-                let part = building.members.iter().position(|m| m.id == charge.member);
-                let hit = |e: &usize| {
-                    if Some(mesh.elements[*e].part) != part {
-                        return false;
-                    }
-                    let member = &building.members[mesh.elements[*e].part];
-                    let along = member.along_m(mesh.center(*e));
-                    charge.stretch_m.is_none_or(|[from, to]| along >= from && along <= to)
-                };
-                (charge.time_s, (0..mesh.elements.len()).filter(hit).collect())
-            })
-            .collect();
-        Self { pending, begun: vec![false; mesh.elements.len()] }
-    }
-
-    /// Lowers the acting share of elements under removal; at the end takes their mass away. Their stress is frozen first: a column that kept
-    /// its stiffness would be pressed harder as its share falls, and shed its load within a small part of the duration at the very end.
-    fn apply(&mut self, mesh: &Mesh, body: &mut Dynamics, duration_s: f64, recorder: &mut Recorder) {
-        let now = body.time_s;
-        let mut finished = Vec::new();
-        self.pending.retain(|(start, elements)| {
-            if now < *start {
-                return true;
-            }
-            let share = if duration_s > 0.0 { 1.0 - (now - start) / duration_s } else { 0.0 };
-            for e in elements {
-                if body.blocks.share(*e) == 0.0 {
-                    continue;
-                }
-                if !std::mem::replace(&mut self.begun[*e], true) {
-                    body.blocks.soften(*e);
-                }
-                body.blocks.set_share(*e, share.max(0.0));
-                if share <= 0.0 {
-                    if let Some(contact) = &mut body.body_contact {
-                        contact.end_element(*e);
-                    }
-                    finished.push(*e);
-                }
-            }
-            share > 0.0
-        });
-        if finished.is_empty() {
-            return;
-        }
-        for e in &finished {
-            recorder.deaths.push(ElementDeath { element: *e, time_s: now, cause: Death::Removed });
-            recorder.removed[*e] = true;
-        }
-        let before = body.kinetic_j();
-        body.assemble_mass(mesh, |e| !recorder.removed[e]);
-        recorder.removed_j += body.kinetic_j() - before;
     }
 }

@@ -2,6 +2,7 @@
 
 mod braces;
 mod cantilever;
+mod coarse;
 mod concrete;
 mod contact;
 mod contact_body;

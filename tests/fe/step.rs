@@ -5,7 +5,7 @@ use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::hexahedron::volume_m3;
 use fallwerk::fe::kernel::{KernelStep, LANES, update_block};
-use fallwerk::fe::mass_scaling::{MassScalingError, scale_mass};
+use fallwerk::fe::mass_scaling::{MOST_ADDED, MassScalingError, scale_mass};
 use fallwerk::fe::mesh::Mesh;
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
@@ -175,7 +175,7 @@ fn mass_scaling_is_selective_and_limited() {
     let whole = Dynamics::new(&cube, 9.81, RigidSurfaces::default(), false).dt_s;
     let wished = 0.25 * whole;
     let mut body = fresh.clone();
-    let report = scale_mass(&mesh, &mut body, wished, false).unwrap();
+    let report = scale_mass(&mesh, &mut body, wished, MOST_ADDED).unwrap();
     assert!(
         (body.dt_s / wished - 1.0).abs() < 1e-9 && body.first_dt_s == body.dt_s,
         "{} {wished}",
@@ -193,19 +193,19 @@ fn mass_scaling_is_selective_and_limited() {
         assert_eq!(body.mass_kg[n] > fresh.mass_kg[n] * (1.0 + 1e-12), near, "node {n}");
     }
     let mut body = fresh.clone();
-    let error = scale_mass(&mesh, &mut body, whole, false).unwrap_err();
+    let error = scale_mass(&mesh, &mut body, whole, MOST_ADDED).unwrap_err();
     let MassScalingError::TooMuch { percent, allowed_s, ref part, .. } = error else { panic!("{error}") };
     assert!(percent > 5.0 && allowed_s < whole && allowed_s > fresh.dt_s && part == "slice", "{error}");
     assert_eq!(body.mass_kg, fresh.mass_kg);
-    assert!(scale_mass(&mesh, &mut body, 0.9999 * allowed_s, false).is_ok());
+    assert!(scale_mass(&mesh, &mut body, 0.9999 * allowed_s, MOST_ADDED).is_ok());
     let mut forced = fresh.clone();
-    let report = scale_mass(&mesh, &mut forced, whole, true).unwrap();
+    let report = scale_mass(&mesh, &mut forced, whole, f64::INFINITY).unwrap();
     assert!((100.0 * report.added_share - percent).abs() < 1e-9);
     let mut same = fresh.clone();
-    let report = scale_mass(&mesh, &mut same, 0.9 * fresh.dt_s, false).unwrap();
+    let report = scale_mass(&mesh, &mut same, 0.9 * fresh.dt_s, MOST_ADDED).unwrap();
     assert_eq!((report.elements, report.added_kg, same.mass_kg == fresh.mass_kg), (0, 0.0, true));
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(scale_mass(&mesh, &mut same, bad, true), Err(MassScalingError::Step(_))));
+        assert!(matches!(scale_mass(&mesh, &mut same, bad, f64::INFINITY), Err(MassScalingError::Step(_))));
     }
 }
 

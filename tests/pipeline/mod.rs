@@ -2,4 +2,5 @@
 
 mod commands;
 mod fe_options;
+mod fe_refused;
 mod words;

@@ -174,17 +174,19 @@ impl<'a, 'm> Cards<'a, 'm> {
         Some(Card { names, at, fields })
     }
 
+    /// The value of a text that is the name of a parameter.
+    fn named(&self, text: &str) -> Option<f64> {
+        let (sign, name) = parameter(text)?;
+        Some(sign * self.parameters.get(&name.trim().to_uppercase())?)
+    }
+
     fn resolve(&mut self, card: &Card<'a>, field: usize) -> Option<Result<f64, &'a str>> {
         let text = card.text(field);
-        let (sign, name) = match (text.strip_prefix('&'), text.strip_prefix("-&")) {
-            (Some(name), _) => (1.0, name),
-            (_, Some(name)) => (-1.0, name),
-            _ => return Some(Err(text)),
-        };
-        let wanted = name.trim().to_uppercase();
-        if let Some(value) = self.parameters.get(&wanted) {
-            return Some(Ok(sign * value));
+        let Some((_, name)) = parameter(text) else { return Some(Err(text)) };
+        if let Some(value) = self.named(text) {
+            return Some(Ok(value));
         }
+        let wanted = name.trim().to_uppercase();
         let names = self.parameters.keys().map(String::as_str);
         let help = match closest(&wanted, names) {
             Some(near) => format!("did you mean `&{}`?", near.to_lowercase()),
@@ -282,7 +284,12 @@ impl<'a, 'm> Cards<'a, 'm> {
     /// An error about the value of a field.
     pub fn refuse(&mut self, card: &Card<'a>, field: usize, remedy: &str) {
         let name = card.names.get(field).copied().unwrap_or("?");
-        let shown = if card.text(field).is_empty() { "blank".into() } else { quoted(card.text(field)) };
+        let text = card.text(field);
+        let shown = match self.named(text) {
+            Some(value) => format!("{} = {value}", quoted(text)),
+            None if text.is_empty() => "blank".into(),
+            None => quoted(text),
+        };
         let message = format!("*{}: {name} is {shown}", self.block.keyword);
         self.messages.error(card.place(field), "unsupported-value", message, "", remedy);
     }
@@ -290,7 +297,9 @@ impl<'a, 'm> Cards<'a, 'm> {
     fn not_a_number(&mut self, card: &Card<'a>, field: usize, expected: &str) {
         let name = card.names.get(field).copied().unwrap_or("?");
         let text = card.text(field);
-        let message = format!("*{}: {name} is {}, expected {expected}", self.block.keyword, quoted(text));
+        let value = self.named(text).map_or(String::new(), |value| format!(" = {value}"));
+        let message =
+            format!("*{}: {name} is {}{value}, expected {expected}", self.block.keyword, quoted(text));
         let columns = match self.block.columns {
             Columns::Standard => "8 or 10",
             Columns::Ten => "10",
@@ -312,6 +321,15 @@ impl<'a, 'm> Cards<'a, 'm> {
             let help = "take it out, or repeat the keyword before a further set";
             self.messages.error(at, "too-many-cards", message, "", help);
         }
+    }
+}
+
+/// Sign and name of a parameter in a field.
+fn parameter(text: &str) -> Option<(f64, &str)> {
+    match (text.strip_prefix('&'), text.strip_prefix("-&")) {
+        (Some(name), _) => Some((1.0, name)),
+        (_, Some(name)) => Some((-1.0, name)),
+        _ => None,
     }
 }
 

@@ -44,6 +44,11 @@ pub struct DeckErrors {
 }
 
 impl DeckErrors {
+    /// A single message about one of the files.
+    pub(super) fn one(source: Arc<Source>, item: Diagnostic) -> Self {
+        Self { files: vec![Diagnostics::new(source, vec![item])], left_out: 0 }
+    }
+
     /// All messages in the order of the files.
     pub fn items(&self) -> impl Iterator<Item = &Diagnostic> {
         self.files.iter().flat_map(|f| f.items())

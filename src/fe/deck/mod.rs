@@ -6,6 +6,7 @@
 //! Errors are collected, not thrown at the first; what has no effect is noted.
 
 mod assemble;
+mod blame;
 mod building;
 mod card;
 mod error;
@@ -22,6 +23,7 @@ mod read_material;
 mod read_mesh;
 mod write;
 
+pub use blame::Places;
 pub use building::{BuildingDeck, of_building};
 pub use error::{DeckErrors, Note};
 pub use normal::normalised;

@@ -172,8 +172,12 @@ pub(super) struct Raw {
     /// Parts between which contact is asked for, which have to be all.
     pub contact_parts: Option<(Who, At)>,
     pub end_time: Option<f64>,
+    /// Where it stands.
+    pub end_time_at: Option<At>,
     pub step_safety: Option<f64>,
     pub mass_scaling: Option<f64>,
+    /// Where it stands.
+    pub mass_scaling_at: Option<At>,
     pub state_interval: Option<f64>,
     pub state_count: Option<u64>,
     pub history_interval: Option<f64>,

@@ -1,6 +1,7 @@
 //! From a deck to a model: the entry points, parameters, and which reader takes which keyword.
 
 use super::assemble::assemble;
+use super::blame::Places;
 use super::card::{Cards, Parameters};
 use super::error::{DeckErrors, Messages, Note};
 use super::lines::{Block, Splitter, read_file};
@@ -40,6 +41,8 @@ pub struct Deck {
     pub ids: Ids,
     /// What has no effect, or another one than elsewhere.
     pub notes: Vec<Note>,
+    /// Where the values stand that may keep the model from being run.
+    pub places: Places,
 }
 
 /// Whether a file is to be read as a keyword deck: by its ending, or else by its first line that is no comment.
@@ -85,7 +88,7 @@ pub fn parse(text: &str, file_name: &str, options: DeckOptions) -> Result<Deck, 
 
 fn of_messages(messages: Messages, source: Source) -> Result<Deck, DeckErrors> {
     let notes = messages.finish(&[source.into()])?;
-    Ok(Deck { model: Model::default(), ids: Ids::default(), notes })
+    Ok(Deck { model: Model::default(), ids: Ids::default(), notes, places: Places::default() })
 }
 
 fn of_source(
@@ -121,7 +124,8 @@ fn of_source(
     let assembled = assemble(&raw, &mut messages);
     let notes = messages.finish(&split.files)?;
     let (model, ids) = assembled.unwrap_or_default();
-    Ok(Deck { model, ids, notes })
+    let places = Places::of(split.files, &raw);
+    Ok(Deck { model, ids, notes, places })
 }
 
 /// Keywords that are read; options `_TITLE` and `_ID` are understood where they exist.

@@ -98,6 +98,7 @@ fn termination(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
     const NAMES: Names = &["ENDTIM", "ENDCYC", "DTMIN", "ENDENG", "ENDMAS"];
     let Some(card) = cards.required(NAMES) else { return };
     let end = cards.positive(&card, 0);
+    raw.end_time_at = Some(card.place(0));
     for field in 1..5 {
         let value = cards.real(&card, field);
         if value != 0.0 && value.abs() < 1e8 {
@@ -131,6 +132,7 @@ fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
         );
     } else if least < 0.0 {
         raw.mass_scaling = Some(-least * safety);
+        raw.mass_scaling_at = Some(card.place(4));
         if cards.whole(&card, 7) == Some(0) {
             let text = "mass is added once, before the first step, as with MS1ST = 1";
             cards.messages.note(card.place(4), text);

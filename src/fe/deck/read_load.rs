@@ -12,6 +12,10 @@ pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
         None => (&whole[..], false),
     };
     match keyword {
+        // these have neither _ID nor _TITLE
+        _ if titled && (keyword.starts_with("LOAD_BODY") || keyword.starts_with("INITIAL_VELOCITY")) => {
+            return false;
+        }
         "BOUNDARY_SPC_NODE" | "BOUNDARY_SPC_SET" => holds(cards, raw, titled, keyword.ends_with("SET")),
         "BOUNDARY_PRESCRIBED_MOTION_NODE" | "BOUNDARY_PRESCRIBED_MOTION_SET" => {
             driven(cards, raw, titled, keyword.ends_with("SET"));

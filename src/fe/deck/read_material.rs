@@ -18,7 +18,7 @@ pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
         "MAT_PIECEWISE_LINEAR_PLASTICITY" | "MAT_024" => piecewise(cards, raw, titled),
         "MAT_ADD_EROSION" | "MAT_000" => erosion(cards, raw, titled),
         "HOURGLASS" => hourglass(cards, raw, titled),
-        "CONTROL_HOURGLASS" => control_hourglass(cards, raw),
+        "CONTROL_HOURGLASS" if !titled => control_hourglass(cards, raw),
         _ => return false,
     }
     true

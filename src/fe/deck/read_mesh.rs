@@ -8,6 +8,10 @@ use super::raw::{Defined, Raw, RawBeam, RawNode, RawPart, RawSection, RawSolid, 
 pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
     let (keyword, titled) = without_title(&cards.block.keyword);
     match keyword {
+        // these have no option _TITLE: no line of theirs would be passed over
+        "KEYWORD" | "COMMENT" | "TITLE" | "NODE" | "ELEMENT_SOLID" | "ELEMENT_BEAM" | "PART" if titled => {
+            return false;
+        }
         "KEYWORD" | "COMMENT" => {}
         "TITLE" => raw.title = cards.title().map_or(String::new(), |(text, _)| text.to_string()),
         "NODE" => nodes(cards, raw),

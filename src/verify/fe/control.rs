@@ -83,7 +83,7 @@ fn mass_scaling() -> Result<Vec<Figure>, String> {
         })
         .sum();
     let before: f64 = body.mass_kg.iter().sum();
-    let scaled = scale_mass(&mesh, &mut body, step_s, true).map_err(|e| e.to_string())?;
+    let scaled = scale_mass(&mesh, &mut body, step_s, f64::INFINITY).map_err(|e| e.to_string())?;
     let added = body.mass_kg.iter().sum::<f64>() - before;
     for v in &mut body.v {
         v[0] = 1.0;

@@ -1,0 +1,125 @@
+//! What `fallwerk fe` refuses: with place, value and remedy, exit code 2, and nothing left behind.
+
+use super::commands::{fallwerk, names, room};
+use std::fs;
+use std::path::Path;
+
+/// The cantilever's deck with another text in place of one of its.
+fn deck(folder: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("decks/cantilever.k")).unwrap();
+    assert!(text.contains(from));
+    fs::write(folder.join("deck.k"), text.replacen(from, to, 1)).unwrap();
+}
+
+/// Runs `fe` with these arguments; the error must be one of the input that holds these words.
+fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let before = names(folder);
+    let (code, out, err) = fallwerk(folder, &[&["fe"], arguments].concat());
+    assert_eq!((code, out.as_str()), (2, ""), "{arguments:?}: {err}");
+    for word in words {
+        assert!(err.contains(word), "{arguments:?}: {word} in {err}");
+    }
+    assert_eq!(names(folder), before);
+}
+
+#[test]
+fn values_of_a_deck_that_do_not_fit_its_elements() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let step = "       0.0       0.9";
+    for (from, to, words) in [
+        (
+            step,
+            "       0.0       0.9       0.0       0.0      -1.0",
+            &["deck.k:14", "DT2MS = -", "up to 100 %", "% more mass"][..],
+        ),
+        ("      &end", "      1e30", &["deck.k:11", "1000000000", "units"]),
+        ("      &end", "      1e-9", &["deck.k:11", "within its first step", "longer time"]),
+        ("    3.0e10", "   3.0e305", &["deck.k:37", "first time step", "units"]),
+        ("Rend           0.5", "Rend          -0.5", &["deck.k:11", "`&end` = -0.5", "positive"]),
+        ("*PART\n", "*PART_TITLE\n", &["deck.k:25", "*PART_TITLE", "`*PART`"]),
+        ("*TITLE\n", "*NODE_TITLE\n", &["deck.k:4", "*NODE_TITLE", "not known"]),
+    ] {
+        deck(at, from, to);
+        refused(at, &["deck.k", "-o", "run"], words);
+    }
+    deck(at, step, step);
+    refused(at, &["deck.k", "-o", "run", "--end-time", "1e-9"], &["--end-time", "within its first step"]);
+}
+
+/// The step named in the message is accepted.
+#[test]
+fn the_allowed_step_of_mass_scaling_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let scaled = |dt2ms: &str| {
+        let card = format!("       0.0       0.9       0.0       0.0{dt2ms:>10}");
+        deck(folder.path(), "       0.0       0.9", &card);
+        fallwerk(folder.path(), &["fe", "deck.k", "-o", "run", "--end-time", "0.01"])
+    };
+    let (code, _, err) = scaled("-0.1");
+    assert_eq!(code, 2, "{err}");
+    let named = err.split("DT2MS = ").nth(1).unwrap().split(' ').next().unwrap();
+    let (code, out, err) = scaled(named);
+    assert_eq!(code, 0, "{named}: {err}");
+    let added: f64 = out.split("added mass: ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((90.0..=100.0).contains(&added), "{out}");
+}
+
+#[test]
+fn ends_steps_and_options_of_a_building() {
+    let folder = room(str::to_string);
+    let at = folder.path();
+    let common = ["building.toml", "-o", "run"];
+    let with = |more: &[&'static str]| [&common[..], more].concat();
+    refused(at, &with(&["--end-time", "1e-9"]), &["0.000000001 s", "0.01 s", "output_interval"]);
+    refused(at, &with(&["--skip-unknown"]), &["--skip-unknown", "decks"]);
+    refused(at, &with(&["--mass-scaling-step", "0.005"]), &["% more mass", "--force-mass-scaling"]);
+    refused(
+        at,
+        &with(&["--mass-scaling-step", "1", "--force-mass-scaling"]),
+        &["% to the mass", "1e0 s", "output interval"],
+    );
+}
+
+/// A charge after the end does nothing, and an end between two outputs is moved: both are said.
+#[test]
+fn late_charges_are_noted() {
+    let folder = room(|text| text.replacen("time = \"0 ms\"", "time = \"500 ms\"", 1));
+    let run = |end: &str| {
+        let (code, out, err) =
+            fallwerk(folder.path(), &["fe", "building.toml", "-o", "run", "--end-time", end, "--json"]);
+        assert_eq!(code, 0, "{err}");
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap();
+        (json["notes"].as_array().unwrap().len(), err)
+    };
+    let (notes, err) = run("0.02");
+    assert_eq!(notes, 1);
+    for word in ["warning", "front-left", "0.5 s", "0.02 s", "C1-A1", "--end-time"] {
+        assert!(err.contains(word), "{word}: {err}");
+    }
+    let (notes, err) = run("0.024");
+    assert!(notes == 2 && err.contains("nearest to 0.024 s"), "{err}");
+}
+
+/// Places that cannot be written are found before anything is computed, and have one exit code.
+#[cfg(unix)]
+#[test]
+fn places_that_cannot_be_written() {
+    let folder = room(str::to_string);
+    let at = folder.path();
+    deck(at, "*PART\n", "*PART\n");
+    for input in ["building.toml", "deck.k"] {
+        refused(at, &[input, "-o", "/proc/fallwerk/run"], &["/proc/fallwerk", "-o", "make room"]);
+        refused(at, &[input, "--write-deck", "/proc/fallwerk.k"], &["/proc/fallwerk.k", "make room"]);
+    }
+    let checkpoint =
+        |file: &'static str| ["building.toml", "-o", "run", "--checkpoint-every", "1", "--checkpoint", file];
+    for (file, words) in [
+        ("/proc/x", &["--checkpoint /proc/x", "can be written"][..]),
+        ("/dev/null", &["--checkpoint /dev/null", "no regular file"]),
+        ("no/where", &["--checkpoint no/where", "there is no folder no"]),
+    ] {
+        refused(at, &checkpoint(file), words);
+    }
+    assert!(!Path::new("/proc/x").exists() && !Path::new("/dev/null").is_file());
+}
