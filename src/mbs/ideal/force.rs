@@ -1,7 +1,7 @@
 //! Applied forces of smooth motion: springs and dampers between points and about axes, torques.
 
-use super::joint::{Compiled, Joint, Kind, Pose, is_ground};
-use crate::mbs::math::{V3, add, cross, dot, mul, mul_t, norm, scale, sub};
+use super::joint::{Pose, angle_rad, frame_about, is_ground};
+use crate::mbs::math::{M3, V3, add, cross, dot, mul, mul_t, norm, scale, sub};
 
 /// A force, given in the pose in which the mechanism is assembled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,10 +53,10 @@ pub enum Acting {
     },
     /// See [`Force::Torsion`].
     Torsion {
-        /// The axis as a joint.
-        axis: Compiled,
-        /// Axis in the first body's frame.
-        along: V3,
+        /// Bodies.
+        bodies: [usize; 2],
+        /// Frames whose first row is the axis, in each body's frame.
+        frames: [M3; 2],
         /// Stiffness and damping.
         law: [f64; 2],
     },
@@ -82,13 +82,9 @@ impl Acting {
                 Self::Spring { bodies, points: [local(0), local(1)], law }
             }
             Force::Torsion { bodies, axis, stiffness_nm_rad, damping_nm_s_rad } => {
-                let poses = [pose(bodies[0]), pose(bodies[1])];
-                let joint = Joint::at(Kind::Revolute, bodies, poses[1].x, axis);
-                Self::Torsion {
-                    axis: Compiled::of(&joint, [&poses[0], &poses[1]], None),
-                    along: mul_t(&poses[0].r, scale(1.0 / norm(axis), axis)),
-                    law: [stiffness_nm_rad, damping_nm_s_rad],
-                }
+                let global = frame_about(axis);
+                let frames = bodies.map(|b| global.map(|row| mul_t(&pose(b).r, row)));
+                Self::Torsion { bodies, frames, law: [stiffness_nm_rad, damping_nm_s_rad] }
             }
             Force::Torque { body, torque_nm } => Self::Torque { body, torque: torque_nm },
         }
@@ -115,13 +111,13 @@ impl Acting {
                 load(bodies[0], scale(pull, along), scale(pull, cross(arms[0], along)));
                 load(bodies[1], scale(-pull, along), scale(-pull, cross(arms[1], along)));
             }
-            Self::Torsion { axis, along, law: [stiffness, damping] } => {
-                let poses = axis.bodies.map(&pose);
-                let n = mul(&poses[0].r, *along);
+            Self::Torsion { bodies, frames, law: [stiffness, damping] } => {
+                let poses = bodies.map(&pose);
+                let n = mul(&poses[0].r, frames[0][0]);
                 let rate = dot(sub(poses[1].w, poses[0].w), n);
-                let torque = stiffness * axis.angle_rad([&poses[0], &poses[1]]) + damping * rate;
-                load(axis.bodies[0], [0.0; 3], scale(torque, n));
-                load(axis.bodies[1], [0.0; 3], scale(-torque, n));
+                let torque = stiffness * angle_rad(frames, [&poses[0], &poses[1]]) + damping * rate;
+                load(bodies[0], [0.0; 3], scale(torque, n));
+                load(bodies[1], [0.0; 3], scale(-torque, n));
             }
             Self::Torque { body, torque } => load(*body, [0.0; 3], *torque),
         }
@@ -137,9 +133,9 @@ impl Acting {
                 });
                 0.5 * stiffness * (norm(sub(at[1], at[0])) - length).powi(2)
             }
-            Self::Torsion { axis, law: [stiffness, _], .. } => {
-                let poses = axis.bodies.map(&pose);
-                0.5 * stiffness * axis.angle_rad([&poses[0], &poses[1]]).powi(2)
+            Self::Torsion { bodies, frames, law: [stiffness, _] } => {
+                let poses = bodies.map(&pose);
+                0.5 * stiffness * angle_rad(frames, [&poses[0], &poses[1]]).powi(2)
             }
             Self::Torque { .. } => 0.0,
         }

@@ -210,13 +210,13 @@ impl Compiled {
             }
         }
     }
+}
 
-    /// Angle of the second body against the first about axis 0 \[rad\], between -π and π.
-    pub fn angle_rad(&self, poses: [&Pose; 2]) -> f64 {
-        let axis = |i: usize| mul(&poses[0].r, self.frames[0][i]);
-        let turned = mul(&poses[1].r, self.frames[1][1]);
-        dot(turned, axis(2)).atan2(dot(turned, axis(1)))
-    }
+/// Angle of the second body against the first about axis 0 of their frames (axes as rows, in each body's frame) \[rad\], between -π and π.
+pub fn angle_rad(frames: &[M3; 2], poses: [&Pose; 2]) -> f64 {
+    let axis = |i: usize| mul(&poses[0].r, frames[0][i]);
+    let turned = mul(&poses[1].r, frames[1][1]);
+    dot(turned, axis(2)).atan2(dot(turned, axis(1)))
 }
 
 /// The points of a joint in motion.

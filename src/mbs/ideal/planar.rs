@@ -42,7 +42,7 @@ fn parts(mechanism: &Mechanism) -> Vec<usize> {
 
 fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
     let own = |b: &usize| !is_ground(*b) && parts[*b] == part;
-    let joints = || mechanism.joints.iter().filter(|j| j.bodies.iter().any(|b| own(b)));
+    let joints = || mechanism.joints.iter().filter(|j| j.bodies.iter().any(own));
     let n = joints().find(|j| j.kind == Kind::Revolute)?.axes[0];
     let along = |v: V3| dot(v, n).abs() <= NOTHING * norm(v).max(NOTHING);
     let only = |v: V3| norm(axpy(v, -dot(v, n), n)) <= NOTHING * norm(v).max(NOTHING);
@@ -58,9 +58,9 @@ fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
     };
     let of_force = |f: &Force| match f {
         Force::Spring { bodies, points_m, .. } => {
-            !bodies.iter().any(|b| own(b)) || along(sub(points_m[1], points_m[0]))
+            !bodies.iter().any(own) || along(sub(points_m[1], points_m[0]))
         }
-        Force::Torsion { bodies, axis, .. } => !bodies.iter().any(|b| own(b)) || only(*axis),
+        Force::Torsion { bodies, axis, .. } => !bodies.iter().any(own) || only(*axis),
         Force::Torque { body, torque_nm } => !own(body) || only(*torque_nm),
     };
     let bodies = (0..mechanism.bodies.len()).filter(|b| own(b)).map(|b| &mechanism.bodies[b]);
