@@ -250,7 +250,8 @@ fn summary(deck: &Deck, run: &ModelRun) -> String {
         let _ = writeln!(text, "  ruptured bars: {} of {}", s.ruptured_bars, deck.model.mesh.trusses.len());
     }
     if run.added_mass_kg > 0.0 {
-        let _ = writeln!(text, "  added mass: {}", percent(run.added_mass_kg / s.mass_kg));
+        let _ =
+            writeln!(text, "  added mass: {}", percent(run.added_mass_kg / (s.mass_kg - run.added_mass_kg)));
     }
     for history in &run.histories {
         let largest = |i: usize| {

@@ -166,7 +166,7 @@ pub enum FeError {
     },
     /// A step beyond the next output.
     #[error(
-        "the time step is {step_s:e} s, longer than the output interval of {interval_s} s{}; give a smaller step of mass scaling, or a longer `settings.output_interval`",
+        "the time step is {step_s:.3e} s, longer than the output interval of {interval_s} s{}; give a smaller step of mass scaling, or a longer `settings.output_interval`",
         added_words(*.added_share)
     )]
     LongStep {

@@ -30,7 +30,7 @@ pub const MODULES: &[Module] = &[
         ],
     },
     Module { name: "validate", uses: &["base", "building", "curve", "fe", "mbs", "study"] },
-    Module { name: "verify", uses: &["base", "building", "material", "fe", "rc"] },
+    Module { name: "verify", uses: &["base", "building", "material", "fe", "mbs", "rc"] },
     Module {
         name: "bench",
         uses: &[
