@@ -1,7 +1,10 @@
-//! Applied forces of smooth motion: springs and dampers between points and about axes, torques.
+//! Applied forces of smooth motion: springs and dampers between points and about axes, torques, hinges that flow.
+//!
+//! A force gives the loads on the bodies and its power. What a hinge remembers does not change while a step is computed: each of its stages sees the history up to the step,
+//! and the moments that belong to its own rotations.
 
 use super::joint::{Pose, angle_rad, frame_about, is_ground};
-use crate::mbs::math::{M3, V3, add, cross, dot, mul, mul_t, norm, scale, sub};
+use crate::mbs::math::{M3, Q, V3, add, cross, dot, mul, mul_t, norm, qconj, qlog, qmul, scale, sub};
 
 /// A force, given in the pose in which the mechanism is assembled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +40,60 @@ pub enum Force {
         /// The torque.
         torque_nm: V3,
     },
+    /// Moments about three axes, each elastic up to a capacity that depends on the largest rotation about its axis so far. Rotations are the components, in the frame of the
+    /// first body, of the rotation vector from it to the second one since assembly.
+    Hinge {
+        /// The bodies.
+        bodies: [usize; 2],
+        /// Its law in [`super::Mechanism::laws`].
+        law: usize,
+        /// Joint that opens with it when it fractures.
+        joint: Option<usize>,
+    },
+}
+
+/// Law of a hinge about each of its axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HingeLaw {
+    /// Elastic stiffness \[N m/rad\].
+    pub stiffness_nm_rad: f64,
+    /// `[largest rotation (rad), capacity (N m)]` from zero, straight in between; the last capacity beyond.
+    pub capacity: Vec<[f64; 2]>,
+    /// Length of the rotation vector at which it fractures \[rad\].
+    pub fracture_rad: f64,
+}
+
+impl HingeLaw {
+    /// Capacity after a largest rotation \[N m\].
+    fn capacity_nm(&self, largest: f64) -> f64 {
+        let after = self.capacity.partition_point(|p| p[0] <= largest);
+        match (self.capacity.get(after.wrapping_sub(1)), self.capacity.get(after)) {
+            (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * (largest - x0) / (x1 - x0),
+            (Some([_, last]), None) => *last,
+            (None, first) => first.map_or(0.0, |p| p[1]),
+        }
+    }
+
+    /// Moment at a rotation, and the history with it.
+    fn moment(&self, mut history: History, rotation: f64) -> (f64, History) {
+        history.largest = history.largest.max(rotation.abs());
+        let capacity = self.capacity_nm(history.largest);
+        let elastic = self.stiffness_nm_rad * (rotation - history.plastic);
+        let moment = elastic.clamp(-capacity, capacity);
+        if moment != elastic {
+            history.plastic = rotation - moment / self.stiffness_nm_rad;
+        }
+        (moment, history)
+    }
+}
+
+/// What a hinge remembers about an axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct History {
+    /// Plastic rotation \[rad\].
+    plastic: f64,
+    /// Largest rotation \[rad\].
+    largest: f64,
 }
 
 /// A force in the frames of its bodies.
@@ -67,6 +124,19 @@ pub enum Acting {
         /// Torque.
         torque: V3,
     },
+    /// See [`Force::Hinge`].
+    Hinge {
+        /// Bodies.
+        bodies: [usize; 2],
+        /// Rotation of the second body against the first at assembly.
+        start: Q,
+        /// Index of its law.
+        law: usize,
+        /// Joint that opens with it.
+        joint: Option<usize>,
+        /// What it remembers.
+        history: [History; 3],
+    },
 }
 
 impl Acting {
@@ -87,15 +157,22 @@ impl Acting {
                 Self::Torsion { bodies, frames, law: [stiffness_nm_rad, damping_nm_s_rad] }
             }
             Force::Torque { body, torque_nm } => Self::Torque { body, torque: torque_nm },
+            Force::Hinge { bodies, law, joint } => {
+                let start = qmul(qconj(pose(bodies[0]).q), pose(bodies[1]).q);
+                Self::Hinge { bodies, start, law, joint, history: [History::default(); 3] }
+            }
         }
     }
 
-    /// Adds force and torque about the centre of mass to the bodies' loads.
-    pub fn apply(&self, pose: impl Fn(usize) -> Pose, loads: &mut [[V3; 2]]) {
+    /// Adds force and torque about the centre of mass to the bodies' loads; returns its power \[W\].
+    pub fn apply(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw], loads: &mut [[V3; 2]]) -> f64 {
+        let mut power = 0.0;
         let mut load = |body: usize, force: V3, torque: V3| {
             if !is_ground(body) {
                 let [f, t] = &mut loads[body];
                 (*f, *t) = (add(*f, force), add(*t, torque));
+                let moving = pose(body);
+                power += dot(force, moving.v) + dot(torque, moving.w);
             }
         };
         match self {
@@ -120,24 +197,63 @@ impl Acting {
                 load(bodies[1], [0.0; 3], scale(-torque, n));
             }
             Self::Torque { body, torque } => load(*body, [0.0; 3], *torque),
+            Self::Hinge { bodies, start, law, history, .. } => {
+                let poses = bodies.map(&pose);
+                let rotation = rotation(&poses, *start);
+                let moment = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], rotation[i]).0);
+                let torque = mul(&poses[0].r, moment);
+                load(bodies[0], [0.0; 3], torque);
+                load(bodies[1], [0.0; 3], scale(-1.0, torque));
+            }
         }
+        power
     }
 
-    /// Energy stored \[J\]; that of a constant torque is left out.
-    pub fn stored_j(&self, pose: impl Fn(usize) -> Pose) -> f64 {
-        match self {
-            Self::Spring { bodies, points, law: [length, stiffness, _] } => {
-                let at = [0, 1].map(|i: usize| {
-                    let p = pose(bodies[i]);
-                    add(p.x, mul(&p.r, points[i]))
-                });
-                0.5 * stiffness * (norm(sub(at[1], at[0])) - length).powi(2)
-            }
-            Self::Torsion { bodies, frames, law: [stiffness, _] } => {
-                let poses = bodies.map(&pose);
-                0.5 * stiffness * angle_rad(frames, [&poses[0], &poses[1]]).powi(2)
-            }
-            Self::Torque { .. } => 0.0,
+    /// Takes the pose at the end of a step into the history; returns how far a hinge is beyond its fracture \[rad\], below zero while it holds.
+    pub fn commit(&mut self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> Option<f64> {
+        let Self::Hinge { bodies, start, law, history, .. } = self else { return None };
+        let rotation = rotation(&bodies.map(&pose), *start);
+        for (own, rotation) in history.iter_mut().zip(rotation) {
+            *own = laws[*law].moment(*own, rotation).1;
         }
+        Some(norm(rotation) - laws[*law].fracture_rad)
+    }
+
+    /// How far a hinge is beyond its fracture \[rad\]; `None` of other forces.
+    pub fn beyond(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> Option<f64> {
+        let Self::Hinge { bodies, start, law, .. } = self else { return None };
+        Some(norm(rotation(&bodies.map(&pose), *start)) - laws[*law].fracture_rad)
+    }
+}
+
+/// Rotation vector from the first to the second body since assembly, in the frame of the first.
+fn rotation(poses: &[Pose; 2], start: Q) -> V3 {
+    qlog(qmul(qmul(qconj(poses[0].q), poses[1].q), qconj(start)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hinge_flows_softens_and_unloads_elastically() {
+        let law = HingeLaw {
+            stiffness_nm_rad: 2e7,
+            capacity: vec![[0.0, 120e3], [0.03, 120e3], [0.15, 0.0]],
+            fracture_rad: 0.5,
+        };
+        let start = History::default();
+        let (elastic, history) = law.moment(start, 0.004);
+        assert_eq!((elastic, history.plastic), (80e3, 0.0));
+        let (flowing, history) = law.moment(history, 0.02);
+        assert!((flowing - 120e3).abs() < 1e-9 && (history.plastic - 0.014).abs() < 1e-15);
+        let (back, history) = law.moment(history, 0.016);
+        assert!((back - 40e3).abs() < 1e-6 && (history.plastic - 0.014).abs() < 1e-15);
+        let (soft, history) = law.moment(history, 0.09);
+        assert!((soft - 60e3).abs() < 1e-6 && history.largest == 0.09);
+        // the other sense has the capacity that the largest rotation left
+        let (reversed, _) = law.moment(history, 0.0);
+        assert!((reversed + 60e3).abs() < 1e-6, "{reversed}");
+        assert_eq!(law.moment(history, 0.4).0, 0.0);
     }
 }

@@ -5,7 +5,7 @@
 //! along an axis of the first body, and axes of two bodies at a right angle.
 
 use super::GROUND;
-use crate::mbs::math::{M3, V3, add, axpy, cross, dot, mul, mul_t, norm, scale, sub};
+use crate::mbs::math::{M3, Q, V3, add, axpy, cross, dot, mul, mul_t, norm, scale, sub};
 
 /// What a joint leaves free. Axis 0 is that of its frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,7 +103,9 @@ pub fn frame_about(axis: V3) -> M3 {
 pub struct Pose {
     /// Centre of mass \[m\].
     pub x: V3,
-    /// Body to global.
+    /// Body to global, as a quaternion and as a matrix.
+    pub q: Q,
+    /// The matrix.
     pub r: M3,
     /// Velocity \[m/s\].
     pub v: V3,
@@ -115,6 +117,7 @@ impl Pose {
     /// The ground.
     pub const GROUND: Self = Self {
         x: [0.0; 3],
+        q: [1.0, 0.0, 0.0, 0.0],
         r: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         v: [0.0; 3],
         w: [0.0; 3],
@@ -311,6 +314,7 @@ mod tests {
     fn poses_at(time: f64) -> [Pose; 2] {
         let of = |x: V3, v: V3, w: V3, turn: V3| Pose {
             x: axpy(x, time, v),
+            q: qmul(qexp(scale(time, w)), qexp(turn)),
             r: qmat(qmul(qexp(scale(time, w)), qexp(turn))),
             v,
             w,

@@ -32,6 +32,8 @@ const DENSE: [f64; 7] = [
 /// Limits of the change of a step, and the share of the step that the error would allow.
 const CHANGE: [f64; 2] = [0.2, 5.0];
 const CAUTION: f64 = 0.9;
+/// Step within which a fracture is met \[s\].
+const FRACTURE_S: f64 = 1e-5;
 /// Smallest step over the whole time.
 const LEAST: f64 = 1e-12;
 
@@ -59,8 +61,10 @@ pub struct Course {
     pub rows: [usize; 2],
     /// Largest residual of a joint at the end of a step, before the projection.
     pub residual: f64,
-    /// Largest change of the energy at the outputs' steps \[J\].
+    /// Largest change of kinetic and potential energy less the work of applied forces \[J\].
     pub energy_change_j: f64,
+    /// Times at which hinges fractured \[s\], one for each.
+    pub fractures_s: Vec<f64>,
 }
 
 /// Why a run stopped.
@@ -96,7 +100,7 @@ pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError
     let (mut stage, mut next) = (vec![0.0; count], vec![0.0; count]);
     motion.take(&state);
     motion.project(&mut state);
-    let start_j = motion.energy_j();
+    let start_j = motion.balance_j(&state);
     rate(&mut motion, &state, &mut k[0]);
     let mut course = Course {
         states: vec![state.clone()],
@@ -104,6 +108,7 @@ pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError
         rows: [motion.constraints(), motion.dependent()],
         residual: 0.0,
         energy_change_j: 0.0,
+        fractures_s: Vec::new(),
     };
     let (mut time, mut step) = (0.0, first_step(&state, &k[0], wanted));
     while time < wanted.end_s {
@@ -130,16 +135,29 @@ pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError
             step *= change.min(1.0);
             continue;
         }
+        // a fracture is met by halving the step that passes it
+        let breaks = motion.beyond().is_some_and(|beyond| beyond >= 0.0);
+        if breaks && step > FRACTURE_S {
+            course.steps[1] += 1;
+            step *= 0.5;
+            continue;
+        }
         course.steps[0] += 1;
         course.residual = course.residual.max(motion.residual());
         course.rows[1] = course.rows[1].max(motion.dependent());
         outputs(&mut course, [time, step], [&state, &next], &k, wanted);
-        course.energy_change_j = course.energy_change_j.max((motion.energy_j() - start_j).abs());
+        course.energy_change_j = course.energy_change_j.max((motion.balance_j(&next) - start_j).abs());
         motion.project(&mut next);
         state.copy_from_slice(&next);
         k.swap(0, 6);
         time += step;
         step *= change;
+        let opened = motion.commit();
+        if opened > 0 {
+            course.fractures_s.extend(std::iter::repeat_n(time, opened));
+            motion.take(&state);
+            rate(&mut motion, &state, &mut k[0]);
+        }
     }
     Ok(course)
 }

@@ -8,7 +8,7 @@
 //! | file | owns |
 //! |---|---|
 //! | [`joint`] | kinds of joints and their constraint rows |
-//! | [`force`] | springs, dampers and torques |
+//! | [`force`] | springs, dampers, torques, hinges that flow |
 //! | [`factor`] | the sparse block factorisation of `S` |
 //! | [`planar`] | which parts move in a plane, so that rows across it can be left out |
 //! | [`motion`] | accelerations and projections at a state |
@@ -22,7 +22,7 @@ pub mod motion;
 pub mod planar;
 
 use super::math::{M3, Q, V3};
-use force::Force;
+use force::{Force, HingeLaw};
 use joint::Joint;
 
 /// Index that stands for the ground.
@@ -69,6 +69,8 @@ pub struct Mechanism {
     pub joints: Vec<Joint>,
     /// Springs, dampers, torques.
     pub forces: Vec<Force>,
+    /// Laws of hinges.
+    pub laws: Vec<HingeLaw>,
     /// Gravity \[m/s²\].
     pub gravity_m_s2: V3,
 }

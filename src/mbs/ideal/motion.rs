@@ -1,7 +1,7 @@
 //! Accelerations of a mechanism at a state, and the nearest state that its joints allow.
 
 use super::factor::BlockFactor;
-use super::force::Acting;
+use super::force::{Acting, HingeLaw};
 use super::joint::{Compiled, Pose, Row, is_ground};
 use super::planar::planes;
 use super::{Mechanism, joint};
@@ -11,7 +11,7 @@ use crate::mbs::math::{
 };
 use std::collections::BTreeSet;
 
-/// Numbers of a body in a state: position, orientation, velocity, angular velocity.
+/// Numbers of a body in a state: position, orientation, velocity, angular velocity. Behind those of the bodies stands the work of the applied forces without gravity \[J\].
 pub const STATE: usize = 13;
 
 /// What one pair of rows of `S` gets from a body that two joints share.
@@ -34,7 +34,10 @@ pub struct Motion {
     joints: Vec<Compiled>,
     /// First row of each joint, and the number of rows.
     first: Vec<usize>,
+    /// Place of each joint in the mechanism.
+    ids: Vec<usize>,
     forces: Vec<Acting>,
+    laws: Vec<HingeLaw>,
     parts: Vec<Part>,
     factor: BlockFactor,
     poses: Vec<Pose>,
@@ -53,6 +56,7 @@ impl Motion {
             .iter()
             .map(|b| Pose {
                 x: b.position_m,
+                q: b.orientation,
                 r: qmat(b.orientation),
                 v: b.velocity_m_s,
                 w: b.angular_velocity_rad_s,
@@ -66,10 +70,34 @@ impl Motion {
             Compiled::of(j, [&pose(j.bodies[0]), &pose(j.bodies[1])], plane)
         };
         let joints: Vec<Compiled> = mechanism.joints.iter().map(compile).collect();
-        let counts: Vec<usize> = joints.iter().map(Compiled::rows).collect();
-        let mut first = vec![0];
-        counts.iter().for_each(|c| first.push(first[first.len() - 1] + c));
-        let (pairs, shared) = shared(&joints, start.len());
+        let mut motion = Self {
+            gravity: mechanism.gravity_m_s2,
+            mass: mechanism.bodies.iter().map(|b| b.mass_kg).collect(),
+            inertia: mechanism.bodies.iter().map(|b| b.inertia_kg_m2).collect(),
+            inverse_inertia: mechanism.bodies.iter().map(|b| inverse(&b.inertia_kg_m2)).collect(),
+            ids: (0..joints.len()).collect(),
+            joints,
+            first: Vec::new(),
+            forces: mechanism.forces.iter().map(|f| Acting::of(f, pose)).collect(),
+            laws: mechanism.laws.clone(),
+            parts: Vec::new(),
+            factor: BlockFactor::new(&[], &BTreeSet::new()),
+            loads: vec![[[0.0; 3]; 2]; start.len()],
+            rows: Vec::new(),
+            moved: Vec::new(),
+            multipliers: Vec::new(),
+            poses: start,
+        };
+        motion.link();
+        motion
+    }
+
+    /// Finds order and pattern of `S` for the joints that are there.
+    fn link(&mut self) {
+        let counts: Vec<usize> = self.joints.iter().map(Compiled::rows).collect();
+        self.first = vec![0];
+        counts.iter().for_each(|c| self.first.push(self.first[self.first.len() - 1] + c));
+        let (pairs, shared) = shared(&self.joints, self.poses.len());
         let factor = BlockFactor::new(&counts, &pairs);
         let part = |[a, b, side_a, side_b]: [usize; 4]| {
             let (place, straight) = factor.place(a, b);
@@ -77,23 +105,12 @@ impl Motion {
                 if straight { ((a, side_a), (b, side_b)) } else { ((b, side_b), (a, side_a)) };
             Part { place, rows, columns }
         };
-        let total = first[first.len() - 1];
-        Self {
-            gravity: mechanism.gravity_m_s2,
-            mass: mechanism.bodies.iter().map(|b| b.mass_kg).collect(),
-            inertia: mechanism.bodies.iter().map(|b| b.inertia_kg_m2).collect(),
-            inverse_inertia: mechanism.bodies.iter().map(|b| inverse(&b.inertia_kg_m2)).collect(),
-            parts: shared.into_iter().map(part).collect(),
-            forces: mechanism.forces.iter().map(|f| Acting::of(f, pose)).collect(),
-            loads: vec![[[0.0; 3]; 2]; start.len()],
-            rows: vec![Row::default(); total],
-            moved: vec![[[[0.0; 3]; 2]; 2]; total],
-            multipliers: vec![0.0; total],
-            joints,
-            first,
-            factor,
-            poses: start,
-        }
+        self.parts = shared.into_iter().map(part).collect();
+        let total = self.first[self.first.len() - 1];
+        self.rows = vec![Row::default(); total];
+        self.moved = vec![[[[0.0; 3]; 2]; 2]; total];
+        self.multipliers = vec![0.0; total];
+        self.factor = factor;
     }
 
     /// The state of the start.
@@ -105,6 +122,7 @@ impl Motion {
             state.extend(b.velocity_m_s);
             state.extend(b.angular_velocity_rad_s);
         }
+        state.push(0.0);
         state
     }
 
@@ -168,8 +186,9 @@ impl Motion {
         }
         let poses = &self.poses;
         let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { poses[body] };
+        let mut power = 0.0;
         for force in &self.forces {
-            force.apply(pose, &mut self.loads);
+            power += force.apply(pose, &self.laws, &mut self.loads);
         }
         for (b, load) in self.loads.iter_mut().enumerate() {
             let pose = &self.poses[b];
@@ -185,6 +204,39 @@ impl Motion {
             rate[7..10].copy_from_slice(&a[0]);
             rate[10..].copy_from_slice(&a[1]);
         }
+        if let Some(last) = rate.last_mut() {
+            *last = power;
+        }
+    }
+
+    /// Takes the state that was taken into the history of hinges. Those that are beyond their fracture open, with their joints; how many did.
+    pub fn commit(&mut self) -> usize {
+        let poses = &self.poses;
+        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { poses[body] };
+        let before = self.forces.len();
+        let mut opened = Vec::new();
+        self.forces.retain_mut(|force| {
+            let holds = force.commit(pose, &self.laws).is_none_or(|beyond| beyond < 0.0);
+            if let (false, Acting::Hinge { joint: Some(joint), .. }) = (holds, &force) {
+                opened.push(*joint);
+            }
+            holds
+        });
+        if !opened.is_empty() {
+            let kept: Vec<bool> = self.ids.iter().map(|id| !opened.contains(id)).collect();
+            let mut keep = kept.iter();
+            self.joints.retain(|_| keep.next().copied().unwrap_or(true));
+            let mut keep = kept.iter();
+            self.ids.retain(|_| keep.next().copied().unwrap_or(true));
+            self.link();
+        }
+        before - self.forces.len()
+    }
+
+    /// How far a hinge is beyond its fracture at the state that was taken, at most \[rad\]; `None` without hinges.
+    pub fn beyond(&self) -> Option<f64> {
+        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { self.poses[body] };
+        self.forces.iter().filter_map(|f| f.beyond(pose, &self.laws)).reduce(f64::max)
     }
 
     /// Solves `S λ = G l + shift` (`plain`: without `G l`) and takes `M⁻¹ Gᵀ λ` off the loads `l`.
@@ -246,16 +298,15 @@ impl Motion {
         self.rows.iter().map(|r| r.residual.abs()).fold(0.0, f64::max)
     }
 
-    /// Kinetic, potential (zero at the origin) and elastic energy at the state that was taken \[J\]; work of constant torques is not in it.
-    pub fn energy_j(&self) -> f64 {
+    /// Kinetic and potential energy (zero at the origin) at the state that was taken, less the work of the applied forces in it \[J\]: constant, but for errors.
+    pub fn balance_j(&self, state: &[f64]) -> f64 {
         let of_body = |(b, pose): (usize, &Pose)| {
             let inertia = turned(&pose.r, &self.inertia[b]);
             let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(pose.w, mul(&inertia, pose.w));
             0.5 * kinetic - self.mass[b] * dot(self.gravity, pose.x)
         };
-        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { self.poses[body] };
         let bodies: f64 = self.poses.iter().enumerate().map(of_body).sum();
-        bodies + self.forces.iter().map(|f| f.stored_j(pose)).sum::<f64>()
+        bodies - state.last().copied().unwrap_or(0.0)
     }
 }
 
@@ -272,7 +323,7 @@ pub fn point_at(state: &[f64], body: usize, point: V3) -> V3 {
 
 fn read(s: &[f64]) -> Pose {
     let q = qrenormalise([s[3], s[4], s[5], s[6]]);
-    Pose { x: [s[0], s[1], s[2]], r: qmat(q), v: [s[7], s[8], s[9]], w: [s[10], s[11], s[12]] }
+    Pose { x: [s[0], s[1], s[2]], q, r: qmat(q), v: [s[7], s[8], s[9]], w: [s[10], s[11], s[12]] }
 }
 
 /// A tensor of the body frame in the global one.

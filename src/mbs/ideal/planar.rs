@@ -24,7 +24,9 @@ fn parts(mechanism: &Mechanism) -> Vec<usize> {
     let mut part: Vec<usize> = (0..mechanism.bodies.len()).collect();
     let links =
         mechanism.joints.iter().map(|j| j.bodies).chain(mechanism.forces.iter().filter_map(|f| match f {
-            Force::Spring { bodies, .. } | Force::Torsion { bodies, .. } => Some(*bodies),
+            Force::Spring { bodies, .. } | Force::Torsion { bodies, .. } | Force::Hinge { bodies, .. } => {
+                Some(*bodies)
+            }
             Force::Torque { .. } => None,
         }));
     let links: Vec<[usize; 2]> = links.filter(|l| !l.iter().any(|b| is_ground(*b))).collect();
@@ -62,6 +64,7 @@ fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
         }
         Force::Torsion { bodies, axis, .. } => !bodies.iter().any(own) || only(*axis),
         Force::Torque { body, torque_nm } => !own(body) || only(*torque_nm),
+        Force::Hinge { bodies, .. } => !bodies.iter().any(own),
     };
     let bodies = (0..mechanism.bodies.len()).filter(|b| own(b)).map(|b| &mechanism.bodies[b]);
     let holds = along(mechanism.gravity_m_s2)

@@ -1,5 +1,6 @@
 //! Cases of the multibody solver.
 
+mod hinges;
 mod iftomm;
 mod pendulums;
 
@@ -9,5 +10,6 @@ use super::Case;
 pub fn cases() -> Vec<Case> {
     let mut all = iftomm::cases();
     all.extend(pendulums::cases());
+    all.extend(hinges::cases());
     all
 }

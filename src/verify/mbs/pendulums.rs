@@ -52,6 +52,7 @@ fn heights(forces: Vec<Force>, wanted: &[(f64, f64)]) -> Result<Vec<Figure>, Str
         joints: vec![Joint::at(Kind::Revolute, [GROUND, 0], [0.0; 3], [0.0, 1.0, 0.0])],
         forces,
         gravity_m_s2: [0.0, 0.0, -9.80665],
+        ..Mechanism::default()
     };
     let course = march(&pendulum, &March { end_s: 5.0, tolerance: 1e-9, output_s: 0.5, in_space: true })
         .map_err(|e| e.to_string())?;
