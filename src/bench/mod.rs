@@ -6,10 +6,12 @@
 //! | `bandwidth` | that bandwidth |
 //! | `fe_error` | error of a building's run over mesh size and run time |
 //! | `fe_stability` | runs at and beyond the limits of the method |
+//! | `mbs` | error over run time of mechanisms whose motion is known |
 //! | `trials` | what these runs are; their frame is `mini.toml` |
 
 pub mod bandwidth;
 pub mod fe;
 pub mod fe_error;
 pub mod fe_stability;
+pub mod mbs;
 pub mod trials;

@@ -1,12 +1,12 @@
-//! `fallwerk bench`: measurements of the FE solver.
+//! `fallwerk bench`: measurements of the solvers.
 
 use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::output::write_atomic;
-use crate::bench::{fe, fe_error, fe_stability};
+use crate::bench::{fe, fe_error, fe_stability, mbs};
 use crate::report::loglog;
 use std::path::{Path, PathBuf};
 
-/// Measure the FE solver: throughput, error over run time, stability
+/// Measure the solvers: throughput, error over run time, stability
 ///
 /// Exit codes: 0 done, 1 a run went wrong, 2 bad usage.
 #[derive(clap::Args)]
@@ -23,6 +23,21 @@ enum What {
     FeError(ErrorRuns),
     /// Runs at and beyond the limits of the method; exit code 1 if one goes wrong without a diagnosis
     FeStability(Stability),
+    /// Error and run time of mechanisms whose motion is known, by the error tolerance of a step
+    Mbs(Mechanisms),
+}
+
+#[derive(clap::Args)]
+struct Mechanisms {
+    /// Error tolerances of a step
+    #[arg(long, value_delimiter = ',', default_value = "1e-4,1e-5,1e-6,1e-7,1e-8")]
+    tolerances: Vec<f64>,
+    /// Only mechanisms whose name contains this
+    #[arg(long, value_name = "NAME", default_value = "")]
+    only: String,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(clap::Args)]
@@ -82,7 +97,28 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         What::Fe(options) => throughput(options),
         What::FeError(options) => error_runs(options),
         What::FeStability(options) => stability(options),
+        What::Mbs(options) => mechanisms(options),
     }
+}
+
+fn mechanisms(options: &Mechanisms) -> Result<Outcome, Failure> {
+    if let Some(bad) = options.tolerances.iter().find(|t| !(**t >= 1e-13 && **t <= 0.1)) {
+        return Err(Failure::input(format!("--tolerances: {bad:e} is not between 1e-13 and 0.1")));
+    }
+    let rows = mbs::measure(&options.tolerances, &options.only).map_err(Failure::stopped)?;
+    if rows.is_empty() {
+        let names: Vec<&str> = crate::verify::mbs::known().iter().map(|k| k.name).collect();
+        let message =
+            format!("no mechanism's name contains `{}`; there are: {}", options.only, names.join(", "));
+        return Err(Failure::input(message));
+    }
+    if options.json {
+        let text = serde_json::to_string_pretty(&rows).map_err(|e| Failure::stopped(e.to_string()))?;
+        print(&(text + "\n"));
+    } else {
+        print(&mbs::table(&rows));
+    }
+    Ok(Outcome::Done)
 }
 
 fn throughput(options: &Throughput) -> Result<Outcome, Failure> {

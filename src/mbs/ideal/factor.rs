@@ -153,7 +153,13 @@ impl BlockFactor {
             values[at..at + n * n].copy_from_slice(&inverse[..n * n]);
             for (_, size, place) in &column.below {
                 let (m, place) = (usize::from(*size), *place as usize);
-                multiply(&values[place..place + m * n], &inverse[..n * n], &mut scaled[place..], [m, n]);
+                let (block, out) = (&values[place..place + m * n], &mut scaled[place..place + m * n]);
+                match (m, n) {
+                    (3, 3) => multiply::<3, 3>(block, &inverse, out),
+                    (2, 2) => multiply::<2, 2>(block, &inverse, out),
+                    (5, 5) => multiply::<5, 5>(block, &inverse, out),
+                    _ => multiply_any(block, &inverse, out, [m, n]),
+                }
             }
             for u in &column.updates {
                 let (t, w, b) = (u.target as usize, u.w as usize, u.b as usize);
@@ -260,8 +266,21 @@ fn inverted(block: &[f64], start: &[f64], n: usize) -> ([f64; MOST * MOST], usiz
     (inverse, dependent)
 }
 
-/// `out = a b` with `a` of `m` rows and `b` square.
-fn multiply(a: &[f64], b: &[f64], out: &mut [f64], [m, n]: [usize; 2]) {
+/// `out = a b` with `b` square.
+fn multiply<const M: usize, const N: usize>(a: &[f64], b: &[f64], out: &mut [f64]) {
+    let (a, b, out) = (&a[..M * N], &b[..N * N], &mut out[..M * N]);
+    for i in 0..M {
+        for j in 0..N {
+            let mut sum = 0.0;
+            for k in 0..N {
+                sum += a[i * N + k] * b[k * N + j];
+            }
+            out[i * N + j] = sum;
+        }
+    }
+}
+
+fn multiply_any(a: &[f64], b: &[f64], out: &mut [f64], [m, n]: [usize; 2]) {
     for i in 0..m {
         for j in 0..n {
             out[i * n + j] = (0..n).map(|k| a[i * n + k] * b[k * n + j]).sum();

@@ -6,8 +6,8 @@ use super::joint::{Compiled, Pose, Row, is_ground};
 use super::planar::planes;
 use super::{Mechanism, joint};
 use crate::mbs::math::{
-    M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, qexp, qmat, qmul, qrenormalise, scale, sub,
-    transpose,
+    M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, mul_t, qexp, qmat, qmul, qrenormalise, scale,
+    sub, transpose,
 };
 use std::collections::BTreeSet;
 
@@ -31,6 +31,8 @@ pub struct Motion {
     mass: Vec<f64>,
     inertia: Vec<M3>,
     inverse_inertia: Vec<M3>,
+    /// The inverse in the global frame at the state that was taken.
+    inverse: Vec<M3>,
     joints: Vec<Compiled>,
     /// First row of each joint, and the number of rows.
     first: Vec<usize>,
@@ -75,6 +77,7 @@ impl Motion {
             mass: mechanism.bodies.iter().map(|b| b.mass_kg).collect(),
             inertia: mechanism.bodies.iter().map(|b| b.inertia_kg_m2).collect(),
             inverse_inertia: mechanism.bodies.iter().map(|b| inverse(&b.inertia_kg_m2)).collect(),
+            inverse: vec![[[0.0; 3]; 3]; start.len()],
             ids: (0..joints.len()).collect(),
             joints,
             first: Vec::new(),
@@ -141,8 +144,9 @@ impl Motion {
         for (pose, s) in self.poses.iter_mut().zip(state.chunks_exact(STATE)) {
             *pose = read(s);
         }
-        let inverse: Vec<M3> =
-            self.poses.iter().zip(&self.inverse_inertia).map(|(p, i)| turned(&p.r, i)).collect();
+        for ((inverse, pose), own) in self.inverse.iter_mut().zip(&self.poses).zip(&self.inverse_inertia) {
+            *inverse = turned(&pose.r, own);
+        }
         for (j, joint) in self.joints.iter().enumerate() {
             let range = self.first[j]..self.first[j + 1];
             let pose = |body: usize| if is_ground(body) { &Pose::GROUND } else { &self.poses[body] };
@@ -152,7 +156,8 @@ impl Motion {
                     let body = joint.bodies[side];
                     if !is_ground(body) {
                         let [linear, angular] = row.of[side];
-                        moved[side] = [scale(1.0 / self.mass[body], linear), mul(&inverse[body], angular)];
+                        moved[side] =
+                            [scale(1.0 / self.mass[body], linear), mul(&self.inverse[body], angular)];
                     }
                 }
             }
@@ -192,10 +197,10 @@ impl Motion {
         }
         for (b, load) in self.loads.iter_mut().enumerate() {
             let pose = &self.poses[b];
-            let (inertia, inverse) =
-                (turned(&pose.r, &self.inertia[b]), turned(&pose.r, &self.inverse_inertia[b]));
-            let torque = sub(load[1], cross(pose.w, mul(&inertia, pose.w)));
-            *load = [scale(1.0 / self.mass[b], load[0]), mul(&inverse, torque)];
+            let own = mul_t(&pose.r, pose.w);
+            let gyroscopic = mul(&pose.r, cross(own, mul(&self.inertia[b], own)));
+            let torque = sub(load[1], gyroscopic);
+            *load = [scale(1.0 / self.mass[b], load[0]), mul(&self.inverse[b], torque)];
         }
         // loads are accelerations without joints now
         self.accept(|row| -row.gamma, false);
@@ -301,8 +306,8 @@ impl Motion {
     /// Kinetic and potential energy (zero at the origin) at the state that was taken, less the work of the applied forces in it \[J\]: constant, but for errors.
     pub fn balance_j(&self, state: &[f64]) -> f64 {
         let of_body = |(b, pose): (usize, &Pose)| {
-            let inertia = turned(&pose.r, &self.inertia[b]);
-            let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(pose.w, mul(&inertia, pose.w));
+            let own = mul_t(&pose.r, pose.w);
+            let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[b], own));
             0.5 * kinetic - self.mass[b] * dot(self.gravity, pose.x)
         };
         let bodies: f64 = self.poses.iter().enumerate().map(of_body).sum();

@@ -4,10 +4,9 @@
 //! that of the Test Set for IVP Solvers (Mazzia and Magherini 2008, at 0.03 s) and the same equations solved to 1e-9; for Bricard's mechanism a solution in one
 //! coordinate to 1e-9.
 
+use super::Known;
 use crate::mbs::ideal::force::Force;
 use crate::mbs::ideal::joint::{Joint, Kind};
-use crate::mbs::ideal::march::{Course, March, march};
-use crate::mbs::ideal::motion::point_at;
 use crate::mbs::ideal::{Body, GROUND, Mechanism};
 use crate::mbs::math::{V3, qexp};
 use crate::verify::{Case, Figure};
@@ -16,7 +15,6 @@ const A01: &str = "exact: 2 asin(k sn(K(k) + ω t, k)), k = sin 45°";
 const A02: &str = "its equation of one coordinate, to 1e-9";
 const A03: &str = "Test Set for IVP Solvers (0.03 s); its equations, to 1e-9";
 const A04: &str = "one coordinate, to 1e-9";
-const LAW: &str = "conservation";
 
 /// The cases of this file.
 pub fn cases() -> Vec<Case> {
@@ -24,123 +22,95 @@ pub fn cases() -> Vec<Case> {
         Case::short(
             "iftomm-a01",
             "Simple pendulum: 1 kg on a rod of 1 m without mass, released level, 10 s.",
-            || {
-                let course = run(&pendulum(), 10.0, 1e-9)?;
-                let at = |time: f64| point_at(&course.states[(time * 20.0).round() as usize], 0, [0.0; 3]);
-                let mut figures = Vec::new();
-                for (time, x, y) in [(1.0, 0.9862917512, -0.1650108531), (10.0, -0.2750874626, -0.9614192051)]
-                {
-                    let [ours_x, ours_y, _] = at(time);
-                    figures.push(Figure::absolute(format!("x at {time} s"), "m", [x, ours_x], 1e-6, A01));
-                    figures.push(Figure::absolute(format!("y at {time} s"), "m", [y, ours_y], 1e-6, A01));
-                }
-                figures.push(Figure::absolute(
-                    "change of energy",
-                    "J",
-                    [0.0, course.energy_change_j],
-                    1e-6,
-                    LAW,
-                ));
-                Ok(figures)
-            },
+            || a01().figures(1e-9, 1e-6, A01, Some(1e-6)),
         ),
         Case::short(
             "iftomm-a02-40",
             "40 four-bars in a row, 81 bars of 1 kg and 1 m: the first bar's end over 20 s, through poses in which all bars lie on one line and every loop could move by itself.",
-            || {
-                let wanted = [
-                    (1.0, -0.115356881, -0.993324111),
-                    (2.0, 0.034466307, 0.999405860),
-                    (5.0, -0.540190051, -0.841543052),
-                    (10.0, 0.180512227, 0.983572741),
-                    (20.0, 0.410901154, 0.911679901),
-                ];
-                four_bars(40, &wanted)
-            },
+            || a02_40().figures(1e-7, 1e-3, A02, Some(0.6)),
         ),
         Case::long("iftomm-a02-80", "80 four-bars in a row, as before.", || {
-            let wanted = [
-                (1.0, -0.112975932, -0.993597725),
-                (5.0, -0.530445206, -0.847719224),
-                (10.0, 0.176512018, 0.984298485),
-                (20.0, 0.399979663, 0.916524015),
-            ];
-            four_bars(80, &wanted)
+            a02_80().figures(1e-7, 1e-3, A02, Some(1.2))
         }),
         Case::short(
             "iftomm-a03",
             "Andrews' squeezer: seven bodies, a spring, a motor, three loops, 0.05 s: the point F of the crank.",
-            || {
-                let course = run_to(
-                    &squeezer(),
-                    &March { end_s: 0.05, output_s: 0.005, tolerance: 1e-9, in_space: false },
-                )?;
-                let wanted = [
-                    (2, -0.0038905524, 0.0058192441),
-                    (6, -0.0069630394, -0.0007183884),
-                    (10, -0.0052085047, 0.0046766953),
-                ];
-                let mut figures = Vec::new();
-                for (output, x, y) in wanted {
-                    let [ours_x, ours_y, _] = point_at(&course.states[output], 0, [RR - RA, 0.0, 0.0]);
-                    let time = 0.005 * output as f64;
-                    figures.push(Figure::absolute(format!("x at {time} s"), "m", [x, ours_x], 1e-7, A03));
-                    figures.push(Figure::absolute(format!("y at {time} s"), "m", [y, ours_y], 1e-7, A03));
-                }
-                Ok(figures)
-            },
+            || a03().figures(1e-9, 1e-7, A03, None),
         ),
         Case::short(
             "iftomm-a04",
-            "Bricard's mechanism: five rods on six revolutes, 30 conditions of which 29 are independent, 10 s: the second rod's first point.",
+            "Bricard's mechanism: five rods on six revolutes, 30 conditions of which 29 are independent, 10 s: the second rod's last point.",
             || {
-                let course = run(&bricard(), 10.0, 1e-9)?;
-                let wanted = [
-                    (0.5, [0.774717808, -0.979815048, -0.199906159]),
-                    (1.0, [0.274481319, -0.886707939, -0.462330003]),
-                    (2.5, [-0.999983185, -1.0, -0.000016815]),
-                    (5.0, [0.999932742, -0.999999998, -0.000067255]),
-                    (10.0, [0.999730987, -0.999999964, -0.000268977]),
-                ];
-                let mut figures = Vec::new();
-                for (time, point) in wanted {
-                    let ours =
-                        point_at(&course.states[(time * 20.0_f64).round() as usize], 1, [0.0, -0.5, 0.0]);
-                    let off = (0..3).map(|i| (ours[i] - point[i]).powi(2)).sum::<f64>().sqrt();
-                    figures.push(Figure::absolute(
-                        format!("distance at {time} s"),
-                        "m",
-                        [0.0, off],
-                        1e-4,
-                        A04,
-                    ));
-                }
-                figures.push(Figure::absolute(
-                    "change of energy",
-                    "J",
-                    [0.0, course.energy_change_j],
-                    1e-4,
-                    LAW,
-                ));
-                figures.push(Figure::absolute(
-                    "dependent conditions",
-                    "-",
-                    [1.0, course.rows[1] as f64],
-                    0.0,
-                    A04,
-                ));
+                let known = a04();
+                let mut figures = known.figures(1e-9, 1e-4, A04, Some(1e-4))?;
+                let rows = known.run(1e-9)?.rows;
+                figures.push(Figure::absolute("dependent conditions", "-", [1.0, rows[1] as f64], 0.0, A04));
                 Ok(figures)
             },
         ),
     ]
 }
 
-fn run(mechanism: &Mechanism, end_s: f64, tolerance: f64) -> Result<Course, String> {
-    run_to(mechanism, &March { end_s, tolerance, output_s: 0.05, in_space: false })
+/// The simple pendulum.
+pub fn a01() -> Known {
+    let track = vec![(1.0, [0.9862917512, -0.1650108531, 0.0]), (10.0, [-0.2750874626, -0.9614192051, 0.0])];
+    Known { name: "pendulum (A01)", track, end_s: 10.0, output_s: 0.05, ..Known::of(pendulum(), 0, [0.0; 3]) }
 }
 
-fn run_to(mechanism: &Mechanism, wanted: &March) -> Result<Course, String> {
-    march(mechanism, wanted).map_err(|e| e.to_string())
+/// 40 four-bars.
+pub fn a02_40() -> Known {
+    let track = vec![
+        (1.0, [-0.115356881, -0.993324111, 0.0]),
+        (2.0, [0.034466307, 0.999405860, 0.0]),
+        (5.0, [-0.540190051, -0.841543052, 0.0]),
+        (10.0, [0.180512227, 0.983572741, 0.0]),
+        (20.0, [0.410901154, 0.911679901, 0.0]),
+    ];
+    Known { name: "40 four-bars (A02)", track, end_s: 20.0, ..four_bars(40) }
+}
+
+/// 80 four-bars.
+pub fn a02_80() -> Known {
+    let track = vec![
+        (1.0, [-0.112975932, -0.993597725, 0.0]),
+        (5.0, [-0.530445206, -0.847719224, 0.0]),
+        (10.0, [0.176512018, 0.984298485, 0.0]),
+        (20.0, [0.399979663, 0.916524015, 0.0]),
+    ];
+    Known { name: "80 four-bars (A02)", track, end_s: 20.0, ..four_bars(80) }
+}
+
+fn four_bars(count: usize) -> Known {
+    Known { output_s: 0.05, ..Known::of(mechanism_of_four_bars(count), 0, [0.0, 0.5, 0.0]) }
+}
+
+/// Andrews' squeezer.
+pub fn a03() -> Known {
+    let track = vec![
+        (0.01, [-0.0038905524, 0.0058192441, 0.0]),
+        (0.03, [-0.0069630394, -0.0007183884, 0.0]),
+        (0.05, [-0.0052085047, 0.0046766953, 0.0]),
+    ];
+    let known = Known::of(squeezer(), 0, [RR - RA, 0.0, 0.0]);
+    Known { name: "squeezer (A03)", track, end_s: 0.05, output_s: 0.005, ..known }
+}
+
+/// Bricard's mechanism.
+pub fn a04() -> Known {
+    let track = vec![
+        (0.5, [0.774717808, -0.979815048, -0.199906159]),
+        (1.0, [0.274481319, -0.886707939, -0.462330003]),
+        (2.5, [-0.999983185, -1.0, -0.000016815]),
+        (5.0, [0.999932742, -0.999999998, -0.000067255]),
+        (10.0, [0.999730987, -0.999999964, -0.000268977]),
+    ];
+    Known {
+        name: "Bricard (A04)",
+        track,
+        end_s: 10.0,
+        output_s: 0.05,
+        ..Known::of(bricard(), 1, [0.0, -0.5, 0.0])
+    }
 }
 
 const DOWN: V3 = [0.0, -9.81, 0.0];
@@ -173,21 +143,6 @@ fn mechanism_of_four_bars(count: usize) -> Mechanism {
         m.joints.push(Joint::at(Kind::Revolute, [coupler, i + 1], [x + 1.0, 1.0, 0.0], Z));
     }
     m
-}
-
-fn four_bars(count: usize, wanted: &[(f64, f64, f64)]) -> Result<Vec<Figure>, String> {
-    let course = run(&mechanism_of_four_bars(count), 20.0, 1e-8)?;
-    let mut figures = Vec::new();
-    for (time, x, y) in wanted {
-        let [ours_x, ours_y, _] =
-            point_at(&course.states[(time * 20.0).round() as usize], 0, [0.0, 0.5, 0.0]);
-        let off = (ours_x - x).hypot(ours_y - y);
-        figures.push(Figure::absolute(format!("distance at {time} s"), "m", [0.0, off], 1e-3, A02));
-    }
-    let whole = 9.81 * (0.5 * (count + 1) as f64 + count as f64);
-    let change = course.energy_change_j / whole;
-    figures.push(Figure::absolute("change of energy over that of position", "-", [0.0, change], 1e-3, LAW));
-    Ok(figures)
 }
 
 // Andrews' squeezer: masses, moments of inertia and lengths of the Test Set for IVP Solvers

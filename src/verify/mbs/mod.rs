@@ -4,7 +4,11 @@ mod hinges;
 mod iftomm;
 mod pendulums;
 
-use super::Case;
+use super::{Case, Figure};
+use crate::mbs::ideal::Mechanism;
+use crate::mbs::ideal::march::{Course, March, march};
+use crate::mbs::ideal::motion::point_at;
+use crate::mbs::math::V3;
 
 /// All cases.
 pub fn cases() -> Vec<Case> {
@@ -12,4 +16,71 @@ pub fn cases() -> Vec<Case> {
     all.extend(pendulums::cases());
     all.extend(hinges::cases());
     all
+}
+
+/// Mechanisms with a point whose path is known, for benchmarks.
+pub fn known() -> Vec<Known> {
+    vec![iftomm::a01(), iftomm::a02_40(), iftomm::a02_80(), iftomm::a03(), iftomm::a04(), hinges::frame4()]
+}
+
+/// A mechanism with a point whose path is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Known {
+    /// What it is.
+    pub name: &'static str,
+    /// The mechanism.
+    pub mechanism: Mechanism,
+    /// Body of the point, and the point in its frame \[m\].
+    pub point: (usize, V3),
+    /// Times \[s\] and places \[m\]; times are outputs.
+    pub track: Vec<(f64, V3)>,
+    /// Simulated time, interval of outputs \[s\].
+    pub end_s: f64,
+    /// Interval of outputs \[s\].
+    pub output_s: f64,
+}
+
+impl Known {
+    fn of(mechanism: Mechanism, body: usize, point: V3) -> Self {
+        Self { name: "", mechanism, point: (body, point), track: Vec::new(), end_s: 1.0, output_s: 1.0 }
+    }
+
+    /// Runs it with an error tolerance of the steps.
+    ///
+    /// # Errors
+    /// In words, if it stops.
+    pub fn run(&self, tolerance: f64) -> Result<Course, String> {
+        let wanted = March { end_s: self.end_s, tolerance, output_s: self.output_s, in_space: false };
+        march(&self.mechanism, &wanted).map_err(|e| e.to_string())
+    }
+
+    /// Distances from the known path \[m\].
+    pub fn distances_m(&self, course: &Course) -> Vec<f64> {
+        let away = |(time, place): &(f64, V3)| {
+            let ours =
+                point_at(&course.states[(time / self.output_s).round() as usize], self.point.0, self.point.1);
+            (0..3).map(|i| (ours[i] - place[i]).powi(2)).sum::<f64>().sqrt()
+        };
+        self.track.iter().map(away).collect()
+    }
+
+    /// Distances and, with a limit \[J\], the energy error.
+    fn figures(
+        &self,
+        tolerance: f64,
+        allowed_m: f64,
+        source: &'static str,
+        energy_j: Option<f64>,
+    ) -> Result<Vec<Figure>, String> {
+        let course = self.run(tolerance)?;
+        let pairs = self.track.iter().zip(self.distances_m(&course));
+        let of_point = |((time, _), away): (&(f64, V3), f64)| {
+            Figure::absolute(format!("distance at {time} s"), "m", [0.0, away], allowed_m, source)
+        };
+        let mut figures: Vec<Figure> = pairs.map(of_point).collect();
+        figures.extend(energy_j.map(|limit| {
+            Figure::absolute("energy error", "J", [0.0, course.energy_change_j], limit, "conservation")
+        }));
+        Ok(figures)
+    }
 }
