@@ -29,6 +29,8 @@ const SAMPLE_RAD: [f64; 2] = [5e-5, 5e-4];
 const LOOK_STEPS: u64 = 4;
 /// Shortening over length at which the axial force counts as not borne; of a bent member without the part that a straight chord has from turning.
 pub const CRUSHED_STRAIN: f64 = 0.01;
+/// Elongation over length at which a pulled member counts as torn; opening cracks make a third of it.
+const TORN_STRAIN: f64 = 0.05;
 /// Rotation from which on the kinetic energy counts \[rad\].
 const KINETIC_FROM_RAD: f64 = 2e-3;
 
@@ -132,6 +134,18 @@ pub enum BendError {
         /// Rotation \[rad\].
         rotation_rad: f64,
     },
+    /// A member that is pulled came off.
+    #[error(
+        "the member is torn by N = {axial_n:.0} N: longer by {elongation_m:.3} m at a rotation of {rotation_rad:.4} rad; use a smaller tension (it acts on the concrete of the free end)"
+    )]
+    Torn {
+        /// Axial force \[N\].
+        axial_n: f64,
+        /// Elongation \[m\].
+        elongation_m: f64,
+        /// Rotation \[rad\].
+        rotation_rad: f64,
+    },
     /// Energy came from nowhere or got lost.
     #[error(
         "the energy balance is off by {:.1} % of the internal energy at a rotation of {rotation_rad:.4} rad (limit {:.0} %); use other elements (--mesh)",
@@ -151,6 +165,7 @@ struct Run<'a> {
     body: Dynamics,
     direction: [f64; 2],
     rest_m: f64,
+    axial_n: f64,
     /// How a plane of symmetry is held.
     spread: Option<Spread>,
     /// Bars that slip.
@@ -248,6 +263,7 @@ pub fn bend(
         anchored,
         direction: [angle.cos(), angle.sin()],
         rest_m: 0.0,
+        axial_n: bend.axial_n,
         spread: (member.joint == Joint::Symmetry).then(|| Spread::of(member)),
         energy: EnergyWatch::new(mass_kg),
     };
@@ -368,6 +384,10 @@ impl Run<'_> {
     fn check(&self, rotation_rad: f64, point: &[f64; 3], energies: &Energies) -> Result<(), BendError> {
         if point.iter().any(|v| !v.is_finite()) || self.body.broken_node().is_some() {
             return Err(BendError::NotFinite { rotation_rad });
+        }
+        let elongation_m = -point[2];
+        if elongation_m > TORN_STRAIN * self.member.length_m {
+            return Err(BendError::Torn { axial_n: self.axial_n, elongation_m, rotation_rad });
         }
         let share = energies.residual_share;
         if share.is_nan() || share > ENERGY_LIMIT {
