@@ -160,7 +160,7 @@ fn failed(end: &str) -> impl FnOnce(DeriveError) -> LibraryDeriveError + '_ {
 /// Member ends of buildings are those of tests: on a block out of which their bars slip, unless the command line asks for a plane of symmetry
 /// (`docs/rc-columns.md` has the comparison).
 fn joint(bending: &Bending) -> Joint {
-    if bending.joint.as_deref() == Some("symmetry") { Joint::Symmetry } else { Joint::Block }
+    bending.joint.unwrap_or(Joint::Block)
 }
 
 /// The section, with slip of its bars out of a block if it does not say how they are anchored.

@@ -1,6 +1,7 @@
 //! `fallwerk library diff`: in what two entries differ.
 
 use super::library::{Failure, report};
+use crate::base::piecewise::interpolate;
 use crate::base::units::round_to_digits;
 use crate::library::Entry;
 use crate::library::entry::EnvelopeLevel;
@@ -164,14 +165,6 @@ fn distance(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let end = |points: &[[f64; 2]]| points.last().map_or(0.0, |p| p[0]);
     let reach = end(a).min(end(b));
     let peak = a.iter().chain(b).map(|p| p[1].abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let at = |points: &[[f64; 2]], x: f64| match points.partition_point(|p| p[0] <= x) {
-        0 => points[0][1],
-        n if n == points.len() => points[n - 1][1],
-        n => {
-            let (p, q) = (points[n - 1], points[n]);
-            p[1] + (q[1] - p[1]) * (x - p[0]) / (q[0] - p[0])
-        }
-    };
     let places = a.iter().chain(b).map(|p| p[0]).filter(|x| *x <= reach);
-    places.map(|x| (at(a, x) - at(b, x)).abs()).fold(0.0, f64::max) / peak
+    places.map(|x| (interpolate(a, x) - interpolate(b, x)).abs()).fold(0.0, f64::max) / peak
 }

@@ -13,6 +13,7 @@ use crate::rc::section_grid;
 use crate::rc::series::{self, Case, Series, SeriesOptions};
 use crate::report::figure::{self, Line, Panel};
 use crate::report::interaction::{self, Group};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -75,8 +76,8 @@ pub struct Bending {
     #[arg(long, value_name = "N", value_parser = count, conflicts_with = "mesh")]
     pub elements: Option<f64>,
     /// What the member stands on: a plane of symmetry, or a block of uncracked concrete [default: symmetry; of library entries block, with slip of bars out of it]
-    #[arg(long, value_name = "KIND", value_parser = ["symmetry", "block"])]
-    pub joint: Option<String>,
+    #[arg(long, value_name = "KIND", value_parser = joints())]
+    pub joint: Option<Joint>,
     /// Bars stay straight
     #[arg(long)]
     pub no_buckling: bool,
@@ -121,7 +122,7 @@ impl Bending {
             axial_shares: if self.axial.is_empty() { axial_shares.to_vec() } else { self.axial.clone() },
             until_rad: self.until.unwrap_or(until_rad),
             mesh_size_m: self.mesh.unwrap_or(defaults.mesh_size_m),
-            joint: if self.joint.as_deref() == Some("block") { Joint::Block } else { Joint::Symmetry },
+            joint: self.joint.unwrap_or(Joint::Symmetry),
             seed_law: self.seed_law,
             whole: self.whole,
             ..defaults
@@ -146,6 +147,12 @@ impl Bending {
     pub fn section(&self, section: RcSection) -> RcSection {
         if self.no_buckling { section.without_buckling() } else { section }
     }
+}
+
+/// What a member stands on, by its name.
+pub(super) fn joints() -> impl TypedValueParser<Value = Joint> {
+    PossibleValuesParser::new(["symmetry", "block"])
+        .map(|name| if name == "block" { Joint::Block } else { Joint::Symmetry })
 }
 
 /// Runs the command.
@@ -339,20 +346,25 @@ fn biaxial(section: &RcSection, series: &Series) -> Option<String> {
 }
 
 fn words(section: &RcSection, series: &Series) -> String {
+    let reach = format!("{:.2} m to the point of zero moment", series.length_m);
+    section_words(section, &reach, series.elements)
+}
+
+/// A section, what is made of it, and the mesh (hexahedra, bar elements) in words.
+pub(super) fn section_words(section: &RcSection, what: &str, elements: [usize; 2]) -> String {
     let input = &section.input;
     let ties = input.ties.map_or("no ties".to_string(), |t| {
         format!("ties {:.0} mm every {:.0} mm", 1e3 * t.diameter_m, 1e3 * t.spacing_m)
     });
     format!(
-        "{:.2} x {:.2} m, {:.2} m to the point of zero moment, {} bars ({:.2} %), {ties}, f_c {:.1} MPa, {} hexahedra, {} bar elements",
+        "{:.2} x {:.2} m, {what}, {} bars ({:.2} %), {ties}, f_c {:.1} MPa, {} hexahedra, {} bar elements",
         input.size_m[0],
         input.size_m[1],
-        series.length_m,
         input.bars.len(),
         100.0 * section.steel_m2() / input.area_m2(),
         section.concrete.compressive_strength_pa / 1e6,
-        series.elements[0],
-        series.elements[1]
+        elements[0],
+        elements[1]
     )
 }
 

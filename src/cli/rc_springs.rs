@@ -1,6 +1,7 @@
 //! `fallwerk rc --load crush|tension|shear|torsion`: curves of a piece of a member.
 
 use super::progress::Progress;
+use super::rc::section_words;
 use super::{Failure, Outcome, print, thread_pool, write};
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
@@ -195,21 +196,7 @@ fn svg(section: &RcSection, found: &Springs) -> String {
 }
 
 fn words(section: &RcSection, found: &Springs) -> String {
-    let input = &section.input;
-    let ties = input.ties.map_or("no ties".to_string(), |t| {
-        format!("ties {:.0} mm every {:.0} mm", 1e3 * t.diameter_m, 1e3 * t.spacing_m)
-    });
-    format!(
-        "{:.2} x {:.2} m, piece of {:.2} m, {} bars ({:.2} %), {ties}, f_c {:.1} MPa, {} hexahedra, {} bar elements",
-        input.size_m[0],
-        input.size_m[1],
-        found.length_m,
-        input.bars.len(),
-        100.0 * section.steel_m2() / input.area_m2(),
-        section.concrete.compressive_strength_pa / 1e6,
-        found.elements[0],
-        found.elements[1]
-    )
+    section_words(section, &format!("piece of {:.2} m", found.length_m), found.elements)
 }
 
 /// The tables on standard output: figures, then what they are compared with.

@@ -24,8 +24,8 @@ pub struct Arguments {
     #[arg(long, value_name = "DRIFT", default_value = "0.08", value_parser = drift)]
     until: f64,
     /// What the columns stand on
-    #[arg(long, value_name = "KIND", default_value = "block", value_parser = ["symmetry", "block"])]
-    joint: String,
+    #[arg(long, value_name = "KIND", default_value = "block", value_parser = super::rc::joints())]
+    joint: Joint,
     /// No slip of bars out of the block
     #[arg(long)]
     full_bond: bool,
@@ -55,7 +55,7 @@ fn drift(text: &str) -> Result<f64, String> {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let joint = if arguments.joint == "block" { Joint::Block } else { Joint::Symmetry };
+    let joint = arguments.joint;
     let slip = !arguments.full_bond;
     let cycled = !arguments.monotonic;
     let options = Options { elements: arguments.elements, joint, slip, until_rad: arguments.until, cycled };

@@ -13,6 +13,7 @@
 //! of the second one, within the axial forces that both know. Values are rounded down.
 
 use super::{CapacityLevel, ResistanceCurve};
+use crate::base::piecewise::interpolate;
 
 /// Rotation over which the resistance falls to zero at a fracture \[rad\], at least and relative to the rotation there.
 const DROP_RAD: f64 = 1e-6;
@@ -115,19 +116,6 @@ impl ResistanceCurve {
 /// `a` (share 0) to `b` (share 1), within both.
 fn mixed(a: f64, b: f64, share: f64) -> f64 {
     (a + share * (b - a)).clamp(a.min(b), a.max(b))
-}
-
-/// Piecewise linear, constant beyond the ends.
-pub(super) fn interpolate(points: &[[f64; 2]], x: f64) -> f64 {
-    let upper = points.partition_point(|p| p[0] <= x);
-    if upper == 0 {
-        return points[0][1];
-    }
-    if upper == points.len() {
-        return points[upper - 1][1];
-    }
-    let ([x0, y0], [x1, y1]) = (points[upper - 1], points[upper]);
-    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
 /// The largest number with 9 significant digits that is not above `x`, a positive number or zero.

@@ -4,8 +4,8 @@
 //! interpolation in both directions stays exact and one segment search serves every level. What the interpolation
 //! may and may not do is said in [`super::between`].
 
-use super::between::interpolate;
 use super::{CurveError, ResistanceCurve};
+use crate::base::piecewise::interpolate;
 
 /// A capacity ready for the time loop.
 #[derive(Debug, Clone, PartialEq)]

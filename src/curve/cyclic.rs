@@ -9,6 +9,7 @@
 //! Nielsen 1970), and, if the rule says so, with the energy like the strength.
 
 use super::{CurveError, ResistanceCurve};
+use crate::base::piecewise::interpolate;
 use serde::{Deserialize, Serialize};
 
 /// The rule of degradation of a curve.
@@ -159,7 +160,7 @@ impl Backbone for LevelBackbone {
         if rotation_rad < self.elastic_rad() {
             return self.stiffness_nm_rad * rotation_rad;
         }
-        super::between::interpolate(&self.points, rotation_rad)
+        interpolate(&self.points, rotation_rad)
     }
 
     fn peak_nm(&self) -> f64 {

@@ -2,6 +2,7 @@
 //! into it and written from it; the runs of buildings and of decks start from it.
 
 use super::mesh::Mesh;
+use crate::base::piecewise::interpolate;
 use serde::{Deserialize, Serialize};
 
 /// Everything a run starts from.
@@ -50,14 +51,7 @@ impl Curve {
 
     /// Value at a time \[s\]; 0 for a curve without points.
     pub fn at(&self, time_s: f64) -> f64 {
-        let points = &self.0;
-        let after = points.partition_point(|p| p[0] <= time_s);
-        match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
-            (Some([t0, a]), Some([t1, b])) => a + (b - a) * (time_s - t0) / (t1 - t0),
-            (Some([_, a]), None) => a,
-            (None, Some([_, b])) => *b,
-            (None, None) => 0.0,
-        }
+        interpolate(&self.0, time_s)
     }
 }
 

@@ -13,6 +13,7 @@
 //! pulled again it aims at its largest slip. Each branch dissipates. A compressed bar that never slipped bears with the initial stiffness.
 
 use super::member::{Joint, RcMember};
+use crate::base::piecewise::interpolate;
 use crate::building::Bar;
 use crate::fe::dynamics::Dynamics;
 use crate::material::rebar::{Hardening, RebarLaw};
@@ -217,10 +218,7 @@ impl SlipLaw {
 
     /// Stress \[Pa\] in monotonic tension at a slip \[m\] that is not negative.
     pub fn monotonic_pa(&self, slip_m: f64) -> f64 {
-        let after = self.points.partition_point(|p| p[0] <= slip_m);
-        let Some([far, high]) = self.points.get(after) else { return self.points[self.points.len() - 1][1] };
-        let [near, low] = self.points[after.saturating_sub(1)];
-        low + (high - low) * (slip_m - near) / (far - near)
+        interpolate(&self.points, slip_m)
     }
 
     /// Takes a bar to a slip \[m\]; the stress \[Pa\].

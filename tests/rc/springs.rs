@@ -1,5 +1,6 @@
 //! Axial, shear and torsion curves of a piece, their entries in the library, and entries of beams and slabs, on a small coarse section.
 
+use super::series::{SMALL, small};
 use fallwerk::base::source::Source;
 use fallwerk::library::rc::RcWanted;
 use fallwerk::library::rc_springs::{RcSpringError, RcSpringWanted};
@@ -10,32 +11,8 @@ use fallwerk::rc::springs::{self, SpringCase};
 use fallwerk::rc::{RcSection, SeriesOptions, SpringOptions, Springs};
 use std::process::Command;
 
-/// 200 mm, four bars.
-const SMALL: &str = r#"
-schema = 1
-name = "small"
-width = "200 mm"
-depth = "200 mm"
-length = "0.4 m"
-bars_around = { per_face = 2, diameter = "14 mm", edge_distance = "35 mm" }
-[concrete]
-strength = "30 MPa"
-[steel]
-yield_strength = "500 MPa"
-ultimate_strength = "600 MPa"
-ultimate_strain = 0.08
-[ties]
-diameter = "8 mm"
-spacing = "100 mm"
-yield_strength = "500 MPa"
-"#;
-
 fn section(text: &str) -> RcSection {
     read(&Source::new("section.toml", text)).unwrap()
-}
-
-fn small() -> RcSection {
-    section(SMALL)
 }
 
 fn coarse(drive: Drive, axial_shares: &[f64]) -> SpringOptions {

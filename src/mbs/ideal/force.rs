@@ -4,6 +4,7 @@
 //! and the moments that belong to its own rotations.
 
 use super::joint::{Pose, angle_rad, frame_about, is_ground};
+use crate::base::piecewise::interpolate;
 use crate::mbs::math::{M3, Q, V3, add, cross, dot, mul, mul_t, norm, qconj, qlog, qmul, scale, sub};
 
 /// A force, given in the pose in which the mechanism is assembled.
@@ -64,20 +65,10 @@ pub struct HingeLaw {
 }
 
 impl HingeLaw {
-    /// Capacity after a largest rotation \[N m\].
-    fn capacity_nm(&self, largest: f64) -> f64 {
-        let after = self.capacity.partition_point(|p| p[0] <= largest);
-        match (self.capacity.get(after.wrapping_sub(1)), self.capacity.get(after)) {
-            (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * (largest - x0) / (x1 - x0),
-            (Some([_, last]), None) => *last,
-            (None, first) => first.map_or(0.0, |p| p[1]),
-        }
-    }
-
     /// Moment at a rotation, and the history with it.
     fn moment(&self, mut history: History, rotation: f64) -> (f64, History) {
         history.largest = history.largest.max(rotation.abs());
-        let capacity = self.capacity_nm(history.largest);
+        let capacity = interpolate(&self.capacity, history.largest);
         let elastic = self.stiffness_nm_rad * (rotation - history.plastic);
         let moment = elastic.clamp(-capacity, capacity);
         if moment != elastic {

@@ -288,6 +288,11 @@ fn right_angle([u, s]: [V3; 2], [wa, wb]: [V3; 2]) -> Row {
     }
 }
 
+/// The pose of a body, or of the ground.
+pub fn pose_of(poses: &[Pose], body: usize) -> &Pose {
+    if is_ground(body) { &Pose::GROUND } else { &poses[body] }
+}
+
 /// Whether an index is that of the ground.
 pub fn is_ground(body: usize) -> bool {
     body == GROUND

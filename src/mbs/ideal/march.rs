@@ -140,7 +140,8 @@ pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError
     let method = method_for(mechanism);
     let last = method.stages.len();
     let mut k = vec![vec![0.0; count]; last + 1];
-    let (mut stage, mut next) = (vec![0.0; count], vec![0.0; count]);
+    // each stage in turn, the last of which is the next state
+    let mut next = vec![0.0; count];
     motion.take(&state);
     motion.project(&mut state);
     let start_j = motion.balance_j(&state);
@@ -164,11 +165,10 @@ pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError
             return Err(MarchError::Step { time_s: time, step_s: step });
         }
         for (s, weights) in method.stages.iter().enumerate() {
-            combine(&state, &k, weights, step, &mut stage);
-            motion.take(&stage);
-            rate(&mut motion, &stage, &mut k[s + 1]);
+            combine(&state, &k, weights, step, &mut next);
+            motion.take(&next);
+            rate(&mut motion, &next, &mut k[s + 1]);
         }
-        next.copy_from_slice(&stage);
         let error = error([&state, &next], &k, step, wanted.tolerance, method);
         if !error.is_finite() {
             // a step too far into a singular pose; a smaller one stays before it

@@ -2,7 +2,7 @@
 
 use super::factor::BlockFactor;
 use super::force::{Acting, HingeLaw};
-use super::joint::{Compiled, Pose, Row, is_ground};
+use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
 use super::planar::planes;
 use super::{Mechanism, joint};
 use crate::mbs::math::{
@@ -64,7 +64,7 @@ impl Motion {
                 w: b.angular_velocity_rad_s,
             })
             .collect();
-        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { start[body] };
+        let pose = |body: usize| *pose_of(&start, body);
         let planes = if in_space { vec![None; start.len()] } else { planes(mechanism) };
         let compile = |j: &joint::Joint| {
             let moving = j.bodies.into_iter().find(|b| !is_ground(*b));
@@ -149,7 +149,7 @@ impl Motion {
         }
         for (j, joint) in self.joints.iter().enumerate() {
             let range = self.first[j]..self.first[j + 1];
-            let pose = |body: usize| if is_ground(body) { &Pose::GROUND } else { &self.poses[body] };
+            let pose = |body: usize| pose_of(&self.poses, body);
             joint.write(joint.bodies.map(pose), &mut self.rows[range.clone()]);
             for (row, moved) in self.rows[range.clone()].iter().zip(&mut self.moved[range]) {
                 for side in 0..2 {
@@ -190,7 +190,7 @@ impl Motion {
             *load = [scale(*mass, self.gravity), [0.0; 3]];
         }
         let poses = &self.poses;
-        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { poses[body] };
+        let pose = |body: usize| *pose_of(poses, body);
         let mut power = 0.0;
         for force in &self.forces {
             power += force.apply(pose, &self.laws, &mut self.loads);
@@ -217,7 +217,7 @@ impl Motion {
     /// Takes the state that was taken into the history of hinges. Those that are beyond their fracture open, with their joints; how many did.
     pub fn commit(&mut self) -> usize {
         let poses = &self.poses;
-        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { poses[body] };
+        let pose = |body: usize| *pose_of(poses, body);
         let before = self.forces.len();
         let mut opened = Vec::new();
         self.forces.retain_mut(|force| {
@@ -228,11 +228,8 @@ impl Motion {
             holds
         });
         if !opened.is_empty() {
-            let kept: Vec<bool> = self.ids.iter().map(|id| !opened.contains(id)).collect();
-            let mut keep = kept.iter();
-            self.joints.retain(|_| keep.next().copied().unwrap_or(true));
-            let mut keep = kept.iter();
-            self.ids.retain(|_| keep.next().copied().unwrap_or(true));
+            let both = std::mem::take(&mut self.joints).into_iter().zip(std::mem::take(&mut self.ids));
+            (self.joints, self.ids) = both.filter(|(_, id)| !opened.contains(id)).unzip();
             self.link();
         }
         before - self.forces.len()
@@ -240,7 +237,7 @@ impl Motion {
 
     /// How far a hinge is beyond its fracture at the state that was taken, at most \[rad\]; `None` without hinges.
     pub fn beyond(&self) -> Option<f64> {
-        let pose = |body: usize| if is_ground(body) { Pose::GROUND } else { self.poses[body] };
+        let pose = |body: usize| *pose_of(&self.poses, body);
         self.forces.iter().filter_map(|f| f.beyond(pose, &self.laws)).reduce(f64::max)
     }
 

@@ -6,7 +6,8 @@
 use super::force::Force;
 use super::joint::{Joint, Kind, is_ground};
 use super::{Body, Mechanism};
-use crate::mbs::math::{V3, axpy, dot, mul, mul_t, norm, qmat, scale, sub};
+use crate::mbs::math::{V3, axpy, dot, mul, mul_t, norm, qmat, sub};
+use petgraph::unionfind::UnionFind;
 
 /// What counts as nothing, relative.
 const NOTHING: f64 = 1e-12;
@@ -21,7 +22,6 @@ pub fn planes(mechanism: &Mechanism) -> Vec<Option<V3>> {
 
 /// The part of each body: bodies that joints or forces connect.
 fn parts(mechanism: &Mechanism) -> Vec<usize> {
-    let mut part: Vec<usize> = (0..mechanism.bodies.len()).collect();
     let links =
         mechanism.joints.iter().map(|j| j.bodies).chain(mechanism.forces.iter().filter_map(|f| match f {
             Force::Spring { bodies, .. } | Force::Torsion { bodies, .. } | Force::Hinge { bodies, .. } => {
@@ -29,17 +29,11 @@ fn parts(mechanism: &Mechanism) -> Vec<usize> {
             }
             Force::Torque { .. } => None,
         }));
-    let links: Vec<[usize; 2]> = links.filter(|l| !l.iter().any(|b| is_ground(*b))).collect();
-    loop {
-        let before = part.clone();
-        for [a, b] in &links {
-            let least = part[*a].min(part[*b]);
-            (part[*a], part[*b]) = (least, least);
-        }
-        if part == before {
-            return part;
-        }
+    let mut parts = UnionFind::new(mechanism.bodies.len());
+    for [a, b] in links.filter(|l| !l.iter().any(|b| is_ground(*b))) {
+        parts.union(a, b);
     }
+    parts.into_labeling()
 }
 
 fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
@@ -56,7 +50,7 @@ fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
     let of_body = |b: &Body| {
         let r = qmat(b.orientation);
         let moment = mul(&r, mul(&b.inertia_kg_m2, mul_t(&r, n)));
-        along(b.velocity_m_s) && only(b.angular_velocity_rad_s) && only(scale(1.0, moment))
+        along(b.velocity_m_s) && only(b.angular_velocity_rad_s) && only(moment)
     };
     let of_force = |f: &Force| match f {
         Force::Spring { bodies, points_m, .. } => {

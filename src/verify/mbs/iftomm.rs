@@ -42,8 +42,9 @@ pub fn cases() -> Vec<Case> {
             "Bricard's mechanism: five rods on six revolutes, 30 conditions of which 29 are independent, 10 s: the second rod's last point.",
             || {
                 let known = a04();
-                let mut figures = known.figures(1e-9, 1e-4, A04, Some(1e-4))?;
-                let rows = known.run(1e-9)?.rows;
+                let course = known.run(1e-9)?;
+                let mut figures = known.figures_of(&course, 1e-4, A04, Some(1e-4));
+                let rows = course.rows;
                 figures.push(Figure::absolute("dependent conditions", "-", [1.0, rows[1] as f64], 0.0, A04));
                 Ok(figures)
             },

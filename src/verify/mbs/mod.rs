@@ -64,7 +64,7 @@ impl Known {
         self.track.iter().map(away).collect()
     }
 
-    /// Distances and, with a limit \[J\], the energy error.
+    /// Runs it; distances and, with a limit \[J\], the energy error.
     fn figures(
         &self,
         tolerance: f64,
@@ -72,8 +72,17 @@ impl Known {
         source: &'static str,
         energy_j: Option<f64>,
     ) -> Result<Vec<Figure>, String> {
-        let course = self.run(tolerance)?;
-        let pairs = self.track.iter().zip(self.distances_m(&course));
+        Ok(self.figures_of(&self.run(tolerance)?, allowed_m, source, energy_j))
+    }
+
+    fn figures_of(
+        &self,
+        course: &Course,
+        allowed_m: f64,
+        source: &'static str,
+        energy_j: Option<f64>,
+    ) -> Vec<Figure> {
+        let pairs = self.track.iter().zip(self.distances_m(course));
         let of_point = |((time, _), away): (&(f64, V3), f64)| {
             Figure::absolute(format!("distance at {time} s"), "m", [0.0, away], allowed_m, source)
         };
@@ -81,6 +90,6 @@ impl Known {
         figures.extend(energy_j.map(|limit| {
             Figure::absolute("energy error", "J", [0.0, course.energy_change_j], limit, "conservation")
         }));
-        Ok(figures)
+        figures
     }
 }

@@ -5,9 +5,9 @@
 //!
 //! - `V_p`: largest lateral force of the monotonic bend.
 //! - `V_o`: shear strength of the undamaged column by ASCE 41-17, eq. 10-3 with `k = 1`, for its axial force and shear span.
-//! - Above [`CRITICAL_SHARE`] of `V_p / V_o` a column is cycled, once each in both senses at [`AMPLITUDES_RAD`], and the cycles are compared with the test.
+//! - Above [`CRITICAL_SHARE`](crate::rc::shear::CRITICAL_SHARE) of `V_p / V_o` a column is cycled, once each in both senses at [`AMPLITUDES_RAD`], and the cycles are compared with the test.
 
-use crate::rc::shear::{CRITICAL_SHARE, asce_column_n};
+use crate::rc::shear::{ShearDemand, asce_column_n};
 use crate::verify::columns::Specimen;
 
 /// Drifts of the cycles.
@@ -23,7 +23,7 @@ pub fn strength_n(specimen: &Specimen) -> f64 {
 
 /// Whether a column that bears `lateral_n` is cycled.
 pub fn is_critical(lateral_n: f64, strength_n: f64) -> bool {
-    lateral_n > CRITICAL_SHARE * strength_n
+    ShearDemand { largest_n: lateral_n, strength_n }.is_critical()
 }
 
 /// Turning points of the cycles up to a drift; of that drift alone if it is smaller than all of them. The last way ends at its drift.
