@@ -85,9 +85,11 @@ fn mbs_frame(storeys: usize) -> f64 {
         bodies: Vec::new(),
         curves: [("hinge".to_string(), hinge_curve())].into(),
         joints: Vec::new(),
+        bushings: Vec::new(),
+        forces: Vec::new(),
         contact: Contact {
-            ground: Some(GroundPlane { level_m: 0.0, friction: 0.5 }),
-            bodies: Some(BodyContact { friction: 0.5 }),
+            ground: Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: RESTITUTION }),
+            bodies: Some(BodyContact { friction: 0.5, restitution: RESTITUTION }),
             ..Contact::default()
         },
         events: Vec::new(),
@@ -97,6 +99,7 @@ fn mbs_frame(storeys: usize) -> f64 {
             output_interval_s: 0.01,
             preload: true,
             time_step_s: Some(2e-4),
+            tolerance: TOLERANCE,
         },
     };
     for storey in 0..storeys {
@@ -106,11 +109,11 @@ fn mbs_frame(storeys: usize) -> f64 {
         for (x, y) in [(0.0, 0.0), (6.0, 0.0), (0.0, 5.0), (6.0, 5.0)] {
             let id = format!("column{storey}-{x}-{y}");
             let mut column = solid(&id, [x, y, foot + 1.75], [0.4, 0.4, 3.0], 0.0);
-            column.shapes[0].half_extents_m[2] = 1.4;
+            column.shapes[0] = Shape::cuboid([0.0; 3], [0.2, 0.2, 1.4]);
             model.bodies.push(column);
             let below = storey.checked_sub(1).map(|s| format!("slab{s}"));
-            model.joints.push(joint(format!("{id}.bottom"), below, &id, [x, y, foot]));
-            model.joints.push(joint(format!("{id}.top"), Some(id), &slab, [x, y, foot + 3.5]));
+            model.bushings.push(joint(format!("{id}.bottom"), below, &id, [x, y, foot]));
+            model.bushings.push(joint(format!("{id}.top"), Some(id), &slab, [x, y, foot + 3.5]));
         }
     }
     let start = Instant::now();
@@ -129,12 +132,12 @@ fn solid(id: &str, center: [f64; 3], size: [f64; 3], velocity_x_m_s: f64) -> Bod
         orientation: [1.0, 0.0, 0.0, 0.0],
         velocity_m_s: [velocity_x_m_s, 0.0, 0.0],
         angular_velocity_rad_s: [0.0; 3],
-        shapes: vec![Shape { center_m: [0.0; 3], half_extents_m: size.map(|v| 0.5 * v) }],
+        shapes: vec![Shape::cuboid([0.0; 3], size.map(|v| 0.5 * v))],
         origin: Origin::default(),
     }
 }
 
-fn joint(id: String, a: Option<String>, b: &str, point_m: [f64; 3]) -> Joint {
+fn joint(id: String, a: Option<String>, b: &str, point_m: [f64; 3]) -> Bushing {
     let bending = serde_json::json!({ "kind": "curve", "curve": "hinge" });
     let joint = serde_json::json!({
         "id": id, "body_a": a, "body_b": b, "point_m": point_m,

@@ -9,7 +9,7 @@ use crate::generate::{Generated, Reason};
 use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
-use crate::mbs::model::{Body, Joint, Origin};
+use crate::mbs::model::{Body, Bushing, Origin};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -121,7 +121,7 @@ impl TraceFile {
 /// A part of a model.
 enum Part<'a> {
     Body(&'a Body),
-    Joint(&'a Joint),
+    Joint(&'a Bushing),
 }
 
 impl<'a> Part<'a> {
@@ -129,7 +129,7 @@ impl<'a> Part<'a> {
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
-            .or_else(|| model.joints.iter().find(|j| j.id == id).map(Self::Joint))
+            .or_else(|| model.bushings.iter().find(|j| j.id == id).map(Self::Joint))
             .or_else(|| body(&|b| b.origin.members.iter().any(|m| m == id)))
     }
 
@@ -188,7 +188,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 
 fn unknown(model: &Model, id: &str) -> Failure {
     let members = model.bodies.iter().flat_map(|b| b.origin.members.iter().map(String::as_str));
-    let ids = model.bodies.iter().map(|b| b.id.as_str()).chain(model.joints.iter().map(|j| j.id.as_str()));
+    let ids = model.bodies.iter().map(|b| b.id.as_str()).chain(model.bushings.iter().map(|j| j.id.as_str()));
     let help = match closest(id, ids.chain(members)) {
         Some(near) => format!("did you mean `{near}`?"),
         None => {
@@ -196,7 +196,7 @@ fn unknown(model: &Model, id: &str) -> Failure {
             format!(
                 "bodies are for instance {}; joints {}",
                 first(model.bodies.iter().map(|b| b.id.as_str()).collect()),
-                first(model.joints.iter().map(|j| j.id.as_str()).collect())
+                first(model.bushings.iter().map(|j| j.id.as_str()).collect())
             )
         }
     };

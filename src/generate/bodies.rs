@@ -11,9 +11,9 @@ pub fn body(building: &Building, structure: &Structure, members: &[usize], rules
     let shapes = members
         .iter()
         .flat_map(|m| merged(structure.boxes(*m)))
-        .map(|solid| Shape {
-            center_m: std::array::from_fn(|i| solid.center()[i] - mass.center_m[i]),
-            half_extents_m: solid.size().map(|s| 0.5 * s),
+        .map(|solid| {
+            let center_m = std::array::from_fn(|i| solid.center()[i] - mass.center_m[i]);
+            Shape::cuboid(center_m, solid.size().map(|s| 0.5 * s))
         })
         .collect();
     Body {

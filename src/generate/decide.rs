@@ -115,7 +115,7 @@ impl Decision {
     /// The reasons of each part, in the order of the model.
     pub fn reasons(&self, rules: &RuleBase, model: &Model) -> Vec<Reason> {
         let bodies = model.bodies.iter().map(|b| (&b.id, &b.origin));
-        let joints = model.joints.iter().map(|j| (&j.id, &j.origin));
+        let joints = model.bushings.iter().map(|j| (&j.id, &j.origin));
         let mut reasons = Vec::new();
         for (part, origin) in bodies.chain(joints) {
             for trace in origin.members.iter().filter_map(|subject| self.traces.get(subject)) {

@@ -9,7 +9,7 @@ use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{Wanted, beyond};
 use crate::library::{Entry, Store, StoreError};
-use crate::mbs::model::{Bending, Body, Joint, Origin};
+use crate::mbs::model::{Bending, Body, Bushing, Origin};
 use std::collections::BTreeMap;
 
 /// What the joints are placed in.
@@ -95,7 +95,7 @@ pub fn hinges(
     found: &Entries,
     decision: &Decision,
     notes: &mut Vec<String>,
-) -> Result<Vec<Joint>, GenerateError> {
+) -> Result<Vec<Bushing>, GenerateError> {
     let mut joints = Vec::new();
     for end in ends {
         let Some(own) = place.owner[end.member] else { continue };
@@ -111,7 +111,7 @@ pub fn hinges(
             .ok_or_else(|| StoreError::NotFound { key: key.clone(), hint: String::new() })?;
         let hinge = entry.hinge()?;
         let bending = [0, 1].map(|axis| Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 });
-        joints.push(Joint {
+        joints.push(Bushing {
             id: end.id.clone(),
             body_a: other.map(|o| place.bodies[o].id.clone()),
             body_b: place.bodies[own].id.clone(),

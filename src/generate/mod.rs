@@ -19,8 +19,8 @@ use crate::graph::{Demands, Structure, demands};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    Body, BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RunSettings,
-    TrackedPoint,
+    Body, BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RESTITUTION,
+    RunSettings, TOLERANCE, TrackedPoint,
 };
 use crate::rules::RuleBase;
 use std::collections::BTreeMap;
@@ -136,7 +136,9 @@ pub fn generate(
         name: building.name.clone(),
         gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
         curves: found.curves(),
-        joints: hinges,
+        joints: Vec::new(),
+        bushings: hinges,
+        forces: Vec::new(),
         contact: contact(building),
         events: events(building, &list, &owner),
         tracked: tracked(building, partition, &list, &owner),
@@ -145,6 +147,7 @@ pub fn generate(
             output_interval_s: building.settings.output_interval_s,
             preload: true,
             time_step_s: None,
+            tolerance: TOLERANCE,
         },
         bodies: list,
     };
@@ -174,7 +177,11 @@ fn overloaded_rigid_ends(demands: &Demands, decision: &Decision) -> Vec<String> 
 
 fn contact(building: &Building) -> Contact {
     Contact {
-        ground: Some(GroundPlane { level_m: building.ground.level_m, friction: building.ground.friction }),
+        ground: Some(GroundPlane {
+            level_m: building.ground.level_m,
+            friction: building.ground.friction,
+            restitution: RESTITUTION,
+        }),
         obstacles: building
             .obstacles
             .iter()
@@ -183,9 +190,12 @@ fn contact(building: &Building) -> Contact {
                 min_m: o.solid.min,
                 max_m: o.solid.max,
                 friction: o.friction,
+                restitution: RESTITUTION,
             })
             .collect(),
-        bodies: Some(BodyContact { friction: building.ground.friction }),
+        planes: Vec::new(),
+        pairs: Vec::new(),
+        bodies: Some(BodyContact { friction: building.ground.friction, restitution: RESTITUTION }),
     }
 }
 
@@ -199,6 +209,8 @@ fn events(building: &Building, bodies: &[Body], owner: &[Option<usize>]) -> Vec<
             Some(Event {
                 id: charge.id.clone(),
                 time_s: charge.time_s,
+                release: Vec::new(),
+                weaken: Vec::new(),
                 remove_bodies: vec![bodies[owner[member]?].id.clone()],
                 origin: Origin { members: vec![charge.member.clone()], ..Origin::default() },
             })

@@ -10,7 +10,7 @@
 
 use super::contact_law::{ContactEnergy, Law, PointState};
 use super::math::{self, V3};
-use super::model::Model;
+use super::model::{Model, Shape};
 use super::narrow::{Manifold, OrientedBox, separation};
 use super::system::System;
 
@@ -66,7 +66,7 @@ pub struct ContactSet {
     colliders: Vec<Collider>,
     obstacles: Vec<OrientedBox>,
     pairs: Vec<Pair>,
-    ground: Option<(f64, f64)>,
+    ground: Option<(f64, f64, f64)>,
     ground_blocked: Vec<bool>,
     ground_seen: Vec<bool>,
     radius: Vec<f64>,
@@ -76,7 +76,6 @@ pub struct ContactSet {
     clock: f64,
     alarm: f64,
     step_s: f64,
-    restitution: f64,
     /// Energies.
     pub energy: ContactEnergy,
     /// First contacts not yet fetched.
@@ -85,11 +84,16 @@ pub struct ContactSet {
 
 impl ContactSet {
     /// Compiles the contacts of a model for steps up to `step_s`.
-    pub fn new(model: &Model, system: &System, step_s: f64, restitution: f64) -> Self {
+    pub fn new(model: &Model, system: &System, step_s: f64) -> Self {
         let n = system.count();
         let mut colliders = Vec::new();
         for (body, entry) in model.bodies.iter().enumerate() {
-            colliders.extend(entry.shapes.iter().map(|s| Collider::new(body, s.center_m, s.half_extents_m)));
+            colliders.extend(entry.shapes.iter().filter_map(|s| match s {
+                Shape::Box { center_m, half_extents_m, .. } => {
+                    Some(Collider::new(body, *center_m, *half_extents_m))
+                }
+                _ => None,
+            }));
         }
         let mut radius = vec![0.0_f64; n];
         let mut inverse_mass = vec![0.0_f64; n + 1];
@@ -108,7 +112,7 @@ impl ContactSet {
         let mut set = Self {
             obstacles: obstacles.collect(),
             pairs: Vec::new(),
-            ground: model.contact.ground.as_ref().map(|g| (g.level_m, g.friction)),
+            ground: model.contact.ground.as_ref().map(|g| (g.level_m, g.friction, g.restitution)),
             ground_blocked: vec![false; n],
             ground_seen: vec![false; n],
             radius,
@@ -117,7 +121,6 @@ impl ContactSet {
             clock: 0.0,
             alarm: 0.0,
             step_s,
-            restitution,
             energy: ContactEnergy::default(),
             touches: Vec::new(),
             colliders,
@@ -134,18 +137,18 @@ impl ContactSet {
             if let Some(contact) = &model.contact.bodies {
                 for b in a + 1..count {
                     if self.colliders[b].body != body {
-                        self.push_pair(a, b, self.colliders[b].body, contact.friction);
+                        self.push_pair(a, b, self.colliders[b].body, [contact.friction, contact.restitution]);
                     }
                 }
             }
             for (k, obstacle) in model.contact.obstacles.iter().enumerate() {
-                self.push_pair(a, count + k, ground, obstacle.friction);
+                self.push_pair(a, count + k, ground, [obstacle.friction, obstacle.restitution]);
             }
         }
     }
 
-    fn push_pair(&mut self, a: usize, b: usize, body_b: usize, friction: f64) {
-        let law = self.law(self.inverse_mass[self.colliders[a].body] + self.inverse_mass[body_b], friction);
+    fn push_pair(&mut self, a: usize, b: usize, body_b: usize, surface: [f64; 2]) {
+        let law = self.law(self.inverse_mass[self.colliders[a].body] + self.inverse_mass[body_b], surface);
         self.pairs.push(Pair {
             a,
             b,
@@ -160,8 +163,8 @@ impl ContactSet {
         });
     }
 
-    fn law(&self, inverse_mass: f64, friction: f64) -> Law {
-        Law::new(inverse_mass, friction, self.restitution, self.step_s)
+    fn law(&self, inverse_mass: f64, [friction, restitution]: [f64; 2]) -> Law {
+        Law::new(inverse_mass, friction, restitution, self.step_s)
     }
 
     fn body_of(&self, collider: usize, ground: usize) -> usize {
@@ -212,15 +215,15 @@ impl ContactSet {
     /// evaluated again in the same position).
     pub fn add_forces(&mut self, system: &mut System, h_s: f64) {
         self.energy.elastic_j = 0.0;
-        if let Some((level, friction)) = self.ground {
-            self.ground_forces(system, level, friction, h_s);
+        if let Some((level, friction, restitution)) = self.ground {
+            self.ground_forces(system, level, [friction, restitution], h_s);
         }
         if !self.pairs.is_empty() {
             self.pair_forces(system, h_s);
         }
     }
 
-    fn ground_forces(&mut self, system: &mut System, level: f64, friction: f64, h: f64) {
+    fn ground_forces(&mut self, system: &mut System, level: f64, surface: [f64; 2], h: f64) {
         for i in 0..self.colliders.len() {
             let body = self.colliders[i].body;
             let state = &system.bodies[body];
@@ -230,7 +233,7 @@ impl ContactSet {
             let (c, half) = (self.colliders[i].center, self.colliders[i].half);
             let reach: f64 = (0..3).map(|j| state.r[2][j].abs() * half[j]).sum();
             let low = state.x[2] + math::dot(state.r[2], c) - reach;
-            let law = self.law(self.inverse_mass[body], friction);
+            let law = self.law(self.inverse_mass[body], surface);
             let collider = &mut self.colliders[i];
             let fresh = std::mem::take(&mut collider.ground_fresh);
             if low > level && !fresh && collider.ground.iter().all(|p| !p.active) {

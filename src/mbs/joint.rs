@@ -9,7 +9,7 @@
 //! the axial spring may flow at a constant force (crushing); its work is booked by the trapezoidal rule like the hinge's.
 
 use super::math::{self, M3, Q, V3};
-use super::model::Joint;
+use super::model::Bushing;
 use super::system::BodyState;
 use crate::curve::hinge::AxisLaw;
 use crate::curve::{CapacityTable, Hinge2};
@@ -65,7 +65,7 @@ pub struct JointData {
 
 impl JointData {
     /// Compiles a joint; it is stress-free in the given poses.
-    pub fn new(joint: &Joint, a: usize, b: usize, bodies: &[BodyState]) -> Self {
+    pub fn new(joint: &Bushing, a: usize, b: usize, bodies: &[BodyState]) -> Self {
         let frame = math::mat_to_q(&math::transpose(&joint.axes));
         let local = |i: usize| {
             let body = &bodies[i];

@@ -24,15 +24,13 @@ const MOST_STEPS: f64 = 2e9;
 /// Options that are not part of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolverOptions {
-    /// Coefficient of restitution of all contacts, 0 to 1 (0.1: concrete on concrete at collapse speeds).
-    pub restitution: f64,
     /// Relative energy error above which the run stops.
     pub energy_limit: f64,
 }
 
 impl Default for SolverOptions {
     fn default() -> Self {
-        Self { restitution: 0.1, energy_limit: 0.1 }
+        Self { energy_limit: 0.1 }
     }
 }
 
@@ -83,7 +81,7 @@ impl<'a> Run<'a> {
         };
         let frequency = frequency::highest_rad_s(&system);
         let step_limit = choose_step(model, frequency)?;
-        let contacts = ContactSet::new(model, &system, step_limit, options.restitution);
+        let contacts = ContactSet::new(model, &system, step_limit);
         let initial = System::new(model)?;
         let tracked: Vec<(usize, math::V3)> = model
             .tracked
@@ -198,7 +196,7 @@ impl<'a> Run<'a> {
 
     #[cold]
     fn note_yield(&mut self, i: usize) {
-        let id = &self.model.joints[i].id;
+        let id = &self.model.bushings[i].id;
         if !std::mem::replace(&mut self.yielded[i], true) {
             self.result
                 .events
@@ -216,7 +214,7 @@ impl<'a> Run<'a> {
     fn note_preload_yield(&mut self) {
         for i in 0..self.system.joints.len() {
             if self.preloading && self.yielded[i] {
-                let id = &self.model.joints[i].id;
+                let id = &self.model.bushings[i].id;
                 self.result.warnings.push(format!("joint \"{id}\" flows under dead load already"));
                 let kind = EventKind::Yield { joint: id.clone() };
                 self.result.events.push(RunEvent { time_s: 0.0, kind });
@@ -235,7 +233,7 @@ impl<'a> Run<'a> {
                 self.released += std::mem::take(&mut joint.elastic_j);
                 let cause =
                     if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
-                let kind = EventKind::Fracture { joint: self.model.joints[i].id.clone(), cause };
+                let kind = EventKind::Fracture { joint: self.model.bushings[i].id.clone(), cause };
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
         }
@@ -391,7 +389,7 @@ impl<'a> Run<'a> {
             limit: self.options.energy_limit,
             body: self.model.bodies[body].id.clone(),
             speed_m_s: speed(body),
-            joint: joint.map_or_else(|| "none".into(), |i| self.model.joints[i].id.clone()),
+            joint: joint.map_or_else(|| "none".into(), |i| self.model.bushings[i].id.clone()),
             step_s: self.step_limit,
         }
     }
@@ -429,7 +427,7 @@ fn preload_error(model: &Model, error: PreloadError) -> SolveError {
 
 fn joints_of(model: &Model, body: usize) -> String {
     let id = &model.bodies[body].id;
-    let own = model.joints.iter().filter(|j| j.body_b == *id || j.body_a.as_ref() == Some(id));
+    let own = model.bushings.iter().filter(|j| j.body_b == *id || j.body_a.as_ref() == Some(id));
     let list: Vec<&str> = own.map(|j| j.id.as_str()).collect();
     if list.is_empty() { "none".into() } else { list.join(", ") }
 }
@@ -452,7 +450,7 @@ fn empty_result(
         }
     });
     let hinge_histories = hinges.iter().map(|i| HingeHistory {
-        joint: model.joints[*i].id.clone(),
+        joint: model.bushings[*i].id.clone(),
         rotation_rad: Vec::new(),
         moment_nm: Vec::new(),
         plastic_rotation_rad: Vec::new(),

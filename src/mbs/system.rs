@@ -76,8 +76,8 @@ impl System {
         let ground = model.bodies.len();
         let mut tables = Vec::new();
         let mut seen: BTreeMap<(&str, u64), u32> = BTreeMap::new();
-        let mut joints = Vec::with_capacity(model.joints.len());
-        for joint in &model.joints {
+        let mut joints = Vec::with_capacity(model.bushings.len());
+        for joint in &model.bushings {
             let a = joint.body_a.as_deref().and_then(|id| index.get(id).copied()).unwrap_or(ground);
             let b = index.get(joint.body_b.as_str()).copied().unwrap_or(ground);
             let mut compiled = JointData::new(joint, a, b, &bodies);

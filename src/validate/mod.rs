@@ -192,7 +192,7 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
             SiteComparison {
                 id: zone.id.clone(),
                 fe_zone: zone.first_s.is_some(),
-                hinge: model.joints.iter().any(|j| j.id == zone.id),
+                hinge: model.bushings.iter().any(|j| j.id == zone.id),
                 plastic_rotation_rad: turned
                     .map_or(0.0, |h| h.plastic_rotation_rad.iter().copied().fold(0.0, f64::max)),
                 yield_s: first(&zone.id, false),
@@ -225,16 +225,11 @@ fn mbs_footprint(model: &Model, run: &RunResult) -> Footprint {
         let [w, x, y, z] = frame.orientation[index];
         let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
         for shape in &body.shapes {
-            let corners: Vec<[f64; 2]> = (0..8)
-                .map(|c| {
-                    let local = nalgebra::Vector3::from_fn(|i, _| {
-                        let sign = if c >> i & 1 == 0 { -1.0 } else { 1.0 };
-                        shape.center_m[i] + sign * shape.half_extents_m[i]
-                    });
-                    let at = turn * local;
-                    [frame.position_m[index][0] + at.x, frame.position_m[index][1] + at.y]
-                })
-                .collect();
+            let at = |local: [f64; 3]| {
+                let at = turn * nalgebra::Vector3::from(local);
+                [frame.position_m[index][0] + at.x, frame.position_m[index][1] + at.y]
+            };
+            let corners: Vec<[f64; 2]> = shape.corners().into_iter().map(at).collect();
             footprint.add(&corners);
         }
     }

@@ -30,7 +30,7 @@ fn generated(building: &Building) -> Result<Generated, GenerateError> {
 fn the_reference_needs_no_curve_that_is_not_shipped() {
     let model = generated(&reference(|t| t)).expect("the library holds all entries").model;
     assert_eq!(model.bodies.len(), 15, "three floors and twelve columns");
-    assert_eq!(model.joints.len(), 24, "both ends of twelve columns");
+    assert_eq!(model.bushings.len(), 24, "both ends of twelve columns");
     assert_eq!(model.events.len(), 2);
     model.check().expect("a sound model");
 }
@@ -58,12 +58,12 @@ fn every_part_names_members_rules_and_entries() {
     for body in &generated.model.bodies {
         assert!(!body.origin.members.is_empty() && !body.origin.rules.is_empty(), "{}", body.id);
     }
-    for joint in &generated.model.joints {
+    for joint in &generated.model.bushings {
         assert!(!joint.origin.entries.is_empty() && joint.origin.rules.len() >= 2, "{}", joint.id);
         assert!(joint.origin.rules.iter().all(|r| rules.rule(r).is_some()));
     }
     for part in
-        generated.model.bodies.iter().map(|b| &b.id).chain(generated.model.joints.iter().map(|j| &j.id))
+        generated.model.bodies.iter().map(|b| &b.id).chain(generated.model.bushings.iter().map(|j| &j.id))
     {
         assert!(generated.trace.iter().any(|r| r.part == *part && !r.words.is_empty()), "{part}");
     }

@@ -2,11 +2,11 @@
 
 use super::support::*;
 use fallwerk::mbs::model::*;
-use fallwerk::mbs::{SolverOptions, simulate, simulate_with};
+use fallwerk::mbs::simulate;
 
 fn on_ground(name: &str, end_s: f64, friction: f64) -> Model {
     let mut m = model(name, end_s, 0.01);
-    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction });
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction, restitution: RESTITUTION });
     m
 }
 
@@ -45,8 +45,8 @@ fn dropped_box_rebounds_with_its_restitution() {
     for (restitution, tolerance) in [(1.0, 0.02), (0.5, 0.05), (0.1, 0.2)] {
         let mut m = on_ground("bounce", 1.2, 0.5);
         m.bodies.push(solid("box", [0.0, 0.0, 1.2], [0.4, 0.4, 0.4]));
-        let options = SolverOptions { restitution, ..Default::default() };
-        let result = simulate_with(&m, &options).unwrap();
+        m.contact.ground.as_mut().unwrap().restitution = restitution;
+        let result = simulate(&m).unwrap();
         let heights: Vec<f64> = result.frames.iter().map(|f| f.position_m[0][2] - 0.2).collect();
         let hit = heights.iter().position(|h| *h < 0.02).unwrap();
         let rebound = heights[hit + 5..].iter().copied().fold(0.0, f64::max);
@@ -61,7 +61,7 @@ fn dropped_box_rebounds_with_its_restitution() {
 #[test]
 fn a_stack_of_three_stays_at_rest() {
     let mut m = on_ground("stack", 3.0, 0.5);
-    m.contact.bodies = Some(BodyContact { friction: 0.5 });
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: RESTITUTION });
     for i in 0..3 {
         m.bodies.push(solid(
             &format!("box{i}"),
@@ -87,12 +87,13 @@ fn a_stack_of_three_stays_at_rest() {
 #[test]
 fn slabs_at_ten_metres_per_second_do_not_pass_through() {
     let mut m = on_ground("slabs", 0.6, 0.5);
-    m.contact.bodies = Some(BodyContact { friction: 0.5 });
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: RESTITUTION });
     m.contact.obstacles.push(ObstacleBox {
         id: "plinth".into(),
         min_m: [-1.0, -1.0, 0.0],
         max_m: [1.0, 1.0, 0.5],
         friction: 0.5,
+        restitution: RESTITUTION,
     });
     m.settings.output_interval_s = 5e-4;
     m.settings.time_step_s = Some(5e-4);
@@ -118,6 +119,7 @@ fn box_tumbling_off_an_edge_keeps_its_energy_balance() {
         min_m: [-2.0, -2.0, 0.0],
         max_m: [0.0, 2.0, 1.0],
         friction: 0.4,
+        restitution: RESTITUTION,
     });
     let mut body = solid("box", [-0.3, 0.1, 1.45], [0.8, 0.6, 0.9]);
     body.velocity_m_s = [1.5, 0.3, 0.0];

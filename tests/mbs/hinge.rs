@@ -168,7 +168,7 @@ fn topple(plastic_moment: f64, end_s: f64, step_s: Option<f64>) -> fallwerk::mbs
     column.orientation = [0.1_f64.cos(), 0.0, 0.1_f64.sin(), 0.0];
     m.bodies.push(column);
     m.curves.insert("foot".into(), curve(&[[0.0, plastic_moment], [10.0, plastic_moment]], 10.0));
-    m.joints.push(joint("foot", None, "column", [0.0; 3], 1e10, 1e7, [elastic(2e7), hinge("foot")]));
+    m.bushings.push(joint("foot", None, "column", [0.0; 3], 1e10, 1e7, [elastic(2e7), hinge("foot")]));
     m.settings.time_step_s = step_s;
     simulate(&m).unwrap()
 }

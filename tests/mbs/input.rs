@@ -7,7 +7,7 @@ fn good() -> Model {
     let mut m = model("input", 0.1, 0.01);
     m.bodies.push(solid("a", [0.0, 0.0, 1.0], [1.0; 3]));
     m.curves.insert("c".into(), frame_curve());
-    m.joints.push(joint("j", None, "a", [0.0; 3], 1e8, 1e7, [hinge("c"), elastic(1e7)]));
+    m.bushings.push(joint("j", None, "a", [0.0; 3], 1e8, 1e7, [hinge("c"), elastic(1e7)]));
     m
 }
 
@@ -26,11 +26,11 @@ fn every_wrong_value_is_named() {
         (|m| m.bodies[0].orientation[0] = 0.5, "bodies[0].orientation: "),
         (|m| m.bodies.push(solid("a", [0.0; 3], [1.0; 3])), "bodies[1].id: \"a\" is used twice"),
         (
-            |m| m.joints[0].body_b = "aa".into(),
-            "joints[0].body_b: \"aa\" is not the id of a body (did you mean \"a\"?)",
+            |m| m.bushings[0].body_b = "aa".into(),
+            "bushings[0].body_b: \"aa\" is not the id of a body (did you mean \"a\"?)",
         ),
-        (|m| m.joints[0].axes[0] = [0.0, 0.1, 1.0], "joints[0].axes: "),
-        (|m| m.joints[0].bending[0] = hinge("d"), "joints[0].bending[0].curve: \"d\" is not in curves"),
+        (|m| m.bushings[0].axes[0] = [0.0, 0.1, 1.0], "bushings[0].axes: "),
+        (|m| m.bushings[0].bending[0] = hinge("d"), "bushings[0].bending[0].curve: \"d\" is not in curves"),
         (
             |m| m.curves.get_mut("c").unwrap().levels[0].capacity[1][0] = -1.0,
             "curves.c: levels[0].capacity[1]",

@@ -14,7 +14,7 @@ fn pendulum(spring: f64, end_s: f64, step_s: Option<f64>) -> RunResult {
     bob.mass_kg = 1.0;
     bob.inertia_kg_m2 = [[0.04, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]];
     m.bodies.push(bob);
-    m.joints.push(joint("pivot", None, "bob", [0.0; 3], 1e7, 0.0, [elastic(0.0), elastic(spring)]));
+    m.bushings.push(joint("pivot", None, "bob", [0.0; 3], 1e7, 0.0, [elastic(0.0), elastic(spring)]));
     m.settings.time_step_s = step_s;
     simulate(&m).unwrap()
 }
@@ -74,8 +74,8 @@ fn error_falls_with_the_square_of_the_step() {
             m.bodies.push(rod);
         }
         let bend = [elastic(800.0), elastic(500.0)];
-        m.joints.push(joint("a", None, "rod0", [0.0; 3], 3e4, 300.0, bend.clone()));
-        m.joints.push(joint("b", Some("rod0"), "rod1", [1.0, 0.1, 0.0], 3e4, 300.0, bend));
+        m.bushings.push(joint("a", None, "rod0", [0.0; 3], 3e4, 300.0, bend.clone()));
+        m.bushings.push(joint("b", Some("rod0"), "rod1", [1.0, 0.1, 0.0], 3e4, 300.0, bend));
         m.settings.time_step_s = Some(h);
         simulate(&m).unwrap().frames.pop().unwrap().position_m[1]
     };
@@ -120,7 +120,7 @@ fn joint_forces_conserve_momentum_and_angular_momentum() {
     (a.velocity_m_s, a.angular_velocity_rad_s) = ([1.0, 0.0, 2.0], [2.0, 1.0, 0.0]);
     b.angular_velocity_rad_s = [0.0, -2.0, 3.0];
     m.bodies = vec![a, b];
-    m.joints.push(joint("j", Some("a"), "b", [0.0, 0.1, 1.0], 1e7, 1e5, [elastic(2e5), elastic(1e5)]));
+    m.bushings.push(joint("j", Some("a"), "b", [0.0, 0.1, 1.0], 1e7, 1e5, [elastic(2e5), elastic(1e5)]));
     let mut system = System::new(&m).unwrap();
     let total = |s: &System| {
         let mut sum = [[0.0; 3]; 2];
@@ -155,7 +155,7 @@ fn falling_rod_hits_at_the_closed_form_time_and_speed() {
     let slender = rod.mass_kg * length * length / 12.0;
     rod.inertia_kg_m2 = [[slender, 0.0, 0.0], [0.0, slender, 0.0], [0.0, 0.0, 1e-3 * slender]];
     m.bodies.push(rod);
-    m.joints.push(joint("pivot", None, "rod", [0.0; 3], 1e9, 0.0, [elastic(0.0), elastic(0.0)]));
+    m.bushings.push(joint("pivot", None, "rod", [0.0; 3], 1e9, 0.0, [elastic(0.0), elastic(0.0)]));
     let result = simulate(&m).unwrap();
     let falling: Vec<f64> = result.frames.iter().map(|f| -f.position_m[0][2]).collect();
     let (time, speed) = crossing(&result.times_s, &falling, 0.0);
@@ -184,8 +184,8 @@ fn segments_yield_where_the_falling_chimney_breaks() {
     let mut law = curve(&[[0.0, capacity], [1.0, capacity]], 2.0);
     law.stiffness_nm_rad = 2e9;
     m.curves.insert("joint".into(), law);
-    m.joints.push(joint("pivot", None, "low", [0.0; 3], 1e10, 0.0, [elastic(0.0), elastic(0.0)]));
-    m.joints.push(joint(
+    m.bushings.push(joint("pivot", None, "low", [0.0; 3], 1e10, 0.0, [elastic(0.0), elastic(0.0)]));
+    m.bushings.push(joint(
         "joint",
         Some("low"),
         "high",
@@ -218,7 +218,7 @@ fn the_same_model_gives_the_same_bytes() {
 fn a_diverging_step_is_refused() {
     let mut m = model("step", 0.1, 0.1);
     m.bodies.push(solid("a", [0.0, 0.0, 1.0], [1.0; 3]));
-    m.joints.push(joint("j", None, "a", [0.0; 3], 1e9, 1e8, [elastic(1e8), elastic(1e8)]));
+    m.bushings.push(joint("j", None, "a", [0.0; 3], 1e9, 1e8, [elastic(1e8), elastic(1e8)]));
     m.settings = RunSettings { time_step_s: Some(0.05), ..m.settings };
     let error = simulate(&m).unwrap_err().to_string();
     assert!(error.contains("stability limit"), "{error}");

@@ -11,7 +11,7 @@ fn preloaded_cantilever_hangs_at_the_closed_form_and_stays_there() {
     let mut m = model("cantilever", 1.0, 0.1);
     m.bodies.push(solid("beam", [arm, 0.0, 0.0], [4.0, 0.4, 0.4]));
     m.settings.preload = true;
-    m.joints.push(Joint {
+    m.bushings.push(Bushing {
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         shear_stiffness_n_m: [shear; 2],
         ..joint("clamp", None, "beam", [0.0; 3], 1e9, 1e7, [elastic(bending), elastic(bending)])
@@ -42,11 +42,11 @@ fn table_frame() -> Model {
         let id = format!("column{i}");
         m.bodies.push(solid(&id, [x, y, 1.75], [0.4, 0.4, 3.1]));
         let ends = [hinge("hinge"), hinge("hinge")];
-        m.joints.push(joint(&format!("foot{i}"), None, &id, [x, y, 0.0], 1e9, 1e7, ends.clone()));
-        m.joints.push(joint(&format!("head{i}"), Some(&id), "slab", [x, y, 3.5], 1e9, 1e7, ends));
+        m.bushings.push(joint(&format!("foot{i}"), None, &id, [x, y, 0.0], 1e9, 1e7, ends.clone()));
+        m.bushings.push(joint(&format!("head{i}"), Some(&id), "slab", [x, y, 3.5], 1e9, 1e7, ends));
     }
-    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5 });
-    m.contact.bodies = Some(BodyContact { friction: 0.5 });
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: RESTITUTION });
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: RESTITUTION });
     m.settings.preload = true;
     track(&mut m, "slab", [-0.2, -0.2, 3.5]);
     m
@@ -71,6 +71,8 @@ fn removing_two_columns_brings_the_slab_down_on_their_side() {
         id: "charge".into(),
         time_s: 0.1234,
         remove_bodies: vec!["column0".into(), "column1".into()],
+        release: Vec::new(),
+        weaken: Vec::new(),
         origin: Origin::default(),
     });
     let result = simulate(&m).unwrap();
@@ -92,14 +94,14 @@ fn removing_two_columns_brings_the_slab_down_on_their_side() {
 #[test]
 fn a_mechanism_names_its_loosest_body() {
     let mut m = table_frame();
-    m.joints.retain(|j| j.id != "foot2" && j.id != "head2");
+    m.bushings.retain(|j| j.id != "foot2" && j.id != "head2");
     match simulate(&m) {
         Err(SolveError::Mechanism { body, .. }) => assert_eq!(body, "column2"),
         other => panic!("{other:?}"),
     }
     // A column between two ball joints still turns about its own axis.
     let mut m = table_frame();
-    for joint in m.joints.iter_mut().filter(|j| j.id.ends_with('1')) {
+    for joint in m.bushings.iter_mut().filter(|j| j.id.ends_with('1')) {
         joint.torsional_stiffness_nm_rad = 0.0;
         joint.bending = [elastic(0.0), elastic(0.0)];
     }
@@ -115,7 +117,7 @@ fn tension_separates_a_joint() {
     m.bodies.push(solid("weight", [0.0, 0.0, -1.0], [1.0; 3]));
     let mut rope = joint("rope", None, "weight", [0.0; 3], 1e8, 1e7, [elastic(1e7), elastic(1e7)]);
     rope.tensile_capacity_n = Some(1.5 * 2500.0 * G);
-    m.joints.push(rope);
+    m.bushings.push(rope);
     // From rest the spring swings to twice the weight, so it breaks at half as much again.
     let result = simulate(&m).unwrap();
     assert!(

@@ -16,10 +16,18 @@ pub fn model(name: &str, end_time_s: f64, output_interval_s: f64) -> Model {
         bodies: Vec::new(),
         curves: Default::default(),
         joints: Vec::new(),
+        bushings: Vec::new(),
+        forces: Vec::new(),
         contact: Contact::default(),
         events: Vec::new(),
         tracked: Vec::new(),
-        settings: RunSettings { end_time_s, output_interval_s, preload: false, time_step_s: None },
+        settings: RunSettings {
+            end_time_s,
+            output_interval_s,
+            preload: false,
+            time_step_s: None,
+            tolerance: TOLERANCE,
+        },
     }
 }
 
@@ -40,7 +48,7 @@ pub fn solid(id: &str, center: [f64; 3], size: [f64; 3]) -> Body {
         orientation: [1.0, 0.0, 0.0, 0.0],
         velocity_m_s: [0.0; 3],
         angular_velocity_rad_s: [0.0; 3],
-        shapes: vec![Shape { center_m: [0.0; 3], half_extents_m: size.map(|v| 0.5 * v) }],
+        shapes: vec![Shape::cuboid([0.0; 3], size.map(|v| 0.5 * v))],
         origin: Origin::default(),
     }
 }
@@ -54,8 +62,8 @@ pub fn joint(
     translation: f64,
     torsion: f64,
     bending: [Bending; 2],
-) -> Joint {
-    Joint {
+) -> Bushing {
+    Bushing {
         id: id.into(),
         body_a: a.map(Into::into),
         body_b: b.into(),

@@ -118,7 +118,7 @@ fn histories(p: &Pieces) -> Vec<History> {
 ///
 /// A hinge below [`ACTIVE_ROTATION_RAD`] is shown as not yielded, so that the page counts as [`Validation`] does.
 fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
-    let joints = &p.generated.model.joints;
+    let joints = &p.generated.model.bushings;
     let at_end = p.facts.ends.iter().zip(&p.validation.sites).map(|(zone, site)| HingeSite {
         member_end: zone.id.clone(),
         point_m: zone.point_m,

@@ -2,7 +2,7 @@
 
 use crate::generate::Generated;
 use crate::library::Entry;
-use crate::mbs::model::{Bending, Joint};
+use crate::mbs::model::{Bending, Bushing};
 use crate::report::{BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, RuleRow, TraceRow};
 use std::collections::BTreeMap;
 
@@ -20,14 +20,14 @@ pub fn summary(generated: &Generated) -> ModelSummary {
             .iter()
             .map(|b| BodyRow { id: b.id.clone(), mass_kg: b.mass_kg, members: b.origin.members.clone() })
             .collect(),
-        joints: model.joints.iter().map(joint).collect(),
+        joints: model.bushings.iter().map(joint).collect(),
         entries: generated
             .entries
             .iter()
             .map(|(key, entry)| EntryRow {
                 key: key.clone(),
                 description: entry_words(entry),
-                uses: model.joints.iter().filter(|j| j.origin.entries.contains(key)).count() as u64,
+                uses: model.bushings.iter().filter(|j| j.origin.entries.contains(key)).count() as u64,
             })
             .collect(),
         rules: rules(generated),
@@ -44,7 +44,7 @@ pub fn summary(generated: &Generated) -> ModelSummary {
     }
 }
 
-fn joint(joint: &Joint) -> JointRow {
+fn joint(joint: &Bushing) -> JointRow {
     let curve = |b: &Bending| match b {
         Bending::Curve { curve, .. } => Some(curve.clone()),
         Bending::Elastic { .. } => None,

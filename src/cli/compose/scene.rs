@@ -76,7 +76,10 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
         boxes: body
             .shapes
             .iter()
-            .map(|s| BodyBox { center_m: s.center_m, half_extents_m: s.half_extents_m })
+            .map(|s| {
+                let [center_m, half_extents_m] = s.bounds();
+                BodyBox { center_m, half_extents_m }
+            })
             .collect(),
         appears_s: None,
         removed_s: removed_s(body),

@@ -1,7 +1,10 @@
 //! Reading and checking a model file. Every complaint names its place as a JSON path.
 
+mod connection;
+mod contact;
+
 use super::math::{self, M3};
-use super::model::{Bending, Body, Joint, MODEL_SCHEMA, Model};
+use super::model::{Body, Force, MODEL_SCHEMA, Model};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -68,9 +71,10 @@ impl Model {
         list.require(!self.bodies.is_empty(), "bodies", || "is empty, expected at least one body".into());
         list.unique("bodies", self.bodies.iter().map(|b| b.id.as_str()));
         list.unique("joints", self.joints.iter().map(|j| j.id.as_str()));
+        list.unique("bushings", self.bushings.iter().map(|j| j.id.as_str()));
+        list.unique("forces", self.forces.iter().map(|f| f.id()));
         list.unique("events", self.events.iter().map(|e| e.id.as_str()));
         list.unique("tracked", self.tracked.iter().map(|t| t.id.as_str()));
-        list.unique("contact.obstacles", self.contact.obstacles.iter().map(|o| o.id.as_str()));
         for (i, body) in self.bodies.iter().enumerate() {
             check_body(body, &format!("bodies[{i}]"), &mut list);
         }
@@ -80,20 +84,9 @@ impl Model {
             }
         }
         let known: BTreeSet<&str> = self.bodies.iter().map(|b| b.id.as_str()).collect();
-        for (i, joint) in self.joints.iter().enumerate() {
-            self.check_joint(joint, &format!("joints[{i}]"), &known, &mut list);
-        }
-        self.check_contact(&mut list);
-        for (i, event) in self.events.iter().enumerate() {
-            list.require(
-                event.time_s >= 0.0 && event.time_s.is_finite(),
-                &format!("events[{i}].time_s"),
-                || format!("is {}, expected a finite time of at least zero", event.time_s),
-            );
-            for (k, id) in event.remove_bodies.iter().enumerate() {
-                list.known(&known, id, &format!("events[{i}].remove_bodies[{k}]"));
-            }
-        }
+        connection::check(self, &known, &mut list);
+        contact::check(self, &known, &mut list);
+        check_events(self, &known, &mut list);
         for (i, point) in self.tracked.iter().enumerate() {
             list.known(&known, &point.body, &format!("tracked[{i}].body"));
             list.finite(&format!("tracked[{i}].point_m"), &point.point_m);
@@ -104,70 +97,8 @@ impl Model {
         if let Some(h) = s.time_step_s {
             list.positive("settings.time_step_s", h);
         }
+        list.positive("settings.tolerance", s.tolerance);
         if list.0.is_empty() { Ok(()) } else { Err(ModelError::Invalid(list.0)) }
-    }
-
-    fn check_joint(&self, joint: &Joint, path: &str, known: &BTreeSet<&str>, list: &mut List) {
-        if let Some(a) = &joint.body_a {
-            list.known(known, a, &format!("{path}.body_a"));
-            list.require(*a != joint.body_b, &format!("{path}.body_b"), || {
-                format!("is \"{a}\", the same as body_a; expected two different bodies")
-            });
-        }
-        list.known(known, &joint.body_b, &format!("{path}.body_b"));
-        list.finite(&format!("{path}.point_m"), &joint.point_m);
-        let off = orthonormality_error(&joint.axes);
-        list.require(off <= ORTHONORMAL_TOLERANCE, &format!("{path}.axes"), || {
-            format!("rows are not orthonormal and right-handed (off by {off:.1e}, allowed {ORTHONORMAL_TOLERANCE:.0e})")
-        });
-        list.not_negative(&format!("{path}.axial_stiffness_n_m"), joint.axial_stiffness_n_m);
-        for k in 0..2 {
-            list.not_negative(&format!("{path}.shear_stiffness_n_m[{k}]"), joint.shear_stiffness_n_m[k]);
-            let at = format!("{path}.bending[{k}]");
-            match &joint.bending[k] {
-                Bending::Elastic { stiffness_nm_rad } => {
-                    list.not_negative(&format!("{at}.stiffness_nm_rad"), *stiffness_nm_rad);
-                }
-                Bending::Curve { curve, strength_factor } => {
-                    list.require(self.curves.contains_key(curve), &format!("{at}.curve"), || {
-                        format!(
-                            "\"{curve}\" is not in curves{}",
-                            closest(curve, self.curves.keys().map(String::as_str))
-                        )
-                    });
-                    list.positive(&format!("{at}.strength_factor"), *strength_factor);
-                }
-            }
-        }
-        list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
-        if let Some(t) = joint.tensile_elongation_m {
-            list.not_negative(&format!("{path}.tensile_elongation_m"), t);
-        }
-        if let Some(t) = joint.tensile_capacity_n {
-            list.not_negative(&format!("{path}.tensile_capacity_n"), t);
-        }
-        if let Some(c) = joint.compressive_capacity_n {
-            list.positive(&format!("{path}.compressive_capacity_n"), c);
-        }
-    }
-
-    fn check_contact(&self, list: &mut List) {
-        if let Some(ground) = &self.contact.ground {
-            list.finite("contact.ground.level_m", &[ground.level_m]);
-            list.not_negative("contact.ground.friction", ground.friction);
-        }
-        if let Some(bodies) = &self.contact.bodies {
-            list.not_negative("contact.bodies.friction", bodies.friction);
-        }
-        for (i, o) in self.contact.obstacles.iter().enumerate() {
-            let path = format!("contact.obstacles[{i}]");
-            list.not_negative(&format!("{path}.friction"), o.friction);
-            list.finite(&format!("{path}.min_m"), &o.min_m);
-            list.finite(&format!("{path}.max_m"), &o.max_m);
-            list.require((0..3).all(|k| o.max_m[k] > o.min_m[k]), &format!("{path}.max_m"), || {
-                format!("is {:?}, expected above min_m {:?} in every direction", o.max_m, o.min_m)
-            });
-        }
     }
 }
 
@@ -184,9 +115,30 @@ fn check_body(body: &Body, path: &str, list: &mut List) {
         list.add(format!("{path}.inertia_kg_m2"), complaint);
     }
     for (k, shape) in body.shapes.iter().enumerate() {
-        list.finite(&format!("{path}.shapes[{k}].center_m"), &shape.center_m);
-        for (axis, half) in shape.half_extents_m.iter().enumerate() {
-            list.positive(&format!("{path}.shapes[{k}].half_extents_m[{axis}]"), *half);
+        contact::check_shape(shape, &format!("{path}.shapes[{k}]"), list);
+    }
+}
+
+fn check_events(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
+    let hinges = model.forces.iter().filter(|f| matches!(f, Force::Hinge { .. })).map(Force::id);
+    let weak: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).chain(hinges).collect();
+    let joints = model.joints.iter().map(|j| j.id.as_str());
+    let loose: BTreeSet<&str> =
+        weak.iter().copied().chain(joints).chain(model.forces.iter().map(Force::id)).collect();
+    for (i, event) in model.events.iter().enumerate() {
+        let path = format!("events[{i}]");
+        list.not_negative(&format!("{path}.time_s"), event.time_s);
+        for (k, id) in event.remove_bodies.iter().enumerate() {
+            list.known(known, id, &format!("{path}.remove_bodies[{k}]"));
+        }
+        for (k, id) in event.release.iter().enumerate() {
+            list.among(&loose, id, &format!("{path}.release[{k}]"), "a joint, bushing or force");
+        }
+        for (k, w) in event.weaken.iter().enumerate() {
+            list.among(&weak, &w.id, &format!("{path}.weaken[{k}].id"), "a bushing or a hinge");
+            list.require(w.factor > 0.0 && w.factor <= 1.0, &format!("{path}.weaken[{k}].factor"), || {
+                format!("is {}, expected above 0 and at most 1 (to remove it, use release)", w.factor)
+            });
         }
     }
 }
@@ -238,6 +190,9 @@ fn closest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
 struct List(Vec<Complaint>);
 
 impl List {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
     fn add(&mut self, path: String, message: String) {
         self.0.push(Complaint { path, message });
     }
@@ -262,8 +217,11 @@ impl List {
         });
     }
     fn known(&mut self, known: &BTreeSet<&str>, id: &str, path: &str) {
+        self.among(known, id, path, "a body");
+    }
+    fn among(&mut self, known: &BTreeSet<&str>, id: &str, path: &str, what: &str) {
         self.require(known.contains(id), path, || {
-            format!("\"{id}\" is not the id of a body{}", closest(id, known.iter().copied()))
+            format!("\"{id}\" is not the id of {what}{}", closest(id, known.iter().copied()))
         });
     }
     fn unique<'a>(&mut self, path: &str, ids: impl Iterator<Item = &'a str>) {

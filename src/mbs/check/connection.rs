@@ -1,0 +1,204 @@
+//! Checks of joints, bushings and forces.
+
+use super::{List, ORTHONORMAL_TOLERANCE, closest, orthonormality_error};
+use crate::mbs::math;
+use crate::mbs::model::{Bending, Bushing, Force, Joint, JointKind, Model};
+use std::collections::BTreeSet;
+
+/// Ids of bodies.
+type Known<'a> = BTreeSet<&'a str>;
+
+pub(super) fn check(model: &Model, known: &Known<'_>, list: &mut List) {
+    for (i, joint) in model.joints.iter().enumerate() {
+        check_joint(joint, &format!("joints[{i}]"), known, list);
+    }
+    for (i, bushing) in model.bushings.iter().enumerate() {
+        check_bushing(model, bushing, &format!("bushings[{i}]"), known, list);
+    }
+    for (i, force) in model.forces.iter().enumerate() {
+        check_force(model, force, &format!("forces[{i}]"), known, list);
+    }
+}
+
+/// Bodies that exist and are two.
+fn check_bodies(a: Option<&str>, b: &str, path: &str, known: &Known<'_>, list: &mut List) {
+    if let Some(a) = a {
+        list.known(known, a, &format!("{path}.body_a"));
+        list.require(a != b, &format!("{path}.body_b"), || {
+            format!("is \"{a}\", the same as body_a; expected two different bodies")
+        });
+    }
+    list.known(known, b, &format!("{path}.body_b"));
+}
+
+fn check_joint(joint: &Joint, path: &str, known: &Known<'_>, list: &mut List) {
+    use JointKind::{Cylindrical, Planar, PointOnLine, Prismatic, Revolute, Rod, Universal};
+    check_bodies(joint.body_a.as_deref(), &joint.body_b, path, known, list);
+    list.finite(&format!("{path}.point_m"), &joint.point_m);
+    let needs_axis =
+        matches!(joint.kind, Revolute | Universal | Cylindrical | Prismatic | Planar | PointOnLine);
+    list.there(joint.axis.is_some(), needs_axis, &format!("{path}.axis"), "a vector", joint.kind);
+    list.there(
+        joint.axis_b.is_some(),
+        joint.kind == Universal,
+        &format!("{path}.axis_b"),
+        "a vector",
+        joint.kind,
+    );
+    list.there(
+        joint.point_b_m.is_some(),
+        joint.kind == Rod,
+        &format!("{path}.point_b_m"),
+        "a point",
+        joint.kind,
+    );
+    for (name, axis) in [("axis", joint.axis), ("axis_b", joint.axis_b)] {
+        if let Some(axis) = axis {
+            list.direction(&format!("{path}.{name}"), axis);
+        }
+    }
+    if let (Universal, Some(a), Some(b)) = (joint.kind, joint.axis, joint.axis_b) {
+        let cosine = math::dot(a, b) / (math::norm(a) * math::norm(b));
+        list.require(cosine.abs() <= ORTHONORMAL_TOLERANCE, &format!("{path}.axis_b"), || {
+            format!("is not at a right angle to axis (cosine {cosine:.1e}); turn the joint's bodies or give the axis across")
+        });
+    }
+    if let (Rod, Some(b)) = (joint.kind, joint.point_b_m) {
+        list.finite(&format!("{path}.point_b_m"), &b);
+        list.require(math::norm(math::sub(b, joint.point_m)) > 0.0, &format!("{path}.point_b_m"), || {
+            "is the same as point_m: a rod needs a length; use a spherical joint".into()
+        });
+    }
+}
+
+fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, list: &mut List) {
+    check_bodies(joint.body_a.as_deref(), &joint.body_b, path, known, list);
+    list.finite(&format!("{path}.point_m"), &joint.point_m);
+    let off = orthonormality_error(&joint.axes);
+    list.require(off <= ORTHONORMAL_TOLERANCE, &format!("{path}.axes"), || {
+        format!("rows are not orthonormal and right-handed (off by {off:.1e}, allowed {ORTHONORMAL_TOLERANCE:.0e})")
+    });
+    list.not_negative(&format!("{path}.axial_stiffness_n_m"), joint.axial_stiffness_n_m);
+    for k in 0..2 {
+        list.not_negative(&format!("{path}.shear_stiffness_n_m[{k}]"), joint.shear_stiffness_n_m[k]);
+        let at = format!("{path}.bending[{k}]");
+        match &joint.bending[k] {
+            Bending::Elastic { stiffness_nm_rad } => {
+                list.not_negative(&format!("{at}.stiffness_nm_rad"), *stiffness_nm_rad);
+            }
+            Bending::Curve { curve, strength_factor } => {
+                list.require(model.curves.contains_key(curve), &format!("{at}.curve"), || {
+                    format!(
+                        "\"{curve}\" is not in curves{}",
+                        closest(curve, model.curves.keys().map(String::as_str))
+                    )
+                });
+                list.positive(&format!("{at}.strength_factor"), *strength_factor);
+            }
+        }
+    }
+    list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
+    if let Some(t) = joint.tensile_elongation_m {
+        list.not_negative(&format!("{path}.tensile_elongation_m"), t);
+    }
+    if let Some(t) = joint.tensile_capacity_n {
+        list.not_negative(&format!("{path}.tensile_capacity_n"), t);
+    }
+    if let Some(c) = joint.compressive_capacity_n {
+        list.positive(&format!("{path}.compressive_capacity_n"), c);
+    }
+}
+
+fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list: &mut List) {
+    match force {
+        Force::Spring {
+            body_a,
+            body_b,
+            point_a_m,
+            point_b_m,
+            length_m,
+            stiffness_n_m,
+            damping_n_s_m,
+            ..
+        } => {
+            check_bodies(body_a.as_deref(), body_b, path, known, list);
+            list.finite(&format!("{path}.point_a_m"), point_a_m);
+            list.finite(&format!("{path}.point_b_m"), point_b_m);
+            if let Some(length) = length_m {
+                list.not_negative(&format!("{path}.length_m"), *length);
+            }
+            list.not_negative(&format!("{path}.stiffness_n_m"), *stiffness_n_m);
+            list.not_negative(&format!("{path}.damping_n_s_m"), *damping_n_s_m);
+        }
+        Force::Torsion { body_a, body_b, axis, stiffness_nm_rad, damping_nm_s_rad, .. } => {
+            check_bodies(body_a.as_deref(), body_b, path, known, list);
+            list.direction(&format!("{path}.axis"), *axis);
+            list.not_negative(&format!("{path}.stiffness_nm_rad"), *stiffness_nm_rad);
+            list.not_negative(&format!("{path}.damping_nm_s_rad"), *damping_nm_s_rad);
+        }
+        Force::Hinge { body_a, body_b, stiffness_nm_rad, capacity, fracture_rad, joint, .. } => {
+            check_bodies(body_a.as_deref(), body_b, path, known, list);
+            list.positive(&format!("{path}.stiffness_nm_rad"), *stiffness_nm_rad);
+            check_capacity(capacity, &format!("{path}.capacity"), list);
+            if let Some(f) = fracture_rad {
+                list.positive(&format!("{path}.fracture_rad"), *f);
+            }
+            if let Some(joint) = joint {
+                let joints: BTreeSet<&str> = model.joints.iter().map(|j| j.id.as_str()).collect();
+                list.among(&joints, joint, &format!("{path}.joint"), "an ideal joint");
+            }
+        }
+        Force::Force { body, point_m, force_n, from_to_s, .. } => {
+            list.known(known, body, &format!("{path}.body"));
+            list.finite(&format!("{path}.point_m"), point_m);
+            list.finite(&format!("{path}.force_n"), force_n);
+            check_span(*from_to_s, path, list);
+        }
+        Force::Torque { body, torque_nm, from_to_s, .. } => {
+            list.known(known, body, &format!("{path}.body"));
+            list.finite(&format!("{path}.torque_nm"), torque_nm);
+            check_span(*from_to_s, path, list);
+        }
+    }
+}
+
+fn check_span(span: Option<[f64; 2]>, path: &str, list: &mut List) {
+    if let Some([from, to]) = span {
+        list.require(from.is_finite() && to > from, &format!("{path}.from_to_s"), || {
+            format!("is [{from}, {to}], expected two times, the later one second")
+        });
+    }
+}
+
+fn check_capacity(points: &[[f64; 2]], path: &str, list: &mut List) {
+    list.require(points.first().is_some_and(|p| p[0] == 0.0), path, || {
+        "does not begin at a rotation of 0, expected [[0, capacity], [rotation, capacity], ...]".into()
+    });
+    for (i, p) in points.iter().enumerate() {
+        list.not_negative(&format!("{path}[{i}][1]"), p[1]);
+        let rises = i == 0 || p[0] > points[i - 1][0];
+        list.require(rises && p[0].is_finite(), &format!("{path}[{i}][0]"), || {
+            format!("is {}, expected above the rotation before it", p[0])
+        });
+    }
+}
+
+impl List {
+    /// A value that is there exactly if it is needed.
+    fn there(&mut self, is_there: bool, needed: bool, path: &str, what: &str, kind: JointKind) {
+        let name = serde_json::to_value(kind).ok().and_then(|v| v.as_str().map(str::to_string));
+        let name = name.unwrap_or_default();
+        self.require(is_there || !needed, path, || format!("is missing: a {name} joint needs {what} here"));
+        self.require(needed || !is_there, path, || {
+            format!("has no meaning for a {name} joint; leave it out")
+        });
+    }
+
+    /// A vector of finite numbers and some length.
+    pub(super) fn direction(&mut self, path: &str, v: [f64; 3]) {
+        let length = math::norm(v);
+        self.require(length > 0.0 && length.is_finite(), path, || {
+            format!("is {v:?}, expected a vector with a direction")
+        });
+    }
+}

@@ -1,0 +1,100 @@
+//! Checks of shapes and of what may touch.
+
+use super::{List, ORTHONORMAL_TOLERANCE};
+use crate::mbs::math;
+use crate::mbs::model::{Model, Shape};
+use std::collections::BTreeSet;
+
+pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
+    let contact = &model.contact;
+    let planes = contact.planes.iter().map(|p| p.id.as_str());
+    let obstacles = contact.obstacles.iter().map(|o| o.id.as_str());
+    list.unique("contact.planes", planes.clone());
+    list.unique("contact.obstacles", obstacles.clone());
+    if let Some(ground) = &contact.ground {
+        list.finite("contact.ground.level_m", &[ground.level_m]);
+        surface(ground.friction, ground.restitution, "contact.ground", list);
+    }
+    if let Some(bodies) = &contact.bodies {
+        surface(bodies.friction, bodies.restitution, "contact.bodies", list);
+    }
+    for (i, plane) in contact.planes.iter().enumerate() {
+        let path = format!("contact.planes[{i}]");
+        surface(plane.friction, plane.restitution, &path, list);
+        list.finite(&format!("{path}.point_m"), &plane.point_m);
+        list.direction(&format!("{path}.normal"), plane.normal);
+    }
+    for (i, o) in contact.obstacles.iter().enumerate() {
+        let path = format!("contact.obstacles[{i}]");
+        surface(o.friction, o.restitution, &path, list);
+        list.finite(&format!("{path}.min_m"), &o.min_m);
+        list.finite(&format!("{path}.max_m"), &o.max_m);
+        list.require((0..3).all(|k| o.max_m[k] > o.min_m[k]), &format!("{path}.max_m"), || {
+            format!("is {:?}, expected above min_m {:?} in every direction", o.max_m, o.min_m)
+        });
+    }
+    let partners: BTreeSet<&str> =
+        known.iter().copied().chain(planes).chain(obstacles).chain(["ground"]).collect();
+    for (i, pair) in contact.pairs.iter().enumerate() {
+        let path = format!("contact.pairs[{i}]");
+        list.known(known, &pair.a, &format!("{path}.a"));
+        list.among(&partners, &pair.b, &format!("{path}.b"), "a body, plane or obstacle, or \"ground\"");
+        surface(pair.friction.unwrap_or(0.0), pair.restitution.unwrap_or(0.0), &path, list);
+    }
+}
+
+fn surface(friction: f64, restitution: f64, path: &str, list: &mut List) {
+    list.not_negative(&format!("{path}.friction"), friction);
+    list.require((0.0..=1.0).contains(&restitution), &format!("{path}.restitution"), || {
+        format!("is {restitution}, expected 0 (nothing comes back) to 1 (all of the speed does)")
+    });
+}
+
+pub(super) fn check_shape(shape: &Shape, path: &str, list: &mut List) {
+    match shape {
+        Shape::Box { center_m, half_extents_m, orientation } => {
+            list.finite(&format!("{path}.center_m"), center_m);
+            for (axis, half) in half_extents_m.iter().enumerate() {
+                list.positive(&format!("{path}.half_extents_m[{axis}]"), *half);
+            }
+            if let Some(q) = orientation {
+                let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+                list.require(
+                    (length - 1.0).abs() <= ORTHONORMAL_TOLERANCE,
+                    &format!("{path}.orientation"),
+                    || format!("has length {length}, expected a unit quaternion [w, x, y, z]"),
+                );
+            }
+        }
+        Shape::Sphere { center_m, radius_m } => {
+            list.finite(&format!("{path}.center_m"), center_m);
+            list.positive(&format!("{path}.radius_m"), *radius_m);
+        }
+        Shape::Hull { points_m } => {
+            let before = list.len();
+            for (i, p) in points_m.iter().enumerate() {
+                list.finite(&format!("{path}.points_m[{i}]"), p);
+            }
+            list.require(list.len() > before || is_solid(points_m), &format!("{path}.points_m"), || {
+                format!("has {} points that span no volume, expected at least four that do", points_m.len())
+            });
+        }
+    }
+}
+
+/// Whether points span a volume: their spread across no direction is nothing beside the largest.
+fn is_solid(points: &[[f64; 3]]) -> bool {
+    let Some(first) = points.first() else { return false };
+    let spread = |along: &dyn Fn([f64; 3]) -> [f64; 3]| {
+        let rests = points.iter().map(|p| along(math::sub(*p, *first)));
+        rests.fold([0.0; 3], |a: [f64; 3], v| if math::norm(v) > math::norm(a) { v } else { a })
+    };
+    let without = |v: [f64; 3], axis: [f64; 3]| {
+        let square = math::dot(axis, axis).max(f64::MIN_POSITIVE);
+        math::axpy(v, -math::dot(v, axis) / square, axis)
+    };
+    let a = spread(&|v| v);
+    let b = spread(&|v| without(v, a));
+    let c = spread(&|v| without(without(v, a), b));
+    math::norm(c) > 1e-6 * math::norm(a) && math::norm(a) > 0.0
+}

@@ -1,0 +1,239 @@
+//! What connects bodies: ideal joints, compliant bushings, forces.
+
+use super::Origin;
+use serde::{Deserialize, Serialize};
+
+/// An ideal joint between body `a` (or the ground) and body `b`, assembled in the initial poses of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Unique id.
+    pub id: String,
+    /// What it leaves free.
+    pub kind: JointKind,
+    /// First body; `None` is the ground.
+    #[serde(default)]
+    pub body_a: Option<String>,
+    /// Second body.
+    pub body_b: String,
+    /// The joint point in the global frame, initial pose \[m\]; of a rod its end on body `a`.
+    pub point_m: [f64; 3],
+    /// The end of a rod on body `b`; for rods only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point_b_m: Option<[f64; 3]>,
+    /// Axis of the joint in the global frame, initial pose, of any length: of rotation (revolute, cylindrical), of sliding (prismatic,
+    /// cylindrical, point on line), across the plane (planar), on body `a` (universal).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis: Option<[f64; 3]>,
+    /// Axis of a universal joint on body `b`, at a right angle to `axis`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axis_b: Option<[f64; 3]>,
+    /// Provenance.
+    #[serde(default)]
+    pub origin: Origin,
+}
+
+/// What an ideal joint leaves free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum JointKind {
+    /// Rotation about all axes.
+    Spherical,
+    /// Rotation about the axis.
+    Revolute,
+    /// Rotation about the axis of body `a` and that of body `b`.
+    Universal,
+    /// Rotation about the axis and sliding along it.
+    Cylindrical,
+    /// Sliding along the axis.
+    Prismatic,
+    /// Nothing.
+    Fixed,
+    /// Sliding across the axis and rotation about it.
+    Planar,
+    /// Sliding of the point of body `b` along the axis of body `a`, all rotations.
+    PointOnLine,
+    /// All but the distance of two points: a rod without mass.
+    Rod,
+}
+
+/// A spring, damper, hinge, or applied force.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Force {
+    /// Between two points: `k (l - l_0) + d l'`, pulling.
+    Spring {
+        /// Unique id.
+        id: String,
+        /// First body; `None` is the ground.
+        #[serde(default)]
+        body_a: Option<String>,
+        /// Second body.
+        body_b: String,
+        /// Its point on the first body, global frame, initial pose \[m\].
+        point_a_m: [f64; 3],
+        /// Its point on the second body.
+        point_b_m: [f64; 3],
+        /// Length without force \[m\]; `None`: that of the initial pose.
+        #[serde(default)]
+        length_m: Option<f64>,
+        /// Stiffness \[N/m\].
+        stiffness_n_m: f64,
+        /// Damping \[N s/m\].
+        #[serde(default)]
+        damping_n_s_m: f64,
+    },
+    /// About an axis of the first body: `k (θ - θ_0) + d θ'` against the turn of the second body since the initial pose, below half a revolution.
+    Torsion {
+        /// Unique id.
+        id: String,
+        /// First body; `None` is the ground.
+        #[serde(default)]
+        body_a: Option<String>,
+        /// Second body.
+        body_b: String,
+        /// Axis in the global frame, initial pose, of any length.
+        axis: [f64; 3],
+        /// Stiffness \[N m/rad\].
+        stiffness_nm_rad: f64,
+        /// Damping \[N m s/rad\].
+        #[serde(default)]
+        damping_nm_s_rad: f64,
+    },
+    /// Moments about three axes of the first body, each elastic up to a capacity that depends on the largest rotation about its axis so far;
+    /// rotations are the components of the rotation vector of the second body against the first since the initial pose.
+    Hinge {
+        /// Unique id.
+        id: String,
+        /// First body; `None` is the ground.
+        #[serde(default)]
+        body_a: Option<String>,
+        /// Second body.
+        body_b: String,
+        /// Elastic stiffness \[N m/rad\].
+        stiffness_nm_rad: f64,
+        /// `[largest rotation (rad), capacity (N m)]` from zero, straight in between; the last capacity beyond.
+        capacity: Vec<[f64; 2]>,
+        /// Length of the rotation vector at which it fractures \[rad\]; `None`: never.
+        #[serde(default)]
+        fracture_rad: Option<f64>,
+        /// Joint that opens when it fractures.
+        #[serde(default)]
+        joint: Option<String>,
+    },
+    /// A force at a point of a body, constant in the global frame, while it acts.
+    Force {
+        /// Unique id.
+        id: String,
+        /// The body.
+        body: String,
+        /// Its point, global frame, initial pose \[m\].
+        point_m: [f64; 3],
+        /// Force \[N\].
+        force_n: [f64; 3],
+        /// When it acts \[s\]; `None`: always.
+        #[serde(default)]
+        from_to_s: Option<[f64; 2]>,
+    },
+    /// A torque on a body, constant in the global frame, while it acts.
+    Torque {
+        /// Unique id.
+        id: String,
+        /// The body.
+        body: String,
+        /// Torque \[N m\].
+        torque_nm: [f64; 3],
+        /// When it acts \[s\]; `None`: always.
+        #[serde(default)]
+        from_to_s: Option<[f64; 2]>,
+    },
+}
+
+impl Force {
+    /// Its id.
+    pub fn id(&self) -> &str {
+        match self {
+            Self::Spring { id, .. }
+            | Self::Torsion { id, .. }
+            | Self::Hinge { id, .. }
+            | Self::Force { id, .. }
+            | Self::Torque { id, .. } => id,
+        }
+    }
+
+    /// The bodies that it acts on: `None` is the ground.
+    pub fn bodies(&self) -> Vec<Option<&str>> {
+        match self {
+            Self::Spring { body_a, body_b, .. }
+            | Self::Torsion { body_a, body_b, .. }
+            | Self::Hinge { body_a, body_b, .. } => vec![body_a.as_deref(), Some(body_b)],
+            Self::Force { body, .. } | Self::Torque { body, .. } => vec![Some(body)],
+        }
+    }
+}
+
+/// A compliant connection with six stiffnesses between body `a` (or the ground) and body `b`.
+///
+/// In the frame of the connection, carried by `a`, axis 0 is the member axis: translation 0 is axial, 1 and 2
+/// are shear; rotation 0 is torsion, 1 and 2 are bending about the axes 1 and 2. It is stress-free
+/// in the initial poses of the file. Bodies moving apart along axis 0 are in tension: apart means along the
+/// sense of axis 0 that points from the centre of mass of `a` (from the joint point, if `a` is the ground) to that of `b`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bushing {
+    /// Unique id.
+    pub id: String,
+    /// First body; `None` is the ground.
+    pub body_a: Option<String>,
+    /// Second body.
+    pub body_b: String,
+    /// Its point in the global frame, initial pose \[m\].
+    pub point_m: [f64; 3],
+    /// Rows are its axes in the global frame, initial pose: orthonormal, right-handed.
+    pub axes: [[f64; 3]; 3],
+    /// Axial stiffness \[N/m\].
+    pub axial_stiffness_n_m: f64,
+    /// Shear stiffness along axes 1 and 2 \[N/m\].
+    pub shear_stiffness_n_m: [f64; 2],
+    /// Torsional stiffness \[N m/rad\].
+    pub torsional_stiffness_nm_rad: f64,
+    /// Bending about axes 1 and 2.
+    pub bending: [Bending; 2],
+    /// Tension \[N\] at which it separates; `None`: never.
+    #[serde(default)]
+    pub tensile_capacity_n: Option<f64>,
+    /// Plastic elongation \[m\] that the member bears at its tensile capacity before it separates; `None`: none, it
+    /// separates as soon as the capacity is reached.
+    #[serde(default)]
+    pub tensile_elongation_m: Option<f64>,
+    /// Compression \[N\] at which the member crushes: the axial spring is elastic-perfectly plastic there;
+    /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
+    #[serde(default)]
+    pub compressive_capacity_n: Option<f64>,
+    /// Provenance.
+    #[serde(default)]
+    pub origin: Origin,
+}
+
+/// Rotational resistance about one bending axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Bending {
+    /// Linear elastic.
+    Elastic {
+        /// Stiffness \[N m/rad\].
+        stiffness_nm_rad: f64,
+    },
+    /// Elastic-plastic with a capacity curve that depends on axial force, and fracture.
+    Curve {
+        /// Id in [`super::Model::curves`].
+        curve: String,
+        /// Factor on the capacity (preparatory weakening).
+        #[serde(default = "one")]
+        strength_factor: f64,
+    },
+}
+
+fn one() -> f64 {
+    1.0
+}

@@ -1,0 +1,173 @@
+//! Contact shapes, ground, obstacles, and who may touch whom.
+
+use serde::{Deserialize, Serialize};
+
+/// A contact shape in the body frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Shape {
+    /// A box.
+    Box {
+        /// Centre \[m\].
+        center_m: [f64; 3],
+        /// Half edge lengths \[m\].
+        half_extents_m: [f64; 3],
+        /// Orientation quaternion `[w, x, y, z]` in the body; `None`: edges along the body axes.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        orientation: Option<[f64; 4]>,
+    },
+    /// A sphere.
+    Sphere {
+        /// Centre \[m\].
+        center_m: [f64; 3],
+        /// Radius \[m\].
+        radius_m: f64,
+    },
+    /// The convex hull of points.
+    Hull {
+        /// At least four points that do not lie in a plane \[m\].
+        points_m: Vec<[f64; 3]>,
+    },
+}
+
+impl Shape {
+    /// A box with edges along the body axes.
+    pub fn cuboid(center_m: [f64; 3], half_extents_m: [f64; 3]) -> Self {
+        Self::Box { center_m, half_extents_m, orientation: None }
+    }
+
+    /// Points whose convex hull holds the shape: corners of boxes, points of hulls, corners of the box around a sphere \[m\].
+    pub fn corners(&self) -> Vec<[f64; 3]> {
+        let around = |center: [f64; 3], half: [f64; 3], turn: [f64; 4]| {
+            let r = crate::mbs::math::qmat(turn);
+            let corner = |c: usize| {
+                let local = std::array::from_fn(|i| if c >> i & 1 == 0 { -half[i] } else { half[i] });
+                crate::mbs::math::add(center, crate::mbs::math::mul(&r, local))
+            };
+            (0..8).map(corner).collect()
+        };
+        match self {
+            Self::Box { center_m, half_extents_m, orientation } => {
+                around(*center_m, *half_extents_m, orientation.unwrap_or([1.0, 0.0, 0.0, 0.0]))
+            }
+            Self::Sphere { center_m, radius_m } => around(*center_m, [*radius_m; 3], [1.0, 0.0, 0.0, 0.0]),
+            Self::Hull { points_m } => points_m.clone(),
+        }
+    }
+
+    /// Centre and half edge lengths of the box along the body axes around the shape \[m\].
+    pub fn bounds(&self) -> [[f64; 3]; 2] {
+        let corners = self.corners();
+        let end = |i: usize, sign: f64| corners.iter().map(|c| sign * c[i]).fold(f64::NEG_INFINITY, f64::max);
+        let of = |i: usize| [-end(i, -1.0), end(i, 1.0)];
+        [
+            std::array::from_fn(|i| 0.5 * (of(i)[0] + of(i)[1])),
+            std::array::from_fn(|i| 0.5 * (of(i)[1] - of(i)[0])),
+        ]
+    }
+}
+
+/// What can touch.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Rigid horizontal ground.
+    #[serde(default)]
+    pub ground: Option<GroundPlane>,
+    /// Rigid planes that do not move.
+    #[serde(default)]
+    pub planes: Vec<ObstaclePlane>,
+    /// Rigid immovable boxes.
+    #[serde(default)]
+    pub obstacles: Vec<ObstacleBox>,
+    /// Contact between bodies; `None` switches it off.
+    #[serde(default)]
+    pub bodies: Option<BodyContact>,
+    /// What holds for single pairs; later ones win.
+    #[serde(default)]
+    pub pairs: Vec<PairRule>,
+}
+
+/// What holds for one pair of bodies, or of a body and the `"ground"`, a plane or an obstacle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairRule {
+    /// Id of a body.
+    pub a: String,
+    /// Id of a body, a plane or an obstacle, or `"ground"`.
+    pub b: String,
+    /// They pass through each other.
+    #[serde(default)]
+    pub ignore: bool,
+    /// Coulomb friction coefficient; `None`: that of the surface.
+    #[serde(default)]
+    pub friction: Option<f64>,
+    /// Coefficient of restitution; `None`: that of the surface.
+    #[serde(default)]
+    pub restitution: Option<f64>,
+}
+
+/// The half space behind a rigid plane.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstaclePlane {
+    /// Unique id.
+    pub id: String,
+    /// A point of it \[m\].
+    pub point_m: [f64; 3],
+    /// Its outer normal, of any length.
+    pub normal: [f64; 3],
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Coefficient of restitution.
+    #[serde(default = "restitution")]
+    pub restitution: f64,
+}
+
+/// Coefficient of restitution unless a file says otherwise: concrete on concrete at the speeds of a collapse.
+pub const RESTITUTION: f64 = 0.1;
+
+fn restitution() -> f64 {
+    RESTITUTION
+}
+
+/// Rigid ground plane `z = level`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GroundPlane {
+    /// Height \[m\].
+    pub level_m: f64,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Coefficient of restitution, 0 to 1.
+    #[serde(default = "restitution")]
+    pub restitution: f64,
+}
+
+/// Rigid box.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleBox {
+    /// Unique id.
+    pub id: String,
+    /// Lower corner \[m\].
+    pub min_m: [f64; 3],
+    /// Upper corner \[m\].
+    pub max_m: [f64; 3],
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Coefficient of restitution, 0 to 1.
+    #[serde(default = "restitution")]
+    pub restitution: f64,
+}
+
+/// Contact between bodies. Bodies that an intact joint or bushing connects do not touch each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyContact {
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Coefficient of restitution, 0 to 1.
+    #[serde(default = "restitution")]
+    pub restitution: f64,
+}

@@ -1,0 +1,183 @@
+//! The MBS model file: rigid bodies, joints, forces, contact, events. Versioned JSON, SI units.
+//!
+//! | file | owns |
+//! |---|---|
+//! | this one | bodies, events, settings |
+//! | `connection` | joints, bushings, forces |
+//! | `contact` | shapes, ground, obstacles, who may touch |
+
+mod connection;
+mod contact;
+
+pub use connection::{Bending, Bushing, Force, Joint, JointKind};
+pub use contact::{
+    BodyContact, Contact, GroundPlane, ObstacleBox, ObstaclePlane, PairRule, RESTITUTION, Shape,
+};
+
+use crate::curve::ResistanceCurve;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Version of the model file written by this program.
+pub const MODEL_SCHEMA: &str = "fallwerk-mbs/2";
+
+/// A multibody model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Always [`MODEL_SCHEMA`].
+    pub schema: String,
+    /// Name of the scene.
+    pub name: String,
+    /// Gravity vector \[m/s²\].
+    pub gravity_m_s2: [f64; 3],
+    /// Rigid bodies.
+    pub bodies: Vec<Body>,
+    /// Resistance curves by id.
+    #[serde(default)]
+    pub curves: BTreeMap<String, ResistanceCurve>,
+    /// Ideal joints between two bodies or between a body and the ground: no work, no compliance.
+    #[serde(default)]
+    pub joints: Vec<Joint>,
+    /// Compliant connections between two bodies or between a body and the ground.
+    #[serde(default)]
+    pub bushings: Vec<Bushing>,
+    /// Springs, dampers, hinges, applied forces and torques.
+    #[serde(default)]
+    pub forces: Vec<Force>,
+    /// Contact with ground, obstacles and between bodies.
+    #[serde(default)]
+    pub contact: Contact,
+    /// Events in time.
+    #[serde(default)]
+    pub events: Vec<Event>,
+    /// Points whose displacement is recorded.
+    #[serde(default)]
+    pub tracked: Vec<TrackedPoint>,
+    /// Run settings.
+    #[serde(default)]
+    pub settings: RunSettings,
+}
+
+/// Why a part of the model is there.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Origin {
+    /// Building members (or connection ids) that the part stands for.
+    #[serde(default)]
+    pub members: Vec<String>,
+    /// Ids of the rules that fired for it.
+    #[serde(default)]
+    pub rules: Vec<String>,
+    /// Keys of the library entries used.
+    #[serde(default)]
+    pub entries: Vec<String>,
+}
+
+/// A rigid body. The body frame has its origin at the centre of mass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Unique id.
+    pub id: String,
+    /// Mass \[kg\].
+    pub mass_kg: f64,
+    /// Inertia tensor about the centre of mass in the body frame \[kg m²\].
+    pub inertia_kg_m2: [[f64; 3]; 3],
+    /// Centre of mass \[m\].
+    pub position_m: [f64; 3],
+    /// Orientation quaternion `[w, x, y, z]`.
+    #[serde(default = "identity_quaternion")]
+    pub orientation: [f64; 4],
+    /// Velocity of the centre of mass \[m/s\].
+    #[serde(default)]
+    pub velocity_m_s: [f64; 3],
+    /// Angular velocity in the global frame \[rad/s\].
+    #[serde(default)]
+    pub angular_velocity_rad_s: [f64; 3],
+    /// Contact shapes in the body frame.
+    #[serde(default)]
+    pub shapes: Vec<Shape>,
+    /// Provenance.
+    #[serde(default)]
+    pub origin: Origin,
+}
+
+fn identity_quaternion() -> [f64; 4] {
+    [1.0, 0.0, 0.0, 0.0]
+}
+
+/// Something that happens at a given time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Event {
+    /// Unique id (of the charge).
+    pub id: String,
+    /// Time \[s\].
+    pub time_s: f64,
+    /// Bodies that vanish with all that is attached to them.
+    #[serde(default)]
+    pub remove_bodies: Vec<String>,
+    /// Joints, bushings and forces that vanish.
+    #[serde(default)]
+    pub release: Vec<String>,
+    /// Bushings and hinges whose strength changes.
+    #[serde(default)]
+    pub weaken: Vec<Weakening>,
+    /// Provenance.
+    #[serde(default)]
+    pub origin: Origin,
+}
+
+/// A change of strength.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weakening {
+    /// Id of a bushing or of a hinge among the forces.
+    pub id: String,
+    /// Factor on its capacity from now on, above 0 and at most 1 (a second one counts on top).
+    pub factor: f64,
+}
+
+/// A recorded point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackedPoint {
+    /// Unique id, the same as in the FE run it is compared with.
+    pub id: String,
+    /// Body that carries it.
+    pub body: String,
+    /// Global position in the initial pose \[m\].
+    pub point_m: [f64; 3],
+}
+
+/// Run settings.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunSettings {
+    /// Simulated time \[s\].
+    pub end_time_s: f64,
+    /// Interval of histories and frames \[s\].
+    pub output_interval_s: f64,
+    /// Whether the static equilibrium under gravity is found before `t = 0`.
+    pub preload: bool,
+    /// Time step \[s\]; `None`: chosen from the highest frequency of the model, or by `tolerance`.
+    pub time_step_s: Option<f64>,
+    /// Largest error of a step of smooth motion, as a share of each number and at least of 1 m, rad, m/s, rad/s. Models with ideal joints only.
+    pub tolerance: f64,
+}
+
+/// The tolerance unless a model says otherwise.
+pub const TOLERANCE: f64 = 1e-6;
+
+impl Default for RunSettings {
+    fn default() -> Self {
+        Self {
+            end_time_s: 1.0,
+            output_interval_s: 0.01,
+            preload: false,
+            time_step_s: None,
+            tolerance: TOLERANCE,
+        }
+    }
+}
