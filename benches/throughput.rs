@@ -100,6 +100,7 @@ fn mbs_frame(storeys: usize) -> f64 {
             preload: true,
             time_step_s: Some(2e-4),
             tolerance: TOLERANCE,
+            reactions: false,
         },
     };
     for storey in 0..storeys {

@@ -148,6 +148,7 @@ pub fn generate(
             preload: true,
             time_step_s: None,
             tolerance: TOLERANCE,
+            reactions: false,
         },
         bodies: list,
     };

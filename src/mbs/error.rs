@@ -51,6 +51,20 @@ pub enum SolveError {
         /// The interval \[s\].
         interval_s: f64,
     },
+    /// What the solver for ideal joints does not do.
+    #[error("{what}")]
+    Scope {
+        /// In words, with the remedy.
+        what: &'static str,
+    },
+    /// Smooth motion cannot go on.
+    #[error("{error} (longest step so far {longest_s:.1e} s)")]
+    March {
+        /// Why.
+        error: super::ideal::march::MarchError,
+        /// The longest step \[s\].
+        longest_s: f64,
+    },
     /// A state is not a number.
     #[error("at t = {time_s:.6} s the state of body \"{body}\" is not a number (joints: {joints})")]
     NotANumber {

@@ -24,6 +24,12 @@ pub struct RunResult {
     pub energies: EnergyHistory,
     /// Histories of the joints that have a curve.
     pub hinges: Vec<HingeHistory>,
+    /// Histories of the hinges and torsion springs among the forces.
+    #[serde(default)]
+    pub turns: Vec<TurnHistory>,
+    /// Reactions of the ideal joints.
+    #[serde(default)]
+    pub reactions: Vec<ReactionHistory>,
     /// What happened, in order of time.
     pub events: Vec<RunEvent>,
     /// Time of the first contact of any body with the ground \[s\].
@@ -83,6 +89,9 @@ pub struct EnergyHistory {
     pub friction_j: Vec<f64>,
     /// Released by fracture of joints and removal of bodies.
     pub released_j: Vec<f64>,
+    /// Taken by dampers, less the work of applied forces and torques.
+    #[serde(default)]
+    pub applied_j: Vec<f64>,
 }
 
 impl EnergyHistory {
@@ -96,6 +105,7 @@ impl EnergyHistory {
             + self.contact_damping_j[i]
             + self.friction_j[i]
             + self.released_j[i]
+            + self.applied_j.get(i).copied().unwrap_or(0.0)
     }
 }
 
@@ -112,6 +122,30 @@ pub struct HingeHistory {
     pub plastic_rotation_rad: Vec<f64>,
     /// Axial force, compression positive \[N\].
     pub axial_force_n: Vec<f64>,
+}
+
+/// History of a hinge about three axes of its first body, or of a torsion spring about its own (the first number). After its end all is zero.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TurnHistory {
+    /// Id of the hinge.
+    pub id: String,
+    /// Rotations \[rad\].
+    pub rotation_rad: Vec<[f64; 3]>,
+    /// Moments that the second body exerts on the first \[N m\].
+    pub moment_nm: Vec<[f64; 3]>,
+    /// Plastic rotations \[rad\].
+    pub plastic_rotation_rad: Vec<[f64; 3]>,
+}
+
+/// History of what an ideal joint does to its second body, at its point, in the global frame. After its end all is zero.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReactionHistory {
+    /// Id of the joint.
+    pub joint: String,
+    /// Force \[N\].
+    pub force_n: Vec<[f64; 3]>,
+    /// Torque \[N m\].
+    pub torque_nm: Vec<[f64; 3]>,
 }
 
 /// Something that happened.

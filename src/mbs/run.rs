@@ -7,6 +7,7 @@
 use super::clock::Clock;
 use super::contact::{ContactSet, Partner};
 use super::error::SolveError;
+use super::ideal;
 use super::math;
 use super::model::Model;
 use super::preload::{self, PreloadError};
@@ -42,6 +43,9 @@ pub fn simulate(model: &Model) -> Result<RunResult, SolveError> {
 /// Checks and runs a model with options.
 pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
     model.check()?;
+    if !model.joints.is_empty() || !model.forces.is_empty() {
+        return ideal::run::simulate(model, options);
+    }
     let clock = Clock::start();
     let mut run = Run::new(model, options)?;
     run.go()?;
@@ -362,6 +366,7 @@ impl<'a> Run<'a> {
         e.contact_damping_j.push(contact.damping_j + contact.exchange_j);
         e.friction_j.push(contact.friction_j);
         e.released_j.push(self.released);
+        e.applied_j.push(0.0);
         let total = e.total_j(e.kinetic_j.len() - 1);
         if e.kinetic_j.len() == 1 {
             self.total_start = total;
@@ -465,6 +470,8 @@ fn empty_result(
         frames: Vec::new(),
         energies: Default::default(),
         hinges: hinge_histories.collect(),
+        turns: Vec::new(),
+        reactions: Vec::new(),
         events: Vec::new(),
         first_ground_contact_s: None,
         steps: 0,

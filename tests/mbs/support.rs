@@ -27,6 +27,7 @@ pub fn model(name: &str, end_time_s: f64, output_interval_s: f64) -> Model {
             preload: false,
             time_step_s: None,
             tolerance: TOLERANCE,
+            reactions: false,
         },
     }
 }

@@ -41,6 +41,15 @@ pub enum Force {
         /// The torque.
         torque_nm: V3,
     },
+    /// A constant force at a point of a body, global \[N, m\].
+    Force {
+        /// The body.
+        body: usize,
+        /// The point.
+        point_m: V3,
+        /// The force.
+        force_n: V3,
+    },
     /// Moments about three axes, each elastic up to a capacity that depends on the largest rotation about its axis so far. Rotations are the components, in the frame of the
     /// first body, of the rotation vector from it to the second one since assembly.
     Hinge {
@@ -65,10 +74,10 @@ pub struct HingeLaw {
 }
 
 impl HingeLaw {
-    /// Moment at a rotation, and the history with it.
-    fn moment(&self, mut history: History, rotation: f64) -> (f64, History) {
+    /// Moment at a rotation, and the history with it; capacities are `factor` times those of the law.
+    fn moment(&self, mut history: History, rotation: f64, factor: f64) -> (f64, History) {
         history.largest = history.largest.max(rotation.abs());
-        let capacity = interpolate(&self.capacity, history.largest);
+        let capacity = factor * interpolate(&self.capacity, history.largest);
         let elastic = self.stiffness_nm_rad * (rotation - history.plastic);
         let moment = elastic.clamp(-capacity, capacity);
         if moment != elastic {
@@ -76,6 +85,40 @@ impl HingeLaw {
         }
         (moment, history)
     }
+
+    /// The history with a rotation, dissipation included.
+    fn after(&self, before: History, rotation: f64, factor: f64) -> History {
+        let mut history = self.moment(before, rotation, factor).1;
+        if history.plastic != before.plastic {
+            history.dissipated_j += self.flow_j(before, history, factor);
+        }
+        history
+    }
+
+    /// Work of plastic flow `∫ M dp`: at the capacity of the largest rotation so far up to it, along the capacities beyond, where `p = θ - M/k`. Exact where
+    /// flow begins before the capacity changes.
+    fn flow_j(&self, before: History, after: History, factor: f64) -> f64 {
+        let capacity_at = |largest: f64| factor * interpolate(&self.capacity, largest);
+        let whole = (after.plastic - before.plastic).abs();
+        let sense = (after.plastic - before.plastic).signum();
+        let onset = sense * before.plastic + capacity_at(before.largest) / self.stiffness_nm_rad;
+        let (from, to) = (before.largest.max(onset.min(after.largest)), after.largest);
+        let (first, last) = (capacity_at(from), capacity_at(to));
+        let along = (to - from) - (last - first) / self.stiffness_nm_rad;
+        let area = factor * integral(&self.capacity, from, to);
+        let beyond = area - 0.5 * (last * last - first * first) / self.stiffness_nm_rad;
+        first * (whole - along).max(0.0) + beyond
+    }
+}
+
+/// Integral of a line through points, constant beyond its ends.
+fn integral(points: &[[f64; 2]], from: f64, to: f64) -> f64 {
+    let inner = points.iter().map(|p| p[0]).filter(|x| *x > from && *x < to);
+    let mut places = vec![from];
+    places.extend(inner);
+    places.push(to);
+    let mean = |a: f64, b: f64| 0.5 * (interpolate(points, a) + interpolate(points, b));
+    places.windows(2).map(|w| (w[1] - w[0]) * mean(w[0], w[1])).sum()
 }
 
 /// What a hinge remembers about an axis.
@@ -85,6 +128,23 @@ pub struct History {
     plastic: f64,
     /// Largest rotation \[rad\].
     largest: f64,
+    /// Work of plastic flow \[J\].
+    dissipated_j: f64,
+}
+
+/// A hinge at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HingeState {
+    /// Rotations about its axes \[rad\].
+    pub rotation_rad: V3,
+    /// Moments \[N m\].
+    pub moment_nm: V3,
+    /// Plastic rotations \[rad\].
+    pub plastic_rad: V3,
+    /// Elastic energy \[J\].
+    pub elastic_j: f64,
+    /// Work of plastic flow so far \[J\].
+    pub dissipated_j: f64,
 }
 
 /// A force in the frames of its bodies.
@@ -114,6 +174,8 @@ pub enum Acting {
         body: usize,
         /// Torque.
         torque: V3,
+        /// Whether it acts.
+        on: bool,
     },
     /// See [`Force::Hinge`].
     Hinge {
@@ -127,6 +189,19 @@ pub enum Acting {
         joint: Option<usize>,
         /// What it remembers.
         history: [History; 3],
+        /// Factor on its capacity.
+        factor: f64,
+    },
+    /// See [`Force::Force`].
+    Force {
+        /// Body.
+        body: usize,
+        /// Point in its frame.
+        point: V3,
+        /// Force.
+        force: V3,
+        /// Whether it acts.
+        on: bool,
     },
 }
 
@@ -147,10 +222,14 @@ impl Acting {
                 let frames = bodies.map(|b| global.map(|row| mul_t(&pose(b).r, row)));
                 Self::Torsion { bodies, frames, law: [stiffness_nm_rad, damping_nm_s_rad] }
             }
-            Force::Torque { body, torque_nm } => Self::Torque { body, torque: torque_nm },
+            Force::Torque { body, torque_nm } => Self::Torque { body, torque: torque_nm, on: true },
             Force::Hinge { bodies, law, joint } => {
                 let start = qmul(qconj(pose(bodies[0]).q), pose(bodies[1]).q);
-                Self::Hinge { bodies, start, law, joint, history: [History::default(); 3] }
+                Self::Hinge { bodies, start, law, joint, history: [History::default(); 3], factor: 1.0 }
+            }
+            Force::Force { body, point_m, force_n } => {
+                let p = pose(body);
+                Self::Force { body, point: mul_t(&p.r, sub(point_m, p.x)), force: force_n, on: true }
             }
         }
     }
@@ -187,11 +266,15 @@ impl Acting {
                 load(bodies[0], [0.0; 3], scale(torque, n));
                 load(bodies[1], [0.0; 3], scale(-torque, n));
             }
-            Self::Torque { body, torque } => load(*body, [0.0; 3], *torque),
-            Self::Hinge { bodies, start, law, history, .. } => {
+            Self::Torque { body, torque, on: true } => load(*body, [0.0; 3], *torque),
+            Self::Force { body, point, force, on: true } => {
+                load(*body, *force, cross(mul(&pose(*body).r, *point), *force));
+            }
+            Self::Torque { .. } | Self::Force { .. } => {}
+            Self::Hinge { bodies, start, law, history, factor, .. } => {
                 let poses = bodies.map(&pose);
                 let rotation = rotation(&poses, *start);
-                let moment = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], rotation[i]).0);
+                let moment = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], rotation[i], *factor).0);
                 let torque = mul(&poses[0].r, moment);
                 load(bodies[0], [0.0; 3], torque);
                 load(bodies[1], [0.0; 3], scale(-1.0, torque));
@@ -202,12 +285,89 @@ impl Acting {
 
     /// Takes the pose at the end of a step into the history; returns how far a hinge is beyond its fracture \[rad\], below zero while it holds.
     pub fn commit(&mut self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> Option<f64> {
-        let Self::Hinge { bodies, start, law, history, .. } = self else { return None };
+        let Self::Hinge { bodies, start, law, history, factor, .. } = self else { return None };
         let rotation = rotation(&bodies.map(&pose), *start);
         for (own, rotation) in history.iter_mut().zip(rotation) {
-            *own = laws[*law].moment(*own, rotation).1;
+            *own = laws[*law].after(*own, rotation, *factor);
         }
         Some(norm(rotation) - laws[*law].fracture_rad)
+    }
+
+    /// The bodies that it acts on.
+    pub fn bodies(&self) -> Vec<usize> {
+        match self {
+            Self::Spring { bodies, .. } | Self::Torsion { bodies, .. } | Self::Hinge { bodies, .. } => {
+                bodies.to_vec()
+            }
+            Self::Torque { body, .. } | Self::Force { body, .. } => vec![*body],
+        }
+    }
+
+    /// Switches an applied force or torque.
+    pub fn switch(&mut self, to: bool) {
+        if let Self::Torque { on, .. } | Self::Force { on, .. } = self {
+            *on = to;
+        }
+    }
+
+    /// Multiplies the capacity of a hinge.
+    pub fn weaken(&mut self, by: f64) {
+        if let Self::Hinge { factor, .. } = self {
+            *factor *= by;
+        }
+    }
+
+    /// A hinge, or a torsion spring about its one axis, at poses that follow on what it remembers.
+    pub fn turn(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> Option<HingeState> {
+        if let Self::Torsion { bodies, frames, law: [stiffness, damping] } = self {
+            let poses = bodies.map(&pose);
+            let angle = angle_rad(frames, [&poses[0], &poses[1]]);
+            let rate = dot(sub(poses[1].w, poses[0].w), mul(&poses[0].r, frames[0][0]));
+            return Some(HingeState {
+                rotation_rad: [angle, 0.0, 0.0],
+                moment_nm: [stiffness * angle + damping * rate, 0.0, 0.0],
+                plastic_rad: [0.0; 3],
+                elastic_j: 0.5 * stiffness * angle * angle,
+                dissipated_j: 0.0,
+            });
+        }
+        let Self::Hinge { bodies, start, law, history, factor, .. } = self else { return None };
+        let rotation = rotation(&bodies.map(&pose), *start);
+        let after = [0, 1, 2].map(|i: usize| laws[*law].after(history[i], rotation[i], *factor));
+        let moment = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], rotation[i], *factor).0);
+        Some(HingeState {
+            rotation_rad: rotation,
+            moment_nm: moment,
+            plastic_rad: after.map(|h| h.plastic),
+            elastic_j: 0.5 * dot(moment, moment) / laws[*law].stiffness_nm_rad,
+            dissipated_j: after.iter().map(|h| h.dissipated_j).sum(),
+        })
+    }
+
+    /// Elastic energy \[J\].
+    pub fn elastic_j(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> f64 {
+        match self {
+            Self::Spring { bodies, points, law: [length, stiffness, _] } => {
+                let at = [0, 1].map(|i: usize| {
+                    let p = pose(bodies[i]);
+                    add(p.x, mul(&p.r, points[i]))
+                });
+                0.5 * stiffness * (norm(sub(at[1], at[0])) - length).powi(2)
+            }
+            Self::Hinge { .. } | Self::Torsion { .. } => self.turn(pose, laws).map_or(0.0, |h| h.elastic_j),
+            Self::Torque { .. } | Self::Force { .. } => 0.0,
+        }
+    }
+
+    /// Whether a hinge has flowed.
+    pub fn has_flowed(&self) -> bool {
+        self.dissipated_j() > 0.0
+    }
+
+    /// Work of plastic flow so far \[J\].
+    pub fn dissipated_j(&self) -> f64 {
+        let Self::Hinge { history, .. } = self else { return 0.0 };
+        history.iter().map(|h| h.dissipated_j).sum()
     }
 
     /// How far a hinge is beyond its fracture \[rad\]; `None` of other forces.
@@ -234,17 +394,17 @@ mod tests {
             fracture_rad: 0.5,
         };
         let start = History::default();
-        let (elastic, history) = law.moment(start, 0.004);
+        let (elastic, history) = law.moment(start, 0.004, 1.0);
         assert_eq!((elastic, history.plastic), (80e3, 0.0));
-        let (flowing, history) = law.moment(history, 0.02);
+        let (flowing, history) = law.moment(history, 0.02, 1.0);
         assert!((flowing - 120e3).abs() < 1e-9 && (history.plastic - 0.014).abs() < 1e-15);
-        let (back, history) = law.moment(history, 0.016);
+        let (back, history) = law.moment(history, 0.016, 1.0);
         assert!((back - 40e3).abs() < 1e-6 && (history.plastic - 0.014).abs() < 1e-15);
-        let (soft, history) = law.moment(history, 0.09);
+        let (soft, history) = law.moment(history, 0.09, 1.0);
         assert!((soft - 60e3).abs() < 1e-6 && history.largest == 0.09);
         // the other sense has the capacity that the largest rotation left
-        let (reversed, _) = law.moment(history, 0.0);
+        let (reversed, _) = law.moment(history, 0.0, 1.0);
         assert!((reversed + 60e3).abs() < 1e-6, "{reversed}");
-        assert_eq!(law.moment(history, 0.4).0, 0.0);
+        assert_eq!(law.moment(history, 0.4, 1.0).0, 0.0);
     }
 }

@@ -174,6 +174,11 @@ impl Compiled {
         }
     }
 
+    /// From the centre of mass of a body to its point, global \[m\].
+    pub fn arm(&self, side: usize, pose: &Pose) -> V3 {
+        mul(&pose.r, self.points[side])
+    }
+
     /// Number of its rows.
     pub fn rows(&self) -> usize {
         match self.plane {

@@ -1,71 +1,11 @@
-//! Steps of Runge and Kutta with error control, of fifth order (Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26) or, with hinges, of fourth, with a projection
-//! onto the joints at the end of each.
+//! Steps of Runge and Kutta with error control, and a projection onto the joints at the end of each.
 //!
 //! The last of a step's evaluations is the first of the next one; its factorisation serves the projection as well. The evaluation belongs to the state before
 //! the projection, which moves it by less than the error of the step.
 
 use super::Mechanism;
-use super::force::Force;
+use super::method::{Method, method_for};
 use super::motion::{Motion, STATE, quaternion_rate};
-
-/// A method whose last stage is the first of the next step.
-struct Method {
-    /// Coefficients of the stages; those of the last are the step itself.
-    stages: &'static [&'static [f64]],
-    /// The step less that of the order below.
-    error: &'static [f64],
-    /// What the interpolation within a step has beyond a cubic.
-    dense: &'static [f64],
-    /// Order of the error estimate.
-    order: f64,
-}
-
-/// Dormand and Prince; interpolation after Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section II.6.
-const FIFTH: Method = Method {
-    stages: &[
-        &[0.2],
-        &[3.0 / 40.0, 9.0 / 40.0],
-        &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
-        &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
-        &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
-        &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
-    ],
-    error: &[
-        71.0 / 57600.0,
-        0.0,
-        -71.0 / 16695.0,
-        71.0 / 1920.0,
-        -17253.0 / 339200.0,
-        22.0 / 525.0,
-        -1.0 / 40.0,
-    ],
-    dense: &[
-        -12715105075.0 / 11282082432.0,
-        0.0,
-        87487479700.0 / 32700410799.0,
-        -10690763975.0 / 1880347072.0,
-        701980252875.0 / 199316789632.0,
-        -1453857185.0 / 822651844.0,
-        69997945.0 / 29380423.0,
-    ],
-    order: 5.0,
-};
-
-/// The classical method of fourth order. With the next step's first rate in the place of the last stage's the weights 1/6, 1/3, 1/3, 1/6 meet the conditions of third
-/// order, hence the error estimate.
-const FOURTH: Method = Method {
-    stages: &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0], &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0]],
-    error: &[0.0, 0.0, 0.0, 1.0 / 6.0, -1.0 / 6.0],
-    dense: &[],
-    order: 4.0,
-};
-
-/// The method for a mechanism. Elastic hinges make fast vibrations that bound the step, and the fourth order bears `2.8 / ω` with four evaluations, the fifth `1.6 / ω`
-/// with six; where only the error bounds it, the fifth needs fewer.
-fn method_for(mechanism: &Mechanism) -> &'static Method {
-    let is_stiff = mechanism.forces.iter().any(|f| matches!(f, Force::Hinge { .. }));
-    if is_stiff { &FOURTH } else { &FIFTH }
-}
 
 /// Limits of the change of a step, and the share of the step that the error would allow.
 const CHANGE: [f64; 2] = [0.2, 5.0];
@@ -129,92 +69,253 @@ pub enum MarchError {
     },
 }
 
-/// Runs a mechanism.
+/// What became of a run so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tally {
+    /// Steps taken, and steps that were tried and repeated.
+    pub steps: [u64; 2],
+    /// Constraint rows, and the most that were found dependent.
+    pub rows: [usize; 2],
+    /// Largest residual of a joint at the end of a step, before the projection.
+    pub residual: f64,
+    /// Largest change of kinetic and potential energy less the work of applied forces since the last [`Marcher::restart`] \[J\].
+    pub energy_change_j: f64,
+    /// Longest step \[s\].
+    pub longest_s: f64,
+}
+
+/// A mechanism on its way.
+#[derive(Debug)]
+pub struct Marcher {
+    /// The mechanism; after a change of it or of the state comes a [`Marcher::restart`].
+    pub motion: Motion,
+    /// The state; 13 numbers a body, then the work of applied forces.
+    pub state: Vec<f64>,
+    /// Time \[s\].
+    pub time_s: f64,
+    /// Counts.
+    pub tally: Tally,
+    /// Each stage's state in turn, the last of which is the next state.
+    next: Vec<f64>,
+    rates: Vec<Vec<f64>>,
+    method: &'static Method,
+    tolerance: f64,
+    least_s: f64,
+    /// The step that the last one would follow with; zero before the first \[s\].
+    step: f64,
+    before: f64,
+    repeated: bool,
+    start_j: f64,
+}
+
+/// An accepted step: states in between.
+#[derive(Debug, Clone, Copy)]
+pub struct Span<'a> {
+    /// Its begin \[s\].
+    pub from_s: f64,
+    /// Its length \[s\].
+    pub length_s: f64,
+    ends: [&'a [f64]; 2],
+    rates: &'a [Vec<f64>],
+    method: &'static Method,
+}
+
+impl Span<'_> {
+    /// Its end \[s\].
+    pub fn to_s(&self) -> f64 {
+        self.from_s + self.length_s
+    }
+
+    /// Writes the state at a time within.
+    pub fn at(&self, time_s: f64, out: &mut [f64]) {
+        let s = ((time_s - self.from_s) / self.length_s).clamp(0.0, 1.0);
+        let [state, next] = self.ends;
+        let last = &self.rates[self.rates.len() - 1];
+        for (i, out) in out.iter_mut().enumerate() {
+            let whole = next[i] - state[i];
+            let early = self.length_s * self.rates[0][i] - whole;
+            let late = whole - self.length_s * last[i] - early;
+            let dense: f64 = self.rates.iter().zip(self.method.dense).map(|(k, d)| d * k[i]).sum();
+            *out =
+                state[i] + s * (whole + (1.0 - s) * (early + s * (late + (1.0 - s) * self.length_s * dense)));
+        }
+    }
+}
+
+impl Marcher {
+    /// At the start of a mechanism, whose joints it projects velocities onto; `span_s` is the time of the whole run.
+    pub fn of(mechanism: &Mechanism, tolerance: f64, span_s: f64, in_space: bool) -> Self {
+        let method = method_for(mechanism);
+        let state = Motion::state(mechanism);
+        let mut marcher = Self {
+            motion: Motion::of(mechanism, in_space),
+            next: vec![0.0; state.len()],
+            rates: vec![vec![0.0; state.len()]; method.stages.len() + 1],
+            state,
+            time_s: 0.0,
+            tally: Tally::default(),
+            method,
+            tolerance,
+            least_s: LEAST * span_s,
+            step: 0.0,
+            before: 1.0,
+            repeated: false,
+            start_j: 0.0,
+        };
+        marcher.motion.take(&marcher.state);
+        marcher.motion.project(&mut marcher.state);
+        marcher.tally.rows = [marcher.motion.constraints(), marcher.motion.dependent()];
+        marcher.restart();
+        marcher
+    }
+
+    /// Takes up a state or mechanism that was changed from outside; the energies are counted from here.
+    pub fn restart(&mut self) {
+        self.refresh();
+        self.start_j = self.motion.balance_j(&self.state);
+        (self.before, self.repeated) = (1.0, false);
+    }
+
+    /// Evaluates the state anew, as projected: afterwards the reactions are those of it.
+    pub fn refresh(&mut self) {
+        self.motion.take(&self.state);
+        rate(&mut self.motion, &self.state, &mut self.rates[0]);
+    }
+
+    /// Steps until a time. `seen` is shown each step and may cut it short at a time within, where the march ends then (true). Ids of forces
+    /// that fractured come with their time.
+    ///
+    /// # Errors
+    /// If no step meets the tolerance.
+    pub fn advance(
+        &mut self,
+        until_s: f64,
+        seen: &mut dyn FnMut(&Span<'_>, &Motion) -> Option<f64>,
+        fractured: &mut Vec<(f64, usize)>,
+    ) -> Result<bool, MarchError> {
+        if self.step == 0.0 {
+            self.step = first_step(&self.state, &self.rates[0], self.tolerance).min(until_s - self.time_s);
+        }
+        while until_s - self.time_s > self.least_s {
+            let wanted = self.step;
+            let step = wanted.min(until_s - self.time_s);
+            if step < self.least_s {
+                return Err(MarchError::Step { time_s: self.time_s, step_s: step });
+            }
+            let Some(change) = self.attempt(step)? else { continue };
+            self.count(step);
+            let span = Span {
+                from_s: self.time_s,
+                length_s: step,
+                ends: [&self.state, &self.next],
+                rates: &self.rates,
+                method: self.method,
+            };
+            // a step shortened to meet the end says little about the next one
+            self.step = if step < 0.5 * wanted { wanted } else { step * change };
+            let cut = seen(&span, &self.motion);
+            if let Some(at_s) = cut {
+                let mut state = self.next.clone();
+                span.at(at_s, &mut state);
+                self.motion.take(&state);
+                self.motion.project(&mut state);
+                (self.state, self.time_s) = (state, at_s);
+            } else {
+                self.motion.project(&mut self.next);
+                self.state.copy_from_slice(&self.next);
+                let last = self.rates.len() - 1;
+                self.rates.swap(0, last);
+                self.time_s += step;
+            }
+            let opened = self.motion.commit();
+            if !opened.is_empty() || cut.is_some() {
+                fractured.extend(opened.into_iter().map(|id| (self.time_s, id)));
+                self.refresh();
+                self.before = 1.0;
+            }
+            if cut.is_some() {
+                return Ok(true);
+            }
+        }
+        self.time_s = until_s;
+        Ok(false)
+    }
+
+    /// Tries a step: what the next one may change by, or nothing if it has to be tried again with a smaller one.
+    fn attempt(&mut self, step: f64) -> Result<Option<f64>, MarchError> {
+        for (s, weights) in self.method.stages.iter().enumerate() {
+            combine(&self.state, &self.rates, weights, step, &mut self.next);
+            self.motion.take(&self.next);
+            rate(&mut self.motion, &self.next, &mut self.rates[s + 1]);
+        }
+        let ends = [self.state.as_slice(), self.next.as_slice()];
+        let error = error(ends, &self.rates, step, self.tolerance, self.method);
+        let order = self.method.order;
+        if !error.is_finite() {
+            // a step too far into a singular pose; a smaller one stays before it
+            self.tally.steps[1] += 1;
+            self.step = CHANGE[0] * step;
+            if self.step < self.least_s {
+                return Err(MarchError::NotFinite { time_s: self.time_s });
+            }
+            return Ok(None);
+        }
+        let sized = error.max(1e-10);
+        if error > 1.0 {
+            self.tally.steps[1] += 1;
+            self.step = step * (CAUTION * sized.powf(-1.0 / order)).clamp(CHANGE[0], 1.0);
+            self.repeated = true;
+            return Ok(None);
+        }
+        // a fracture is met by halving the step that passes it
+        if step > FRACTURE_S && self.motion.beyond().is_some_and(|beyond| beyond >= 0.0) {
+            self.tally.steps[1] += 1;
+            self.step = 0.5 * step;
+            return Ok(None);
+        }
+        // with the error of the step before, so that steps settle at a bound of stability instead of trying it again and again
+        let by_both = sized.powf(-PROPORTIONAL / order) * self.before.powf(INTEGRAL / order);
+        let most = if self.repeated { 1.0 } else { CHANGE[1] };
+        (self.before, self.repeated) = (sized, false);
+        Ok(Some((CAUTION * by_both).clamp(CHANGE[0], most)))
+    }
+
+    /// Counts the step that was accepted.
+    fn count(&mut self, step: f64) {
+        let tally = &mut self.tally;
+        tally.steps[0] += 1;
+        tally.longest_s = tally.longest_s.max(step);
+        tally.residual = tally.residual.max(self.motion.residual());
+        tally.rows[1] = tally.rows[1].max(self.motion.dependent());
+        let change = (self.motion.balance_j(&self.next) - self.start_j).abs();
+        tally.energy_change_j = tally.energy_change_j.max(change);
+    }
+}
+
+/// Runs a mechanism with outputs at even intervals.
 ///
 /// # Errors
 /// If no step meets the tolerance.
 pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError> {
-    let mut motion = Motion::of(mechanism, wanted.in_space);
-    let mut state = Motion::state(mechanism);
-    let count = state.len();
-    let method = method_for(mechanism);
-    let last = method.stages.len();
-    let mut k = vec![vec![0.0; count]; last + 1];
-    // each stage in turn, the last of which is the next state
-    let mut next = vec![0.0; count];
-    motion.take(&state);
-    motion.project(&mut state);
-    let start_j = motion.balance_j(&state);
-    rate(&mut motion, &state, &mut k[0]);
-    let mut course = Course {
-        states: vec![state.clone()],
-        steps: [0; 2],
-        rows: [motion.constraints(), motion.dependent()],
-        residual: 0.0,
-        energy_change_j: 0.0,
-        fractures_s: Vec::new(),
+    let mut marcher = Marcher::of(mechanism, wanted.tolerance, wanted.end_s, wanted.in_space);
+    let mut states = vec![marcher.state.clone()];
+    let last = wanted.end_s * (1.0 + 1e-12);
+    let mut outputs = |span: &Span<'_>, _: &Motion| {
+        loop {
+            let at = states.len() as f64 * wanted.output_s;
+            if at > span.to_s() + 1e-12 * wanted.end_s || at > last {
+                return None;
+            }
+            let mut state = vec![0.0; states[0].len()];
+            span.at(at, &mut state);
+            states.push(state);
+        }
     };
-    let (mut time, mut step) = (0.0, first_step(&state, &k[0], wanted));
-    let (mut before, mut repeated) = (1.0_f64, false);
-    while time < wanted.end_s {
-        step = step.min(wanted.end_s - time);
-        if step < LEAST * wanted.end_s {
-            if wanted.end_s - time <= LEAST * wanted.end_s {
-                break;
-            }
-            return Err(MarchError::Step { time_s: time, step_s: step });
-        }
-        for (s, weights) in method.stages.iter().enumerate() {
-            combine(&state, &k, weights, step, &mut next);
-            motion.take(&next);
-            rate(&mut motion, &next, &mut k[s + 1]);
-        }
-        let error = error([&state, &next], &k, step, wanted.tolerance, method);
-        if !error.is_finite() {
-            // a step too far into a singular pose; a smaller one stays before it
-            course.steps[1] += 1;
-            step *= CHANGE[0];
-            if step < LEAST * wanted.end_s {
-                return Err(MarchError::NotFinite { time_s: time });
-            }
-            continue;
-        }
-        let sized = error.max(1e-10);
-        if error > 1.0 {
-            course.steps[1] += 1;
-            step *= (CAUTION * sized.powf(-1.0 / method.order)).clamp(CHANGE[0], 1.0);
-            repeated = true;
-            continue;
-        }
-        // with the error of the step before, so that steps settle at a bound of stability instead of trying it again and again
-        let by_both = sized.powf(-PROPORTIONAL / method.order) * before.powf(INTEGRAL / method.order);
-        let change = (CAUTION * by_both).clamp(CHANGE[0], if repeated { 1.0 } else { CHANGE[1] });
-        // a fracture is met by halving the step that passes it
-        let breaks = motion.beyond().is_some_and(|beyond| beyond >= 0.0);
-        if breaks && step > FRACTURE_S {
-            course.steps[1] += 1;
-            step *= 0.5;
-            continue;
-        }
-        course.steps[0] += 1;
-        (before, repeated) = (sized, false);
-        course.residual = course.residual.max(motion.residual());
-        course.rows[1] = course.rows[1].max(motion.dependent());
-        outputs(&mut course, [time, step], [&state, &next], &k, wanted, method);
-        course.energy_change_j = course.energy_change_j.max((motion.balance_j(&next) - start_j).abs());
-        motion.project(&mut next);
-        state.copy_from_slice(&next);
-        k.swap(0, last);
-        time += step;
-        step *= change;
-        let opened = motion.commit();
-        if opened > 0 {
-            course.fractures_s.extend(std::iter::repeat_n(time, opened));
-            motion.take(&state);
-            rate(&mut motion, &state, &mut k[0]);
-        }
-    }
-    Ok(course)
+    let mut fractured = Vec::new();
+    marcher.advance(wanted.end_s, &mut outputs, &mut fractured)?;
+    let Tally { steps, rows, residual, energy_change_j, .. } = marcher.tally;
+    let fractures_s = fractured.into_iter().map(|(time, _)| time).collect();
+    Ok(Course { states, steps, rows, residual, energy_change_j, fractures_s })
 }
 
 /// The rate of a state that was taken; orientations are those of the state itself, which a stage leaves without unit length.
@@ -251,38 +352,10 @@ fn error([state, next]: [&[f64]; 2], k: &[Vec<f64>], step: f64, tolerance: f64, 
 }
 
 /// A first step from the size of the rates.
-fn first_step(state: &[f64], rate: &[f64], wanted: &March) -> f64 {
+fn first_step(state: &[f64], rate: &[f64], tolerance: f64) -> f64 {
     let size = |v: &f64| 1.0 + v.abs();
     let fastest = state.iter().zip(rate).map(|(s, r)| r.abs() / size(s)).fold(0.0, f64::max);
-    let step = 0.1 * wanted.tolerance.powf(0.2) / fastest.max(1e-3);
-    step.min(wanted.end_s)
-}
-
-/// States at the outputs within a step.
-fn outputs(
-    course: &mut Course,
-    [time, step]: [f64; 2],
-    [state, next]: [&[f64]; 2],
-    k: &[Vec<f64>],
-    wanted: &March,
-    method: &Method,
-) {
-    loop {
-        let at = course.states.len() as f64 * wanted.output_s;
-        let reached = time + step;
-        if at > reached + 1e-12 * wanted.end_s || at > wanted.end_s * (1.0 + 1e-12) {
-            return;
-        }
-        let s = ((at - time) / step).min(1.0);
-        let between = (0..state.len()).map(|i| {
-            let whole = next[i] - state[i];
-            let early = step * k[0][i] - whole;
-            let late = whole - step * k[k.len() - 1][i] - early;
-            let dense: f64 = k.iter().zip(method.dense).map(|(k, d)| d * k[i]).sum();
-            state[i] + s * (whole + (1.0 - s) * (early + s * (late + (1.0 - s) * step * dense)))
-        });
-        course.states.push(between.collect());
-    }
+    0.1 * tolerance.powf(0.2) / fastest.max(1e-3)
 }
 
 #[cfg(test)]

@@ -12,14 +12,19 @@
 //! | [`factor`] | the sparse block factorisation of `S` |
 //! | [`planar`] | which parts move in a plane, so that rows across it can be left out |
 //! | [`motion`] | accelerations and projections at a state |
-//! | [`march`] | the Runge-Kutta steps with error control |
+//! | [`compile`] | from a model file |
+//! | [`run`] | a whole run of a model file: events, outputs, energy balance |
+//! | [`march`] | the Runge-Kutta steps with error control (`method`: their coefficients) |
 
+pub mod compile;
 pub mod factor;
 pub mod force;
 pub mod joint;
 pub mod march;
+mod method;
 pub mod motion;
 pub mod planar;
+pub mod run;
 
 use super::math::{M3, Q, V3};
 use force::{Force, HingeLaw};

@@ -1,7 +1,7 @@
 //! Accelerations of a mechanism at a state, and the nearest state that its joints allow.
 
 use super::factor::BlockFactor;
-use super::force::{Acting, HingeLaw};
+use super::force::{Acting, HingeLaw, HingeState};
 use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
 use super::planar::planes;
 use super::{Mechanism, joint};
@@ -24,6 +24,23 @@ struct Part {
     columns: (usize, usize),
 }
 
+/// Energies and hinges of a mechanism at a time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Observed {
+    /// Kinetic energy \[J\].
+    pub kinetic_j: f64,
+    /// Potential energy of gravity, zero at the origin \[J\].
+    pub gravity_j: f64,
+    /// Elastic energy of springs and hinges \[J\].
+    pub elastic_j: f64,
+    /// Plastic work of all hinges, also those that fractured \[J\].
+    pub plastic_j: f64,
+    /// Work of all applied forces, springs and hinges included, gravity not \[J\].
+    pub work_j: f64,
+    /// Hinges and torsion springs by their place among the forces of the mechanism.
+    pub hinges: Vec<(usize, HingeState)>,
+}
+
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
 pub struct Motion {
@@ -39,7 +56,15 @@ pub struct Motion {
     /// Place of each joint in the mechanism.
     ids: Vec<usize>,
     forces: Vec<Acting>,
+    /// Place of each force in the mechanism.
+    force_ids: Vec<usize>,
     laws: Vec<HingeLaw>,
+    /// Hinges that flowed for the first time, by their places in the mechanism; for the caller to fetch.
+    pub yielded: Vec<usize>,
+    /// Plastic work of hinges that are gone \[J\].
+    spent_j: f64,
+    /// Bodies that were taken away: they stay where they are.
+    gone: Vec<bool>,
     parts: Vec<Part>,
     factor: BlockFactor,
     poses: Vec<Pose>,
@@ -82,7 +107,11 @@ impl Motion {
             joints,
             first: Vec::new(),
             forces: mechanism.forces.iter().map(|f| Acting::of(f, pose)).collect(),
+            force_ids: (0..mechanism.forces.len()).collect(),
             laws: mechanism.laws.clone(),
+            yielded: Vec::new(),
+            spent_j: 0.0,
+            gone: vec![false; start.len()],
             parts: Vec::new(),
             factor: BlockFactor::new(&[], &BTreeSet::new()),
             loads: vec![[[0.0; 3]; 2]; start.len()],
@@ -189,6 +218,9 @@ impl Motion {
         for (load, mass) in self.loads.iter_mut().zip(&self.mass) {
             *load = [scale(*mass, self.gravity), [0.0; 3]];
         }
+        for (load, _) in self.loads.iter_mut().zip(&self.gone).filter(|(_, gone)| **gone) {
+            *load = [[0.0; 3]; 2];
+        }
         let poses = &self.poses;
         let pose = |body: usize| *pose_of(poses, body);
         let mut power = 0.0;
@@ -214,25 +246,118 @@ impl Motion {
         }
     }
 
-    /// Takes the state that was taken into the history of hinges. Those that are beyond their fracture open, with their joints; how many did.
-    pub fn commit(&mut self) -> usize {
+    /// Takes the state that was taken into the history of hinges. Those that are beyond their fracture open, with their joints; their places in
+    /// the mechanism.
+    pub fn commit(&mut self) -> Vec<usize> {
         let poses = &self.poses;
         let pose = |body: usize| *pose_of(poses, body);
-        let before = self.forces.len();
-        let mut opened = Vec::new();
-        self.forces.retain_mut(|force| {
-            let holds = force.commit(pose, &self.laws).is_none_or(|beyond| beyond < 0.0);
-            if let (false, Acting::Hinge { joint: Some(joint), .. }) = (holds, &force) {
-                opened.push(*joint);
+        let (mut broken, mut opened) = (Vec::new(), Vec::new());
+        for (force, id) in self.forces.iter_mut().zip(&self.force_ids) {
+            let flowed = force.has_flowed();
+            let beyond = force.commit(pose, &self.laws);
+            if !flowed && force.has_flowed() {
+                self.yielded.push(*id);
             }
-            holds
-        });
-        if !opened.is_empty() {
+            if beyond.is_some_and(|beyond| beyond >= 0.0) {
+                broken.push(*id);
+                if let Acting::Hinge { joint: Some(joint), .. } = force {
+                    opened.push(*joint);
+                }
+            }
+        }
+        if !broken.is_empty() {
+            self.release(&opened, &broken);
+        }
+        broken
+    }
+
+    /// Takes joints and forces away, by their places in the mechanism.
+    pub fn release(&mut self, joints: &[usize], forces: &[usize]) {
+        let of = |list: &[usize], id: &usize| !list.contains(id);
+        let ending = self.forces.iter().zip(&self.force_ids).filter(|(_, id)| !of(forces, id));
+        self.spent_j += ending.map(|(f, _)| f.dissipated_j()).sum::<f64>();
+        let both = std::mem::take(&mut self.forces).into_iter().zip(std::mem::take(&mut self.force_ids));
+        (self.forces, self.force_ids) = both.filter(|(_, id)| of(forces, id)).unzip();
+        if !joints.is_empty() {
             let both = std::mem::take(&mut self.joints).into_iter().zip(std::mem::take(&mut self.ids));
-            (self.joints, self.ids) = both.filter(|(_, id)| !opened.contains(id)).unzip();
+            (self.joints, self.ids) = both.filter(|(_, id)| of(joints, id)).unzip();
             self.link();
         }
-        before - self.forces.len()
+    }
+
+    /// Takes a body away with all that is attached to it: it stops where it is in the state. The places in the mechanism of the joints and forces that go with it.
+    pub fn remove(&mut self, body: usize, state: &mut [f64]) -> [Vec<usize>; 2] {
+        self.gone[body] = true;
+        state[STATE * body + 7..STATE * (body + 1)].fill(0.0);
+        let joints = self.joints.iter().zip(&self.ids);
+        let joints: Vec<usize> =
+            joints.filter(|(j, _)| j.bodies.contains(&body)).map(|(_, id)| *id).collect();
+        let forces = self.forces.iter().zip(&self.force_ids);
+        let forces: Vec<usize> =
+            forces.filter(|(f, _)| f.bodies().contains(&body)).map(|(_, id)| *id).collect();
+        self.release(&joints, &forces);
+        [joints, forces]
+    }
+
+    /// Whether a body was taken away.
+    pub fn is_gone(&self, body: usize) -> bool {
+        self.gone[body]
+    }
+
+    /// A force by its place in the mechanism, if it still acts.
+    pub fn force_mut(&mut self, id: usize) -> Option<&mut Acting> {
+        let at = self.force_ids.iter().position(|f| *f == id)?;
+        Some(&mut self.forces[at])
+    }
+
+    /// Places in the mechanism of the joints that are there.
+    pub fn joint_ids(&self) -> &[usize] {
+        &self.ids
+    }
+
+    /// Energies and hinges at a state that follows on what was committed.
+    pub fn observe(&self, state: &[f64]) -> Observed {
+        let poses: Vec<Pose> = state.chunks_exact(STATE).map(read).collect();
+        let pose = |body: usize| *pose_of(&poses, body);
+        let [mut kinetic_j, mut gravity_j] = [0.0; 2];
+        for (b, pose) in poses.iter().enumerate().filter(|(b, _)| !self.gone[*b]) {
+            let own = mul_t(&pose.r, pose.w);
+            kinetic_j += 0.5 * (self.mass[b] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[b], own)));
+            gravity_j -= self.mass[b] * dot(self.gravity, pose.x);
+        }
+        let hinges: Vec<(usize, HingeState)> = self
+            .forces
+            .iter()
+            .zip(&self.force_ids)
+            .filter_map(|(f, id)| Some((*id, f.turn(pose, &self.laws)?)))
+            .collect();
+        let others =
+            self.forces.iter().filter(|f| !matches!(f, Acting::Hinge { .. } | Acting::Torsion { .. }));
+        let springs_j: f64 = others.map(|f| f.elastic_j(pose, &self.laws)).sum();
+        Observed {
+            kinetic_j,
+            gravity_j,
+            elastic_j: springs_j + hinges.iter().map(|(_, h)| h.elastic_j).sum::<f64>(),
+            plastic_j: self.spent_j + hinges.iter().map(|(_, h)| h.dissipated_j).sum::<f64>(),
+            work_j: state.last().copied().unwrap_or(0.0),
+            hinges,
+        }
+    }
+
+    /// Force and torque about its point of each joint that is there on its second body, global \[N, N m\], at the state whose rate was taken last.
+    pub fn reactions(&self) -> Vec<[V3; 2]> {
+        let of_joint = |(j, joint): (usize, &Compiled)| {
+            let (mut force, mut torque) = ([0.0; 3], [0.0; 3]);
+            let side = usize::from(!is_ground(joint.bodies[1]));
+            for r in self.first[j]..self.first[j + 1] {
+                let [linear, angular] = self.rows[r].of[side];
+                let factor = if side == 1 { -self.multipliers[r] } else { self.multipliers[r] };
+                (force, torque) = (axpy(force, factor, linear), axpy(torque, factor, angular));
+            }
+            let arm = joint.arm(side, pose_of(&self.poses, joint.bodies[side]));
+            [force, sub(torque, cross(arm, force))]
+        };
+        self.joints.iter().enumerate().map(of_joint).collect()
     }
 
     /// How far a hinge is beyond its fracture at the state that was taken, at most \[rad\]; `None` without hinges.
@@ -307,7 +432,8 @@ impl Motion {
             let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[b], own));
             0.5 * kinetic - self.mass[b] * dot(self.gravity, pose.x)
         };
-        let bodies: f64 = self.poses.iter().enumerate().map(of_body).sum();
+        let there = self.poses.iter().enumerate().filter(|(b, _)| !self.gone[*b]);
+        let bodies: f64 = there.map(of_body).sum();
         bodies - state.last().copied().unwrap_or(0.0)
     }
 }

@@ -27,7 +27,7 @@ fn parts(mechanism: &Mechanism) -> Vec<usize> {
             Force::Spring { bodies, .. } | Force::Torsion { bodies, .. } | Force::Hinge { bodies, .. } => {
                 Some(*bodies)
             }
-            Force::Torque { .. } => None,
+            Force::Torque { .. } | Force::Force { .. } => None,
         }));
     let mut parts = UnionFind::new(mechanism.bodies.len());
     for [a, b] in links.filter(|l| !l.iter().any(|b| is_ground(*b))) {
@@ -58,6 +58,10 @@ fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
         }
         Force::Torsion { bodies, axis, .. } => !bodies.iter().any(own) || only(*axis),
         Force::Torque { body, torque_nm } => !own(body) || only(*torque_nm),
+        // its arm lies in the plane of the body's centre
+        Force::Force { body, point_m, force_n } => {
+            !own(body) || (along(*force_n) && along(sub(*point_m, mechanism.bodies[*body].position_m)))
+        }
         Force::Hinge { bodies, .. } => !bodies.iter().any(own),
     };
     let bodies = (0..mechanism.bodies.len()).filter(|b| own(b)).map(|b| &mechanism.bodies[b]);

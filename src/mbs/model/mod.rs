@@ -165,6 +165,8 @@ pub struct RunSettings {
     pub time_step_s: Option<f64>,
     /// Largest error of a step of smooth motion, as a share of each number and at least of 1 m, rad, m/s, rad/s. Models with ideal joints only.
     pub tolerance: f64,
+    /// Whether reactions of ideal joints are recorded; steps end at outputs then.
+    pub reactions: bool,
 }
 
 /// The tolerance unless a model says otherwise.
@@ -178,6 +180,7 @@ impl Default for RunSettings {
             preload: false,
             time_step_s: None,
             tolerance: TOLERANCE,
+            reactions: false,
         }
     }
 }

@@ -1,0 +1,421 @@
+//! A whole run of a model file with ideal joints: events, outputs, energy balance.
+
+use super::compile;
+use super::march::{Marcher, Span};
+use super::motion::{Motion, Observed, STATE};
+use crate::mbs::clock::Clock;
+use crate::mbs::error::SolveError;
+use crate::mbs::math::{self, V3};
+use crate::mbs::model::{Force, Model};
+use crate::mbs::result::{
+    EventKind, FractureCause, Frame, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult, TrackedHistory,
+    TurnHistory,
+};
+use crate::mbs::run::SolverOptions;
+
+/// Times that are one time, as a share of the whole.
+const SAME: f64 = 1e-12;
+/// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
+const VELOCITY: f64 = 1e-6;
+
+/// Runs a checked model.
+///
+/// # Errors
+/// If the model has parts that this solver does not do, or the run goes wrong.
+pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
+    scope(model)?;
+    let clock = Clock::start();
+    let mut run = Run::new(model, options);
+    run.go()?;
+    let mut result = run.result;
+    result.cpu_s = clock.elapsed_s();
+    Ok(result)
+}
+
+fn scope(model: &Model) -> Result<(), SolveError> {
+    let contact = &model.contact;
+    let touching = contact.ground.is_some()
+        || contact.bodies.is_some()
+        || !contact.planes.is_empty()
+        || !contact.obstacles.is_empty();
+    let what = if !model.bushings.is_empty() {
+        "bushings together with ideal joints or forces are not run yet: use joints and hinges, or bushings alone"
+    } else if model.settings.preload {
+        "settings.preload is for models of bushings: set it to false; the run begins in the poses of the file"
+    } else if model.settings.time_step_s.is_some() {
+        "settings.time_step_s is for models of bushings: leave it out; settings.tolerance sets the error of a step"
+    } else if touching && model.bodies.iter().any(|b| !b.shapes.is_empty()) {
+        "contact together with ideal joints or forces is not run yet: leave contact out"
+    } else {
+        return Ok(());
+    };
+    Err(SolveError::Scope { what })
+}
+
+struct Run<'a> {
+    model: &'a Model,
+    options: &'a SolverOptions,
+    marcher: Marcher,
+    tracked: Vec<(usize, V3)>,
+    record: Record,
+    result: RunResult,
+}
+
+/// What outputs need beside the result.
+struct Record {
+    /// Next output.
+    next: usize,
+    start: Observed,
+    released_j: f64,
+    turnover_j: f64,
+    error: f64,
+}
+
+impl<'a> Run<'a> {
+    fn new(model: &'a Model, options: &'a SolverOptions) -> Self {
+        let mechanism = compile::mechanism(model);
+        let settings = &model.settings;
+        let given = Motion::state(&mechanism);
+        let marcher = Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, settings.reactions);
+        let start = marcher.motion.observe(&marcher.state);
+        let mut result = empty(model);
+        result.warnings = remarks(model, &marcher, &given);
+        let tracked = model.tracked.iter().map(|t| {
+            let body = model.bodies.iter().position(|b| b.id == t.body).unwrap_or(0);
+            let b = &mechanism.bodies[body];
+            (body, math::mul_t(&math::qmat(b.orientation), math::sub(t.point_m, b.position_m)))
+        });
+        let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
+        // one millimetre of fall: the scale of a model in which nothing happens
+        let turnover_j = 1e-3 * mass * math::norm(model.gravity_m_s2) + start.kinetic_j + start.elastic_j;
+        let record = Record { next: 0, start, released_j: 0.0, turnover_j, error: 0.0 };
+        Self { model, options, tracked: tracked.collect(), record, marcher, result }
+    }
+
+    fn go(&mut self) -> Result<(), SolveError> {
+        self.switch(0.0);
+        self.marcher.restart();
+        self.output_here()?;
+        self.events_at(0.0);
+        for stop in self.stops() {
+            self.advance(stop)?;
+            self.events_at(stop);
+        }
+        let tally = &self.marcher.tally;
+        self.result.steps = tally.steps[0] as usize;
+        self.result.time_step_s = tally.longest_s;
+        self.result.energy_error = self.record.error;
+        Ok(())
+    }
+
+    /// Times at which the march has to stop: events, switches of forces, the end; outputs, if reactions are recorded.
+    fn stops(&self) -> Vec<f64> {
+        let s = &self.model.settings;
+        let mut stops: Vec<f64> = self.model.events.iter().map(|e| e.time_s).collect();
+        stops.extend(self.model.forces.iter().filter_map(span).flatten());
+        if s.reactions {
+            stops.extend((1..).map(|i| i as f64 * s.output_interval_s).take_while(|t| *t < s.end_time_s));
+        }
+        stops.retain(|t| *t > 0.0 && *t < s.end_time_s * (1.0 - SAME));
+        stops.push(s.end_time_s);
+        stops.sort_by(f64::total_cmp);
+        stops.dedup_by(|later, kept| *later - *kept <= SAME * s.end_time_s);
+        stops
+    }
+
+    fn advance(&mut self, stop: f64) -> Result<(), SolveError> {
+        let Self { model, marcher, tracked, record, result, options, .. } = self;
+        let mut failure = None;
+        let mut state = marcher.state.clone();
+        let mut fractured = Vec::new();
+        let at_stops = model.settings.reactions;
+        let mut seen = |span: &Span<'_>, motion: &Motion| {
+            while !at_stops && failure.is_none() {
+                let time = record.time(model);
+                if time > span.to_s() + SAME * model.settings.end_time_s {
+                    break;
+                }
+                span.at(time, &mut state);
+                failure = record
+                    .output(model, options, tracked, [time, span.length_s], motion, &state, result)
+                    .err();
+            }
+            None
+        };
+        let outcome = marcher.advance(stop, &mut seen, &mut fractured);
+        for id in std::mem::take(&mut marcher.motion.yielded) {
+            let kind = EventKind::Yield { joint: model.forces[id].id().into() };
+            result.events.push(RunEvent { time_s: marcher.time_s, kind });
+        }
+        for (time_s, id) in fractured {
+            let kind =
+                EventKind::Fracture { joint: model.forces[id].id().into(), cause: FractureCause::Rotation };
+            result.events.push(RunEvent { time_s, kind });
+        }
+        if let Some(error) = failure {
+            return Err(error);
+        }
+        outcome.map_err(|error| SolveError::March { error, longest_s: marcher.tally.longest_s })?;
+        let due = self.record.time(self.model) <= stop + SAME * self.model.settings.end_time_s;
+        if at_stops && due { self.output_here() } else { Ok(()) }
+    }
+
+    /// An output at the march's own state.
+    fn output_here(&mut self) -> Result<(), SolveError> {
+        let Self { model, marcher, tracked, record, result, options, .. } = self;
+        let at = [marcher.time_s, marcher.tally.longest_s];
+        record.output(model, options, tracked, at, &marcher.motion, &marcher.state, result)?;
+        if !model.settings.reactions {
+            return Ok(());
+        }
+        marcher.refresh();
+        let found = marcher.motion.reactions();
+        for (id, history) in result.reactions.iter_mut().enumerate() {
+            let at = marcher.motion.joint_ids().iter().position(|j| *j == id);
+            let [force, torque] = at.map_or([[0.0; 3]; 2], |j| found[j]);
+            history.force_n.push(force);
+            history.torque_nm.push(torque);
+        }
+        Ok(())
+    }
+
+    /// Applied forces that begin or end at a time.
+    fn switch(&mut self, time: f64) -> bool {
+        let same = SAME * self.model.settings.end_time_s;
+        let mut any = false;
+        for (id, force) in self.model.forces.iter().enumerate() {
+            if let Some([from, to]) = span(force) {
+                let on = time >= from - same && time < to - same;
+                if let Some(acting) = self.marcher.motion.force_mut(id) {
+                    acting.switch(on);
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+
+    /// Carries out what happens at a time; what it takes from the energies is booked as released.
+    fn events_at(&mut self, time: f64) {
+        let model = self.model;
+        let same = SAME * model.settings.end_time_s;
+        let before = self.marcher.motion.observe(&self.marcher.state);
+        let mut any = self.switch(time);
+        for event in model.events.iter().filter(|e| (e.time_s - time).abs() <= same) {
+            any = true;
+            let Marcher { motion, state, .. } = &mut self.marcher;
+            for id in &event.remove_bodies {
+                if let Some(i) = model.bodies.iter().position(|b| b.id == *id) {
+                    motion.remove(i, state);
+                }
+            }
+            for id in &event.release {
+                let joint = model.joints.iter().position(|j| j.id == *id);
+                let force = model.forces.iter().position(|f| f.id() == id);
+                motion.release(joint.as_slice(), force.as_slice());
+            }
+            for w in &event.weaken {
+                if let Some(force) = model.forces.iter().position(|f| f.id() == w.id)
+                    && let Some(acting) = motion.force_mut(force)
+                {
+                    acting.weaken(w.factor);
+                }
+            }
+            let kind = EventKind::Removal { event: event.id.clone() };
+            self.result.events.push(RunEvent { time_s: time, kind });
+        }
+        if any {
+            self.marcher.restart();
+            let after = self.marcher.motion.observe(&self.marcher.state);
+            self.record.released_j += before.total_j() - after.total_j();
+        }
+    }
+}
+
+impl Observed {
+    fn total_j(&self) -> f64 {
+        self.kinetic_j + self.gravity_j + self.elastic_j + self.plastic_j
+    }
+}
+
+impl Record {
+    /// Time of the next output; beyond the end if there is none.
+    fn time(&self, model: &Model) -> f64 {
+        let s = &model.settings;
+        let even = self.next as f64 * s.output_interval_s;
+        let last = (self.next - 1) as f64 * s.output_interval_s;
+        let is_over = last >= s.end_time_s * (1.0 - 1e-9);
+        if is_over { f64::INFINITY } else { even.min(s.end_time_s) }
+    }
+
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the parts of a run that an output needs while the march holds the rest"
+    )]
+    fn output(
+        &mut self,
+        model: &Model,
+        options: &SolverOptions,
+        tracked: &[(usize, V3)],
+        [time, step]: [f64; 2],
+        motion: &Motion,
+        state: &[f64],
+        result: &mut RunResult,
+    ) -> Result<(), SolveError> {
+        let body = |i: usize| &state[STATE * i..STATE * (i + 1)];
+        if let Some(i) = (0..model.bodies.len()).find(|i| body(*i).iter().any(|v| !v.is_finite())) {
+            let id = model.bodies[i].id.clone();
+            return Err(SolveError::NotANumber { time_s: time, joints: joints_of(model, &id), body: id });
+        }
+        self.next += 1;
+        result.times_s.push(time);
+        let orientation = |i: usize| math::qrenormalise([body(i)[3], body(i)[4], body(i)[5], body(i)[6]]);
+        let all = 0..model.bodies.len();
+        result.frames.push(Frame {
+            position_m: all.clone().map(|i| [body(i)[0], body(i)[1], body(i)[2]]).collect(),
+            orientation: all.map(orientation).collect(),
+        });
+        for (history, (i, local)) in result.tracked.iter_mut().zip(tracked) {
+            let point = super::motion::point_at(state, *i, *local);
+            history.displacement_m.push(math::sub(point, history.origin_m));
+        }
+        let seen = motion.observe(state);
+        for (id, force) in model.forces.iter().enumerate().filter(|(_, f)| turns(f)) {
+            let Some(history) = result.turns.iter_mut().find(|t| t.id == force.id()) else { continue };
+            let now = seen.hinges.iter().find(|(hinge, _)| *hinge == id).map(|(_, h)| h);
+            history.rotation_rad.push(now.map_or([0.0; 3], |h| h.rotation_rad));
+            history.moment_nm.push(now.map_or([0.0; 3], |h| h.moment_nm));
+            history.plastic_rotation_rad.push(now.map_or([0.0; 3], |h| h.plastic_rad));
+        }
+        self.balance(model, options, [time, step], &seen, state, result)
+    }
+
+    fn balance(
+        &mut self,
+        model: &Model,
+        options: &SolverOptions,
+        [time, step]: [f64; 2],
+        seen: &Observed,
+        state: &[f64],
+        result: &mut RunResult,
+    ) -> Result<(), SolveError> {
+        let start = &self.start;
+        let e = &mut result.energies;
+        let gravity_j = seen.gravity_j - start.gravity_j;
+        e.kinetic_j.push(seen.kinetic_j);
+        e.gravity_j.push(gravity_j);
+        e.joints_elastic_j.push(seen.elastic_j);
+        e.plastic_j.push(seen.plastic_j);
+        e.contact_elastic_j.push(0.0);
+        e.contact_damping_j.push(0.0);
+        e.friction_j.push(0.0);
+        e.released_j.push(self.released_j);
+        // the work of springs and hinges is in their energies
+        e.applied_j.push(start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j);
+        let total = e.total_j(e.kinetic_j.len() - 1);
+        let first = e.total_j(0);
+        self.turnover_j = self.turnover_j.max(seen.kinetic_j + gravity_j.abs() + seen.plastic_j);
+        let error = (total - first).abs() / self.turnover_j;
+        self.error = self.error.max(error);
+        if error <= options.energy_limit {
+            return Ok(());
+        }
+        let speed = |i: usize| math::norm([7, 8, 9].map(|k| state[STATE * i + k]));
+        let body = (0..model.bodies.len()).max_by(|a, b| speed(*a).total_cmp(&speed(*b))).unwrap_or(0);
+        Err(SolveError::Energy {
+            time_s: time,
+            error,
+            limit: options.energy_limit,
+            body: model.bodies[body].id.clone(),
+            speed_m_s: speed(body),
+            joint: joints_of(model, &model.bodies[body].id),
+            step_s: step,
+        })
+    }
+}
+
+/// Whether a force resists rotation.
+fn turns(force: &Force) -> bool {
+    matches!(force, Force::Hinge { .. } | Force::Torsion { .. })
+}
+
+/// When an applied force acts, if not always.
+fn span(force: &Force) -> Option<[f64; 2]> {
+    match force {
+        Force::Force { from_to_s, .. } | Force::Torque { from_to_s, .. } => *from_to_s,
+        _ => None,
+    }
+}
+
+/// What is worth saying of a model before it runs.
+fn remarks(model: &Model, marcher: &Marcher, given: &[f64]) -> Vec<String> {
+    let mut list = Vec::new();
+    let [rows, dependent] = marcher.tally.rows;
+    if dependent > 0 {
+        list.push(format!(
+            "{dependent} of {rows} joint conditions depend on others (redundant joints or loops): the motion is unique, the reactions of those joints are not"
+        ));
+    }
+    let six = |i: usize, state: &[f64]| -> [f64; 6] { std::array::from_fn(|k| state[STATE * i + 7 + k]) };
+    let largest = given.chunks_exact(STATE).flat_map(|s| &s[7..]).fold(0.0_f64, |a, v| a.max(v.abs()));
+    let change = |i: &usize| {
+        let (a, b) = (six(*i, given), six(*i, &marcher.state));
+        (0..6).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max)
+    };
+    let most = (0..model.bodies.len()).max_by(|a, b| change(a).total_cmp(&change(b)));
+    if let Some(i) = most.filter(|i| change(i) > VELOCITY * largest) {
+        list.push(format!(
+            "initial velocities do not fit the joints: the nearest ones that do are taken; body \"{}\" changes most, by {:.3e} m/s or rad/s",
+            model.bodies[i].id,
+            change(&i)
+        ));
+    }
+    list
+}
+
+fn joints_of(model: &Model, body: &str) -> String {
+    let own = model.joints.iter().filter(|j| j.body_b == body || j.body_a.as_deref() == Some(body));
+    let list: Vec<&str> = own.map(|j| j.id.as_str()).collect();
+    if list.is_empty() { "none".into() } else { list.join(", ") }
+}
+
+fn empty(model: &Model) -> RunResult {
+    let tracked = model.tracked.iter().map(|t| TrackedHistory {
+        id: t.id.clone(),
+        origin_m: t.point_m,
+        displacement_m: Vec::new(),
+    });
+    let turns = model.forces.iter().filter(|f| turns(f)).map(|f| TurnHistory {
+        id: f.id().into(),
+        rotation_rad: Vec::new(),
+        moment_nm: Vec::new(),
+        plastic_rotation_rad: Vec::new(),
+    });
+    let recorded = if model.settings.reactions { model.joints.as_slice() } else { &[] };
+    let reactions = recorded.iter().map(|j| ReactionHistory {
+        joint: j.id.clone(),
+        force_n: Vec::new(),
+        torque_nm: Vec::new(),
+    });
+    RunResult {
+        schema: RESULT_SCHEMA.into(),
+        name: model.name.clone(),
+        times_s: Vec::new(),
+        tracked: tracked.collect(),
+        bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
+        frames: Vec::new(),
+        energies: Default::default(),
+        hinges: Vec::new(),
+        turns: turns.collect(),
+        reactions: reactions.collect(),
+        events: Vec::new(),
+        first_ground_contact_s: None,
+        steps: 0,
+        time_step_s: 0.0,
+        highest_frequency_rad_s: 0.0,
+        preload_iterations: None,
+        cpu_s: 0.0,
+        energy_error: 0.0,
+        warnings: Vec::new(),
+    }
+}
