@@ -1,17 +1,20 @@
 //! Processor time of a run.
 
 /// Processor time of this thread where the system tells it, else wall time.
-pub(super) struct Clock {
+#[derive(Debug)]
+pub struct Clock {
     wall: std::time::Instant,
     processor: Option<f64>,
 }
 
 impl Clock {
-    pub(super) fn start() -> Self {
+    /// Starts now.
+    pub fn start() -> Self {
         Self { wall: std::time::Instant::now(), processor: thread_cpu_s() }
     }
 
-    pub(super) fn elapsed_s(&self) -> f64 {
+    /// Seconds since.
+    pub fn elapsed_s(&self) -> f64 {
         match (self.processor, thread_cpu_s()) {
             (Some(a), Some(b)) if b > a => b - a,
             _ => self.wall.elapsed().as_secs_f64(),

@@ -12,6 +12,7 @@
 //! | [`narrow`] | box against box (the only file that knows `parry3d`) |
 //! | [`contact`] | who may touch, and when to look |
 //! | [`contact_law`] | force and energy of one contact point |
+//! | [`clock`] | processor time |
 //! | [`step`] | the explicit integrator |
 //! | [`run`] | the whole run: events, outputs, energy balance |
 //! | [`ideal`] | smooth motion on ideal joints |
@@ -19,7 +20,7 @@
 //! | [`error`] | why a run stopped |
 
 pub mod check;
-mod clock;
+pub mod clock;
 pub mod contact;
 pub mod contact_law;
 pub mod error;

@@ -148,7 +148,15 @@ impl BlockFactor {
             let n = usize::from(column.size);
             let at = column.diagonal as usize;
             let first = column.first as usize;
-            let (inverse, dependent) = inverted(&values[at..at + n * n], &diagonal[first..first + n], n);
+            let (block, start) = (&values[at..at + n * n], &diagonal[first..first + n]);
+            let (inverse, dependent) = match n {
+                1 => inverted::<1>(block, start),
+                2 => inverted::<2>(block, start),
+                3 => inverted::<3>(block, start),
+                4 => inverted::<4>(block, start),
+                5 => inverted::<5>(block, start),
+                _ => inverted::<6>(block, start),
+            };
             self.dependent += dependent;
             values[at..at + n * n].copy_from_slice(&inverse[..n * n]);
             for (_, size, place) in &column.below {
@@ -176,35 +184,62 @@ impl BlockFactor {
     /// Solves for one right-hand side, in place.
     pub fn solve(&self, x: &mut [f64]) {
         for column in &self.columns {
-            let (first, n) = (column.first as usize, usize::from(column.size));
-            let mut own = [0.0; MOST];
-            own[..n].copy_from_slice(&x[first..first + n]);
-            for (row, size, place) in &column.below {
-                let w = &self.scaled[*place as usize..];
-                for i in 0..usize::from(*size) {
-                    let sum: f64 = (0..n).map(|k| w[i * n + k] * own[k]).sum();
-                    x[*row as usize + i] -= sum;
-                }
+            match column.size {
+                1 => self.forward::<1>(column, x),
+                2 => self.forward::<2>(column, x),
+                3 => self.forward::<3>(column, x),
+                4 => self.forward::<4>(column, x),
+                5 => self.forward::<5>(column, x),
+                _ => self.forward::<6>(column, x),
             }
         }
         for column in self.columns.iter().rev() {
-            let (first, n) = (column.first as usize, usize::from(column.size));
-            let inverse = &self.values[column.diagonal as usize..];
-            let mut own = [0.0; MOST];
-            for (i, o) in own.iter_mut().enumerate().take(n) {
-                *o = (0..n).map(|k| inverse[i * n + k] * x[first + k]).sum();
+            match column.size {
+                1 => self.backward::<1>(column, x),
+                2 => self.backward::<2>(column, x),
+                3 => self.backward::<3>(column, x),
+                4 => self.backward::<4>(column, x),
+                5 => self.backward::<5>(column, x),
+                _ => self.backward::<6>(column, x),
             }
-            for (row, size, place) in &column.below {
-                let w = &self.scaled[*place as usize..];
-                for i in 0..usize::from(*size) {
-                    let force = x[*row as usize + i];
-                    for (k, o) in own.iter_mut().enumerate().take(n) {
-                        *o -= w[i * n + k] * force;
-                    }
+        }
+    }
+
+    fn forward<const N: usize>(&self, column: &Column, x: &mut [f64]) {
+        let mut own = [0.0; N];
+        own.copy_from_slice(&x[column.first as usize..][..N]);
+        for (row, size, place) in &column.below {
+            let rows = &mut x[*row as usize..][..usize::from(*size)];
+            let w = &self.scaled[*place as usize..][..rows.len() * N];
+            for (x, w) in rows.iter_mut().zip(w.chunks_exact(N)) {
+                let mut sum = 0.0;
+                for k in 0..N {
+                    sum += w[k] * own[k];
+                }
+                *x -= sum;
+            }
+        }
+    }
+
+    fn backward<const N: usize>(&self, column: &Column, x: &mut [f64]) {
+        let first = column.first as usize;
+        let inverse = &self.values[column.diagonal as usize..][..N * N];
+        let mut own = [0.0; N];
+        for i in 0..N {
+            for k in 0..N {
+                own[i] += inverse[i * N + k] * x[first + k];
+            }
+        }
+        for (row, size, place) in &column.below {
+            let rows = &x[*row as usize..][..usize::from(*size)];
+            let w = &self.scaled[*place as usize..][..rows.len() * N];
+            for (force, w) in rows.iter().zip(w.chunks_exact(N)) {
+                for k in 0..N {
+                    own[k] -= w[k] * force;
                 }
             }
-            x[first..first + n].copy_from_slice(&own[..n]);
         }
+        x[first..first + N].copy_from_slice(&own);
     }
 }
 
@@ -232,35 +267,45 @@ fn eliminated(count: usize, pairs: &BTreeSet<(usize, usize)>) -> (Vec<usize>, Ve
 }
 
 /// A generalised inverse of a positive semidefinite block, and the number of rows that depend on those before them.
-fn inverted(block: &[f64], start: &[f64], n: usize) -> ([f64; MOST * MOST], usize) {
-    let (mut lower, mut pivots) = ([0.0_f64; MOST * MOST], [0.0_f64; MOST]);
+fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST], usize) {
+    let (block, start) = (&block[..N * N], &start[..N]);
+    let (mut lower, mut pivots) = ([[0.0_f64; N]; N], [0.0_f64; N]);
     let mut dependent = 0;
-    for j in 0..n {
-        let own = block[j * n + j];
-        let pivot = own - (0..j).map(|k| lower[j * n + k].powi(2) * pivots[k]).sum::<f64>();
+    for j in 0..N {
+        let mut pivot = block[j * N + j];
+        for k in 0..j {
+            pivot -= lower[j][k] * lower[j][k] * pivots[k];
+        }
         let free = pivot <= DEPENDENT * start[j];
         dependent += usize::from(free);
-        pivots[j] = if free { 0.0 } else { pivot };
-        lower[j * n + j] = 1.0;
-        for i in j + 1..n {
-            let rest = block[i * n + j]
-                - (0..j).map(|k| lower[i * n + k] * lower[j * n + k] * pivots[k]).sum::<f64>();
-            lower[i * n + j] = if free { 0.0 } else { rest / pivot };
+        // a row without a pivot has no force: its inverse is zero
+        let scale = if free { 0.0 } else { 1.0 / pivot };
+        for i in j + 1..N {
+            let mut rest = block[i * N + j];
+            for k in 0..j {
+                rest -= lower[i][k] * lower[j][k] * pivots[k];
+            }
+            lower[i][j] = scale * rest;
         }
+        pivots[j] = if free { 0.0 } else { pivot };
     }
     let mut inverse = [0.0; MOST * MOST];
-    for c in 0..n {
-        let mut x = [0.0; MOST];
+    for c in 0..N {
+        let mut x = [0.0; N];
         x[c] = 1.0;
-        for i in 0..n {
-            x[i] -= (0..i).map(|k| lower[i * n + k] * x[k]).sum::<f64>();
+        for i in c + 1..N {
+            for k in c..i {
+                x[i] -= lower[i][k] * x[k];
+            }
         }
-        for i in 0..n {
+        for i in 0..N {
             x[i] = if pivots[i] > 0.0 { x[i] / pivots[i] } else { 0.0 };
         }
-        for i in (0..n).rev() {
-            x[i] -= (i + 1..n).map(|k| lower[k * n + i] * x[k]).sum::<f64>();
-            inverse[i * n + c] = x[i];
+        for i in (0..N).rev() {
+            for k in i + 1..N {
+                x[i] -= lower[k][i] * x[k];
+            }
+            inverse[i * N + c] = x[i];
         }
     }
     (inverse, dependent)

@@ -3,7 +3,7 @@
 //! A force gives the loads on the bodies and its power. What a hinge remembers does not change while a step is computed: each of its stages sees the history up to the step,
 //! and the moments that belong to its own rotations.
 
-use super::joint::{Pose, angle_rad, frame_about, is_ground};
+use super::joint::{Pose, angle_rad, frame_about, is_ground, pose_of};
 use crate::base::piecewise::interpolate;
 use crate::mbs::math::{M3, Q, V3, add, cross, dot, mul, mul_t, norm, qconj, qlog, qmul, scale, sub};
 
@@ -99,10 +99,14 @@ impl HingeLaw {
     /// flow begins before the capacity changes.
     fn flow_j(&self, before: History, after: History, factor: f64) -> f64 {
         let capacity_at = |largest: f64| factor * interpolate(&self.capacity, largest);
-        let whole = (after.plastic - before.plastic).abs();
         let sense = (after.plastic - before.plastic).signum();
-        let onset = sense * before.plastic + capacity_at(before.largest) / self.stiffness_nm_rad;
+        let whole = sense * (after.plastic - before.plastic);
+        let held = capacity_at(before.largest);
+        let onset = sense * before.plastic + held / self.stiffness_nm_rad;
         let (from, to) = (before.largest.max(onset.min(after.largest)), after.largest);
+        if to <= from {
+            return held * whole;
+        }
         let (first, last) = (capacity_at(from), capacity_at(to));
         let along = (to - from) - (last - first) / self.stiffness_nm_rad;
         let area = factor * integral(&self.capacity, from, to);
@@ -113,12 +117,13 @@ impl HingeLaw {
 
 /// Integral of a line through points, constant beyond its ends.
 fn integral(points: &[[f64; 2]], from: f64, to: f64) -> f64 {
-    let inner = points.iter().map(|p| p[0]).filter(|x| *x > from && *x < to);
-    let mut places = vec![from];
-    places.extend(inner);
-    places.push(to);
-    let mean = |a: f64, b: f64| 0.5 * (interpolate(points, a) + interpolate(points, b));
-    places.windows(2).map(|w| (w[1] - w[0]) * mean(w[0], w[1])).sum()
+    let mut sum = 0.0;
+    let mut place = from;
+    for end in points.iter().map(|p| p[0]).filter(|x| *x > from && *x < to).chain([to]) {
+        sum += 0.5 * (end - place) * (interpolate(points, place) + interpolate(points, end));
+        place = end;
+    }
+    sum
 }
 
 /// What a hinge remembers about an axis.
@@ -191,6 +196,8 @@ pub enum Acting {
         history: [History; 3],
         /// Factor on its capacity.
         factor: f64,
+        /// Rotation when it was applied last \[rad\].
+        last: V3,
     },
     /// See [`Force::Force`].
     Force {
@@ -207,11 +214,11 @@ pub enum Acting {
 
 impl Acting {
     /// In the poses in which it is assembled.
-    pub fn of(force: &Force, pose: impl Fn(usize) -> Pose) -> Self {
+    pub fn of(force: &Force, poses: &[Pose]) -> Self {
         match *force {
             Force::Spring { bodies, points_m, length_m, stiffness_n_m, damping_n_s_m } => {
                 let local = |side: usize| {
-                    let p = pose(bodies[side]);
+                    let p = pose_of(poses, bodies[side]);
                     mul_t(&p.r, sub(points_m[side], p.x))
                 };
                 let law = [length_m, stiffness_n_m, damping_n_s_m];
@@ -219,61 +226,70 @@ impl Acting {
             }
             Force::Torsion { bodies, axis, stiffness_nm_rad, damping_nm_s_rad } => {
                 let global = frame_about(axis);
-                let frames = bodies.map(|b| global.map(|row| mul_t(&pose(b).r, row)));
+                let frames = bodies.map(|b| global.map(|row| mul_t(&pose_of(poses, b).r, row)));
                 Self::Torsion { bodies, frames, law: [stiffness_nm_rad, damping_nm_s_rad] }
             }
             Force::Torque { body, torque_nm } => Self::Torque { body, torque: torque_nm, on: true },
             Force::Hinge { bodies, law, joint } => {
-                let start = qmul(qconj(pose(bodies[0]).q), pose(bodies[1]).q);
-                Self::Hinge { bodies, start, law, joint, history: [History::default(); 3], factor: 1.0 }
+                let start = qmul(qconj(pose_of(poses, bodies[0]).q), pose_of(poses, bodies[1]).q);
+                Self::Hinge {
+                    bodies,
+                    start,
+                    law,
+                    joint,
+                    history: [History::default(); 3],
+                    factor: 1.0,
+                    last: [0.0; 3],
+                }
             }
             Force::Force { body, point_m, force_n } => {
-                let p = pose(body);
+                let p = pose_of(poses, body);
                 Self::Force { body, point: mul_t(&p.r, sub(point_m, p.x)), force: force_n, on: true }
             }
         }
     }
 
     /// Adds force and torque about the centre of mass to the bodies' loads; returns its power \[W\].
-    pub fn apply(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw], loads: &mut [[V3; 2]]) -> f64 {
+    pub fn apply(&mut self, poses: &[Pose], laws: &[HingeLaw], loads: &mut [[V3; 2]]) -> f64 {
         let mut power = 0.0;
         let mut load = |body: usize, force: V3, torque: V3| {
             if !is_ground(body) {
                 let [f, t] = &mut loads[body];
                 (*f, *t) = (add(*f, force), add(*t, torque));
-                let moving = pose(body);
+                let moving = pose_of(poses, body);
                 power += dot(force, moving.v) + dot(torque, moving.w);
             }
         };
         match self {
             Self::Spring { bodies, points, law: [length, stiffness, damping] } => {
-                let poses = bodies.map(&pose);
+                let poses = bodies.map(|b| pose_of(poses, b));
                 let arms = [0, 1].map(|i| mul(&poses[i].r, points[i]));
                 let at = [0, 1].map(|i: usize| add(poses[i].x, arms[i]));
                 let speed = [0, 1].map(|i: usize| add(poses[i].v, cross(poses[i].w, arms[i])));
                 let gap = sub(at[1], at[0]);
                 let now = norm(gap).max(f64::MIN_POSITIVE);
                 let along = scale(1.0 / now, gap);
-                let pull = stiffness * (now - length) + damping * dot(sub(speed[1], speed[0]), along);
+                let pull = *stiffness * (now - *length) + *damping * dot(sub(speed[1], speed[0]), along);
                 load(bodies[0], scale(pull, along), scale(pull, cross(arms[0], along)));
                 load(bodies[1], scale(-pull, along), scale(-pull, cross(arms[1], along)));
             }
             Self::Torsion { bodies, frames, law: [stiffness, damping] } => {
-                let poses = bodies.map(&pose);
+                let poses = bodies.map(|b| pose_of(poses, b));
                 let n = mul(&poses[0].r, frames[0][0]);
                 let rate = dot(sub(poses[1].w, poses[0].w), n);
-                let torque = stiffness * angle_rad(frames, [&poses[0], &poses[1]]) + damping * rate;
+                let torque = *stiffness * angle_rad(frames, poses) + *damping * rate;
                 load(bodies[0], [0.0; 3], scale(torque, n));
                 load(bodies[1], [0.0; 3], scale(-torque, n));
             }
             Self::Torque { body, torque, on: true } => load(*body, [0.0; 3], *torque),
             Self::Force { body, point, force, on: true } => {
-                load(*body, *force, cross(mul(&pose(*body).r, *point), *force));
+                load(*body, *force, cross(mul(&pose_of(poses, *body).r, *point), *force));
             }
             Self::Torque { .. } | Self::Force { .. } => {}
-            Self::Hinge { bodies, start, law, history, factor, .. } => {
-                let poses = bodies.map(&pose);
-                let rotation = rotation(&poses, *start);
+            Self::Hinge { bodies, start, law, history, factor, last, .. } => {
+                let poses = bodies.map(|b| pose_of(poses, b));
+                let rotation = rotation(poses, *start);
+                *last = rotation;
                 let moment = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], rotation[i], *factor).0);
                 let torque = mul(&poses[0].r, moment);
                 load(bodies[0], [0.0; 3], torque);
@@ -283,14 +299,64 @@ impl Acting {
         power
     }
 
-    /// Takes the pose at the end of a step into the history; returns how far a hinge is beyond its fracture \[rad\], below zero while it holds.
-    pub fn commit(&mut self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> Option<f64> {
-        let Self::Hinge { bodies, start, law, history, factor, .. } = self else { return None };
-        let rotation = rotation(&bodies.map(&pose), *start);
-        for (own, rotation) in history.iter_mut().zip(rotation) {
+    /// Takes the pose in which it was applied last into the history; returns how far a hinge is beyond its fracture \[rad\], below zero while it holds.
+    pub fn commit(&mut self, laws: &[HingeLaw]) -> Option<f64> {
+        let Self::Hinge { law, history, factor, last, .. } = self else { return None };
+        for (own, rotation) in history.iter_mut().zip(*last) {
             *own = laws[*law].after(*own, rotation, *factor);
         }
-        Some(norm(rotation) - laws[*law].fracture_rad)
+        Some(norm(*last) - laws[*law].fracture_rad)
+    }
+
+    /// Stiffness \[N/m, N m/rad\], and how far it turns its bodies each: the square of its arm \[m²\], or nothing if it turns them only.
+    pub fn stiffness(&self, laws: &[HingeLaw]) -> Option<(f64, [Option<f64>; 2])> {
+        match self {
+            Self::Spring { points, law: [_, stiffness, _], .. } => {
+                Some((*stiffness, points.map(|p| Some(dot(p, p)))))
+            }
+            Self::Torsion { law: [stiffness, _], .. } => Some((*stiffness, [None; 2])),
+            Self::Hinge { law, .. } => Some((laws[*law].stiffness_nm_rad, [None; 2])),
+            Self::Torque { .. } | Self::Force { .. } => None,
+        }
+    }
+
+    /// Adds the elastic loads that follow a small motion `[velocity, angular velocity]` of the bodies.
+    pub fn respond(&self, poses: &[Pose], laws: &[HingeLaw], motion: &[[V3; 2]], loads: &mut [[V3; 2]]) {
+        let of = |body: usize| if is_ground(body) { [[0.0; 3]; 2] } else { motion[body] };
+        let mut load = |body: usize, force: V3, torque: V3| {
+            if !is_ground(body) {
+                let [f, t] = &mut loads[body];
+                (*f, *t) = (add(*f, force), add(*t, torque));
+            }
+        };
+        match self {
+            Self::Spring { bodies, points, law: [_, stiffness, _] } => {
+                let poses = bodies.map(|b| pose_of(poses, b));
+                let arms = [0, 1].map(|i: usize| mul(&poses[i].r, points[i]));
+                let gap = sub(add(poses[1].x, arms[1]), add(poses[0].x, arms[0]));
+                let along = scale(1.0 / norm(gap).max(f64::MIN_POSITIVE), gap);
+                let [a, b] = [0, 1].map(|i: usize| {
+                    let [v, w] = of(bodies[i]);
+                    add(v, cross(w, arms[i]))
+                });
+                let pull = scale(stiffness * dot(sub(b, a), along), along);
+                load(bodies[0], pull, cross(arms[0], pull));
+                load(bodies[1], scale(-1.0, pull), scale(-1.0, cross(arms[1], pull)));
+            }
+            Self::Torsion { bodies, frames, law: [stiffness, _] } => {
+                let axis = mul(&pose_of(poses, bodies[0]).r, frames[0][0]);
+                let turn = dot(sub(of(bodies[1])[1], of(bodies[0])[1]), axis);
+                load(bodies[0], [0.0; 3], scale(stiffness * turn, axis));
+                load(bodies[1], [0.0; 3], scale(-stiffness * turn, axis));
+            }
+            Self::Hinge { bodies, law, .. } => {
+                let turn = sub(of(bodies[1])[1], of(bodies[0])[1]);
+                let moment = scale(laws[*law].stiffness_nm_rad, turn);
+                load(bodies[0], [0.0; 3], moment);
+                load(bodies[1], [0.0; 3], scale(-1.0, moment));
+            }
+            Self::Torque { .. } | Self::Force { .. } => {}
+        }
     }
 
     /// The bodies that it acts on.
@@ -318,10 +384,10 @@ impl Acting {
     }
 
     /// A hinge, or a torsion spring about its one axis, at poses that follow on what it remembers.
-    pub fn turn(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> Option<HingeState> {
+    pub fn turn(&self, poses: &[Pose], laws: &[HingeLaw]) -> Option<HingeState> {
         if let Self::Torsion { bodies, frames, law: [stiffness, damping] } = self {
-            let poses = bodies.map(&pose);
-            let angle = angle_rad(frames, [&poses[0], &poses[1]]);
+            let poses = bodies.map(|b| pose_of(poses, b));
+            let angle = angle_rad(frames, poses);
             let rate = dot(sub(poses[1].w, poses[0].w), mul(&poses[0].r, frames[0][0]));
             return Some(HingeState {
                 rotation_rad: [angle, 0.0, 0.0],
@@ -332,7 +398,7 @@ impl Acting {
             });
         }
         let Self::Hinge { bodies, start, law, history, factor, .. } = self else { return None };
-        let rotation = rotation(&bodies.map(&pose), *start);
+        let rotation = rotation(bodies.map(|b| pose_of(poses, b)), *start);
         let after = [0, 1, 2].map(|i: usize| laws[*law].after(history[i], rotation[i], *factor));
         let moment = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], rotation[i], *factor).0);
         Some(HingeState {
@@ -345,16 +411,16 @@ impl Acting {
     }
 
     /// Elastic energy \[J\].
-    pub fn elastic_j(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> f64 {
+    pub fn elastic_j(&self, poses: &[Pose], laws: &[HingeLaw]) -> f64 {
         match self {
             Self::Spring { bodies, points, law: [length, stiffness, _] } => {
                 let at = [0, 1].map(|i: usize| {
-                    let p = pose(bodies[i]);
+                    let p = pose_of(poses, bodies[i]);
                     add(p.x, mul(&p.r, points[i]))
                 });
                 0.5 * stiffness * (norm(sub(at[1], at[0])) - length).powi(2)
             }
-            Self::Hinge { .. } | Self::Torsion { .. } => self.turn(pose, laws).map_or(0.0, |h| h.elastic_j),
+            Self::Hinge { .. } | Self::Torsion { .. } => self.turn(poses, laws).map_or(0.0, |h| h.elastic_j),
             Self::Torque { .. } | Self::Force { .. } => 0.0,
         }
     }
@@ -370,15 +436,15 @@ impl Acting {
         history.iter().map(|h| h.dissipated_j).sum()
     }
 
-    /// How far a hinge is beyond its fracture \[rad\]; `None` of other forces.
-    pub fn beyond(&self, pose: impl Fn(usize) -> Pose, laws: &[HingeLaw]) -> Option<f64> {
-        let Self::Hinge { bodies, start, law, .. } = self else { return None };
-        Some(norm(rotation(&bodies.map(&pose), *start)) - laws[*law].fracture_rad)
+    /// How far a hinge was beyond its fracture when it was applied last \[rad\]; `None` of other forces.
+    pub fn beyond(&self, laws: &[HingeLaw]) -> Option<f64> {
+        let Self::Hinge { law, last, .. } = self else { return None };
+        Some(norm(*last) - laws[*law].fracture_rad)
     }
 }
 
 /// Rotation vector from the first to the second body since assembly, in the frame of the first.
-fn rotation(poses: &[Pose; 2], start: Q) -> V3 {
+fn rotation(poses: [&Pose; 2], start: Q) -> V3 {
     qlog(qmul(qmul(qconj(poses[0].q), poses[1].q), qconj(start)))
 }
 

@@ -174,6 +174,11 @@ impl Compiled {
         }
     }
 
+    /// Whether its rows are those of two points that coincide along the global axes.
+    pub fn is_point(&self) -> bool {
+        self.kind == Kind::Spherical && self.plane.is_none()
+    }
+
     /// From the centre of mass of a body to its point, global \[m\].
     pub fn arm(&self, side: usize, pose: &Pose) -> V3 {
         mul(&pose.r, self.points[side])

@@ -6,10 +6,13 @@
 use super::Mechanism;
 use super::method::{Method, method_for};
 use super::motion::{Motion, STATE, quaternion_rate};
+use crate::mbs::math::{qexp, qmul, qrenormalise};
 
 /// Limits of the change of a step, and the share of the step that the error would allow.
 const CHANGE: [f64; 2] = [0.2, 5.0];
 const CAUTION: f64 = 0.9;
+/// Share of a step that was too long which the next ones may have, and how that rises with each of them.
+const CEILING: [f64; 2] = [0.95, 1.01];
 /// Step within which a fracture is met \[s\].
 const FRACTURE_S: f64 = 1e-5;
 /// Powers of the errors of a step and of the one before it (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2).
@@ -105,6 +108,12 @@ pub struct Marcher {
     step: f64,
     before: f64,
     repeated: bool,
+    /// Step that was too long a while ago; rises slowly, so that a bound of stability is not tried again and again \[s\].
+    ceiling: f64,
+    /// Bound of stability \[s\].
+    limit_s: f64,
+    /// Steps of this length at most, whatever their error \[s\].
+    fixed_s: Option<f64>,
     start_j: f64,
 }
 
@@ -145,7 +154,7 @@ impl Span<'_> {
 impl Marcher {
     /// At the start of a mechanism, whose joints it projects velocities onto; `span_s` is the time of the whole run.
     pub fn of(mechanism: &Mechanism, tolerance: f64, span_s: f64, in_space: bool) -> Self {
-        let method = method_for(mechanism);
+        let method = method_for(mechanism, tolerance);
         let state = Motion::state(mechanism);
         let mut marcher = Self {
             motion: Motion::of(mechanism, in_space),
@@ -160,6 +169,9 @@ impl Marcher {
             step: 0.0,
             before: 1.0,
             repeated: false,
+            ceiling: f64::INFINITY,
+            limit_s: f64::INFINITY,
+            fixed_s: None,
             start_j: 0.0,
         };
         marcher.motion.take(&marcher.state);
@@ -169,9 +181,21 @@ impl Marcher {
         marcher
     }
 
+    /// From now on steps of one length, as many as fill the time until the next stop evenly, without control of their error.
+    pub fn fix(&mut self, step_s: f64) {
+        self.fixed_s = Some(step_s);
+    }
+
+    /// Largest stable step by the bound on the frequency of springs and hinges \[s\].
+    pub fn limit_s(&self) -> f64 {
+        self.limit_s
+    }
+
     /// Takes up a state or mechanism that was changed from outside; the energies are counted from here.
     pub fn restart(&mut self) {
         self.refresh();
+        let frequency = self.motion.frequency();
+        self.limit_s = if frequency > 0.0 { self.method.reach / frequency } else { f64::INFINITY };
         self.start_j = self.motion.balance_j(&self.state);
         (self.before, self.repeated) = (1.0, false);
     }
@@ -196,8 +220,12 @@ impl Marcher {
         if self.step == 0.0 {
             self.step = first_step(&self.state, &self.rates[0], self.tolerance).min(until_s - self.time_s);
         }
+        let even = self.fixed_s.map(|h| {
+            let span = until_s - self.time_s;
+            span / (span / h * (1.0 - 1e-9)).ceil().max(1.0)
+        });
         while until_s - self.time_s > self.least_s {
-            let wanted = self.step;
+            let wanted = even.unwrap_or(self.step.min(self.limit_s));
             let step = wanted.min(until_s - self.time_s);
             if step < self.least_s {
                 return Err(MarchError::Step { time_s: self.time_s, step_s: step });
@@ -212,7 +240,7 @@ impl Marcher {
                 method: self.method,
             };
             // a step shortened to meet the end says little about the next one
-            self.step = if step < 0.5 * wanted { wanted } else { step * change };
+            self.step = if step < 0.5 * wanted { self.step } else { step * change };
             let cut = seen(&span, &self.motion);
             if let Some(at_s) = cut {
                 let mut state = self.next.clone();
@@ -243,13 +271,52 @@ impl Marcher {
 
     /// Tries a step: what the next one may change by, or nothing if it has to be tried again with a smaller one.
     fn attempt(&mut self, step: f64) -> Result<Option<f64>, MarchError> {
+        let error = if self.method.is_leapfrog() { self.leap(step) } else { self.stages(step) };
+        self.judge(step, error)
+    }
+
+    /// A step of the leapfrog; its error over what is allowed. Forces that depend on velocities see those that the rate at the start leads to.
+    fn leap(&mut self, step: f64) -> f64 {
+        let (first, rest) = self.rates.split_at_mut(1);
+        let (before, after) = (&first[0], &mut rest[0]);
+        leap_positions(&self.state, before, step, &mut self.next);
+        self.motion.take(&self.next);
+        rate(&mut self.motion, &self.next, after);
+        let (mut largest, last) = (0.0_f64, self.state.len() - 1);
+        for b in (0..last).step_by(STATE) {
+            for i in b + 7..b + STATE {
+                self.next[i] = self.state[i] + 0.5 * step * (before[i] + after[i]);
+                // the place of the number that this is the rate of: the rotation is of the size of 1
+                let size = if i < b + 10 { 1.0 + self.next[i - 7].abs() } else { 1.0 };
+                let off = step * step / 6.0 * (after[i] - before[i]).abs() / (self.tolerance * size);
+                largest = if off.is_nan() { f64::NAN } else { largest.max(off) };
+            }
+            after[b..b + 3].copy_from_slice(&self.next[b + 7..b + 10]);
+            let s = &self.next[b..b + STATE];
+            let q = quaternion_rate([s[3], s[4], s[5], s[6]], [s[10], s[11], s[12]]);
+            after[b + 3..b + 7].copy_from_slice(&q);
+        }
+        self.next[last] = self.state[last] + 0.5 * step * (before[last] + after[last]);
+        largest
+    }
+
+    /// The stages of a step; its error over what is allowed.
+    fn stages(&mut self, step: f64) -> f64 {
         for (s, weights) in self.method.stages.iter().enumerate() {
             combine(&self.state, &self.rates, weights, step, &mut self.next);
             self.motion.take(&self.next);
             rate(&mut self.motion, &self.next, &mut self.rates[s + 1]);
         }
         let ends = [self.state.as_slice(), self.next.as_slice()];
-        let error = error(ends, &self.rates, step, self.tolerance, self.method);
+        error(ends, &self.rates, step, self.tolerance, self.method)
+    }
+
+    /// What the next step may change by after an error, or nothing if this one has to be tried again with a smaller step.
+    fn judge(&mut self, step: f64, error: f64) -> Result<Option<f64>, MarchError> {
+        if self.fixed_s.is_some() {
+            let time_s = self.time_s;
+            return if error.is_finite() { Ok(Some(1.0)) } else { Err(MarchError::NotFinite { time_s }) };
+        }
         let order = self.method.order;
         if !error.is_finite() {
             // a step too far into a singular pose; a smaller one stays before it
@@ -263,6 +330,7 @@ impl Marcher {
         let sized = error.max(1e-10);
         if error > 1.0 {
             self.tally.steps[1] += 1;
+            self.ceiling = step * CEILING[0];
             self.step = step * (CAUTION * sized.powf(-1.0 / order)).clamp(CHANGE[0], 1.0);
             self.repeated = true;
             return Ok(None);
@@ -277,7 +345,9 @@ impl Marcher {
         let by_both = sized.powf(-PROPORTIONAL / order) * self.before.powf(INTEGRAL / order);
         let most = if self.repeated { 1.0 } else { CHANGE[1] };
         (self.before, self.repeated) = (sized, false);
-        Ok(Some((CAUTION * by_both).clamp(CHANGE[0], most)))
+        self.ceiling *= CEILING[1];
+        let change = (CAUTION * by_both).clamp(CHANGE[0], most);
+        Ok(Some(change.min((self.ceiling / step).max(CHANGE[0]))))
     }
 
     /// Counts the step that was accepted.
@@ -324,6 +394,20 @@ fn rate(motion: &mut Motion, state: &[f64], rate: &mut [f64]) {
     for (r, s) in rate.chunks_exact_mut(STATE).zip(state.chunks_exact(STATE)) {
         let q = quaternion_rate([s[3], s[4], s[5], s[6]], [s[10], s[11], s[12]]);
         r[3..7].copy_from_slice(&q);
+    }
+}
+
+/// Positions after a step, and the velocities that the rate at the start leads to.
+fn leap_positions(state: &[f64], rate: &[f64], step: f64, next: &mut [f64]) {
+    next.copy_from_slice(state);
+    let bodies = next.chunks_exact_mut(STATE).zip(state.chunks_exact(STATE)).zip(rate.chunks_exact(STATE));
+    for ((next, s), rate) in bodies {
+        let middle = |i: usize| s[i] + 0.5 * step * rate[i];
+        (0..3).for_each(|i| next[i] = s[i] + step * middle(7 + i));
+        let turn = [10, 11, 12].map(|i| step * middle(i));
+        let q = qrenormalise(qmul(qexp(turn), [s[3], s[4], s[5], s[6]]));
+        next[3..7].copy_from_slice(&q);
+        (7..STATE).for_each(|i| next[i] = s[i] + step * rate[i]);
     }
 }
 

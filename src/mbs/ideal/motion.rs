@@ -24,6 +24,31 @@ struct Part {
     columns: (usize, usize),
 }
 
+/// Steps of the power iteration for the highest frequency, and the margin on what it finds.
+const ITERATIONS: usize = 60;
+const MARGIN: f64 = 1.05;
+
+/// Sign of a joint's rows on its first and second body.
+const SENSE: [f64; 2] = [-1.0, 1.0];
+
+/// Adds what a body gives to the block of two joints that hold a point of it each: `s_a s_b (1/m - r_a× I⁻¹ r_b×)`; `turned(j)` is
+/// `s_b I⁻¹ (r_b × e_j)`.
+fn add_point_block(
+    block: &mut [f64],
+    [sense_a, sense_b]: [f64; 2],
+    arm_a: V3,
+    inverse_mass: f64,
+    turned: impl Fn(usize) -> V3,
+) {
+    for j in 0..3 {
+        let column = cross(turned(j), arm_a);
+        for (i, c) in column.iter().enumerate() {
+            block[3 * i + j] += sense_a * c;
+        }
+        block[4 * j] += sense_a * sense_b * inverse_mass;
+    }
+}
+
 /// Energies and hinges of a mechanism at a time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observed {
@@ -71,6 +96,8 @@ pub struct Motion {
     rows: Vec<Row>,
     /// `M⁻¹` times the rows' parts.
     moved: Vec<[[V3; 2]; 2]>,
+    /// Arms of the joints that hold a point only \[m\]; their rows need no general products.
+    arms: Vec<Option<[V3; 2]>>,
     loads: Vec<[V3; 2]>,
     multipliers: Vec<f64>,
 }
@@ -106,7 +133,7 @@ impl Motion {
             ids: (0..joints.len()).collect(),
             joints,
             first: Vec::new(),
-            forces: mechanism.forces.iter().map(|f| Acting::of(f, pose)).collect(),
+            forces: mechanism.forces.iter().map(|f| Acting::of(f, &start)).collect(),
             force_ids: (0..mechanism.forces.len()).collect(),
             laws: mechanism.laws.clone(),
             yielded: Vec::new(),
@@ -117,6 +144,7 @@ impl Motion {
             loads: vec![[[0.0; 3]; 2]; start.len()],
             rows: Vec::new(),
             moved: Vec::new(),
+            arms: Vec::new(),
             multipliers: Vec::new(),
             poses: start,
         };
@@ -139,6 +167,7 @@ impl Motion {
         };
         self.parts = shared.into_iter().map(part).collect();
         let total = self.first[self.first.len() - 1];
+        self.arms = vec![None; self.joints.len()];
         self.rows = vec![Row::default(); total];
         self.moved = vec![[[[0.0; 3]; 2]; 2]; total];
         self.multipliers = vec![0.0; total];
@@ -180,6 +209,8 @@ impl Motion {
             let range = self.first[j]..self.first[j + 1];
             let pose = |body: usize| pose_of(&self.poses, body);
             joint.write(joint.bodies.map(pose), &mut self.rows[range.clone()]);
+            let arms = || [0, 1].map(|side| joint.arm(side, pose(joint.bodies[side])));
+            self.arms[j] = joint.is_point().then(arms);
             for (row, moved) in self.rows[range.clone()].iter().zip(&mut self.moved[range]) {
                 for side in 0..2 {
                     let body = joint.bodies[side];
@@ -202,6 +233,19 @@ impl Motion {
             let ((a, side_a), (b, side_b)) = (part.rows, part.columns);
             let (rows, columns) = (self.first[a]..self.first[a + 1], self.first[b]..self.first[b + 1]);
             let mut at = part.place;
+            if let (Some(arms), Some(_)) = (self.arms[a], self.arms[b]) {
+                let block = &mut values[at..at + 9];
+                let body = self.joints[a].bodies[side_a];
+                let moved = &self.moved[columns.start..columns.start + 3];
+                add_point_block(
+                    block,
+                    [SENSE[side_a], SENSE[side_b]],
+                    arms[side_a],
+                    1.0 / self.mass[body],
+                    |j| moved[j][side_b][1],
+                );
+                continue;
+            }
             for row in &self.rows[rows] {
                 let [linear, angular] = row.of[side_a];
                 for moved in &self.moved[columns.clone()] {
@@ -221,11 +265,9 @@ impl Motion {
         for (load, _) in self.loads.iter_mut().zip(&self.gone).filter(|(_, gone)| **gone) {
             *load = [[0.0; 3]; 2];
         }
-        let poses = &self.poses;
-        let pose = |body: usize| *pose_of(poses, body);
         let mut power = 0.0;
-        for force in &self.forces {
-            power += force.apply(pose, &self.laws, &mut self.loads);
+        for force in &mut self.forces {
+            power += force.apply(&self.poses, &self.laws, &mut self.loads);
         }
         for (b, load) in self.loads.iter_mut().enumerate() {
             let pose = &self.poses[b];
@@ -246,15 +288,13 @@ impl Motion {
         }
     }
 
-    /// Takes the state that was taken into the history of hinges. Those that are beyond their fracture open, with their joints; their places in
+    /// Takes the state whose rate was taken last into the history of hinges. Those that are beyond their fracture open, with their joints; their places in
     /// the mechanism.
     pub fn commit(&mut self) -> Vec<usize> {
-        let poses = &self.poses;
-        let pose = |body: usize| *pose_of(poses, body);
         let (mut broken, mut opened) = (Vec::new(), Vec::new());
         for (force, id) in self.forces.iter_mut().zip(&self.force_ids) {
             let flowed = force.has_flowed();
-            let beyond = force.commit(pose, &self.laws);
+            let beyond = force.commit(&self.laws);
             if !flowed && force.has_flowed() {
                 self.yielded.push(*id);
             }
@@ -318,7 +358,6 @@ impl Motion {
     /// Energies and hinges at a state that follows on what was committed.
     pub fn observe(&self, state: &[f64]) -> Observed {
         let poses: Vec<Pose> = state.chunks_exact(STATE).map(read).collect();
-        let pose = |body: usize| *pose_of(&poses, body);
         let [mut kinetic_j, mut gravity_j] = [0.0; 2];
         for (b, pose) in poses.iter().enumerate().filter(|(b, _)| !self.gone[*b]) {
             let own = mul_t(&pose.r, pose.w);
@@ -329,11 +368,11 @@ impl Motion {
             .forces
             .iter()
             .zip(&self.force_ids)
-            .filter_map(|(f, id)| Some((*id, f.turn(pose, &self.laws)?)))
+            .filter_map(|(f, id)| Some((*id, f.turn(&poses, &self.laws)?)))
             .collect();
         let others =
             self.forces.iter().filter(|f| !matches!(f, Acting::Hinge { .. } | Acting::Torsion { .. }));
-        let springs_j: f64 = others.map(|f| f.elastic_j(pose, &self.laws)).sum();
+        let springs_j: f64 = others.map(|f| f.elastic_j(&poses, &self.laws)).sum();
         Observed {
             kinetic_j,
             gravity_j,
@@ -342,6 +381,72 @@ impl Motion {
             work_j: state.last().copied().unwrap_or(0.0),
             hinges,
         }
+    }
+
+    /// A bound on the highest angular frequency of springs and hinges \[rad/s\]. With the mass of each body shared among the springs that pull at it, in the ratio of
+    /// what each would make of it alone, no mode is faster than the fastest spring on its shares: `ω² <= max (W_a + W_b)` over springs, `W` the sum of `k / m` of a
+    /// body's springs. Joints only lower it.
+    pub fn frequency_bound(&self) -> f64 {
+        let smallest = |m: &M3| nalgebra::Matrix3::from_fn(|i, j| m[i][j]).symmetric_eigenvalues().min();
+        let turning: Vec<f64> = self.inertia.iter().map(|i| 1.0 / smallest(i)).collect();
+        let springs: Vec<(Vec<usize>, f64, [Option<f64>; 2])> = self
+            .forces
+            .iter()
+            .filter_map(|f| f.stiffness(&self.laws).map(|(k, arms)| (f.bodies(), k, arms)))
+            .collect();
+        let mut own = vec![0.0; self.mass.len()];
+        for (bodies, stiffness, arms) in &springs {
+            for (body, arm) in bodies.iter().zip(arms).filter(|(b, _)| !is_ground(**b)) {
+                let soft = arm.map_or(turning[*body], |r2| 1.0 / self.mass[*body] + r2 * turning[*body]);
+                own[*body] += stiffness * soft;
+            }
+        }
+        let of = |bodies: &[usize]| bodies.iter().filter(|b| !is_ground(**b)).map(|b| own[*b]).sum::<f64>();
+        springs.iter().map(|(bodies, ..)| of(bodies)).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Highest angular frequency of springs and elastic hinges under the joints at the state that was taken \[rad/s\]: by power iteration with a margin of 5 %, and at most
+    /// the bound.
+    pub fn frequency(&mut self) -> f64 {
+        let bound = self.frequency_bound();
+        if bound == 0.0 {
+            return 0.0;
+        }
+        // a start without symmetry, and the same in every run
+        let mut motion: Vec<[V3; 2]> = (0..self.mass.len())
+            .map(|b| {
+                let at = |i: usize| ((12.9898 * (6 * b + i + 1) as f64).sin() * 43_758.545).fract();
+                [[at(0), at(1), at(2)], [at(3), at(4), at(5)]]
+            })
+            .collect();
+        let mut square = 0.0;
+        for _ in 0..ITERATIONS {
+            self.loads.fill([[0.0; 3]; 2]);
+            for force in &self.forces {
+                force.respond(&self.poses, &self.laws, &motion, &mut self.loads);
+            }
+            for (b, load) in self.loads.iter_mut().enumerate() {
+                *load = [scale(-1.0 / self.mass[b], load[0]), scale(-1.0, mul(&self.inverse[b], load[1]))];
+            }
+            self.accept(|_| 0.0, false);
+            let size = |m: &[[V3; 2]], mass: &[f64], r: &[Pose], inertia: &[M3]| {
+                let of = |(b, [v, w]): (usize, &[V3; 2])| {
+                    let own = mul_t(&r[b].r, *w);
+                    mass[b] * dot(*v, *v) + dot(own, mul(&inertia[b], own))
+                };
+                m.iter().enumerate().map(of).sum::<f64>().sqrt()
+            };
+            let [before, after] =
+                [&motion, &self.loads].map(|m| size(m, &self.mass, &self.poses, &self.inertia));
+            if after == 0.0 {
+                return 0.0;
+            }
+            square = after / before;
+            for (to, [v, w]) in motion.iter_mut().zip(&self.loads) {
+                *to = [scale(1.0 / after, *v), scale(1.0 / after, *w)];
+            }
+        }
+        bound.min(MARGIN * square.sqrt())
     }
 
     /// Force and torque about its point of each joint that is there on its second body, global \[N, N m\], at the state whose rate was taken last.
@@ -362,40 +467,45 @@ impl Motion {
 
     /// How far a hinge is beyond its fracture at the state that was taken, at most \[rad\]; `None` without hinges.
     pub fn beyond(&self) -> Option<f64> {
-        let pose = |body: usize| *pose_of(&self.poses, body);
-        self.forces.iter().filter_map(|f| f.beyond(pose, &self.laws)).reduce(f64::max)
+        self.forces.iter().filter_map(|f| f.beyond(&self.laws)).reduce(f64::max)
     }
 
     /// Solves `S λ = G l + shift` (`plain`: without `G l`) and takes `M⁻¹ Gᵀ λ` off the loads `l`.
     fn accept(&mut self, shift: impl Fn(&Row) -> f64, plain: bool) {
-        let bodies = self
-            .joints
-            .iter()
-            .enumerate()
-            .flat_map(|(j, joint)| std::iter::repeat_n(joint.bodies, self.first[j + 1] - self.first[j]));
-        for ((row, bodies), wanted) in self.rows.iter().zip(bodies).zip(&mut self.multipliers) {
-            *wanted = shift(row);
-            if plain {
-                continue;
+        for (j, joint) in self.joints.iter().enumerate() {
+            let range = self.first[j]..self.first[j + 1];
+            let (rows, wanted) = (&self.rows[range.clone()], &mut self.multipliers[range]);
+            for (row, wanted) in rows.iter().zip(wanted.iter_mut()) {
+                *wanted = shift(row);
             }
-            for side in 0..2 {
-                if !is_ground(bodies[side]) {
-                    let [a, w] = self.loads[bodies[side]];
+            for side in (0..2).filter(|side| !plain && !is_ground(joint.bodies[*side])) {
+                let [a, w] = self.loads[joint.bodies[side]];
+                if let Some(arms) = self.arms[j] {
+                    let at_point = add(a, cross(w, arms[side]));
+                    wanted.iter_mut().zip(at_point).for_each(|(l, v)| *l += SENSE[side] * v);
+                    continue;
+                }
+                for (row, wanted) in rows.iter().zip(wanted.iter_mut()) {
                     *wanted += dot(row.of[side][0], a) + dot(row.of[side][1], w);
                 }
             }
         }
         self.factor.solve(&mut self.multipliers);
         for (j, joint) in self.joints.iter().enumerate() {
-            for r in self.first[j]..self.first[j + 1] {
-                for side in 0..2 {
-                    let body = joint.bodies[side];
-                    if !is_ground(body) {
-                        let [linear, angular] = self.moved[r][side];
-                        let [a, w] = &mut self.loads[body];
-                        *a = axpy(*a, -self.multipliers[r], linear);
-                        *w = axpy(*w, -self.multipliers[r], angular);
-                    }
+            let range = self.first[j]..self.first[j + 1];
+            for side in (0..2).filter(|side| !is_ground(joint.bodies[*side])) {
+                let body = joint.bodies[side];
+                let [a, w] = &mut self.loads[body];
+                if let Some(arms) = self.arms[j] {
+                    let force: V3 = std::array::from_fn(|i| -SENSE[side] * self.multipliers[range.start + i]);
+                    *a = axpy(*a, 1.0 / self.mass[body], force);
+                    *w = add(*w, mul(&self.inverse[body], cross(arms[side], force)));
+                    continue;
+                }
+                for r in range.clone() {
+                    let [linear, angular] = self.moved[r][side];
+                    *a = axpy(*a, -self.multipliers[r], linear);
+                    *w = axpy(*w, -self.multipliers[r], angular);
                 }
             }
         }

@@ -26,6 +26,13 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
     scope(model)?;
     let clock = Clock::start();
     let mut run = Run::new(model, options);
+    if let Some(given_s) = model.settings.time_step_s {
+        let limit_s = run.marcher.limit_s();
+        if given_s > limit_s {
+            return Err(SolveError::TimeStep { given_s, limit_s });
+        }
+        run.marcher.fix(given_s);
+    }
     run.go()?;
     let mut result = run.result;
     result.cpu_s = clock.elapsed_s();
@@ -42,8 +49,6 @@ fn scope(model: &Model) -> Result<(), SolveError> {
         "bushings together with ideal joints or forces are not run yet: use joints and hinges, or bushings alone"
     } else if model.settings.preload {
         "settings.preload is for models of bushings: set it to false; the run begins in the poses of the file"
-    } else if model.settings.time_step_s.is_some() {
-        "settings.time_step_s is for models of bushings: leave it out; settings.tolerance sets the error of a step"
     } else if touching && model.bodies.iter().any(|b| !b.shapes.is_empty()) {
         "contact together with ideal joints or forces is not run yet: leave contact out"
     } else {
