@@ -43,3 +43,25 @@ fn process_cpu_s() -> f64 {
     let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
 }
+
+/// Processor time of one thread.
+#[derive(Debug)]
+pub struct ThreadClock(f64);
+
+impl ThreadClock {
+    /// Starts now.
+    pub fn start() -> Self {
+        Self(thread_cpu_s())
+    }
+
+    /// Processor time of this thread since \[s\].
+    pub fn elapsed_s(&self) -> f64 {
+        thread_cpu_s() - self.0
+    }
+}
+
+/// Processor time used by this thread so far \[s\].
+fn thread_cpu_s() -> f64 {
+    let t = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
+}

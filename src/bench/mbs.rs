@@ -1,14 +1,12 @@
 //! Error over run time of mechanisms whose motion is known.
 
-use crate::mbs::clock::Clock;
+use crate::base::cpu::ThreadClock;
 use crate::verify::mbs::{Known, known};
 use serde::Serialize;
 use std::fmt::Write;
 
 /// Measurements whose median counts.
 const REPEATS: usize = 5;
-/// Least processor time that is measured \[s\].
-const LEAST_S: f64 = 0.1;
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -50,14 +48,9 @@ fn row(known: &Known, tolerance: f64) -> Result<Row, String> {
     let course = known.run(tolerance)?;
     let mut times = Vec::with_capacity(REPEATS);
     for _ in 0..REPEATS {
-        let clock = Clock::start();
-        let mut runs = 0.0;
-        // the clock of the processor has ticks of some milliseconds
-        while runs == 0.0 || clock.elapsed_s() < LEAST_S {
-            std::hint::black_box(known.run(tolerance)?);
-            runs += 1.0;
-        }
-        times.push(clock.elapsed_s() / runs);
+        let clock = ThreadClock::start();
+        std::hint::black_box(known.run(tolerance)?);
+        times.push(clock.elapsed_s());
     }
     times.sort_by(f64::total_cmp);
     Ok(Row {

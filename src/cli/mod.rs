@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done, 1 a check failed, 2 bad input or usage.
 
+mod batch;
 mod bench;
 mod check;
 pub mod compose;
@@ -93,6 +94,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    Batch(batch::Arguments),
     Bench(bench::Arguments),
     Check(check::Arguments),
     Explain(explain::Arguments),
@@ -115,6 +117,7 @@ enum Command {
 /// Runs the command line of this process.
 pub fn run() -> ExitCode {
     match Arguments::parse().command {
+        Command::Batch(arguments) => finish(batch::run(&arguments)),
         Command::Bench(arguments) => finish(bench::run(&arguments)),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => finish(explain::run(&arguments)),

@@ -12,15 +12,16 @@
 //! | [`narrow`] | box against box (the only file that knows `parry3d`) |
 //! | [`contact`] | who may touch, and when to look |
 //! | [`contact_law`] | force and energy of one contact point |
-//! | [`clock`] | processor time |
 //! | [`step`] | the explicit integrator |
+//! | [`parameter`] | numbers of a model by name |
+//! | [`batch`] | many runs of one model |
 //! | [`run`] | the whole run: events, outputs, energy balance |
 //! | [`ideal`] | smooth motion on ideal joints |
 //! | [`result`] | what a run returns |
 //! | [`error`] | why a run stopped |
 
+pub mod batch;
 pub mod check;
-pub mod clock;
 pub mod contact;
 pub mod contact_law;
 pub mod error;
@@ -30,6 +31,7 @@ pub mod joint;
 pub mod math;
 pub mod model;
 pub mod narrow;
+pub mod parameter;
 pub mod preload;
 pub mod result;
 pub mod run;

@@ -4,7 +4,6 @@
 //! at most the limit. The energies are taken at full steps, with the momenta of that time; the balance is
 //! a true one (states and trapezoidal dissipation), not an identity of the update formulas.
 
-use super::clock::Clock;
 use super::contact::{ContactSet, Partner};
 use super::error::SolveError;
 use super::ideal;
@@ -16,6 +15,7 @@ use super::result::{
 };
 use super::system::System;
 use super::{frequency, step};
+use crate::base::cpu::ThreadClock;
 
 /// Largest automatic step \[s\]: resolves contacts at 10 m/s within a centimetre.
 pub const LARGEST_STEP_S: f64 = 1e-3;
@@ -46,7 +46,7 @@ pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult
     if !model.joints.is_empty() || !model.forces.is_empty() {
         return ideal::run::simulate(model, options);
     }
-    let clock = Clock::start();
+    let clock = ThreadClock::start();
     let mut run = Run::new(model, options)?;
     run.go()?;
     run.result.cpu_s = clock.elapsed_s();

@@ -1,8 +1,10 @@
 //! The MBS solver against closed forms and converged references.
 
+mod batch;
 mod contact;
 mod frame;
 mod hinge;
+mod ideal;
 mod input;
 mod motion;
 mod statics;

@@ -60,6 +60,8 @@ pub struct Observed {
     pub elastic_j: f64,
     /// Plastic work of all hinges, also those that fractured \[J\].
     pub plastic_j: f64,
+    /// Elastic energy that fractured hinges had \[J\].
+    pub lost_j: f64,
     /// Work of all applied forces, springs and hinges included, gravity not \[J\].
     pub work_j: f64,
     /// Hinges and torsion springs by their place among the forces of the mechanism.
@@ -86,8 +88,9 @@ pub struct Motion {
     laws: Vec<HingeLaw>,
     /// Hinges that flowed for the first time, by their places in the mechanism; for the caller to fetch.
     pub yielded: Vec<usize>,
-    /// Plastic work of hinges that are gone \[J\].
+    /// Plastic work of hinges that are gone, and elastic energy of those that fractured \[J\].
     spent_j: f64,
+    lost_j: f64,
     /// Bodies that were taken away: they stay where they are.
     gone: Vec<bool>,
     parts: Vec<Part>,
@@ -138,6 +141,7 @@ impl Motion {
             laws: mechanism.laws.clone(),
             yielded: Vec::new(),
             spent_j: 0.0,
+            lost_j: 0.0,
             gone: vec![false; start.len()],
             parts: Vec::new(),
             factor: BlockFactor::new(&[], &BTreeSet::new()),
@@ -300,6 +304,7 @@ impl Motion {
             }
             if beyond.is_some_and(|beyond| beyond >= 0.0) {
                 broken.push(*id);
+                self.lost_j += force.elastic_j(&self.poses, &self.laws);
                 if let Acting::Hinge { joint: Some(joint), .. } = force {
                     opened.push(*joint);
                 }
@@ -378,6 +383,7 @@ impl Motion {
             gravity_j,
             elastic_j: springs_j + hinges.iter().map(|(_, h)| h.elastic_j).sum::<f64>(),
             plastic_j: self.spent_j + hinges.iter().map(|(_, h)| h.dissipated_j).sum::<f64>(),
+            lost_j: self.lost_j,
             work_j: state.last().copied().unwrap_or(0.0),
             hinges,
         }

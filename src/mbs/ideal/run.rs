@@ -3,7 +3,7 @@
 use super::compile;
 use super::march::{Marcher, Span};
 use super::motion::{Motion, Observed, STATE};
-use crate::mbs::clock::Clock;
+use crate::base::cpu::ThreadClock;
 use crate::mbs::error::SolveError;
 use crate::mbs::math::{self, V3};
 use crate::mbs::model::{Force, Model};
@@ -24,7 +24,7 @@ const VELOCITY: f64 = 1e-6;
 /// If the model has parts that this solver does not do, or the run goes wrong.
 pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
     scope(model)?;
-    let clock = Clock::start();
+    let clock = ThreadClock::start();
     let mut run = Run::new(model, options);
     if let Some(given_s) = model.settings.time_step_s {
         let limit_s = run.marcher.limit_s();
@@ -71,7 +71,9 @@ struct Record {
     /// Next output.
     next: usize,
     start: Observed,
+    /// What events took of kinetic energy and gravity, and of springs and hinges.
     released_j: f64,
+    unbound_j: f64,
     turnover_j: f64,
     error: f64,
 }
@@ -93,7 +95,7 @@ impl<'a> Run<'a> {
         let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
         // one millimetre of fall: the scale of a model in which nothing happens
         let turnover_j = 1e-3 * mass * math::norm(model.gravity_m_s2) + start.kinetic_j + start.elastic_j;
-        let record = Record { next: 0, start, released_j: 0.0, turnover_j, error: 0.0 };
+        let record = Record { next: 0, start, released_j: 0.0, unbound_j: 0.0, turnover_j, error: 0.0 };
         Self { model, options, tracked: tracked.collect(), record, marcher, result }
     }
 
@@ -232,14 +234,11 @@ impl<'a> Run<'a> {
         if any {
             self.marcher.restart();
             let after = self.marcher.motion.observe(&self.marcher.state);
-            self.record.released_j += before.total_j() - after.total_j();
+            let bound = |o: &Observed| o.elastic_j + o.plastic_j;
+            let free = |o: &Observed| o.kinetic_j + o.gravity_j;
+            self.record.unbound_j += bound(&before) - bound(&after);
+            self.record.released_j += free(&before) - free(&after);
         }
-    }
-}
-
-impl Observed {
-    fn total_j(&self) -> f64 {
-        self.kinetic_j + self.gravity_j + self.elastic_j + self.plastic_j
     }
 }
 
@@ -314,12 +313,14 @@ impl Record {
         e.contact_elastic_j.push(0.0);
         e.contact_damping_j.push(0.0);
         e.friction_j.push(0.0);
-        e.released_j.push(self.released_j);
+        let unbound_j = self.unbound_j + seen.lost_j;
+        e.released_j.push(self.released_j + unbound_j);
         // the work of springs and hinges is in their energies
-        e.applied_j.push(start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j);
+        e.applied_j.push(start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j - unbound_j);
         let total = e.total_j(e.kinetic_j.len() - 1);
         let first = e.total_j(0);
         self.turnover_j = self.turnover_j.max(seen.kinetic_j + gravity_j.abs() + seen.plastic_j);
+        self.turnover_j = self.turnover_j.max(seen.work_j.abs()).max(f64::MIN_POSITIVE);
         let error = (total - first).abs() / self.turnover_j;
         self.error = self.error.max(error);
         if error <= options.energy_limit {

@@ -1,0 +1,111 @@
+//! Many runs of one model that differ in some numbers.
+//!
+//! Runs share the model and nothing else, so that each ends with the same bytes as if it ran alone; they are spread over the threads of the pool.
+
+use super::parameter::{ParameterError, apply};
+use super::result::{EventKind, RunResult};
+use super::run::{SolverOptions, simulate_with};
+use super::{Model, SolveError};
+use rayon::prelude::*;
+
+/// What differs: names of numbers ([`apply`]), and a row of values for each run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// Names.
+    pub names: Vec<String>,
+    /// Values, one for each name.
+    pub rows: Vec<Vec<f64>>,
+}
+
+/// Why no batch is run.
+#[derive(Debug, thiserror::Error)]
+pub enum BatchError {
+    /// A name leads nowhere.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A row has another number of values.
+    #[error("row {row} has {found} values, expected {expected}, one for each name")]
+    Row {
+        /// The row, from 1.
+        row: usize,
+        /// Its values.
+        found: usize,
+        /// The names.
+        expected: usize,
+    },
+}
+
+/// What is kept of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Displacements of the tracked points at the end \[m\].
+    pub displacements_m: Vec<[f64; 3]>,
+    /// First contact with the ground \[s\].
+    pub first_ground_contact_s: Option<f64>,
+    /// Hinges that yielded, joints that separated.
+    pub counts: [usize; 2],
+    /// Largest error of the energy balance relative to the energy turned over.
+    pub energy_error: f64,
+    /// Steps.
+    pub steps: usize,
+    /// Processor time \[s\].
+    pub cpu_s: f64,
+}
+
+impl Summary {
+    fn of(result: &RunResult) -> Self {
+        let count = |f: fn(&EventKind) -> bool| result.events.iter().filter(|e| f(&e.kind)).count();
+        let last = |p: &[[f64; 3]]| p.last().copied().unwrap_or_default();
+        Self {
+            displacements_m: result.tracked.iter().map(|t| last(&t.displacement_m)).collect(),
+            first_ground_contact_s: result.first_ground_contact_s,
+            counts: [
+                count(|k| matches!(k, EventKind::Yield { .. })),
+                count(|k| matches!(k, EventKind::Fracture { .. })),
+            ],
+            energy_error: result.energy_error,
+            steps: result.steps,
+            cpu_s: result.cpu_s,
+        }
+    }
+}
+
+/// The model of one row.
+///
+/// # Errors
+/// If a name leads nowhere.
+pub fn varied(model: &Model, names: &[String], row: &[f64]) -> Result<Model, ParameterError> {
+    let mut own = model.clone();
+    for (name, value) in names.iter().zip(row) {
+        apply(&mut own, name, *value)?;
+    }
+    Ok(own)
+}
+
+/// Runs every row; `done` is told after each run how many are through. A run that goes wrong has its error in the place of its summary.
+///
+/// # Errors
+/// If the table does not fit the model.
+pub fn run(
+    model: &Model,
+    table: &Table,
+    options: &SolverOptions,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<Result<Summary, SolveError>>, BatchError> {
+    let expected = table.names.len();
+    for (i, row) in table.rows.iter().enumerate() {
+        if row.len() != expected {
+            return Err(BatchError::Row { row: i + 1, found: row.len(), expected });
+        }
+    }
+    if let Some(row) = table.rows.first() {
+        varied(model, &table.names, row)?;
+    }
+    let one = |row: &Vec<f64>| {
+        let own = varied(model, &table.names, row)?;
+        let result = simulate_with(&own, options).map(|r| Summary::of(&r));
+        done();
+        Ok(result)
+    };
+    table.rows.par_iter().map(one).collect()
+}

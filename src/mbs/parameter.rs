@@ -1,0 +1,176 @@
+//! Numbers of a model by name, for runs that differ in some of them.
+//!
+//! A name follows the model file: `bodies.slab1.velocity_m_s.2`, `bushings.*.strength_factor`, `contact.ground.friction`. Members of lists go by their id, parts
+//! of vectors by their place from 0; `*` is every member. Names that end in `_factor` multiply, all others set.
+
+use super::model::{Bending, Body, Bushing, Event, Force, Model};
+
+/// Why a name does not lead to a number.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{name}: {what}")]
+pub struct ParameterError {
+    /// The name.
+    pub name: String,
+    /// What is wrong, and what would be right.
+    pub what: String,
+}
+
+const LISTS: &str = "bodies, bushings, forces, events, contact, gravity_m_s2 or settings";
+const BODY: &str =
+    "mass_factor (mass and inertia), mass_kg, position_m.K, velocity_m_s.K or angular_velocity_rad_s.K";
+const BUSHING: &str =
+    "strength_factor, stiffness_factor, tensile_capacity_n, tensile_elongation_m or compressive_capacity_n";
+const FORCE: &str =
+    "strength_factor, stiffness_factor, damping_factor, length_m, fracture_rad, force_n.K or torque_nm.K";
+const CONTACT: &str = "ground.friction, ground.restitution, bodies.friction or bodies.restitution";
+
+/// Sets or multiplies the numbers of a name; how many there were.
+///
+/// # Errors
+/// If the name leads nowhere.
+pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, ParameterError> {
+    let fail = |what: String| ParameterError { name: name.into(), what };
+    let parts: Vec<&str> = name.split('.').collect();
+    let (list, rest) = (parts[0], &parts[1..]);
+    let unknown = |what: &str| fail(format!("expected {what} here"));
+    match (list, rest) {
+        ("gravity_m_s2", [place]) => {
+            set(part(&mut model.gravity_m_s2, place), value).ok_or(unknown("0, 1 or 2"))
+        }
+        ("settings", ["end_time_s"]) => set(Some(&mut model.settings.end_time_s), value).ok_or(unknown("")),
+        ("settings", ["tolerance"]) => set(Some(&mut model.settings.tolerance), value).ok_or(unknown("")),
+        ("settings", _) => Err(unknown("end_time_s or tolerance")),
+        ("contact", [surface, field]) => {
+            let pair = match *surface {
+                "ground" => model.contact.ground.as_mut().map(|g| (&mut g.friction, &mut g.restitution)),
+                "bodies" => model.contact.bodies.as_mut().map(|b| (&mut b.friction, &mut b.restitution)),
+                _ => return Err(unknown(CONTACT)),
+            };
+            let (friction, restitution) = pair.ok_or_else(|| fail("the model has no such contact".into()))?;
+            match *field {
+                "friction" => set(Some(friction), value).ok_or(unknown("")),
+                "restitution" => set(Some(restitution), value).ok_or(unknown("")),
+                _ => Err(unknown("friction or restitution")),
+            }
+        }
+        ("bodies", [id, field @ ..]) => {
+            each(&mut model.bodies, |b| &b.id, id, |b| body(b, field, value), name, "body", BODY)
+        }
+        ("bushings", [id, field @ ..]) => {
+            each(&mut model.bushings, |b| &b.id, id, |b| bushing(b, field, value), name, "bushing", BUSHING)
+        }
+        ("forces", [id, field @ ..]) => {
+            each(&mut model.forces, |f| f.id(), id, |f| force(f, field, value), name, "force", FORCE)
+        }
+        ("events", [id, field @ ..]) => {
+            each(&mut model.events, |e| &e.id, id, |e| event(e, field, value), name, "event", "time_s")
+        }
+        _ => Err(fail(format!("expected a name that begins with {LISTS}, as in \"bodies.ID.mass_factor\""))),
+    }
+}
+
+/// Applies something to the members of a list with an id, or to all; `*` passes over those that have no such number.
+fn each<T>(
+    list: &mut [T],
+    id_of: impl Fn(&T) -> &str,
+    id: &str,
+    mut apply: impl FnMut(&mut T) -> Option<usize>,
+    name: &str,
+    kind: &str,
+    fields: &str,
+) -> Result<usize, ParameterError> {
+    let fail = |what: String| ParameterError { name: name.into(), what };
+    let ids: Vec<String> = list.iter().map(|m| id_of(m).to_string()).collect();
+    let chosen: Vec<&mut T> =
+        list.iter_mut().zip(&ids).filter(|(_, own)| id == "*" || *own == id).map(|(m, _)| m).collect();
+    if chosen.is_empty() {
+        let near = ids.iter().min_by_key(|own| strsim::damerau_levenshtein(own, id));
+        let hint = near.map(|n| format!(" (did you mean \"{n}\"?)")).unwrap_or_default();
+        return Err(fail(format!("\"{id}\" is not the id of a {kind}{hint}")));
+    }
+    let count = chosen.into_iter().filter_map(&mut apply).sum();
+    if count == 0 { Err(fail(format!("no such number: expected {fields} after the id"))) } else { Ok(count) }
+}
+
+fn set(number: Option<&mut f64>, value: f64) -> Option<usize> {
+    *number? = value;
+    Some(1)
+}
+
+fn part<'a>(vector: &'a mut [f64; 3], place: &str) -> Option<&'a mut f64> {
+    vector.get_mut(place.parse::<usize>().ok()?)
+}
+
+fn body(body: &mut Body, field: &[&str], value: f64) -> Option<usize> {
+    match field {
+        ["mass_factor"] => {
+            body.mass_kg *= value;
+            body.inertia_kg_m2.iter_mut().flatten().for_each(|i| *i *= value);
+            Some(1)
+        }
+        ["mass_kg"] => set(Some(&mut body.mass_kg), value),
+        ["position_m", k] => set(part(&mut body.position_m, k), value),
+        ["velocity_m_s", k] => set(part(&mut body.velocity_m_s, k), value),
+        ["angular_velocity_rad_s", k] => set(part(&mut body.angular_velocity_rad_s, k), value),
+        _ => None,
+    }
+}
+
+fn bushing(bushing: &mut Bushing, field: &[&str], value: f64) -> Option<usize> {
+    match field {
+        ["strength_factor"] => {
+            let curves = bushing.bending.iter_mut().filter_map(|b| match b {
+                Bending::Curve { strength_factor, .. } => Some(strength_factor),
+                Bending::Elastic { .. } => None,
+            });
+            let count = curves.map(|f| *f *= value).count();
+            (count > 0).then_some(count)
+        }
+        ["stiffness_factor"] => {
+            bushing.axial_stiffness_n_m *= value;
+            bushing.shear_stiffness_n_m.iter_mut().for_each(|k| *k *= value);
+            bushing.torsional_stiffness_nm_rad *= value;
+            for bending in &mut bushing.bending {
+                if let Bending::Elastic { stiffness_nm_rad } = bending {
+                    *stiffness_nm_rad *= value;
+                }
+            }
+            Some(1)
+        }
+        ["tensile_capacity_n"] => set(bushing.tensile_capacity_n.as_mut(), value),
+        ["tensile_elongation_m"] => set(bushing.tensile_elongation_m.as_mut(), value),
+        ["compressive_capacity_n"] => set(bushing.compressive_capacity_n.as_mut(), value),
+        _ => None,
+    }
+}
+
+fn force(force: &mut Force, field: &[&str], value: f64) -> Option<usize> {
+    match (force, field) {
+        (Force::Hinge { capacity, .. }, ["strength_factor"]) => {
+            capacity.iter_mut().for_each(|p| p[1] *= value);
+            Some(1)
+        }
+        (Force::Hinge { fracture_rad: Some(f), .. }, ["fracture_rad"]) => set(Some(f), value),
+        (Force::Spring { stiffness_n_m: k, .. }, ["stiffness_factor"])
+        | (
+            Force::Torsion { stiffness_nm_rad: k, .. } | Force::Hinge { stiffness_nm_rad: k, .. },
+            ["stiffness_factor"],
+        )
+        | (Force::Spring { damping_n_s_m: k, .. }, ["damping_factor"])
+        | (Force::Torsion { damping_nm_s_rad: k, .. }, ["damping_factor"]) => {
+            *k *= value;
+            Some(1)
+        }
+        (Force::Spring { length_m, .. }, ["length_m"]) => {
+            *length_m = Some(value);
+            Some(1)
+        }
+        (Force::Force { force_n, .. }, ["force_n", k]) => set(part(force_n, k), value),
+        (Force::Torque { torque_nm, .. }, ["torque_nm", k]) => set(part(torque_nm, k), value),
+        _ => None,
+    }
+}
+
+fn event(event: &mut Event, field: &[&str], value: f64) -> Option<usize> {
+    if field == ["time_s"] { set(Some(&mut event.time_s), value) } else { None }
+}

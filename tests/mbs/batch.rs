@@ -1,0 +1,55 @@
+//! Many runs of one model: names of numbers, the same bytes as single runs.
+
+use super::support::*;
+use fallwerk::mbs::batch::{self, Table, varied};
+use fallwerk::mbs::model::*;
+use fallwerk::mbs::parameter::apply;
+use fallwerk::mbs::{SolverOptions, simulate};
+
+fn falling() -> Model {
+    let mut m = model("fall", 0.5, 0.1);
+    m.bodies.push(solid("a", [0.0, 0.0, 5.0], [1.0; 3]));
+    m.bodies.push(solid("b", [3.0, 0.0, 5.0], [1.0; 3]));
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: RESTITUTION });
+    track(&mut m, "b", [3.0, 0.0, 5.0]);
+    m
+}
+
+#[test]
+fn names_follow_the_file() {
+    let mut m = falling();
+    assert_eq!(apply(&mut m, "bodies.b.velocity_m_s.2", -3.0).unwrap(), 1);
+    assert_eq!(apply(&mut m, "bodies.*.mass_factor", 2.0).unwrap(), 2);
+    assert_eq!(apply(&mut m, "contact.ground.friction", 0.1).unwrap(), 1);
+    assert_eq!((m.bodies[1].velocity_m_s[2], m.bodies[0].mass_kg), (-3.0, 5000.0));
+    assert_eq!(m.bodies[0].inertia_kg_m2[0][0], 5000.0 / 6.0);
+    for (name, expected) in [
+        ("body.a.mass_kg", "begins with bodies, bushings"),
+        ("bodies.c.mass_kg", "\"c\" is not the id of a body (did you mean"),
+        ("bodies.a.colour", "expected mass_factor"),
+        ("contact.bodies.friction", "no such contact"),
+        ("gravity_m_s2.3", "expected 0, 1 or 2"),
+    ] {
+        let text = apply(&mut m, name, 1.0).unwrap_err().to_string();
+        assert!(text.starts_with(name) && text.contains(expected), "{text}");
+    }
+}
+
+#[test]
+fn a_batch_gives_what_single_runs_give_and_a_bad_row_hurts_no_other() {
+    let m = falling();
+    let names = vec!["bodies.b.velocity_m_s.2".to_string(), "bodies.b.mass_factor".to_string()];
+    let rows = vec![vec![-1.0, 1.0], vec![2.0, -1.0], vec![0.5, 3.0]];
+    let table = Table { names, rows };
+    let found = batch::run(&m, &table, &SolverOptions::default(), &|| {}).unwrap();
+    assert!(found[1].as_ref().unwrap_err().to_string().contains("bodies[1].mass_kg"));
+    for i in [0, 2] {
+        let alone = simulate(&varied(&m, &table.names, &table.rows[i]).unwrap()).unwrap();
+        assert_eq!(found[i].as_ref().unwrap().displacements_m[0], alone.tracked[0].displacement_m[5]);
+        let wanted = 0.5 * table.rows[i][0] - 0.5 * G * 0.25;
+        assert!((alone.tracked[0].displacement_m[5][2] - wanted).abs() < 1e-9);
+    }
+    let short = Table { rows: vec![vec![1.0]], ..table };
+    let text = batch::run(&m, &short, &SolverOptions::default(), &|| {}).unwrap_err().to_string();
+    assert_eq!(text, "row 1 has 1 values, expected 2, one for each name");
+}

@@ -1,0 +1,230 @@
+//! Model files with ideal joints: events, applied forces, reactions, energies, what is refused.
+
+use super::support::*;
+use fallwerk::mbs::model::*;
+use fallwerk::mbs::result::EventKind;
+use fallwerk::mbs::{RunResult, simulate};
+
+fn ideal(id: &str, kind: JointKind, a: Option<&str>, b: &str, point_m: [f64; 3]) -> Joint {
+    Joint {
+        id: id.into(),
+        kind,
+        body_a: a.map(str::to_string),
+        body_b: b.into(),
+        point_m,
+        point_b_m: None,
+        axis: None,
+        axis_b: None,
+        origin: Origin::default(),
+    }
+}
+
+/// A cube of one metre and 2500 kg that hangs on a ball one metre above its centre.
+fn bob() -> Model {
+    let mut m = model("bob", 1.0, 0.1);
+    m.bodies.push(solid("bob", [0.0; 3], [1.0; 3]));
+    m.joints.push(ideal("ball", JointKind::Spherical, None, "bob", [0.0, 0.0, 1.0]));
+    track(&mut m, "bob", [0.0; 3]);
+    m
+}
+
+fn event(id: &str, time_s: f64) -> Event {
+    Event {
+        id: id.into(),
+        time_s,
+        remove_bodies: Vec::new(),
+        release: Vec::new(),
+        weaken: Vec::new(),
+        origin: Origin::default(),
+    }
+}
+
+fn fall(result: &RunResult, i: usize) -> f64 {
+    result.tracked[0].displacement_m[i][2]
+}
+
+#[test]
+fn what_hangs_stays_and_its_joint_carries_the_weight() {
+    let mut m = bob();
+    m.settings.reactions = true;
+    let result = simulate(&m).unwrap();
+    assert_eq!(result.times_s.len(), 11);
+    assert!(result.tracked[0].displacement_m.iter().flatten().all(|u| u.abs() < 1e-12));
+    for force in &result.reactions[0].force_n {
+        assert!((force[2] - 2500.0 * G).abs() < 1e-6 && force[0].abs() + force[1].abs() < 1e-9, "{force:?}");
+    }
+}
+
+#[test]
+fn a_released_joint_lets_go_at_its_time() {
+    let mut m = bob();
+    m.events.push(Event { release: vec!["ball".into()], ..event("cut", 0.35) });
+    let result = simulate(&m).unwrap();
+    assert!(fall(&result, 3).abs() < 1e-12);
+    for i in 4..=10 {
+        let free = result.times_s[i] - 0.35;
+        assert!((fall(&result, i) + 0.5 * G * free * free).abs() < 1e-9, "{}", fall(&result, i));
+    }
+    assert!(matches!(&result.events[0].kind, EventKind::Removal { event } if event == "cut"));
+}
+
+#[test]
+fn a_force_acts_while_it_is_on_and_its_work_is_in_the_books() {
+    let mut m = model("push", 1.0, 0.1);
+    m.gravity_m_s2 = [0.0; 3];
+    m.bodies.push(solid("block", [0.0; 3], [1.0; 3]));
+    m.forces.push(Force::Force {
+        id: "push".into(),
+        body: "block".into(),
+        point_m: [0.0; 3],
+        force_n: [5000.0, 0.0, 0.0],
+        from_to_s: Some([0.2, 0.5]),
+    });
+    track(&mut m, "block", [0.0; 3]);
+    let result = simulate(&m).unwrap();
+    // 2 m/s² for 0.3 s, then 0.6 m/s
+    let at_end = 0.5 * 2.0 * 0.09 + 0.6 * 0.5;
+    assert!((result.tracked[0].displacement_m[10][0] - at_end).abs() < 1e-10);
+    let e = &result.energies;
+    assert!(
+        (e.kinetic_j[10] - 0.5 * 2500.0 * 0.36).abs() < 1e-6
+            && (e.applied_j[10] + e.kinetic_j[10]).abs() < 1e-6
+    );
+}
+
+/// A column of 1400 kg that leans by 0.2 rad on a hinge of 20 MN m/rad.
+fn leaning(capacity: Vec<[f64; 2]>, fracture_rad: Option<f64>) -> Model {
+    let mut m = model("column", 1.5, 0.01);
+    let mut column = solid("column", [1.75 * 0.2f64.sin(), 0.0, 1.75 * 0.2f64.cos()], [0.4, 0.4, 3.5]);
+    column.orientation = [0.1f64.cos(), 0.0, 0.1f64.sin(), 0.0];
+    m.bodies.push(column);
+    m.joints.push(Joint {
+        axis: Some([0.0, 1.0, 0.0]),
+        ..ideal("pin", JointKind::Revolute, None, "column", [0.0; 3])
+    });
+    m.forces.push(Force::Hinge {
+        id: "hinge".into(),
+        body_a: None,
+        body_b: "column".into(),
+        stiffness_nm_rad: 2e7,
+        capacity,
+        fracture_rad,
+        joint: Some("pin".into()),
+    });
+    m
+}
+
+#[test]
+fn plastic_work_of_a_softening_hinge_closes_the_balance_to_the_tolerance() {
+    let mut m = leaning(vec![[0.0, 3e3], [0.1, 3e3], [0.4, 500.0]], None);
+    m.settings.tolerance = 1e-9;
+    let result = simulate(&m).unwrap();
+    assert!(result.energy_error < 1e-7, "{}", result.energy_error);
+    let (turn, last) = (&result.turns[0], result.times_s.len() - 1);
+    assert!(turn.rotation_rad[last][1] > 0.4 && (turn.moment_nm[last][1] - 500.0).abs() < 1e-6);
+    // along the plateau, the softening line and the rest, less the elastic line at the begin and what comes back elastically
+    let (k, rotation) = (2e7, turn.rotation_rad[last][1]);
+    let area = 3e3 * 0.1 + 0.5 * (3e3 + 500.0) * 0.3 + 500.0 * (rotation - 0.4);
+    let dissipated = area - 0.5 * (3e3 * 3e3 + 500.0 * 500.0) / k;
+    let e = &result.energies;
+    assert!((e.plastic_j[last] / dissipated - 1.0).abs() < 1e-6, "{} {dissipated}", e.plastic_j[last]);
+    assert!(e.applied_j[last].abs() < 1e-5 * dissipated, "{}", e.applied_j[last]);
+}
+
+#[test]
+fn a_hinge_breaks_with_its_joint_and_says_so() {
+    let result = simulate(&leaning(vec![[0.0, 3e3]], Some(0.3))).unwrap();
+    let broken = result.events.iter().find(|e| matches!(e.kind, EventKind::Fracture { .. })).unwrap();
+    let turn = &result.turns[0];
+    let after = result.times_s.iter().position(|t| *t >= broken.time_s).unwrap();
+    assert!((turn.rotation_rad[after - 1][1] - 0.3).abs() < 0.01 && turn.moment_nm[after + 1] == [0.0; 3]);
+    // free flight: the centre falls with g
+    let z = |i: usize| result.frames[i].position_m[0][2];
+    assert!((z(after + 3) - 2.0 * z(after + 2) + z(after + 1) + G * 1e-4).abs() < 1e-9);
+}
+
+#[test]
+fn a_weakened_hinge_gives_way() {
+    let mut m = leaning(vec![[0.0, 60e3]], None);
+    let held = simulate(&m).unwrap();
+    assert!(held.turns[0].rotation_rad.iter().all(|r| r[1] < 1e-3));
+    m.events
+        .push(Event { weaken: vec![Weakening { id: "hinge".into(), factor: 0.05 }], ..event("saw", 0.5) });
+    let result = simulate(&m).unwrap();
+    assert!(result.turns[0].rotation_rad.last().unwrap()[1] > 0.1 && result.energy_error < 1e-4);
+}
+
+#[test]
+fn redundant_joints_are_told_and_change_nothing() {
+    let mut m = bob();
+    m.bodies[0].velocity_m_s = [1.0, 0.0, 0.0];
+    let once = simulate(&m).unwrap();
+    m.joints.push(ideal("again", JointKind::Spherical, None, "bob", [0.0, 0.0, 1.0]));
+    let twice = simulate(&m).unwrap();
+    assert!(once.warnings.iter().any(|w| w.contains("velocities do not fit")), "{:?}", once.warnings);
+    assert!(twice.warnings.iter().any(|w| w.contains("3 of 6 joint conditions")), "{:?}", twice.warnings);
+    let [a, b] = [&once, &twice].map(|r| r.tracked[0].displacement_m.as_flattened());
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-8));
+}
+
+#[test]
+fn what_does_not_fit_is_refused_with_a_remedy() {
+    type Change = fn(&mut Model);
+    let cases: [(Change, &str); 8] = [
+        (
+            |m| m.joints[0].kind = JointKind::Revolute,
+            "joints[0].axis: is missing: a revolute joint needs a vector here",
+        ),
+        (
+            |m| m.joints[0].axis = Some([1.0, 0.0, 0.0]),
+            "joints[0].axis: has no meaning for a spherical joint; leave it out",
+        ),
+        (|m| m.joints[0].body_b = "bop".into(), "\"bop\" is not the id of a body (did you mean \"bob\"?)"),
+        (
+            |m| m.events.push(Event { release: vec!["bal".into()], ..event("e", 0.1) }),
+            "did you mean \"ball\"?",
+        ),
+        (
+            |m| {
+                m.events.push(Event {
+                    weaken: vec![Weakening { id: "ball".into(), factor: 0.5 }],
+                    ..event("e", 0.1)
+                })
+            },
+            "\"ball\" is not the id of a bushing or a hinge",
+        ),
+        (|m| m.settings.preload = true, "settings.preload is for models of bushings"),
+        (|m| m.settings.tolerance = 0.0, "settings.tolerance: is 0, expected a positive number"),
+        (
+            |m| {
+                m.bodies[0].shapes.push(Shape::Hull {
+                    points_m: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
+                })
+            },
+            "has 4 points that span no volume",
+        ),
+    ];
+    for (change, expected) in cases {
+        let mut m = bob();
+        change(&mut m);
+        let text = simulate(&m).unwrap_err().to_string();
+        assert!(text.contains(expected), "expected {expected:?} in {text:?}");
+    }
+    let mut stiff = leaning(vec![[0.0, 60e3]], None);
+    stiff.settings.time_step_s = Some(0.1);
+    assert!(simulate(&stiff).unwrap_err().to_string().contains("above the stability limit"));
+}
+
+#[test]
+fn given_steps_show_their_order() {
+    let error = |step: f64| {
+        let mut m = leaning(vec![[0.0, 3e3]], None);
+        m.settings =
+            RunSettings { time_step_s: Some(step), output_interval_s: 1.5, tolerance: 1e-3, ..m.settings };
+        let end = simulate(&m).unwrap().turns[0].rotation_rad[1][1];
+        m.settings = RunSettings { time_step_s: None, tolerance: 1e-11, ..m.settings };
+        (end - simulate(&m).unwrap().turns[0].rotation_rad[1][1]).abs()
+    };
+    let [coarse, fine] = [4e-3, 1e-3].map(error);
+    assert!(coarse < 1e-3 && fine < 0.12 * coarse, "{coarse} {fine}");
+}
