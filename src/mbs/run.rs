@@ -48,6 +48,7 @@ pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult
     let mut run = Run::new(model, options)?;
     run.go()?;
     run.result.cpu_s = clock.elapsed_s();
+    if std::env::var("CONTACT_WORK").is_ok() { eprintln!("{:?}", run.contacts.work); }
     Ok(run.result)
 }
 

@@ -35,7 +35,7 @@ pub use surface::Surface;
 use super::math::{self, M3, Q, V3};
 use super::model::{Model, Shape};
 use collide::{Broad, Finder, Found, Placed, Solid};
-use pair::Pair;
+use pair::{Entry, Pair};
 use rows::{Motion, Rows};
 use surface::Surfaces;
 
@@ -216,9 +216,10 @@ pub struct ContactSet {
     entered: Vec<[V3; 2]>,
     broad: Broad,
     finder: Finder,
-    /// Pairs with planes first, then pairs of solids; and the order in which they are looked at.
+    /// Pairs, in no order; and what is asked of each, those with planes first, then those of solids by their indices.
     pairs: Vec<Pair>,
-    order: Vec<u32>,
+    order: Vec<Entry>,
+    plane_pairs: usize,
     free: Vec<u32>,
     seen: std::collections::BTreeSet<(usize, Partner)>,
     connected: Vec<(usize, usize)>,
@@ -232,7 +233,9 @@ pub struct ContactSet {
     mean: Vec<Motion>,
     found: Vec<Found>,
     feet: Vec<(V3, u64)>,
-    met: Vec<(usize, usize)>,
+    met: Vec<(u32, u32)>,
+    room: Vec<f64>,
+    moved: Vec<bool>,
 }
 
 impl ContactSet {
@@ -293,6 +296,7 @@ impl ContactSet {
             finder: Finder::default(),
             pairs: Vec::new(),
             order: Vec::new(),
+            plane_pairs: 0,
             free: Vec::new(),
             seen: Default::default(),
             connected: Vec::new(),
@@ -305,6 +309,8 @@ impl ContactSet {
             found: Vec::new(),
             feet: Vec::new(),
             met: Vec::new(),
+            room: Vec::new(),
+            moved: Vec::new(),
             colliders,
             planes,
         };
@@ -315,15 +321,15 @@ impl ContactSet {
     fn enter_planes(&mut self) {
         for a in 0..self.colliders.len() {
             let body = self.colliders[a].body;
-            for (b, plane) in self.planes.iter().enumerate() {
+            for b in 0..self.planes.len() {
                 if body != self.ground
-                    && let Some(surface) = self.surfaces.between(body, plane.partner)
+                    && let Some(surface) = self.surfaces.between(body, self.planes[b].partner)
                 {
-                    self.order.push(self.pairs.len() as u32);
-                    self.pairs.push(Pair::new([a, b], true, surface, true));
+                    self.enter_pair(Pair::new([a, b], true, surface, true));
                 }
             }
         }
+        self.plane_pairs = self.order.len();
         let moving = self.colliders.iter().any(|c| c.body != self.ground);
         let meeting = self.surfaces.bodies_meet() || self.colliders.iter().any(|c| c.body == self.ground);
         if !moving || self.pairs.is_empty() && !meeting {
@@ -337,14 +343,16 @@ impl ContactSet {
         self.connected.extend(connected.map(|(a, b)| (a.min(b), a.max(b))));
         self.connected.sort_unstable();
         for i in 0..self.order.len() {
-            let slot = self.order[i] as usize;
+            let slot = self.order[i].slot as usize;
             let blocked = self.is_blocked(&self.pairs[slot], &alive);
             let pair = &mut self.pairs[slot];
             if pair.blocked && !blocked {
-                (pair.fresh, pair.limit) = (true, f64::NEG_INFINITY);
+                pair.fresh = true;
+                self.order[i].limit = f64::NEG_INFINITY;
             }
             if blocked {
                 pair.forget();
+                self.order[i].limit = f64::INFINITY;
             }
             pair.blocked = blocked;
         }

@@ -10,7 +10,7 @@ pub(super) const MOST_POINTS: usize = 8;
 /// Points nearer than this share of the thickness are one.
 const SAME_POINT: f64 = 1e-3;
 /// How far bounds are entered beyond a solid: time \[s\] at its present speed, and share of its thickness.
-const AHEAD: (f64, f64) = (0.05, 0.1);
+const AHEAD: (f64, f64) = (0.02, 0.1);
 
 /// A point of a pair.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,6 +25,21 @@ pub(super) struct Point {
     pub tangent: V3,
 }
 
+/// What is asked of every pair in every step, in the order of the pairs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Entry {
+    /// Paths of both bodies together up to which the pair need not be looked at \[m\]; infinite if it is blocked.
+    pub limit: f64,
+    /// Distance up to which its points take part in this step; zero if it was not looked at \[m\].
+    pub reach: f64,
+    /// Bodies.
+    pub bodies: [u32; 2],
+    /// Solids, or a solid and a plane.
+    key: (u32, u32),
+    /// The pair.
+    pub slot: u32,
+}
+
 /// A pair of solids, or a solid and a plane.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pair {
@@ -36,10 +51,6 @@ pub(super) struct Pair {
     pub fresh: bool,
     /// Whether it has touched.
     pub seen: bool,
-    /// Paths of both bodies together up to which it need not be looked at \[m\].
-    pub limit: f64,
-    /// Distance up to which points take part in this step; zero if it was not looked at.
-    pub reach: f64,
     offset: f64,
     pub surface: Surface,
     normal: [V3; 2],
@@ -56,8 +67,6 @@ impl Pair {
             blocked: false,
             fresh,
             seen: false,
-            limit: f64::NEG_INFINITY,
-            reach: 0.0,
             offset: 0.0,
             surface,
             normal: [[0.0; 3]; 2],
@@ -107,7 +116,11 @@ impl ContactSet {
         if self.alarm == f64::INFINITY || !(0..bodies.len()).any(|i| bodies[i].alive && late(self, i)) {
             return;
         }
-        let mut room = vec![f64::INFINITY; bodies.len()];
+        let mut room = std::mem::take(&mut self.room);
+        room.clear();
+        room.resize(bodies.len(), f64::INFINITY);
+        self.moved.clear();
+        self.moved.resize(self.colliders.len(), false);
         let mut any = false;
         for (i, collider) in self.colliders.iter().enumerate() {
             let body = collider.body;
@@ -127,17 +140,19 @@ impl ContactSet {
             if !(0..3).all(|k| old[0][k] <= bounds[0][k] && old[1][k] >= bounds[1][k]) {
                 self.entered[i] = bounds;
                 self.broad.set(i, bounds);
+                self.moved[i] = true;
                 any = true;
             }
             if !obstacle {
                 room[body] = room[body].min(more);
             }
         }
-        for (i, room) in room.into_iter().enumerate() {
+        for (i, room) in room.iter().enumerate() {
             if late(self, i) {
                 self.budget[i] = self.travel[i] + room;
             }
         }
+        self.room = room;
         if any {
             self.enter_pairs(bodies);
         }
@@ -146,80 +161,92 @@ impl ContactSet {
     fn enter_pairs(&mut self, bodies: &[Moving]) {
         let mut met = std::mem::take(&mut self.met);
         met.clear();
-        self.broad.changed_pairs(|a, b| met.push((a.min(b), a.max(b))));
+        self.broad.changed_pairs(|a, b| met.push((a.min(b) as u32, a.max(b) as u32)));
         met.sort_unstable();
         self.drop_apart();
-        let planes = self.pairs.iter().take_while(|p| p.plane).count();
-        let key = |set: &Self, slot: u32| {
-            let pair = &set.pairs[slot as usize];
-            (pair.a as usize, pair.b as usize)
-        };
         let known = self.order.len();
         for &(a, b) in &met {
-            let (of_a, of_b) = (self.colliders[a].body, self.colliders[b].body);
-            if of_a == of_b || of_a == self.ground {
+            let [of_a, of_b] = [a, b].map(|i| self.colliders[i as usize].body);
+            let partner = self.colliders[b as usize].partner;
+            let old = &self.order[self.plane_pairs..known];
+            if of_a == of_b
+                || of_a == self.ground
+                || old.binary_search_by_key(&(a, b), |entry| entry.key).is_ok()
+            {
                 continue;
             }
-            if self.order[planes..known].binary_search_by_key(&(a, b), |slot| key(self, *slot)).is_ok() {
-                continue;
-            }
-            let Some(surface) = self.surfaces.between(of_a, self.colliders[b].partner) else { continue };
-            let mut pair = Pair::new([a, b], false, surface, self.first_look);
+            let Some(surface) = self.surfaces.between(of_a, partner) else { continue };
+            let mut pair = Pair::new([a as usize, b as usize], false, surface, self.first_look);
             pair.blocked = self.is_blocked(&pair, |i| bodies[i].alive);
-            pair.seen = self.seen.contains(&(of_a, self.colliders[b].partner));
-            let slot = self.free.pop().unwrap_or(self.pairs.len() as u32);
-            if slot as usize == self.pairs.len() {
-                self.pairs.push(pair);
-            } else {
-                self.pairs[slot as usize] = pair;
-            }
-            self.order.push(slot);
+            pair.seen = self.seen.contains(&(of_a, partner));
+            self.enter_pair(pair);
         }
-        let mut order = std::mem::take(&mut self.order);
-        order[planes..].sort_unstable_by_key(|slot| key(self, *slot));
-        self.order = order;
+        // Both parts are sorted, so that this only merges them.
+        self.order[self.plane_pairs..].sort_by_key(|entry| entry.key);
         self.first_look = false;
         self.met = met;
     }
 
-    /// Drops the pairs whose bounds do not overlap.
+    /// Keeps a pair, at the end of the order.
+    pub(super) fn enter_pair(&mut self, pair: Pair) {
+        let slot = self.free.pop().unwrap_or(self.pairs.len() as u32);
+        self.order.push(Entry {
+            limit: if pair.blocked { f64::INFINITY } else { f64::NEG_INFINITY },
+            reach: 0.0,
+            bodies: self.bodies_of(&pair).map(|i| i as u32),
+            key: (pair.a, pair.b),
+            slot,
+        });
+        if slot as usize == self.pairs.len() {
+            self.pairs.push(pair);
+        } else {
+            self.pairs[slot as usize] = pair;
+        }
+    }
+
+    /// Drops the pairs whose bounds do not overlap any more.
     fn drop_apart(&mut self) {
-        let (pairs, entered, free) = (&self.pairs, &self.entered, &mut self.free);
-        self.order.retain(|slot| {
-            let pair = &pairs[*slot as usize];
-            if pair.plane {
+        let (entered, moved, free) = (&self.entered, &self.moved, &mut self.free);
+        let mut rank = 0;
+        let planes = self.plane_pairs;
+        self.order.retain(|entry| {
+            rank += 1;
+            let [a, b] = [entry.key.0 as usize, entry.key.1 as usize];
+            if rank <= planes || !moved[a] && !moved[b] {
                 return true;
             }
-            let ([low_a, high_a], [low_b, high_b]) = (entered[pair.a as usize], entered[pair.b as usize]);
+            let ([low_a, high_a], [low_b, high_b]) = (entered[a], entered[b]);
             let overlap = (0..3).all(|k| low_a[k] <= high_b[k] && low_b[k] <= high_a[k]);
             if !overlap {
-                free.push(*slot);
+                free.push(entry.slot);
             }
             overlap
         });
     }
 
     /// Enters the points of a pair that are not farther than `reach` into the rows, but those nearer than `from` that are in already.
-    pub(super) fn look(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) {
-        if self.pairs[slot].plane {
-            self.look_at_plane(slot, bodies, h, from, reach);
+    pub(super) fn look(&mut self, entry: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) {
+        let slot = self.order[entry].slot as usize;
+        let limit = if entry < self.plane_pairs {
+            self.look_at_plane(slot, bodies, h, from, reach)
         } else {
-            self.look_at_solids(slot, bodies, h, from, reach);
-        }
-        self.pairs[slot].reach = reach;
+            self.look_at_solids(slot, bodies, h, from, reach)
+        };
+        (self.order[entry].limit, self.order[entry].reach) = (limit, reach);
     }
 
-    fn look_at_plane(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) {
+    /// Returns the paths up to which it need not be looked at again.
+    fn look_at_plane(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) -> f64 {
         let pair = &mut self.pairs[slot];
         let collider = &self.colliders[pair.a as usize];
         let at = &self.placed[pair.a as usize];
         let plane = self.planes[pair.b as usize];
         let n = math::scale(-1.0, plane.normal);
         let low = math::dot(at.x, plane.normal) - collider.solid.reach(at, n) - plane.level;
-        pair.limit = self.travel[collider.body] + low.max(0.0);
+        let limit = self.travel[collider.body] + low.max(0.0);
         if low > reach && !pair.fresh {
             pair.forget();
-            return;
+            return limit;
         }
         pair.offset = if pair.fresh { (-low).max(0.0) } else { pair.offset.min((-low).max(0.0)) };
         pair.fresh = false;
@@ -251,9 +278,11 @@ impl ContactSet {
             self.rows.rows.push(row(&pair.points[k], [arm, [0.0; 3]], gap, n, h, k));
         }
         self.rows.close_block([collider.body, self.ground], first, slot, pair.surface, n);
+        limit
     }
 
-    fn look_at_solids(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) {
+    /// The same of two solids.
+    fn look_at_solids(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) -> f64 {
         let pair = &self.pairs[slot];
         let (a, b) = (pair.a as usize, pair.b as usize);
         let [of_a, of_b] = [self.colliders[a].body, self.colliders[b].body];
@@ -267,13 +296,11 @@ impl ContactSet {
                 let pair = &mut self.pairs[slot];
                 pair.forget();
                 pair.fresh = false;
-                pair.limit = travelled + apart;
-                return;
+                return travelled + apart;
             }
-            self.search(slot, bodies, reach);
+            self.search(slot, reach);
         }
         let pair = &mut self.pairs[slot];
-        pair.limit = f64::NEG_INFINITY;
         let (at_a, at_b) = (&self.placed[a], &self.placed[b]);
         let n = math::mul(&at_a.r, pair.normal[0]);
         let mut gaps = [0.0; MOST_POINTS];
@@ -297,14 +324,19 @@ impl ContactSet {
         for k in 0..usize::from(pair.count) {
             let gap = gaps[k] + pair.offset;
             if gap <= reach && gap > from {
+                if pair.points[k].mass[0] == 0.0 {
+                    let inverse = [of_a, of_b].map(|i| bodies.get(i).map_or(Inverse::default(), Inverse::of));
+                    pair.points[k].mass = masses(&inverse, &arms[k], n);
+                }
                 self.rows.rows.push(row(&pair.points[k], arms[k], gap, n, h, k));
             }
         }
         self.rows.close_block([of_a, of_b], first, slot, pair.surface, n);
         if least > reach {
             let apart = collide::separation((&self.colliders[a].solid, at_a), (&self.colliders[b].solid, at_b));
-            self.pairs[slot].limit = travelled + apart.max(0.0);
+            return travelled + apart.max(0.0);
         }
+        f64::NEG_INFINITY
     }
 
     /// Whether the points of a pair have moved against each other so far that they must be searched again.
@@ -330,7 +362,7 @@ impl ContactSet {
         })
     }
 
-    fn search(&mut self, slot: usize, bodies: &[Moving], reach: f64) {
+    fn search(&mut self, slot: usize, reach: f64) {
         self.work.searches += 1;
         let (a, b) = (self.pairs[slot].a as usize, self.pairs[slot].b as usize);
         let (at_a, at_b) = (self.placed[a], self.placed[b]);
@@ -343,11 +375,8 @@ impl ContactSet {
         pair.count = 0;
         let Some(normals) = normals else { return };
         pair.normal = normals;
-        let n = math::mul(&at_a.r, normals[0]);
         self.found.sort_by(|p, q| p.gap.total_cmp(&q.gap).then(p.id.cmp(&q.id)));
         let same = SAME_POINT * solid_a.thickness.min(solid_b.thickness);
-        let bodies = [solid_a.body, solid_b.body].map(|i| bodies.get(i));
-        let inverse = bodies.map(|body| body.map_or(Inverse::default(), Inverse::of));
         for i in 0..self.found.len() {
             let found = self.found[i];
             let near = |p: &Point| {
@@ -357,17 +386,7 @@ impl ContactSet {
             if pair.points[..usize::from(pair.count)].iter().any(near) {
                 continue;
             }
-            let ends = [
-                math::add(at_a.x, math::mul(&at_a.r, found.on_a)),
-                math::add(at_b.x, math::mul(&at_b.r, found.on_b)),
-            ];
-            let middle = math::scale(0.5, math::add(ends[0], ends[1]));
-            let arms = bodies.map(|body| math::sub(middle, body.map_or([0.0; 3], |body| body.x)));
-            let mass = masses(&inverse, &arms, n);
-            pair.enter(
-                old,
-                Point { on: [found.on_a, found.on_b], id: found.id, mass, ..Point::default() },
-            );
+            pair.enter(old, Point { on: [found.on_a, found.on_b], id: found.id, ..Point::default() });
         }
     }
 

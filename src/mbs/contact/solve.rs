@@ -47,18 +47,15 @@ impl ContactSet {
         let mut slack = f64::INFINITY;
         let margin = self.settings.margin_m;
         for k in 0..self.order.len() {
-            let slot = self.order[k] as usize;
-            self.pairs[slot].reach = 0.0;
-            if self.pairs[slot].blocked {
-                continue;
-            }
-            let [a, b] = self.bodies_of(&self.pairs[slot]);
+            let entry = &mut self.order[k];
+            entry.reach = 0.0;
+            let [a, b] = entry.bodies.map(|i| i as usize);
             let reach = self.path[a] + self.path[b] + margin;
             let travelled = self.travel[a] + self.travel[b];
-            if travelled + reach >= self.pairs[slot].limit {
-                self.look(slot, bodies, h, f64::NEG_INFINITY, reach);
+            if travelled + reach >= entry.limit {
+                self.look(k, bodies, h, f64::NEG_INFINITY, reach);
             }
-            slack = slack.min(self.pairs[slot].limit - travelled - margin);
+            slack = slack.min(self.order[k].limit - travelled - margin);
         }
         for (i, body) in bodies.iter().enumerate() {
             if body.alive {
@@ -137,18 +134,14 @@ impl ContactSet {
         }
         self.enter_bounds(bodies, h);
         for k in 0..self.order.len() {
-            let slot = self.order[k] as usize;
-            if self.pairs[slot].blocked {
-                continue;
-            }
-            let [a, b] = self.bodies_of(&self.pairs[slot]);
+            let entry = self.order[k];
+            let [a, b] = entry.bodies.map(|i| i as usize);
             let reach = self.path[a] + self.path[b] + self.settings.margin_m;
-            let before = self.pairs[slot].reach;
-            if reach <= before || self.travel[a] + self.travel[b] + reach < self.pairs[slot].limit {
+            if reach <= entry.reach || self.travel[a] + self.travel[b] + reach < entry.limit {
                 continue;
             }
-            let from = if before > 0.0 { before } else { f64::NEG_INFINITY };
-            self.look(slot, bodies, h, from, reach);
+            let from = if entry.reach > 0.0 { entry.reach } else { f64::NEG_INFINITY };
+            self.look(k, bodies, h, from, reach);
         }
         true
     }
