@@ -75,6 +75,22 @@ pub enum SolveError {
         /// Its joints.
         joints: String,
     },
+    /// Bodies are in each other.
+    #[error(
+        "at t = {time_s:.6} s body \"{a}\" is {depth_m:.4} m inside \"{b}\", half of the thinner one: the mass ratio of bodies in contact is too large, or the step too long; a smaller settings.time_step_s may help (now {step_s:.3e})"
+    )]
+    Penetration {
+        /// When \[s\].
+        time_s: f64,
+        /// First body.
+        a: String,
+        /// What it is in.
+        b: String,
+        /// How far \[m\].
+        depth_m: f64,
+        /// The step \[s\].
+        step_s: f64,
+    },
     /// The energy balance is off.
     #[error(
         "at t = {time_s:.6} s the energy error is {error:.3}, above {limit}; fastest body \"{body}\" at {speed_m_s:.2} m/s, most stressed joint \"{joint}\"; a smaller settings.time_step_s may help (now {step_s:.3e})"

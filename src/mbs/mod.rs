@@ -9,9 +9,7 @@
 //! | [`joint`] | forces and energy of a compliant joint with its hinge law |
 //! | [`frequency`] | the highest frequency, hence the time step |
 //! | [`preload`] | static equilibrium before `t = 0` |
-//! | [`narrow`] | box against box (the only file that knows `parry3d`) |
-//! | [`contact`] | who may touch, and when to look |
-//! | [`contact_law`] | force and energy of one contact point |
+//! | [`contact`] | contact by impulses |
 //! | [`step`] | the explicit integrator |
 //! | [`parameter`] | numbers of a model by name |
 //! | [`batch`] | many runs of one model |
@@ -23,14 +21,12 @@
 pub mod batch;
 pub mod check;
 pub mod contact;
-pub mod contact_law;
 pub mod error;
 pub mod frequency;
 pub mod ideal;
 pub mod joint;
 pub mod math;
 pub mod model;
-pub mod narrow;
 pub mod parameter;
 pub mod preload;
 pub mod result;

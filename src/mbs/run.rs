@@ -4,7 +4,7 @@
 //! at most the limit. The energies are taken at full steps, with the momenta of that time; the balance is
 //! a true one (states and trapezoidal dissipation), not an identity of the update formulas.
 
-use super::contact::{ContactSet, Partner};
+use super::contact::{ContactSet, Moving, Partner, Settings};
 use super::error::SolveError;
 use super::ideal;
 use super::math;
@@ -27,11 +27,13 @@ const MOST_STEPS: f64 = 2e9;
 pub struct SolverOptions {
     /// Relative energy error above which the run stops.
     pub energy_limit: f64,
+    /// How contact impulses are found.
+    pub contact: Settings,
 }
 
 impl Default for SolverOptions {
     fn default() -> Self {
-        Self { energy_limit: 0.1 }
+        Self { energy_limit: 0.1, contact: Settings::default() }
     }
 }
 
@@ -50,6 +52,9 @@ pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult
     let mut run = Run::new(model, options)?;
     run.go()?;
     run.result.cpu_s = clock.elapsed_s();
+    if std::env::var("CONTACT_WORK").is_ok() {
+        eprintln!("{:?}", run.contacts.work);
+    }
     Ok(run.result)
 }
 
@@ -58,6 +63,10 @@ struct Run<'a> {
     options: &'a SolverOptions,
     system: System,
     contacts: ContactSet,
+    /// The bodies as the contacts see them.
+    moving: Vec<Moving>,
+    /// Work of the forces on displacements that open gaps \[J\].
+    opened: f64,
     result: RunResult,
     time: f64,
     /// Length of the last step, zero right after a start \[s\].
@@ -85,7 +94,8 @@ impl<'a> Run<'a> {
         };
         let frequency = frequency::highest_rad_s(&system);
         let step_limit = choose_step(model, frequency)?;
-        let contacts = ContactSet::new(model, &system, step_limit);
+        let mut contacts = ContactSet::new(model, options.contact);
+        connect(&mut contacts, &system);
         let initial = System::new(model)?;
         let tracked: Vec<(usize, math::V3)> = model
             .tracked
@@ -109,6 +119,8 @@ impl<'a> Run<'a> {
             options,
             system,
             contacts,
+            moving: Vec::new(),
+            opened: 0.0,
             result,
             time: 0.0,
             last_step: 0.0,
@@ -124,12 +136,12 @@ impl<'a> Run<'a> {
 
     fn go(&mut self) -> Result<(), SolveError> {
         self.note_preload_yield();
-        self.forces(0.0);
+        self.forces();
         self.output()?;
         self.remove_at(0.0);
         for (end, is_output) in self.stops() {
-            self.advance_to(end);
-            self.forces(self.last_step);
+            self.advance_to(end)?;
+            self.forces();
             if is_output {
                 self.output()?;
             }
@@ -159,32 +171,85 @@ impl<'a> Run<'a> {
     }
 
     /// Steps up to `end`. Forces at the current position are known; at the end they are not yet.
-    fn advance_to(&mut self, end: f64) {
+    fn advance_to(&mut self, end: f64) -> Result<(), SolveError> {
         let span = end - self.time;
         let count = (span / self.step_limit - 1e-9).ceil().max(1.0);
         let h = span / count;
         let begin = self.time;
         for i in 0..count as usize {
             if i > 0 {
-                self.forces(h);
+                self.forces();
             }
-            step::advance(&mut self.system, 0.5 * (self.last_step + h), h);
+            step::kick(&mut self.system, 0.5 * (self.last_step + h), h);
+            let n = self.system.count();
+            if !self.contacts.quiet(h, self.system.bodies[..n].iter().map(|b| (b.v, b.w))) {
+                self.meet(h)?;
+            }
+            step::drift(&mut self.system, h);
             self.last_step = h;
             self.time = begin + h * (i + 1) as f64;
         }
         self.time = end;
         self.result.steps += count as usize;
+        Ok(())
     }
 
-    /// Forces at the current position, reached by a step of `h`; fracture and first contacts.
-    #[inline]
-    fn forces(&mut self, h: f64) {
-        self.system.reset_forces();
-        self.system.add_joint_forces();
-        self.contacts.add_forces(&mut self.system, h);
+    /// Contact impulses at the present positions, for a step of `h` from here.
+    fn meet(&mut self, h: f64) -> Result<(), SolveError> {
+        let n = self.system.count();
+        let half = 0.5 * h;
+        self.moving.clear();
+        for (body, data) in self.system.bodies[..n].iter().zip(&self.system.data) {
+            let inverse =
+                math::matmul(&math::matmul(&body.r, &data.inverse_inertia), &math::transpose(&body.r));
+            self.moving.push(Moving {
+                x: body.x,
+                q: body.q,
+                r: body.r,
+                v: body.v,
+                w: body.w,
+                kick_v: math::scale(half * data.inverse_mass, body.force),
+                kick_w: math::scale(half, math::mul(&inverse, body.torque)),
+                inverse_mass: data.inverse_mass,
+                inverse_inertia: inverse,
+                alive: data.alive,
+                shift: [0.0; 3],
+                turn: [0.0; 3],
+            });
+        }
+        self.contacts.solve(&mut self.moving, h).map_err(|deep| SolveError::Penetration {
+            time_s: self.time,
+            a: self.model.bodies[deep.a].id.clone(),
+            b: self.partner(deep.b),
+            depth_m: deep.depth_m,
+            step_s: h,
+        })?;
+        for i in 0..n {
+            let (moving, data) = (&self.moving[i], &self.system.data[i]);
+            let body = &mut self.system.bodies[i];
+            if moving.v != body.v || moving.w != body.w {
+                let change = math::mul_t(&body.r, math::sub(moving.w, body.w));
+                body.p = math::axpy(body.p, data.mass, math::sub(moving.v, body.v));
+                body.l = math::add(body.l, math::mul(&body.r, math::mul(&data.inertia, change)));
+                step::find_velocities(body, data, h);
+            }
+            if moving.shift != [0.0; 3] || moving.turn != [0.0; 3] {
+                self.opened += math::dot(body.force, moving.shift) + math::dot(body.torque, moving.turn);
+                body.x = math::add(body.x, moving.shift);
+                body.rotate(moving.turn);
+            }
+        }
         if !self.contacts.touches.is_empty() {
             self.record_touches();
         }
+        Ok(())
+    }
+
+    /// Forces at the current position; fracture.
+    #[inline]
+    fn forces(&mut self) {
+        self.system.reset_forces();
+        self.system.add_joint_forces();
         let mut broken = false;
         for i in 0..self.system.joints.len() {
             let joint = &self.system.joints[i];
@@ -241,22 +306,28 @@ impl<'a> Run<'a> {
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
         }
-        self.contacts.update_blocks(&self.system);
+        connect(&mut self.contacts, &self.system);
     }
 
     #[cold]
     fn record_touches(&mut self) {
         for touch in std::mem::take(&mut self.contacts.touches) {
-            let b = match touch.b {
-                Partner::Body(i) => self.model.bodies[i].id.clone(),
-                Partner::Obstacle(i) => self.model.contact.obstacles[i].id.clone(),
-                Partner::Ground => {
-                    self.result.first_ground_contact_s.get_or_insert(self.time);
-                    "ground".into()
-                }
-            };
-            let kind = EventKind::Contact { a: self.model.bodies[touch.a].id.clone(), b };
-            self.result.events.push(RunEvent { time_s: self.time, kind });
+            let time_s = self.time + touch.after_s;
+            if touch.b == Partner::Ground {
+                self.result.first_ground_contact_s.get_or_insert(time_s);
+            }
+            let kind =
+                EventKind::Contact { a: self.model.bodies[touch.a].id.clone(), b: self.partner(touch.b) };
+            self.result.events.push(RunEvent { time_s, kind });
+        }
+    }
+
+    fn partner(&self, partner: Partner) -> String {
+        match partner {
+            Partner::Body(i) => self.model.bodies[i].id.clone(),
+            Partner::Plane(i) => self.model.contact.planes[i].id.clone(),
+            Partner::Obstacle(i) => self.model.contact.obstacles[i].id.clone(),
+            Partner::Ground => "ground".into(),
         }
     }
 
@@ -280,8 +351,8 @@ impl<'a> Run<'a> {
                 .push(RunEvent { time_s: self.time, kind: EventKind::Removal { event: event.id.clone() } });
         }
         if any {
-            self.contacts.update_blocks(&self.system);
-            self.forces(0.0);
+            connect(&mut self.contacts, &self.system);
+            self.forces();
         }
     }
 
@@ -362,8 +433,8 @@ impl<'a> Run<'a> {
         e.gravity_j.push(gravity);
         e.joints_elastic_j.push(joints);
         e.plastic_j.push(plastic);
-        e.contact_elastic_j.push(contact.elastic_j);
-        e.contact_damping_j.push(contact.damping_j + contact.exchange_j);
+        e.contact_elastic_j.push(0.0);
+        e.contact_damping_j.push(contact.normal_j + self.opened);
         e.friction_j.push(contact.friction_j);
         e.released_j.push(self.released);
         e.applied_j.push(0.0);
@@ -403,6 +474,12 @@ impl<'a> Run<'a> {
 fn finite(body: &super::system::BodyState) -> bool {
     let sum: f64 = body.x.iter().chain(&body.q).chain(&body.p).chain(&body.l).map(|v| v * 0.0).sum();
     sum == 0.0
+}
+
+/// Tells the contacts which bodies are there and which a joint connects.
+fn connect(contacts: &mut ContactSet, system: &System) {
+    let joined = system.joints.iter().filter(|j| j.alive).map(|j| (j.a, j.b));
+    contacts.connect(joined, |i| system.data[i].alive);
 }
 
 fn choose_step(model: &Model, frequency: f64) -> Result<f64, SolveError> {

@@ -13,23 +13,23 @@ use super::system::{BodyData, BodyState, System};
 /// Fixed-point iterations for the midpoint angular velocity.
 const ITERATIONS: usize = 2;
 
-/// Kicks all momenta by `kick_s` and drifts all positions by `h_s` \[s\].
+/// Kicks all momenta by `kick_s`: velocities become those of a coming step of `h_s` \[s\].
 #[inline]
-pub fn advance(system: &mut System, kick_s: f64, h_s: f64) {
+pub fn kick(system: &mut System, kick_s: f64, h_s: f64) {
     let n = system.count();
     for (body, data) in system.bodies[..n].iter_mut().zip(&system.data) {
         if data.alive {
-            advance_body(body, data, kick_s, h_s);
+            body.p = math::axpy(body.p, kick_s, body.force);
+            body.l = math::axpy(body.l, kick_s, body.torque);
+            find_velocities(body, data, h_s);
         }
     }
 }
 
+/// Velocities of a step of `h` from the momenta in the middle of it.
 #[inline]
-fn advance_body(body: &mut BodyState, data: &BodyData, kick: f64, h: f64) {
-    body.p = math::axpy(body.p, kick, body.force);
-    body.l = math::axpy(body.l, kick, body.torque);
+pub fn find_velocities(body: &mut BodyState, data: &BodyData, h: f64) {
     body.v = math::scale(data.inverse_mass, body.p);
-    body.x = math::axpy(body.x, h, body.v);
     let l_body = math::mul_t(&body.r, body.l);
     let mut w = body.w_body;
     for _ in 0..ITERATIONS {
@@ -38,8 +38,19 @@ fn advance_body(body: &mut BodyState, data: &BodyData, kick: f64, h: f64) {
     body.w_body = w;
     // The angular velocity of the step is the same vector in the old, middle and new body frame.
     body.w = math::mul(&body.r, w);
-    body.q = math::qrenormalise(math::qmul(body.q, math::qexp(math::scale(h, w))));
-    body.r = math::qmat(body.q);
+}
+
+/// Drifts all positions by `h_s` \[s\].
+#[inline]
+pub fn drift(system: &mut System, h_s: f64) {
+    let n = system.count();
+    for (body, data) in system.bodies[..n].iter_mut().zip(&system.data) {
+        if data.alive {
+            body.x = math::axpy(body.x, h_s, body.v);
+            body.q = math::qrenormalise(math::qmul(body.q, math::qexp(math::scale(h_s, body.w_body))));
+            body.r = math::qmat(body.q);
+        }
+    }
 }
 
 /// `exp([r]×) v` for a small rotation vector.

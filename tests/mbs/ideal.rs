@@ -228,3 +228,85 @@ fn given_steps_show_their_order() {
     let [coarse, fine] = [4e-3, 1e-3].map(error);
     assert!(coarse < 1e-3 && fine < 0.12 * coarse, "{coarse} {fine}");
 }
+
+fn ground(friction: f64, restitution: f64) -> Option<GroundPlane> {
+    Some(GroundPlane { level_m: 0.0, friction, restitution })
+}
+
+/// A cube of 0.1 m below one of a metre, fixed to it, a metre above the ground.
+fn drop_on_small_foot(ratio: f64) -> Model {
+    let mut m = model("foot", 1.2, 0.001);
+    let mut foot = solid("foot", [0.0, 0.0, 1.05], [0.1; 3]);
+    let mut load = solid("load", [0.0, 0.0, 1.6], [1.0; 3]);
+    let scale = 1000.0 / load.mass_kg;
+    load.mass_kg *= scale;
+    load.inertia_kg_m2.iter_mut().flatten().for_each(|i| *i *= scale);
+    let scale = 1000.0 / ratio / foot.mass_kg;
+    foot.mass_kg *= scale;
+    foot.inertia_kg_m2.iter_mut().flatten().for_each(|i| *i *= scale);
+    m.bodies.extend([foot, load]);
+    m.joints.push(ideal("weld", JointKind::Fixed, Some("foot"), "load", [0.0, 0.0, 1.1]));
+    m.contact.ground = ground(0.5, 0.5);
+    m
+}
+
+#[test]
+fn what_a_joint_holds_hits_the_ground_as_one_body() {
+    for ratio in [1.0, 1e3, 1e6] {
+        let result = simulate(&drop_on_small_foot(ratio)).unwrap();
+        let z: Vec<f64> = result.frames.iter().map(|f| f.position_m[0][2] - 0.05).collect();
+        let hit = result.first_ground_contact_s.unwrap();
+        assert!((hit - (2.0 / G).sqrt()).abs() < 5e-4, "{hit}");
+        let after = result.times_s.iter().position(|t| *t > hit + 1e-3).unwrap();
+        let rebound = z[after..].iter().copied().fold(0.0, f64::max);
+        assert!((rebound - 0.25).abs() < 2e-3, "mass ratio {ratio}: {rebound}");
+        assert!(z.iter().all(|z| *z > -1e-4), "mass ratio {ratio}");
+        assert!(result.energy_error < 1e-3, "{}", result.energy_error);
+    }
+}
+
+#[test]
+fn a_pendulum_that_meets_a_wall_rebounds_with_its_restitution() {
+    let mut m = model("wall", 2.0, 0.001);
+    // a cube on a rod of two metres, released level, meets a wall below the pivot
+    m.bodies.push(solid("bob", [-2.0, 0.0, 2.0], [0.2; 3]));
+    let hinge = ideal("pin", JointKind::Revolute, None, "bob", [0.0, 0.0, 2.0]);
+    m.joints.push(Joint { axis: Some([0.0, 1.0, 0.0]), ..hinge });
+    m.contact.planes.push(ObstaclePlane {
+        id: "wall".into(),
+        point_m: [0.1, 0.0, 0.0],
+        normal: [-1.0, 0.0, 0.0],
+        friction: 0.0,
+        restitution: 0.6,
+    });
+    let result = simulate(&m).unwrap();
+    let angle: Vec<f64> = result
+        .frames
+        .iter()
+        .map(|f| {
+            let p = f.position_m[0];
+            p[0].atan2(2.0 - p[2])
+        })
+        .collect();
+    let EventKind::Contact { b, .. } = &result.events[0].kind else { panic!("{:?}", result.events) };
+    let hit = result.events[0].time_s;
+    let i = result.times_s.iter().position(|t| *t > hit).unwrap() + 1;
+    let speed = |i: usize| (angle[i + 1] - angle[i]) / 0.001;
+    let ratio = -speed(i + 1) / speed(i - 4);
+    assert!(b == "wall" && (ratio - 0.6).abs() < 0.01, "{b} {ratio} at {hit}");
+    assert!(angle.iter().all(|a| *a < 1e-3) && result.energy_error < 1e-3, "{}", result.energy_error);
+}
+
+#[test]
+fn debris_of_a_broken_hinge_comes_to_rest() {
+    let mut m = leaning(vec![[0.0, 3e3], [0.2, 0.0]], Some(0.4));
+    // short of the ground at its foot, which the leaning column would else be in when the joint opens
+    m.bodies[0].shapes = vec![Shape::cuboid([0.0; 3], [0.2, 0.2, 1.55])];
+    m.contact.ground = ground(0.5, 0.0);
+    m.settings.end_time_s = 4.0;
+    let result = simulate(&m).unwrap();
+    let last = result.frames.last().unwrap().position_m[0];
+    let moved = (0..3).map(|k| (last[k] - result.frames[result.frames.len() - 20].position_m[0][k]).abs());
+    assert!((last[2] - 0.2).abs() < 1e-3 && moved.fold(0.0, f64::max) < 1e-4, "{last:?}");
+    assert!(result.energy_error < 1e-3, "{}", result.energy_error);
+}

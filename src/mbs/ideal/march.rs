@@ -4,8 +4,10 @@
 //! the projection, which moves it by less than the error of the step.
 
 use super::Mechanism;
-use super::method::{Method, method_for};
+use super::method::{LEAPFROG, Method, method_for};
 use super::motion::{Motion, STATE, quaternion_rate};
+use super::touch::Touching;
+use crate::mbs::contact::TooDeep;
 use crate::mbs::math::{qexp, qmul, qrenormalise};
 
 /// Limits of the change of a step, and the share of the step that the error would allow.
@@ -64,6 +66,16 @@ pub enum MarchError {
         /// Step \[s\].
         step_s: f64,
     },
+    /// Bodies are in each other further than they may.
+    #[error("bodies {0} and {1:?} are {2:.3} m in each other at {time_s:.6} s", deep.a, deep.b, deep.depth_m)]
+    Penetration {
+        /// Time \[s\].
+        time_s: f64,
+        /// Which, and how far.
+        deep: TooDeep,
+        /// Step \[s\].
+        step_s: f64,
+    },
     /// Numbers that are not finite.
     #[error("not finite at {time_s:.6} s")]
     NotFinite {
@@ -98,9 +110,13 @@ pub struct Marcher {
     pub time_s: f64,
     /// Counts.
     pub tally: Tally,
+    /// What can touch.
+    pub touching: Option<Touching>,
+    /// Forces that flowed for the first time, with their times; for the caller to fetch.
+    pub yields: Vec<(f64, usize)>,
     /// Each stage's state in turn, the last of which is the next state.
     next: Vec<f64>,
-    rates: Vec<Vec<f64>>,
+    pub(super) rates: Vec<Vec<f64>>,
     method: &'static Method,
     tolerance: f64,
     least_s: f64,
@@ -163,6 +179,8 @@ impl Marcher {
             state,
             time_s: 0.0,
             tally: Tally::default(),
+            touching: None,
+            yields: Vec::new(),
             method,
             tolerance,
             least_s: LEAST * span_s,
@@ -196,8 +214,16 @@ impl Marcher {
         self.refresh();
         let frequency = self.motion.frequency();
         self.limit_s = if frequency > 0.0 { self.method.reach / frequency } else { f64::INFINITY };
-        self.start_j = self.motion.balance_j(&self.state);
+        self.start_j =
+            self.motion.balance_j(&self.state) + self.touching.as_ref().map_or(0.0, Touching::spent_j);
         (self.before, self.repeated) = (1.0, false);
+    }
+
+    /// Sets the rates of the orientations to the angular velocities of the state.
+    pub(super) fn turn_rates(&mut self) {
+        for (r, s) in self.rates[0].chunks_exact_mut(STATE).zip(self.state.chunks_exact(STATE)) {
+            r[3..7].copy_from_slice(&quaternion_rate([s[3], s[4], s[5], s[6]], [s[10], s[11], s[12]]));
+        }
     }
 
     /// Evaluates the state anew, as projected: afterwards the reactions are those of it.
@@ -214,7 +240,7 @@ impl Marcher {
     pub fn advance(
         &mut self,
         until_s: f64,
-        seen: &mut dyn FnMut(&Span<'_>, &Motion) -> Option<f64>,
+        seen: &mut dyn FnMut(&Span<'_>, &Self) -> Option<f64>,
         fractured: &mut Vec<(f64, usize)>,
     ) -> Result<bool, MarchError> {
         if self.step == 0.0 {
@@ -230,18 +256,30 @@ impl Marcher {
             if step < self.least_s {
                 return Err(MarchError::Step { time_s: self.time_s, step_s: step });
             }
-            let Some(change) = self.attempt(step)? else { continue };
+            let near = self.is_near(step);
+            let step = if near { self.contact_step(step, until_s) } else { step };
+            let step = if near {
+                self.jump(step)?;
+                self.leap_to_fracture(step)?
+            } else {
+                let Some(change) = self.attempt(step)? else { continue };
+                if !self.counted(step) {
+                    continue;
+                }
+                // a step shortened to meet the end says little about the next one
+                self.step = if step < 0.5 * wanted { self.step } else { step * change };
+                step
+            };
             self.count(step);
+            let two = 2.min(self.rates.len());
             let span = Span {
                 from_s: self.time_s,
                 length_s: step,
                 ends: [&self.state, &self.next],
-                rates: &self.rates,
-                method: self.method,
+                rates: if near { &self.rates[..two] } else { &self.rates },
+                method: if near { &LEAPFROG } else { self.method },
             };
-            // a step shortened to meet the end says little about the next one
-            self.step = if step < 0.5 * wanted { self.step } else { step * change };
-            let cut = seen(&span, &self.motion);
+            let cut = seen(&span, self);
             if let Some(at_s) = cut {
                 let mut state = self.next.clone();
                 span.at(at_s, &mut state);
@@ -251,14 +289,16 @@ impl Marcher {
             } else {
                 self.motion.project(&mut self.next);
                 self.state.copy_from_slice(&self.next);
-                let last = self.rates.len() - 1;
+                let last = if near { 1 } else { self.rates.len() - 1 };
                 self.rates.swap(0, last);
                 self.time_s += step;
             }
             let opened = self.motion.commit();
+            self.yields.extend(self.motion.yielded.drain(..).map(|id| (self.time_s, id)));
             if !opened.is_empty() || cut.is_some() {
                 fractured.extend(opened.into_iter().map(|id| (self.time_s, id)));
                 self.refresh();
+                self.connect();
                 self.before = 1.0;
             }
             if cut.is_some() {
@@ -267,6 +307,14 @@ impl Marcher {
         }
         self.time_s = until_s;
         Ok(false)
+    }
+
+    /// Length of a step in contact that is at most `step`, and divides the time until the stop evenly.
+    fn contact_step(&self, step: f64, until_s: f64) -> f64 {
+        let longest = self.touching.as_ref().map_or(step, |t| t.step_s);
+        let stable = self.limit_s * LEAPFROG.reach / self.method.reach;
+        let span = until_s - self.time_s;
+        span / (span / step.min(longest).min(stable) * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
     /// Tries a step: what the next one may change by, or nothing if it has to be tried again with a smaller one.
@@ -298,6 +346,20 @@ impl Marcher {
         }
         self.next[last] = self.state[last] + 0.5 * step * (before[last] + after[last]);
         largest
+    }
+
+    /// A step of the leapfrog, halved until it passes no fracture; its length.
+    fn leap_to_fracture(&mut self, mut step: f64) -> Result<f64, MarchError> {
+        loop {
+            if !self.leap(step).is_finite() {
+                return Err(MarchError::NotFinite { time_s: self.time_s });
+            }
+            if step <= FRACTURE_S || self.motion.beyond().is_none_or(|beyond| beyond < 0.0) {
+                return Ok(step);
+            }
+            step *= 0.5;
+            self.tally.steps[1] += 1;
+        }
     }
 
     /// The stages of a step; its error over what is allowed.
@@ -357,7 +419,8 @@ impl Marcher {
         tally.longest_s = tally.longest_s.max(step);
         tally.residual = tally.residual.max(self.motion.residual());
         tally.rows[1] = tally.rows[1].max(self.motion.dependent());
-        let change = (self.motion.balance_j(&self.next) - self.start_j).abs();
+        let spent_j = self.touching.as_ref().map_or(0.0, Touching::spent_j);
+        let change = (self.motion.balance_j(&self.next) + spent_j - self.start_j).abs();
         tally.energy_change_j = tally.energy_change_j.max(change);
     }
 }
@@ -370,7 +433,7 @@ pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError
     let mut marcher = Marcher::of(mechanism, wanted.tolerance, wanted.end_s, wanted.in_space);
     let mut states = vec![marcher.state.clone()];
     let last = wanted.end_s * (1.0 + 1e-12);
-    let mut outputs = |span: &Span<'_>, _: &Motion| {
+    let mut outputs = |span: &Span<'_>, _: &Marcher| {
         loop {
             let at = states.len() as f64 * wanted.output_s;
             if at > span.to_s() + 1e-12 * wanted.end_s || at > last {

@@ -63,7 +63,7 @@ const FOURTH: Method = Method {
 
 /// The leapfrog: positions by the rate at the start, velocities by the mean of both rates; one evaluation a step, stable up to `2 / ω`. Its error is that of the
 /// position, `h² (a' - a) / 6`.
-const LEAPFROG: Method = Method { stages: &[&[]], error: &[], dense: &[], order: 3.0, reach: 1.9 };
+pub(super) const LEAPFROG: Method = Method { stages: &[&[]], error: &[], dense: &[], order: 3.0, reach: 1.9 };
 
 /// Tolerance from which the leapfrog is taken.
 const COARSE: f64 = 1e-4;

@@ -12,6 +12,7 @@
 //! | [`factor`] | the sparse block factorisation of `S` |
 //! | [`planar`] | which parts move in a plane, so that rows across it can be left out |
 //! | [`motion`] | accelerations and projections at a state |
+//! | [`touch`] | contact |
 //! | [`compile`] | from a model file |
 //! | [`run`] | a whole run of a model file: events, outputs, energy balance |
 //! | [`march`] | the Runge-Kutta steps with error control (`method`: their coefficients) |
@@ -25,6 +26,7 @@ mod method;
 pub mod motion;
 pub mod planar;
 pub mod run;
+pub mod touch;
 
 use super::math::{M3, Q, V3};
 use force::{Force, HingeLaw};

@@ -9,7 +9,8 @@ use crate::mbs::math::{
     M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, mul_t, qexp, qmat, qmul, qrenormalise, scale,
     sub, transpose,
 };
-use std::collections::BTreeSet;
+use petgraph::unionfind::UnionFind;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Numbers of a body in a state: position, orientation, velocity, angular velocity. Behind those of the bodies stands the work of the applied forces without gravity \[J\].
 pub const STATE: usize = 13;
@@ -102,7 +103,12 @@ pub struct Motion {
     /// Arms of the joints that hold a point only \[m\]; their rows need no general products.
     arms: Vec<Option<[V3; 2]>>,
     loads: Vec<[V3; 2]>,
+    /// Applied forces and torques, gravity aside, of the rate that was found last.
+    applied: Vec<[V3; 2]>,
     multipliers: Vec<f64>,
+    /// Bodies that joints hold together, by part; the part of each body that joints hold.
+    parts_bodies: Vec<Vec<usize>>,
+    part: Vec<Option<usize>>,
 }
 
 impl Motion {
@@ -146,6 +152,9 @@ impl Motion {
             parts: Vec::new(),
             factor: BlockFactor::new(&[], &BTreeSet::new()),
             loads: vec![[[0.0; 3]; 2]; start.len()],
+            applied: vec![[[0.0; 3]; 2]; start.len()],
+            parts_bodies: Vec::new(),
+            part: vec![None; start.len()],
             rows: Vec::new(),
             moved: Vec::new(),
             arms: Vec::new(),
@@ -176,6 +185,76 @@ impl Motion {
         self.moved = vec![[[[0.0; 3]; 2]; 2]; total];
         self.multipliers = vec![0.0; total];
         self.factor = factor;
+        self.find_parts();
+    }
+
+    /// Finds the parts of bodies that joints hold together.
+    fn find_parts(&mut self) {
+        let mut sets = UnionFind::<usize>::new(self.mass.len());
+        self.part.fill(None);
+        let moving = |j: &Compiled| j.bodies.into_iter().filter(|b| !is_ground(*b)).collect::<Vec<_>>();
+        for ends in self.joints.iter().map(moving) {
+            if let [a, b] = ends[..] {
+                sets.union(a, b);
+            }
+            ends.iter().for_each(|b| self.part[*b] = Some(0));
+        }
+        let labels = sets.into_labeling();
+        let mut places: BTreeMap<usize, usize> = BTreeMap::new();
+        self.parts_bodies.clear();
+        for (body, part) in self.part.iter_mut().enumerate().filter(|(_, p)| p.is_some()) {
+            let place = *places.entry(labels[body]).or_insert(self.parts_bodies.len());
+            if place == self.parts_bodies.len() {
+                self.parts_bodies.push(Vec::new());
+            }
+            self.parts_bodies[place].push(body);
+            *part = Some(place);
+        }
+    }
+
+    /// The part of a body that joints hold.
+    pub fn part_of(&self, body: usize) -> Option<usize> {
+        self.part[body]
+    }
+
+    /// What an impulse on a body (linear, angular about its centre of mass \[N s, N m s\]) adds to the velocities of its part, at the state that was taken.
+    pub fn response(&mut self, body: usize, impulse: [V3; 2], out: &mut Vec<(usize, [V3; 2])>) {
+        self.loads.fill([[0.0; 3]; 2]);
+        self.loads[body] = [scale(1.0 / self.mass[body], impulse[0]), mul(&self.inverse[body], impulse[1])];
+        self.accept(|_| 0.0, false);
+        let part = self.part[body].map_or(&[][..], |p| &self.parts_bodies[p]);
+        out.extend(part.iter().map(|b| (*b, self.loads[*b])));
+    }
+
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// One over the mass of a body \[1/kg\].
+    pub fn inverse_mass(&self, body: usize) -> f64 {
+        1.0 / self.mass[body]
+    }
+
+    /// Inverse inertia of a body, global, at the state that was taken \[1/(kg m²)\].
+    pub fn inverse_inertia(&self, body: usize) -> &M3 {
+        &self.inverse[body]
+    }
+
+    /// Applied force and torque on a body, gravity aside, of the rate that was found last \[N, N m\].
+    pub fn applied(&self, body: usize) -> [V3; 2] {
+        self.applied[body]
+    }
+
+    /// Weight of a body \[N\].
+    pub fn weight(&self, body: usize) -> V3 {
+        scale(self.mass[body], self.gravity)
+    }
+
+    /// Pairs of bodies that joints connect; `ground` stands for the ground.
+    pub fn connected(&self, ground: usize) -> Vec<(usize, usize)> {
+        let own = |b: usize| if is_ground(b) { ground } else { b };
+        self.joints.iter().map(|j| (own(j.bodies[0]), own(j.bodies[1]))).collect()
     }
 
     /// The state of the start.
@@ -272,6 +351,9 @@ impl Motion {
         let mut power = 0.0;
         for force in &mut self.forces {
             power += force.apply(&self.poses, &self.laws, &mut self.loads);
+        }
+        for ((applied, load), mass) in self.applied.iter_mut().zip(&self.loads).zip(&self.mass) {
+            *applied = [axpy(load[0], -mass, self.gravity), load[1]];
         }
         for (b, load) in self.loads.iter_mut().enumerate() {
             let pose = &self.poses[b];

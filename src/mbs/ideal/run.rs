@@ -1,9 +1,11 @@
 //! A whole run of a model file with ideal joints: events, outputs, energy balance.
 
 use super::compile;
-use super::march::{Marcher, Span};
+use super::march::{MarchError, Marcher, Span};
 use super::motion::{Motion, Observed, STATE};
+use super::touch::{self, Touching};
 use crate::base::cpu::ThreadClock;
+use crate::mbs::contact::{ContactSet, Partner};
 use crate::mbs::error::SolveError;
 use crate::mbs::math::{self, V3};
 use crate::mbs::model::{Force, Model};
@@ -40,17 +42,10 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
 }
 
 fn scope(model: &Model) -> Result<(), SolveError> {
-    let contact = &model.contact;
-    let touching = contact.ground.is_some()
-        || contact.bodies.is_some()
-        || !contact.planes.is_empty()
-        || !contact.obstacles.is_empty();
     let what = if !model.bushings.is_empty() {
         "bushings together with ideal joints or forces are not run yet: use joints and hinges, or bushings alone"
     } else if model.settings.preload {
         "settings.preload is for models of bushings: set it to false; the run begins in the poses of the file"
-    } else if touching && model.bodies.iter().any(|b| !b.shapes.is_empty()) {
-        "contact together with ideal joints or forces is not run yet: leave contact out"
     } else {
         return Ok(());
     };
@@ -74,6 +69,8 @@ struct Record {
     /// What events took of kinetic energy and gravity, and of springs and hinges.
     released_j: f64,
     unbound_j: f64,
+    /// What contacts took along their normals, and by friction.
+    contact_j: [f64; 2],
     turnover_j: f64,
     error: f64,
 }
@@ -83,7 +80,13 @@ impl<'a> Run<'a> {
         let mechanism = compile::mechanism(model);
         let settings = &model.settings;
         let given = Motion::state(&mechanism);
-        let marcher = Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, settings.reactions);
+        let mut marcher =
+            Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, settings.reactions);
+        if has_contact(model) {
+            let set = ContactSet::new(model, options.contact);
+            marcher.touching = Some(Touching::new(set, touch::STEP_S));
+            marcher.connect();
+        }
         let start = marcher.motion.observe(&marcher.state);
         let mut result = empty(model);
         result.warnings = remarks(model, &marcher, &given);
@@ -95,7 +98,15 @@ impl<'a> Run<'a> {
         let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
         // one millimetre of fall: the scale of a model in which nothing happens
         let turnover_j = 1e-3 * mass * math::norm(model.gravity_m_s2) + start.kinetic_j + start.elastic_j;
-        let record = Record { next: 0, start, released_j: 0.0, unbound_j: 0.0, turnover_j, error: 0.0 };
+        let record = Record {
+            next: 0,
+            start,
+            released_j: 0.0,
+            unbound_j: 0.0,
+            contact_j: [0.0; 2],
+            turnover_j,
+            error: 0.0,
+        };
         Self { model, options, tracked: tracked.collect(), record, marcher, result }
     }
 
@@ -112,6 +123,7 @@ impl<'a> Run<'a> {
         self.result.steps = tally.steps[0] as usize;
         self.result.time_step_s = tally.longest_s;
         self.result.energy_error = self.record.error;
+        self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
     }
 
@@ -136,7 +148,8 @@ impl<'a> Run<'a> {
         let mut state = marcher.state.clone();
         let mut fractured = Vec::new();
         let at_stops = model.settings.reactions;
-        let mut seen = |span: &Span<'_>, motion: &Motion| {
+        let mut seen = |span: &Span<'_>, marcher: &Marcher| {
+            record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
             while !at_stops && failure.is_none() {
                 let time = record.time(model);
                 if time > span.to_s() + SAME * model.settings.end_time_s {
@@ -144,25 +157,27 @@ impl<'a> Run<'a> {
                 }
                 span.at(time, &mut state);
                 failure = record
-                    .output(model, options, tracked, [time, span.length_s], motion, &state, result)
+                    .output(model, options, tracked, [time, span.length_s], &marcher.motion, &state, result)
                     .err();
             }
             None
         };
         let outcome = marcher.advance(stop, &mut seen, &mut fractured);
-        for id in std::mem::take(&mut marcher.motion.yielded) {
+        for (time_s, id) in marcher.yields.drain(..) {
             let kind = EventKind::Yield { joint: model.forces[id].id().into() };
-            result.events.push(RunEvent { time_s: marcher.time_s, kind });
+            result.events.push(RunEvent { time_s, kind });
         }
         for (time_s, id) in fractured {
             let kind =
                 EventKind::Fracture { joint: model.forces[id].id().into(), cause: FractureCause::Rotation };
             result.events.push(RunEvent { time_s, kind });
         }
+        self.record_touches();
         if let Some(error) = failure {
             return Err(error);
         }
-        outcome.map_err(|error| SolveError::March { error, longest_s: marcher.tally.longest_s })?;
+        let longest_s = self.marcher.tally.longest_s;
+        outcome.map_err(|error| stopped(self.model, error, longest_s))?;
         let due = self.record.time(self.model) <= stop + SAME * self.model.settings.end_time_s;
         if at_stops && due { self.output_here() } else { Ok(()) }
     }
@@ -171,6 +186,7 @@ impl<'a> Run<'a> {
     fn output_here(&mut self) -> Result<(), SolveError> {
         let Self { model, marcher, tracked, record, result, options, .. } = self;
         let at = [marcher.time_s, marcher.tally.longest_s];
+        record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
         record.output(model, options, tracked, at, &marcher.motion, &marcher.state, result)?;
         if !model.settings.reactions {
             return Ok(());
@@ -184,6 +200,20 @@ impl<'a> Run<'a> {
             history.torque_nm.push(torque);
         }
         Ok(())
+    }
+
+    fn record_touches(&mut self) {
+        let Some(touching) = &mut self.marcher.touching else { return };
+        for (time_s, touch) in touching.touches.drain(..) {
+            if touch.b == Partner::Ground {
+                self.result.first_ground_contact_s.get_or_insert(time_s);
+            }
+            let kind = EventKind::Contact {
+                a: self.model.bodies[touch.a].id.clone(),
+                b: partner(self.model, touch.b),
+            };
+            self.result.events.push(RunEvent { time_s, kind });
+        }
     }
 
     /// Applied forces that begin or end at a time.
@@ -233,6 +263,7 @@ impl<'a> Run<'a> {
         }
         if any {
             self.marcher.restart();
+            self.marcher.connect();
             let after = self.marcher.motion.observe(&self.marcher.state);
             let bound = |o: &Observed| o.elastic_j + o.plastic_j;
             let free = |o: &Observed| o.kinetic_j + o.gravity_j;
@@ -311,8 +342,8 @@ impl Record {
         e.joints_elastic_j.push(seen.elastic_j);
         e.plastic_j.push(seen.plastic_j);
         e.contact_elastic_j.push(0.0);
-        e.contact_damping_j.push(0.0);
-        e.friction_j.push(0.0);
+        e.contact_damping_j.push(self.contact_j[0]);
+        e.friction_j.push(self.contact_j[1]);
         let unbound_j = self.unbound_j + seen.lost_j;
         e.released_j.push(self.released_j + unbound_j);
         // the work of springs and hinges is in their energies
@@ -350,6 +381,39 @@ fn span(force: &Force) -> Option<[f64; 2]> {
     match force {
         Force::Force { from_to_s, .. } | Force::Torque { from_to_s, .. } => *from_to_s,
         _ => None,
+    }
+}
+
+/// Why a march stopped, with names.
+fn stopped(model: &Model, error: MarchError, longest_s: f64) -> SolveError {
+    match error {
+        MarchError::Penetration { time_s, deep, step_s } => SolveError::Penetration {
+            time_s,
+            a: model.bodies[deep.a].id.clone(),
+            b: partner(model, deep.b),
+            depth_m: deep.depth_m,
+            step_s,
+        },
+        error => SolveError::March { error, longest_s },
+    }
+}
+
+/// Whether anything can touch.
+fn has_contact(model: &Model) -> bool {
+    let contact = &model.contact;
+    let surfaces = contact.ground.is_some()
+        || contact.bodies.is_some()
+        || !contact.planes.is_empty()
+        || !contact.obstacles.is_empty();
+    surfaces && model.bodies.iter().any(|b| !b.shapes.is_empty())
+}
+
+fn partner(model: &Model, partner: Partner) -> String {
+    match partner {
+        Partner::Body(i) => model.bodies[i].id.clone(),
+        Partner::Ground => "ground".into(),
+        Partner::Plane(i) => model.contact.planes[i].id.clone(),
+        Partner::Obstacle(i) => model.contact.obstacles[i].id.clone(),
     }
 }
 

@@ -3,6 +3,7 @@
 mod hinges;
 mod iftomm;
 mod pendulums;
+pub mod pile;
 
 use super::{Case, Figure};
 use crate::mbs::ideal::Mechanism;

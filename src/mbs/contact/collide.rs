@@ -1,0 +1,345 @@
+//! Solids against solids: bounds that may meet, and the points where two solids do. The only file that knows `parry3d`.
+
+use crate::mbs::math::{self, M3, Q, V3};
+use crate::mbs::model::Shape;
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::{Pose, Rotation, Vector};
+use parry3d_f64::partitioning::{Bvh, BvhWorkspace};
+use parry3d_f64::query::ContactManifold;
+use parry3d_f64::query::details::{
+    contact_manifold_convex_ball, contact_manifold_cuboid_cuboid, contact_manifold_pfm_pfm,
+};
+use parry3d_f64::shape::{Ball, ConvexPolyhedron, Cuboid, PolygonalFeatureMap};
+
+/// A convex solid in a frame of its own.
+#[derive(Clone)]
+pub enum Solid {
+    /// Half edge lengths \[m\].
+    Box(V3),
+    /// Radius \[m\].
+    Ball(f64),
+    /// Corners \[m\].
+    Hull(Box<ConvexPolyhedron>, Vec<V3>),
+}
+
+impl std::fmt::Debug for Solid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Box(half) => write!(f, "Box({half:?})"),
+            Self::Ball(radius) => write!(f, "Ball({radius})"),
+            Self::Hull(_, corners) => write!(f, "Hull({} corners)", corners.len()),
+        }
+    }
+}
+
+/// Where a frame is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placed {
+    /// Its origin \[m\].
+    pub x: V3,
+    /// Its orientation.
+    pub q: Q,
+    /// The same as a matrix.
+    pub r: M3,
+}
+
+impl Placed {
+    /// At the origin, not turned.
+    pub const HERE: Self =
+        Self { x: [0.0; 3], q: [1.0, 0.0, 0.0, 0.0], r: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
+}
+
+/// A point where two solids meet or nearly so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// On the first solid, in its frame \[m\].
+    pub on_a: V3,
+    /// On the second, in its frame \[m\].
+    pub on_b: V3,
+    /// Distance along the normal, negative in each other \[m\].
+    pub gap: f64,
+    /// The features that make it.
+    pub id: u64,
+}
+
+impl Solid {
+    /// The solid of a shape, and its frame in the body.
+    pub fn of(shape: &Shape) -> (Self, Placed) {
+        match shape {
+            Shape::Box { center_m, half_extents_m, orientation } => {
+                let q = orientation.unwrap_or(Placed::HERE.q);
+                let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let q = q.map(|v| v / length);
+                (Self::Box(*half_extents_m), Placed { x: *center_m, q, r: math::qmat(q) })
+            }
+            Shape::Sphere { center_m, radius_m } => {
+                (Self::Ball(*radius_m), Placed { x: *center_m, ..Placed::HERE })
+            }
+            Shape::Hull { points_m } => {
+                let points: Vec<Vector> = points_m.iter().map(|p| vector(*p)).collect();
+                match ConvexPolyhedron::from_convex_hull(&points) {
+                    Some(hull) => {
+                        let corners = hull.points().iter().map(|p| array(*p)).collect();
+                        (Self::Hull(Box::new(hull), corners), Placed::HERE)
+                    }
+                    None => {
+                        let [x, half] = shape.bounds();
+                        (Self::Box(half), Placed { x, ..Placed::HERE })
+                    }
+                }
+            }
+        }
+    }
+
+    /// Largest distance of its points from `from`, a point of its frame \[m\].
+    pub fn radius(&self, from: V3) -> f64 {
+        match self {
+            Self::Box(half) => math::norm(std::array::from_fn(|i| from[i].abs() + half[i])),
+            Self::Ball(radius) => math::norm(from) + radius,
+            Self::Hull(_, corners) => {
+                corners.iter().map(|c| math::norm(math::sub(*c, from))).fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// Smallest half width, roughly: the length by which motion is small or not \[m\].
+    pub fn thickness(&self) -> f64 {
+        match self {
+            Self::Box(half) => half.iter().copied().fold(f64::INFINITY, f64::min),
+            Self::Ball(radius) => *radius,
+            Self::Hull(_, corners) => {
+                let width = |i: usize| {
+                    let (low, high) = corners
+                        .iter()
+                        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c[i]), h.max(c[i])));
+                    0.5 * (high - low)
+                };
+                width(0).min(width(1)).min(width(2))
+            }
+        }
+    }
+
+    /// Bounds in space \[m\].
+    pub fn bounds(&self, at: &Placed) -> [V3; 2] {
+        let around = |reach: V3| [math::sub(at.x, reach), math::add(at.x, reach)];
+        match self {
+            Self::Box(half) => {
+                around(std::array::from_fn(|i| (0..3).map(|j| at.r[i][j].abs() * half[j]).sum()))
+            }
+            Self::Ball(radius) => around([*radius; 3]),
+            Self::Hull(_, corners) => {
+                let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+                for corner in corners {
+                    let p = math::add(at.x, math::mul(&at.r, *corner));
+                    for i in 0..3 {
+                        bounds[0][i] = bounds[0][i].min(p[i]);
+                        bounds[1][i] = bounds[1][i].max(p[i]);
+                    }
+                }
+                bounds
+            }
+        }
+    }
+
+    /// How far it reaches along a direction of unit length from the origin of its frame \[m\].
+    pub fn reach(&self, at: &Placed, along: V3) -> f64 {
+        let local = math::mul_t(&at.r, along);
+        match self {
+            Self::Box(half) => (0..3).map(|i| local[i].abs() * half[i]).sum(),
+            Self::Ball(radius) => *radius,
+            Self::Hull(_, corners) => {
+                corners.iter().map(|c| math::dot(*c, local)).fold(f64::NEG_INFINITY, f64::max)
+            }
+        }
+    }
+
+    /// Its points that may lie on a plane with the given normal, in its frame: all corners, the nearest point of a ball.
+    pub fn feet(&self, at: &Placed, normal: V3, found: &mut Vec<(V3, u64)>) {
+        found.clear();
+        match self {
+            Self::Box(half) => found.extend((0..8).map(|c| {
+                let corner = std::array::from_fn(|i| if c >> i & 1 == 0 { -half[i] } else { half[i] });
+                (corner, c as u64)
+            })),
+            Self::Ball(radius) => found.push((math::scale(-radius, math::mul_t(&at.r, normal)), 0)),
+            Self::Hull(_, corners) => found.extend(corners.iter().enumerate().map(|(i, c)| (*c, i as u64))),
+        }
+    }
+
+    /// Whether its contact points move over its surface as it turns, so that they are found anew in every step.
+    pub fn is_round(&self) -> bool {
+        matches!(self, Self::Ball(_))
+    }
+}
+
+/// A lower bound of the distance of two solids \[m\]; for boxes the largest gap along their six face normals.
+pub fn separation(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> f64 {
+    let d = math::sub(b.1.x, a.1.x);
+    let (Solid::Box(half_a), Solid::Box(half_b)) = (a.0, b.0) else {
+        let distance = math::norm(d);
+        if distance == 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let along = math::scale(1.0 / distance, d);
+        return distance - a.0.reach(a.1, along) - b.0.reach(b.1, math::scale(-1.0, along));
+    };
+    let in_a = math::mul_t(&a.1.r, d);
+    let in_b = math::mul_t(&b.1.r, d);
+    let c = math::matmul(&math::transpose(&a.1.r), &b.1.r);
+    let mut gap = f64::NEG_INFINITY;
+    for i in 0..3 {
+        let reach_b: f64 = (0..3).map(|j| c[i][j].abs() * half_b[j]).sum();
+        let reach_a: f64 = (0..3).map(|j| c[j][i].abs() * half_a[j]).sum();
+        gap = gap.max(in_a[i].abs() - half_a[i] - reach_b).max(in_b[i].abs() - half_b[i] - reach_a);
+    }
+    gap
+}
+
+/// Finds the points of two solids; the manifold is kept as working memory.
+#[derive(Default)]
+pub struct Finder {
+    manifold: ContactManifold<(), ()>,
+}
+
+impl Clone for Finder {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl std::fmt::Debug for Finder {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Finder")
+    }
+}
+
+impl Finder {
+    /// Points of two solids that are not farther apart than `reach`, and the normal from the first to the second in both frames
+    /// (the second one towards the first). None if they are.
+    pub fn find(
+        &mut self,
+        a: (&Solid, &Placed),
+        b: (&Solid, &Placed),
+        reach: f64,
+        found: &mut Vec<Found>,
+    ) -> Option<[V3; 2]> {
+        found.clear();
+        if let (Solid::Ball(ra), Solid::Ball(rb)) = (a.0, b.0) {
+            return balls((*ra, a.1), (*rb, b.1), reach, found);
+        }
+        let between = pose(a.1).inv_mul(&pose(b.1));
+        self.manifold.clear();
+        self.manifold.local_n1 = Vector::ZERO;
+        let m = &mut self.manifold;
+        match (a.0, b.0) {
+            (Solid::Ball(_), Solid::Ball(_)) => {}
+            (Solid::Box(ha), Solid::Box(hb)) => {
+                let [ca, cb] = [ha, hb].map(|h| Cuboid::new(vector(*h)));
+                contact_manifold_cuboid_cuboid(&between, &ca, &cb, reach, m);
+            }
+            (Solid::Ball(r), other) => with_ball(&between.inverse(), other, *r, reach, m, true),
+            (other, Solid::Ball(r)) => with_ball(&between, other, *r, reach, m, false),
+            (Solid::Box(h), Solid::Hull(hull, _)) => {
+                with_faces(&between, &Cuboid::new(vector(*h)), hull.as_ref(), reach, m);
+            }
+            (Solid::Hull(hull, _), Solid::Box(h)) => {
+                with_faces(&between, hull.as_ref(), &Cuboid::new(vector(*h)), reach, m);
+            }
+            (Solid::Hull(first, _), Solid::Hull(second, _)) => {
+                with_faces(&between, first.as_ref(), second.as_ref(), reach, m);
+            }
+        }
+        found.extend(m.points.iter().map(|p| Found {
+            on_a: array(p.local_p1),
+            on_b: array(p.local_p2),
+            gap: p.dist,
+            id: u64::from(p.fid1.0) << 32 | u64::from(p.fid2.0),
+        }));
+        (!found.is_empty()).then(|| [array(m.local_n1), array(m.local_n2)])
+    }
+}
+
+fn with_faces(
+    between: &Pose,
+    a: &impl PolygonalFeatureMap,
+    b: &impl PolygonalFeatureMap,
+    reach: f64,
+    m: &mut ContactManifold<(), ()>,
+) {
+    contact_manifold_pfm_pfm(between, a, 0.0, None, b, 0.0, None, reach, m);
+}
+
+fn with_ball(
+    between: &Pose,
+    other: &Solid,
+    radius: f64,
+    reach: f64,
+    m: &mut ContactManifold<(), ()>,
+    flipped: bool,
+) {
+    let ball = Ball::new(radius);
+    match other {
+        Solid::Box(half) => {
+            let cuboid = Cuboid::new(vector(*half));
+            contact_manifold_convex_ball(between, &cuboid, &ball, None, None, reach, m, flipped);
+        }
+        Solid::Hull(hull, _) => {
+            contact_manifold_convex_ball(between, hull.as_ref(), &ball, None, None, reach, m, flipped);
+        }
+        Solid::Ball(_) => {}
+    }
+}
+
+fn balls(a: (f64, &Placed), b: (f64, &Placed), reach: f64, found: &mut Vec<Found>) -> Option<[V3; 2]> {
+    let d = math::sub(b.1.x, a.1.x);
+    let distance = math::norm(d);
+    let gap = distance - a.0 - b.0;
+    if gap > reach {
+        return None;
+    }
+    let normal = if distance > 0.0 { math::scale(1.0 / distance, d) } else { [0.0, 0.0, 1.0] };
+    let n = [math::mul_t(&a.1.r, normal), math::scale(-1.0, math::mul_t(&b.1.r, normal))];
+    found.push(Found { on_a: math::scale(a.0, n[0]), on_b: math::scale(b.0, n[1]), gap, id: 0 });
+    Some(n)
+}
+
+/// Bounds of all solids in a tree; tells which pairs of them came to overlap.
+#[derive(Clone, Default)]
+pub struct Broad {
+    tree: Bvh,
+    work: BvhWorkspace,
+}
+
+impl std::fmt::Debug for Broad {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Broad")
+    }
+}
+
+impl Broad {
+    /// Sets the bounds of a solid; they must not lie within the old ones.
+    pub fn set(&mut self, index: usize, bounds: [V3; 2]) {
+        let [low, high] = bounds.map(vector);
+        self.tree.insert_or_update_partially(Aabb::new(low, high), index as u32, 1e-9);
+    }
+
+    /// Calls `meet` for each pair that overlaps and has at least one solid whose bounds were set since the last call.
+    pub fn changed_pairs(&mut self, mut meet: impl FnMut(usize, usize)) {
+        self.tree.refit(&mut self.work);
+        self.tree.traverse_bvtt_single_tree::<true>(&mut self.work, &mut |a, b| meet(a as usize, b as usize));
+        self.tree.optimize_incremental(&mut self.work);
+    }
+}
+
+fn vector(v: V3) -> Vector {
+    Vector::new(v[0], v[1], v[2])
+}
+
+fn array(v: Vector) -> V3 {
+    [v.x, v.y, v.z]
+}
+
+fn pose(at: &Placed) -> Pose {
+    let [w, x, y, z] = at.q;
+    Pose::from_parts(vector(at.x), Rotation::from_xyzw(x, y, z, w))
+}

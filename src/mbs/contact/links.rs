@@ -1,0 +1,164 @@
+//! Contact points of bodies that ideal joints hold together: an impulse at one of them moves them all.
+//!
+//! What a unit impulse at a point adds to the velocities of all bodies of the mechanism is found once a step, along the normal and two directions across it. With it the
+//! sweeps act on the mechanism as on one body, however light the part that is hit.
+
+use super::rows::{Block, Motion, Row, Rows};
+use crate::mbs::math::{self, V3};
+
+/// A mechanism as contacts see it.
+pub trait Linked {
+    /// Whether joints hold a body.
+    fn is_linked(&self, body: usize) -> bool;
+
+    /// What an impulse on a body (linear \[N s\], angular about its centre of mass \[N m s\]) adds to the velocities of the bodies that its joints connect it with, itself included: `[velocity, angular velocity]` by
+    /// body.
+    fn respond(&mut self, body: usize, impulse: [V3; 2], out: &mut Vec<(usize, [V3; 2])>);
+}
+
+/// Marks a block without links.
+pub(super) const ALONE: u32 = u32::MAX;
+
+/// Responses of the linked rows of a step.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Links {
+    /// Of each linked row the directions and where their responses are: `list[ends[d]..ends[d + 1]]`.
+    rows: Vec<([V3; 3], [usize; 4])>,
+    list: Vec<(u32, Motion)>,
+    scratch: Vec<(usize, [V3; 2])>,
+}
+
+impl Links {
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.list.clear();
+    }
+
+    /// Applies an impulse to the second body of a linked row, and its opposite to the first.
+    pub fn kick(&self, row: usize, p: V3, motion: &mut [Motion]) {
+        let (axes, ends) = &self.rows[row];
+        for (d, axis) in axes.iter().enumerate() {
+            let part = math::dot(p, *axis);
+            if part != 0.0 {
+                for (body, response) in &self.list[ends[d]..ends[d + 1]] {
+                    let of = &mut motion[*body as usize];
+                    of.v = math::axpy(of.v, part, response.v);
+                    of.w = math::axpy(of.w, part, response.w);
+                }
+            }
+        }
+    }
+
+    /// What a unit impulse along direction `d` adds to a body.
+    fn response(&self, row: usize, d: usize, body: u32) -> Motion {
+        let (_, ends) = &self.rows[row];
+        let mut sum = Motion::default();
+        for (_, m) in self.list[ends[d]..ends[d + 1]].iter().filter(|(b, _)| *b == body) {
+            sum = Motion { v: math::add(sum.v, m.v), w: math::add(sum.w, m.w) };
+        }
+        sum
+    }
+}
+
+impl Rows {
+    /// Finds the responses of the linked rows of the blocks from `first` on, and their effective masses with them.
+    pub fn link(&mut self, first: usize, mechanism: &mut dyn Linked) {
+        let ground = self.motion.len() - 1;
+        for k in first..self.blocks.len() {
+            let block = self.blocks[k];
+            let held = |b: u32| (b as usize) < ground && mechanism.is_linked(b as usize);
+            if !block.bodies.iter().any(|b| held(*b)) {
+                continue;
+            }
+            self.blocks[k].linked = self.links.rows.len() as u32;
+            for i in block.first as usize..(block.first + block.count) as usize {
+                self.link_row(&block, i, mechanism);
+            }
+        }
+    }
+
+    fn link_row(&mut self, block: &Block, i: usize, mechanism: &mut dyn Linked) {
+        let axes = axes_about(block.normal);
+        let row = self.rows[i];
+        let mut ends = [self.links.list.len(); 4];
+        for (d, axis) in axes.iter().enumerate() {
+            for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+                self.respond(block.bodies[side], math::scale(sign, *axis), row.arms[side], mechanism);
+            }
+            ends[d + 1] = self.links.list.len();
+        }
+        let at = self.links.rows.len();
+        self.links.rows.push((axes, ends));
+        let moved = |d: usize| {
+            let [a, b] = block.bodies.map(|body| self.links.response(at, d, body));
+            row.relative(&a, &b)
+        };
+        let normal = math::dot(moved(0), axes[0]);
+        let (first, second) = (moved(1), moved(2));
+        let across = 0.5 * (math::dot(first, axes[2]) + math::dot(second, axes[1]));
+        let [p, q] = [math::dot(first, axes[1]), math::dot(second, axes[2])];
+        // the larger eigenvalue of the tangential inverse mass
+        let largest = 0.5 * (p + q) + (0.25 * (p - q) * (p - q) + across * across).sqrt();
+        let invert = |m: f64| if m > 0.0 { 1.0 / m } else { 0.0 };
+        self.rows[i].mass = [invert(normal), invert(largest)];
+    }
+
+    fn respond(&mut self, body: u32, p: V3, arm: V3, mechanism: &mut dyn Linked) {
+        let i = body as usize;
+        let turn = math::cross(arm, p);
+        if i + 1 == self.motion.len() {
+        } else if mechanism.is_linked(i) {
+            self.links.scratch.clear();
+            mechanism.respond(i, [p, turn], &mut self.links.scratch);
+            let moved = self.links.scratch.iter().map(|(b, [v, w])| (*b as u32, Motion { v: *v, w: *w }));
+            self.links.list.extend(moved);
+        } else {
+            let own = &self.inverse[i];
+            let moved = Motion { v: math::scale(own.mass, p), w: own.turn(turn) };
+            self.links.list.push((body, moved));
+        }
+    }
+
+    /// A visit of a linked block.
+    pub fn visit_linked(&mut self, block: &Block) -> f64 {
+        let n = block.normal;
+        let mut largest = 0.0_f64;
+        for (k, i) in (block.first as usize..(block.first + block.count) as usize).enumerate() {
+            let [a, b] = block.bodies.map(|b| &self.motion[b as usize]);
+            let row = &mut self.rows[i];
+            let (p, change) = row.correct(row.relative(a, b), n, block.friction);
+            largest = largest.max(change);
+            self.links.kick(block.linked as usize + k, p, &mut self.motion);
+        }
+        largest
+    }
+}
+
+impl Row {
+    /// Corrects the impulses by a relative velocity; what is added to them, and the change of the normal velocity.
+    #[inline(always)]
+    pub fn correct(&mut self, u: V3, n: V3, friction: f64) -> (V3, f64) {
+        let un = math::dot(u, n);
+        let normal = (self.normal + (self.target - un) * self.mass[0]).max(0.0);
+        let mut tangent = math::axpy(self.tangent, -self.mass[1], math::axpy(u, -un, n));
+        let limit = friction * normal;
+        let square = math::dot(tangent, tangent);
+        if square > limit * limit {
+            tangent = math::scale(limit / square.sqrt(), tangent);
+        }
+        let p = math::axpy(math::sub(tangent, self.tangent), normal - self.normal, n);
+        let change = (normal - self.normal).abs() / self.mass[0];
+        (self.normal, self.tangent) = (normal, tangent);
+        (p, change)
+    }
+}
+
+/// A normal and two directions across it.
+fn axes_about(n: V3) -> [V3; 3] {
+    let least = (0..3).min_by(|i, j| n[*i].abs().total_cmp(&n[*j].abs())).unwrap_or(0);
+    let mut axis = [0.0; 3];
+    axis[least] = 1.0;
+    let first = math::cross(n, axis);
+    let first = math::scale(1.0 / math::norm(first), first);
+    [n, first, math::cross(n, first)]
+}

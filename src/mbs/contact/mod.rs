@@ -1,0 +1,430 @@
+//! Contact by impulses: who can meet, where they meet, and the velocities afterwards.
+//!
+//! | file | owns |
+//! |---|---|
+//! | this one | what goes in and out, the set-up |
+//! | `collide` | solids, their bounds and contact points (the only file that knows `parry3d`) |
+//! | `surface` | friction and restitution of each pair, who passes through whom |
+//! | `pair` | pairs of solids and their points over time |
+//! | `rows` | the impulses of a step |
+//! | `links` | impulses on bodies that ideal joints hold together |
+//! | `solve` | a step: which pairs, impulses, rebound, gaps, energies |
+//!
+//! **Law.** At each contact point `gap + h v_n >= 0` at the end of a step of length `h`, the impulse `p_n >= 0` acts only if this is an
+//! equality (Signorini), `|p_t| <= μ p_n` with the greatest dissipation (Coulomb), and rebound by Newton's coefficient of
+//! restitution from a small approach speed on. Points are seen before they touch, so that nothing passes through
+//! anything: a pair takes part as soon as the paths of its two bodies in this step may close its gap.
+//!
+//! **Search.** A pair with gap `g` cannot meet until its bodies have travelled `g` together; path lengths are bounded by
+//! `∫ (|v| + |ω| r) dt`, and so are the times at which a body may leave the bounds it was entered with. Until the first of all these
+//! can happen a step costs one comparison ([`ContactSet::quiet`]).
+//!
+//! **Initial overlap**: solids that overlap when they become able to touch (at `t = 0`, or as their joint breaks) keep that depth as
+//! an offset that shrinks as they part: no force from nothing.
+//!
+//! **Gaps** below zero, left over by rounding, rotation within a step and unfinished sweeps, are opened by displacements without velocity. Their
+//! work against the acting forces is the caller's to book.
+
+mod collide;
+mod links;
+mod pair;
+mod rows;
+mod solve;
+mod surface;
+
+pub use links::Linked;
+pub use surface::Surface;
+
+use super::math::{self, M3, Q, V3};
+use super::model::{Model, Shape};
+use collide::{Broad, Finder, Found, Placed, Solid};
+use pair::{Entry, Pair};
+use rows::{Motion, Rows};
+use surface::Surfaces;
+
+/// A body as the contacts see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moving {
+    /// Centre of mass \[m\].
+    pub x: V3,
+    /// Orientation (body to global).
+    pub q: Q,
+    /// The same as a matrix.
+    pub r: M3,
+    /// In: velocity over the coming step without contact; out: with it \[m/s\].
+    pub v: V3,
+    /// Angular velocity, global frame, likewise \[rad/s\].
+    pub w: V3,
+    /// The share of `v` that forces add after the instant of contact (half a step of them in a leapfrog): `v - kick_v` is the velocity just before it.
+    pub kick_v: V3,
+    /// The same of `w`.
+    pub kick_w: V3,
+    /// `1/mass` \[1/kg\].
+    pub inverse_mass: f64,
+    /// Inverse inertia, global frame \[1/(kg m²)\].
+    pub inverse_inertia: M3,
+    /// Whether the body is still there.
+    pub alive: bool,
+    /// Out: displacement that opens gaps, to be added to that of the step \[m\].
+    pub shift: V3,
+    /// Out: the same as a rotation vector, global frame \[rad\].
+    pub turn: V3,
+}
+
+/// What a body met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Partner {
+    /// Another body.
+    Body(usize),
+    /// The ground plane.
+    Ground,
+    /// A plane by index.
+    Plane(usize),
+    /// An obstacle by index.
+    Obstacle(usize),
+}
+
+/// First contact between two bodies, or of a body with something that does not move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// First body.
+    pub a: usize,
+    /// What it met.
+    pub b: Partner,
+    /// When, from the begin of the step \[s\].
+    pub after_s: f64,
+}
+
+/// Energies taken by contacts \[J\].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ContactEnergy {
+    /// Along the normals.
+    pub normal_j: f64,
+    /// By friction.
+    pub friction_j: f64,
+}
+
+/// What the solver did so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Work {
+    /// Steps with contact points.
+    pub steps: u64,
+    /// Sweeps in them.
+    pub sweeps: u64,
+    /// Points visited in these.
+    pub visits: u64,
+    /// Most points in a step.
+    pub most_points: usize,
+    /// Searches for the points of a pair.
+    pub searches: u64,
+    /// Steps whose sweeps ended at their bound.
+    pub unfinished: u64,
+    /// Deepest penetration seen at the begin of a step \[m\].
+    pub deepest_m: f64,
+}
+
+/// How the impulses are found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Points that are this near take part without approaching \[m\].
+    pub margin_m: f64,
+    /// Sweeps end when no normal velocity changes by more than this share of the velocity that forces add in a step.
+    pub tolerance: f64,
+    /// Fewest sweeps.
+    pub least_sweeps: usize,
+    /// Visits of points in a step from which sweeps end before that.
+    pub visits: usize,
+    /// ... but not while a sweep changes distances at the end of the step by more than this \[m\],
+    pub closing_m: f64,
+    /// nor beyond so many sweeps.
+    pub most_sweeps: usize,
+    /// Sweeps that open gaps.
+    pub gap_sweeps: usize,
+    /// Share of a gap opened in a visit.
+    pub gap_rate: f64,
+    /// Penetration that is left alone \[m\].
+    pub slop_m: f64,
+    /// Relative motion of a pair until its points are searched again, as a share of the thickness of its solids.
+    pub stale: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            margin_m: 2e-4,
+            tolerance: 1e-3,
+            least_sweeps: 1,
+            visits: 2000,
+            closing_m: 1e-4,
+            most_sweeps: 200,
+            gap_sweeps: 2,
+            gap_rate: 0.8,
+            slop_m: 1e-5,
+            stale: 5e-3,
+        }
+    }
+}
+
+/// Two bodies are in each other further than they may.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TooDeep {
+    /// First body.
+    pub a: usize,
+    /// What it is in.
+    pub b: Partner,
+    /// How far \[m\].
+    pub depth_m: f64,
+}
+
+#[derive(Debug, Clone)]
+struct Collider {
+    body: usize,
+    solid: Solid,
+    /// Its frame in the body; none if it is the body's.
+    local: Option<Placed>,
+    thickness: f64,
+    /// What it is to others.
+    partner: Partner,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Plane {
+    normal: V3,
+    level: f64,
+    partner: Partner,
+}
+
+/// All contacts of a run.
+#[derive(Debug, Clone)]
+pub struct ContactSet {
+    /// How the impulses are found.
+    pub settings: Settings,
+    /// Energies taken.
+    pub energy: ContactEnergy,
+    /// First contacts not yet fetched.
+    pub touches: Vec<Touch>,
+    /// What was done.
+    pub work: Work,
+    colliders: Vec<Collider>,
+    planes: Vec<Plane>,
+    surfaces: Surfaces,
+    /// Index of what never moves: the number of bodies.
+    ground: usize,
+    radius: Vec<f64>,
+    /// Paths travelled, and of this step at most, the ground last \[m\].
+    travel: Vec<f64>,
+    path: Vec<f64>,
+    /// Travel up to which a body's solids are within their entered bounds.
+    budget: Vec<f64>,
+    entered: Vec<[V3; 2]>,
+    broad: Broad,
+    finder: Finder,
+    /// Pairs, in no order; and what is asked of each, those with planes first, then those of solids by their indices.
+    pairs: Vec<Pair>,
+    order: Vec<Entry>,
+    plane_pairs: usize,
+    free: Vec<u32>,
+    seen: std::collections::BTreeSet<(usize, Partner)>,
+    connected: Vec<(usize, usize)>,
+    /// Whether pairs that come to overlap now did so before they could be seen.
+    first_look: bool,
+    /// Sum of twice the largest path, and its value at which something must be looked at.
+    clock: f64,
+    alarm: f64,
+    placed: Vec<Placed>,
+    rows: Rows,
+    mean: Vec<Motion>,
+    found: Vec<Found>,
+    feet: Vec<(V3, u64)>,
+    met: Vec<(u32, u32)>,
+    room: Vec<f64>,
+    moved: Vec<bool>,
+}
+
+impl ContactSet {
+    /// Compiles the contacts of a model; bodies have the order of the model.
+    pub fn new(model: &Model, settings: Settings) -> Self {
+        let ground = model.bodies.len();
+        let mut colliders = Vec::new();
+        let mut radius = vec![0.0_f64; ground];
+        for (body, entry) in model.bodies.iter().enumerate() {
+            for shape in &entry.shapes {
+                let (solid, local) = Solid::of(shape);
+                radius[body] =
+                    radius[body].max(solid.radius(math::scale(-1.0, math::mul_t(&local.r, local.x))));
+                colliders.push(Collider {
+                    body,
+                    thickness: solid.thickness(),
+                    solid,
+                    local: (local != Placed::HERE).then_some(local),
+                    partner: Partner::Body(body),
+                });
+            }
+        }
+        for (i, o) in model.contact.obstacles.iter().enumerate() {
+            let middle = std::array::from_fn(|k| 0.5 * (o.min_m[k] + o.max_m[k]));
+            let half = std::array::from_fn(|k| 0.5 * (o.max_m[k] - o.min_m[k]));
+            let (solid, local) = Solid::of(&Shape::cuboid(middle, half));
+            colliders.push(Collider {
+                body: ground,
+                thickness: f64::INFINITY,
+                solid,
+                local: Some(local),
+                partner: Partner::Obstacle(i),
+            });
+        }
+        let flat = model.contact.ground.iter().map(|g| Plane {
+            normal: [0.0, 0.0, 1.0],
+            level: g.level_m,
+            partner: Partner::Ground,
+        });
+        let tilted = model.contact.planes.iter().enumerate().map(|(i, p)| {
+            let normal = math::scale(1.0 / math::norm(p.normal), p.normal);
+            Plane { normal, level: math::dot(normal, p.point_m), partner: Partner::Plane(i) }
+        });
+        let planes: Vec<Plane> = flat.chain(tilted).collect();
+        let count = colliders.len();
+        let mut set = Self {
+            settings,
+            energy: ContactEnergy::default(),
+            touches: Vec::new(),
+            work: Work::default(),
+            surfaces: Surfaces::new(model),
+            ground,
+            radius,
+            travel: vec![0.0; ground + 1],
+            path: vec![0.0; ground + 1],
+            budget: vec![f64::NEG_INFINITY; ground],
+            entered: vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count],
+            broad: Broad::default(),
+            finder: Finder::default(),
+            pairs: Vec::new(),
+            order: Vec::new(),
+            plane_pairs: 0,
+            free: Vec::new(),
+            seen: Default::default(),
+            connected: Vec::new(),
+            first_look: true,
+            clock: 0.0,
+            alarm: 0.0,
+            placed: vec![Placed::HERE; count],
+            rows: Rows::default(),
+            mean: Vec::new(),
+            found: Vec::new(),
+            feet: Vec::new(),
+            met: Vec::new(),
+            room: Vec::new(),
+            moved: Vec::new(),
+            colliders,
+            planes,
+        };
+        set.enter_planes();
+        set
+    }
+
+    fn enter_planes(&mut self) {
+        for a in 0..self.colliders.len() {
+            let body = self.colliders[a].body;
+            for b in 0..self.planes.len() {
+                if body != self.ground
+                    && let Some(surface) = self.surfaces.between(body, self.planes[b].partner)
+                {
+                    self.enter_pair(Pair::new([a, b], true, surface, true));
+                }
+            }
+        }
+        self.plane_pairs = self.order.len();
+        let moving = self.colliders.iter().any(|c| c.body != self.ground);
+        let meeting = self.surfaces.bodies_meet() || self.colliders.iter().any(|c| c.body == self.ground);
+        if !moving || self.pairs.is_empty() && !meeting {
+            self.alarm = f64::INFINITY;
+        }
+    }
+
+    /// Says which bodies a joint connects (the ground is the number of bodies) and which are there. Connected bodies do not touch.
+    pub fn connect(
+        &mut self,
+        connected: impl Iterator<Item = (usize, usize)>,
+        alive: impl Fn(usize) -> bool,
+    ) {
+        self.connected.clear();
+        self.connected.extend(connected.map(|(a, b)| (a.min(b), a.max(b))));
+        self.connected.sort_unstable();
+        for i in 0..self.order.len() {
+            let slot = self.order[i].slot as usize;
+            let blocked = self.is_blocked(&self.pairs[slot], &alive);
+            let pair = &mut self.pairs[slot];
+            if pair.blocked && !blocked {
+                pair.fresh = true;
+                self.order[i].limit = f64::NEG_INFINITY;
+            }
+            if blocked {
+                pair.forget();
+                self.order[i].limit = f64::INFINITY;
+            }
+            pair.blocked = blocked;
+        }
+        if self.alarm < f64::INFINITY {
+            self.alarm = self.clock;
+        }
+    }
+
+    fn is_blocked(&self, pair: &Pair, alive: impl Fn(usize) -> bool) -> bool {
+        let [a, b] = self.bodies_of(pair);
+        if !alive(a) || b != self.ground && !alive(b) {
+            return true;
+        }
+        let joined = self.connected.binary_search(&(a.min(b), a.max(b))).is_ok();
+        joined && (b != self.ground || self.partner_of(pair) == Partner::Ground)
+    }
+
+    fn bodies_of(&self, pair: &Pair) -> [usize; 2] {
+        let b = if pair.plane { self.ground } else { self.colliders[pair.b as usize].body };
+        [self.colliders[pair.a as usize].body, b]
+    }
+
+    fn partner_of(&self, pair: &Pair) -> Partner {
+        if pair.plane {
+            self.planes[pair.b as usize].partner
+        } else {
+            self.colliders[pair.b as usize].partner
+        }
+    }
+
+    /// Whether there is anything that can touch at all.
+    pub fn is_idle(&self) -> bool {
+        self.alarm == f64::INFINITY
+    }
+
+    /// Whether nothing can touch while no body's path, angular velocity times radius included, is longer than `path_m`.
+    pub fn is_clear_for(&self, path_m: f64) -> bool {
+        self.clock + 2.0 * path_m < self.alarm
+    }
+
+    /// Distance of a body's farthest point from its centre of mass \[m\].
+    pub fn radius_m(&self, body: usize) -> f64 {
+        self.radius[body]
+    }
+
+    /// Whether nothing can touch in a step of `h` \[s\] with these velocities and angular velocities of all bodies; if so, the paths are counted.
+    #[inline]
+    pub fn quiet(&mut self, h: f64, velocities: impl Iterator<Item = (V3, V3)>) -> bool {
+        if self.alarm == f64::INFINITY {
+            return true;
+        }
+        let mut largest = 0.0_f64;
+        for (i, (v, w)) in velocities.enumerate() {
+            let path = h * (math::norm(v) + math::norm(w) * self.radius[i]);
+            self.path[i] = path;
+            largest = largest.max(path);
+        }
+        let quiet = self.clock + 2.0 * largest < self.alarm;
+        if quiet {
+            self.clock += 2.0 * largest;
+            for (travel, path) in self.travel.iter_mut().zip(&self.path) {
+                *travel += path;
+            }
+        }
+        quiet
+    }
+}

@@ -1,0 +1,460 @@
+//! Pairs of solids and their points over time.
+
+use super::collide::{self, Placed};
+use super::rows::{Block, Inverse, Row};
+use super::{ContactSet, Moving, Partner, Surface};
+use crate::mbs::math::{self, V3};
+
+/// Most points of a pair.
+pub(super) const MOST_POINTS: usize = 8;
+/// Points nearer than this share of the thickness are one.
+const SAME_POINT: f64 = 1e-3;
+/// How far bounds are entered beyond a solid: time \[s\] at its present speed, and share of its thickness.
+const AHEAD: (f64, f64) = (0.02, 0.1);
+
+/// A point of a pair.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Point {
+    /// On either solid, in its frame.
+    on: [V3; 2],
+    id: u64,
+    /// Inverse of the inverse effective masses along and across the normal.
+    mass: [f64; 2],
+    /// Impulses of the last step, over its length \[N\].
+    pub normal: f64,
+    pub tangent: V3,
+}
+
+/// What is asked of every pair in every step, in the order of the pairs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Entry {
+    /// Paths of both bodies together up to which the pair need not be looked at \[m\]; infinite if it is blocked.
+    pub limit: f64,
+    /// Distance up to which its points take part in this step; zero if it was not looked at \[m\].
+    pub reach: f64,
+    /// Bodies.
+    pub bodies: [u32; 2],
+    /// Solids, or a solid and a plane.
+    key: (u32, u32),
+    /// The pair.
+    pub slot: u32,
+}
+
+/// A pair of solids, or a solid and a plane.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Pair {
+    pub a: u32,
+    pub b: u32,
+    pub plane: bool,
+    pub blocked: bool,
+    /// Able to touch for the first time, or again.
+    pub fresh: bool,
+    /// Whether it has touched.
+    pub seen: bool,
+    offset: f64,
+    pub surface: Surface,
+    normal: [V3; 2],
+    count: u8,
+    pub points: [Point; MOST_POINTS],
+}
+
+impl Pair {
+    pub fn new([a, b]: [usize; 2], plane: bool, surface: Surface, fresh: bool) -> Self {
+        Self {
+            a: a as u32,
+            b: b as u32,
+            plane,
+            blocked: false,
+            fresh,
+            seen: false,
+            offset: 0.0,
+            surface,
+            normal: [[0.0; 3]; 2],
+            count: 0,
+            points: [Point::default(); MOST_POINTS],
+        }
+    }
+
+    pub fn forget(&mut self) {
+        self.count = 0;
+        self.offset = 0.0;
+    }
+
+    /// Enters a point with the impulse that the one with the same features had.
+    fn enter(&mut self, old: &[Point], mut point: Point) {
+        if usize::from(self.count) < MOST_POINTS {
+            if let Some(same) = old.iter().find(|p| p.id == point.id) {
+                (point.normal, point.tangent) = (same.normal, same.tangent);
+            }
+            self.points[usize::from(self.count)] = point;
+            self.count += 1;
+        }
+    }
+}
+
+impl ContactSet {
+    /// Places all solids of bodies that are there.
+    pub(super) fn place(&mut self, bodies: &[Moving]) {
+        for (collider, placed) in self.colliders.iter().zip(&mut self.placed) {
+            *placed = match (bodies.get(collider.body), &collider.local) {
+                (Some(body), None) => Placed { x: body.x, q: body.q, r: body.r },
+                (Some(body), Some(local)) => Placed {
+                    x: math::add(body.x, math::mul(&body.r, local.x)),
+                    q: math::qmul(body.q, local.q),
+                    r: math::matmul(&body.r, &local.r),
+                },
+                (None, Some(local)) => *local,
+                (None, None) => Placed::HERE,
+            };
+        }
+    }
+
+    /// Enters new bounds of the solids that may leave theirs in this step, and the pairs that come of it.
+    pub(super) fn enter_bounds(&mut self, bodies: &[Moving], h: f64) {
+        let margin = self.settings.margin_m;
+        let late = |set: &Self, i: usize| set.travel[i] + set.path[i] + margin > set.budget[i];
+        if self.alarm == f64::INFINITY || !(0..bodies.len()).any(|i| bodies[i].alive && late(self, i)) {
+            return;
+        }
+        let mut room = std::mem::take(&mut self.room);
+        room.clear();
+        room.resize(bodies.len(), f64::INFINITY);
+        self.moved.clear();
+        self.moved.resize(self.colliders.len(), false);
+        let mut any = false;
+        for (i, collider) in self.colliders.iter().enumerate() {
+            let body = collider.body;
+            let obstacle = body == self.ground;
+            if obstacle && !self.first_look || !obstacle && !(bodies[body].alive && late(self, body)) {
+                continue;
+            }
+            let more = if obstacle {
+                0.0
+            } else {
+                margin
+                    + 2.0 * self.path[body]
+                    + (AHEAD.0 / h * self.path[body]).max(AHEAD.1 * collider.thickness)
+            };
+            let [low, high] = collider.solid.bounds(&self.placed[i]);
+            let bounds = [low.map(|v| v - more), high.map(|v| v + more)];
+            let old = self.entered[i];
+            if !(0..3).all(|k| old[0][k] <= bounds[0][k] && old[1][k] >= bounds[1][k]) {
+                self.entered[i] = bounds;
+                self.broad.set(i, bounds);
+                self.moved[i] = true;
+                any = true;
+            }
+            if !obstacle {
+                room[body] = room[body].min(more);
+            }
+        }
+        for (i, room) in room.iter().enumerate() {
+            if late(self, i) {
+                self.budget[i] = self.travel[i] + room;
+            }
+        }
+        self.room = room;
+        if any {
+            self.enter_pairs(bodies);
+        }
+    }
+
+    fn enter_pairs(&mut self, bodies: &[Moving]) {
+        let mut met = std::mem::take(&mut self.met);
+        met.clear();
+        self.broad.changed_pairs(|a, b| met.push((a.min(b) as u32, a.max(b) as u32)));
+        met.sort_unstable();
+        self.drop_apart();
+        let known = self.order.len();
+        for &(a, b) in &met {
+            let [of_a, of_b] = [a, b].map(|i| self.colliders[i as usize].body);
+            let partner = self.colliders[b as usize].partner;
+            let old = &self.order[self.plane_pairs..known];
+            if of_a == of_b
+                || of_a == self.ground
+                || old.binary_search_by_key(&(a, b), |entry| entry.key).is_ok()
+            {
+                continue;
+            }
+            let Some(surface) = self.surfaces.between(of_a, partner) else { continue };
+            let mut pair = Pair::new([a as usize, b as usize], false, surface, self.first_look);
+            pair.blocked = self.is_blocked(&pair, |i| bodies[i].alive);
+            pair.seen = self.seen.contains(&(of_a, partner));
+            self.enter_pair(pair);
+        }
+        // Both parts are sorted, so that this only merges them.
+        self.order[self.plane_pairs..].sort_by_key(|entry| entry.key);
+        self.first_look = false;
+        self.met = met;
+    }
+
+    /// Keeps a pair, at the end of the order.
+    pub(super) fn enter_pair(&mut self, pair: Pair) {
+        let slot = self.free.pop().unwrap_or(self.pairs.len() as u32);
+        self.order.push(Entry {
+            limit: if pair.blocked { f64::INFINITY } else { f64::NEG_INFINITY },
+            reach: 0.0,
+            bodies: self.bodies_of(&pair).map(|i| i as u32),
+            key: (pair.a, pair.b),
+            slot,
+        });
+        if slot as usize == self.pairs.len() {
+            self.pairs.push(pair);
+        } else {
+            self.pairs[slot as usize] = pair;
+        }
+    }
+
+    /// Drops the pairs whose bounds do not overlap any more.
+    fn drop_apart(&mut self) {
+        let (entered, moved, free) = (&self.entered, &self.moved, &mut self.free);
+        let mut rank = 0;
+        let planes = self.plane_pairs;
+        self.order.retain(|entry| {
+            rank += 1;
+            let [a, b] = [entry.key.0 as usize, entry.key.1 as usize];
+            if rank <= planes || !moved[a] && !moved[b] {
+                return true;
+            }
+            let ([low_a, high_a], [low_b, high_b]) = (entered[a], entered[b]);
+            let overlap = (0..3).all(|k| low_a[k] <= high_b[k] && low_b[k] <= high_a[k]);
+            if !overlap {
+                free.push(entry.slot);
+            }
+            overlap
+        });
+    }
+
+    /// Enters the points of a pair that are not farther than `reach` into the rows, but those nearer than `from` that are in already.
+    pub(super) fn look(&mut self, entry: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) {
+        let slot = self.order[entry].slot as usize;
+        let limit = if entry < self.plane_pairs {
+            self.look_at_plane(slot, bodies, h, from, reach)
+        } else {
+            self.look_at_solids(slot, bodies, h, from, reach)
+        };
+        (self.order[entry].limit, self.order[entry].reach) = (limit, reach);
+    }
+
+    /// Returns the paths up to which it need not be looked at again.
+    fn look_at_plane(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) -> f64 {
+        let pair = &mut self.pairs[slot];
+        let collider = &self.colliders[pair.a as usize];
+        let at = &self.placed[pair.a as usize];
+        let plane = self.planes[pair.b as usize];
+        let n = math::scale(-1.0, plane.normal);
+        let low = math::dot(at.x, plane.normal) - collider.solid.reach(at, n) - plane.level;
+        let limit = self.travel[collider.body] + low.max(0.0);
+        if low > reach && !pair.fresh {
+            pair.forget();
+            return limit;
+        }
+        pair.offset = if pair.fresh { (-low).max(0.0) } else { pair.offset.min((-low).max(0.0)) };
+        pair.fresh = false;
+        let old = pair.points;
+        let old = &old[..usize::from(pair.count)];
+        if from == f64::NEG_INFINITY {
+            pair.count = 0;
+        }
+        pair.normal = [math::mul_t(&at.r, n), plane.normal];
+        collider.solid.feet(at, plane.normal, &mut self.feet);
+        let body = &bodies[collider.body];
+        let first = self.rows.rows.len() as u32;
+        for (foot, id) in &self.feet {
+            let above = math::mul(&at.r, *foot);
+            let gap = math::dot(math::add(at.x, above), plane.normal) - plane.level + pair.offset;
+            if gap > reach || gap <= from || usize::from(pair.count) == MOST_POINTS {
+                continue;
+            }
+            let arm = math::axpy(
+                math::sub(math::add(at.x, above), body.x),
+                -0.5 * (gap - pair.offset),
+                plane.normal,
+            );
+            let point = Point { on: [*foot; 2], id: *id, ..Point::default() };
+            pair.enter(old, point);
+            let k = usize::from(pair.count) - 1;
+            let inverse = Inverse::of(body);
+            pair.points[k].mass = masses(&[inverse, Inverse::default()], &[arm, [0.0; 3]], n);
+            self.rows.rows.push(row(&pair.points[k], [arm, [0.0; 3]], gap, n, h, k));
+        }
+        self.rows.close_block([collider.body, self.ground], first, slot, pair.surface, n);
+        limit
+    }
+
+    /// The same of two solids.
+    fn look_at_solids(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) -> f64 {
+        let pair = &self.pairs[slot];
+        let (a, b) = (pair.a as usize, pair.b as usize);
+        let [of_a, of_b] = [self.colliders[a].body, self.colliders[b].body];
+        let travelled = self.travel[of_a] + self.travel[of_b];
+        if pair.count == 0 || self.is_stale(pair) {
+            let apart = collide::separation(
+                (&self.colliders[a].solid, &self.placed[a]),
+                (&self.colliders[b].solid, &self.placed[b]),
+            );
+            if apart > reach {
+                let pair = &mut self.pairs[slot];
+                pair.forget();
+                pair.fresh = false;
+                return travelled + apart;
+            }
+            self.search(slot, reach);
+        }
+        let pair = &mut self.pairs[slot];
+        let (at_a, at_b) = (&self.placed[a], &self.placed[b]);
+        let n = math::mul(&at_a.r, pair.normal[0]);
+        let mut gaps = [0.0; MOST_POINTS];
+        let mut arms = [[[0.0; 3]; 2]; MOST_POINTS];
+        let mut least = f64::INFINITY;
+        let centre_a = bodies[of_a].x;
+        let centre_b = bodies.get(of_b).map_or([0.0; 3], |body| body.x);
+        for (k, point) in pair.points[..usize::from(pair.count)].iter().enumerate() {
+            let on_a = math::add(at_a.x, math::mul(&at_a.r, point.on[0]));
+            let on_b = math::add(at_b.x, math::mul(&at_b.r, point.on[1]));
+            let gap = math::dot(math::sub(on_b, on_a), n);
+            let middle = math::scale(0.5, math::add(on_a, on_b));
+            gaps[k] = gap;
+            arms[k] = [math::sub(middle, centre_a), math::sub(middle, centre_b)];
+            least = least.min(gap);
+        }
+        let depth = if least < 0.0 { -least } else { 0.0 };
+        pair.offset = if pair.fresh { depth } else { pair.offset.min(depth) };
+        pair.fresh = false;
+        let first = self.rows.rows.len() as u32;
+        for k in 0..usize::from(pair.count) {
+            let gap = gaps[k] + pair.offset;
+            if gap <= reach && gap > from {
+                if pair.points[k].mass[0] == 0.0 {
+                    let inverse = [of_a, of_b].map(|i| bodies.get(i).map_or(Inverse::default(), Inverse::of));
+                    pair.points[k].mass = masses(&inverse, &arms[k], n);
+                }
+                self.rows.rows.push(row(&pair.points[k], arms[k], gap, n, h, k));
+            }
+        }
+        self.rows.close_block([of_a, of_b], first, slot, pair.surface, n);
+        if least > reach {
+            let apart =
+                collide::separation((&self.colliders[a].solid, at_a), (&self.colliders[b].solid, at_b));
+            return travelled + apart.max(0.0);
+        }
+        f64::NEG_INFINITY
+    }
+
+    /// Whether the points of a pair have moved against each other so far that they must be searched again.
+    fn is_stale(&self, pair: &Pair) -> bool {
+        let (a, b) = (&self.colliders[pair.a as usize], &self.colliders[pair.b as usize]);
+        if a.solid.is_round() || b.solid.is_round() {
+            return true;
+        }
+        let (at_a, at_b) = (&self.placed[pair.a as usize], &self.placed[pair.b as usize]);
+        let n = math::mul(&at_a.r, pair.normal[0]);
+        let turned = math::add(n, math::mul(&at_b.r, pair.normal[1]));
+        let stale = self.settings.stale;
+        if math::dot(turned, turned) > stale * stale {
+            return true;
+        }
+        let far = stale * a.thickness.min(b.thickness);
+        pair.points[..usize::from(pair.count)].iter().any(|point| {
+            let on_a = math::add(at_a.x, math::mul(&at_a.r, point.on[0]));
+            let on_b = math::add(at_b.x, math::mul(&at_b.r, point.on[1]));
+            let d = math::sub(on_b, on_a);
+            let slip = math::axpy(d, -math::dot(d, n), n);
+            math::dot(slip, slip) > far * far
+        })
+    }
+
+    fn search(&mut self, slot: usize, reach: f64) {
+        self.work.searches += 1;
+        let (a, b) = (self.pairs[slot].a as usize, self.pairs[slot].b as usize);
+        let (at_a, at_b) = (self.placed[a], self.placed[b]);
+        let (solid_a, solid_b) = (&self.colliders[a], &self.colliders[b]);
+        let normals =
+            self.finder.find((&solid_a.solid, &at_a), (&solid_b.solid, &at_b), reach, &mut self.found);
+        let pair = &mut self.pairs[slot];
+        let old = pair.points;
+        let old = &old[..usize::from(pair.count)];
+        pair.count = 0;
+        let Some(normals) = normals else { return };
+        pair.normal = normals;
+        self.found.sort_by(|p, q| p.gap.total_cmp(&q.gap).then(p.id.cmp(&q.id)));
+        let same = SAME_POINT * solid_a.thickness.min(solid_b.thickness);
+        for i in 0..self.found.len() {
+            let found = self.found[i];
+            let near = |p: &Point| {
+                let d = math::sub(p.on[0], found.on_a);
+                math::dot(d, d) < same * same
+            };
+            if pair.points[..usize::from(pair.count)].iter().any(near) {
+                continue;
+            }
+            pair.enter(old, Point { on: [found.on_a, found.on_b], id: found.id, ..Point::default() });
+        }
+    }
+
+    /// Notes the first contact of a pair.
+    #[cold]
+    pub(super) fn note(&mut self, slot: usize, after_s: f64) {
+        let pair = &mut self.pairs[slot];
+        pair.seen = true;
+        let pair = &self.pairs[slot];
+        let a = self.bodies_of(pair)[0];
+        let b: Partner = self.partner_of(pair);
+        if self.seen.insert((a, b)) {
+            self.touches.push(super::Touch { a, b, after_s });
+        }
+    }
+}
+
+impl Inverse {
+    pub fn of(body: &Moving) -> Self {
+        let m = &body.inverse_inertia;
+        Self { mass: body.inverse_mass, inertia: [m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]] }
+    }
+}
+
+impl super::Rows {
+    fn close_block(&mut self, bodies: [usize; 2], first: u32, slot: usize, surface: Surface, normal: V3) {
+        let count = self.rows.len() as u32 - first;
+        if count > 0 {
+            self.blocks.push(Block {
+                bodies: bodies.map(|b| b as u32),
+                first,
+                count,
+                slot: slot as u32,
+                friction: surface.friction,
+                restitution: surface.restitution,
+                normal,
+                linked: super::links::ALONE,
+            });
+        }
+    }
+}
+
+/// Inverses of the inverse effective masses: along the normal, and the largest one across it.
+fn masses(inverse: &[Inverse; 2], arms: &[V3; 2], n: V3) -> [f64; 2] {
+    let both = |p: V3, q: V3| inverse[0].response(arms[0], p, q) + inverse[1].response(arms[1], p, q);
+    let least = (0..3).min_by(|i, j| n[*i].abs().total_cmp(&n[*j].abs())).unwrap_or(0);
+    let mut axis = [0.0; 3];
+    axis[least] = 1.0;
+    let s = math::cross(n, axis);
+    let s = math::scale(1.0 / math::norm(s), s);
+    let t = math::cross(n, s);
+    let (ss, tt, st) = (both(s, s), both(t, t), both(s, t));
+    let across = 0.5 * (ss + tt) + (0.25 * (ss - tt) * (ss - tt) + st * st).sqrt();
+    [1.0 / both(n, n), 1.0 / across]
+}
+
+fn row(point: &Point, arms: [V3; 2], gap: f64, n: V3, h: f64, k: usize) -> Row {
+    let tangent = math::axpy(point.tangent, -math::dot(point.tangent, n), n);
+    Row {
+        arms,
+        mass: point.mass,
+        target: -gap.max(0.0) / h,
+        gap,
+        normal: h * point.normal,
+        tangent: math::scale(h, tangent),
+        point: k as u32,
+        exact: false,
+    }
+}

@@ -1,0 +1,214 @@
+//! The impulses of all contact points of a step: projected Gauss-Seidel sweeps over rows in one flat array.
+//!
+//! A row asks `v_n >= target` along the normal and Coulomb's law across it. In a visit the normal impulse is corrected by its own inverse
+//! mass and cut off at zero; the tangential one by the largest tangential inverse mass, then taken back radially to the disc
+//! `|p_t| <= μ p_n`: an exact projection, so that at convergence sliding and friction are opposite (Moreau; Jean, CMAME 177 (1999) 235).
+//! Sweeps go forwards and backwards in turn.
+//!
+//! Gaps are corrected by displacements found in sweeps of their own, which leave the velocities alone (split impulses).
+
+use super::links::{ALONE, Links};
+use crate::mbs::math::{self, V3};
+
+/// Velocity and angular velocity of a body, or displacement and turn.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Motion {
+    pub v: V3,
+    pub w: V3,
+}
+
+/// Inverse mass and inverse inertia in the global frame (xx, yy, zz, xy, xz, yz).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Inverse {
+    pub mass: f64,
+    pub inertia: [f64; 6],
+}
+
+impl Inverse {
+    #[inline(always)]
+    pub fn turn(&self, l: V3) -> V3 {
+        let [xx, yy, zz, xy, xz, yz] = self.inertia;
+        [
+            xx * l[0] + xy * l[1] + xz * l[2],
+            xy * l[0] + yy * l[1] + yz * l[2],
+            xz * l[0] + yz * l[1] + zz * l[2],
+        ]
+    }
+
+    /// What a unit impulse along `n` at `arm` adds to the velocity of its point along `m`.
+    #[inline(always)]
+    pub fn response(&self, arm: V3, n: V3, m: V3) -> f64 {
+        self.mass * math::dot(n, m) + math::dot(math::cross(arm, m), self.turn(math::cross(arm, n)))
+    }
+}
+
+/// Rows of one pair of solids.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Block {
+    /// Bodies; the ground is the last one.
+    pub bodies: [u32; 2],
+    /// First row, number of rows.
+    pub first: u32,
+    pub count: u32,
+    /// Where the pair is.
+    pub slot: u32,
+    pub friction: f64,
+    pub restitution: f64,
+    /// From the first body to the second.
+    pub normal: V3,
+    /// Its first row among those that ideal joints link to others; [`ALONE`]: none.
+    pub linked: u32,
+}
+
+/// One contact point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Row {
+    /// From the centres of mass \[m\].
+    pub arms: [V3; 2],
+    /// Inverse of the inverse effective masses along and across the normal.
+    pub mass: [f64; 2],
+    /// Smallest velocity along the normal \[m/s\].
+    pub target: f64,
+    /// Distance; after the velocities are known that at the end of the step \[m\].
+    pub gap: f64,
+    /// Impulses \[N s\].
+    pub normal: f64,
+    pub tangent: V3,
+    /// Which point of its pair.
+    pub point: u32,
+    /// Whether the distance at the end of the step is prescribed (an impact with rebound), else a lower bound.
+    pub exact: bool,
+}
+
+impl Row {
+    /// Velocity of the second body's point against the first one's.
+    #[inline(always)]
+    pub fn relative(&self, a: &Motion, b: &Motion) -> V3 {
+        let of_b = math::add(b.v, math::cross(b.w, self.arms[1]));
+        math::sub(of_b, math::add(a.v, math::cross(a.w, self.arms[0])))
+    }
+}
+
+/// All rows of a step; the memory is kept from step to step.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Rows {
+    pub blocks: Vec<Block>,
+    pub rows: Vec<Row>,
+    /// Velocities, the ground last.
+    pub motion: Vec<Motion>,
+    pub inverse: Vec<Inverse>,
+    /// Displacements that correct gaps.
+    pub shift: Vec<Motion>,
+    push: Vec<f64>,
+    pub links: Links,
+}
+
+impl Rows {
+    /// Applies the impulses that the rows from `first` on have from the last step.
+    pub fn warm_start(&mut self, first: usize) {
+        for block in &self.blocks[first..] {
+            if block.linked != ALONE {
+                for k in 0..block.count as usize {
+                    let row = &self.rows[block.first as usize + k];
+                    let p = math::axpy(row.tangent, row.normal, block.normal);
+                    self.links.kick(block.linked as usize + k, p, &mut self.motion);
+                }
+                continue;
+            }
+            let [a, b] = block.bodies.map(|i| i as usize);
+            let (mut of_a, mut of_b) = (self.motion[a], self.motion[b]);
+            for row in &self.rows[block.first as usize..(block.first + block.count) as usize] {
+                let p = math::axpy(row.tangent, row.normal, block.normal);
+                kick(&mut of_a, &self.inverse[a], row.arms[0], p, -1.0);
+                kick(&mut of_b, &self.inverse[b], row.arms[1], p, 1.0);
+            }
+            self.motion[a] = of_a;
+            self.motion[b] = of_b;
+        }
+    }
+
+    /// One sweep; the largest change of a normal velocity \[m/s\].
+    pub fn sweep(&mut self, backwards: bool) -> f64 {
+        let mut largest = 0.0_f64;
+        let count = self.blocks.len();
+        for k in 0..count {
+            let block = self.blocks[if backwards { count - 1 - k } else { k }];
+            let change = if block.linked == ALONE { self.visit(&block) } else { self.visit_linked(&block) };
+            largest = largest.max(change);
+        }
+        largest
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, block: &Block) -> f64 {
+        let [a, b] = block.bodies.map(|i| i as usize);
+        let (inverse_a, inverse_b) = (self.inverse[a], self.inverse[b]);
+        let (mut of_a, mut of_b) = (self.motion[a], self.motion[b]);
+        let n = block.normal;
+        let mut largest = 0.0_f64;
+        for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
+            let (p, change) = row.correct(row.relative(&of_a, &of_b), n, block.friction);
+            largest = largest.max(change);
+            kick(&mut of_a, &inverse_a, row.arms[0], p, -1.0);
+            kick(&mut of_b, &inverse_b, row.arms[1], p, 1.0);
+        }
+        self.motion[a] = of_a;
+        self.motion[b] = of_b;
+        largest
+    }
+
+    /// Sets the gaps to those after a step of `h` \[s\]; the smallest one that is too small.
+    pub fn look_ahead(&mut self, h: f64) -> f64 {
+        let mut worst = 0.0_f64;
+        for block in &self.blocks {
+            let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
+            for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
+                row.gap += h * math::dot(row.relative(a, b), block.normal);
+                worst = worst.min(if row.exact { -row.gap.abs() } else { row.gap });
+            }
+        }
+        worst
+    }
+
+    /// Displacements that open what [`Self::look_ahead`] found closed, by a share `rate` a visit.
+    pub fn separate(&mut self, sweeps: usize, rate: f64) {
+        self.push.clear();
+        self.push.resize(self.rows.len(), 0.0);
+        let count = self.blocks.len();
+        for sweep in 0..sweeps {
+            for k in 0..count {
+                let block = &self.blocks[if sweep % 2 == 0 { k } else { count - 1 - k }];
+                let [a, b] = block.bodies.map(|i| i as usize);
+                let (mut of_a, mut of_b) = (self.shift[a], self.shift[b]);
+                let n = block.normal;
+                for i in block.first as usize..(block.first + block.count) as usize {
+                    let row = &self.rows[i];
+                    let gap = row.gap + math::dot(row.relative(&of_a, &of_b), n);
+                    let wanted = self.push[i] - rate * gap * row.mass[0];
+                    let push = if row.exact { wanted } else { wanted.max(0.0) };
+                    let change = push - self.push[i];
+                    if change != 0.0 {
+                        self.push[i] = push;
+                        let p = math::scale(change, n);
+                        if block.linked != ALONE {
+                            let at = block.linked as usize + i - block.first as usize;
+                            self.links.kick(at, p, &mut self.shift);
+                            (of_a, of_b) = (self.shift[a], self.shift[b]);
+                            continue;
+                        }
+                        kick(&mut of_a, &self.inverse[a], row.arms[0], p, -1.0);
+                        kick(&mut of_b, &self.inverse[b], row.arms[1], p, 1.0);
+                    }
+                }
+                self.shift[a] = of_a;
+                self.shift[b] = of_b;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn kick(motion: &mut Motion, inverse: &Inverse, arm: V3, p: V3, sign: f64) {
+    motion.v = math::axpy(motion.v, sign * inverse.mass, p);
+    motion.w = math::axpy(motion.w, sign, inverse.turn(math::cross(arm, p)));
+}

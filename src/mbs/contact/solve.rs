@@ -1,0 +1,281 @@
+//! A step: which pairs, impulses, rebound, gaps, energies.
+
+use super::rows::{Inverse, Motion};
+use super::{ContactSet, Linked, Moving, TooDeep};
+use crate::mbs::math::{self, V3};
+
+/// Times that pairs are looked for again because impulses made bodies faster.
+const MOST_EXTENSIONS: usize = 4;
+/// Share of the thickness by which solids may be in each other.
+const DEPTH_LIMIT: f64 = 0.5;
+/// Approach speed from which there is rebound, over the velocity that forces add in half a step.
+const REBOUND_FROM: f64 = 4.0;
+
+impl ContactSet {
+    /// Velocities with contact, and the displacements that open gaps, for a step of `h` \[s\] from the given poses.
+    ///
+    /// # Errors
+    /// If solids are in each other by half their thickness.
+    pub fn solve(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
+        self.solve_linked(bodies, h, None)
+    }
+
+    /// The same for bodies of which joints hold some together; their velocities before fit the joints, and those after do.
+    ///
+    /// # Errors
+    /// If solids are in each other by half their thickness.
+    pub fn solve_linked(
+        &mut self,
+        bodies: &mut [Moving],
+        h: f64,
+        mut mechanism: Option<&mut (dyn Linked + '_)>,
+    ) -> Result<(), TooDeep> {
+        for (i, body) in bodies.iter_mut().enumerate() {
+            (body.shift, body.turn) = ([0.0; 3], [0.0; 3]);
+            self.path[i] = if body.alive { self.path_of(i, body.v, body.w, h) } else { 0.0 };
+        }
+        self.place(bodies);
+        self.enter_bounds(bodies, h);
+        self.rows.blocks.clear();
+        self.rows.rows.clear();
+        let slack = self.look_at_all(bodies, h);
+        let points = self.rows.rows.len();
+        if points > 0 {
+            self.load(bodies);
+            self.rows.links.clear();
+            if let Some(m) = mechanism.as_deref_mut() {
+                self.rows.link(0, m);
+            }
+            self.rows.warm_start(0);
+            self.impulses(bodies, h, mechanism);
+            self.rebound(bodies, h);
+            self.close(bodies, h)?;
+        }
+        self.count_paths(bodies, h, if points > 0 { f64::NEG_INFINITY } else { slack });
+        Ok(())
+    }
+
+    fn path_of(&self, i: usize, v: V3, w: V3, h: f64) -> f64 {
+        h * (math::norm(v) + math::norm(w) * self.radius[i])
+    }
+
+    /// Looks at the pairs that may touch; the least path of two bodies until another one must be looked at.
+    fn look_at_all(&mut self, bodies: &[Moving], h: f64) -> f64 {
+        let mut slack = f64::INFINITY;
+        let margin = self.settings.margin_m;
+        for k in 0..self.order.len() {
+            let entry = &mut self.order[k];
+            entry.reach = 0.0;
+            let [a, b] = entry.bodies.map(|i| i as usize);
+            let reach = self.path[a] + self.path[b] + margin;
+            let travelled = self.travel[a] + self.travel[b];
+            if travelled + reach >= entry.limit {
+                self.look(k, bodies, h, f64::NEG_INFINITY, reach);
+            }
+            slack = slack.min(self.order[k].limit - travelled - margin);
+        }
+        for (i, body) in bodies.iter().enumerate() {
+            if body.alive {
+                slack = slack.min(2.0 * (self.budget[i] - self.travel[i] - margin));
+            }
+        }
+        slack
+    }
+
+    fn load(&mut self, bodies: &[Moving]) {
+        let rows = &mut self.rows;
+        rows.motion.clear();
+        rows.inverse.clear();
+        rows.shift.clear();
+        rows.shift.resize(bodies.len() + 1, Motion::default());
+        for body in bodies {
+            rows.motion.push(Motion { v: body.v, w: body.w });
+            rows.inverse.push(if body.alive { Inverse::of(body) } else { Inverse::default() });
+        }
+        rows.motion.push(Motion::default());
+        rows.inverse.push(Inverse::default());
+        self.work.steps += 1;
+        self.work.most_points = self.work.most_points.max(rows.rows.len());
+    }
+
+    /// Sweeps until the velocities hold, with the pairs that they bring near.
+    fn impulses(&mut self, bodies: &[Moving], h: f64, mut mechanism: Option<&mut (dyn Linked + '_)>) {
+        self.sweeps(bodies, h);
+        for _ in 0..MOST_EXTENSIONS {
+            let first = self.rows.blocks.len();
+            if !self.extend(bodies, h) {
+                break;
+            }
+            if self.rows.blocks.len() > first {
+                if let Some(m) = mechanism.as_deref_mut() {
+                    self.rows.link(first, m);
+                }
+                self.rows.warm_start(first);
+                self.sweeps(bodies, h);
+            }
+        }
+    }
+
+    fn sweeps(&mut self, bodies: &[Moving], h: f64) {
+        let s = self.settings;
+        let kick = bodies.iter().map(|b| math::dot(b.kick_v, b.kick_v)).fold(0.0, f64::max).sqrt();
+        let tolerance = s.tolerance * (2.0 * kick).max(1e-3);
+        let usual = (s.visits / self.rows.rows.len()).clamp(s.least_sweeps, s.most_sweeps);
+        let mut done = 0;
+        loop {
+            let change = self.rows.sweep(done % 2 == 1);
+            done += 1;
+            if change <= tolerance && done >= s.least_sweeps || done >= usual && change * h <= s.closing_m {
+                break;
+            }
+            if done >= s.most_sweeps {
+                self.work.unfinished += 1;
+                break;
+            }
+        }
+        self.work.sweeps += done as u64;
+        self.work.visits += (done * self.rows.rows.len()) as u64;
+    }
+
+    /// Enters the points that come within reach of the bodies that impulses made faster; false if there is no such body.
+    fn extend(&mut self, bodies: &[Moving], h: f64) -> bool {
+        let allowed = 0.5 * self.settings.margin_m;
+        let mut any = false;
+        for i in 0..bodies.len() {
+            let motion = self.rows.motion[i];
+            let path = self.path_of(i, motion.v, motion.w, h);
+            if path > self.path[i] + allowed {
+                self.path[i] = 1.25 * path;
+                any = true;
+            }
+        }
+        if !any {
+            return false;
+        }
+        self.enter_bounds(bodies, h);
+        for k in 0..self.order.len() {
+            let entry = self.order[k];
+            let [a, b] = entry.bodies.map(|i| i as usize);
+            let reach = self.path[a] + self.path[b] + self.settings.margin_m;
+            if reach <= entry.reach || self.travel[a] + self.travel[b] + reach < entry.limit {
+                continue;
+            }
+            let from = if entry.reach > 0.0 { entry.reach } else { f64::NEG_INFINITY };
+            self.look(k, bodies, h, from, reach);
+        }
+        true
+    }
+
+    /// Gives impacts their rebound, with the velocity and place that they have at the end of the step after an impact within it.
+    fn rebound(&mut self, bodies: &[Moving], h: f64) {
+        let mut any = false;
+        let rows = &mut self.rows;
+        for block in rows.blocks.iter().filter(|b| b.restitution > 0.0) {
+            let at =
+                |i: u32, f: &dyn Fn(&Moving) -> Motion| bodies.get(i as usize).map_or(Motion::default(), f);
+            let [before_a, before_b] = block
+                .bodies
+                .map(|i| at(i, &|b| Motion { v: math::sub(b.v, b.kick_v), w: math::sub(b.w, b.kick_w) }));
+            let [kick_a, kick_b] = block.bodies.map(|i| at(i, &|b| Motion { v: b.kick_v, w: b.kick_w }));
+            for row in &mut rows.rows[block.first as usize..(block.first + block.count) as usize] {
+                let before = math::dot(row.relative(&before_a, &before_b), block.normal);
+                let kick = math::dot(row.relative(&kick_a, &kick_b), block.normal);
+                if row.normal <= 0.0 || -before <= REBOUND_FROM * kick.abs() + 1e-9 {
+                    continue;
+                }
+                let pull = 2.0 * kick / h;
+                let gap = row.gap.max(0.0);
+                let root = (before * before - 2.0 * pull * gap).max(0.0).sqrt();
+                let time = (2.0 * gap / (root - before)).min(h);
+                let speed = -block.restitution * (before + pull * time);
+                let end = speed * (h - time) + 0.5 * pull * (h - time) * (h - time);
+                let target = speed + pull * (0.5 * h - time);
+                if end > 0.0 && target > row.target {
+                    (row.target, row.exact) = (target, true);
+                    row.gap -= end;
+                    any = true;
+                }
+            }
+        }
+        if any {
+            self.sweeps(bodies, h);
+        }
+    }
+
+    /// Gaps, energies, and what goes back to the bodies and pairs.
+    fn close(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
+        self.check_depth()?;
+        self.book(bodies, h);
+        if self.rows.look_ahead(h) < -self.settings.slop_m {
+            self.rows.separate(self.settings.gap_sweeps, self.settings.gap_rate);
+        }
+        for (i, body) in bodies.iter_mut().enumerate() {
+            (body.v, body.w) = (self.rows.motion[i].v, self.rows.motion[i].w);
+            (body.shift, body.turn) = (self.rows.shift[i].v, self.rows.shift[i].w);
+        }
+        Ok(())
+    }
+
+    fn check_depth(&mut self) -> Result<(), TooDeep> {
+        for block in &self.rows.blocks {
+            let rows = &self.rows.rows[block.first as usize..(block.first + block.count) as usize];
+            let depth = rows.iter().filter(|r| !r.exact).map(|r| -r.gap).fold(0.0, f64::max);
+            self.work.deepest_m = self.work.deepest_m.max(depth);
+            let pair = &self.pairs[block.slot as usize];
+            let other = if pair.plane { f64::INFINITY } else { self.colliders[pair.b as usize].thickness };
+            if depth > DEPTH_LIMIT * self.colliders[pair.a as usize].thickness.min(other) {
+                return Err(TooDeep { a: self.bodies_of(pair)[0], b: self.partner_of(pair), depth_m: depth });
+            }
+        }
+        Ok(())
+    }
+
+    /// Books the work of the impulses: each does it on the mean of the velocities before and after the instant of contact. Keeps the impulses for
+    /// the next step.
+    fn book(&mut self, bodies: &[Moving], h: f64) {
+        self.mean.clear();
+        self.mean.extend(bodies.iter().zip(&self.rows.motion).map(|(body, after)| Motion {
+            v: math::sub(math::scale(0.5, math::add(body.v, after.v)), body.kick_v),
+            w: math::sub(math::scale(0.5, math::add(body.w, after.w)), body.kick_w),
+        }));
+        self.mean.push(Motion::default());
+        let (mut normal_work, mut friction_work) = (0.0, 0.0);
+        for k in 0..self.rows.blocks.len() {
+            let block = self.rows.blocks[k];
+            let [a, b] = block.bodies.map(|i| self.mean[i as usize]);
+            let slot = block.slot as usize;
+            let mut first_touch = f64::INFINITY;
+            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+                let mean = row.relative(&a, &b);
+                normal_work += row.normal * math::dot(mean, block.normal);
+                friction_work += math::dot(row.tangent, mean);
+                let point = &mut self.pairs[slot].points[row.point as usize];
+                point.normal = row.normal / h;
+                point.tangent = math::scale(1.0 / h, row.tangent);
+                if row.normal > 0.0 && !self.pairs[slot].seen {
+                    let speed = if row.target < 0.0 { -row.target } else { f64::INFINITY };
+                    first_touch = first_touch.min(if row.exact { 0.0 } else { row.gap.max(0.0) / speed });
+                }
+            }
+            if first_touch < f64::INFINITY {
+                self.note(slot, first_touch.min(h));
+            }
+        }
+        self.energy.normal_j -= normal_work;
+        self.energy.friction_j -= friction_work;
+    }
+
+    fn count_paths(&mut self, bodies: &[Moving], h: f64, slack: f64) {
+        let begin = self.clock;
+        let mut largest = 0.0_f64;
+        for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
+            let path = self.path_of(i, body.v, body.w, h)
+                + math::norm(body.shift)
+                + math::norm(body.turn) * self.radius[i];
+            self.travel[i] += path;
+            largest = largest.max(path);
+        }
+        self.clock += 2.0 * largest;
+        self.alarm = begin + slack;
+    }
+}

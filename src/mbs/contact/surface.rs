@@ -1,0 +1,87 @@
+//! Friction and restitution of each pair, and who passes through whom.
+
+use super::Partner;
+use crate::mbs::model::Model;
+use std::collections::BTreeMap;
+
+/// What holds where two solids meet.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Surface {
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+    /// Coefficient of restitution.
+    pub restitution: f64,
+}
+
+/// Surfaces of a model.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Surfaces {
+    bodies: Option<Surface>,
+    ground: Surface,
+    planes: Vec<Surface>,
+    obstacles: Vec<Surface>,
+    rules: BTreeMap<(usize, Partner), (bool, Option<f64>, Option<f64>)>,
+}
+
+impl Surfaces {
+    pub fn new(model: &Model) -> Self {
+        let contact = &model.contact;
+        let body = |id: &str| model.bodies.iter().position(|b| b.id == id);
+        let partner = |id: &str| {
+            let plane = || contact.planes.iter().position(|p| p.id == id).map(Partner::Plane);
+            let obstacle = || contact.obstacles.iter().position(|o| o.id == id).map(Partner::Obstacle);
+            match id {
+                "ground" => Some(Partner::Ground),
+                _ => body(id).map(Partner::Body).or_else(plane).or_else(obstacle),
+            }
+        };
+        let mut rules = BTreeMap::new();
+        for rule in &contact.pairs {
+            if let (Some(a), Some(b)) = (body(&rule.a), partner(&rule.b)) {
+                rules.insert(key(a, b), (rule.ignore, rule.friction, rule.restitution));
+            }
+        }
+        let surface = |friction, restitution| Surface { friction, restitution };
+        Self {
+            bodies: contact.bodies.as_ref().map(|b| surface(b.friction, b.restitution)),
+            ground: contact
+                .ground
+                .as_ref()
+                .map_or(Surface::default(), |g| surface(g.friction, g.restitution)),
+            planes: contact.planes.iter().map(|p| surface(p.friction, p.restitution)).collect(),
+            obstacles: contact.obstacles.iter().map(|o| surface(o.friction, o.restitution)).collect(),
+            rules,
+        }
+    }
+
+    /// Whether bodies meet bodies.
+    pub fn bodies_meet(&self) -> bool {
+        self.bodies.is_some()
+    }
+
+    /// The surface between a body and what it meets; none if they pass through each other.
+    pub fn between(&self, a: usize, b: Partner) -> Option<Surface> {
+        let usual = match b {
+            Partner::Body(_) => self.bodies?,
+            Partner::Ground => self.ground,
+            Partner::Plane(i) => self.planes[i],
+            Partner::Obstacle(i) => self.obstacles[i],
+        };
+        match self.rules.get(&key(a, b)) {
+            None => Some(usual),
+            Some((true, ..)) => None,
+            Some((false, friction, restitution)) => Some(Surface {
+                friction: friction.unwrap_or(usual.friction),
+                restitution: restitution.unwrap_or(usual.restitution),
+            }),
+        }
+    }
+}
+
+/// The same for both orders of two bodies.
+fn key(a: usize, b: Partner) -> (usize, Partner) {
+    match b {
+        Partner::Body(b) if b < a => (b, Partner::Body(a)),
+        other => (a, other),
+    }
+}

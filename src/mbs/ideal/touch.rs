@@ -1,0 +1,177 @@
+//! Contact of bodies on ideal joints.
+//!
+//! While a bound on the bodies' paths says that nothing can meet, steps know nothing of contact. Else they are those of the leapfrog, each begun by a jump: impulses at the
+//! begin of the step change the velocities so that no gap closes in it, joints included, and displacements without velocity open what is closed.
+
+use super::march::{MarchError, Marcher};
+use super::motion::{Motion, STATE};
+use crate::mbs::contact::{ContactSet, Moving, TooDeep, Touch};
+use crate::mbs::math::{self, V3, add, dot, norm, sub};
+
+/// Longest step in contact \[s\].
+pub const STEP_S: f64 = 5e-4;
+/// Change of a velocity from which accelerations are found anew within a step \[m/s, rad/s\].
+const JUMP: f64 = 1e-3;
+
+/// What can touch, in a march.
+#[derive(Debug, Clone)]
+pub struct Touching {
+    /// The contacts.
+    pub set: ContactSet,
+    /// Work of the displacements that opened gaps \[J\].
+    pub opened_j: f64,
+    /// Longest step in contact \[s\].
+    pub step_s: f64,
+    /// First contacts with their times \[s\]; for the caller to fetch.
+    pub touches: Vec<(f64, Touch)>,
+    moving: Vec<Moving>,
+    /// The bound on paths did not hold in the last smooth step.
+    missed: bool,
+}
+
+impl Touching {
+    /// For contacts in steps of so many seconds at most.
+    pub fn new(set: ContactSet, step_s: f64) -> Self {
+        Self { set, opened_j: 0.0, step_s, touches: Vec::new(), moving: Vec::new(), missed: false }
+    }
+
+    /// What contacts took along their normals, gaps that were opened included, and by friction \[J\].
+    pub fn taken_j(&self) -> [f64; 2] {
+        [self.set.energy.normal_j + self.opened_j, self.set.energy.friction_j]
+    }
+
+    /// Energy that contacts took so far \[J\].
+    pub fn spent_j(&self) -> f64 {
+        self.taken_j().iter().sum()
+    }
+}
+
+/// Velocity and angular velocity of a body in a state, or their rates.
+fn six(numbers: &[f64], body: usize) -> [V3; 2] {
+    let at = STATE * body + 7;
+    [[numbers[at], numbers[at + 1], numbers[at + 2]], [numbers[at + 3], numbers[at + 4], numbers[at + 5]]]
+}
+
+impl Marcher {
+    /// Whether something may touch within a step of `h` \[s\].
+    pub(super) fn is_near(&mut self, h: f64) -> bool {
+        let Some(touching) = &mut self.touching else { return false };
+        if touching.set.is_idle() {
+            return false;
+        }
+        let path = |b: usize| {
+            let ([v, w], [a, alpha]) = (six(&self.state, b), six(&self.rates[0], b));
+            h * (norm(v) + h * norm(a) + (norm(w) + h * norm(alpha)) * touching.set.radius_m(b))
+        };
+        let longest = (0..self.motion.bodies()).map(path).fold(0.0, f64::max);
+        std::mem::take(&mut touching.missed) || !touching.set.is_clear_for(longest)
+    }
+
+    /// Counts the paths of a smooth step whose stages are known; false if something may have touched in it.
+    pub(super) fn counted(&mut self, h: f64) -> bool {
+        let Some(touching) = &mut self.touching else { return true };
+        let rates = &self.rates;
+        let fastest = |b: usize, from: usize| {
+            let of = |k: &Vec<f64>| norm([0, 1, 2].map(|i| k[STATE * b + from + i]));
+            rates.iter().map(of).fold(0.0, f64::max)
+        };
+        // the rate of a position is a velocity, half of that of a quaternion's four numbers an angular one
+        let spin = |b: usize| {
+            let of = |k: &Vec<f64>| 2.0 * (3..7).map(|i| k[STATE * b + i].powi(2)).sum::<f64>().sqrt();
+            rates.iter().map(of).fold(0.0, f64::max)
+        };
+        let bodies = (0..self.motion.bodies()).map(|b| ([fastest(b, 0), 0.0, 0.0], [spin(b), 0.0, 0.0]));
+        touching.missed = !touching.set.quiet(h, bodies);
+        !touching.missed
+    }
+
+    /// The jump at the begin of a step of `h` \[s\].
+    ///
+    /// # Errors
+    /// If bodies are too deep in each other.
+    pub(super) fn jump(&mut self, h: f64) -> Result<(), MarchError> {
+        let Some(mut touching) = self.touching.take() else { return Ok(()) };
+        let outcome = self.impulses(&mut touching, h);
+        let time_s = self.time_s;
+        let touches = std::mem::take(&mut touching.set.touches);
+        touching.touches.extend(touches.into_iter().map(|t| (time_s + t.after_s, t)));
+        self.touching = Some(touching);
+        outcome.map_err(|deep| MarchError::Penetration { time_s, deep, step_s: h })
+    }
+
+    fn impulses(&mut self, touching: &mut Touching, h: f64) -> Result<(), TooDeep> {
+        let half = 0.5 * h;
+        touching.moving.clear();
+        for b in 0..self.motion.bodies() {
+            let ([v, w], [a, alpha]) = (six(&self.state, b), six(&self.rates[0], b));
+            let [kick_v, kick_w] = [a, alpha].map(|a| math::scale(half, a));
+            let body = &self.state[STATE * b..STATE * (b + 1)];
+            let q = math::qrenormalise([body[3], body[4], body[5], body[6]]);
+            touching.moving.push(Moving {
+                x: [body[0], body[1], body[2]],
+                q,
+                r: math::qmat(q),
+                v: add(v, kick_v),
+                w: add(w, kick_w),
+                kick_v,
+                kick_w,
+                inverse_mass: self.motion.inverse_mass(b),
+                inverse_inertia: *self.motion.inverse_inertia(b),
+                alive: !self.motion.is_gone(b),
+                shift: [0.0; 3],
+                turn: [0.0; 3],
+            });
+        }
+        touching.set.solve_linked(&mut touching.moving, h, Some(&mut self.motion))?;
+        let work = self.state.len() - 1;
+        let mut largest = 0.0_f64;
+        for b in 0..self.motion.bodies() {
+            let moving = &touching.moving[b];
+            let [v, w] = six(&self.state, b);
+            let change = [sub(sub(moving.v, moving.kick_v), v), sub(sub(moving.w, moving.kick_w), w)];
+            largest = change.iter().flatten().fold(largest, |l, c| l.max(c.abs()));
+            let at = STATE * b;
+            for i in 0..3 {
+                self.state[at + 7 + i] += change[0][i];
+                self.state[at + 10 + i] += change[1][i];
+                self.rates[0][at + i] += change[0][i];
+            }
+            let [force, torque] = self.motion.applied(b);
+            self.rates[0][work] += dot(force, change[0]) + dot(torque, change[1]);
+            if moving.shift != [0.0; 3] || moving.turn != [0.0; 3] {
+                let done = dot(force, moving.shift) + dot(torque, moving.turn);
+                touching.opened_j += done + dot(self.motion.weight(b), moving.shift);
+                self.state[work] += done;
+                (0..3).for_each(|i| self.state[at + i] += moving.shift[i]);
+                let q = &self.state[at + 3..at + 7];
+                let q = math::qrenormalise(math::qmul(math::qexp(moving.turn), [q[0], q[1], q[2], q[3]]));
+                self.state[at + 3..at + 7].copy_from_slice(&q);
+            }
+        }
+        if largest > JUMP {
+            self.refresh();
+        } else if largest > 0.0 {
+            self.turn_rates();
+        }
+        Ok(())
+    }
+
+    /// Tells the contacts which bodies are there and which joints and bushings connect.
+    pub fn connect(&mut self) {
+        if let Some(touching) = &mut self.touching {
+            let ground = self.motion.bodies();
+            let pairs = self.motion.connected(ground);
+            touching.set.connect(pairs.into_iter(), |b| !self.motion.is_gone(b));
+        }
+    }
+}
+
+impl crate::mbs::contact::Linked for Motion {
+    fn is_linked(&self, body: usize) -> bool {
+        self.part_of(body).is_some()
+    }
+
+    fn respond(&mut self, body: usize, impulse: [V3; 2], out: &mut Vec<(usize, [V3; 2])>) {
+        self.response(body, impulse, out);
+    }
+}
