@@ -149,7 +149,8 @@ impl BodyState {
         }
     }
 
-    fn ground() -> Self {
+    /// A body that does not move.
+    pub fn ground() -> Self {
         let zero = [0.0; 3];
         let q = [1.0, 0.0, 0.0, 0.0];
         let r = math::qmat(q);

@@ -1,10 +1,11 @@
 //! From a model file to a mechanism.
 
+use super::bushing::Given;
 use super::force::{Force, HingeLaw};
 use super::joint::{Joint, Kind, frame_about};
 use super::{Body, GROUND, Mechanism};
 use crate::mbs::math::{V3, axpy, cross, dot, norm, scale, sub};
-use crate::mbs::model::{self, JointKind, Model};
+use crate::mbs::model::{self, Bending, JointKind, Model};
 use std::collections::BTreeMap;
 
 /// The mechanism of a checked model: bodies, joints and forces in the order of the file.
@@ -21,7 +22,20 @@ pub fn mechanism(model: &Model) -> Mechanism {
         joints: model.joints.iter().map(|j| joint(j, &place)).collect(),
         forces,
         laws,
+        bushings: model.bushings.iter().map(|b| bushing(model, b, &place)).collect(),
         gravity_m_s2: model.gravity_m_s2,
+    }
+}
+
+fn bushing(model: &Model, bushing: &model::Bushing, place: &dyn Fn(Option<&str>) -> usize) -> Given {
+    let curve = |k: usize| match &bushing.bending[k] {
+        Bending::Curve { curve, .. } => model.curves.get(curve).cloned(),
+        Bending::Elastic { .. } => None,
+    };
+    Given {
+        bodies: [place(bushing.body_a.as_deref()), place(Some(&bushing.body_b))],
+        curves: [curve(0), curve(1)],
+        bushing: bushing.clone(),
     }
 }
 

@@ -7,6 +7,7 @@ use super::Mechanism;
 use super::method::{LEAPFROG, Method, method_for};
 use super::motion::{Motion, STATE, quaternion_rate};
 use super::touch::Touching;
+use crate::curve::CurveError;
 use crate::mbs::contact::TooDeep;
 use crate::mbs::math::{qexp, qmul, qrenormalise};
 
@@ -54,8 +55,11 @@ pub struct Course {
 }
 
 /// Why a run stopped.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MarchError {
+    /// A curve cannot be compiled.
+    #[error(transparent)]
+    Curve(#[from] CurveError),
     /// The step would have to be too small.
     #[error(
         "at {time_s:.6} s the step would have to be smaller than {step_s:.1e} s: a singular pose, or a force that jumps; use a larger tolerance"
@@ -126,7 +130,8 @@ pub struct Marcher {
     repeated: bool,
     /// Step that was too long a while ago; rises slowly, so that a bound of stability is not tried again and again \[s\].
     ceiling: f64,
-    /// Bound of stability \[s\].
+    /// Highest frequency of springs and hinges \[rad/s\], and the bound of stability \[s\].
+    pub(super) frequency: f64,
     limit_s: f64,
     /// Steps of this length at most, whatever their error \[s\].
     fixed_s: Option<f64>,
@@ -169,11 +174,19 @@ impl Span<'_> {
 
 impl Marcher {
     /// At the start of a mechanism, whose joints it projects velocities onto; `span_s` is the time of the whole run.
-    pub fn of(mechanism: &Mechanism, tolerance: f64, span_s: f64, in_space: bool) -> Self {
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn of(
+        mechanism: &Mechanism,
+        tolerance: f64,
+        span_s: f64,
+        in_space: bool,
+    ) -> Result<Self, CurveError> {
         let method = method_for(mechanism, tolerance);
         let state = Motion::state(mechanism);
         let mut marcher = Self {
-            motion: Motion::of(mechanism, in_space),
+            motion: Motion::of(mechanism, in_space)?,
             next: vec![0.0; state.len()],
             rates: vec![vec![0.0; state.len()]; method.stages.len() + 1],
             state,
@@ -188,6 +201,7 @@ impl Marcher {
             before: 1.0,
             repeated: false,
             ceiling: f64::INFINITY,
+            frequency: 0.0,
             limit_s: f64::INFINITY,
             fixed_s: None,
             start_j: 0.0,
@@ -196,7 +210,7 @@ impl Marcher {
         marcher.motion.project(&mut marcher.state);
         marcher.tally.rows = [marcher.motion.constraints(), marcher.motion.dependent()];
         marcher.restart();
-        marcher
+        Ok(marcher)
     }
 
     /// From now on steps of one length, as many as fill the time until the next stop evenly, without control of their error.
@@ -204,7 +218,12 @@ impl Marcher {
         self.fixed_s = Some(step_s);
     }
 
-    /// Largest stable step by the bound on the frequency of springs and hinges \[s\].
+    /// Highest angular frequency of springs and hinges under the joints, with margin \[rad/s\].
+    pub fn frequency_rad_s(&self) -> f64 {
+        self.frequency
+    }
+
+    /// Largest stable step \[s\].
     pub fn limit_s(&self) -> f64 {
         self.limit_s
     }
@@ -212,8 +231,12 @@ impl Marcher {
     /// Takes up a state or mechanism that was changed from outside; the energies are counted from here.
     pub fn restart(&mut self) {
         self.refresh();
-        let frequency = self.motion.frequency();
-        self.limit_s = if frequency > 0.0 { self.method.reach / frequency } else { f64::INFINITY };
+        self.frequency = self.motion.frequency();
+        self.limit_s = if self.method.is_leapfrog() {
+            self.leap_limit_s()
+        } else {
+            self.method.reach / self.frequency.max(f64::MIN_POSITIVE)
+        };
         self.start_j =
             self.motion.balance_j(&self.state) + self.touching.as_ref().map_or(0.0, Touching::spent_j);
         (self.before, self.repeated) = (1.0, false);
@@ -312,9 +335,8 @@ impl Marcher {
     /// Length of a step in contact that is at most `step`, and divides the time until the stop evenly.
     fn contact_step(&self, step: f64, until_s: f64) -> f64 {
         let longest = self.touching.as_ref().map_or(step, |t| t.step_s);
-        let stable = self.limit_s * LEAPFROG.reach / self.method.reach;
         let span = until_s - self.time_s;
-        span / (span / step.min(longest).min(stable) * (1.0 - 1e-9)).ceil().max(1.0)
+        span / (span / step.min(longest).min(self.leap_limit_s()) * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
     /// Tries a step: what the next one may change by, or nothing if it has to be tried again with a smaller one.
@@ -430,7 +452,7 @@ impl Marcher {
 /// # Errors
 /// If no step meets the tolerance.
 pub fn march(mechanism: &Mechanism, wanted: &March) -> Result<Course, MarchError> {
-    let mut marcher = Marcher::of(mechanism, wanted.tolerance, wanted.end_s, wanted.in_space);
+    let mut marcher = Marcher::of(mechanism, wanted.tolerance, wanted.end_s, wanted.in_space)?;
     let mut states = vec![marcher.state.clone()];
     let last = wanted.end_s * (1.0 + 1e-12);
     let mut outputs = |span: &Span<'_>, _: &Marcher| {

@@ -66,7 +66,7 @@ const FOURTH: Method = Method {
 pub(super) const LEAPFROG: Method = Method { stages: &[&[]], error: &[], dense: &[], order: 3.0, reach: 1.9 };
 
 /// Tolerance from which the leapfrog is taken.
-const COARSE: f64 = 1e-4;
+pub(super) const COARSE: f64 = 1e-4;
 
 impl Method {
     /// Whether it is the leapfrog.
@@ -78,7 +78,8 @@ impl Method {
 /// The method for a mechanism. Elastic hinges make fast vibrations that bound the step, and the fourth order bears `2.8 / ω` with four evaluations, the fifth `1.6 / ω`
 /// with six; where only the error bounds it, the fifth needs fewer. The leapfrog bears `2 / ω` with one evaluation.
 pub(super) fn method_for(mechanism: &Mechanism, tolerance: f64) -> &'static Method {
-    let is_stiff = mechanism.forces.iter().any(|f| matches!(f, Force::Hinge { .. }));
+    let is_stiff =
+        !mechanism.bushings.is_empty() || mechanism.forces.iter().any(|f| matches!(f, Force::Hinge { .. }));
     match is_stiff {
         true if tolerance >= COARSE => &LEAPFROG,
         true => &FOURTH,

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`joint`] | kinds of joints and their constraint rows |
 //! | [`force`] | springs, dampers, torques, hinges that flow |
+//! | [`bushing`] | compliant connections |
 //! | [`factor`] | the sparse block factorisation of `S` |
 //! | [`planar`] | which parts move in a plane, so that rows across it can be left out |
 //! | [`motion`] | accelerations and projections at a state |
@@ -17,6 +18,7 @@
 //! | [`run`] | a whole run of a model file: events, outputs, energy balance |
 //! | [`march`] | the Runge-Kutta steps with error control (`method`: their coefficients) |
 
+pub mod bushing;
 pub mod compile;
 pub mod factor;
 pub mod force;
@@ -78,6 +80,8 @@ pub struct Mechanism {
     pub forces: Vec<Force>,
     /// Laws of hinges.
     pub laws: Vec<HingeLaw>,
+    /// Compliant connections.
+    pub bushings: Vec<bushing::Given>,
     /// Gravity \[m/s²\].
     pub gravity_m_s2: V3,
 }

@@ -1,10 +1,12 @@
 //! Accelerations of a mechanism at a state, and the nearest state that its joints allow.
 
+use super::bushing::{BushingState, Held};
 use super::factor::BlockFactor;
 use super::force::{Acting, HingeLaw, HingeState};
 use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
 use super::planar::planes;
 use super::{Mechanism, joint};
+use crate::curve::CurveError;
 use crate::mbs::math::{
     M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, mul_t, qexp, qmat, qmul, qrenormalise, scale,
     sub, transpose,
@@ -67,6 +69,8 @@ pub struct Observed {
     pub work_j: f64,
     /// Hinges and torsion springs by their place among the forces of the mechanism.
     pub hinges: Vec<(usize, HingeState)>,
+    /// Bushings with curves by their place behind the forces of the mechanism.
+    pub bushings: Vec<(usize, BushingState)>,
 }
 
 /// A mechanism in motion.
@@ -87,6 +91,11 @@ pub struct Motion {
     /// Place of each force in the mechanism.
     force_ids: Vec<usize>,
     laws: Vec<HingeLaw>,
+    bushings: Vec<Held>,
+    /// Place of each bushing behind the forces of the mechanism.
+    bushing_ids: Vec<usize>,
+    /// Bushings that tension broke, by their places; for the caller to fetch.
+    pub torn: Vec<usize>,
     /// Hinges that flowed for the first time, by their places in the mechanism; for the caller to fetch.
     pub yielded: Vec<usize>,
     /// Plastic work of hinges that are gone, and elastic energy of those that fractured \[J\].
@@ -113,7 +122,10 @@ pub struct Motion {
 
 impl Motion {
     /// Prepares a mechanism; rows across the plane of plane parts are left out unless `in_space`.
-    pub fn of(mechanism: &Mechanism, in_space: bool) -> Self {
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn of(mechanism: &Mechanism, in_space: bool) -> Result<Self, CurveError> {
         let start: Vec<Pose> = mechanism
             .bodies
             .iter()
@@ -145,6 +157,9 @@ impl Motion {
             forces: mechanism.forces.iter().map(|f| Acting::of(f, &start)).collect(),
             force_ids: (0..mechanism.forces.len()).collect(),
             laws: mechanism.laws.clone(),
+            bushings: mechanism.bushings.iter().map(|b| Held::of(b, &start)).collect::<Result<_, _>>()?,
+            bushing_ids: (0..mechanism.bushings.len()).map(|i| mechanism.forces.len() + i).collect(),
+            torn: Vec::new(),
             yielded: Vec::new(),
             spent_j: 0.0,
             lost_j: 0.0,
@@ -162,7 +177,7 @@ impl Motion {
             poses: start,
         };
         motion.link();
-        motion
+        Ok(motion)
     }
 
     /// Finds order and pattern of `S` for the joints that are there.
@@ -251,10 +266,11 @@ impl Motion {
         scale(self.mass[body], self.gravity)
     }
 
-    /// Pairs of bodies that joints connect; `ground` stands for the ground.
+    /// Pairs of bodies that joints and bushings connect; `ground` stands for the ground.
     pub fn connected(&self, ground: usize) -> Vec<(usize, usize)> {
         let own = |b: usize| if is_ground(b) { ground } else { b };
-        self.joints.iter().map(|j| (own(j.bodies[0]), own(j.bodies[1]))).collect()
+        let joints = self.joints.iter().map(|j| j.bodies);
+        joints.chain(self.bushings.iter().map(|b| b.bodies)).map(|[a, b]| (own(a), own(b))).collect()
     }
 
     /// The state of the start.
@@ -352,6 +368,9 @@ impl Motion {
         for force in &mut self.forces {
             power += force.apply(&self.poses, &self.laws, &mut self.loads);
         }
+        for bushing in &mut self.bushings {
+            power += bushing.apply(&self.poses, &mut self.loads);
+        }
         for ((applied, load), mass) in self.applied.iter_mut().zip(&self.loads).zip(&self.mass) {
             *applied = [axpy(load[0], -mass, self.gravity), load[1]];
         }
@@ -392,6 +411,18 @@ impl Motion {
                 }
             }
         }
+        for (bushing, id) in self.bushings.iter_mut().zip(&self.bushing_ids) {
+            let flowed = bushing.has_flowed();
+            let breaks = bushing.commit();
+            if !flowed && bushing.has_flowed() {
+                self.yielded.push(*id);
+            }
+            if let Some(by_tension) = breaks {
+                broken.push(*id);
+                self.lost_j += bushing.at(&self.poses).0[0];
+                self.torn.extend(by_tension.then_some(*id));
+            }
+        }
         if !broken.is_empty() {
             self.release(&opened, &broken);
         }
@@ -403,6 +434,10 @@ impl Motion {
         let of = |list: &[usize], id: &usize| !list.contains(id);
         let ending = self.forces.iter().zip(&self.force_ids).filter(|(_, id)| !of(forces, id));
         self.spent_j += ending.map(|(f, _)| f.dissipated_j()).sum::<f64>();
+        let ending = self.bushings.iter().zip(&self.bushing_ids).filter(|(_, id)| !of(forces, id));
+        self.spent_j += ending.map(|(b, _)| b.at(&self.poses).0[1]).sum::<f64>();
+        let both = std::mem::take(&mut self.bushings).into_iter().zip(std::mem::take(&mut self.bushing_ids));
+        (self.bushings, self.bushing_ids) = both.filter(|(_, id)| of(forces, id)).unzip();
         let both = std::mem::take(&mut self.forces).into_iter().zip(std::mem::take(&mut self.force_ids));
         (self.forces, self.force_ids) = both.filter(|(_, id)| of(forces, id)).unzip();
         if !joints.is_empty() {
@@ -422,6 +457,9 @@ impl Motion {
         let forces = self.forces.iter().zip(&self.force_ids);
         let forces: Vec<usize> =
             forces.filter(|(f, _)| f.bodies().contains(&body)).map(|(_, id)| *id).collect();
+        let bushings = self.bushings.iter().zip(&self.bushing_ids);
+        let bushings = bushings.filter(|(b, _)| b.bodies.contains(&body)).map(|(_, id)| *id);
+        let forces: Vec<usize> = forces.into_iter().chain(bushings).collect();
         self.release(&joints, &forces);
         [joints, forces]
     }
@@ -435,6 +473,15 @@ impl Motion {
     pub fn force_mut(&mut self, id: usize) -> Option<&mut Acting> {
         let at = self.force_ids.iter().position(|f| *f == id)?;
         Some(&mut self.forces[at])
+    }
+
+    /// Multiplies the strength of a hinge or bushing by its place, if it is there.
+    pub fn weaken(&mut self, id: usize, by: f64) {
+        if let Some(at) = self.bushing_ids.iter().position(|b| *b == id) {
+            self.bushings[at].weaken(by);
+        } else if let Some(force) = self.force_mut(id) {
+            force.weaken(by);
+        }
     }
 
     /// Places in the mechanism of the joints that are there.
@@ -460,14 +507,21 @@ impl Motion {
         let others =
             self.forces.iter().filter(|f| !matches!(f, Acting::Hinge { .. } | Acting::Torsion { .. }));
         let springs_j: f64 = others.map(|f| f.elastic_j(&poses, &self.laws)).sum();
+        let bushings: Vec<(usize, ([f64; 2], Option<BushingState>))> =
+            self.bushing_ids.iter().copied().zip(self.bushings.iter().map(|b| b.at(&poses))).collect();
         Observed {
             kinetic_j,
             gravity_j,
-            elastic_j: springs_j + hinges.iter().map(|(_, h)| h.elastic_j).sum::<f64>(),
-            plastic_j: self.spent_j + hinges.iter().map(|(_, h)| h.dissipated_j).sum::<f64>(),
+            elastic_j: springs_j
+                + hinges.iter().map(|(_, h)| h.elastic_j).sum::<f64>()
+                + bushings.iter().map(|(_, (j, _))| j[0]).sum::<f64>(),
+            plastic_j: self.spent_j
+                + hinges.iter().map(|(_, h)| h.dissipated_j).sum::<f64>()
+                + bushings.iter().map(|(_, (j, _))| j[1]).sum::<f64>(),
             lost_j: self.lost_j,
             work_j: state.last().copied().unwrap_or(0.0),
             hinges,
+            bushings: bushings.into_iter().filter_map(|(id, (_, state))| Some((id, state?))).collect(),
         }
     }
 
@@ -482,6 +536,10 @@ impl Motion {
             .iter()
             .filter_map(|f| f.stiffness(&self.laws).map(|(k, arms)| (f.bodies(), k, arms)))
             .collect();
+        let of_bushing = |b: &Held| {
+            b.springs(&self.poses).map(|(k, arms)| (b.bodies.to_vec(), k, arms)).collect::<Vec<_>>()
+        };
+        let springs: Vec<_> = springs.into_iter().chain(self.bushings.iter().flat_map(of_bushing)).collect();
         let mut own = vec![0.0; self.mass.len()];
         for (bodies, stiffness, arms) in &springs {
             for (body, arm) in bodies.iter().zip(arms).filter(|(b, _)| !is_ground(**b)) {
@@ -512,6 +570,9 @@ impl Motion {
             self.loads.fill([[0.0; 3]; 2]);
             for force in &self.forces {
                 force.respond(&self.poses, &self.laws, &motion, &mut self.loads);
+            }
+            for bushing in &self.bushings {
+                bushing.respond(&self.poses, &motion, &mut self.loads);
             }
             for (b, load) in self.loads.iter_mut().enumerate() {
                 *load = [scale(-1.0 / self.mass[b], load[0]), scale(-1.0, mul(&self.inverse[b], load[1]))];
@@ -555,7 +616,9 @@ impl Motion {
 
     /// How far a hinge is beyond its fracture at the state that was taken, at most \[rad\]; `None` without hinges.
     pub fn beyond(&self) -> Option<f64> {
-        self.forces.iter().filter_map(|f| f.beyond(&self.laws)).reduce(f64::max)
+        let of_bushing = |b: &Held| if b.is_broken() { 0.0 } else { -1.0 };
+        let bushings = self.bushings.iter().map(of_bushing);
+        self.forces.iter().filter_map(|f| f.beyond(&self.laws)).chain(bushings).reduce(f64::max)
     }
 
     /// Solves `S λ = G l + shift` (`plain`: without `G l`) and takes `M⁻¹ Gᵀ λ` off the loads `l`.

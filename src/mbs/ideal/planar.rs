@@ -22,6 +22,7 @@ pub fn planes(mechanism: &Mechanism) -> Vec<Option<V3>> {
 
 /// The part of each body: bodies that joints or forces connect.
 fn parts(mechanism: &Mechanism) -> Vec<usize> {
+    let bushings = mechanism.bushings.iter().map(|b| b.bodies);
     let links =
         mechanism.joints.iter().map(|j| j.bodies).chain(mechanism.forces.iter().filter_map(|f| match f {
             Force::Spring { bodies, .. } | Force::Torsion { bodies, .. } | Force::Hinge { bodies, .. } => {
@@ -29,6 +30,7 @@ fn parts(mechanism: &Mechanism) -> Vec<usize> {
             }
             Force::Torque { .. } | Force::Force { .. } => None,
         }));
+    let links = links.chain(bushings);
     let mut parts = UnionFind::new(mechanism.bodies.len());
     for [a, b] in links.filter(|l| !l.iter().any(|b| is_ground(*b))) {
         parts.union(a, b);
@@ -69,6 +71,7 @@ fn normal(mechanism: &Mechanism, parts: &[usize], part: usize) -> Option<V3> {
         && joints().all(of_joint)
         && bodies.into_iter().all(of_body)
         && mechanism.forces.iter().all(of_force);
+    let holds = holds && !mechanism.bushings.iter().any(|b| b.bodies.iter().any(own));
     holds.then_some(n)
 }
 

@@ -3,15 +3,15 @@
 use super::compile;
 use super::march::{MarchError, Marcher, Span};
 use super::motion::{Motion, Observed, STATE};
-use super::touch::{self, Touching};
+use super::touch::Touching;
 use crate::base::cpu::ThreadClock;
 use crate::mbs::contact::{ContactSet, Partner};
 use crate::mbs::error::SolveError;
 use crate::mbs::math::{self, V3};
-use crate::mbs::model::{Force, Model};
+use crate::mbs::model::{Bending, Bushing, Force, Model};
 use crate::mbs::result::{
-    EventKind, FractureCause, Frame, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult, TrackedHistory,
-    TurnHistory,
+    EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
+    TrackedHistory, TurnHistory,
 };
 use crate::mbs::run::SolverOptions;
 
@@ -27,7 +27,7 @@ const VELOCITY: f64 = 1e-6;
 pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
     scope(model)?;
     let clock = ThreadClock::start();
-    let mut run = Run::new(model, options);
+    let mut run = Run::new(model, options)?;
     if let Some(given_s) = model.settings.time_step_s {
         let limit_s = run.marcher.limit_s();
         if given_s > limit_s {
@@ -42,9 +42,7 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
 }
 
 fn scope(model: &Model) -> Result<(), SolveError> {
-    let what = if !model.bushings.is_empty() {
-        "bushings together with ideal joints or forces are not run yet: use joints and hinges, or bushings alone"
-    } else if model.settings.preload {
+    let what = if model.settings.preload {
         "settings.preload is for models of bushings: set it to false; the run begins in the poses of the file"
     } else {
         return Ok(());
@@ -76,16 +74,17 @@ struct Record {
 }
 
 impl<'a> Run<'a> {
-    fn new(model: &'a Model, options: &'a SolverOptions) -> Self {
+    fn new(model: &'a Model, options: &'a SolverOptions) -> Result<Self, SolveError> {
         let mechanism = compile::mechanism(model);
         let settings = &model.settings;
         let given = Motion::state(&mechanism);
         let mut marcher =
-            Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, settings.reactions);
+            Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, settings.reactions)?;
         if has_contact(model) {
             let set = ContactSet::new(model, options.contact);
-            marcher.touching = Some(Touching::new(set, touch::STEP_S));
+            marcher.touching = Some(Touching::new(set, settings.tolerance));
             marcher.connect();
+            marcher.restart();
         }
         let start = marcher.motion.observe(&marcher.state);
         let mut result = empty(model);
@@ -107,7 +106,7 @@ impl<'a> Run<'a> {
             turnover_j,
             error: 0.0,
         };
-        Self { model, options, tracked: tracked.collect(), record, marcher, result }
+        Ok(Self { model, options, tracked: tracked.collect(), record, marcher, result })
     }
 
     fn go(&mut self) -> Result<(), SolveError> {
@@ -122,6 +121,7 @@ impl<'a> Run<'a> {
         let tally = &self.marcher.tally;
         self.result.steps = tally.steps[0] as usize;
         self.result.time_step_s = tally.longest_s;
+        self.result.highest_frequency_rad_s = self.marcher.frequency_rad_s();
         self.result.energy_error = self.record.error;
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
@@ -164,12 +164,13 @@ impl<'a> Run<'a> {
         };
         let outcome = marcher.advance(stop, &mut seen, &mut fractured);
         for (time_s, id) in marcher.yields.drain(..) {
-            let kind = EventKind::Yield { joint: model.forces[id].id().into() };
+            let kind = EventKind::Yield { joint: id_of(model, id).into() };
             result.events.push(RunEvent { time_s, kind });
         }
         for (time_s, id) in fractured {
-            let kind =
-                EventKind::Fracture { joint: model.forces[id].id().into(), cause: FractureCause::Rotation };
+            let torn = marcher.motion.torn.contains(&id);
+            let cause = if torn { FractureCause::Tension } else { FractureCause::Rotation };
+            let kind = EventKind::Fracture { joint: id_of(model, id).into(), cause };
             result.events.push(RunEvent { time_s, kind });
         }
         self.record_touches();
@@ -248,14 +249,12 @@ impl<'a> Run<'a> {
             }
             for id in &event.release {
                 let joint = model.joints.iter().position(|j| j.id == *id);
-                let force = model.forces.iter().position(|f| f.id() == id);
+                let force = place_of(model, id);
                 motion.release(joint.as_slice(), force.as_slice());
             }
             for w in &event.weaken {
-                if let Some(force) = model.forces.iter().position(|f| f.id() == w.id)
-                    && let Some(acting) = motion.force_mut(force)
-                {
-                    acting.weaken(w.factor);
+                if let Some(id) = place_of(model, &w.id) {
+                    motion.weaken(id, w.factor);
                 }
             }
             let kind = EventKind::Removal { event: event.id.clone() };
@@ -322,6 +321,15 @@ impl Record {
             history.moment_nm.push(now.map_or([0.0; 3], |h| h.moment_nm));
             history.plastic_rotation_rad.push(now.map_or([0.0; 3], |h| h.plastic_rad));
         }
+        for history in &mut result.hinges {
+            let now = seen.bushings.iter().find(|(id, _)| id_of(model, *id) == history.joint);
+            let now = now.map(|(_, b)| *b);
+            history.rotation_rad.push(now.map_or([0.0; 2], |b| b.rotation_rad));
+            history.moment_nm.push(now.map_or([0.0; 2], |b| b.moment_nm));
+            let before = history.plastic_rotation_rad.last().copied().unwrap_or(0.0);
+            history.plastic_rotation_rad.push(now.map_or(before, |b| b.plastic_rad));
+            history.axial_force_n.push(now.map_or(0.0, |b| b.axial_force_n));
+        }
         self.balance(model, options, [time, step], &seen, state, result)
     }
 
@@ -381,6 +389,20 @@ fn span(force: &Force) -> Option<[f64; 2]> {
     match force {
         Force::Force { from_to_s, .. } | Force::Torque { from_to_s, .. } => *from_to_s,
         _ => None,
+    }
+}
+
+/// Place of a force, or of a bushing behind them, by its id.
+fn place_of(model: &Model, id: &str) -> Option<usize> {
+    let bushing = || model.bushings.iter().position(|b| b.id == id).map(|i| model.forces.len() + i);
+    model.forces.iter().position(|f| f.id() == id).or_else(bushing)
+}
+
+/// Id of a force, or of a bushing behind them, by its place.
+fn id_of(model: &Model, place: usize) -> &str {
+    match model.forces.get(place) {
+        Some(force) => force.id(),
+        None => &model.bushings[place - model.forces.len()].id,
     }
 }
 
@@ -461,6 +483,14 @@ fn empty(model: &Model) -> RunResult {
         moment_nm: Vec::new(),
         plastic_rotation_rad: Vec::new(),
     });
+    let curved = |b: &&Bushing| b.bending.iter().any(|k| matches!(k, Bending::Curve { .. }));
+    let hinges = model.bushings.iter().filter(curved).map(|b| HingeHistory {
+        joint: b.id.clone(),
+        rotation_rad: Vec::new(),
+        moment_nm: Vec::new(),
+        plastic_rotation_rad: Vec::new(),
+        axial_force_n: Vec::new(),
+    });
     let recorded = if model.settings.reactions { model.joints.as_slice() } else { &[] };
     let reactions = recorded.iter().map(|j| ReactionHistory {
         joint: j.id.clone(),
@@ -475,7 +505,7 @@ fn empty(model: &Model) -> RunResult {
         bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
         frames: Vec::new(),
         energies: Default::default(),
-        hinges: Vec::new(),
+        hinges: hinges.collect(),
         turns: turns.collect(),
         reactions: reactions.collect(),
         events: Vec::new(),

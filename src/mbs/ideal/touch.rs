@@ -4,12 +4,15 @@
 //! begin of the step change the velocities so that no gap closes in it, joints included, and displacements without velocity open what is closed.
 
 use super::march::{MarchError, Marcher};
+use super::method::{COARSE, LEAPFROG};
 use super::motion::{Motion, STATE};
 use crate::mbs::contact::{ContactSet, Moving, TooDeep, Touch};
 use crate::mbs::math::{self, V3, add, dot, norm, sub};
 
-/// Longest step in contact \[s\].
-pub const STEP_S: f64 = 5e-4;
+/// Longest step in contact \[s\], and that with a coarse tolerance.
+const STEP_S: [f64; 2] = [5e-4, 1e-3];
+/// Share of the stable step that is taken where steps change between those in contact and others: leapfrog steps that alternate excite vibrations near its limit.
+const ALTERNATING: f64 = 0.8;
 /// Change of a velocity from which accelerations are found anew within a step \[m/s, rad/s\].
 const JUMP: f64 = 1e-3;
 
@@ -30,8 +33,9 @@ pub struct Touching {
 }
 
 impl Touching {
-    /// For contacts in steps of so many seconds at most.
-    pub fn new(set: ContactSet, step_s: f64) -> Self {
+    /// For contacts in a run with a tolerance.
+    pub fn new(set: ContactSet, tolerance: f64) -> Self {
+        let step_s = STEP_S[usize::from(tolerance >= COARSE)];
         Self { set, opened_j: 0.0, step_s, touches: Vec::new(), moving: Vec::new(), missed: false }
     }
 
@@ -65,6 +69,12 @@ impl Marcher {
         };
         let longest = (0..self.motion.bodies()).map(path).fold(0.0, f64::max);
         std::mem::take(&mut touching.missed) || !touching.set.is_clear_for(longest)
+    }
+
+    /// Largest stable step of the leapfrog \[s\].
+    pub(super) fn leap_limit_s(&self) -> f64 {
+        let share = if self.touching.is_some() { ALTERNATING } else { 1.0 };
+        share * LEAPFROG.reach / self.frequency.max(f64::MIN_POSITIVE)
     }
 
     /// Counts the paths of a smooth step whose stages are known; false if something may have touched in it.

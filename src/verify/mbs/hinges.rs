@@ -76,6 +76,7 @@ fn topple(capacity_nm: f64, end_s: f64, tolerance: f64) -> Result<Course, String
         joints: vec![Joint::at(Kind::Revolute, bodies, [0.0; 3], [0.0, 1.0, 0.0])],
         forces: vec![Force::Hinge { bodies, law: 0, joint: None }],
         laws: vec![law],
+        bushings: Vec::new(),
         gravity_m_s2: [0.0, 0.0, -9.81],
     };
     march(&mechanism, &March { end_s, tolerance, output_s: 2e-4, in_space: true }).map_err(|e| e.to_string())

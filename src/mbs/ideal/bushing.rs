@@ -1,0 +1,176 @@
+//! Compliant connections among ideal joints: the law of [`crate::mbs::joint`], whose history moves on at the end of each step only.
+
+use super::joint::{Pose, is_ground, pose_of};
+use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
+use crate::mbs::joint::JointData;
+use crate::mbs::math::{V3, add, axpy, dot};
+use crate::mbs::model::{Bending, Bushing};
+use crate::mbs::system::BodyState;
+
+/// A bushing, given in the pose in which it is free of stress.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Given {
+    /// Its entry in the model file.
+    pub bushing: Bushing,
+    /// The bodies; the ground may be one of them.
+    pub bodies: [usize; 2],
+    /// Curves of its bending axes.
+    pub curves: [Option<ResistanceCurve>; 2],
+}
+
+/// A bushing in motion.
+#[derive(Debug, Clone)]
+pub struct Held {
+    /// The bodies.
+    pub bodies: [usize; 2],
+    given: Given,
+    tables: Vec<CapacityTable>,
+    /// As the last step left it, and as the pose that was evaluated last would.
+    committed: JointData,
+    trial: JointData,
+    factor: f64,
+}
+
+/// A bushing with a curve at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BushingState {
+    /// Rotations and moments about its bending axes \[rad, N m\].
+    pub rotation_rad: [f64; 2],
+    /// Moments.
+    pub moment_nm: [f64; 2],
+    /// Accumulated plastic rotation \[rad\].
+    pub plastic_rad: f64,
+    /// Axial force, compression positive \[N\].
+    pub axial_force_n: f64,
+}
+
+impl Held {
+    /// In the poses in which it is free of stress.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn of(given: &Given, poses: &[Pose]) -> Result<Self, CurveError> {
+        let states = states(given.bodies, poses);
+        let place = |side: usize| if is_ground(given.bodies[side]) { 2 } else { side };
+        let committed = JointData::new(&given.bushing, place(0), place(1), &states);
+        let trial = committed.clone();
+        let mut held = Self {
+            bodies: given.bodies,
+            given: given.clone(),
+            tables: Vec::new(),
+            committed,
+            trial,
+            factor: 1.0,
+        };
+        held.tables = held.compiled()?;
+        let mut next = 0;
+        for k in 0..2 {
+            match &held.given.bushing.bending[k] {
+                Bending::Elastic { stiffness_nm_rad } => held.committed.set_elastic(k, *stiffness_nm_rad),
+                Bending::Curve { .. } => {
+                    held.committed.set_curve(k, next, &held.tables);
+                    next += 1;
+                }
+            }
+        }
+        held.trial = held.committed.clone();
+        Ok(held)
+    }
+
+    /// Capacities of its bending axes, weakened as far as events have.
+    fn compiled(&self) -> Result<Vec<CapacityTable>, CurveError> {
+        let of = |(bending, curve): (&Bending, &Option<ResistanceCurve>)| match (bending, curve) {
+            (Bending::Curve { strength_factor, .. }, Some(curve)) => {
+                Some(CapacityTable::new(curve, strength_factor * self.factor))
+            }
+            _ => None,
+        };
+        self.given.bushing.bending.iter().zip(&self.given.curves).filter_map(of).collect()
+    }
+
+    /// Multiplies its strength.
+    pub fn weaken(&mut self, by: f64) {
+        self.factor *= by;
+        // a curve that was compiled once is compiled again
+        self.tables = self.compiled().unwrap_or_else(|_| std::mem::take(&mut self.tables));
+    }
+
+    /// Adds its forces to the bodies' loads; returns their power \[W\].
+    pub fn apply(&mut self, poses: &[Pose], loads: &mut [[V3; 2]]) -> f64 {
+        let mut states = states(self.bodies, poses);
+        self.trial.clone_from(&self.committed);
+        self.trial.apply(&mut states, &self.tables);
+        let mut power = 0.0;
+        for (body, state) in self.bodies.into_iter().zip(&states).filter(|(b, _)| !is_ground(*b)) {
+            let [f, t] = &mut loads[body];
+            (*f, *t) = (add(*f, state.force), add(*t, state.torque));
+            let pose = pose_of(poses, body);
+            power += dot(state.force, pose.v) + dot(state.torque, pose.w);
+        }
+        power
+    }
+
+    /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
+    pub fn commit(&mut self) -> Option<bool> {
+        self.committed.clone_from(&self.trial);
+        self.is_broken().then(|| !self.trial.hinge.fractured)
+    }
+
+    /// Whether it broke when it was applied last.
+    pub fn is_broken(&self) -> bool {
+        self.trial.hinge.fractured || self.trial.is_pulled_apart()
+    }
+
+    /// Whether its hinge has flowed.
+    pub fn has_flowed(&self) -> bool {
+        self.committed.hinge.alpha_rad > 0.0
+    }
+
+    /// As it would be at poses that follow on its history: elastic and dissipated energy \[J\], and its hinge if it has a curve.
+    pub fn at(&self, poses: &[Pose]) -> ([f64; 2], Option<BushingState>) {
+        let mut there = self.committed.clone();
+        there.apply(&mut states(self.bodies, poses), &self.tables);
+        let state = BushingState {
+            rotation_rad: [there.theta[1], there.theta[2]],
+            moment_nm: there.hinge.moment_nm,
+            plastic_rad: there.hinge.alpha_rad,
+            axial_force_n: there.axial_force,
+        };
+        let energies = [there.elastic_j, there.hinge.dissipated_j + there.crush_j];
+        (energies, there.has_curve().then_some(state))
+    }
+
+    /// Its springs: stiffness, and what a unit of its force or moment does to a body's mobility: the square of the arm of a force \[m²\], nothing for a moment.
+    pub fn springs(&self, poses: &[Pose]) -> impl Iterator<Item = (f64, [Option<f64>; 2])> {
+        let rows = self.committed.rows(&states(self.bodies, poses));
+        rows.into_iter().map(|row| {
+            let arm = |turn: V3| (row.force != [0.0; 3]).then(|| dot(turn, turn));
+            (row.stiffness, [arm(row.turn_a), arm(row.turn_b)])
+        })
+    }
+
+    /// Adds the elastic loads that follow a small motion of the bodies.
+    pub fn respond(&self, poses: &[Pose], motion: &[[V3; 2]], loads: &mut [[V3; 2]]) {
+        let of = |side: usize| {
+            let body = self.bodies[side];
+            if is_ground(body) { [[0.0; 3]; 2] } else { motion[body] }
+        };
+        let ([va, wa], [vb, wb]) = (of(0), of(1));
+        for row in self.committed.rows(&states(self.bodies, poses)) {
+            let stretch = dot(row.force, vb) - dot(row.force, va) + dot(row.turn_b, wb) - dot(row.turn_a, wa);
+            for (side, sign, turn) in [(0, 1.0, row.turn_a), (1, -1.0, row.turn_b)] {
+                if !is_ground(self.bodies[side]) {
+                    let [f, t] = &mut loads[self.bodies[side]];
+                    *f = axpy(*f, sign * row.stiffness * stretch, row.force);
+                    *t = axpy(*t, sign * row.stiffness * stretch, turn);
+                }
+            }
+        }
+    }
+}
+
+/// States of the two bodies and of the ground as the law of the bushing reads them.
+fn states(bodies: [usize; 2], poses: &[Pose]) -> [BodyState; 3] {
+    let of = |pose: &Pose| BodyState { x: pose.x, q: pose.q, r: pose.r, ..BodyState::ground() };
+    [of(pose_of(poses, bodies[0])), of(pose_of(poses, bodies[1])), BodyState::ground()]
+}
