@@ -7,6 +7,7 @@
 //! | `fe_error` | error of a building's run over mesh size and run time |
 //! | `fe_stability` | runs at and beyond the limits of the method |
 //! | `mbs` | error over run time of mechanisms whose motion is known |
+//! | `mbs_stability` | multibody runs at and beyond the limits (`mbs_trials`: what they are) |
 //! | `trials` | what these runs are; their frame is `mini.toml` |
 
 pub mod bandwidth;
@@ -14,4 +15,6 @@ pub mod fe;
 pub mod fe_error;
 pub mod fe_stability;
 pub mod mbs;
+pub mod mbs_stability;
+pub mod mbs_trials;
 pub mod trials;

@@ -1,10 +1,12 @@
 //! `fallwerk bench`: measurements of the solvers.
 
+use super::progress::Progress;
 use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::output::write_atomic;
-use crate::bench::{fe, fe_error, fe_stability, mbs};
+use crate::bench::{fe, fe_error, fe_stability, mbs, mbs_stability};
 use crate::report::loglog;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Measure the solvers: throughput, error over run time, stability
 ///
@@ -25,6 +27,21 @@ enum What {
     FeStability(Stability),
     /// Error and run time of mechanisms whose motion is known, by the error tolerance of a step
     Mbs(Mechanisms),
+    /// Multibody runs at and beyond the limits, and random hinge structures; exit code 1 if one goes wrong without a diagnosis
+    MbsStability(MbsStability),
+}
+
+#[derive(clap::Args)]
+struct MbsStability {
+    /// Random structures
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(0..=10_000_000))]
+    random: u64,
+    /// Folder for mbs-stability.md
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
 }
 
 #[derive(clap::Args)]
@@ -98,6 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         What::FeError(options) => error_runs(options),
         What::FeStability(options) => stability(options),
         What::Mbs(options) => mechanisms(options),
+        What::MbsStability(options) => mbs_stability_runs(options),
     }
 }
 
@@ -119,6 +137,26 @@ fn mechanisms(options: &Mechanisms) -> Result<Outcome, Failure> {
         print(&mbs::table(&rows));
     }
     Ok(Outcome::Done)
+}
+
+fn mbs_stability_runs(options: &MbsStability) -> Result<Outcome, Failure> {
+    let pool = thread_pool(options.threads)?;
+    let progress = Progress::on_stderr();
+    progress.stage("runs at the limits");
+    let rows = pool.install(mbs_stability::measure);
+    progress.stage("random structures");
+    let through = AtomicU64::new(0);
+    let tell = || {
+        let done = through.fetch_add(1, Ordering::Relaxed) + 1;
+        progress.advance(done as f64 / options.random as f64, "");
+    };
+    let sweep = pool.install(|| mbs_stability::sweep(options.random, &tell));
+    progress.finish();
+    let page = mbs_stability::markdown(&rows, &sweep);
+    save(options.output.as_deref(), &[("mbs-stability.md", &page)])?;
+    print(&page);
+    let holds = rows.iter().all(mbs_stability::Row::holds) && sweep.counts[2] == 0;
+    Ok(if holds { Outcome::Done } else { Outcome::CheckFailed })
 }
 
 fn throughput(options: &Throughput) -> Result<Outcome, Failure> {
