@@ -1,9 +1,9 @@
 //! Error over run time of mechanisms whose motion is known.
 
+use crate::base::cpu::Stopwatch;
 use crate::verify::mbs::{Known, known};
 use serde::Serialize;
 use std::fmt::Write;
-use std::time::Instant;
 
 /// Runs whose median time counts.
 const REPEATS: usize = 5;
@@ -13,6 +13,8 @@ const REPEATS: usize = 5;
 pub struct Row {
     /// What was run.
     pub case: String,
+    /// Name of its model file.
+    pub file: String,
     /// Error tolerance of a step.
     pub tolerance: f64,
     /// Steps, and steps that were tried again.
@@ -23,7 +25,7 @@ pub struct Row {
     pub energy_j: f64,
     /// Simulated time \[s\].
     pub simulated_s: f64,
-    /// Median run time on one thread \[s\].
+    /// Median processor time on one thread \[s\].
     pub run_s: f64,
 }
 
@@ -48,13 +50,14 @@ fn row(known: &Known, tolerance: f64) -> Result<Row, String> {
     let course = known.run(tolerance)?;
     let mut times = Vec::with_capacity(REPEATS);
     for _ in 0..REPEATS {
-        let began = Instant::now();
+        let watch = Stopwatch::start();
         std::hint::black_box(known.run(tolerance)?);
-        times.push(began.elapsed().as_secs_f64());
+        times.push(watch.elapsed().cpu_s);
     }
     times.sort_by(f64::total_cmp);
     Ok(Row {
         case: known.name.to_string(),
+        file: known.file.to_string(),
         tolerance,
         steps: course.steps,
         error_m: known.distances_m(&course).into_iter().fold(0.0, f64::max),

@@ -1,6 +1,6 @@
 //! Springs, hinges, bushings and applied forces.
 //!
-//! Adams' splines remember nothing: a hinge follows its curve back where it should unload elastically. AKISPL runs smoothly through the points of
+//! Adams' splines remember nothing: a hinge follows its curve back where it should unload elastically. AKISPL (Akima 1970) runs smoothly through the points of
 //! the curve, so that corners come out rounded.
 
 use super::Writer;
@@ -13,6 +13,8 @@ use crate::mbs::model::{Bending, Bushing, Force};
 
 /// How far a spline goes on beyond its last point \[rad\].
 const BEYOND_RAD: f64 = 4.0;
+/// Share of the shorter side of a corner over which a spline is rounded.
+const ROUND: f64 = 0.02;
 
 /// Numbers of the statements of each kind so far.
 #[derive(Default)]
@@ -145,13 +147,7 @@ impl Writer<'_> {
 
     /// Moment over rotation in both senses.
     fn spline(&mut self, id: &str, line: &[[f64; 2]]) -> usize {
-        let mut right: Vec<[f64; 2]> = line.iter().copied().filter(|p| p[0] > 0.0).collect();
-        if let Some([x, m]) = right.last().copied() {
-            right.push([x + BEYOND_RAD, m]);
-        }
-        let mut all: Vec<[f64; 2]> = right.iter().rev().map(|[x, m]| [-x, -m]).collect();
-        all.push([0.0, 0.0]);
-        all.extend(right);
+        let all = both_senses(line);
         self.splines += 1;
         let [x, y] = [0, 1].map(|k: usize| list(&all.iter().map(|p| p[k]).collect::<Vec<_>>(), "\n, "));
         let name = format!("{id}_spline");
@@ -228,5 +224,46 @@ impl Writer<'_> {
         if bushing.compressive_capacity_n.is_some() {
             self.notes.add(&bushing.id, "the compressive capacity is left out: it does not crush");
         }
+    }
+}
+
+/// A line through the origin, odd, with two points on either side of each corner: between them AKISPL is straight, so that only the corner is rounded.
+fn both_senses(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut right: Vec<[f64; 2]> = line.iter().copied().filter(|p| p[0] > 0.0).collect();
+    if let Some([x, m]) = right.last().copied() {
+        right.push([x + BEYOND_RAD, m]);
+    }
+    let mut all: Vec<[f64; 2]> = right.iter().rev().map(|[x, m]| [-x, -m]).collect();
+    all.push([0.0, 0.0]);
+    all.extend(right);
+    let mut dense = vec![all[0]];
+    for (i, pair) in all.windows(2).enumerate() {
+        let length = |k: usize| all.get(k + 1).map_or(f64::INFINITY, |next| next[0] - all[k][0]);
+        let [near, far] = [i.checked_sub(1).map_or(f64::INFINITY, length), length(i + 1)];
+        let own = length(i);
+        let at = |x: f64| [x, pair[0][1] + (pair[1][1] - pair[0][1]) * (x - pair[0][0]) / own];
+        let (first, last) = (ROUND * own.min(near), ROUND * own.min(far));
+        let inner =
+            [pair[0][0] + first, pair[0][0] + 2.0 * first, pair[1][0] - 2.0 * last, pair[1][0] - last];
+        dense.extend(inner.map(at));
+        dense.push(pair[1]);
+    }
+    dense
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn splines_are_odd_and_rise_and_lie_on_the_line() {
+        let line = [[0.0, 0.0], [0.006, 120e3], [0.03, 120e3], [0.15, 0.0]];
+        let all = both_senses(&line);
+        assert!(all.windows(2).all(|p| p[1][0] > p[0][0]), "{all:?}");
+        for [x, m] in &all {
+            let wanted = crate::base::piecewise::interpolate(&line, x.abs()) * x.signum();
+            assert!((m - wanted).abs() < 1e-6, "{x}: {m} {wanted}");
+        }
+        assert!(all.iter().zip(all.iter().rev()).all(|(a, b)| (a[0] + b[0]).abs() < 1e-12));
     }
 }

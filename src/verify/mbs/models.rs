@@ -5,8 +5,8 @@
 use super::iftomm::{bricard_points, squeezer_layout};
 use crate::mbs::math::{M3, Q, V3, mul, qexp, qmat};
 use crate::mbs::model::{
-    Body, BodyContact, Contact, Force, GroundPlane, Joint, JointKind, MODEL_SCHEMA, Model, Origin,
-    RunSettings, Shape, TrackedPoint,
+    Bending, Body, BodyContact, Bushing, Contact, Force, GroundPlane, Joint, JointKind, MODEL_SCHEMA, Model,
+    Origin, RunSettings, Shape, TrackedPoint,
 };
 
 /// Length, side \[m\] and density \[kg/m³\] of a column.
@@ -44,6 +44,7 @@ pub fn all() -> Vec<Named> {
         named("topple-elastic", topple(60e3, 0.2)),
         named("frame2", frame("frame2", 2.0)),
         named("frame4", frame("frame4", 7.0)),
+        named("portal", portal()),
         named("sliding-box", sliding_box()),
         named("pile-1000", pile()),
     ]
@@ -279,6 +280,43 @@ fn breaking_hinge(name: &str, a: Option<&str>, b: &str) -> Force {
         capacity: vec![[0.0, 120e3], [0.03, 120e3], [0.15, 0.0]],
         fracture_rad: Some(0.5),
         joint: Some(name.to_string()),
+    }
+}
+
+/// A slab that swings on four columns with elastic bushings at both ends: loops of compliant connections.
+fn portal() -> Model {
+    let mut m = empty("Portal on elastic bushings", DOWN_Z, 1.0, 0.01);
+    let slab = solid("slab", 2500.0, [4.4, 4.4, 0.25], [0.0, 0.0, 3.0]);
+    m.bodies.push(Body { velocity_m_s: [0.5, 0.2, 0.0], ..slab });
+    for (k, (x, y)) in [(-2.0, -2.0), (2.0, -2.0), (-2.0, 2.0), (2.0, 2.0)].into_iter().enumerate() {
+        let id = format!("column-{}", k + 1);
+        m.bodies.push(solid(&id, 2500.0, [0.4, 0.4, 3.0], [x, y, 1.5]));
+        for (end, a, b, z) in
+            [("foot", None, id.clone(), 0.0), ("head", Some(id.clone()), "slab".into(), 3.0)]
+        {
+            m.bushings.push(elastic(format!("{id}-{end}"), a, b, [x, y, z]));
+        }
+    }
+    m.tracked.push(tracked("corner", "slab", [2.2, 2.2, 3.0]));
+    m
+}
+
+/// A bushing whose first axis is up.
+fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> Bushing {
+    Bushing {
+        id,
+        body_a,
+        body_b,
+        point_m,
+        axes: [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        axial_stiffness_n_m: 2e8,
+        shear_stiffness_n_m: [1e8, 8e7],
+        torsional_stiffness_nm_rad: 3e6,
+        bending: [Bending::Elastic { stiffness_nm_rad: 4e6 }, Bending::Elastic { stiffness_nm_rad: 5e6 }],
+        tensile_capacity_n: None,
+        tensile_elongation_m: None,
+        compressive_capacity_n: None,
+        origin: Origin::default(),
     }
 }
 
