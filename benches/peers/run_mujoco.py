@@ -3,6 +3,7 @@
 import copy
 import ctypes
 import json
+import re
 import subprocess
 from pathlib import Path
 
@@ -81,6 +82,11 @@ def hinges(case, m, d):
         yield h
 
 
+def flat(text):
+    """In the plane one connection closes a loop; the export writes two for a revolute."""
+    return re.sub(r' *<connect name="[^"]*:2"[^>]*/>\n', "", text)
+
+
 def prepare(text, step, integrator, touching):
     m = mujoco.MjModel.from_xml_string(text)
     m.opt.timestep = step
@@ -121,6 +127,8 @@ def smooth(program, case, method, step, lib, repeats, native=False):
     """Follows the known path."""
     callback = any(f["kind"] == "hinge" for f in case.model["forces"]) and not native
     text = export(program, case, loose=callback)
+    if case.name.startswith(("a02", "a03")):
+        text = flat(text)
 
     def once():
         m, d = prepare(text, step, INTEGRATORS[method], touching=False)
