@@ -120,7 +120,7 @@ def plan(case, tools, repeats, with_pile):
         yield from [rp(h) for h in (1e-3, 2e-4)]
         yield rp(1e-3, 4)
     elif name == "frame4":
-        yield from [mj("RK4", h) for h in (5e-3, 2e-3, 1e-3)]
+        yield from [mj("RK4", h) for h in (5e-3, 2.5e-3, 2e-3, 1e-3)]
         yield from [mj("implicitfast", h) for h in (1e-3, 2e-4)]
         yield from [rp(h) for h in (1e-3, 5e-4, 2.5e-4, 5e-5)]
     elif with_pile:

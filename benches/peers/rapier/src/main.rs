@@ -113,6 +113,10 @@ fn scene(model: &Value, step: f64, substeps: usize, touching: bool) -> Scene {
             .collision_groups(groups);
         world.colliders.insert_with_parent(floor, ground, &mut world.bodies);
     }
+    // masses count from the first step on unless asked for
+    for (_, own) in world.bodies.iter_mut() {
+        own.recompute_mass_properties_from_colliders(&world.colliders);
+    }
     let body = |v: &Value| v.as_str().map(|id| handles[id]);
     let mut joints = BTreeMap::new();
     for j in list(&model["joints"]) {
