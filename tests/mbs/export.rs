@@ -412,7 +412,7 @@ fn check_mjcf(model: &Model, loose: bool) -> Element {
     let mut found = Vec::new();
     poses(root.all("worldbody")[0], [0.0; 3], [1.0, 0.0, 0.0, 0.0], &mut found);
     found.retain(|(b, ..)| {
-        b.all("inertial").first().is_some() && !b.attributes["name"].starts_with("surface ")
+        !b.all("inertial").is_empty() && !b.attributes["name"].starts_with("surface ")
     });
     for body in &model.bodies {
         let copies: Vec<_> =
