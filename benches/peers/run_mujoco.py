@@ -171,6 +171,7 @@ def pile(program, case, step, solver):
     m.opt.enableflags = 0
     m.opt.solver = solver
     m.opt.tolerance = 1e-8
+    m.opt.iterations = 50
     watch, deepest = Watch(), 0.0
     for i in range(round(case.end_s / step)):
         with watch:

@@ -103,15 +103,15 @@ pub(super) fn write(model: &Model, loose: bool, notes: &mut Notes) -> String {
     // the springs that yield are right with an explicit spring only; without them and without contact nothing speaks against fourth order
     let smooth = !yields && !has_contact(model);
     head.line(&format!(
-        "<option timestep=\"{}\" gravity={} integrator=\"{}\" cone=\"elliptic\" impratio=\"10\" solver=\"Newton\" iterations=\"100\" tolerance=\"1e-12\"/>",
+        "<option timestep=\"{}\" gravity={} integrator=\"{}\" cone=\"elliptic\" solver=\"Newton\" iterations=\"100\" tolerance=\"1e-12\"/>",
         plain(step),
         vector(&model.gravity_m_s2),
         if smooth { "RK4" } else { "implicitfast" }
     ));
     head.open("<default>");
-    // as stiff as the step allows
+    // as stiff as the step allows; contacts with less give throw piles of bodies apart
     let stiff = format!("solref=\"{} 1\"", plain(2.0 * step));
-    head.line(&format!("<geom condim=\"3\" {stiff} solimp=\"0.99 0.999 0.001 0.5 2\"/>"));
+    head.line(&format!("<geom condim=\"3\" {stiff} solimp=\"0.9 0.99 0.001 0.5 2\"/>"));
     head.line(&format!("<equality {stiff} solimp=\"0.9999 0.9999 0.001 0.5 2\"/>"));
     head.close("</default>");
     contact::meshes(&mut head, model);
