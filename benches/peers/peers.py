@@ -176,7 +176,7 @@ def markdown(rows):
             continue
         text += f"\n### {title}\n\n| engine | method | step [ms] | CPU ms per simulated s | largest error [m] | times Fallwerk's | energy drift [J] | |\n|---|---|---:|---:|---:|---:|---:|---|\n"
         for r in chosen:
-            cells = [r["engine"], r["method"], shown(r["step"] and 1e3 * r["step"], "{:.4g}"), shown(1e3 * r["cpu_s_per_s"], "{:.3g}")]
+            cells = [r["engine"], r["method"], shown(r["step"] and 1e3 * r["step"], "{:.4g}"), shown(1e3 * r["cpu_s_per_s"], "{:.4g}")]
             cells += [shown(r["error_m"], "{:.2e}"), times(chosen, r), shown(r["energy_j"], "{:.1e}"), r["note"]]
             text += "| " + " | ".join(cells) + " |\n"
     return text

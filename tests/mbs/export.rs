@@ -411,9 +411,7 @@ fn check_mjcf(model: &Model, loose: bool) -> Element {
     let root = xml(&written(model, Target::Mjcf { loose }).text);
     let mut found = Vec::new();
     poses(root.all("worldbody")[0], [0.0; 3], [1.0, 0.0, 0.0, 0.0], &mut found);
-    found.retain(|(b, ..)| {
-        !b.all("inertial").is_empty() && !b.attributes["name"].starts_with("surface ")
-    });
+    found.retain(|(b, ..)| !b.all("inertial").is_empty() && !b.attributes["name"].starts_with("surface "));
     for body in &model.bodies {
         let copies: Vec<_> =
             found.iter().filter(|(b, ..)| b.attributes["name"].split('#').next() == Some(&body.id)).collect();
