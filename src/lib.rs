@@ -24,6 +24,7 @@
 //! | [`validate`] | error measures between an MBS run and an FE run |
 //! | [`verify`] | the verification manual: cases with known answers, run live |
 //! | [`bench`] | measurements of the solvers: throughput, error over run time, stability |
+//! | [`export`] | model files as text of other programs: MuJoCo, Adams |
 //! | [`report`] | the HTML report with plots and a 3D view |
 //! | [`cli`] | one file a command |
 
@@ -32,6 +33,7 @@ pub mod bench;
 pub mod building;
 pub mod cli;
 pub mod curve;
+pub mod export;
 pub mod fe;
 pub mod generate;
 pub mod graph;

@@ -13,6 +13,8 @@ const REPEATS: usize = 5;
 pub struct Row {
     /// What was run.
     pub case: String,
+    /// Name of its model file.
+    pub file: String,
     /// Error tolerance of a step.
     pub tolerance: f64,
     /// Steps, and steps that were tried again.
@@ -55,6 +57,7 @@ fn row(known: &Known, tolerance: f64) -> Result<Row, String> {
     times.sort_by(f64::total_cmp);
     Ok(Row {
         case: known.name.to_string(),
+        file: known.file.to_string(),
         tolerance,
         steps: course.steps,
         error_m: known.distances_m(&course).into_iter().fold(0.0, f64::max),

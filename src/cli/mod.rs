@@ -7,6 +7,7 @@ mod bench;
 mod check;
 pub mod compose;
 pub mod explain;
+mod export;
 pub mod fe;
 mod fe_deck;
 mod fe_places;
@@ -98,6 +99,7 @@ enum Command {
     Bench(bench::Arguments),
     Check(check::Arguments),
     Explain(explain::Arguments),
+    Export(export::Arguments),
     Fe(fe::Arguments),
     GenerateMbs(generate_mbs::Arguments),
     Init(init::Arguments),
@@ -121,6 +123,7 @@ pub fn run() -> ExitCode {
         Command::Bench(arguments) => finish(bench::run(&arguments)),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => finish(explain::run(&arguments)),
+        Command::Export(arguments) => finish(export::run(&arguments)),
         Command::Fe(arguments) => finish(fe::run(&arguments)),
         Command::GenerateMbs(arguments) => finish(generate_mbs::run(&arguments)),
         Command::Init(arguments) => init::run(&arguments),

@@ -3,8 +3,10 @@
 use super::progress::Progress;
 use super::verify_columns;
 use super::{Failure, Outcome, print, thread_pool};
+use crate::base::output::write_atomic;
 use crate::verify::{Case, Figure, Form, fe, manual, mbs, rc, select, suite};
 use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Verify a solver against closed forms and published results
@@ -24,7 +26,7 @@ enum Solver {
     /// Reinforced concrete: material point, bar, section, member end
     Rc(Options),
     /// The multibody solver: mechanisms on ideal joints
-    Mbs(Options),
+    Mbs(MbsOptions),
     /// Tested columns, each bent by the RC submodel: table and plot (20 to 60 minutes)
     Columns(verify_columns::Arguments),
 }
@@ -53,6 +55,15 @@ struct Options {
     /// Threads [default: all cores]; no figure depends on them
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+}
+
+#[derive(clap::Args)]
+struct MbsOptions {
+    #[command(flatten)]
+    options: Options,
+    /// Run nothing; write the cases as model files into this folder, known paths of their tracked points beside them
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "markdown", "list", "case"])]
+    models: Option<PathBuf>,
 }
 
 /// What is verified.
@@ -100,7 +111,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let (manual_of, options) = match &arguments.solver {
         Solver::Fe(options) => (FE, options),
         Solver::Rc(options) => (RC, options),
-        Solver::Mbs(options) => (MBS, options),
+        Solver::Mbs(MbsOptions { models: Some(folder), .. }) => return write_models(folder),
+        Solver::Mbs(MbsOptions { options, .. }) => (MBS, options),
         Solver::Columns(columns) => return verify_columns::run(columns),
     };
     let form = match (options.short, options.complete) {
@@ -140,6 +152,21 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     failed |= figures.iter().any(|f| !f.passes());
     Ok(if failed { Outcome::CheckFailed } else { Outcome::Done })
+}
+
+/// Writes the model files of the multibody cases.
+fn write_models(folder: &Path) -> Result<Outcome, Failure> {
+    let output = |e: &dyn std::fmt::Display| Failure::input(format!("{}: {e}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(|e| output(&e))?;
+    let write = |name: String, text: String| {
+        write_atomic(&folder.join(&name), text.as_bytes()).map_err(|e| output(&e))
+    };
+    for named in mbs::models::all() {
+        let text = serde_json::to_string_pretty(&named.model).map_err(|e| output(&e))?;
+        write(format!("{}.json", named.file), text + "\n")?;
+    }
+    mbs::known().iter().try_for_each(|known| write(format!("{}.path.csv", known.file), known.csv()))?;
+    Ok(Outcome::Done)
 }
 
 /// Names, forms and subjects.

@@ -38,12 +38,13 @@ pub const MODULES: &[Module] = &[
             "generate", "validate", "verify",
         ],
     },
+    Module { name: "export", uses: &["base", "curve", "mbs"] },
     Module { name: "report", uses: &["base"] },
     Module {
         name: "cli",
         uses: &[
             "base", "building", "material", "curve", "graph", "fe", "mbs", "rc", "library", "study", "rules",
-            "generate", "validate", "verify", "bench", "report",
+            "generate", "validate", "verify", "bench", "export", "report",
         ],
     },
 ];

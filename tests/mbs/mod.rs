@@ -2,6 +2,7 @@
 
 mod batch;
 mod contact;
+mod export;
 mod frame;
 mod hinge;
 mod ideal;

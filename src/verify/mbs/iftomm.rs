@@ -55,7 +55,26 @@ pub fn cases() -> Vec<Case> {
 /// The simple pendulum.
 pub fn a01() -> Known {
     let track = vec![(1.0, [0.9862917512, -0.1650108531, 0.0]), (10.0, [-0.2750874626, -0.9614192051, 0.0])];
-    Known { name: "pendulum (A01)", track, end_s: 10.0, output_s: 0.05, ..Known::of(pendulum(), 0, [0.0; 3]) }
+    Known {
+        name: "pendulum (A01)",
+        file: "a01-pendulum",
+        track,
+        end_s: 10.0,
+        output_s: 0.05,
+        ..Known::of(pendulum(), 0, [0.0; 3])
+    }
+}
+
+/// Two four-bars.
+pub fn a02_2() -> Known {
+    let track = vec![
+        (1.0, [-0.195020302, -0.980799206, 0.0]),
+        (2.0, [0.057815796, 0.998327268, 0.0]),
+        (5.0, [-0.811310461, -0.584615545, 0.0]),
+        (10.0, [0.328458112, 0.944518538, 0.0]),
+        (20.0, [0.839746574, 0.542978536, 0.0]),
+    ];
+    Known { name: "2 four-bars (A02)", file: "a02-four-bars-2", track, end_s: 20.0, ..four_bars(2) }
 }
 
 /// 40 four-bars.
@@ -67,7 +86,7 @@ pub fn a02_40() -> Known {
         (10.0, [0.180512227, 0.983572741, 0.0]),
         (20.0, [0.410901154, 0.911679901, 0.0]),
     ];
-    Known { name: "40 four-bars (A02)", track, end_s: 20.0, ..four_bars(40) }
+    Known { name: "40 four-bars (A02)", file: "a02-four-bars-40", track, end_s: 20.0, ..four_bars(40) }
 }
 
 /// 80 four-bars.
@@ -78,7 +97,7 @@ pub fn a02_80() -> Known {
         (10.0, [0.176512018, 0.984298485, 0.0]),
         (20.0, [0.399979663, 0.916524015, 0.0]),
     ];
-    Known { name: "80 four-bars (A02)", track, end_s: 20.0, ..four_bars(80) }
+    Known { name: "80 four-bars (A02)", file: "a02-four-bars-80", track, end_s: 20.0, ..four_bars(80) }
 }
 
 fn four_bars(count: usize) -> Known {
@@ -93,7 +112,7 @@ pub fn a03() -> Known {
         (0.05, [-0.0052085047, 0.0046766953, 0.0]),
     ];
     let known = Known::of(squeezer(), 0, [RR - RA, 0.0, 0.0]);
-    Known { name: "squeezer (A03)", track, end_s: 0.05, output_s: 0.005, ..known }
+    Known { name: "squeezer (A03)", file: "a03-squeezer", track, end_s: 0.05, output_s: 0.005, ..known }
 }
 
 /// Bricard's mechanism.
@@ -107,6 +126,7 @@ pub fn a04() -> Known {
     ];
     Known {
         name: "Bricard (A04)",
+        file: "a04-bricard",
         track,
         end_s: 10.0,
         output_s: 0.05,
@@ -163,7 +183,22 @@ const ANGLES: [f64; 5] = [
     1.230_547_444_549_821_2,
 ];
 
-fn squeezer() -> Mechanism {
+/// Andrews' squeezer in its pose at the start.
+pub(super) struct Squeezer {
+    /// Angle of the crank \[rad\].
+    pub crank_rad: f64,
+    /// Mass \[kg\] and moment of inertia \[kg m²\] of each body.
+    pub masses: [(f64, f64); 7],
+    /// Centres of mass \[m\].
+    pub centres_m: [V3; 7],
+    /// Pins: the bodies (`None` is the ground) and the place \[m\]; the second is F.
+    pub pins: [([Option<usize>; 2], V3); 10],
+    /// Ends of the spring on the third body and on the ground \[m\].
+    pub spring_m: [V3; 2],
+}
+
+/// The squeezer's measures.
+pub(super) fn squeezer_layout() -> Squeezer {
     let [beta, theta, gamma, delta, epsilon] = ANGLES;
     let unit = |a: f64| [a.cos(), a.sin(), 0.0];
     let plus = |p: V3, s: f64, d: V3| [p[0] + s * d[0], p[1] + s * d[1], 0.0];
@@ -178,38 +213,50 @@ fn squeezer() -> Mechanism {
         let length = (e[0] - p[0]).hypot(e[1] - p[1]);
         plus(p, (arm - back) / length, [e[0] - p[0], e[1] - p[1], 0.0])
     };
-    let centres = [
-        plus([0.0; 3], RA, unit(beta)),
-        plus(f, -11.5e-3, unit(beta + theta)),
-        on(POINT_B, gamma, 10.43e-3, -18.74e-3),
-        from_e(g, 20e-3, 14.21e-3),
-        on(POINT_A, delta, 23.08e-3, 9.16e-3),
-        from_e(h, 20e-3, 14.21e-3),
-        on(POINT_A, epsilon, -4.49e-3, -12.28e-3),
-    ];
+    Squeezer {
+        crank_rad: beta,
+        masses: std::array::from_fn(|i| (MASSES[i], MOMENTS[i])),
+        centres_m: [
+            plus([0.0; 3], RA, unit(beta)),
+            plus(f, -11.5e-3, unit(beta + theta)),
+            on(POINT_B, gamma, 10.43e-3, -18.74e-3),
+            from_e(g, 20e-3, 14.21e-3),
+            on(POINT_A, delta, 23.08e-3, 9.16e-3),
+            from_e(h, 20e-3, 14.21e-3),
+            on(POINT_A, epsilon, -4.49e-3, -12.28e-3),
+        ],
+        pins: [
+            ([None, Some(0)], [0.0; 3]),
+            ([Some(0), Some(1)], f),
+            ([None, Some(2)], POINT_B),
+            ([Some(1), Some(2)], e),
+            ([Some(1), Some(3)], e),
+            ([Some(3), Some(4)], g),
+            ([None, Some(4)], POINT_A),
+            ([Some(1), Some(5)], e),
+            ([Some(5), Some(6)], h),
+            ([None, Some(6)], POINT_A),
+        ],
+        spring_m: [d, POINT_C],
+    }
+}
+
+fn squeezer() -> Mechanism {
+    let layout = squeezer_layout();
     let body = |i: usize| Body {
-        orientation: qexp([0.0, 0.0, if i == 0 { beta } else { 0.0 }]),
-        ..Body::at_rest(MASSES[i], [MOMENTS[i]; 3], centres[i])
+        orientation: qexp([0.0, 0.0, if i == 0 { layout.crank_rad } else { 0.0 }]),
+        ..Body::at_rest(layout.masses[i].0, [layout.masses[i].1; 3], layout.centres_m[i])
     };
-    let pin = |bodies: [usize; 2], at: V3| Joint::at(Kind::Revolute, bodies, at, Z);
+    let pin = |(bodies, at): &([Option<usize>; 2], V3)| {
+        Joint::at(Kind::Revolute, bodies.map(|b| b.unwrap_or(GROUND)), *at, Z)
+    };
     Mechanism {
         bodies: (0..7).map(body).collect(),
-        joints: vec![
-            pin([GROUND, 0], [0.0; 3]),
-            pin([0, 1], f),
-            pin([GROUND, 2], POINT_B),
-            pin([1, 2], e),
-            pin([1, 3], e),
-            pin([3, 4], g),
-            pin([GROUND, 4], POINT_A),
-            pin([1, 5], e),
-            pin([5, 6], h),
-            pin([GROUND, 6], POINT_A),
-        ],
+        joints: layout.pins.iter().map(pin).collect(),
         forces: vec![
             Force::Spring {
                 bodies: [2, GROUND],
-                points_m: [d, POINT_C],
+                points_m: layout.spring_m,
                 length_m: 0.07785,
                 stiffness_n_m: 4530.0,
                 damping_n_s_m: 0.0,
@@ -220,9 +267,13 @@ fn squeezer() -> Mechanism {
     }
 }
 
+/// Joints of Bricard's mechanism \[m\].
+pub(super) fn bricard_points() -> [V3; 6] {
+    [[0.0; 3], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [1.0, -1.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 1.0]]
+}
+
 fn bricard() -> Mechanism {
-    let points: [V3; 6] =
-        [[0.0; 3], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0], [1.0, -1.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 1.0]];
+    let points = bricard_points();
     let axes = [1, 2, 0, 1, 2, 0];
     let rod = |i: usize| {
         let (a, b) = (points[i], points[i + 1]);

@@ -2,6 +2,7 @@
 
 mod hinges;
 mod iftomm;
+pub mod models;
 mod pendulums;
 pub mod pile;
 
@@ -21,7 +22,17 @@ pub fn cases() -> Vec<Case> {
 
 /// Mechanisms with a point whose path is known, for benchmarks.
 pub fn known() -> Vec<Known> {
-    vec![iftomm::a01(), iftomm::a02_40(), iftomm::a02_80(), iftomm::a03(), iftomm::a04(), hinges::frame4()]
+    vec![
+        iftomm::a01(),
+        iftomm::a02_2(),
+        iftomm::a02_40(),
+        iftomm::a02_80(),
+        iftomm::a03(),
+        iftomm::a04(),
+        hinges::topple_flow(),
+        hinges::topple_elastic(),
+        hinges::frame4(),
+    ]
 }
 
 /// A mechanism with a point whose path is known.
@@ -29,6 +40,8 @@ pub fn known() -> Vec<Known> {
 pub struct Known {
     /// What it is.
     pub name: &'static str,
+    /// Name of its model file among [`models::all`].
+    pub file: &'static str,
     /// The mechanism.
     pub mechanism: Mechanism,
     /// Body of the point, and the point in its frame \[m\].
@@ -43,7 +56,15 @@ pub struct Known {
 
 impl Known {
     fn of(mechanism: Mechanism, body: usize, point: V3) -> Self {
-        Self { name: "", mechanism, point: (body, point), track: Vec::new(), end_s: 1.0, output_s: 1.0 }
+        Self {
+            name: "",
+            file: "",
+            mechanism,
+            point: (body, point),
+            track: Vec::new(),
+            end_s: 1.0,
+            output_s: 1.0,
+        }
     }
 
     /// Runs it with an error tolerance of the steps.
@@ -63,6 +84,12 @@ impl Known {
             (0..3).map(|i| (ours[i] - place[i]).powi(2)).sum::<f64>().sqrt()
         };
         self.track.iter().map(away).collect()
+    }
+
+    /// The known path as a table `time_s,x_m,y_m,z_m`.
+    pub fn csv(&self) -> String {
+        let row = |(time, [x, y, z]): &(f64, V3)| format!("{time},{x},{y},{z}\n");
+        "time_s,x_m,y_m,z_m\n".to_string() + &self.track.iter().map(row).collect::<String>()
     }
 
     /// Runs it; distances and, with a limit \[J\], the energy error.
