@@ -181,8 +181,11 @@ impl Rows {
                 for i in block.first as usize..(block.first + block.count) as usize {
                     let row = &self.rows[i];
                     let gap = row.gap + math::dot(row.relative(&of_a, &of_b), n);
-                    let wanted = self.push[i] - rate * gap * row.mass[0];
-                    let push = if row.exact { wanted } else { wanted.max(0.0) };
+                    let push = if row.exact {
+                        self.push[i] - gap * row.mass[0]
+                    } else {
+                        (self.push[i] - rate * gap * row.mass[0]).max(0.0)
+                    };
                     let change = push - self.push[i];
                     if change != 0.0 {
                         self.push[i] = push;

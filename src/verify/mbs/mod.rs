@@ -1,5 +1,6 @@
 //! Cases of the multibody solver.
 
+mod contact;
 mod hinges;
 mod iftomm;
 mod pendulums;
@@ -16,6 +17,7 @@ pub fn cases() -> Vec<Case> {
     let mut all = iftomm::cases();
     all.extend(pendulums::cases());
     all.extend(hinges::cases());
+    all.extend(contact::cases());
     all
 }
 
