@@ -125,7 +125,7 @@ pub struct Work {
 pub struct Settings {
     /// Points that are this near take part without approaching \[m\].
     pub margin_m: f64,
-    /// Sweeps end when no normal velocity changes by more than this share of the velocity that forces add in a step.
+    /// Sweeps end when no velocity of a point changes by more than this share of the velocity that forces add in a step.
     pub tolerance: f64,
     /// Most sweeps of a step in which the impulses of the last one nearly hold.
     pub sweeps: usize,

@@ -115,7 +115,7 @@ impl Rows {
         }
     }
 
-    /// One sweep; the largest change of a normal velocity \[m/s\].
+    /// One sweep; the largest change of a velocity \[m/s\].
     pub fn sweep(&mut self, backwards: bool) -> f64 {
         let mut largest = 0.0_f64;
         let count = self.blocks.len();
@@ -123,8 +123,10 @@ impl Rows {
             let block = self.blocks[if backwards { count - 1 - k } else { k }];
             largest = largest.max(self.visit(&block));
         }
-        largest
+        largest.sqrt()
     }
+
+    /// Visits the rows of a block; the largest square of a change of a velocity.
 
     #[inline(always)]
     fn visit(&mut self, block: &Block) -> f64 {
@@ -143,8 +145,11 @@ impl Rows {
             if square > limit * limit {
                 tangent = math::scale(limit / square.sqrt(), tangent);
             }
-            let p = math::axpy(math::sub(tangent, row.tangent), normal - row.normal, n);
-            largest = largest.max((normal - row.normal).abs() / row.mass[0]);
+            let across = math::sub(tangent, row.tangent);
+            let along = normal - row.normal;
+            let p = math::axpy(across, along, n);
+            let [m, mt] = [row.mass[0] * row.mass[0], row.mass[1] * row.mass[1]];
+            largest = largest.max(along * along / m).max(math::dot(across, across) / mt);
             (row.normal, row.tangent) = (normal, tangent);
             kick(&mut of_a, &inverse_a, row.arms[0], p, -1.0);
             kick(&mut of_b, &inverse_b, row.arms[1], p, 1.0);
