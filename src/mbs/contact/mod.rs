@@ -152,9 +152,9 @@ impl Default for Settings {
             visits: 4000,
             most_sweeps: 400,
             gap_sweeps: 2,
-            gap_rate: 0.8,
-            slop_m: 1e-5,
-            stale: 5e-3,
+            gap_rate: 0.2,
+            slop_m: 1e-4,
+            stale: 1e-2,
         }
     }
 }

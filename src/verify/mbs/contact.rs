@@ -146,7 +146,7 @@ fn incline() -> Result<Vec<Figure>, String> {
             format!("way in 1 s, friction {friction}"),
             "m",
             [exact, way],
-            2e-5,
+            5e-5,
             "g (sin α - μ cos α) t²/2",
         ));
     }
@@ -271,7 +271,7 @@ fn train() -> Result<Vec<Figure>, String> {
     let place = 3.3 + 2.5 * (1.0 - t);
     let kinetic = result.energies.kinetic_j.last().copied().unwrap_or(f64::NAN);
     Ok(vec![
-        Figure::relative("velocity after three hits", "m/s", [2.5, v], 1e-6, "momentum: v n/(n + 1)"),
+        Figure::relative("velocity after three hits", "m/s", [2.5, v], 1e-5, "momentum: v n/(n + 1)"),
         Figure::relative("place of the last one after 1 s", "m", [place, result.frames[n - 1].position_m[3][0]], 1e-5, "momentum"),
         Figure::relative("kinetic energy left", "J", [0.5 * 4000.0 * 6.25, kinetic], 1e-6, "momentum"),
     ])
