@@ -9,6 +9,10 @@
 
 use crate::mbs::math::{self, V3};
 
+/// Depth from which more of a gap is opened at once \[m\], and that share.
+const DEEP_M: f64 = 1e-3;
+const DEEP_RATE: f64 = 0.8;
+
 /// Velocity and angular velocity of a body, or displacement and turn.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Motion {
@@ -189,7 +193,8 @@ impl Rows {
                     let push = if row.exact {
                         self.push[i] - gap * row.mass[0]
                     } else {
-                        (self.push[i] - rate * gap * row.mass[0]).max(0.0)
+                        let share = if row.gap < -DEEP_M { DEEP_RATE } else { rate };
+                        (self.push[i] - share * gap * row.mass[0]).max(0.0)
                     };
                     let change = push - self.push[i];
                     if change != 0.0 {

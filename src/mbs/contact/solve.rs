@@ -6,8 +6,8 @@ use crate::mbs::math::{self, V3};
 
 /// Times that pairs are looked for again because impulses made bodies faster.
 const MOST_EXTENSIONS: usize = 4;
-/// Share of the thickness by which solids may be in each other.
-const DEPTH_LIMIT: f64 = 0.5;
+/// Share of half the thickness by which solids may be in each other.
+const DEPTH_LIMIT: f64 = 1.0;
 /// Approach speed from which there is rebound, over the velocity that forces add in half a step.
 const REBOUND_FROM: f64 = 4.0;
 /// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
