@@ -137,7 +137,7 @@ fn joint_forces_conserve_momentum_and_angular_momentum() {
         system.reset_forces();
         system.add_joint_forces();
         step::kick(&mut system, 1e-4, 1e-4);
-            step::drift(&mut system, 1e-4);
+        step::drift(&mut system, 1e-4);
     }
     let end = total(&system);
     let scale = math::norm(start[1]);

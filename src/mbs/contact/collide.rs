@@ -109,9 +109,9 @@ impl Solid {
             Self::Ball(radius) => *radius,
             Self::Hull(_, corners) => {
                 let width = |i: usize| {
-                    let (low, high) = corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| {
-                        (l.min(c[i]), h.max(c[i]))
-                    });
+                    let (low, high) = corners
+                        .iter()
+                        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c[i]), h.max(c[i])));
                     0.5 * (high - low)
                 };
                 width(0).min(width(1)).min(width(2))
@@ -303,6 +303,9 @@ fn balls(a: (f64, &Placed), b: (f64, &Placed), reach: f64, found: &mut Vec<Found
     Some(n)
 }
 
+/// Up to so many solids the tree need not be kept in good shape.
+const FEW: u32 = 64;
+
 /// Bounds of all solids in a tree; tells which pairs of them came to overlap.
 #[derive(Clone, Default)]
 pub struct Broad {
@@ -326,9 +329,10 @@ impl Broad {
     /// Calls `meet` for each pair that overlaps and has at least one solid whose bounds were set since the last call.
     pub fn changed_pairs(&mut self, mut meet: impl FnMut(usize, usize)) {
         self.tree.refit(&mut self.work);
-        self.tree
-            .traverse_bvtt_single_tree::<true>(&mut self.work, &mut |a, b| meet(a as usize, b as usize));
-        self.tree.optimize_incremental(&mut self.work);
+        self.tree.traverse_bvtt_single_tree::<true>(&mut self.work, &mut |a, b| meet(a as usize, b as usize));
+        if self.tree.leaf_count() > FEW {
+            self.tree.optimize_incremental(&mut self.work);
+        }
     }
 }
 

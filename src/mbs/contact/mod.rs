@@ -149,7 +149,7 @@ impl Default for Settings {
             margin_m: 2e-4,
             tolerance: 1e-3,
             sweeps: 4,
-            visits: 4000,
+            visits: 2000,
             most_sweeps: 400,
             gap_sweeps: 2,
             gap_rate: 0.2,
@@ -247,7 +247,8 @@ impl ContactSet {
         for (body, entry) in model.bodies.iter().enumerate() {
             for shape in &entry.shapes {
                 let (solid, local) = Solid::of(shape);
-                radius[body] = radius[body].max(solid.radius(math::scale(-1.0, math::mul_t(&local.r, local.x))));
+                radius[body] =
+                    radius[body].max(solid.radius(math::scale(-1.0, math::mul_t(&local.r, local.x))));
                 colliders.push(Collider {
                     body,
                     thickness: solid.thickness(),
@@ -340,7 +341,11 @@ impl ContactSet {
     }
 
     /// Says which bodies a joint connects (the ground is the number of bodies) and which are there. Connected bodies do not touch.
-    pub fn connect(&mut self, connected: impl Iterator<Item = (usize, usize)>, alive: impl Fn(usize) -> bool) {
+    pub fn connect(
+        &mut self,
+        connected: impl Iterator<Item = (usize, usize)>,
+        alive: impl Fn(usize) -> bool,
+    ) {
         self.connected.clear();
         self.connected.extend(connected.map(|(a, b)| (a.min(b), a.max(b))));
         self.connected.sort_unstable();

@@ -131,7 +131,8 @@ impl ContactSet {
             let more = if obstacle {
                 0.0
             } else {
-                margin + 2.0 * self.path[body]
+                margin
+                    + 2.0 * self.path[body]
                     + (AHEAD.0 / h * self.path[body]).max(AHEAD.1 * collider.thickness)
             };
             let [low, high] = collider.solid.bounds(&self.placed[i]);
@@ -333,7 +334,8 @@ impl ContactSet {
         }
         self.rows.close_block([of_a, of_b], first, slot, pair.surface, n);
         if least > reach {
-            let apart = collide::separation((&self.colliders[a].solid, at_a), (&self.colliders[b].solid, at_b));
+            let apart =
+                collide::separation((&self.colliders[a].solid, at_a), (&self.colliders[b].solid, at_b));
             return travelled + apart.max(0.0);
         }
         f64::NEG_INFINITY
@@ -407,10 +409,7 @@ impl ContactSet {
 impl Inverse {
     pub fn of(body: &Moving) -> Self {
         let m = &body.inverse_inertia;
-        Self {
-            mass: body.inverse_mass,
-            inertia: [m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]],
-        }
+        Self { mass: body.inverse_mass, inertia: [m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]] }
     }
 }
 

@@ -11,7 +11,7 @@ const DEPTH_LIMIT: f64 = 1.0;
 /// Approach speed from which there is rebound, over the velocity that forces add in half a step.
 const REBOUND_FROM: f64 = 4.0;
 /// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
-const UNSTEADY: f64 = 0.3;
+const UNSTEADY: f64 = 0.9;
 /// Least velocity that errors are compared with \[m/s\].
 const LEAST_SCALE_M_S: f64 = 1e-3;
 
@@ -153,8 +153,7 @@ impl ContactSet {
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
             let path = self.path[a] + self.path[b] + self.settings.margin_m;
-            if self.growth[a] + self.growth[b] == 0.0
-                || self.travel[a] + self.travel[b] + path < entry.limit
+            if self.growth[a] + self.growth[b] == 0.0 || self.travel[a] + self.travel[b] + path < entry.limit
             {
                 continue;
             }
@@ -173,9 +172,11 @@ impl ContactSet {
         let mut any = false;
         let rows = &mut self.rows;
         for block in rows.blocks.iter().filter(|b| b.restitution > 0.0) {
-            let at = |i: u32, f: &dyn Fn(&Moving) -> Motion| bodies.get(i as usize).map_or(Motion::default(), f);
-            let [before_a, before_b] =
-                block.bodies.map(|i| at(i, &|b| Motion { v: math::sub(b.v, b.kick_v), w: math::sub(b.w, b.kick_w) }));
+            let at =
+                |i: u32, f: &dyn Fn(&Moving) -> Motion| bodies.get(i as usize).map_or(Motion::default(), f);
+            let [before_a, before_b] = block
+                .bodies
+                .map(|i| at(i, &|b| Motion { v: math::sub(b.v, b.kick_v), w: math::sub(b.w, b.kick_w) }));
             let [kick_a, kick_b] = block.bodies.map(|i| at(i, &|b| Motion { v: b.kick_v, w: b.kick_w }));
             for row in &mut rows.rows[block.first as usize..(block.first + block.count) as usize] {
                 let before = math::dot(row.relative(&before_a, &before_b), block.normal);

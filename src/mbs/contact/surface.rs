@@ -44,7 +44,10 @@ impl Surfaces {
         let surface = |friction, restitution| Surface { friction, restitution };
         Self {
             bodies: contact.bodies.as_ref().map(|b| surface(b.friction, b.restitution)),
-            ground: contact.ground.as_ref().map_or(Surface::default(), |g| surface(g.friction, g.restitution)),
+            ground: contact
+                .ground
+                .as_ref()
+                .map_or(Surface::default(), |g| surface(g.friction, g.restitution)),
             planes: contact.planes.iter().map(|p| surface(p.friction, p.restitution)).collect(),
             obstacles: contact.obstacles.iter().map(|o| surface(o.friction, o.restitution)).collect(),
             rules,
