@@ -17,7 +17,7 @@ use super::system::System;
 use super::{frequency, step};
 use crate::base::cpu::ThreadClock;
 
-/// Largest automatic step \[s\]: resolves contacts at 10 m/s within a centimetre.
+/// Largest automatic step \[s\]: in it a body at 10 m/s moves by a centimetre, one that turns at 10 rad/s by a hundredth of a radian.
 pub const LARGEST_STEP_S: f64 = 1e-3;
 /// Most steps between two outputs; more points to a wrong stiffness or mass.
 const MOST_STEPS: f64 = 2e9;
@@ -52,9 +52,6 @@ pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult
     let mut run = Run::new(model, options)?;
     run.go()?;
     run.result.cpu_s = clock.elapsed_s();
-    if std::env::var("CONTACT_WORK").is_ok() {
-        eprintln!("{:?}", run.contacts.work);
-    }
     Ok(run.result)
 }
 
@@ -181,8 +178,7 @@ impl<'a> Run<'a> {
                 self.forces();
             }
             step::kick(&mut self.system, 0.5 * (self.last_step + h), h);
-            let n = self.system.count();
-            if !self.contacts.quiet(h, self.system.bodies[..n].iter().map(|b| (b.v, b.w))) {
+            if !step::is_quiet(&self.system, &mut self.contacts, h) {
                 self.meet(h)?;
             }
             step::drift(&mut self.system, h);
@@ -196,49 +192,14 @@ impl<'a> Run<'a> {
 
     /// Contact impulses at the present positions, for a step of `h` from here.
     fn meet(&mut self, h: f64) -> Result<(), SolveError> {
-        let n = self.system.count();
-        let half = 0.5 * h;
-        self.moving.clear();
-        for (body, data) in self.system.bodies[..n].iter().zip(&self.system.data) {
-            let inverse =
-                math::matmul(&math::matmul(&body.r, &data.inverse_inertia), &math::transpose(&body.r));
-            self.moving.push(Moving {
-                x: body.x,
-                q: body.q,
-                r: body.r,
-                v: body.v,
-                w: body.w,
-                kick_v: math::scale(half * data.inverse_mass, body.force),
-                kick_w: math::scale(half, math::mul(&inverse, body.torque)),
-                inverse_mass: data.inverse_mass,
-                inverse_inertia: inverse,
-                alive: data.alive,
-                shift: [0.0; 3],
-                turn: [0.0; 3],
-            });
-        }
-        self.contacts.solve(&mut self.moving, h).map_err(|deep| SolveError::Penetration {
+        let opened = step::meet(&mut self.system, &mut self.contacts, &mut self.moving, h);
+        self.opened += opened.map_err(|deep| SolveError::Penetration {
             time_s: self.time,
             a: self.model.bodies[deep.a].id.clone(),
             b: self.partner(deep.b),
             depth_m: deep.depth_m,
             step_s: h,
         })?;
-        for i in 0..n {
-            let (moving, data) = (&self.moving[i], &self.system.data[i]);
-            let body = &mut self.system.bodies[i];
-            if moving.v != body.v || moving.w != body.w {
-                let change = math::mul_t(&body.r, math::sub(moving.w, body.w));
-                body.p = math::axpy(body.p, data.mass, math::sub(moving.v, body.v));
-                body.l = math::add(body.l, math::mul(&body.r, math::mul(&data.inertia, change)));
-                step::find_velocities(body, data, h);
-            }
-            if moving.shift != [0.0; 3] || moving.turn != [0.0; 3] {
-                self.opened += math::dot(body.force, moving.shift) + math::dot(body.torque, moving.turn);
-                body.x = math::add(body.x, moving.shift);
-                body.rotate(moving.turn);
-            }
-        }
         if !self.contacts.touches.is_empty() {
             self.record_touches();
         }
@@ -307,6 +268,9 @@ impl<'a> Run<'a> {
             }
         }
         connect(&mut self.contacts, &self.system);
+        if self.model.settings.time_step_s.is_none() && self.system.joints.iter().all(|j| !j.alive) {
+            self.step_limit = LARGEST_STEP_S;
+        }
     }
 
     #[cold]

@@ -7,6 +7,7 @@
 //! fixed-point residual; the angular momentum changes by torques only (Hairer, Lubich, Wanner, Geometric Numerical
 //! Integration, 2nd ed., VII.5; Krysl and Endres, IJNME 62 (2005) 2154).
 
+use super::contact::{ContactSet, Moving, TooDeep};
 use super::math::{self, V3};
 use super::system::{BodyData, BodyState, System};
 
@@ -38,6 +39,61 @@ pub fn find_velocities(body: &mut BodyState, data: &BodyData, h: f64) {
     body.w_body = w;
     // The angular velocity of the step is the same vector in the old, middle and new body frame.
     body.w = math::mul(&body.r, w);
+}
+
+/// Whether nothing can touch in a drift of `h` \[s\].
+#[inline]
+pub fn is_quiet(system: &System, contacts: &mut ContactSet, h: f64) -> bool {
+    contacts.quiet(h, system.bodies[..system.count()].iter().map(|b| (b.v, b.w)))
+}
+
+/// Contact impulses between kick and drift, for a step of `h` \[s\]; `moving` is working memory. Returns the work of the forces on the displacements that
+/// open gaps \[J\].
+///
+/// # Errors
+/// If bodies are in each other.
+pub fn meet(
+    system: &mut System,
+    contacts: &mut ContactSet,
+    moving: &mut Vec<Moving>,
+    h: f64,
+) -> Result<f64, TooDeep> {
+    let n = system.count();
+    let half = 0.5 * h;
+    moving.clear();
+    moving.extend(system.bodies[..n].iter().zip(&system.data).map(|(body, data)| {
+        let inverse = math::matmul(&math::matmul(&body.r, &data.inverse_inertia), &math::transpose(&body.r));
+        Moving {
+            x: body.x,
+            q: body.q,
+            r: body.r,
+            v: body.v,
+            w: body.w,
+            kick_v: math::scale(half * data.inverse_mass, body.force),
+            kick_w: math::scale(half, math::mul(&inverse, body.torque)),
+            inverse_mass: data.inverse_mass,
+            inverse_inertia: inverse,
+            alive: data.alive,
+            shift: [0.0; 3],
+            turn: [0.0; 3],
+        }
+    }));
+    contacts.solve(moving, h)?;
+    let mut work = 0.0;
+    for ((body, data), moving) in system.bodies.iter_mut().zip(&system.data).zip(moving.iter()) {
+        if moving.v != body.v || moving.w != body.w {
+            let change = math::mul_t(&body.r, math::sub(moving.w, body.w));
+            body.p = math::axpy(body.p, data.mass, math::sub(moving.v, body.v));
+            body.l = math::add(body.l, math::mul(&body.r, math::mul(&data.inertia, change)));
+            find_velocities(body, data, h);
+        }
+        if moving.shift != [0.0; 3] || moving.turn != [0.0; 3] {
+            work += math::dot(body.force, moving.shift) + math::dot(body.torque, moving.turn);
+            body.x = math::add(body.x, moving.shift);
+            body.rotate(moving.turn);
+        }
+    }
+    Ok(work)
 }
 
 /// Drifts all positions by `h_s` \[s\].

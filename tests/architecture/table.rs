@@ -60,7 +60,7 @@ pub struct Confined {
 /// Crates behind a wall: exchanging one of them touches the files named here.
 pub const CONFINED: &[Confined] = &[
     Confined { krate: "sled", within: &["library/cache.rs"] },
-    Confined { krate: "parry3d_f64", within: &["mbs/narrow.rs"] },
+    Confined { krate: "parry3d_f64", within: &["mbs/contact/collide.rs"] },
     Confined { krate: "faer", within: &["fe/preload.rs", "graph/"] },
     Confined { krate: "postcard", within: &["fe/restart.rs"] },
     Confined { krate: "clap", within: &["cli/"] },

@@ -20,10 +20,11 @@ fn sliding_box_stops_where_coulomb_says() {
     let x = result.frames.last().unwrap().position_m[0];
     let distance = x[0].hypot(x[1]);
     println!("sliding box: {distance:.6} m (2.548420), energy error {:.1e}", result.energy_error);
-    assert!((distance - 2.548419980).abs() < 2e-3);
-    assert!((x[1] / x[0] - 4.0 / 3.0).abs() < 1e-3);
+    assert!((distance - 2.548419980).abs() < 1e-5);
+    assert!((x[1] / x[0] - 4.0 / 3.0).abs() < 1e-6);
+    assert!(result.energy_error < 1e-9);
     let friction = result.energies.friction_j.last().unwrap();
-    assert!((friction / (0.5 * 1000.0 * 25.0) - 1.0).abs() < 2e-3, "{friction}");
+    assert!((friction / (0.5 * 1000.0 * 25.0) - 1.0).abs() < 1e-5, "{friction}");
 }
 
 #[test]
@@ -36,13 +37,13 @@ fn box_on_an_incline_slides_or_stays() {
         let result = simulate(&m).unwrap();
         let travelled = result.frames.last().unwrap().position_m[0][0];
         println!("incline, friction {friction}: {travelled:.6} m ({:.6})", 0.5 * expected);
-        assert!((travelled - 0.5 * expected).abs() < 3e-3);
+        assert!((travelled - 0.5 * expected).abs() < 5e-5);
     }
 }
 
 #[test]
 fn dropped_box_rebounds_with_its_restitution() {
-    for (restitution, tolerance) in [(1.0, 0.02), (0.5, 0.05), (0.1, 0.2)] {
+    for (restitution, tolerance) in [(1.0, 1e-4), (0.5, 1e-4), (0.1, 1e-3)] {
         let mut m = on_ground("bounce", 1.2, 0.5);
         m.bodies.push(solid("box", [0.0, 0.0, 1.2], [0.4, 0.4, 0.4]));
         m.contact.ground.as_mut().unwrap().restitution = restitution;
@@ -70,18 +71,17 @@ fn a_stack_of_three_stays_at_rest() {
         ));
     }
     let result = simulate(&m).unwrap();
-    // The boxes settle by their weight over the contact stiffness (below 1.5 mm), then nothing moves.
-    let (first, middle, last) = (&result.frames[0], &result.frames[150], result.frames.last().unwrap());
+    let (first, last) = (&result.frames[0], result.frames.last().unwrap());
     for i in 0..3 {
         for k in 0..3 {
-            let settled = (last.position_m[i][k] - first.position_m[i][k]).abs();
-            let crept = (last.position_m[i][k] - middle.position_m[i][k]).abs();
-            assert!(settled < 1.5e-3 && crept < 1e-5, "box {i}, axis {k}: {settled}, {crept}");
+            let moved = (last.position_m[i][k] - first.position_m[i][k]).abs();
+            assert!(moved < 1e-4, "box {i}, axis {k}: {moved}");
         }
     }
+    // Velocities at outputs are those before the impulses of the step: half a step of gravity.
     let kinetic = result.energies.kinetic_j.last().unwrap();
     println!("stack: kinetic energy {kinetic:.1e} J at the end");
-    assert!(*kinetic < 1e-3);
+    assert!(*kinetic < 0.5 * 900.0 * (0.6e-3 * G).powi(2));
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn slabs_at_ten_metres_per_second_do_not_pass_through() {
     let gap =
         result.frames.iter().map(|f| f.position_m[1][2] - f.position_m[0][2]).fold(f64::INFINITY, f64::min);
     println!("slabs: deepest {:.4} m below contact, {:.4} m into each other", 0.625 - lowest(0), 0.25 - gap);
-    assert!(0.625 - lowest(0) < 0.03 && 0.25 - gap < 0.03);
+    assert!(0.625 - lowest(0) < 1e-3 && 0.25 - gap < 1e-3);
     assert_eq!(result.events.len(), 2, "{:?}", result.events);
 }
 
@@ -129,7 +129,7 @@ fn box_tumbling_off_an_edge_keeps_its_energy_balance() {
     let z = result.frames.last().unwrap().position_m[0][2];
     println!("tumbling box: rests at z = {z:.4} m, energy error {:.2e}", result.energy_error);
     assert!(z > 0.29 && z < 0.46);
-    assert!(result.energy_error < 0.05);
+    assert!(result.energy_error < 1e-4);
     assert!(result.first_ground_contact_s.is_some());
 }
 
@@ -141,4 +141,53 @@ fn falling_far_from_everything_costs_no_contact() {
     let exact = 10.0 - 0.5 * G * 0.25;
     assert!((result.frames.last().unwrap().position_m[0][2] - exact).abs() < 1e-9);
     assert!(result.first_ground_contact_s.is_none() && result.energy_error < 1e-9);
+}
+
+#[test]
+fn spheres_hulls_planes_and_pair_rules_do_what_the_file_says() {
+    let mut m = on_ground("shapes", 2.0, 0.5);
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+    m.contact.planes.push(ObstaclePlane {
+        id: "wall".into(),
+        point_m: [3.0, 0.0, 0.0],
+        normal: [-2.0, 0.0, 0.0],
+        friction: 0.0,
+        restitution: 0.0,
+    });
+    let mut ball = solid("ball", [0.0, 0.0, 0.5], [1.0; 3]);
+    ball.shapes = vec![Shape::Sphere { center_m: [0.0; 3], radius_m: 0.5 }];
+    ball.velocity_m_s = [8.0, 0.0, 0.0];
+    let mut hull = solid("hull", [0.0, 5.0, 0.6], [1.0; 3]);
+    hull.shapes = vec![Shape::Hull { points_m: Shape::cuboid([0.0; 3], [0.5; 3]).corners() }];
+    let turned = Shape::Box {
+        center_m: [0.0; 3],
+        half_extents_m: [0.5, 0.5, 0.3],
+        orientation: Some([0.5_f64.sqrt(), 0.5_f64.sqrt(), 0.0, 0.0]),
+    };
+    let mut plank = solid("plank", [0.0, 5.0, 1.7], [1.0; 3]);
+    plank.shapes = vec![turned];
+    m.bodies.extend([ball, hull, plank, solid("ghost", [0.0, -5.0, 0.4], [1.0, 1.0, 0.4])]);
+    m.contact.pairs.push(PairRule {
+        a: "ghost".into(),
+        b: "ground".into(),
+        ignore: true,
+        friction: None,
+        restitution: None,
+    });
+    m.contact.pairs.push(PairRule {
+        a: "ball".into(),
+        b: "wall".into(),
+        ignore: false,
+        friction: None,
+        restitution: Some(1.0),
+    });
+    let result = simulate(&m).unwrap();
+    let highest = result.frames.iter().map(|f| f.position_m[0][0]).fold(0.0, f64::max);
+    let end = &result.frames.last().unwrap().position_m;
+    assert!(highest <= 2.5 + 1e-9 && end[0][0] < 1.0, "{highest}, {:?}", end[0]);
+    assert!((end[0][2] - 0.5).abs() < 1e-4, "the ball rolls on the ground: {:?}", end[0]);
+    assert!((end[1][2] - 0.5).abs() < 2e-4, "the hull lies on its face: {:?}", end[1]);
+    assert!((end[2][2] - 1.5).abs() < 4e-4, "the turned box stands on its edge, 0.5 m high: {:?}", end[2]);
+    assert!(end[3][2] < -15.0, "the ghost falls through: {:?}", end[3]);
+    assert!(result.energy_error < 1e-3, "{}", result.energy_error);
 }

@@ -9,7 +9,7 @@ use fallwerk::mbs::simulate;
 fn frame(rows: &[f64], slab: [f64; 3], translation: f64, end_s: f64, remove_below: f64) -> Model {
     let mut m = model("frame", end_s, 0.01);
     m.curves.insert("hinge".into(), frame_curve());
-    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: RESTITUTION });
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
     let middle = 0.5 * rows[rows.len() - 1];
     let mut removed = Vec::new();
     for storey in 1..=3_u8 {

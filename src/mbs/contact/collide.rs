@@ -303,6 +303,9 @@ fn balls(a: (f64, &Placed), b: (f64, &Placed), reach: f64, found: &mut Vec<Found
     Some(n)
 }
 
+/// Up to so many solids the tree need not be kept in good shape.
+const FEW: u32 = 64;
+
 /// Bounds of all solids in a tree; tells which pairs of them came to overlap.
 #[derive(Clone, Default)]
 pub struct Broad {
@@ -327,7 +330,9 @@ impl Broad {
     pub fn changed_pairs(&mut self, mut meet: impl FnMut(usize, usize)) {
         self.tree.refit(&mut self.work);
         self.tree.traverse_bvtt_single_tree::<true>(&mut self.work, &mut |a, b| meet(a as usize, b as usize));
-        self.tree.optimize_incremental(&mut self.work);
+        if self.tree.leaf_count() > FEW {
+            self.tree.optimize_incremental(&mut self.work);
+        }
     }
 }
 

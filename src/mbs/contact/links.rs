@@ -3,7 +3,7 @@
 //! What a unit impulse at a point adds to the velocities of all bodies of the mechanism is found once a step, along the normal and two directions across it. With it the
 //! sweeps act on the mechanism as on one body, however light the part that is hit.
 
-use super::rows::{Block, Motion, Row, Rows};
+use super::rows::{Block, Motion, Rows};
 use crate::mbs::math::{self, V3};
 
 /// A mechanism as contacts see it.
@@ -131,25 +131,6 @@ impl Rows {
             self.links.kick(block.linked as usize + k, p, &mut self.motion);
         }
         largest
-    }
-}
-
-impl Row {
-    /// Corrects the impulses by a relative velocity; what is added to them, and the change of the normal velocity.
-    #[inline(always)]
-    pub fn correct(&mut self, u: V3, n: V3, friction: f64) -> (V3, f64) {
-        let un = math::dot(u, n);
-        let normal = (self.normal + (self.target - un) * self.mass[0]).max(0.0);
-        let mut tangent = math::axpy(self.tangent, -self.mass[1], math::axpy(u, -un, n));
-        let limit = friction * normal;
-        let square = math::dot(tangent, tangent);
-        if square > limit * limit {
-            tangent = math::scale(limit / square.sqrt(), tangent);
-        }
-        let p = math::axpy(math::sub(tangent, self.tangent), normal - self.normal, n);
-        let change = (normal - self.normal).abs() / self.mass[0];
-        (self.normal, self.tangent) = (normal, tangent);
-        (p, change)
     }
 }
 

@@ -117,7 +117,7 @@ pub struct Work {
     pub most_points: usize,
     /// Searches for the points of a pair.
     pub searches: u64,
-    /// Steps whose sweeps ended at their bound.
+    /// Rounds of sweeps that ended before the tolerance was met.
     pub unfinished: u64,
     /// Deepest penetration seen at the begin of a step \[m\].
     pub deepest_m: f64,
@@ -128,15 +128,13 @@ pub struct Work {
 pub struct Settings {
     /// Points that are this near take part without approaching \[m\].
     pub margin_m: f64,
-    /// Sweeps end when no normal velocity changes by more than this share of the velocity that forces add in a step.
+    /// Sweeps end when no velocity of a point changes by more than this share of the velocity that forces add in a step.
     pub tolerance: f64,
-    /// Fewest sweeps.
-    pub least_sweeps: usize,
-    /// Visits of points in a step from which sweeps end before that.
+    /// Most sweeps of a step in which the impulses of the last one nearly hold.
+    pub sweeps: usize,
+    /// Visits of points in any other step, such as one with an impact, unless so many sweeps need more.
     pub visits: usize,
-    /// ... but not while a sweep changes distances at the end of the step by more than this \[m\],
-    pub closing_m: f64,
-    /// nor beyond so many sweeps.
+    /// Most sweeps of such a step.
     pub most_sweeps: usize,
     /// Sweeps that open gaps.
     pub gap_sweeps: usize,
@@ -153,14 +151,13 @@ impl Default for Settings {
         Self {
             margin_m: 2e-4,
             tolerance: 1e-3,
-            least_sweeps: 1,
+            sweeps: 4,
             visits: 2000,
-            closing_m: 1e-4,
-            most_sweeps: 200,
+            most_sweeps: 400,
             gap_sweeps: 2,
-            gap_rate: 0.8,
-            slop_m: 1e-5,
-            stale: 5e-3,
+            gap_rate: 0.2,
+            slop_m: 1e-4,
+            stale: 1e-2,
         }
     }
 }
@@ -214,6 +211,9 @@ pub struct ContactSet {
     /// Paths travelled, and of this step at most, the ground last \[m\].
     travel: Vec<f64>,
     path: Vec<f64>,
+    /// Share of it by rotation, and what impulses may add to it \[m\].
+    spin: Vec<f64>,
+    growth: Vec<f64>,
     /// Travel up to which a body's solids are within their entered bounds.
     budget: Vec<f64>,
     entered: Vec<[V3; 2]>,
@@ -294,6 +294,8 @@ impl ContactSet {
             radius,
             travel: vec![0.0; ground + 1],
             path: vec![0.0; ground + 1],
+            spin: vec![0.0; ground + 1],
+            growth: vec![0.0; ground + 1],
             budget: vec![f64::NEG_INFINITY; ground],
             entered: vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count],
             broad: Broad::default(),

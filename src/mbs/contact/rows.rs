@@ -10,6 +10,10 @@
 use super::links::{ALONE, Links};
 use crate::mbs::math::{self, V3};
 
+/// Depth from which more of a gap is opened at once \[m\], and that share.
+const DEEP_M: f64 = 1e-3;
+const DEEP_RATE: f64 = 0.8;
+
 /// Velocity and angular velocity of a body, or displacement and turn.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Motion {
@@ -89,6 +93,28 @@ impl Row {
     }
 }
 
+impl Row {
+    /// Corrects the impulses by a relative velocity; what is added to them, and the square of the change of velocity.
+    #[inline(always)]
+    pub fn correct(&mut self, u: V3, n: V3, friction: f64) -> (V3, f64) {
+        let un = math::dot(u, n);
+        let normal = (self.normal + (self.target - un) * self.mass[0]).max(0.0);
+        let mut tangent = math::axpy(self.tangent, -self.mass[1], math::axpy(u, -un, n));
+        let limit = friction * normal;
+        let square = math::dot(tangent, tangent);
+        if square > limit * limit {
+            tangent = math::scale(limit / square.sqrt(), tangent);
+        }
+        let across = math::sub(tangent, self.tangent);
+        let along = normal - self.normal;
+        let p = math::axpy(across, along, n);
+        let [m, mt] = [self.mass[0] * self.mass[0], self.mass[1] * self.mass[1]];
+        let change = (along * along / m).max(math::dot(across, across) / mt);
+        (self.normal, self.tangent) = (normal, tangent);
+        (p, change)
+    }
+}
+
 /// All rows of a step; the memory is kept from step to step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rows {
@@ -127,7 +153,7 @@ impl Rows {
         }
     }
 
-    /// One sweep; the largest change of a normal velocity \[m/s\].
+    /// One sweep; the largest change of a velocity \[m/s\].
     pub fn sweep(&mut self, backwards: bool) -> f64 {
         let mut largest = 0.0_f64;
         let count = self.blocks.len();
@@ -136,9 +162,10 @@ impl Rows {
             let change = if block.linked == ALONE { self.visit(&block) } else { self.visit_linked(&block) };
             largest = largest.max(change);
         }
-        largest
+        largest.sqrt()
     }
 
+    /// Visits the rows of a block; the largest square of a change of a velocity.
     #[inline(always)]
     fn visit(&mut self, block: &Block) -> f64 {
         let [a, b] = block.bodies.map(|i| i as usize);
@@ -184,8 +211,12 @@ impl Rows {
                 for i in block.first as usize..(block.first + block.count) as usize {
                     let row = &self.rows[i];
                     let gap = row.gap + math::dot(row.relative(&of_a, &of_b), n);
-                    let wanted = self.push[i] - rate * gap * row.mass[0];
-                    let push = if row.exact { wanted } else { wanted.max(0.0) };
+                    let push = if row.exact {
+                        self.push[i] - gap * row.mass[0]
+                    } else {
+                        let share = if row.gap < -DEEP_M { DEEP_RATE } else { rate };
+                        (self.push[i] - share * gap * row.mass[0]).max(0.0)
+                    };
                     let change = push - self.push[i];
                     if change != 0.0 {
                         self.push[i] = push;

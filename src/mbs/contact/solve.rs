@@ -6,10 +6,14 @@ use crate::mbs::math::{self, V3};
 
 /// Times that pairs are looked for again because impulses made bodies faster.
 const MOST_EXTENSIONS: usize = 4;
-/// Share of the thickness by which solids may be in each other.
-const DEPTH_LIMIT: f64 = 0.5;
+/// Share of half the thickness by which solids may be in each other.
+const DEPTH_LIMIT: f64 = 1.0;
 /// Approach speed from which there is rebound, over the velocity that forces add in half a step.
 const REBOUND_FROM: f64 = 4.0;
+/// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
+const UNSTEADY: f64 = 0.9;
+/// Least velocity that errors are compared with \[m/s\].
+const LEAST_SCALE_M_S: f64 = 1e-3;
 
 impl ContactSet {
     /// Velocities with contact, and the displacements that open gaps, for a step of `h` \[s\] from the given poses.
@@ -32,7 +36,9 @@ impl ContactSet {
     ) -> Result<(), TooDeep> {
         for (i, body) in bodies.iter_mut().enumerate() {
             (body.shift, body.turn) = ([0.0; 3], [0.0; 3]);
-            self.path[i] = if body.alive { self.path_of(i, body.v, body.w, h) } else { 0.0 };
+            self.spin[i] = h * math::norm(body.w) * self.radius[i];
+            self.path[i] = if body.alive { h * math::norm(body.v) + self.spin[i] } else { 0.0 };
+            self.growth[i] = 0.0;
         }
         self.place(bodies);
         self.enter_bounds(bodies, h);
@@ -59,6 +65,15 @@ impl ContactSet {
         h * (math::norm(v) + math::norm(w) * self.radius[i])
     }
 
+    /// Distance that two bodies can close in this step \[m\].
+    fn reach(&self, bodies: &[Moving], [a, b]: [usize; 2], h: f64) -> f64 {
+        let v = bodies.get(b).map_or([0.0; 3], |body| body.v);
+        h * math::norm(math::sub(bodies[a].v, v))
+            + (self.spin[a] + self.spin[b])
+            + (self.growth[a] + self.growth[b])
+            + self.settings.margin_m
+    }
+
     /// Looks at the pairs that may touch; the least path of two bodies until another one must be looked at.
     fn look_at_all(&mut self, bodies: &[Moving], h: f64) -> f64 {
         let mut slack = f64::INFINITY;
@@ -67,9 +82,9 @@ impl ContactSet {
             let entry = &mut self.order[k];
             entry.reach = 0.0;
             let [a, b] = entry.bodies.map(|i| i as usize);
-            let reach = self.path[a] + self.path[b] + margin;
             let travelled = self.travel[a] + self.travel[b];
-            if travelled + reach >= entry.limit {
+            if travelled + self.path[a] + self.path[b] + margin >= entry.limit {
+                let reach = self.reach(bodies, [a, b], h);
                 self.look(k, bodies, h, f64::NEG_INFINITY, reach);
             }
             slack = slack.min(self.order[k].limit - travelled - margin);
@@ -100,7 +115,7 @@ impl ContactSet {
 
     /// Sweeps until the velocities hold, with the pairs that they bring near.
     fn impulses(&mut self, bodies: &[Moving], h: f64, mut mechanism: Option<&mut (dyn Linked + '_)>) {
-        self.sweeps(bodies, h);
+        self.sweeps(bodies);
         for _ in 0..MOST_EXTENSIONS {
             let first = self.rows.blocks.len();
             if !self.extend(bodies, h) {
@@ -111,28 +126,27 @@ impl ContactSet {
                     self.rows.link(first, m);
                 }
                 self.rows.warm_start(first);
-                self.sweeps(bodies, h);
+                self.sweeps(bodies);
             }
         }
     }
 
-    fn sweeps(&mut self, bodies: &[Moving], h: f64) {
+    fn sweeps(&mut self, bodies: &[Moving]) {
         let s = self.settings;
         let kick = bodies.iter().map(|b| math::dot(b.kick_v, b.kick_v)).fold(0.0, f64::max).sqrt();
-        let tolerance = s.tolerance * (2.0 * kick).max(1e-3);
-        let usual = (s.visits / self.rows.rows.len()).clamp(s.least_sweeps, s.most_sweeps);
-        let mut done = 0;
-        loop {
-            let change = self.rows.sweep(done % 2 == 1);
+        let scale = (2.0 * kick).max(LEAST_SCALE_M_S);
+        let mut change = self.rows.sweep(false);
+        let mut done = 1;
+        let most = if change > UNSTEADY * scale {
+            (s.visits / self.rows.rows.len()).clamp(s.sweeps, s.most_sweeps)
+        } else {
+            s.sweeps
+        };
+        while change > s.tolerance * scale && done < most {
+            change = self.rows.sweep(done % 2 == 1);
             done += 1;
-            if change <= tolerance && done >= s.least_sweeps || done >= usual && change * h <= s.closing_m {
-                break;
-            }
-            if done >= s.most_sweeps {
-                self.work.unfinished += 1;
-                break;
-            }
         }
+        self.work.unfinished += u64::from(change > s.tolerance * scale);
         self.work.sweeps += done as u64;
         self.work.visits += (done * self.rows.rows.len()) as u64;
     }
@@ -143,9 +157,11 @@ impl ContactSet {
         let mut any = false;
         for i in 0..bodies.len() {
             let motion = self.rows.motion[i];
-            let path = self.path_of(i, motion.v, motion.w, h);
-            if path > self.path[i] + allowed {
-                self.path[i] = 1.25 * path;
+            let (dv, dw) = (math::sub(motion.v, bodies[i].v), math::sub(motion.w, bodies[i].w));
+            let growth = self.path_of(i, dv, dw, h);
+            if growth > self.growth[i] + allowed {
+                self.path[i] += 1.25 * growth - self.growth[i];
+                self.growth[i] = 1.25 * growth;
                 any = true;
             }
         }
@@ -156,8 +172,13 @@ impl ContactSet {
         for k in 0..self.order.len() {
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
-            let reach = self.path[a] + self.path[b] + self.settings.margin_m;
-            if reach <= entry.reach || self.travel[a] + self.travel[b] + reach < entry.limit {
+            let path = self.path[a] + self.path[b] + self.settings.margin_m;
+            if self.growth[a] + self.growth[b] == 0.0 || self.travel[a] + self.travel[b] + path < entry.limit
+            {
+                continue;
+            }
+            let reach = self.reach(bodies, [a, b], h);
+            if reach <= entry.reach {
                 continue;
             }
             let from = if entry.reach > 0.0 { entry.reach } else { f64::NEG_INFINITY };
@@ -198,7 +219,7 @@ impl ContactSet {
             }
         }
         if any {
-            self.sweeps(bodies, h);
+            self.sweeps(bodies);
         }
     }
 
@@ -206,7 +227,8 @@ impl ContactSet {
     fn close(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
         self.check_depth()?;
         self.book(bodies, h);
-        if self.rows.look_ahead(h) < -self.settings.slop_m {
+        let worst = self.rows.look_ahead(h);
+        if worst < -self.settings.slop_m || self.rows.rows.iter().any(|r| r.exact) {
             self.rows.separate(self.settings.gap_sweeps, self.settings.gap_rate);
         }
         for (i, body) in bodies.iter_mut().enumerate() {

@@ -1,5 +1,6 @@
 //! Cases of the multibody solver.
 
+mod contact;
 mod hinges;
 mod iftomm;
 pub mod models;
@@ -17,6 +18,7 @@ pub fn cases() -> Vec<Case> {
     let mut all = iftomm::cases();
     all.extend(pendulums::cases());
     all.extend(hinges::cases());
+    all.extend(contact::cases());
     all
 }
 

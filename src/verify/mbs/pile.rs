@@ -14,6 +14,8 @@ const LOWEST_M: f64 = 0.5;
 const DENSITY_KG_M3: f64 = 2500.0;
 const FRICTION: f64 = 0.5;
 const GRAVITY_M_S2: f64 = 9.81;
+/// The step with which the pile is run \[s\].
+pub const STEP_S: f64 = 5e-3;
 
 /// Draws of the linear congruential generator `s' = (1103515245 s + 12345) mod 2³¹`, between 0 and 1.
 struct Draws(u64);
