@@ -36,6 +36,9 @@ struct MbsStability {
     /// Random structures
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(0..=10_000_000))]
     random: u64,
+    /// Print the model file of the random structure with this seed, and run nothing
+    #[arg(long, value_name = "SEED")]
+    seed: Option<u64>,
     /// Folder for mbs-stability.md
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -140,6 +143,11 @@ fn mechanisms(options: &Mechanisms) -> Result<Outcome, Failure> {
 }
 
 fn mbs_stability_runs(options: &MbsStability) -> Result<Outcome, Failure> {
+    if let Some(seed) = options.seed {
+        let model = crate::bench::mbs_trials::random(seed);
+        print(&(serde_json::to_string_pretty(&model).map_err(|e| Failure::stopped(e.to_string()))? + "\n"));
+        return Ok(Outcome::Done);
+    }
     let pool = thread_pool(options.threads)?;
     let progress = Progress::on_stderr();
     progress.stage("runs at the limits");
