@@ -43,7 +43,7 @@ fn box_on_an_incline_slides_or_stays() {
 
 #[test]
 fn dropped_box_rebounds_with_its_restitution() {
-    for (restitution, tolerance) in [(1.0, 1e-4), (0.5, 1e-4), (0.1, 1e-3)] {
+    for (restitution, tolerance) in [(1.0, 2e-4), (0.5, 2e-4), (0.1, 1e-3)] {
         let mut m = on_ground("bounce", 1.2, 0.5);
         m.bodies.push(solid("box", [0.0, 0.0, 1.2], [0.4, 0.4, 0.4]));
         m.contact.ground.as_mut().unwrap().restitution = restitution;

@@ -11,7 +11,7 @@ const DEPTH_LIMIT: f64 = 1.0;
 /// Approach speed from which there is rebound, over the velocity that forces add in half a step.
 const REBOUND_FROM: f64 = 4.0;
 /// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
-const UNSTEADY: f64 = 0.9;
+const UNSTEADY: f64 = 0.45;
 /// Least velocity that errors are compared with \[m/s\].
 const LEAST_SCALE_M_S: f64 = 1e-3;
 
