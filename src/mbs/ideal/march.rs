@@ -16,6 +16,8 @@ const CHANGE: [f64; 2] = [0.2, 5.0];
 const CAUTION: f64 = 0.9;
 /// Share of a step that was too long which the next ones may have, and how that rises with each of them.
 const CEILING: [f64; 2] = [0.95, 1.01];
+/// Least tolerance of steps in contact, which are of second order.
+const TOUCH_TOLERANCE: f64 = 1e-6;
 /// Step within which a fracture is met \[s\].
 const FRACTURE_S: f64 = 1e-5;
 /// Powers of the errors of a step and of the one before it (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2).
@@ -334,7 +336,7 @@ impl Marcher {
 
     /// Length of a step in contact that is at most `step`, and divides the time until the stop evenly.
     fn contact_step(&self, step: f64, until_s: f64) -> f64 {
-        let longest = self.touching.as_ref().map_or(step, |t| t.step_s);
+        let longest = self.touching.as_ref().map_or(step, Touching::step_s);
         let span = until_s - self.time_s;
         span / (span / step.min(longest).min(self.leap_limit_s()) * (1.0 - 1e-9)).ceil().max(1.0)
     }
@@ -370,11 +372,21 @@ impl Marcher {
         largest
     }
 
-    /// A step of the leapfrog, halved until it passes no fracture; its length.
+    /// A step of the leapfrog after a jump, halved until it passes no fracture and its error is that of a contact step; its length.
     fn leap_to_fracture(&mut self, mut step: f64) -> Result<f64, MarchError> {
         loop {
-            if !self.leap(step).is_finite() {
+            let error = self.leap(step) * self.tolerance / self.tolerance.max(TOUCH_TOLERANCE);
+            if !error.is_finite() {
                 return Err(MarchError::NotFinite { time_s: self.time_s });
+            }
+            let exact = self.fixed_s.is_some() || error <= 1.0 || step <= FRACTURE_S;
+            if let Some(touching) = &mut self.touching {
+                touching.advise(if exact { step * error.max(1e-3).powf(-1.0 / 3.0) } else { 0.5 * step });
+            }
+            if !exact {
+                step *= 0.5;
+                self.tally.steps[1] += 1;
+                continue;
             }
             if step <= FRACTURE_S || self.motion.beyond().is_none_or(|beyond| beyond < 0.0) {
                 return Ok(step);

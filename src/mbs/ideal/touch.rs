@@ -23,8 +23,9 @@ pub struct Touching {
     pub set: ContactSet,
     /// Work of the displacements that opened gaps \[J\].
     pub opened_j: f64,
-    /// Longest step in contact \[s\].
-    pub step_s: f64,
+    /// Longest step in contact, and that which the last error allows \[s\].
+    longest_s: f64,
+    allowed_s: f64,
     /// First contacts with their times \[s\]; for the caller to fetch.
     pub touches: Vec<(f64, Touch)>,
     moving: Vec<Moving>,
@@ -36,7 +37,25 @@ impl Touching {
     /// For contacts in a run with a tolerance.
     pub fn new(set: ContactSet, tolerance: f64) -> Self {
         let step_s = STEP_S[usize::from(tolerance >= COARSE)];
-        Self { set, opened_j: 0.0, step_s, touches: Vec::new(), moving: Vec::new(), missed: false }
+        Self {
+            set,
+            opened_j: 0.0,
+            longest_s: step_s,
+            allowed_s: step_s,
+            touches: Vec::new(),
+            moving: Vec::new(),
+            missed: false,
+        }
+    }
+
+    /// Longest next step \[s\].
+    pub fn step_s(&self) -> f64 {
+        self.allowed_s
+    }
+
+    /// The error of a step allows the next one this length \[s\].
+    pub fn advise(&mut self, step_s: f64) {
+        self.allowed_s = (0.9 * step_s).min(1.5 * self.allowed_s).min(self.longest_s);
     }
 
     /// What contacts took along their normals, gaps that were opened included, and by friction \[J\].
