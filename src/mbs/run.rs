@@ -4,7 +4,7 @@
 //! at most the limit. The energies are taken at full steps, with the momenta of that time; the balance is
 //! a true one (states and trapezoidal dissipation), not an identity of the update formulas.
 
-use super::contact::{ContactSet, Moving, Partner, Settings};
+use super::contact::{ContactSet, Moving, Partner, Settings, Work};
 use super::error::SolveError;
 use super::ideal;
 use super::math;
@@ -51,8 +51,34 @@ pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult
     let clock = ThreadClock::start();
     let mut run = Run::new(model, options)?;
     run.go()?;
+    let remarks = closing_remarks(run.result.energy_error, Some(run.contacts.work));
+    run.result.warnings.extend(remarks);
     run.result.cpu_s = clock.elapsed_s();
     Ok(run.result)
+}
+
+/// Energy error worth a warning.
+const ENERGY_WORTH_TELLING: f64 = 1e-3;
+/// Depth of a contact worth a warning \[m\].
+const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
+
+/// What is worth saying of a run that came to its end.
+pub(super) fn closing_remarks(energy_error: f64, contacts: Option<Work>) -> Vec<String> {
+    let mut list = Vec::new();
+    if energy_error > ENERGY_WORTH_TELLING {
+        list.push(format!(
+            "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller settings.tolerance or settings.time_step_s shows what that changes"
+        ));
+    }
+    if let Some(work) = contacts.filter(|w| w.deepest_m > DEPTH_WORTH_TELLING_M) {
+        list.push(format!(
+            "contacts were up to {:.1} mm deep (heavy bodies on light ones, or impacts whose impulses did not settle in {} of {} steps); a smaller settings.time_step_s holds them better",
+            1e3 * work.deepest_m,
+            work.unfinished,
+            work.steps
+        ));
+    }
+    list
 }
 
 struct Run<'a> {

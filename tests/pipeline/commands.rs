@@ -170,9 +170,9 @@ fn write_model(folder: &Path, with_trace: bool) {
     };
     let elastic = serde_json::json!({ "kind": "elastic", "stiffness_nm_rad": 1e8 });
     let model = serde_json::json!({
-        "schema": "fallwerk-mbs/1", "name": "table", "gravity_m_s2": [0.0, 0.0, -9.81],
+        "schema": "fallwerk-mbs/2", "name": "table", "gravity_m_s2": [0.0, 0.0, -9.81],
         "bodies": [body("C1", 1.5, &["C1"]), body("S1", 3.1, &["S1", "B1-x"])],
-        "joints": [{
+        "bushings": [{
             "id": "C1.top", "body_a": "S1", "body_b": "C1", "point_m": [0.0, 0.0, 3.0],
             "axes": [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
             "axial_stiffness_n_m": 1e9, "shear_stiffness_n_m": [1e9, 1e9], "torsional_stiffness_nm_rad": 1e8,

@@ -47,6 +47,12 @@ impl std::fmt::Display for Complaint {
     }
 }
 
+/// The version of a file.
+#[derive(serde::Deserialize)]
+struct Version {
+    schema: Option<String>,
+}
+
 /// How far axes and quaternions may be from orthonormal (files carry rounded numbers).
 const ORTHONORMAL_TOLERANCE: f64 = 1e-6;
 
@@ -55,8 +61,18 @@ impl Model {
     pub fn read(path: &Path) -> Result<Self, ModelError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ModelError::Read { path: path.to_owned(), source })?;
-        let model: Self = serde_json::from_str(&text)
-            .map_err(|source| ModelError::Parse { path: path.to_owned(), source })?;
+        let parse = |source| ModelError::Parse { path: path.to_owned(), source };
+        // a file of another version is told so, not that its keys are unknown
+        let version: Version = serde_json::from_str(&text).map_err(parse)?;
+        if let Some(found) = version.schema.filter(|s| s != MODEL_SCHEMA) {
+            let mut list = List::default();
+            list.add(
+                "schema".into(),
+                format!("is \"{found}\", expected \"{MODEL_SCHEMA}\" (docs/formats.md says what changed)"),
+            );
+            return Err(ModelError::Invalid(list.0));
+        }
+        let model: Self = serde_json::from_str(&text).map_err(parse)?;
         model.check()?;
         Ok(model)
     }

@@ -16,6 +16,7 @@
 //! | [`touch`] | contact |
 //! | [`compile`] | from a model file |
 //! | [`run`] | a whole run of a model file: events, outputs, energy balance |
+//! | [`survey`] | energies, reactions, the highest frequency |
 //! | [`march`] | the Runge-Kutta steps with error control (`method`: their coefficients) |
 
 pub mod bushing;
@@ -28,6 +29,7 @@ mod method;
 pub mod motion;
 pub mod planar;
 pub mod run;
+pub mod survey;
 pub mod touch;
 
 use super::math::{M3, Q, V3};

@@ -1,8 +1,8 @@
 //! Accelerations of a mechanism at a state, and the nearest state that its joints allow.
 
-use super::bushing::{BushingState, Held};
+use super::bushing::Held;
 use super::factor::BlockFactor;
-use super::force::{Acting, HingeLaw, HingeState};
+use super::force::{Acting, HingeLaw};
 use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
 use super::planar::planes;
 use super::{Mechanism, joint};
@@ -27,10 +27,6 @@ struct Part {
     columns: (usize, usize),
 }
 
-/// Steps of the power iteration for the highest frequency, and the margin on what it finds.
-const ITERATIONS: usize = 60;
-const MARGIN: f64 = 1.05;
-
 /// Sign of a joint's rows on its first and second body.
 const SENSE: [f64; 2] = [-1.0, 1.0];
 
@@ -52,72 +48,51 @@ fn add_point_block(
     }
 }
 
-/// Energies and hinges of a mechanism at a time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Observed {
-    /// Kinetic energy \[J\].
-    pub kinetic_j: f64,
-    /// Potential energy of gravity, zero at the origin \[J\].
-    pub gravity_j: f64,
-    /// Elastic energy of springs and hinges \[J\].
-    pub elastic_j: f64,
-    /// Plastic work of all hinges, also those that fractured \[J\].
-    pub plastic_j: f64,
-    /// Elastic energy that fractured hinges had \[J\].
-    pub lost_j: f64,
-    /// Work of all applied forces, springs and hinges included, gravity not \[J\].
-    pub work_j: f64,
-    /// Hinges and torsion springs by their place among the forces of the mechanism.
-    pub hinges: Vec<(usize, HingeState)>,
-    /// Bushings with curves by their place behind the forces of the mechanism.
-    pub bushings: Vec<(usize, BushingState)>,
-}
-
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
 pub struct Motion {
-    gravity: V3,
-    mass: Vec<f64>,
-    inertia: Vec<M3>,
-    inverse_inertia: Vec<M3>,
+    pub(super) gravity: V3,
+    pub(super) mass: Vec<f64>,
+    pub(super) inertia: Vec<M3>,
+    pub(super) inverse_inertia: Vec<M3>,
     /// The inverse in the global frame at the state that was taken.
-    inverse: Vec<M3>,
-    joints: Vec<Compiled>,
+    pub(super) inverse: Vec<M3>,
+    pub(super) joints: Vec<Compiled>,
     /// First row of each joint, and the number of rows.
-    first: Vec<usize>,
+    pub(super) first: Vec<usize>,
     /// Place of each joint in the mechanism.
-    ids: Vec<usize>,
-    forces: Vec<Acting>,
+    pub(super) ids: Vec<usize>,
+    pub(super) forces: Vec<Acting>,
     /// Place of each force in the mechanism.
-    force_ids: Vec<usize>,
-    laws: Vec<HingeLaw>,
-    bushings: Vec<Held>,
+    pub(super) force_ids: Vec<usize>,
+    pub(super) laws: Vec<HingeLaw>,
+    pub(super) bushings: Vec<Held>,
     /// Place of each bushing behind the forces of the mechanism.
-    bushing_ids: Vec<usize>,
+    pub(super) bushing_ids: Vec<usize>,
     /// Bushings that tension broke, by their places; for the caller to fetch.
     pub torn: Vec<usize>,
     /// Hinges that flowed for the first time, by their places in the mechanism; for the caller to fetch.
     pub yielded: Vec<usize>,
     /// Plastic work of hinges that are gone, and elastic energy of those that fractured \[J\].
-    spent_j: f64,
-    lost_j: f64,
+    pub(super) spent_j: f64,
+    pub(super) lost_j: f64,
     /// Bodies that were taken away: they stay where they are.
-    gone: Vec<bool>,
+    pub(super) gone: Vec<bool>,
     parts: Vec<Part>,
-    factor: BlockFactor,
-    poses: Vec<Pose>,
-    rows: Vec<Row>,
+    pub(super) factor: BlockFactor,
+    pub(super) poses: Vec<Pose>,
+    pub(super) rows: Vec<Row>,
     /// `M⁻¹` times the rows' parts.
-    moved: Vec<[[V3; 2]; 2]>,
+    pub(super) moved: Vec<[[V3; 2]; 2]>,
     /// Arms of the joints that hold a point only \[m\]; their rows need no general products.
-    arms: Vec<Option<[V3; 2]>>,
-    loads: Vec<[V3; 2]>,
+    pub(super) arms: Vec<Option<[V3; 2]>>,
+    pub(super) loads: Vec<[V3; 2]>,
     /// Applied forces and torques, gravity aside, of the rate that was found last.
-    applied: Vec<[V3; 2]>,
-    multipliers: Vec<f64>,
+    pub(super) applied: Vec<[V3; 2]>,
+    pub(super) multipliers: Vec<f64>,
     /// Bodies that joints hold together, by part; the part of each body that joints hold.
-    parts_bodies: Vec<Vec<usize>>,
-    part: Vec<Option<usize>>,
+    pub(super) parts_bodies: Vec<Vec<usize>>,
+    pub(super) part: Vec<Option<usize>>,
 }
 
 impl Motion {
@@ -489,131 +464,6 @@ impl Motion {
         &self.ids
     }
 
-    /// Energies and hinges at a state that follows on what was committed.
-    pub fn observe(&self, state: &[f64]) -> Observed {
-        let poses: Vec<Pose> = state.chunks_exact(STATE).map(read).collect();
-        let [mut kinetic_j, mut gravity_j] = [0.0; 2];
-        for (b, pose) in poses.iter().enumerate().filter(|(b, _)| !self.gone[*b]) {
-            let own = mul_t(&pose.r, pose.w);
-            kinetic_j += 0.5 * (self.mass[b] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[b], own)));
-            gravity_j -= self.mass[b] * dot(self.gravity, pose.x);
-        }
-        let hinges: Vec<(usize, HingeState)> = self
-            .forces
-            .iter()
-            .zip(&self.force_ids)
-            .filter_map(|(f, id)| Some((*id, f.turn(&poses, &self.laws)?)))
-            .collect();
-        let others =
-            self.forces.iter().filter(|f| !matches!(f, Acting::Hinge { .. } | Acting::Torsion { .. }));
-        let springs_j: f64 = others.map(|f| f.elastic_j(&poses, &self.laws)).sum();
-        let bushings: Vec<(usize, ([f64; 2], Option<BushingState>))> =
-            self.bushing_ids.iter().copied().zip(self.bushings.iter().map(|b| b.at(&poses))).collect();
-        Observed {
-            kinetic_j,
-            gravity_j,
-            elastic_j: springs_j
-                + hinges.iter().map(|(_, h)| h.elastic_j).sum::<f64>()
-                + bushings.iter().map(|(_, (j, _))| j[0]).sum::<f64>(),
-            plastic_j: self.spent_j
-                + hinges.iter().map(|(_, h)| h.dissipated_j).sum::<f64>()
-                + bushings.iter().map(|(_, (j, _))| j[1]).sum::<f64>(),
-            lost_j: self.lost_j,
-            work_j: state.last().copied().unwrap_or(0.0),
-            hinges,
-            bushings: bushings.into_iter().filter_map(|(id, (_, state))| Some((id, state?))).collect(),
-        }
-    }
-
-    /// A bound on the highest angular frequency of springs and hinges \[rad/s\]. With the mass of each body shared among the springs that pull at it, in the ratio of
-    /// what each would make of it alone, no mode is faster than the fastest spring on its shares: `ω² <= max (W_a + W_b)` over springs, `W` the sum of `k / m` of a
-    /// body's springs. Joints only lower it.
-    pub fn frequency_bound(&self) -> f64 {
-        let smallest = |m: &M3| nalgebra::Matrix3::from_fn(|i, j| m[i][j]).symmetric_eigenvalues().min();
-        let turning: Vec<f64> = self.inertia.iter().map(|i| 1.0 / smallest(i)).collect();
-        let springs: Vec<(Vec<usize>, f64, [Option<f64>; 2])> = self
-            .forces
-            .iter()
-            .filter_map(|f| f.stiffness(&self.laws).map(|(k, arms)| (f.bodies(), k, arms)))
-            .collect();
-        let of_bushing = |b: &Held| {
-            b.springs(&self.poses).map(|(k, arms)| (b.bodies.to_vec(), k, arms)).collect::<Vec<_>>()
-        };
-        let springs: Vec<_> = springs.into_iter().chain(self.bushings.iter().flat_map(of_bushing)).collect();
-        let mut own = vec![0.0; self.mass.len()];
-        for (bodies, stiffness, arms) in &springs {
-            for (body, arm) in bodies.iter().zip(arms).filter(|(b, _)| !is_ground(**b)) {
-                let soft = arm.map_or(turning[*body], |r2| 1.0 / self.mass[*body] + r2 * turning[*body]);
-                own[*body] += stiffness * soft;
-            }
-        }
-        let of = |bodies: &[usize]| bodies.iter().filter(|b| !is_ground(**b)).map(|b| own[*b]).sum::<f64>();
-        springs.iter().map(|(bodies, ..)| of(bodies)).fold(0.0, f64::max).sqrt()
-    }
-
-    /// Highest angular frequency of springs and elastic hinges under the joints at the state that was taken \[rad/s\]: by power iteration with a margin of 5 %, and at most
-    /// the bound.
-    pub fn frequency(&mut self) -> f64 {
-        let bound = self.frequency_bound();
-        if bound == 0.0 {
-            return 0.0;
-        }
-        // a start without symmetry, and the same in every run
-        let mut motion: Vec<[V3; 2]> = (0..self.mass.len())
-            .map(|b| {
-                let at = |i: usize| ((12.9898 * (6 * b + i + 1) as f64).sin() * 43_758.545).fract();
-                [[at(0), at(1), at(2)], [at(3), at(4), at(5)]]
-            })
-            .collect();
-        let mut square = 0.0;
-        for _ in 0..ITERATIONS {
-            self.loads.fill([[0.0; 3]; 2]);
-            for force in &self.forces {
-                force.respond(&self.poses, &self.laws, &motion, &mut self.loads);
-            }
-            for bushing in &self.bushings {
-                bushing.respond(&self.poses, &motion, &mut self.loads);
-            }
-            for (b, load) in self.loads.iter_mut().enumerate() {
-                *load = [scale(-1.0 / self.mass[b], load[0]), scale(-1.0, mul(&self.inverse[b], load[1]))];
-            }
-            self.accept(|_| 0.0, false);
-            let size = |m: &[[V3; 2]], mass: &[f64], r: &[Pose], inertia: &[M3]| {
-                let of = |(b, [v, w]): (usize, &[V3; 2])| {
-                    let own = mul_t(&r[b].r, *w);
-                    mass[b] * dot(*v, *v) + dot(own, mul(&inertia[b], own))
-                };
-                m.iter().enumerate().map(of).sum::<f64>().sqrt()
-            };
-            let [before, after] =
-                [&motion, &self.loads].map(|m| size(m, &self.mass, &self.poses, &self.inertia));
-            if after == 0.0 {
-                return 0.0;
-            }
-            square = after / before;
-            for (to, [v, w]) in motion.iter_mut().zip(&self.loads) {
-                *to = [scale(1.0 / after, *v), scale(1.0 / after, *w)];
-            }
-        }
-        bound.min(MARGIN * square.sqrt())
-    }
-
-    /// Force and torque about its point of each joint that is there on its second body, global \[N, N m\], at the state whose rate was taken last.
-    pub fn reactions(&self) -> Vec<[V3; 2]> {
-        let of_joint = |(j, joint): (usize, &Compiled)| {
-            let (mut force, mut torque) = ([0.0; 3], [0.0; 3]);
-            let side = usize::from(!is_ground(joint.bodies[1]));
-            for r in self.first[j]..self.first[j + 1] {
-                let [linear, angular] = self.rows[r].of[side];
-                let factor = if side == 1 { -self.multipliers[r] } else { self.multipliers[r] };
-                (force, torque) = (axpy(force, factor, linear), axpy(torque, factor, angular));
-            }
-            let arm = joint.arm(side, pose_of(&self.poses, joint.bodies[side]));
-            [force, sub(torque, cross(arm, force))]
-        };
-        self.joints.iter().enumerate().map(of_joint).collect()
-    }
-
     /// How far a hinge is beyond its fracture at the state that was taken, at most \[rad\]; `None` without hinges.
     pub fn beyond(&self) -> Option<f64> {
         let of_bushing = |b: &Held| if b.is_broken() { 0.0 } else { -1.0 };
@@ -622,7 +472,7 @@ impl Motion {
     }
 
     /// Solves `S λ = G l + shift` (`plain`: without `G l`) and takes `M⁻¹ Gᵀ λ` off the loads `l`.
-    fn accept(&mut self, shift: impl Fn(&Row) -> f64, plain: bool) {
+    pub(super) fn accept(&mut self, shift: impl Fn(&Row) -> f64, plain: bool) {
         for (j, joint) in self.joints.iter().enumerate() {
             let range = self.first[j]..self.first[j + 1];
             let (rows, wanted) = (&self.rows[range.clone()], &mut self.multipliers[range]);
@@ -710,7 +560,7 @@ pub fn point_at(state: &[f64], body: usize, point: V3) -> V3 {
     add(pose.x, mul(&pose.r, point))
 }
 
-fn read(s: &[f64]) -> Pose {
+pub(super) fn read(s: &[f64]) -> Pose {
     let q = qrenormalise([s[3], s[4], s[5], s[6]]);
     Pose { x: [s[0], s[1], s[2]], q, r: qmat(q), v: [s[7], s[8], s[9]], w: [s[10], s[11], s[12]] }
 }

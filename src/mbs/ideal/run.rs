@@ -2,7 +2,8 @@
 
 use super::compile;
 use super::march::{MarchError, Marcher, Span};
-use super::motion::{Motion, Observed, STATE};
+use super::motion::{Motion, STATE};
+use super::survey::Observed;
 use super::touch::Touching;
 use crate::base::cpu::ThreadClock;
 use crate::mbs::contact::{ContactSet, Partner};
@@ -13,7 +14,7 @@ use crate::mbs::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
     TrackedHistory, TurnHistory,
 };
-use crate::mbs::run::SolverOptions;
+use crate::mbs::run::{SolverOptions, closing_remarks};
 
 /// Times that are one time, as a share of the whole.
 const SAME: f64 = 1e-12;
@@ -123,6 +124,8 @@ impl<'a> Run<'a> {
         self.result.time_step_s = tally.longest_s;
         self.result.highest_frequency_rad_s = self.marcher.frequency_rad_s();
         self.result.energy_error = self.record.error;
+        let contacts = self.marcher.touching.as_ref().map(|t| t.set.work);
+        self.result.warnings.extend(closing_remarks(self.record.error, contacts));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
     }
