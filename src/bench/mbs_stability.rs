@@ -134,7 +134,10 @@ fn outcome(model: &Model) -> Result<Finished, String> {
     let e = &result.energies;
     let total = |i: usize| e.total_j(i);
     let turned = |i: usize| e.kinetic_j[i] + e.gravity_j[i].abs() + e.plastic_j[i] + e.applied_j[i].abs();
-    let most = (0..result.times_s.len()).map(turned).fold(f64::MIN_POSITIVE, f64::max);
+    // one millimetre of fall: the scale of a model in which nothing happens
+    let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
+    let rest = 1e-3 * mass * crate::mbs::math::norm(model.gravity_m_s2);
+    let most = (0..result.times_s.len()).map(turned).fold(rest, f64::max);
     let growth = (0..result.times_s.len()).map(|i| (total(i) - total(0)) / most).fold(0.0, f64::max);
     Ok(Finished {
         energy_error: result.energy_error,
