@@ -310,3 +310,51 @@ fn debris_of_a_broken_hinge_comes_to_rest() {
     assert!((last[2] - 0.2).abs() < 1e-3 && moved.fold(0.0, f64::max) < 1e-4, "{last:?}");
     assert!(result.energy_error < 1e-3, "{}", result.energy_error);
 }
+
+#[test]
+fn both_solvers_run_bushings_alike() {
+    let mut m = model("bushings", 0.6, 0.05);
+    m.bodies.push(solid("low", [0.0, 0.0, 1.0], [0.4, 0.4, 2.0]));
+    m.bodies.push(solid("top", [0.0, 0.0, 3.0], [0.4, 0.4, 2.0]));
+    m.bodies[1].velocity_m_s = [1.0, 0.0, 0.0];
+    m.curves.insert("c".into(), frame_curve());
+    m.bushings.push(joint("foot", None, "low", [0.0; 3], 1e8, 1e8, [elastic(1e7), hinge("c")]));
+    m.bushings.push(joint("knee", Some("low"), "top", [0.0, 0.0, 2.0], 1e8, 1e8, [elastic(1e7), hinge("c")]));
+    track(&mut m, "top", [0.0, 0.0, 4.0]);
+    let explicit = simulate(&m).unwrap();
+    // a torque of nothing brings the other solver
+    m.forces.push(Force::Torque {
+        id: "none".into(),
+        body: "low".into(),
+        torque_nm: [0.0; 3],
+        from_to_s: None,
+    });
+    let implicit = simulate(&m).unwrap();
+    assert!(implicit.energy_error < 1e-6, "{}", implicit.energy_error);
+    let [a, b] = [&explicit, &implicit].map(|r| r.tracked[0].displacement_m.as_flattened());
+    let far = b.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let off = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(far > 0.1 && off < 1e-3 * far, "{off} of {far}");
+    let [a, b] = [&explicit, &implicit].map(|r| r.hinges[0].plastic_rotation_rad.last().copied().unwrap());
+    assert!(b > 1e-3 && (a - b).abs() < 0.01 * b, "{a} {b}");
+}
+
+#[test]
+fn a_bushing_and_a_ball_carry_one_body() {
+    // half of the weight each
+    let mut m = model("both", 2.0, 0.1);
+    m.bodies.push(solid("bar", [0.0; 3], [2.0, 0.2, 0.2]));
+    m.joints.push(ideal("ball", JointKind::Spherical, None, "bar", [-1.0, 0.0, 0.0]));
+    m.bushings.push(joint("pad", None, "bar", [1.0, 0.0, 0.0], 1e7, 1e7, [elastic(0.0), elastic(0.0)]));
+    m.settings.reactions = true;
+    track(&mut m, "bar", [1.0, 0.0, 0.0]);
+    let result = simulate(&m).unwrap();
+    let weight = 200.0 * G;
+    let lift = result.reactions[0].force_n.iter().map(|f| f[2]).sum::<f64>() / result.times_s.len() as f64;
+    let sag = result.tracked[0].displacement_m.iter().map(|u| u[2]).fold(0.0, f64::min);
+    // it swings between nothing and twice the static sag of half its weight
+    assert!(
+        (lift / (0.5 * weight) - 1.0).abs() < 0.5 && sag < -0.5 * weight / 1e7 && sag > -1.01 * weight / 1e7,
+        "{lift} {sag}"
+    );
+}

@@ -152,7 +152,7 @@ impl Default for Settings {
             margin_m: 2e-4,
             tolerance: 1e-3,
             sweeps: 4,
-            visits: 2000,
+            visits: 600,
             most_sweeps: 400,
             gap_sweeps: 2,
             gap_rate: 0.2,
