@@ -16,6 +16,9 @@ const CHANGE: [f64; 2] = [0.2, 5.0];
 const CAUTION: f64 = 0.9;
 /// Share of a step that was too long which the next ones may have, and how that rises with each of them.
 const CEILING: [f64; 2] = [0.95, 1.01];
+/// Steps over which progress is looked at, tried ones included, and the least share of the whole time that they have to take.
+const WATCHED: u64 = 50_000;
+const PROGRESS: f64 = 1e-3;
 /// Least tolerance of steps in contact, which are of second order.
 const TOUCH_TOLERANCE: f64 = 1e-6;
 /// Step within which a fracture is met \[s\].
@@ -82,6 +85,18 @@ pub enum MarchError {
         /// Step \[s\].
         step_s: f64,
     },
+    /// Hardly any progress.
+    #[error(
+        "hardly any progress at {time_s:.6} s: {steps} steps for the last {span_s:.1e} s; a singular pose, or loops that fight each other; use a larger tolerance, or leave a joint out"
+    )]
+    Stuck {
+        /// Time \[s\].
+        time_s: f64,
+        /// Steps that were looked at.
+        steps: u64,
+        /// Time that they took \[s\].
+        span_s: f64,
+    },
     /// Numbers that are not finite.
     #[error("not finite at {time_s:.6} s")]
     NotFinite {
@@ -135,6 +150,8 @@ pub struct Marcher {
     /// Highest frequency of springs and hinges \[rad/s\], and the bound of stability \[s\].
     pub(super) frequency: f64,
     limit_s: f64,
+    /// Steps and time when progress was looked at last.
+    watched: (u64, f64),
     /// Steps of this length at most, whatever their error \[s\].
     fixed_s: Option<f64>,
     start_j: f64,
@@ -205,6 +222,7 @@ impl Marcher {
             ceiling: f64::INFINITY,
             frequency: 0.0,
             limit_s: f64::INFINITY,
+            watched: (0, 0.0),
             fixed_s: None,
             start_j: 0.0,
         };
@@ -281,6 +299,7 @@ impl Marcher {
             if step < self.least_s {
                 return Err(MarchError::Step { time_s: self.time_s, step_s: step });
             }
+            self.watch()?;
             let near = self.is_near(step);
             let step = if near { self.contact_step(step, until_s) } else { step };
             let step = if near {
@@ -332,6 +351,21 @@ impl Marcher {
         }
         self.time_s = until_s;
         Ok(false)
+    }
+
+    /// Stops a march that gets nowhere.
+    fn watch(&mut self) -> Result<(), MarchError> {
+        let steps = self.tally.steps[0] + self.tally.steps[1];
+        let (since, from_s) = self.watched;
+        if self.fixed_s.is_some() || steps < since + WATCHED {
+            return Ok(());
+        }
+        self.watched = (steps, self.time_s);
+        let span_s = self.time_s - from_s;
+        if span_s < PROGRESS * self.least_s / LEAST {
+            return Err(MarchError::Stuck { time_s: self.time_s, steps: steps - since, span_s });
+        }
+        Ok(())
     }
 
     /// Length of a step in contact that is at most `step`, and divides the time until the stop evenly.
