@@ -5,7 +5,7 @@
 
 use super::sections::{s1, s2, s3, s4};
 use crate::material::concrete::ConcreteLaw;
-use crate::material::fibre::{FibreOptions, FibreSection, SectionInput};
+use crate::material::fibre::{CurvaturePoint, FibreOptions, FibreSection, SectionInput};
 use crate::material::fibre_concrete;
 use crate::material::fibre_response::Milestones;
 use crate::rc::bend::{Bend, Bent, bend as rc_bend};
@@ -19,6 +19,7 @@ const STRIPS: &str = "strip solver of another author (Mander's concrete): first 
 const FIBRE: &str = "own fibre section (Mander's concrete, bars displace nothing): 0.98 to 1.12 of it";
 const OWN_YIELD: &str = "own fibre section: first of bar yield, edge at 0.002";
 const BEAM: &str = "3 E_cm I_g / L of the gross section";
+const FIBRE_SLOPE: &str = "3 EI / L of the own fibre section (Mander's concrete)";
 const STATIC: &str = "usual limit of quasi-static runs";
 const FINE: &str = "the same member in elements of 25 mm";
 
@@ -144,16 +145,25 @@ fn of_section(
     let input = &SectionInput { options, ..input.clone() };
     let of_load = |(load, reference): (&Load, &Reference)| {
         let ran = run(input, *load, mesh_size_m)?;
+        let fibres = fibre(input, *load);
+        let axial = load.share > 0.0;
+        let slopes = slope(input, &ran, axial, &fibres)?;
         let (peak, yielded, sources) = match reference {
             Some([peak, yielded]) => (*peak, *yielded, [OPENSEES, STRIPS]),
             None => {
-                let [peak, yielded] = fibre(input, *load)?;
+                let [peak, yielded] = milestones(input, &fibres)?;
                 (peak, yielded, [FIBRE, OWN_YIELD])
             }
         };
         let say = |what: &str| format!("{name}, n = {}: {what}", load.share);
         let mut figures = vec![
-            Figure::relative(say("slope at the start"), "MN m", slope(input, &ran)?, 0.10, BEAM),
+            Figure::relative(
+                say("slope at the start"),
+                "MN m",
+                slopes,
+                0.10,
+                if axial { FIBRE_SLOPE } else { BEAM },
+            ),
             Figure::absolute(say("kinetic share"), "-", [0.0, ran.bent.kinetic_share], 0.05, STATIC),
         ];
         if load.to_yield {
@@ -171,36 +181,55 @@ fn of_section(
     Ok(all?.concat())
 }
 
-/// Peak and first yield of the own fibre section \[kN m\].
-fn fibre(input: &SectionInput, load: Load) -> Result<[f64; 2], String> {
+/// The own fibre section under a load.
+fn fibre(input: &SectionInput, load: Load) -> Vec<CurvaturePoint> {
     let force = load.share * input.concrete_strength_pa * input.area_m2();
     let curvatures = FibreSection::curvatures_to(FIBRE_REACH / input.size_m[1]);
     let section = FibreSection::of(input, fibre_concrete::ConcreteLaw::Mander);
-    let points = section.moment_curvature(force, load.direction_deg.to_radians(), &curvatures);
-    let m = Milestones::of(input, &points).ok_or("the fibre section has no moment")?;
+    section.moment_curvature(force, load.direction_deg.to_radians(), &curvatures)
+}
+
+/// Its peak and first yield \[kN m\].
+fn milestones(input: &SectionInput, points: &[CurvaturePoint]) -> Result<[f64; 2], String> {
+    let m = Milestones::of(input, points).ok_or("the fibre section has no moment")?;
     Ok([m.peak[1] / 1e3, m.first_yield.ok_or("the fibre section does not yield")?[1] / 1e3])
 }
 
-/// Slope of the gross section and of the member's secant at [`SLOPE_SHARE`] of the cracking moment `f_t b h² / 6` \[MN m\].
-fn slope(input: &SectionInput, ran: &Ran) -> Result<[f64; 2], String> {
+/// Secant slopes of moment over chord rotation at [`SLOPE_SHARE`] of the cracking moment `f_t b h² / 6` \[MN m\]: the reference and the member's. The reference is `3 EI / L`
+/// with the fibre section's secant stiffness; without axial force, where fibres without tension are cracked from the start, with that of the gross section.
+fn slope(
+    input: &SectionInput,
+    ran: &Ran,
+    axial: bool,
+    fibres: &[CurvaturePoint],
+) -> Result<[f64; 2], String> {
     let [width, depth] = input.size_m;
-    let gross = 3.0 * input.youngs_modulus_pa * width * depth.powi(3) / 12.0 / ran.length_m;
     let moment = SLOPE_SHARE * input.tensile_strength_pa * width * depth * depth / 6.0;
-    let points = &ran.bent.points;
-    let rising = points.windows(2).find(|w| w[1][1] >= moment).ok_or("the cracking moment is not reached")?;
-    let share = (moment - rising[0][1]) / (rising[1][1] - rising[0][1]);
-    let rotation = rising[0][0] + share * (rising[1][0] - rising[0][0]);
-    Ok([gross, moment / rotation].map(|s| s / 1e6))
+    let secant = |points: Vec<[f64; 2]>| {
+        let rising = points.windows(2).find(|w| w[1][1] >= moment)?;
+        let share = (moment - rising[0][1]) / (rising[1][1] - rising[0][1]);
+        Some(moment / (rising[0][0] + share * (rising[1][0] - rising[0][0])))
+    };
+    let bent = secant(ran.bent.points.iter().map(|p| [p[0], p[1]]).collect());
+    let stiffness = if axial {
+        let of_fibres = secant(fibres.iter().map(|p| [p.curvature_1_m, p.moment_nm]).collect());
+        of_fibres.ok_or("the fibre section does not reach the cracking moment")?
+    } else {
+        input.youngs_modulus_pa * width * depth.powi(3) / 12.0
+    };
+    let bent = bent.ok_or("the cracking moment is not reached")?;
+    Ok([3.0 * stiffness / ran.length_m, bent].map(|s| s / 1e6))
 }
 
-/// Moment at which a bar or the compressed face yields first \[kN m\]; NaN: never.
+/// Moment at which a bar or the compressed face yields first, in the middle of the length over which its strain is measured \[kN m\]; NaN: never.
 fn first_yield(input: &SectionInput, ran: &Ran) -> f64 {
     let progress: Vec<f64> =
         ran.bent.strains.iter().map(|s| s.to_yield(input.steel.yield_strain())).collect();
     let Some(k) = progress.iter().position(|p| *p >= 1.0).filter(|k| *k > 0) else { return f64::NAN };
     let share = (1.0 - progress[k - 1]) / (progress[k] - progress[k - 1]);
     let [before, after] = [k - 1, k].map(|i| ran.bent.points[i][1]);
-    (before + share * (after - before)) / 1e3
+    let height_m = ran.bent.strains[k].height_m(input.steel.yield_strain());
+    (1.0 - height_m / ran.length_m) * (before + share * (after - before)) / 1e3
 }
 
 /// Peak and loss of strength in elements of 50 and of 25 mm.

@@ -83,7 +83,7 @@ fn residual() -> Result<Vec<Figure>, String> {
 
 fn closing() -> Result<Vec<Figure>, String> {
     let law = law();
-    let (wide, closed) = (1e-3, -0.2 * law.compressive_strength_pa / law.youngs_modulus_pa);
+    let (wide, closed) = (1e-3, -0.09 * law.compressive_strength_pa / law.youngs_modulus_pa);
     let mut point = Path::new(&law, LENGTH_M, FREE)?;
     point.drive(wide, 1e-6, |_| ())?;
     let top = point.stress_pa[2];
