@@ -1,8 +1,9 @@
 //! A member end on a plane of symmetry.
 //!
 //! Its nodes stay in the plane and are free in it: concrete there dilates, splits and spalls as above it. Only the section as a whole does not slide, and does not turn
-//! about the member's axis. What holds it against the shear force acts where the section is compressed, in proportion to the compression, as friction would. Held elsewhere, the compressed zone
-//! would hang by tension across the section, which splits it along the member: a section held in its middle slid sideways by 0.8 mm there before its bars yielded.
+//! about the member's axis. What holds it against the shear force acts where the section is compressed, in proportion to the compression, as friction would, and falls to zero at the faces.
+//! Held elsewhere, the compressed zone would hang by tension across the section, which splits it along the member: of a section held in its middle, it slid sideways by 0.8 mm before the bars
+//! yielded.
 
 use super::member::RcMember;
 use crate::fe::dynamics::Dynamics;
@@ -12,14 +13,20 @@ use nalgebra::{Matrix3, Vector3};
 const AVERAGED_S: f64 = 5e-4;
 /// Compression that counts as spread evenly over the section in addition, so that it is held before it is loaded \[N\].
 const EVEN_N: f64 = 1e3;
+/// Share that a face across an axis takes of what its compression would: it bears no shear stress, which rises from zero within the first elements (a triangle in place of a rectangle).
+const FACE_SHARE: f64 = 1.0 / 3.0;
+/// Coordinates closer than this are one \[m\].
+const SAME_M: f64 = 1e-6;
 
-/// The nodes of a section on a plane of symmetry, held without work: with `r_i` the share of node `i` in the compression, `Σ r_i v_i = 0` along each axis, and the same for
-/// a turn about the centre of compression.
+/// The nodes of a section on a plane of symmetry, held without work: with `r_i` the share of node `i` in what holds it along an axis, `Σ r_i v_i = 0`, and the same for
+/// a turn about the centre of these shares.
 pub(super) struct Plane {
     nodes: Vec<usize>,
     /// Share of the area of each, and its place in the section \[m\].
     shares: Vec<f64>,
     places: Vec<[f64; 2]>,
+    /// Whether it lies on a face across each axis.
+    on_face: Vec<[bool; 2]>,
     /// Compression of each, averaged over time \[N\].
     pressed_n: Vec<f64>,
     /// Motions that are held: along x, along y, the turn. A plane of symmetry across the section holds others already.
@@ -33,11 +40,18 @@ impl Plane {
     pub fn of(member: &RcMember) -> Self {
         let (nodes, shares): (Vec<usize>, Vec<f64>) =
             member.base.iter().copied().filter(|b| b.1 > 0.0).unzip();
-        let places = nodes.iter().map(|n| [member.mesh.nodes[*n][0], member.mesh.nodes[*n][1]]).collect();
+        let places: Vec<[f64; 2]> =
+            nodes.iter().map(|n| [member.mesh.nodes[*n][0], member.mesh.nodes[*n][1]]).collect();
         let holds = [member.mirror != Some(0), member.mirror != Some(1), member.mirror.is_none()];
+        let half =
+            [0, 1].map(|axis: usize| places.iter().map(|p: &[f64; 2]| p[axis].abs()).fold(0.0, f64::max));
+        let on_face = places
+            .iter()
+            .map(|p: &[f64; 2]| [0, 1].map(|axis: usize| p[axis].abs() > half[axis] - SAME_M))
+            .collect();
         let pressed_n = shares.iter().map(|s| EVEN_N * s).collect();
         let last = vec![[0.0; 3]; nodes.len()];
-        Self { nodes, shares, places, pressed_n, holds, last }
+        Self { nodes, shares, places, on_face, pressed_n, holds, last }
     }
 
     /// Takes the last step's motion of the section to the nearest one, by kinetic energy, that it can have; returns the work of that \[J\].
@@ -85,15 +99,26 @@ impl Plane {
 
     /// Share of each node's velocities in the motions that are held, `[motion][axis]`.
     fn rows(&self) -> Vec<[[f64; 2]; 3]> {
-        let all: f64 = self.pressed_n.iter().sum();
-        let parts = || self.pressed_n.iter().map(|p| p / all).zip(&self.places);
-        let centre = [0, 1].map(|axis| parts().map(|(r, place)| r * place[axis]).sum::<f64>());
+        let weights = [0, 1].map(|axis: usize| {
+            let weight = |(p, on_face): (&f64, &[bool; 2])| if on_face[axis] { FACE_SHARE * p } else { *p };
+            let weights: Vec<f64> = self.pressed_n.iter().zip(&self.on_face).map(weight).collect();
+            let all: f64 = weights.iter().sum();
+            weights.into_iter().map(|w| w / all).collect::<Vec<f64>>()
+        });
+        let centre = [0, 1].map(|axis: usize| {
+            let across = &weights[1 - axis];
+            across.iter().zip(&self.places).map(|(r, place)| r * place[axis]).sum::<f64>()
+        });
         let held = |motion: usize, r: f64| if self.holds[motion] { r } else { 0.0 };
-        let row = |(r, [x, y]): (f64, &[f64; 2])| {
-            let turn = held(2, r);
-            [[held(0, r), 0.0], [0.0, held(1, r)], [-turn * (y - centre[1]), turn * (x - centre[0])]]
+        let row = |i: usize| {
+            let ([rx, ry], [x, y]) = ([weights[0][i], weights[1][i]], self.places[i]);
+            [
+                [held(0, rx), 0.0],
+                [0.0, held(1, ry)],
+                [-held(2, rx) * (y - centre[1]), held(2, ry) * (x - centre[0])],
+            ]
         };
-        parts().map(row).collect()
+        (0..self.nodes.len()).map(row).collect()
     }
 }
 
