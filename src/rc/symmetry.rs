@@ -193,11 +193,11 @@ mod tests {
         section.bars[0].diameter_m = 0.024;
         section.bars[2].diameter_m = 0.024;
         for whole in [true, false] {
+            // half of a section is alike on both sides of the plane of symmetry
+            section.bars[1].diameter_m = if whole { 0.02 } else { 0.016 };
             let member = if whole {
                 RcMember::new(&section, &law, Joint::Block, 0.6, 0.1)
             } else {
-                section.bars[1].diameter_m = 0.024; // alike on both sides of the plane of symmetry
-                section.bars[2].diameter_m = 0.016;
                 RcMember::half(&section, &law, Joint::Block, [0.6, 0.1], 90.0)
             };
             let member = member.unwrap();
