@@ -22,7 +22,7 @@ pub fn cases() -> Vec<Case> {
         ),
         Case::short(
             "point-crack-closing",
-            "Tension to a strain of 0.1 %, compression to a fifth of f_c, tension again, and at last compression to failure: unloading along the secant, the \
+            "Tension to a strain of 0.1 %, compression to 0.09 f_c, tension again, and at last compression to failure: unloading along the secant, the \
              full stiffness of the closed crack, the same secant again, the full strength.",
             closing,
         ),
