@@ -10,9 +10,9 @@ use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, Means, Path};
 use super::events::{Event, Watch};
 use super::gauge::{EndStrains, Gauge};
 use super::member::{Joint, RcMember};
+use super::symmetry::Plane;
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
-use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 
 /// Time over which the axial force is applied, and in which it comes to rest \[s\].
@@ -136,7 +136,7 @@ pub enum BendError {
     },
     /// A member that is pulled came off.
     #[error(
-        "the member is torn by N = {axial_n:.0} N: longer by {elongation_m:.3} m at a rotation of {rotation_rad:.4} rad; use a smaller tension (it acts on the concrete of the free end)"
+        "the member is torn by N = {axial_n:.0} N: longer by {elongation_m:.3} m at a rotation of {rotation_rad:.4} rad; use a smaller tension"
     )]
     Torn {
         /// Axial force \[N\].
@@ -166,81 +166,11 @@ struct Run<'a> {
     direction: [f64; 2],
     rest_m: f64,
     axial_n: f64,
-    /// How a plane of symmetry is held.
-    spread: Option<Spread>,
+    /// The end section, if it is a plane of symmetry.
+    plane: Option<Plane>,
     /// Bars that slip.
     anchored: Anchored<'a>,
     energy: EnergyWatch,
-}
-
-/// A section on a plane of symmetry: no displacement along the member; across it, it spreads by `a_1 x + a_2 x² + a_3 x y` along x and
-/// `b_1 y + b_2 y² + b_3 x y` along y, and nothing else. Single nodes must not yield to the shear force, which the cracked part of the section could not
-/// take up.
-struct Spread {
-    nodes: Vec<usize>,
-    shares: Vec<f64>,
-    /// Patterns of each node by axis.
-    patterns: [Vec<Vector3<f64>>; 2],
-    /// Inverse of `Σ share p pᵀ` by axis.
-    inverse: [Matrix3<f64>; 2],
-    /// Velocities after the last step \[m/s\].
-    last: Vec<[f64; 3]>,
-}
-
-impl Spread {
-    fn of(member: &RcMember) -> Self {
-        let (nodes, shares): (Vec<usize>, Vec<f64>) =
-            member.base.iter().copied().filter(|b| b.1 > 0.0).unzip();
-        // half a section moves like the whole: even patterns of its own axis and odd ones of the other are those of no mirror image
-        let kept = |axis: usize| match member.mirror {
-            None => [1.0, 1.0, 1.0],
-            Some(mirror) if mirror == axis => [1.0, 0.0, 1.0],
-            Some(_) => [1.0, 1.0, 0.0],
-        };
-        let half = (0..3).map(|i| nodes.iter().map(|n| member.mesh.nodes[*n][i].abs()).fold(0.0, f64::max));
-        let half: Vec<f64> = half.collect();
-        let patterns = [0, 1].map(|axis: usize| {
-            let of = |n: &usize| {
-                let x = member.mesh.nodes[*n];
-                let (a, b) = (x[axis] / half[axis], x[1 - axis] / half[1 - axis]);
-                let [one, square, product] = kept(axis);
-                Vector3::new(one * a, square * a * a, product * a * b)
-            };
-            nodes.iter().map(of).collect::<Vec<_>>()
-        });
-        let inverse = [0, 1].map(|axis: usize| {
-            let sum: Matrix3<f64> =
-                patterns[axis].iter().zip(&shares).map(|(p, s)| p * p.transpose() * *s).sum();
-            let left_out = Matrix3::from_diagonal(&Vector3::from(kept(axis)).map(|k| 1.0 - k));
-            (sum + left_out).try_inverse().unwrap_or_else(Matrix3::zeros)
-        });
-        let last = vec![[0.0; 3]; nodes.len()];
-        Self { nodes, shares, patterns, inverse, last }
-    }
-
-    /// Takes the last step's motion of the section to the nearest one that it can have; returns the work of that \[J\].
-    fn hold(&mut self, body: &mut Dynamics) -> f64 {
-        let mut work = 0.0;
-        for axis in 0..3 {
-            let parts = || self.nodes.iter().zip(&self.shares).enumerate();
-            let amplitudes = (axis < 2).then(|| {
-                let sum: Vector3<f64> =
-                    parts().map(|(i, (n, s))| self.patterns[axis][i] * (s * body.v[*n][axis])).sum();
-                self.inverse[axis] * sum
-            });
-            for (i, n) in self.nodes.iter().enumerate() {
-                let held = amplitudes.map_or(0.0, |a| a.dot(&self.patterns[axis][i]));
-                let change = held - body.v[*n][axis];
-                body.x[*n][axis] += body.taken_s * change;
-                // the step booked forces of slipping bars over the motion that it found, not over that of the section
-                work += 0.5 * body.taken_s * body.applied_n[*n][axis] * change;
-                work += 0.5 * body.mass_kg[*n] * change * (held + self.last[i][axis]);
-                self.last[i][axis] = held;
-                body.v[*n][axis] = held;
-            }
-        }
-        work
-    }
 }
 
 /// Bends a member end. `parallel`: use the rayon pool. `progress` is told the share of the run's time that is done (0 to 1).
@@ -264,7 +194,7 @@ pub fn bend(
         direction: [angle.cos(), angle.sin()],
         rest_m: 0.0,
         axial_n: bend.axial_n,
-        spread: (member.joint == Joint::Symmetry).then(|| Spread::of(member)),
+        plane: (member.joint == Joint::Symmetry).then(|| Plane::of(member)),
         energy: EnergyWatch::new(mass_kg),
     };
     if let Some(axis) = member.mirror {
@@ -284,8 +214,8 @@ impl Run<'_> {
     fn step(&mut self) -> bool {
         self.anchored.pull(&mut self.body);
         self.body.step(false);
-        if let Some(spread) = &mut self.spread {
-            self.energy.held_j += spread.hold(&mut self.body);
+        if let Some(plane) = &mut self.plane {
+            self.energy.held_j += plane.hold(&mut self.body);
         }
         self.energy.held_j += self.anchored.hold(&mut self.body);
         let look = self.body.steps.is_multiple_of(LOOK_STEPS);
@@ -302,7 +232,8 @@ impl Run<'_> {
         while self.body.time_s < AXIAL_S[0] + AXIAL_S[1] {
             let s = (self.body.time_s / AXIAL_S[0]).min(1.0);
             let force = -axial_n * self.member.share * s * s * (3.0 - 2.0 * s);
-            for (n, share) in &self.member.tip {
+            let nodes = if axial_n < 0.0 { &self.member.pulled } else { &self.member.tip };
+            for (n, share) in nodes {
                 self.body.applied_n[*n] = [0.0, 0.0, force * share];
             }
             if self.step() {

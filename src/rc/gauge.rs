@@ -19,13 +19,26 @@ pub struct EndStrains {
     pub bar_min: f64,
     /// Mean shortening of the compressed face beside the end section, compression positive.
     pub face: f64,
+    /// Height of the middle of the gauge of `bar_max`, of `bar_min` and of `face` above the end section \[m\].
+    pub heights_m: [f64; 3],
 }
 
 impl EndStrains {
     /// Progress to the first yield, 1 when it is reached: a bar at its yield strain in tension or compression, or the compressed face at
     /// [`YIELD_STRAIN_C`].
     pub fn to_yield(&self, yield_strain: f64) -> f64 {
-        (self.bar_max.max(-self.bar_min) / yield_strain).max(self.face / YIELD_STRAIN_C)
+        self.shares(yield_strain).into_iter().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Height of the middle of the gauge that is nearest to the first yield \[m\]: the moment there belongs to its strain.
+    pub fn height_m(&self, yield_strain: f64) -> f64 {
+        let shares = self.shares(yield_strain);
+        let nearest = (0..3).max_by(|a, b| shares[*a].total_cmp(&shares[*b]));
+        self.heights_m[nearest.unwrap_or(2)]
+    }
+
+    fn shares(&self, yield_strain: f64) -> [f64; 3] {
+        [self.bar_max / yield_strain, -self.bar_min / yield_strain, self.face / YIELD_STRAIN_C]
     }
 }
 
@@ -36,7 +49,11 @@ pub struct Gauge {
     /// Lower and upper node of each line of the compressed face.
     face: Vec<[usize; 2]>,
     face_m: f64,
+    /// Height of the middle of each bar's element \[m\].
+    middles_m: Vec<f64>,
     sum: [f64; 3],
+    /// Gauges of the bars with the extreme strains of the last look.
+    extreme: [f64; 2],
     count: f64,
 }
 
@@ -58,7 +75,12 @@ impl Gauge {
         };
         let front = at_end.iter().filter(|n| ahead(**n) > reach - SAME_M);
         let face = front.filter_map(|n| Some([*n, above(*n)?])).collect();
-        Self { bars: member.bars.clone(), face, face_m, sum: [0.0; 3], count: 0.0 }
+        let middle = |b: &usize| {
+            let [below, above] = member.mesh.trusses[*b].nodes;
+            0.5 * (nodes[below][2] + nodes[above][2])
+        };
+        let (bars, middles_m) = (member.bars.clone(), member.bars.iter().map(middle).collect());
+        Self { bars, face, face_m, middles_m, sum: [0.0; 3], extreme: [0.0; 2], count: 0.0 }
     }
 
     /// Takes the present strains into the mean.
@@ -67,8 +89,16 @@ impl Gauge {
             let [start, now] = body.trusses.bars[*b].length_m;
             now / start - 1.0
         };
-        let widest = |(low, high): (f64, f64), s: f64| (low.min(s), high.max(s));
-        let (low, high) = self.bars.iter().map(strain).fold((0.0, 0.0), widest);
+        let (mut low, mut high) = (0.0, 0.0);
+        for (bar, middle_m) in self.bars.iter().zip(&self.middles_m) {
+            let now = strain(bar);
+            if now > high {
+                (high, self.extreme[0]) = (now, *middle_m);
+            }
+            if now < low {
+                (low, self.extreme[1]) = (now, *middle_m);
+            }
+        }
         let lines = self.face.iter().map(|[below, above]| body.x[*above][2] - body.x[*below][2]);
         let shortened = self.face_m - lines.sum::<f64>() / self.face.len().max(1) as f64;
         for (sum, value) in self.sum.iter_mut().zip([high, low, shortened / self.face_m]) {
@@ -81,7 +111,8 @@ impl Gauge {
     pub fn read(&mut self) -> EndStrains {
         let [bar_max, bar_min, face] = self.sum.map(|s| s / f64::max(self.count, 1.0));
         (self.sum, self.count) = ([0.0; 3], 0.0);
-        EndStrains { bar_max, bar_min, face }
+        let heights_m = [self.extreme[0], self.extreme[1], 0.5 * self.face_m];
+        EndStrains { bar_max, bar_min, face, heights_m }
     }
 }
 

@@ -15,6 +15,7 @@ use crate::fe::mesh::{Element, Mesh, Truss};
 use crate::material::concrete::{ConcreteLaw, LawError};
 use crate::material::fibre::SectionInput;
 use crate::material::rebar::{Hardening, LoopShape, RebarLaw};
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -51,6 +52,8 @@ pub struct RcMember {
     pub length_m: f64,
     /// Nodes of the free end with their share of its area.
     pub tip: Vec<(usize, f64)>,
+    /// Nodes of the free end on which a tension acts, with their share of it: those of the bars (of all nodes, if there are none).
+    pub pulled: Vec<(usize, f64)>,
     /// Nodes that hold it: those of the base of the block, or of the end section, with their share of its area (none for nodes of slipping bars).
     pub base: Vec<(usize, f64)>,
     /// What it stands on.
@@ -261,6 +264,7 @@ impl<'a> Builder<'a> {
         self.ties();
         let top = self.z.len() as i32 - 1;
         let tip = self.section_nodes(top);
+        let pulled = self.pulled(&bars, &tip);
         let base = match self.joint {
             Joint::Block => self.nodes.iter().filter(|(at, _)| at[2] == 0).map(|(_, n)| (*n, 0.0)).collect(),
             Joint::Symmetry => self.section_nodes(0),
@@ -278,6 +282,7 @@ impl<'a> Builder<'a> {
             block_m: -self.z[0],
             mesh: self.mesh,
             tip,
+            pulled,
             base,
             joint: self.joint,
             bars,
@@ -343,6 +348,26 @@ impl<'a> Builder<'a> {
             }
         }
         (0..self.mesh.trusses.len()).collect()
+    }
+
+    /// The ends of the bars at the free end with their share of a tension: by their area, and so that it acts in the middle of the section. Concrete that was pulled
+    /// itself would tear there.
+    fn pulled(&self, bars: &[usize], tip: &[(usize, f64)]) -> Vec<(usize, f64)> {
+        let areas: BTreeMap<usize, f64> =
+            bars.iter().map(|b| (self.mesh.trusses[*b].nodes[1], self.mesh.trusses[*b].area_m2)).collect();
+        let ends: Vec<(usize, f64)> = tip.iter().filter_map(|(n, _)| Some((*n, *areas.get(n)?))).collect();
+        let arm = |n: usize| {
+            // across the plane of symmetry the other half balances it
+            let at = |axis: usize| if self.mirror == Some(axis) { 0.0 } else { self.mesh.nodes[n][axis] };
+            Vector3::new(1.0, at(0), at(1))
+        };
+        let mut sum: Matrix3<f64> = ends.iter().map(|(n, area)| arm(*n) * arm(*n).transpose() * *area).sum();
+        for k in (0..3).filter(|k| ends.iter().all(|(n, _)| arm(*n)[*k].abs() < SAME_M)) {
+            sum[(k, k)] = 1.0;
+        }
+        let Some(inverse) = sum.try_inverse() else { return tip.to_vec() };
+        let even = inverse * Vector3::new(1.0, 0.0, 0.0);
+        ends.iter().map(|(n, area)| (*n, area * even.dot(&arm(*n)))).collect()
     }
 
     /// Ties at their spacing; where layers are longer than that, at every layer with the steel that belongs to it.

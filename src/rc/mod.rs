@@ -27,6 +27,7 @@ pub mod section_grid;
 pub mod series;
 pub mod shear;
 pub mod springs;
+mod symmetry;
 pub mod torsion;
 
 pub use cut::EndModel;

@@ -22,7 +22,7 @@ pub fn cases() -> Vec<Case> {
         ),
         Case::short(
             "point-crack-closing",
-            "Tension to a strain of 0.1 %, compression to a fifth of f_c, tension again, and at last compression to failure: unloading along the secant, the \
+            "Tension to a strain of 0.1 %, compression to 0.09 f_c, tension again, and at last compression to failure: unloading along the secant, the \
              full stiffness of the closed crack, the same secant again, the full strength.",
             closing,
         ),
@@ -83,7 +83,7 @@ fn residual() -> Result<Vec<Figure>, String> {
 
 fn closing() -> Result<Vec<Figure>, String> {
     let law = law();
-    let (wide, closed) = (1e-3, -0.2 * law.compressive_strength_pa / law.youngs_modulus_pa);
+    let (wide, closed) = (1e-3, -0.09 * law.compressive_strength_pa / law.youngs_modulus_pa);
     let mut point = Path::new(&law, LENGTH_M, FREE)?;
     point.drive(wide, 1e-6, |_| ())?;
     let top = point.stress_pa[2];
