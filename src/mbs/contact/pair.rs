@@ -125,7 +125,8 @@ impl ContactSet {
         for (i, collider) in self.colliders.iter().enumerate() {
             let body = collider.body;
             let obstacle = body == self.ground;
-            if obstacle && !self.first_look || !obstacle && !(bodies[body].alive && late(self, body)) {
+            let due = if obstacle { self.first_look } else { bodies[body].alive && late(self, body) };
+            if !due {
                 continue;
             }
             let more = if obstacle {

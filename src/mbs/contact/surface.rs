@@ -13,6 +13,9 @@ pub struct Surface {
     pub restitution: f64,
 }
 
+/// Whether a pair passes through each other, and its own friction and restitution.
+type Rule = (bool, Option<f64>, Option<f64>);
+
 /// Surfaces of a model.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surfaces {
@@ -20,7 +23,7 @@ pub(super) struct Surfaces {
     ground: Surface,
     planes: Vec<Surface>,
     obstacles: Vec<Surface>,
-    rules: BTreeMap<(usize, Partner), (bool, Option<f64>, Option<f64>)>,
+    rules: BTreeMap<(usize, Partner), Rule>,
 }
 
 impl Surfaces {

@@ -113,7 +113,7 @@ impl Held {
     /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
     pub fn commit(&mut self) -> Option<bool> {
         self.committed.clone_from(&self.trial);
-        self.is_broken().then(|| !self.trial.hinge.fractured)
+        self.is_broken().then_some(!self.trial.hinge.fractured)
     }
 
     /// Whether it broke when it was applied last.

@@ -50,7 +50,7 @@ impl Motion {
         let others =
             self.forces.iter().filter(|f| !matches!(f, Acting::Hinge { .. } | Acting::Torsion { .. }));
         let springs_j: f64 = others.map(|f| f.elastic_j(&poses, &self.laws)).sum();
-        let bushings: Vec<(usize, ([f64; 2], Option<BushingState>))> =
+        let bushings: Vec<(usize, (_, Option<BushingState>))> =
             self.bushing_ids.iter().copied().zip(self.bushings.iter().map(|b| b.at(&poses))).collect();
         Observed {
             kinetic_j,
