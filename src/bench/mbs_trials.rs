@@ -1,10 +1,7 @@
 //! Small models at and beyond the limits of the multibody solver, and random hinge structures.
 
 use crate::mbs::math::{V3, norm};
-use crate::mbs::model::{
-    Body, BodyContact, Contact, Force, GroundPlane, Joint, JointKind, MODEL_SCHEMA, Model, Origin,
-    RunSettings, Shape,
-};
+use crate::mbs::model::{Body, BodyContact, Force, GroundPlane, Joint, JointKind, Model, Origin, Shape};
 
 /// A model to be run, and what was varied in it.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,20 +75,7 @@ pub fn trials() -> Vec<Trial> {
 }
 
 fn model(name: &str, end_time_s: f64) -> Model {
-    Model {
-        schema: MODEL_SCHEMA.into(),
-        name: name.into(),
-        gravity_m_s2: [0.0, 0.0, -9.81],
-        bodies: Vec::new(),
-        curves: Default::default(),
-        joints: Vec::new(),
-        bushings: Vec::new(),
-        forces: Vec::new(),
-        contact: Contact::default(),
-        events: Vec::new(),
-        tracked: Vec::new(),
-        settings: RunSettings { end_time_s, output_interval_s: 0.01, ..RunSettings::default() },
-    }
+    Model::empty(name, [0.0, 0.0, -9.81], end_time_s, 0.01)
 }
 
 fn cuboid(id: &str, mass_kg: f64, size: V3, position_m: V3) -> Body {

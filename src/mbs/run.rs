@@ -222,7 +222,7 @@ impl<'a> Run<'a> {
         self.opened += opened.map_err(|deep| SolveError::Penetration {
             time_s: self.time,
             a: self.model.bodies[deep.a].id.clone(),
-            b: self.partner(deep.b),
+            b: deep.b.id(self.model).into(),
             depth_m: deep.depth_m,
             step_s: h,
         })?;
@@ -306,18 +306,11 @@ impl<'a> Run<'a> {
             if touch.b == Partner::Ground {
                 self.result.first_ground_contact_s.get_or_insert(time_s);
             }
-            let kind =
-                EventKind::Contact { a: self.model.bodies[touch.a].id.clone(), b: self.partner(touch.b) };
+            let kind = EventKind::Contact {
+                a: self.model.bodies[touch.a].id.clone(),
+                b: touch.b.id(self.model).into(),
+            };
             self.result.events.push(RunEvent { time_s, kind });
-        }
-    }
-
-    fn partner(&self, partner: Partner) -> String {
-        match partner {
-            Partner::Body(i) => self.model.bodies[i].id.clone(),
-            Partner::Plane(i) => self.model.contact.planes[i].id.clone(),
-            Partner::Obstacle(i) => self.model.contact.obstacles[i].id.clone(),
-            Partner::Ground => "ground".into(),
         }
     }
 

@@ -9,27 +9,7 @@ pub const DENSITY: f64 = 2500.0;
 pub const UP: [[f64; 3]; 3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
 pub fn model(name: &str, end_time_s: f64, output_interval_s: f64) -> Model {
-    Model {
-        schema: MODEL_SCHEMA.into(),
-        name: name.into(),
-        gravity_m_s2: [0.0, 0.0, -G],
-        bodies: Vec::new(),
-        curves: Default::default(),
-        joints: Vec::new(),
-        bushings: Vec::new(),
-        forces: Vec::new(),
-        contact: Contact::default(),
-        events: Vec::new(),
-        tracked: Vec::new(),
-        settings: RunSettings {
-            end_time_s,
-            output_interval_s,
-            preload: false,
-            time_step_s: None,
-            tolerance: TOLERANCE,
-            reactions: false,
-        },
-    }
+    Model::empty(name, [0.0, 0.0, -G], end_time_s, output_interval_s)
 }
 
 /// Inertia of a solid box.

@@ -84,6 +84,18 @@ pub enum Partner {
     Obstacle(usize),
 }
 
+impl Partner {
+    /// Its id in a model.
+    pub fn id(self, model: &Model) -> &str {
+        match self {
+            Self::Body(i) => &model.bodies[i].id,
+            Self::Ground => "ground",
+            Self::Plane(i) => &model.contact.planes[i].id,
+            Self::Obstacle(i) => &model.contact.obstacles[i].id,
+        }
+    }
+}
+
 /// First contact between two bodies, or of a body with something that does not move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {

@@ -111,8 +111,9 @@ impl<'a> Run<'a> {
     }
 
     fn go(&mut self) -> Result<(), SolveError> {
-        self.switch(0.0);
-        self.marcher.restart();
+        if self.switch(0.0) {
+            self.marcher.restart();
+        }
         self.output_here()?;
         self.events_at(0.0);
         for stop in self.stops() {
@@ -214,7 +215,7 @@ impl<'a> Run<'a> {
             }
             let kind = EventKind::Contact {
                 a: self.model.bodies[touch.a].id.clone(),
-                b: partner(self.model, touch.b),
+                b: touch.b.id(self.model).into(),
             };
             self.result.events.push(RunEvent { time_s, kind });
         }
@@ -415,7 +416,7 @@ fn stopped(model: &Model, error: MarchError, longest_s: f64) -> SolveError {
         MarchError::Penetration { time_s, deep, step_s } => SolveError::Penetration {
             time_s,
             a: model.bodies[deep.a].id.clone(),
-            b: partner(model, deep.b),
+            b: deep.b.id(model).into(),
             depth_m: deep.depth_m,
             step_s,
         },
@@ -431,15 +432,6 @@ fn has_contact(model: &Model) -> bool {
         || !contact.planes.is_empty()
         || !contact.obstacles.is_empty();
     surfaces && model.bodies.iter().any(|b| !b.shapes.is_empty())
-}
-
-fn partner(model: &Model, partner: Partner) -> String {
-    match partner {
-        Partner::Body(i) => model.bodies[i].id.clone(),
-        Partner::Ground => "ground".into(),
-        Partner::Plane(i) => model.contact.planes[i].id.clone(),
-        Partner::Obstacle(i) => model.contact.obstacles[i].id.clone(),
-    }
 }
 
 /// What is worth saying of a model before it runs.

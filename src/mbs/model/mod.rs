@@ -59,6 +59,26 @@ pub struct Model {
     pub settings: RunSettings,
 }
 
+impl Model {
+    /// A model without parts, with default settings but for its end and its outputs \[m/s², s\].
+    pub fn empty(name: &str, gravity_m_s2: [f64; 3], end_time_s: f64, output_interval_s: f64) -> Self {
+        Self {
+            schema: MODEL_SCHEMA.into(),
+            name: name.into(),
+            gravity_m_s2,
+            bodies: Vec::new(),
+            curves: BTreeMap::new(),
+            joints: Vec::new(),
+            bushings: Vec::new(),
+            forces: Vec::new(),
+            contact: Contact::default(),
+            events: Vec::new(),
+            tracked: Vec::new(),
+            settings: RunSettings { end_time_s, output_interval_s, ..RunSettings::default() },
+        }
+    }
+}
+
 /// Why a part of the model is there.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

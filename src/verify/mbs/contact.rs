@@ -3,10 +3,7 @@
 use super::pile;
 use crate::mbs::contact::{ContactSet, Settings};
 use crate::mbs::math;
-use crate::mbs::model::{
-    Body, BodyContact, Contact, GroundPlane, MODEL_SCHEMA, Model, ObstaclePlane, Origin, RunSettings, Shape,
-    TOLERANCE,
-};
+use crate::mbs::model::{Body, BodyContact, GroundPlane, Model, ObstaclePlane, Origin, Shape};
 use crate::mbs::result::RunResult;
 use crate::mbs::step;
 use crate::mbs::system::System;
@@ -81,27 +78,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 fn model(end_time_s: f64, output_interval_s: f64) -> Model {
-    Model {
-        schema: MODEL_SCHEMA.into(),
-        name: "contact".into(),
-        gravity_m_s2: [0.0, 0.0, -G],
-        bodies: Vec::new(),
-        curves: Default::default(),
-        joints: Vec::new(),
-        bushings: Vec::new(),
-        forces: Vec::new(),
-        contact: Contact::default(),
-        events: Vec::new(),
-        tracked: Vec::new(),
-        settings: RunSettings {
-            end_time_s,
-            output_interval_s,
-            preload: false,
-            time_step_s: None,
-            tolerance: TOLERANCE,
-            reactions: false,
-        },
-    }
+    Model::empty("contact", [0.0, 0.0, -G], end_time_s, output_interval_s)
 }
 
 fn ground(friction: f64, restitution: f64) -> Option<GroundPlane> {

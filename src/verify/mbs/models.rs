@@ -5,8 +5,8 @@
 use super::iftomm::{bricard_points, squeezer_layout};
 use crate::mbs::math::{M3, Q, V3, mul, qexp, qmat};
 use crate::mbs::model::{
-    Bending, Body, BodyContact, Bushing, Contact, Force, GroundPlane, Joint, JointKind, MODEL_SCHEMA, Model,
-    Origin, RunSettings, Shape, TrackedPoint,
+    Bending, Body, BodyContact, Bushing, Force, GroundPlane, Joint, JointKind, Model, Origin, Shape,
+    TrackedPoint,
 };
 
 /// Length, side \[m\] and density \[kg/m³\] of a column.
@@ -52,20 +52,9 @@ pub fn all() -> Vec<Named> {
 
 /// A model without parts.
 fn empty(name: &str, gravity_m_s2: V3, end_time_s: f64, output_interval_s: f64) -> Model {
-    Model {
-        schema: MODEL_SCHEMA.into(),
-        name: name.into(),
-        gravity_m_s2,
-        bodies: Vec::new(),
-        curves: Default::default(),
-        joints: Vec::new(),
-        bushings: Vec::new(),
-        forces: Vec::new(),
-        contact: Contact::default(),
-        events: Vec::new(),
-        tracked: Vec::new(),
-        settings: RunSettings { end_time_s, output_interval_s, tolerance: 1e-8, ..RunSettings::default() },
-    }
+    let mut model = Model::empty(name, gravity_m_s2, end_time_s, output_interval_s);
+    model.settings.tolerance = 1e-8;
+    model
 }
 
 fn diagonal([a, b, c]: V3) -> M3 {
