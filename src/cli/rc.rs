@@ -21,7 +21,7 @@ use std::path::PathBuf;
 /// Bend a reinforced member end in concrete and steel, and compare it with its fibre section; or crush, pull, shear or twist a piece of it
 ///
 /// One bend for each axial force and direction, each on one thread. The section comes from a section file, or with --end from a
-/// building's column end. Exit codes: 0 done, 1 a bend failed, 2 bad input.
+/// building's column end. Exit codes: 0 done, 1 a bend failed or is not quasi-static, 2 bad input.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// A section file; with --end a building file
@@ -222,7 +222,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     } else {
         print(&table(&section, &series));
     }
-    let failed = series.cases.iter().any(|c| c.bent.is_err());
+    let failed = series.cases.iter().any(|c| c.bent.is_err() || c.fault().is_some());
     Ok(if failed { Outcome::CheckFailed } else { Outcome::Done })
 }
 
@@ -260,7 +260,7 @@ fn result(section: &RcSection, series: &Series) -> Value {
             "shear": c.shear.map(|s| json!({
                 "largest_n": s.largest_n, "strength_n": s.strength_n, "share": s.share(), "critical": s.is_critical(),
             })),
-            "kinetic_share": bent.kinetic_share, "energies": bent.energies, "steps": bent.steps, "failed": bent.failed(),
+            "kinetic_share": bent.kinetic_share, "pace": c.pace, "energies": bent.energies, "steps": bent.steps, "failed": bent.failed(),
             "ending": bent.ending, "last_rotation_rad": bent.points.last().map(|p| p[0]),
             "cycles": c.hysteresis.as_ref().map(|h| &h.cycles), "excursions": c.hysteresis.as_ref().map(|h| &h.excursions),
             "curve": c.curve.as_ref().and_then(|c| c.as_ref().ok()),
@@ -402,6 +402,9 @@ fn table(section: &RcSection, series: &Series) -> String {
         for words in c.bent.iter().flat_map(|b| events::in_words(&b.events)) {
             let _ = writeln!(text, "n = {}, direction {}: {words}", c.axial_share, c.direction_deg);
         }
+    }
+    for (c, fault) in series.cases.iter().filter_map(|c| Some((c, c.fault()?))) {
+        let _ = writeln!(text, "n = {}, direction {}: {fault}", c.axial_share, c.direction_deg);
     }
     let is_push = series.options.turns_rad.is_empty();
     for (c, s) in

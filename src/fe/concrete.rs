@@ -46,7 +46,7 @@ pub struct ConcretePoints {
 }
 
 impl ConcretePoints {
-    /// Tables for the lengths (cube roots of the volumes) of a mesh's concrete elements.
+    /// Tables for the lengths (cube roots of the volumes) of a mesh's concrete elements, and for the shares of concrete in them (their factor on stiffness).
     ///
     /// # Errors
     /// If a law is out of its range, or does not suit the length of an element.
@@ -55,7 +55,7 @@ impl ConcretePoints {
         if mesh.laws.iter().all(|l| l.concrete.is_none()) {
             return Ok(this);
         }
-        let mut known: BTreeMap<(usize, u64), u32> = BTreeMap::new();
+        let mut known: BTreeMap<(usize, u64, u64), u32> = BTreeMap::new();
         for element in &mesh.elements {
             let Some(law) = &mesh.laws[element.law].concrete else {
                 this.of_element.push(0);
@@ -64,9 +64,9 @@ impl ConcretePoints {
             let volume = super::hexahedron::volume_m3(&element.nodes.map(|n| mesh.nodes[n]));
             let steps = (volume.cbrt() / LENGTH_STEP_M).round().max(1.0);
             let next = this.points.len() as u32;
-            let index = *known.entry((element.law, steps as u64)).or_insert(next);
+            let index = *known.entry((element.law, steps as u64, element.smear.to_bits())).or_insert(next);
             if index == next {
-                this.points.push(ConcretePoint::new(law, steps * LENGTH_STEP_M)?);
+                this.points.push(ConcretePoint::new(&law.thinned(element.smear), steps * LENGTH_STEP_M)?);
             }
             this.of_element.push(index);
         }

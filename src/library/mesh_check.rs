@@ -70,6 +70,7 @@ mod tests {
     fn series(elements: usize, cases: &[(f64, f64, f64, Option<f64>)]) -> Series {
         let case =
             |&(axial_share, direction_deg, peak_nm, rotation_80_rad): &(f64, f64, f64, Option<f64>)| Case {
+                pace: 1.0,
                 axial_share,
                 axial_n: 0.0,
                 direction_deg,

@@ -62,6 +62,14 @@ pub enum RcDeriveError {
         /// Why.
         source: BendError,
     },
+    /// The bend without axial force moves too fast.
+    #[error("the bend without axial force in direction {direction_deg}° cannot be used: {why}")]
+    NotStatic {
+        /// Direction \[deg\].
+        direction_deg: f64,
+        /// Why.
+        why: String,
+    },
     /// The envelopes do not make a curve.
     #[error("the envelopes in direction {direction_deg}° make no resistance curve: {source}")]
     Curve {
@@ -218,7 +226,7 @@ impl RcWanted {
         }
         let computed = Computed {
             axes,
-            quality: self.quality(&series, progress, &mut left_out),
+            quality: self.quality(&series, &levels, progress, &mut left_out),
             validity: validity(&series, &levels),
             ..self.elastic_and_axial(&series)
         };
@@ -233,10 +241,11 @@ impl RcWanted {
     fn quality(
         &self,
         series: &Series,
+        levels: &[f64],
         progress: &(dyn Fn(f64, &str) + Sync),
         left_out: &mut Vec<String>,
     ) -> Quality {
-        let mut quality = quality(series);
+        let mut quality = quality(series, levels);
         if !self.check_mesh {
             return quality;
         }
@@ -325,6 +334,13 @@ fn usable(series: &Series) -> Result<(Vec<f64>, Vec<String>), RcDeriveError> {
                 }
                 Err(error) => fault = Some(error.to_string()),
                 Ok(bent) => {
+                    if let Some(why) = case.fault() {
+                        if *share == 0.0 {
+                            return Err(RcDeriveError::NotStatic { direction_deg, why });
+                        }
+                        fault = Some(why);
+                        continue;
+                    }
                     let alone = Envelope { axial_force_n: case.axial_n, points: points(bent) };
                     match ResistanceCurve::from_envelopes(&[alone]) {
                         Err(source) if *share == 0.0 => {
@@ -362,8 +378,9 @@ fn axis(series: &Series, levels: &[f64], direction_deg: f64) -> Result<AxisRecor
     Ok(AxisRecord { envelopes, curve, reverse: None })
 }
 
-fn quality(series: &Series) -> Quality {
-    let kinetic = series.cases.iter().filter_map(|c| c.bent.as_ref().ok()).map(|b| b.kinetic_share);
+fn quality(series: &Series, levels: &[f64]) -> Quality {
+    let used = series.cases.iter().filter(|c| levels.contains(&c.axial_share));
+    let kinetic = used.filter_map(|c| c.bent.as_ref().ok()).map(|b| b.kinetic_share);
     Quality {
         kinetic_energy_ratio: Some(kinetic.fold(0.0, f64::max)),
         elements: Some(series.elements[0] as u64),

@@ -54,6 +54,9 @@ pub enum Hardening {
 /// `ε*/ε_y = 55 − 2.3 λ >= 7`, `σ* = α (1.1 − 0.016 λ) σ_l(ε*) >= 0.2 f_y`, along
 /// `σ / σ_l = 1 − (1 − σ*/σ_l(ε*)) (ε − ε_y) / (ε* − ε_y)`; then down with `0.02 E` to `0.2 f_y`. The strain counts from
 /// where the bar became free of stress after its largest tensile strain. Never above the straight bar.
+///
+/// A bar in sound concrete cannot leave its line: as long as it is held ([`RebarState::held`]) it is the straight bar. Let go at a shortening `ε_h`
+/// beyond `ε_y`, it begins to buckle there: the curve above is followed at `ε − (ε_h − ε_y)`, so that its stress does not jump.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Buckling {
     /// Length that buckles over the bar's diameter, `L / d_b`.
@@ -123,6 +126,10 @@ pub struct RebarState {
     pub straight_pa: f64,
     /// Whether it is ruptured.
     pub ruptured: bool,
+    /// Whether what surrounds the bar keeps it straight at present: set from outside, see [`Buckling`].
+    pub held: bool,
+    /// Shortening from its origin up to which it was kept straight; it counts no more once the bar has been pulled that much longer.
+    held_to: f64,
     /// Direction of the branch, 1 or -1; 0 until it yields.
     heading: f64,
     /// Largest and smallest strain.
@@ -278,7 +285,11 @@ impl RebarLaw {
         }
         let straight_pa = self.straight(state, strain);
         let shrunk = if straight_pa < 0.0 { state.origin[1] - strain } else { 0.0 };
-        let stress_pa = straight_pa * self.average_over_straight(shrunk);
+        if state.held {
+            state.held_to = shrunk;
+        }
+        let bent = shrunk - (state.held_to - self.yield_strain()).max(0.0);
+        let stress_pa = straight_pa * self.average_over_straight(bent);
         *state = RebarState { strain, stress_pa, straight_pa, ..*state };
         stress_pa
     }
@@ -323,7 +334,12 @@ impl RebarLaw {
         // the branch now left flowed, or was the monotonic curve beyond yield
         state.flowed[i] |= state.branch[1 - i].is_none_or(|left| left.along(start[0]) > 1.0);
         let free = start[0] - start[1] / self.youngs_modulus_pa;
-        state.origin[i] = if d > 0.0 { state.origin[i].min(free) } else { state.origin[i].max(free) };
+        if d > 0.0 {
+            state.origin[i] = state.origin[i].min(free);
+        } else {
+            state.held_to -= (free - state.origin[i]).clamp(0.0, state.held_to);
+            state.origin[i] = state.origin[i].max(free);
+        }
         let asymptote = self.asymptote(state, d);
         let e = self.youngs_modulus_pa;
         let gap = asymptote.at[1] + asymptote.slope_pa * (start[0] - asymptote.at[0]) - start[1];

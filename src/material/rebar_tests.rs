@@ -228,6 +228,27 @@ fn a_bar_pulled_before_buckles_from_its_new_length() {
 }
 
 #[test]
+fn a_bar_let_go_buckles_from_there_without_a_jump() {
+    let law = slender();
+    let mut state = RebarState { held: true, ..RebarState::default() };
+    walk(&law, &mut state, &[-0.02], 1e-5);
+    assert_eq!(state.stress_pa, state.straight_pa);
+    let before = state.stress_pa;
+    state.held = false;
+    walk(&law, &mut state, &[-0.02 - 1e-9], 1e-9);
+    assert!((state.stress_pa / before - 1.0).abs() < 1e-6, "{} {before}", state.stress_pa);
+    // 0.01 further the factor is that of a bare bar at 0.01 beyond its yield
+    walk(&law, &mut state, &[-0.03], 1e-5);
+    let bare = 0.01 + law.yield_strain();
+    close(state.stress_pa / state.straight_pa, law.compressed_pa(bare) / law.monotonic_pa(bare), 1e-9);
+    // pulled far beyond, it is a bare bar of its new length
+    walk(&law, &mut state, &[0.03], 1e-5);
+    let free = 0.03 - state.straight_pa / E;
+    walk(&law, &mut state, &[free - 0.02], 1e-5);
+    close(state.stress_pa / state.straight_pa, law.compressed_pa(0.02) / law.monotonic_pa(0.02), 1e-9);
+}
+
+#[test]
 fn rate_factors_of_malvar() {
     // f_y = 414 MPa: exponents 0.034 and 0.010; at 1 1/s 10^(4 · 0.034) = 1.3677 and 10^0.04 = 1.0965
     let law = RebarLaw { yield_strength_pa: 414e6, ..plateau() };

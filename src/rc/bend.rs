@@ -6,7 +6,8 @@
 //! run whose balance is off is refused.
 
 use super::anchorage::Anchored;
-use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, Means, Path};
+use super::cover::Cover;
+use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, KINETIC_LIMIT, Means, Path};
 use super::events::{Event, Watch};
 use super::gauge::{EndStrains, Gauge};
 use super::member::{Joint, RcMember};
@@ -43,12 +44,14 @@ pub struct Bend {
     pub direction_deg: f64,
     /// Turning points of the rotation, see [`Path::through`]; one alone is a monotonic push \[rad\].
     pub turns_rad: Vec<f64>,
+    /// Share of the ordinary speed at which it is pushed.
+    pub pace: f64,
 }
 
 impl Bend {
     /// A push in one sense up to a rotation \[rad\].
     pub fn monotonic(axial_n: f64, direction_deg: f64, until_rad: f64) -> Self {
-        Self { axial_n, direction_deg, turns_rad: vec![until_rad] }
+        Self { axial_n, direction_deg, turns_rad: vec![until_rad], pace: 1.0 }
     }
 }
 
@@ -109,6 +112,11 @@ pub struct Bent {
 }
 
 impl Bent {
+    /// Whether so little of its energy is motion ([`KINETIC_LIMIT`]) that it counts as a static curve.
+    pub fn is_quasi_static(&self) -> bool {
+        self.kinetic_share <= KINETIC_LIMIT
+    }
+
     /// Whether it ended because the section had failed.
     pub fn failed(&self) -> bool {
         self.ending != Ending::Path
@@ -170,6 +178,8 @@ struct Run<'a> {
     plane: Option<Plane>,
     /// Bars that slip.
     anchored: Anchored<'a>,
+    /// Bars that their cover keeps straight.
+    cover: Cover,
     energy: EnergyWatch,
 }
 
@@ -186,11 +196,13 @@ pub fn bend(
     let angle = bend.direction_deg.to_radians();
     let mut body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), parallel);
     let anchored = Anchored::of(member, &mut body);
+    let cover = Cover::of(member, &mut body);
     let mass_kg = body.mass_kg.iter().sum();
     let mut run = Run {
         member,
         body,
         anchored,
+        cover,
         direction: [angle.cos(), angle.sin()],
         rest_m: 0.0,
         axial_n: bend.axial_n,
@@ -202,7 +214,7 @@ pub fn bend(
             run.body.prescribed_m_s[*n][axis] = Some(0.0);
         }
     }
-    let path = Path::through(&bend.turns_rad);
+    let path = Path::through(&bend.turns_rad, bend.pace);
     let whole_s = AXIAL_S[0] + AXIAL_S[1] + path.duration_s();
     let tell = |time_s: f64| progress((time_s / whole_s).min(0.999));
     run.load(bend.axial_n, &tell)?;
@@ -221,6 +233,7 @@ impl Run<'_> {
         let look = self.body.steps.is_multiple_of(LOOK_STEPS);
         if look {
             self.energy.damped(&self.body, LOOK_STEPS as f64);
+            self.cover.look(&mut self.body);
         }
         look
     }

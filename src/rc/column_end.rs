@@ -40,7 +40,7 @@ impl RcSection {
             ..ConcreteLaw::of_strength(concrete.strength_pa)
         };
         law.check().map_err(|e| format!("{e}\n  = help: correct the concrete `{}`", section.concrete))?;
-        let options = FibreOptions { deduct_bars: false, history: true };
+        let options = FibreOptions { deduct_bars: true, history: true };
         let input =
             SectionInput::of_building(section, concrete, bars_of(steel), steel.yield_strength_pa, options);
         let mut input = input.ok_or_else(|| {

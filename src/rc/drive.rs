@@ -13,6 +13,8 @@ pub const SPEED_RAD_S: f64 = 0.15;
 pub const RAMP_S: f64 = 0.05;
 /// Time of the fall of speed before a turning point, and of the rise behind it \[s\].
 pub const TURN_S: f64 = 0.06;
+/// Kinetic over internal energy, while 80 % of the peak are borne, beyond which a curve is not quasi-static.
+pub const KINETIC_LIMIT: f64 = 0.05;
 /// Residual of the energy balance over the internal energy at which a run is refused.
 pub const ENERGY_LIMIT: f64 = 0.03;
 /// Internal energy over mass from which on the balance counts, in concrete that of an elastic strain of some `3e-5` \[J/kg\].
@@ -61,8 +63,9 @@ pub struct Motion {
 
 impl Path {
     /// From zero through turning points \[rad\], each other than the one before it. The last one is passed at full speed: one alone is a
-    /// monotonic push.
-    pub fn through(turns_rad: &[f64]) -> Self {
+    /// monotonic push. `pace` is the share of the ordinary speed.
+    pub fn through(turns_rad: &[f64], pace: f64) -> Self {
+        let most_rad_s = pace * SPEED_RAD_S;
         let (mut legs, mut from, mut begin_s): (Vec<Leg>, f64, f64) = (Vec::new(), 0.0, 0.0);
         for (i, to_rad) in turns_rad.iter().copied().enumerate() {
             let (is_first, is_last) = (i == 0, i + 1 == turns_rad.len());
@@ -73,7 +76,7 @@ impl Path {
             let fall = 2.0 / PI * fall_s;
             let way = to_rad - from;
             let speed =
-                if is_first && is_last { SPEED_RAD_S } else { SPEED_RAD_S.min(way.abs() / (rise + fall)) };
+                if is_first && is_last { most_rad_s } else { most_rad_s.min(way.abs() / (rise + fall)) };
             let steady_s = way.abs() / speed - rise - fall;
             let end_s = if is_first && is_last && steady_s < 0.0 {
                 (2.0 * rise_s * way.abs() / speed).sqrt()
@@ -273,7 +276,7 @@ mod tests {
     fn a_path_meets_its_turning_points_and_its_speed_does_not_jump() {
         let turns = cycles(&[0.002, 0.03], 2);
         assert_eq!(turns, [0.002, -0.002, 0.002, -0.002, 0.03, -0.03, 0.03, -0.03, 0.0]);
-        let path = Path::through(&turns);
+        let path = Path::through(&turns, 1.0);
         for (found, wanted) in ends(&path).iter().zip(&turns) {
             assert!((found - wanted).abs() < 5e-6, "{found} for {wanted}");
         }
@@ -293,7 +296,7 @@ mod tests {
     #[test]
     fn one_turning_point_is_a_monotonic_push() {
         for until in [0.001, 0.1] {
-            let path = Path::through(&[until]);
+            let path = Path::through(&[until], 1.0);
             assert!((ends(&path)[0] - until).abs() < 5e-6);
             for time in [0.0, 0.02, 0.049, 0.06, 0.5, 1.0] {
                 let ramp = (time / RAMP_S).min(1.0);

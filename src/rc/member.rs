@@ -1,7 +1,7 @@
 //! The mesh of a member end in concrete and steel: hexahedra, bars and ties as trusses on common nodes, and the joint block that the
 //! member stands on.
 //!
-//! Mesh planes run through the bars. Along the member the critical length has layers that divide the tie spacing; beyond it they
+//! Mesh planes run through the bars, which displace concrete: elements beside them have that much less of it. Along the member the critical length has layers that divide the tie spacing; beyond it they
 //! are twice as long. Perimeter ties run through the outer bars, cross ties through the inner ones. The joint block is elastic, wider than
 //! the member, and clamped at its base: what tests call a footing or stub.
 //!
@@ -10,6 +10,7 @@
 
 use super::anchorage::BarSlip;
 use crate::fe::concrete::ConcretePoints;
+use crate::fe::hexahedron::volume_m3;
 use crate::fe::law::{ElementForm, Erosion, Law};
 use crate::fe::mesh::{Element, Mesh, Truss};
 use crate::material::concrete::{ConcreteLaw, LawError};
@@ -29,6 +30,8 @@ const BLOCK_MARGIN: f64 = 0.25;
 const SAME_M: f64 = 1e-6;
 /// Hardening of ties over Young's modulus.
 const TIE_HARDENING: f64 = 0.01;
+/// Least share of concrete in an element beside a bar: one much smaller than the bar would have none.
+const LEAST_CONCRETE: f64 = 0.1;
 /// Density of reinforcing steel \[kg/m³\].
 const STEEL_KG_M3: f64 = 7850.0;
 
@@ -261,6 +264,7 @@ impl<'a> Builder<'a> {
         }
         self.mesh.elements.sort_by_key(|e| e.law);
         let bars = self.bars();
+        self.displace(&bars);
         self.ties();
         let top = self.z.len() as i32 - 1;
         let tip = self.section_nodes(top);
@@ -348,6 +352,29 @@ impl<'a> Builder<'a> {
             }
         }
         (0..self.mesh.trusses.len()).collect()
+    }
+
+    /// Takes the volume of the bars from the concrete around them: each bar's from the elements that have it on an edge, in equal parts.
+    fn displace(&mut self, bars: &[usize]) {
+        let mesh = &mut self.mesh;
+        let mut around: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+        for (e, element) in mesh.elements.iter().enumerate().filter(|(_, e)| e.law == CONCRETE) {
+            for edge in 0..4 {
+                around.entry([element.nodes[edge], element.nodes[edge + 4]]).or_default().push(e);
+            }
+        }
+        let volumes: Vec<f64> =
+            mesh.elements.iter().map(|e| volume_m3(&e.nodes.map(|n| mesh.nodes[n]))).collect();
+        for bar in bars {
+            let Truss { nodes, area_m2, .. } = mesh.trusses[*bar];
+            let length_m = (mesh.nodes[nodes[1]][2] - mesh.nodes[nodes[0]][2]).abs();
+            let elements = around.get(&nodes).map_or(&[][..], Vec::as_slice);
+            for e in elements {
+                let left = &mut mesh.elements[*e].smear;
+                *left =
+                    (*left - area_m2 * length_m / (elements.len() as f64 * volumes[*e])).max(LEAST_CONCRETE);
+            }
+        }
     }
 
     /// The ends of the bars at the free end with their share of a tension: by their area, and so that it acts in the middle of the section. Concrete that was pulled

@@ -4,7 +4,7 @@
 //! ([`member`], [`bend`], driven along a path of [`drive`], strains by [`gauge`]; [`piece`] for [`axial`], [`shear`] and [`torsion`]), described by a section
 //! file ([`section_file`]) or a building's column end and run as a [`series`]; cyclic histories are evaluated in [`hysteresis`].
 //!
-//! Bars may slip out of the joint ([`anchorage`]); what happens to single bars and ties is told as [`events`].
+//! Bars may slip out of the joint ([`anchorage`]) and buckle once their cover has spalled (`cover`); what happens to single bars and ties is told as [`events`].
 //!
 //! A curve never sees the history of the building it is later used in: the piece of the global mesh around the
 //! member end, with the global model's own law and element size, is clamped where it was cut and bent to failure.
@@ -13,6 +13,7 @@ pub mod anchorage;
 pub mod axial;
 pub mod bend;
 mod column_end;
+mod cover;
 pub mod cut;
 pub mod drive;
 pub mod events;

@@ -5,6 +5,7 @@
 //! what both sections bear. Quasi-static by explicit integration: the speed rises with the deformation, kinetic energy and the balance of the curve's work with the
 //! energy of the elements are recorded.
 
+use super::cover::Cover;
 use super::member::RcMember;
 use super::plate::{Motion, Plate};
 use crate::fe::contact::RigidSurfaces;
@@ -13,6 +14,8 @@ use serde::Serialize;
 
 /// Time over which the axial force is applied, and in which it comes to rest \[s\].
 const AXIAL_S: [f64; 2] = [0.02, 0.02];
+/// Steps between two looks at forces and motion.
+const LOOK_STEPS: u64 = 4;
 /// Damping while it is \[1/s\].
 const AXIAL_DAMPING_1_S: f64 = 1500.0;
 /// Shortening over length at which the axial force counts as not borne.
@@ -212,6 +215,7 @@ struct Run<'a> {
     member: &'a RcMember,
     load: &'a PieceLoad,
     body: Dynamics,
+    cover: Cover,
     plates: [Plate; 2],
     /// Displacement per unit of deformation \[m or rad\].
     scale: f64,
@@ -233,15 +237,27 @@ pub fn run(
     load: &PieceLoad,
     progress: &dyn Fn(f64),
 ) -> Result<PieceRun, PieceError> {
-    let body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), false);
+    let mut body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), false);
+    let cover = Cover::of(member, &mut body);
     let plates =
         [Plate::of(member, &body, &member.base, !load.rough), Plate::of(member, &body, &member.tip, true)];
     let mut is_bar = vec![false; member.mesh.trusses.len()];
     member.bars.iter().for_each(|b| is_bar[*b] = true);
     let scale = member.length_m / if load.drive == Drive::Torsion { width_m } else { 1.0 };
     let middle = middle_third(member);
-    let mut run =
-        Run { member, load, body, plates, scale, at: 0.0, rest_m: 0.0, start_j: [0.0; 2], middle, is_bar };
+    let mut run = Run {
+        member,
+        load,
+        body,
+        cover,
+        plates,
+        scale,
+        at: 0.0,
+        rest_m: 0.0,
+        start_j: [0.0; 2],
+        middle,
+        is_bar,
+    };
     run.press()?;
     run.drive(progress)
 }
@@ -265,6 +281,9 @@ impl Run<'_> {
         let lower = Motion { along_m_s: Some(0.0), ..Motion::default() };
         self.plates[0].hold(&mut self.body, &lower);
         self.plates[1].hold(&mut self.body, upper);
+        if self.body.steps.is_multiple_of(LOOK_STEPS) {
+            self.cover.look(&mut self.body);
+        }
     }
 
     /// Applies the axial force.
@@ -351,7 +370,7 @@ impl Run<'_> {
             for index in &self.body.trusses.ruptured {
                 found.ruptured[usize::from(!self.is_bar[*index])] += 1;
             }
-            if !self.body.steps.is_multiple_of(4) {
+            if !self.body.steps.is_multiple_of(LOOK_STEPS) {
                 continue;
             }
             sum.add(&self.point(), 1.0);

@@ -240,7 +240,7 @@ pub struct RcSection {
     pub name: String,
     /// What it is a section of. Beams and slabs bend about x; y points up.
     pub member: MemberKind,
-    /// Section with bars, ties and steel; bars do not displace concrete and remember.
+    /// Section with bars, ties and steel; bars displace concrete and remember.
     pub input: SectionInput,
     /// Law of the concrete.
     pub concrete: ConcreteLaw,
@@ -329,7 +329,7 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<RcSection> {
             },
             bars,
             ties,
-            options: FibreOptions { deduct_bars: false, history: true },
+            options: FibreOptions { deduct_bars: true, history: true },
         },
         concrete,
         length_m: top.number("length")?,

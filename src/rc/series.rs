@@ -25,6 +25,8 @@ const FIBRE_REACH: f64 = 0.4;
 const FIBRE_STEP_DEG: f64 = 15.0;
 /// Rotation of the monotonic bend to which a rule is fitted, over the largest one of the cycles.
 const BACKBONE_REACH: f64 = 1.25;
+/// Least share of the ordinary speed at which a push is tried.
+const LEAST_PACE: f64 = 0.25;
 /// Most hexahedra of a member end.
 pub const MOST_HEXAHEDRA: usize = 5000;
 /// Smallest size of elements \[m\].
@@ -136,6 +138,8 @@ pub struct Case {
     pub axial_n: f64,
     /// Direction of the push \[deg\].
     pub direction_deg: f64,
+    /// Share of the ordinary speed at which it was pushed: less where that left too much motion.
+    pub pace: f64,
     /// The bend, or why there is none.
     pub bent: Result<Bent, BendError>,
     /// Figures of the curve; of a cyclic one those of its envelope in the sense in which it begins.
@@ -144,12 +148,23 @@ pub struct Case {
     pub hysteresis: Option<Hysteresis>,
     /// The curve of a monotonic bend with the rule of degradation of the cycles, or why there is none; `None`: not asked for.
     pub curve: Option<Result<ResistanceCurve, String>>,
-    /// Largest moment of the fibre section (Mander's concrete, bars not deducted, with history) \[N m\].
+    /// Largest moment of the fibre section (Mander's concrete that bars displace, with history) \[N m\].
     pub fibre_peak_nm: Option<f64>,
     /// Its shear force beside the shear strength; `None` without a bend or off the axes.
     pub shear: Option<ShearDemand>,
     /// Time it took \[s\].
     pub seconds: f64,
+}
+
+impl Case {
+    /// Why a monotonic push is no static curve, in words.
+    pub fn fault(&self) -> Option<String> {
+        let bent = self.bent.as_ref().ok().filter(|b| !b.is_quasi_static() && self.hysteresis.is_none())?;
+        let (share, pace) = (100.0 * bent.kinetic_share, self.pace);
+        Some(format!(
+            "not quasi-static: kinetic energy is {share:.1} % of the internal energy, at {pace} of the speed"
+        ))
+    }
 }
 
 /// All bends of a member end.
@@ -300,7 +315,8 @@ fn one(
     let axial_n = section.axial_n(axial_share);
     let is_cyclic = !options.turns_rad.is_empty();
     let turns_rad = if is_cyclic { options.turns_rad.clone() } else { vec![options.until_rad] };
-    let bent = bend(member, &Bend { axial_n, direction_deg, turns_rad }, false, progress);
+    let load = Bend { axial_n, direction_deg, turns_rad, pace: 1.0 };
+    let (pace, bent) = paced(member, load, progress);
     let demand = |b: &Bent| ShearDemand::of(section, &b.points, axial_n, direction_deg, member.length_m);
     let shear = bent.as_ref().ok().and_then(demand);
     let hysteresis = bent.as_ref().ok().filter(|_| is_cyclic).map(|b| {
@@ -326,6 +342,7 @@ fn one(
         axial_share,
         axial_n,
         direction_deg,
+        pace,
         bent,
         figures,
         hysteresis,
@@ -333,6 +350,18 @@ fn one(
         fibre_peak_nm,
         shear,
         seconds: began.elapsed().as_secs_f64(),
+    }
+}
+
+/// Bends a member; a monotonic push with too much motion in it again at half of the speed, down to [`LEAST_PACE`].
+fn paced(member: &RcMember, mut load: Bend, progress: &dyn Fn(f64)) -> (f64, Result<Bent, BendError>) {
+    loop {
+        let bent = bend(member, &load, false, progress);
+        let moves = bent.as_ref().is_ok_and(|b| !b.is_quasi_static()) && load.turns_rad.len() == 1;
+        if !moves || load.pace <= LEAST_PACE {
+            return (load.pace, bent);
+        }
+        load.pace *= 0.5;
     }
 }
 

@@ -25,8 +25,8 @@ pub(super) struct Plane {
     /// Share of the area of each, and its place in the section \[m\].
     shares: Vec<f64>,
     places: Vec<[f64; 2]>,
-    /// Whether it lies on a face across each axis.
-    on_face: Vec<[bool; 2]>,
+    /// Across each axis: nodes on the faces, each with the next one inwards.
+    faces: [Vec<[usize; 2]>; 2],
     /// Compression of each, averaged over time \[N\].
     pressed_n: Vec<f64>,
     /// Motions that are held: along x, along y, the turn. A plane of symmetry across the section holds others already.
@@ -43,15 +43,10 @@ impl Plane {
         let places: Vec<[f64; 2]> =
             nodes.iter().map(|n| [member.mesh.nodes[*n][0], member.mesh.nodes[*n][1]]).collect();
         let holds = [member.mirror != Some(0), member.mirror != Some(1), member.mirror.is_none()];
-        let half =
-            [0, 1].map(|axis: usize| places.iter().map(|p: &[f64; 2]| p[axis].abs()).fold(0.0, f64::max));
-        let on_face = places
-            .iter()
-            .map(|p: &[f64; 2]| [0, 1].map(|axis: usize| p[axis].abs() > half[axis] - SAME_M))
-            .collect();
+        let faces = [0, 1].map(|axis| faces(&places, axis));
         let pressed_n = shares.iter().map(|s| EVEN_N * s).collect();
         let last = vec![[0.0; 3]; nodes.len()];
-        Self { nodes, shares, places, on_face, pressed_n, holds, last }
+        Self { nodes, shares, places, faces, pressed_n, holds, last }
     }
 
     /// Takes the last step's motion of the section to the nearest one, by kinetic energy, that it can have; returns the work of that \[J\].
@@ -100,8 +95,11 @@ impl Plane {
     /// Share of each node's velocities in the motions that are held, `[motion][axis]`.
     fn rows(&self) -> Vec<[[f64; 2]; 3]> {
         let weights = [0, 1].map(|axis: usize| {
-            let weight = |(p, on_face): (&f64, &[bool; 2])| if on_face[axis] { FACE_SHARE * p } else { *p };
-            let weights: Vec<f64> = self.pressed_n.iter().zip(&self.on_face).map(weight).collect();
+            let mut weights = self.pressed_n.clone();
+            for [face, next] in &self.faces[axis] {
+                weights[*face] = FACE_SHARE * self.pressed_n[*face];
+                weights[*next] = (weights[*next] - FACE_SHARE * self.pressed_n[*face]).max(0.0);
+            }
             let all: f64 = weights.iter().sum();
             weights.into_iter().map(|w| w / all).collect::<Vec<f64>>()
         });
@@ -120,6 +118,22 @@ impl Plane {
         };
         (0..self.nodes.len()).map(row).collect()
     }
+}
+
+/// Nodes on the faces across an axis, each with the next one inwards.
+fn faces(places: &[[f64; 2]], axis: usize) -> Vec<[usize; 2]> {
+    let half = places.iter().map(|p| p[axis].abs()).fold(0.0, f64::max);
+    let on_face = |i: &usize| places[*i][axis].abs() > half - SAME_M;
+    let next = |i: usize| {
+        let [own, line] = [places[i][axis], places[i][1 - axis]];
+        let inwards = |j: &usize| {
+            let [at, other] = [places[*j][axis], places[*j][1 - axis]];
+            (other - line).abs() < SAME_M && at * own.signum() < half - SAME_M
+        };
+        let depth = |j: &usize| (places[*j][axis] - own).abs();
+        (0..places.len()).filter(inwards).min_by(|a, b| depth(a).total_cmp(&depth(b)))
+    };
+    (0..places.len()).filter(on_face).filter_map(|i| Some([i, next(i)?])).collect()
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ pub struct Specimen {
 
 impl Specimen {
     /// The section, bending about its width; bars harden from 0.008 to 1.4 f_y at 0.10 along a parabola; ties hold all bars where
-    /// they have more than two legs. Bars displace no concrete and remember.
+    /// they have more than two legs. Bars displace concrete and remember.
     pub fn section(&self) -> SectionInput {
         let ties = TieInput {
             diameter_m: self.tie_diameter_m,
@@ -100,7 +100,7 @@ impl Specimen {
                 loops: LoopShape::default(),
                 buckling: None,
             },
-            options: FibreOptions { deduct_bars: false, history: true },
+            options: FibreOptions { deduct_bars: true, history: true },
         }
     }
 

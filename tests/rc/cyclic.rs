@@ -12,8 +12,12 @@ fn member(section: &RcSection) -> RcMember {
 
 fn bent(axial_share: f64, turns_rad: &[f64]) -> Bent {
     let section = small();
-    let load =
-        Bend { axial_n: section.axial_n(axial_share), direction_deg: 90.0, turns_rad: turns_rad.to_vec() };
+    let load = Bend {
+        axial_n: section.axial_n(axial_share),
+        direction_deg: 90.0,
+        turns_rad: turns_rad.to_vec(),
+        pace: 1.0,
+    };
     bend(&member(&section), &load, false, &|_| {}).unwrap()
 }
 

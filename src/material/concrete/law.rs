@@ -143,6 +143,31 @@ impl ConcreteLaw {
         }
     }
 
+    /// Of a volume of which concrete is only this share, the rest being bars: all stresses and energies by it, strains as they are.
+    #[must_use]
+    pub fn thinned(&self, share: f64) -> Self {
+        let stressed = |line: &[[f64; 2]]| line.iter().map(|p| [p[0], share * p[1]]).collect();
+        let compression = match &self.compression {
+            CompressionCurve::Points(line) => CompressionCurve::Points(stressed(line)),
+            standard => standard.clone(),
+        };
+        let tension = match &self.tension {
+            TensionCurve::Points(line) => TensionCurve::Points(stressed(line)),
+            hordijk => hordijk.clone(),
+        };
+        Self {
+            density_kg_m3: share * self.density_kg_m3,
+            youngs_modulus_pa: share * self.youngs_modulus_pa,
+            compressive_strength_pa: share * self.compressive_strength_pa,
+            tensile_strength_pa: share * self.tensile_strength_pa,
+            fracture_energy_j_m2: share * self.fracture_energy_j_m2,
+            crushing_energy_j_m2: share * self.crushing_energy_j_m2,
+            compression,
+            tension,
+            ..self.clone()
+        }
+    }
+
     /// Checks the numbers on their own; whether they suit an element's length is checked with the length
     /// ([`super::Backbones::new`]).
     pub fn check(&self) -> Result<(), LawError> {

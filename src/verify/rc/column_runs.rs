@@ -153,7 +153,7 @@ impl Work {
     /// column counts as cycled if the rule says so for its measured moment.
     fn of(chosen: &[&Specimen], options: &Options) -> Self {
         let times = [&[options.until_rad][..], &column_shear::turns_rad(options.until_rad)];
-        let [push, cycles] = times.map(|turns| Path::through(turns).duration_s());
+        let [push, cycles] = times.map(|turns| Path::through(turns, 1.0).duration_s());
         let one = |s: &&Specimen| {
             let weight = s.length_m / s.depth_m.max(s.width_m).powi(2);
             let measured_n = s.peak_moment_nm[0].max(s.peak_moment_nm[1]) / s.length_m;
@@ -237,7 +237,7 @@ fn bent(
     progress: &dyn Fn(f64),
 ) -> Result<Computed, String> {
     let axial_n = specimen.axial_force_n();
-    let load = Bend { axial_n, direction_deg: PUSH_DEG, turns_rad };
+    let load = Bend { axial_n, direction_deg: PUSH_DEG, turns_rad, pace: 1.0 };
     let bent = bend(member, &load, false, progress).map_err(|e| e.to_string())?;
     let reading = Reading { axial_n, length_m: member.length_m, last_drift: specimen.last_drift };
     let read = reading.read(&bent.points, &bent.turned_at, bent.ending)?;
