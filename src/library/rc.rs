@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 /// Version of the RC submodel's procedure; part of every key, so that a change of procedure never reuses old curves.
-pub const RC_SUBMODEL_VERSION: u32 = 3;
+pub const RC_SUBMODEL_VERSION: u32 = 4;
 /// Axial forces of an entry over `f_c A`, compression positive.
 pub const RC_AXIAL_SHARES: [f64; 5] = [-0.05, 0.0, 0.1, 0.3, 0.6];
 /// Rotation at which the bends of an entry stop \[rad\].

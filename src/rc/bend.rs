@@ -6,6 +6,7 @@
 //! run whose balance is off is refused.
 
 use super::anchorage::Anchored;
+use super::bar_bending::BarBending;
 use super::cover::Cover;
 use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, KINETIC_LIMIT, Means, Path};
 use super::events::{Event, Watch};
@@ -180,6 +181,7 @@ struct Run<'a> {
     anchored: Anchored<'a>,
     /// Bars that their cover keeps straight.
     cover: Cover,
+    bars: BarBending,
     energy: EnergyWatch,
 }
 
@@ -203,6 +205,7 @@ pub fn bend(
         body,
         anchored,
         cover,
+        bars: BarBending::of(member),
         direction: [angle.cos(), angle.sin()],
         rest_m: 0.0,
         axial_n: bend.axial_n,
@@ -225,11 +228,13 @@ impl Run<'_> {
     /// One step, with the end section held by its joint; every so many steps, the books of damping are kept and the answer is true.
     fn step(&mut self) -> bool {
         self.anchored.pull(&mut self.body);
+        self.bars.push(&mut self.body);
         self.body.step(false);
         if let Some(plane) = &mut self.plane {
             self.energy.held_j += plane.hold(&mut self.body);
         }
         self.energy.held_j += self.anchored.hold(&mut self.body);
+        self.bars.release(&mut self.body);
         let look = self.body.steps.is_multiple_of(LOOK_STEPS);
         if look {
             self.energy.damped(&self.body, LOOK_STEPS as f64);

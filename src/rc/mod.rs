@@ -11,6 +11,7 @@
 
 pub mod anchorage;
 pub mod axial;
+mod bar_bending;
 pub mod bend;
 mod column_end;
 mod cover;

@@ -5,6 +5,7 @@
 //! what both sections bear. Quasi-static by explicit integration: the speed rises with the deformation, kinetic energy and the balance of the curve's work with the
 //! energy of the elements are recorded.
 
+use super::bar_bending::BarBending;
 use super::cover::Cover;
 use super::member::RcMember;
 use super::plate::{Motion, Plate};
@@ -216,6 +217,8 @@ struct Run<'a> {
     load: &'a PieceLoad,
     body: Dynamics,
     cover: Cover,
+    /// Bending of the bars; none across the member, where it would be dowel action of bars that stay elastic.
+    bars: Option<BarBending>,
     plates: [Plate; 2],
     /// Displacement per unit of deformation \[m or rad\].
     scale: f64,
@@ -239,6 +242,7 @@ pub fn run(
 ) -> Result<PieceRun, PieceError> {
     let mut body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), false);
     let cover = Cover::of(member, &mut body);
+    let bars = matches!(load.drive, Drive::Crush | Drive::Tension).then(|| BarBending::of(member));
     let plates =
         [Plate::of(member, &body, &member.base, !load.rough), Plate::of(member, &body, &member.tip, true)];
     let mut is_bar = vec![false; member.mesh.trusses.len()];
@@ -250,6 +254,7 @@ pub fn run(
         load,
         body,
         cover,
+        bars,
         plates,
         scale,
         at: 0.0,
@@ -277,7 +282,13 @@ fn middle_third(member: &RcMember) -> Vec<usize> {
 impl Run<'_> {
     /// One step, with both sections held.
     fn step(&mut self, upper: &Motion) {
+        if let Some(bars) = &mut self.bars {
+            bars.push(&mut self.body);
+        }
         self.body.step(false);
+        if let Some(bars) = &self.bars {
+            bars.release(&mut self.body);
+        }
         let lower = Motion { along_m_s: Some(0.0), ..Motion::default() };
         self.plates[0].hold(&mut self.body, &lower);
         self.plates[1].hold(&mut self.body, upper);

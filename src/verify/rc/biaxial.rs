@@ -32,7 +32,7 @@ pub fn cases() -> Vec<Case> {
 
 fn figures(of: &[(&str, SectionInput, f64)], size_m: f64) -> Result<Vec<Figure>, String> {
     let one = |(name, input, share): &(&str, SectionInput, f64)| {
-        let options = FibreOptions { deduct_bars: true, history: true };
+        let options = FibreOptions { deduct_bars: false, history: true };
         let input = SectionInput { options, ..input.clone() };
         let force = share * input.concrete_strength_pa * input.area_m2();
         let curvatures = FibreSection::curvatures_to(0.15);

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 const OPENSEES: &str = "OpenSees 3.7.1 (Concrete04, Steel01, HingeRadau): 0.98 to 1.12 of its fibre section";
 const STRIPS: &str = "strip solver of another author (Mander's concrete): first of bar yield, edge at 0.002";
-const FIBRE: &str = "own fibre section (Mander's concrete, bars displace it): 0.98 to 1.12 of it";
+const FIBRE: &str = "own fibre section (Mander's concrete, bars displace nothing): 0.98 to 1.12 of it";
 const OWN_YIELD: &str = "own fibre section: first of bar yield, edge at 0.002";
 const BEAM: &str = "3 E_cm I_g / L of the gross section";
 const OPENSEES_SLOPE: &str = "OpenSees 3.7.1 (Concrete04, Steel01, HingeRadau)";
@@ -80,10 +80,10 @@ pub fn cases() -> Vec<Case> {
             },
         ),
         Case::complete("member-mesh-s1", "S1 under n = 0.3 in elements of 50 and 25 mm.", || {
-            sensitivity("S1", &s1(), bend(0.3, 0.03))
+            sensitivity("S1", &s1(), bend(0.3, 0.05))
         }),
         Case::complete("member-mesh-s2", "S2 under n = 0.3 in elements of 50 and 25 mm.", || {
-            sensitivity("S2", &s2(), bend(0.3, 0.045))
+            sensitivity("S2", &s2(), bend(0.3, 0.06))
         }),
     ]
 }
@@ -151,7 +151,7 @@ fn of_section(
     loads: &[Load],
     references: &[Reference],
 ) -> Result<Vec<Figure>, String> {
-    let options = FibreOptions { deduct_bars: true, history: true };
+    let options = FibreOptions { deduct_bars: false, history: true };
     let input = &SectionInput { options, ..input.clone() };
     let of_load = |(load, other): (&Load, &Reference)| {
         let ran = run(input, *load, mesh_size_m)?;
