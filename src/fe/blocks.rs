@@ -452,15 +452,6 @@ impl Blocks {
         self.blocks[block as usize].concrete.as_ref().map_or(0.0, |c| c.states[lane as usize].crack)
     }
 
-    /// Share of its uniaxial compressive strength that an element of concrete still bears: 1 until it has been reached, and for other laws.
-    pub fn strength_borne(&self, element: usize) -> f64 {
-        let (block, lane) = self.place[element];
-        self.blocks[block as usize].concrete.as_ref().map_or(1.0, |c| {
-            let point = &self.concretes.points[c.points[lane as usize] as usize];
-            point.strength_borne(&c.states[lane as usize])
-        })
-    }
-
     /// Work done on an element by its stresses \[J\].
     pub fn internal_j(&self, element: usize) -> f64 {
         let (block, lane) = self.place[element];

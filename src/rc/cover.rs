@@ -2,22 +2,32 @@
 //!
 //! The law of a buckling bar ([`crate::material::rebar::Buckling`]) was found on bare bars. In a member the concrete outside of the ties keeps the bar in its line as
 //! long as it bears ("Reinforcement stability and fracture of cover concrete", Dhakal and Maekawa, J. Struct. Eng. 128(10), 2002). Beside each element of a bar lie the
-//! elements of the cover, outside of the outermost bars; once they bear, in the mean, less than half of their compressive strength, they
-//! have spalled for good. A bar inside the core is held by all elements around it.
+//! elements of the cover, outside of the outermost bars; once they have been, in the mean, shortened by 0.004 along the member, where cover begins to spall (Priestley, Calvi and
+//! Kowalsky 2007, their limit of serviceability), they have spalled for good. A bar inside the core is held by all elements around it.
 
 use super::member::RcMember;
 use crate::fe::dynamics::Dynamics;
 use std::collections::BTreeSet;
 
-/// Share of its compressive strength below which cover has spalled.
-const SPALLED: f64 = 0.5;
+/// Shortening at which cover spalls.
+const SPALLED: f64 = 0.004;
 /// Coordinates closer than this are one \[m\].
 const SAME_M: f64 = 1e-6;
 
 /// Elements of bars that are still held, each with the elements of concrete that hold it.
 #[derive(Debug)]
 pub struct Cover {
-    held: Vec<(usize, Vec<usize>)>,
+    held: Vec<Held>,
+}
+
+/// An element of a bar.
+#[derive(Debug)]
+struct Held {
+    bar: usize,
+    /// Edges along the member of the elements that hold it, as often as these have them: node below, node above.
+    edges: Vec<[usize; 2]>,
+    /// Their length at the start \[m\].
+    length_m: f64,
 }
 
 impl Cover {
@@ -55,16 +65,23 @@ impl Cover {
             let beside: Vec<usize> = around.into_iter().collect();
             let cover: Vec<usize> = beside.iter().copied().filter(outside).collect();
             body.trusses.bars[bar].rebar.held = true;
-            held.push((bar, if cover.is_empty() { beside } else { cover }));
+            let holding = if cover.is_empty() { &beside } else { &cover };
+            let edges = |e: &usize| {
+                let n = mesh.elements[*e].nodes;
+                [0, 1, 2, 3].map(|k| [n[k], n[k + 4]])
+            };
+            let edges = holding.iter().flat_map(edges).collect();
+            held.push(Held { bar, edges, length_m: heights[1] - heights[0] });
         }
         Self { held }
     }
 
     /// Lets bars go whose cover has spalled.
     pub fn look(&mut self, body: &mut Dynamics) {
-        self.held.retain(|(bar, cover)| {
-            let borne: f64 = cover.iter().map(|e| body.blocks.strength_borne(*e)).sum();
-            let holds = borne >= SPALLED * cover.len() as f64;
+        self.held.retain(|Held { bar, edges, length_m }| {
+            let shortened: f64 =
+                edges.iter().map(|[below, above]| length_m - (body.x[*above][2] - body.x[*below][2])).sum();
+            let holds = shortened < SPALLED * length_m * edges.len() as f64;
             body.trusses.bars[*bar].rebar.held = holds;
             holds
         });
@@ -90,12 +107,20 @@ mod tests {
         let mut cover = Cover::of(&member, &mut body);
         assert_eq!(cover.held.len(), member.bars.len());
         let layers = member.bars.len() / section.input.bars.len();
-        for (bar, elements) in &cover.held {
+        for Held { bar, edges, .. } in &cover.held {
             let at = &section.input.bars[bar / layers];
             let corner = at.x_m.abs() > 0.01 && at.y_m.abs() > 0.01;
-            assert_eq!(elements.len(), if corner { 3 } else { 2 }, "{at:?}");
+            assert_eq!(edges.len(), 4 * if corner { 3 } else { 2 }, "{at:?}");
         }
         cover.look(&mut body);
         assert!(member.bars.iter().all(|b| body.trusses.bars[*b].rebar.held));
+        // shortened by 0.0039 and by 0.0041
+        for (strain, holds) in [(0.0039, true), (0.0041, false)] {
+            for (x, start) in body.x.iter_mut().zip(&member.mesh.nodes) {
+                x[2] = (1.0 - strain) * start[2];
+            }
+            cover.look(&mut body);
+            assert!(member.bars.iter().all(|b| body.trusses.bars[*b].rebar.held == holds));
+        }
     }
 }

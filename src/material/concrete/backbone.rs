@@ -140,17 +140,6 @@ impl Backbones {
         along(&self.nominal) / along(&self.effective)
     }
 
-    /// Share of the uniaxial strength that is borne at a plastic strain: 1 up to the peak.
-    pub fn borne(&self, plastic: f64) -> f64 {
-        let i = self.segment(plastic, 0);
-        let peak =
-            (0..self.nominal.len()).fold(0, |p, k| if self.nominal[k] > self.nominal[p] { k } else { p });
-        if plastic <= self.plastic[peak] {
-            return 1.0;
-        }
-        self.left(plastic, i) * self.effective_pa(plastic, i) / self.nominal[peak]
-    }
-
     /// Tensile stress at a crack strain that was never larger, in its segment \[Pa\].
     pub fn tensile_pa(&self, crack: f64, i: usize) -> f64 {
         if crack >= self.crack[self.crack.len() - 1] {

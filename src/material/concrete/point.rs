@@ -171,11 +171,6 @@ impl ConcretePoint {
         1.0 - self.lines.left(state.plastic, self.lines.segment(state.plastic, usize::from(state.places[0])))
     }
 
-    /// Share of the uniaxial compressive strength that is still borne: 1 until it has been reached.
-    pub fn strength_borne(&self, state: &ConcreteState) -> f64 {
-        self.lines.borne(state.plastic)
-    }
-
     /// Share of stress left by crushing, `1 - d`, and effective strength \[Pa\]; notes where it was found.
     pub(super) fn hardened(&self, state: &mut ConcreteState) -> [f64; 2] {
         let i = self.lines.segment(state.plastic, usize::from(state.places[0]));
