@@ -153,14 +153,24 @@ impl Solid {
         }
     }
 
-    /// Its points that may lie on a plane with the given normal, in its frame: all corners, the nearest point of a ball.
-    pub fn feet(&self, at: &Placed, normal: V3, found: &mut Vec<(V3, u64)>) {
+    /// Its points that may lie on a plane with the given normal, in its frame: corners, of a box only those no farther than `within` \[m\] above the
+    /// lowest one; the nearest point of a ball.
+    pub fn feet(&self, at: &Placed, normal: V3, within: f64, found: &mut Vec<(V3, u64)>) {
         found.clear();
         match self {
-            Self::Box(half) => found.extend((0..8).map(|c| {
-                let corner = std::array::from_fn(|i| if c >> i & 1 == 0 { -half[i] } else { half[i] });
-                (corner, c as u64)
-            })),
+            Self::Box(half) => {
+                let up = math::mul_t(&at.r, normal);
+                let rise: V3 = std::array::from_fn(|i| up[i] * half[i]);
+                let lowest: f64 = rise.iter().map(|v| v.abs()).sum();
+                let slack = 1e-9 * (half[0] + half[1] + half[2]);
+                for c in 0..8_usize {
+                    let sign = |i: usize, v: f64| if c >> i & 1 == 0 { -v } else { v };
+                    let above = lowest + (sign(0, rise[0]) + sign(1, rise[1]) + sign(2, rise[2]));
+                    if above <= within + slack {
+                        found.push((std::array::from_fn(|i| sign(i, half[i])), c as u64));
+                    }
+                }
+            }
             Self::Ball(radius) => found.push((math::scale(-radius, math::mul_t(&at.r, normal)), 0)),
             Self::Hull(_, corners) => found.extend(corners.iter().enumerate().map(|(i, c)| (*c, i as u64))),
         }

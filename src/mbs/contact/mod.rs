@@ -38,7 +38,7 @@ pub use surface::Surface;
 use super::math::{self, M3, Q, V3};
 use super::model::{Model, Shape};
 use collide::{Broad, Finder, Found, Placed, Solid};
-use pair::{Entry, Pair};
+use pair::{Entry, Pair, Point};
 use rows::{Motion, Rows};
 use surface::Surfaces;
 
@@ -191,6 +191,8 @@ struct Collider {
     solid: Solid,
     /// Its frame in the body; none if it is the body's.
     local: Option<Placed>,
+    /// Whether that frame is turned in the body.
+    turned: bool,
     thickness: f64,
     /// What it is to others.
     partner: Partner,
@@ -226,8 +228,9 @@ pub struct ContactSet {
     /// Share of it by rotation, and what impulses may add to it \[m\].
     spin: Vec<f64>,
     growth: Vec<f64>,
-    /// Travel up to which a body's solids are within their entered bounds.
+    /// Travel up to which a body's solids are within their entered bounds, and how far that was ahead when they were entered.
     budget: Vec<f64>,
+    ahead: Vec<f64>,
     entered: Vec<[V3; 2]>,
     broad: Broad,
     finder: Finder,
@@ -243,13 +246,18 @@ pub struct ContactSet {
     /// Sum of twice the largest path, and its value at which something must be looked at.
     clock: f64,
     alarm: f64,
+    /// Solids in space, and the step in which they were placed.
     placed: Vec<Placed>,
+    placed_in: Vec<u64>,
+    step: u64,
     rows: Rows,
     mean: Vec<Motion>,
     found: Vec<Found>,
     feet: Vec<(V3, u64)>,
+    kept: Vec<Point>,
     met: Vec<(u32, u32)>,
     room: Vec<f64>,
+    due: Vec<bool>,
     moved: Vec<bool>,
 }
 
@@ -269,6 +277,7 @@ impl ContactSet {
                     thickness: solid.thickness(),
                     solid,
                     local: (local != Placed::HERE).then_some(local),
+                    turned: local.q != Placed::HERE.q,
                     partner: Partner::Body(body),
                 });
             }
@@ -282,6 +291,7 @@ impl ContactSet {
                 thickness: f64::INFINITY,
                 solid,
                 local: Some(local),
+                turned: false,
                 partner: Partner::Obstacle(i),
             });
         }
@@ -309,6 +319,7 @@ impl ContactSet {
             spin: vec![0.0; ground + 1],
             growth: vec![0.0; ground + 1],
             budget: vec![f64::NEG_INFINITY; ground],
+            ahead: vec![0.0; ground],
             entered: vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count],
             broad: Broad::default(),
             finder: Finder::default(),
@@ -322,12 +333,16 @@ impl ContactSet {
             clock: 0.0,
             alarm: 0.0,
             placed: vec![Placed::HERE; count],
+            placed_in: vec![0; count],
+            step: 0,
             rows: Rows::default(),
             mean: Vec::new(),
             found: Vec::new(),
             feet: Vec::new(),
+            kept: Vec::new(),
             met: Vec::new(),
             room: Vec::new(),
+            due: Vec::new(),
             moved: Vec::new(),
             colliders,
             planes,
@@ -364,6 +379,9 @@ impl ContactSet {
         self.connected.clear();
         self.connected.extend(connected.map(|(a, b)| (a.min(b), a.max(b))));
         self.connected.sort_unstable();
+        for body in (0..self.ground).filter(|i| !alive(*i)) {
+            self.budget[body] = f64::INFINITY;
+        }
         for i in 0..self.order.len() {
             let slot = self.order[i].slot as usize;
             let blocked = self.is_blocked(&self.pairs[slot], &alive);
@@ -411,8 +429,25 @@ impl ContactSet {
     }
 
     /// Whether nothing can touch while no body's path, angular velocity times radius included, is longer than `path_m`.
-    pub fn is_clear_for(&self, path_m: f64) -> bool {
+    pub fn is_clear_for(&mut self, path_m: f64) -> bool {
+        if self.clock + 2.0 * path_m >= self.alarm {
+            self.count_slack();
+        }
+        let margin = self.settings.margin_m;
         self.clock + 2.0 * path_m < self.alarm
+            && self.travel.iter().zip(&self.budget).all(|(t, budget)| t + path_m + margin <= *budget)
+    }
+
+    /// Sets the alarm to the time at which the first pair must be looked at, unless there were points in the last step.
+    fn count_slack(&mut self) {
+        if self.alarm > f64::NEG_INFINITY {
+            let left = |e: &Entry| {
+                let [a, b] = e.bodies.map(|i| i as usize);
+                e.limit - (self.travel[a] + self.travel[b])
+            };
+            let least = self.order.iter().map(left).fold(f64::INFINITY, f64::min);
+            self.alarm = self.clock + (least - self.settings.margin_m);
+        }
     }
 
     /// Distance of a body's farthest point from its centre of mass \[m\].
@@ -426,13 +461,19 @@ impl ContactSet {
         if self.alarm == f64::INFINITY {
             return true;
         }
+        let margin = self.settings.margin_m;
         let mut largest = 0.0_f64;
+        let mut late = false;
         for (i, (v, w)) in velocities.enumerate() {
             let path = h * (math::norm(v) + math::norm(w) * self.radius[i]);
             self.path[i] = path;
             largest = largest.max(path);
+            late |= self.travel[i] + path + margin > self.budget[i];
         }
-        let quiet = self.clock + 2.0 * largest < self.alarm;
+        if !late && self.clock + 2.0 * largest >= self.alarm {
+            self.count_slack();
+        }
+        let quiet = !late && self.clock + 2.0 * largest < self.alarm;
         if quiet {
             self.clock += 2.0 * largest;
             for (travel, path) in self.travel.iter_mut().zip(&self.path) {

@@ -11,6 +11,8 @@ pub(super) const MOST_POINTS: usize = 8;
 const SAME_POINT: f64 = 1e-3;
 /// How far bounds are entered beyond a solid: time \[s\] at its present speed, and share of its thickness.
 const AHEAD: (f64, f64) = (0.02, 0.1);
+/// Bounds are entered anew with those of others when no more than this share of their room is left.
+const SOON: f64 = 0.5;
 
 /// A point of a pair.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -93,28 +95,38 @@ impl Pair {
 }
 
 impl ContactSet {
-    /// Places all solids of bodies that are there.
-    pub(super) fn place(&mut self, bodies: &[Moving]) {
-        for (collider, placed) in self.colliders.iter().zip(&mut self.placed) {
-            *placed = match (bodies.get(collider.body), &collider.local) {
-                (Some(body), None) => Placed { x: body.x, q: body.q, r: body.r },
-                (Some(body), Some(local)) => Placed {
-                    x: math::add(body.x, math::mul(&body.r, local.x)),
-                    q: math::qmul(body.q, local.q),
-                    r: math::matmul(&body.r, &local.r),
-                },
-                (None, Some(local)) => *local,
-                (None, None) => Placed::HERE,
-            };
+    /// Places a solid, once a step.
+    fn place(&mut self, i: usize, bodies: &[Moving]) {
+        if std::mem::replace(&mut self.placed_in[i], self.step) == self.step {
+            return;
         }
+        let collider = &self.colliders[i];
+        self.placed[i] = match (bodies.get(collider.body), &collider.local) {
+            (Some(body), None) => Placed { x: body.x, q: body.q, r: body.r },
+            (Some(body), Some(local)) => {
+                let x = math::add(body.x, math::mul(&body.r, local.x));
+                if collider.turned {
+                    Placed { x, q: math::qmul(body.q, local.q), r: math::matmul(&body.r, &local.r) }
+                } else {
+                    Placed { x, q: body.q, r: body.r }
+                }
+            }
+            (None, Some(local)) => *local,
+            (None, None) => Placed::HERE,
+        };
     }
 
     /// Enters new bounds of the solids that may leave theirs in this step, and the pairs that come of it.
     pub(super) fn enter_bounds(&mut self, bodies: &[Moving], h: f64) {
         let margin = self.settings.margin_m;
-        let late = |set: &Self, i: usize| set.travel[i] + set.path[i] + margin > set.budget[i];
-        if self.alarm == f64::INFINITY || !(0..bodies.len()).any(|i| bodies[i].alive && late(self, i)) {
+        let left = |set: &Self, i: usize| set.budget[i] - (set.travel[i] + set.path[i] + margin);
+        if self.alarm == f64::INFINITY || !(0..bodies.len()).any(|i| bodies[i].alive && left(self, i) < 0.0) {
             return;
+        }
+        // Those that would soon be late go with them: one walk through the tree for all.
+        self.due.clear();
+        for (i, body) in bodies.iter().enumerate() {
+            self.due.push(body.alive && left(self, i) < SOON * self.ahead[i]);
         }
         let mut room = std::mem::take(&mut self.room);
         room.clear();
@@ -122,13 +134,14 @@ impl ContactSet {
         self.moved.clear();
         self.moved.resize(self.colliders.len(), false);
         let mut any = false;
-        for (i, collider) in self.colliders.iter().enumerate() {
-            let body = collider.body;
+        for i in 0..self.colliders.len() {
+            let body = self.colliders[i].body;
             let obstacle = body == self.ground;
-            let due = if obstacle { self.first_look } else { bodies[body].alive && late(self, body) };
-            if !due {
+            if !(if obstacle { self.first_look } else { self.due[body] }) {
                 continue;
             }
+            self.place(i, bodies);
+            let collider = &self.colliders[i];
             let more = if obstacle {
                 0.0
             } else {
@@ -150,8 +163,8 @@ impl ContactSet {
             }
         }
         for (i, room) in room.iter().enumerate() {
-            if late(self, i) {
-                self.budget[i] = self.travel[i] + room;
+            if self.due[i] {
+                (self.budget[i], self.ahead[i]) = (self.travel[i] + room, *room);
             }
         }
         self.room = room;
@@ -229,6 +242,10 @@ impl ContactSet {
     /// Enters the points of a pair that are not farther than `reach` into the rows, but those nearer than `from` that are in already.
     pub(super) fn look(&mut self, entry: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) {
         let slot = self.order[entry].slot as usize;
+        self.place(self.pairs[slot].a as usize, bodies);
+        if entry >= self.plane_pairs {
+            self.place(self.pairs[slot].b as usize, bodies);
+        }
         let limit = if entry < self.plane_pairs {
             self.look_at_plane(slot, bodies, h, from, reach)
         } else {
@@ -252,13 +269,13 @@ impl ContactSet {
         }
         pair.offset = if pair.fresh { (-low).max(0.0) } else { pair.offset.min((-low).max(0.0)) };
         pair.fresh = false;
-        let old = pair.points;
-        let old = &old[..usize::from(pair.count)];
+        self.kept.clear();
+        self.kept.extend_from_slice(&pair.points[..usize::from(pair.count)]);
         if from == f64::NEG_INFINITY {
             pair.count = 0;
         }
         pair.normal = [math::mul_t(&at.r, n), plane.normal];
-        collider.solid.feet(at, plane.normal, &mut self.feet);
+        collider.solid.feet(at, plane.normal, reach - low - pair.offset, &mut self.feet);
         let body = &bodies[collider.body];
         let first = self.rows.rows.len() as u32;
         for (foot, id) in &self.feet {
@@ -273,7 +290,7 @@ impl ContactSet {
                 plane.normal,
             );
             let point = Point { on: [*foot; 2], id: *id, ..Point::default() };
-            pair.enter(old, point);
+            pair.enter(&self.kept, point);
             let k = usize::from(pair.count) - 1;
             let inverse = Inverse::of(body);
             pair.points[k].mass = masses(&[inverse, Inverse::default()], &[arm, [0.0; 3]], n);
@@ -373,8 +390,8 @@ impl ContactSet {
         let normals =
             self.finder.find((&solid_a.solid, &at_a), (&solid_b.solid, &at_b), reach, &mut self.found);
         let pair = &mut self.pairs[slot];
-        let old = pair.points;
-        let old = &old[..usize::from(pair.count)];
+        self.kept.clear();
+        self.kept.extend_from_slice(&pair.points[..usize::from(pair.count)]);
         pair.count = 0;
         let Some(normals) = normals else { return };
         pair.normal = normals;
@@ -389,7 +406,7 @@ impl ContactSet {
             if pair.points[..usize::from(pair.count)].iter().any(near) {
                 continue;
             }
-            pair.enter(old, Point { on: [found.on_a, found.on_b], id: found.id, ..Point::default() });
+            pair.enter(&self.kept, Point { on: [found.on_a, found.on_b], id: found.id, ..Point::default() });
         }
     }
 

@@ -168,6 +168,9 @@ impl Rows {
     /// Visits the rows of a block; the largest square of a change of a velocity.
     #[inline(always)]
     fn visit(&mut self, block: &Block) -> f64 {
+        if block.bodies[1] as usize + 1 == self.motion.len() {
+            return self.visit_fixed(block);
+        }
         let [a, b] = block.bodies.map(|i| i as usize);
         let (inverse_a, inverse_b) = (self.inverse[a], self.inverse[b]);
         let (mut of_a, mut of_b) = (self.motion[a], self.motion[b]);
@@ -181,6 +184,24 @@ impl Rows {
         }
         self.motion[a] = of_a;
         self.motion[b] = of_b;
+        largest
+    }
+
+    /// The same of a block whose second body does not move.
+    #[inline(always)]
+    fn visit_fixed(&mut self, block: &Block) -> f64 {
+        let a = block.bodies[0] as usize;
+        let inverse = self.inverse[a];
+        let mut of_a = self.motion[a];
+        let n = block.normal;
+        let mut largest = 0.0_f64;
+        for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
+            let of_point = math::add(of_a.v, math::cross(of_a.w, row.arms[0]));
+            let (p, change) = row.correct(math::scale(-1.0, of_point), n, block.friction);
+            largest = largest.max(change);
+            kick(&mut of_a, &inverse, row.arms[0], p, -1.0);
+        }
+        self.motion[a] = of_a;
         largest
     }
 

@@ -40,11 +40,11 @@ impl ContactSet {
             self.path[i] = if body.alive { h * math::norm(body.v) + self.spin[i] } else { 0.0 };
             self.growth[i] = 0.0;
         }
-        self.place(bodies);
+        self.step += 1;
         self.enter_bounds(bodies, h);
         self.rows.blocks.clear();
         self.rows.rows.clear();
-        let slack = self.look_at_all(bodies, h);
+        self.look_at_all(bodies, h);
         let points = self.rows.rows.len();
         if points > 0 {
             self.load(bodies);
@@ -57,7 +57,9 @@ impl ContactSet {
             self.rebound(bodies, h);
             self.close(bodies, h)?;
         }
-        self.count_paths(bodies, h, if points > 0 { f64::NEG_INFINITY } else { slack });
+        self.count_paths(bodies, h);
+        self.alarm = if points > 0 { f64::NEG_INFINITY } else { self.clock };
+        self.count_slack();
         Ok(())
     }
 
@@ -74,9 +76,8 @@ impl ContactSet {
             + self.settings.margin_m
     }
 
-    /// Looks at the pairs that may touch; the least path of two bodies until another one must be looked at.
-    fn look_at_all(&mut self, bodies: &[Moving], h: f64) -> f64 {
-        let mut slack = f64::INFINITY;
+    /// Looks at the pairs that may touch.
+    fn look_at_all(&mut self, bodies: &[Moving], h: f64) {
         let margin = self.settings.margin_m;
         for k in 0..self.order.len() {
             let entry = &mut self.order[k];
@@ -87,14 +88,7 @@ impl ContactSet {
                 let reach = self.reach(bodies, [a, b], h);
                 self.look(k, bodies, h, f64::NEG_INFINITY, reach);
             }
-            slack = slack.min(self.order[k].limit - travelled - margin);
         }
-        for (i, body) in bodies.iter().enumerate() {
-            if body.alive {
-                slack = slack.min(2.0 * (self.budget[i] - self.travel[i] - margin));
-            }
-        }
-        slack
     }
 
     fn load(&mut self, bodies: &[Moving]) {
@@ -287,8 +281,7 @@ impl ContactSet {
         self.energy.friction_j -= friction_work;
     }
 
-    fn count_paths(&mut self, bodies: &[Moving], h: f64, slack: f64) {
-        let begin = self.clock;
+    fn count_paths(&mut self, bodies: &[Moving], h: f64) {
         let mut largest = 0.0_f64;
         for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
             let path = self.path_of(i, body.v, body.w, h)
@@ -298,6 +291,5 @@ impl ContactSet {
             largest = largest.max(path);
         }
         self.clock += 2.0 * largest;
-        self.alarm = begin + slack;
     }
 }
