@@ -198,6 +198,9 @@ struct Collider {
     partner: Partner,
 }
 
+/// A path that no body travels \[m\].
+const NEVER_M: f64 = 1e300;
+
 #[derive(Debug, Clone, Copy)]
 struct Plane {
     normal: V3,
@@ -225,6 +228,8 @@ pub struct ContactSet {
     /// Paths travelled, and of this step at most, the ground last \[m\].
     travel: Vec<f64>,
     path: Vec<f64>,
+    /// Sum of both and the margin.
+    until: Vec<f64>,
     /// Share of it by rotation, and what impulses may add to it \[m\].
     spin: Vec<f64>,
     growth: Vec<f64>,
@@ -316,6 +321,7 @@ impl ContactSet {
             radius,
             travel: vec![0.0; ground + 1],
             path: vec![0.0; ground + 1],
+            until: Vec::new(),
             spin: vec![0.0; ground + 1],
             growth: vec![0.0; ground + 1],
             budget: vec![f64::NEG_INFINITY; ground],
@@ -445,7 +451,7 @@ impl ContactSet {
                 let [a, b] = e.bodies.map(|i| i as usize);
                 e.limit - (self.travel[a] + self.travel[b])
             };
-            let least = self.order.iter().map(left).fold(f64::INFINITY, f64::min);
+            let least = self.order.iter().map(left).fold(NEVER_M, f64::min);
             self.alarm = self.clock + (least - self.settings.margin_m);
         }
     }
@@ -458,8 +464,8 @@ impl ContactSet {
     /// Whether nothing can touch in a step of `h` \[s\] with these velocities and angular velocities of all bodies; if so, the paths are counted.
     #[inline]
     pub fn quiet(&mut self, h: f64, velocities: impl Iterator<Item = (V3, V3)>) -> bool {
-        if self.alarm == f64::INFINITY {
-            return true;
+        if self.alarm.is_infinite() {
+            return self.alarm > 0.0;
         }
         let margin = self.settings.margin_m;
         let mut largest = 0.0_f64;

@@ -62,6 +62,8 @@ pub(super) struct Block {
     pub normal: V3,
     /// Its first row among those that ideal joints link to others; [`ALONE`]: none.
     pub linked: u32,
+    /// Whether its points had no impulses in the last visit.
+    pub idle: bool,
 }
 
 /// One contact point.
@@ -153,14 +155,20 @@ impl Rows {
         }
     }
 
-    /// One sweep; the largest change of a velocity \[m/s\].
-    pub fn sweep(&mut self, backwards: bool) -> f64 {
+    /// One sweep, which passes over blocks without impulses if it is not a whole one; the largest change of a velocity \[m/s\].
+    pub fn sweep(&mut self, backwards: bool, whole: bool) -> f64 {
         let mut largest = 0.0_f64;
         let count = self.blocks.len();
         for k in 0..count {
-            let block = self.blocks[if backwards { count - 1 - k } else { k }];
+            let k = if backwards { count - 1 - k } else { k };
+            let block = self.blocks[k];
+            if block.idle && !whole {
+                continue;
+            }
             let change = if block.linked == ALONE { self.visit(&block) } else { self.visit_linked(&block) };
             largest = largest.max(change);
+            let rows = &self.rows[block.first as usize..(block.first + block.count) as usize];
+            self.blocks[k].idle = rows.iter().all(|r| r.normal == 0.0);
         }
         largest.sqrt()
     }
