@@ -219,6 +219,10 @@ pub struct ContactSet {
     pub touches: Vec<Touch>,
     /// What was done.
     pub work: Work,
+    /// Bodies asleep that another one may touch in the step; not empty: nothing was solved.
+    pub touched: Vec<usize>,
+    /// Who does not move: bodies asleep, and the ground.
+    still: Vec<bool>,
     colliders: Vec<Collider>,
     planes: Vec<Plane>,
     surfaces: Surfaces,
@@ -316,6 +320,8 @@ impl ContactSet {
             energy: ContactEnergy::default(),
             touches: Vec::new(),
             work: Work::default(),
+            touched: Vec::new(),
+            still: (0..=ground).map(|i| i == ground).collect(),
             surfaces: Surfaces::new(model),
             ground,
             radius,
@@ -444,6 +450,24 @@ impl ContactSet {
             && self.travel.iter().zip(&self.budget).all(|(t, budget)| t + path_m + margin <= *budget)
     }
 
+    /// Puts a body to sleep, or wakes it. Pairs of bodies asleep are not looked at.
+    pub fn set_asleep(&mut self, body: usize, asleep: bool) {
+        self.still[body] = asleep;
+        if self.alarm < f64::INFINITY {
+            self.alarm = self.clock;
+        }
+    }
+
+    fn is_still(&self, entry: &Entry) -> bool {
+        entry.bodies.iter().all(|i| self.still[*i as usize])
+    }
+
+    /// Pairs of bodies that were near each other in the last step; the ground is the number of bodies.
+    pub fn meeting(&self) -> impl Iterator<Item = [usize; 2]> {
+        let known = if self.alarm == f64::NEG_INFINITY { &self.rows.blocks[..] } else { &[] };
+        known.iter().map(|block| block.bodies.map(|i| i as usize))
+    }
+
     /// Sets the alarm to the time at which the first pair must be looked at, unless there were points in the last step.
     fn count_slack(&mut self) {
         if self.alarm > f64::NEG_INFINITY {
@@ -451,7 +475,8 @@ impl ContactSet {
                 let [a, b] = e.bodies.map(|i| i as usize);
                 e.limit - (self.travel[a] + self.travel[b])
             };
-            let least = self.order.iter().map(left).fold(NEVER_M, f64::min);
+            let moving = self.order.iter().filter(|e| !self.is_still(e));
+            let least = moving.map(left).fold(NEVER_M, f64::min);
             self.alarm = self.clock + (least - self.settings.margin_m);
         }
     }

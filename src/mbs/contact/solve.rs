@@ -48,6 +48,10 @@ impl ContactSet {
         self.rows.rows.clear();
         self.look_at_all(bodies, h);
         let points = self.rows.rows.len();
+        self.find_touched();
+        if !self.touched.is_empty() {
+            return Ok(());
+        }
         if points > 0 {
             self.load(bodies);
             self.rows.links.clear();
@@ -83,11 +87,20 @@ impl ContactSet {
             let entry = &mut self.order[k];
             entry.allowed = 0.0;
             let [a, b] = entry.bodies.map(|i| i as usize);
-            if self.until[a] + self.until[b] >= entry.limit {
+            if self.until[a] + self.until[b] >= entry.limit && !(self.still[a] && self.still[b]) {
                 let allowed = self.allowed([a, b]);
                 self.look(k, bodies, h, f64::NEG_INFINITY, allowed);
             }
         }
+    }
+
+    /// Bodies asleep with points that one awake has as well.
+    fn find_touched(&mut self) {
+        let ground = self.ground;
+        let asleep = |i: &usize| *i != ground && self.still[*i];
+        let bodies = self.rows.blocks.iter().flat_map(|block| block.bodies.map(|i| i as usize));
+        self.touched.clear();
+        self.touched.extend(bodies.filter(asleep));
     }
 
     fn load(&mut self, bodies: &[Moving]) {
@@ -96,9 +109,9 @@ impl ContactSet {
         rows.inverse.clear();
         rows.shift.clear();
         rows.shift.resize(bodies.len() + 1, Motion::default());
-        for body in bodies {
+        for (body, still) in bodies.iter().zip(&self.still) {
             rows.motion.push(Motion { v: body.v, w: body.w });
-            rows.inverse.push(if body.alive { Inverse::of(body) } else { Inverse::default() });
+            rows.inverse.push(if body.alive && !still { Inverse::of(body) } else { Inverse::default() });
         }
         rows.motion.push(Motion::default());
         rows.inverse.push(Inverse::default());
@@ -168,7 +181,9 @@ impl ContactSet {
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
             let path = self.path[a] + self.path[b] + self.settings.margin_m;
-            if self.growth[a] + self.growth[b] == 0.0
+            let still = self.still[a] && self.still[b];
+            if still
+                || self.growth[a] + self.growth[b] == 0.0
                 || self.travel[a] + self.travel[b] + path < entry.limit
             {
                 continue;
