@@ -189,7 +189,9 @@ pub fn qlog(q: Q) -> V3 {
 pub fn tangent_coefficient(phi2: f64) -> f64 {
     if phi2 < 0.04 {
         1.0 / 12.0
-            + phi2 * (1.0 / 720.0 + phi2 * (1.0 / 30240.0 + phi2 * (1.0 / 1209600.0 + phi2 / 47900160.0)))
+            + phi2
+                * (1.0 / 720.0
+                    + phi2 * (1.0 / 30240.0 + phi2 * (1.0 / 1209600.0 + phi2 * (1.0 / 47900160.0))))
     } else {
         let half = 0.5 * phi2.sqrt();
         (1.0 - half / half.tan()) / phi2

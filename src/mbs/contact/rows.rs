@@ -96,6 +96,12 @@ impl Row {
 }
 
 impl Row {
+    /// Whether there was no impulse and a relative velocity asks for none.
+    #[inline(always)]
+    fn stays_open(&self, u: V3, n: V3) -> bool {
+        self.normal == 0.0 && self.tangent == [0.0; 3] && self.target <= math::dot(u, n)
+    }
+
     /// Corrects the impulses by a relative velocity; what is added to them, and the square of the change of velocity.
     #[inline(always)]
     pub fn correct(&mut self, u: V3, n: V3, friction: f64) -> (V3, f64) {
@@ -185,7 +191,11 @@ impl Rows {
         let n = block.normal;
         let mut largest = 0.0_f64;
         for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
-            let (p, change) = row.correct(row.relative(&of_a, &of_b), n, block.friction);
+            let u = row.relative(&of_a, &of_b);
+            if row.stays_open(u, n) {
+                continue;
+            }
+            let (p, change) = row.correct(u, n, block.friction);
             largest = largest.max(change);
             kick(&mut of_a, &inverse_a, row.arms[0], p, -1.0);
             kick(&mut of_b, &inverse_b, row.arms[1], p, 1.0);
@@ -204,8 +214,11 @@ impl Rows {
         let n = block.normal;
         let mut largest = 0.0_f64;
         for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
-            let of_point = math::add(of_a.v, math::cross(of_a.w, row.arms[0]));
-            let (p, change) = row.correct(math::scale(-1.0, of_point), n, block.friction);
+            let u = math::scale(-1.0, math::add(of_a.v, math::cross(of_a.w, row.arms[0])));
+            if row.stays_open(u, n) {
+                continue;
+            }
+            let (p, change) = row.correct(u, n, block.friction);
             largest = largest.max(change);
             kick(&mut of_a, &inverse, row.arms[0], p, -1.0);
         }
