@@ -101,6 +101,7 @@ fn mbs_frame(storeys: usize) -> f64 {
             time_step_s: Some(2e-4),
             tolerance: TOLERANCE,
             reactions: false,
+            sleep_speed_m_s: None,
         },
     };
     for storey in 0..storeys {

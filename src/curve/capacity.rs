@@ -26,6 +26,14 @@ pub struct CapacityHint {
     force: u32,
 }
 
+/// Where an axial force lies among the levels.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AxialLevel {
+    below: usize,
+    weight: f64,
+    out_of_range: bool,
+}
+
 /// Result of one evaluation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capacity {
@@ -69,15 +77,20 @@ impl CapacityTable {
         self.peak
     }
 
-    /// Level index below the axial force and the weight of the level above.
+    /// The levels about an axial force \[N\] (compression positive), the same for all rotations of a step.
     #[inline]
-    fn bracket(&self, force: f64, hint: &mut CapacityHint) -> (usize, f64, bool) {
+    pub fn level(&self, axial_force_n: f64, hint: &mut CapacityHint) -> AxialLevel {
+        let force = axial_force_n;
         let last = self.force.len() - 1;
         if force <= self.force[0] {
-            return (0, 0.0, force < self.force[0]);
+            return AxialLevel { below: 0, weight: 0.0, out_of_range: force < self.force[0] };
         }
         if force >= self.force[last] {
-            return (last.saturating_sub(1), if last == 0 { 0.0 } else { 1.0 }, force > self.force[last]);
+            return AxialLevel {
+                below: last.saturating_sub(1),
+                weight: if last == 0 { 0.0 } else { 1.0 },
+                out_of_range: force > self.force[last],
+            };
         }
         let mut i = (hint.force as usize).min(last - 1);
         while force < self.force[i] {
@@ -87,14 +100,40 @@ impl CapacityTable {
             i += 1;
         }
         hint.force = i as u32;
-        (i, (force - self.force[i]) / (self.force[i + 1] - self.force[i]), false)
+        AxialLevel {
+            below: i,
+            weight: (force - self.force[i]) / (self.force[i + 1] - self.force[i]),
+            out_of_range: false,
+        }
+    }
+
+    /// A lower bound of the capacity \[N m\] at a rotation and an axial force in the segments used last; none outside these.
+    #[inline]
+    pub fn least_nearby_nm(&self, alpha: f64, axial_force_n: f64, hint: &CapacityHint) -> Option<f64> {
+        let (i, level) = (hint.alpha as usize, hint.force as usize);
+        let alphas = self.alpha.get(i..i + 2)?;
+        let forces = self.force.get(level..level + 2)?;
+        let inside = alphas[0] <= alpha
+            && alpha < alphas[1]
+            && forces[0] <= axial_force_n
+            && axial_force_n < forces[1];
+        let levels = self.force.len();
+        let row = i * levels + level;
+        let at = |k: usize| self.value[k].min(self.value[k + 1]);
+        inside.then(|| at(row).min(at(row + levels)))
     }
 
     /// Capacity at accumulated plastic rotation `alpha` \[rad\] and axial force `axial_force_n`
     /// (compression positive).
     #[inline]
     pub fn capacity(&self, alpha: f64, axial_force_n: f64, hint: &mut CapacityHint) -> Capacity {
-        let (level, weight, out_of_range) = self.bracket(axial_force_n, hint);
+        self.capacity_at(alpha, self.level(axial_force_n, hint), hint)
+    }
+
+    /// The same between known levels.
+    #[inline]
+    pub fn capacity_at(&self, alpha: f64, at: AxialLevel, hint: &mut CapacityHint) -> Capacity {
+        let AxialLevel { below: level, weight, out_of_range } = at;
         let levels = self.force.len();
         let last = self.alpha.len() - 1;
         let at = |i: usize| {
@@ -121,7 +160,7 @@ impl CapacityTable {
     /// Accumulated plastic rotation at which the section separates \[rad\].
     #[inline]
     pub fn fracture_rotation_rad(&self, axial_force_n: f64, hint: &mut CapacityHint) -> f64 {
-        let (level, weight, _) = self.bracket(axial_force_n, hint);
+        let AxialLevel { below: level, weight, .. } = self.level(axial_force_n, hint);
         let low = self.fracture[level];
         if weight > 0.0 { low + weight * (self.fracture[level + 1] - low) } else { low }
     }

@@ -13,7 +13,7 @@
 //! `½ΣK e²` is exactly `½(M₀+M₁)·(Δθ-Δθ_p)`; the rest, `½(M₀+M₁)·Δθ_p`, is the dissipation. The sum is exact
 //! to round-off in every step, also while the capacity softens or the axial force changes it.
 
-use super::{CapacityHint, CapacityTable};
+use super::capacity::{AxialLevel, CapacityHint, CapacityTable};
 
 /// State of a hinge.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -64,6 +64,8 @@ pub struct HingeStep {
 
 /// Relative accuracy of the return to the yield surface, in terms of the moment.
 const RETURN_TOLERANCE: f64 = 1e-13;
+/// Square of the share of the capacity up to which a bound of the capacity settles that the moment is inside.
+const WELL_INSIDE: f64 = 1.0 - 1e-9;
 /// Smallest capacity, relative to the peak: keeps the ratio `M/C` finite at the end of softening.
 const CAPACITY_FLOOR: f64 = 1e-9;
 
@@ -77,12 +79,17 @@ impl Hinge2 {
         let old = self.moment_nm;
         let mut flowing = false;
         let trial = [k[0] * e[0], k[1] * e[1]];
-        let (g, _) = self.excess(laws, trial, 0.0, f64::INFINITY, axial_force_n);
-        if g > 0.0 {
+        if self.is_well_inside(laws, trial, axial_force_n) {
+            self.moment_nm = trial;
+            return HingeStep { elastic_j: 0.5 * (trial[0] * e[0] + trial[1] * e[1]), flowing };
+        }
+        let levels = self.levels(laws, axial_force_n);
+        let first = self.trial(laws, trial, 0.0, levels);
+        if first[0] > 1.0 && 1.0 - 1.0 / first[0] > 0.0 {
             let plastic = [matches!(laws[0], AxisLaw::Plastic(_)), matches!(laws[1], AxisLaw::Plastic(_))];
             let active = [if plastic[0] { e[0] } else { 0.0 }, if plastic[1] { e[1] } else { 0.0 }];
             let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
-            let x = self.solve(laws, trial, length, axial_force_n);
+            let x = self.solve(laws, trial, length, levels, first);
             for i in 0..2 {
                 let flow = active[i] * (x / length);
                 self.plastic_rad[i] += flow;
@@ -97,14 +104,46 @@ impl Hinge2 {
         HingeStep { elastic_j: 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]), flowing }
     }
 
-    /// `1 - x/|e| - 1/f_trial(α + x)` and its derivative; positive while the moment is outside.
+    /// Whether a bound without interpolation shows that the moment is inside.
     #[inline]
-    fn excess(&mut self, laws: [AxisLaw<'_>; 2], trial: [f64; 2], x: f64, length: f64, n: f64) -> (f64, f64) {
+    fn is_well_inside(&self, laws: [AxisLaw<'_>; 2], trial: [f64; 2], n: f64) -> bool {
+        let mut f2 = 0.0;
+        for i in 0..2 {
+            if let AxisLaw::Plastic(table) = laws[i] {
+                match table.least_nearby_nm(self.alpha_rad, n, &self.hint[i]) {
+                    Some(least) if least > 0.0 => f2 += (trial[i] / least) * (trial[i] / least),
+                    _ => return false,
+                }
+            }
+        }
+        f2 < WELL_INSIDE
+    }
+
+    #[inline]
+    fn levels(&mut self, laws: [AxisLaw<'_>; 2], n: f64) -> [AxialLevel; 2] {
+        let mut levels = [AxialLevel::default(); 2];
+        for i in 0..2 {
+            if let AxisLaw::Plastic(table) = laws[i] {
+                levels[i] = table.level(n, &mut self.hint[i]);
+            }
+        }
+        levels
+    }
+
+    /// `f_trial(α + x)` and `-d(1/f_trial)/dx`.
+    #[inline]
+    fn trial(
+        &mut self,
+        laws: [AxisLaw<'_>; 2],
+        trial: [f64; 2],
+        x: f64,
+        levels: [AxialLevel; 2],
+    ) -> [f64; 2] {
         let mut f2 = 0.0;
         let mut slope = 0.0;
         for (i, law) in laws.iter().enumerate() {
             if let AxisLaw::Plastic(table) = law {
-                let capacity = table.capacity(self.alpha_rad + x, n, &mut self.hint[i]);
+                let capacity = table.capacity_at(self.alpha_rad + x, levels[i], &mut self.hint[i]);
                 let floor = CAPACITY_FLOOR * table.peak_nm();
                 let (c, dc) = if capacity.moment_nm > floor {
                     (capacity.moment_nm, capacity.slope_nm_rad)
@@ -117,19 +156,28 @@ impl Hinge2 {
                 self.out_of_range |= capacity.out_of_range && q * q > 1.0;
             }
         }
-        if f2 <= 1.0 && x == 0.0 {
-            return (-1.0, 0.0);
-        }
         let f = f2.sqrt();
-        (1.0 - x / length - 1.0 / f, -1.0 / length - slope / (f2 * f))
+        [f, slope / (f2 * f)]
     }
 
-    /// The plastic increment: Newton from the start of the step, kept inside a shrinking bracket.
-    fn solve(&mut self, laws: [AxisLaw<'_>; 2], trial: [f64; 2], length: f64, n: f64) -> f64 {
+    /// The plastic increment, the zero of `1 - x/|e| - 1/f_trial(α + x)`, which is positive while the moment is outside: Newton from the start of the
+    /// step, kept inside a shrinking bracket. `at` is [`Self::trial`] there.
+    fn solve(
+        &mut self,
+        laws: [AxisLaw<'_>; 2],
+        trial: [f64; 2],
+        length: f64,
+        levels: [AxialLevel; 2],
+        mut at: [f64; 2],
+    ) -> f64 {
         let (mut low, mut high) = (0.0, length);
         let mut x = 0.0;
-        for _ in 0..100 {
-            let (g, dg) = self.excess(laws, trial, x, length, n);
+        for i in 0..100 {
+            if i > 0 {
+                at = self.trial(laws, trial, x, levels);
+            }
+            let [f, slope] = at;
+            let (g, dg) = (1.0 - x / length - 1.0 / f, -1.0 / length - slope);
             if g.abs() <= RETURN_TOLERANCE {
                 break;
             }

@@ -149,6 +149,7 @@ pub fn generate(
             time_step_s: None,
             tolerance: TOLERANCE,
             reactions: false,
+            sleep_speed_m_s: None,
         },
         bodies: list,
     };

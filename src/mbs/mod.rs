@@ -11,6 +11,7 @@
 //! | [`preload`] | static equilibrium before `t = 0` |
 //! | [`contact`] | contact by impulses |
 //! | [`step`] | the explicit integrator |
+//! | [`sleep`] | islands at rest: who sleeps, what wakes |
 //! | [`parameter`] | numbers of a model by name |
 //! | [`batch`] | many runs of one model |
 //! | [`run`] | the whole run: events, outputs, energy balance |
@@ -31,6 +32,7 @@ pub mod parameter;
 pub mod preload;
 pub mod result;
 pub mod run;
+pub mod sleep;
 pub mod step;
 pub mod system;
 

@@ -13,6 +13,7 @@ use super::preload::{self, PreloadError};
 use super::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, RunEvent, RunResult, TrackedHistory,
 };
+use super::sleep::Sleep;
 use super::system::System;
 use super::{frequency, step};
 use crate::base::cpu::ThreadClock;
@@ -88,6 +89,7 @@ struct Run<'a> {
     contacts: ContactSet,
     /// The bodies as the contacts see them.
     moving: Vec<Moving>,
+    sleep: Sleep,
     /// Work of the forces on displacements that open gaps \[J\].
     opened: f64,
     result: RunResult,
@@ -110,6 +112,15 @@ struct Run<'a> {
 impl<'a> Run<'a> {
     fn new(model: &'a Model, options: &'a SolverOptions) -> Result<Self, SolveError> {
         let mut system = System::new(model)?;
+        let tracked: Vec<(usize, math::V3)> = model
+            .tracked
+            .iter()
+            .map(|t| {
+                let body = model.bodies.iter().position(|b| b.id == t.body).unwrap_or(0);
+                let state = &system.bodies[body];
+                (body, math::mul_t(&state.r, math::sub(t.point_m, state.x)))
+            })
+            .collect();
         let preload_iterations = if model.settings.preload {
             Some(preload::equilibrate(&mut system).map_err(|e| preload_error(model, e))?)
         } else {
@@ -119,16 +130,6 @@ impl<'a> Run<'a> {
         let step_limit = choose_step(model, frequency)?;
         let mut contacts = ContactSet::new(model, options.contact);
         connect(&mut contacts, &system);
-        let initial = System::new(model)?;
-        let tracked: Vec<(usize, math::V3)> = model
-            .tracked
-            .iter()
-            .map(|t| {
-                let body = model.bodies.iter().position(|b| b.id == t.body).unwrap_or(0);
-                let state = &initial.bodies[body];
-                (body, math::mul_t(&state.r, math::sub(t.point_m, state.x)))
-            })
-            .collect();
         let hinges: Vec<usize> = (0..system.joints.len()).filter(|i| system.joints[*i].has_curve()).collect();
         let result =
             empty_result(model, &system, &tracked, &hinges, step_limit, frequency, preload_iterations);
@@ -143,6 +144,7 @@ impl<'a> Run<'a> {
             system,
             contacts,
             moving: Vec::new(),
+            sleep: Sleep::new(model.settings.sleep_speed_m_s, n),
             opened: 0.0,
             result,
             time: 0.0,
@@ -199,6 +201,11 @@ impl<'a> Run<'a> {
         let count = (span / self.step_limit - 1e-9).ceil().max(1.0);
         let h = span / count;
         let begin = self.time;
+        self.result.steps += count as usize;
+        if self.sleep.is_complete(&self.system) {
+            (self.last_step, self.time) = (h, end);
+            return Ok(());
+        }
         for i in 0..count as usize {
             if i > 0 {
                 self.forces();
@@ -207,25 +214,32 @@ impl<'a> Run<'a> {
             if !step::is_quiet(&self.system, &mut self.contacts, h) {
                 self.meet(h)?;
             }
+            self.sleep.count(&mut self.system, &mut self.contacts, self.time, h);
             step::drift(&mut self.system, h);
             self.last_step = h;
             self.time = begin + h * (i + 1) as f64;
         }
         self.time = end;
-        self.result.steps += count as usize;
         Ok(())
     }
 
     /// Contact impulses at the present positions, for a step of `h` from here.
     fn meet(&mut self, h: f64) -> Result<(), SolveError> {
-        let opened = step::meet(&mut self.system, &mut self.contacts, &mut self.moving, h);
-        self.opened += opened.map_err(|deep| SolveError::Penetration {
-            time_s: self.time,
-            a: self.model.bodies[deep.a].id.clone(),
-            b: deep.b.id(self.model).into(),
-            depth_m: deep.depth_m,
-            step_s: h,
-        })?;
+        loop {
+            let opened = step::meet(&mut self.system, &mut self.contacts, &mut self.moving, h);
+            self.opened += opened.map_err(|deep| SolveError::Penetration {
+                time_s: self.time,
+                a: self.model.bodies[deep.a].id.clone(),
+                b: deep.b.id(self.model).into(),
+                depth_m: deep.depth_m,
+                step_s: h,
+            })?;
+            let touched = std::mem::take(&mut self.contacts.touched);
+            if touched.is_empty() {
+                break;
+            }
+            self.sleep.rouse(&mut self.system, &mut self.contacts, &touched, h);
+        }
         if !self.contacts.touches.is_empty() {
             self.record_touches();
         }
@@ -293,6 +307,7 @@ impl<'a> Run<'a> {
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
         }
+        self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
         connect(&mut self.contacts, &self.system);
         if self.model.settings.time_step_s.is_none() && self.system.joints.iter().all(|j| !j.alive) {
             self.step_limit = LARGEST_STEP_S;
@@ -322,6 +337,7 @@ impl<'a> Run<'a> {
         let mut any = false;
         for event in model.events.iter().filter(|e| (e.time_s - time).abs() <= tolerance) {
             if !std::mem::replace(&mut any, true) {
+                self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
                 self.synchronise();
             }
             for id in &event.remove_bodies {
@@ -404,7 +420,10 @@ impl<'a> Run<'a> {
         let alive = (0..n).filter(|i| self.system.data[*i].alive);
         let (mut kinetic, mut gravity) = (0.0, 0.0);
         for i in alive {
-            kinetic += step::kinetic_j(&self.system.bodies[i], &self.system.data[i], 0.5 * self.last_step);
+            if !self.system.data[i].asleep {
+                kinetic +=
+                    step::kinetic_j(&self.system.bodies[i], &self.system.data[i], 0.5 * self.last_step);
+            }
             gravity += self.gravity_energy(i);
         }
         let joints: f64 = self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum();
@@ -417,7 +436,7 @@ impl<'a> Run<'a> {
         e.joints_elastic_j.push(joints);
         e.plastic_j.push(plastic);
         e.contact_elastic_j.push(0.0);
-        e.contact_damping_j.push(contact.normal_j + self.opened);
+        e.contact_damping_j.push(contact.normal_j + self.opened + self.sleep.taken_j);
         e.friction_j.push(contact.friction_j);
         e.released_j.push(self.released);
         e.applied_j.push(0.0);

@@ -19,7 +19,7 @@ const ITERATIONS: usize = 2;
 pub fn kick(system: &mut System, kick_s: f64, h_s: f64) {
     let n = system.count();
     for (body, data) in system.bodies[..n].iter_mut().zip(&system.data) {
-        if data.alive {
+        if data.alive && !data.asleep {
             body.p = math::axpy(body.p, kick_s, body.force);
             body.l = math::axpy(body.l, kick_s, body.torque);
             find_velocities(body, data, h_s);
@@ -79,6 +79,9 @@ pub fn meet(
         }
     }));
     contacts.solve(moving, h)?;
+    if !contacts.touched.is_empty() {
+        return Ok(0.0);
+    }
     let mut work = 0.0;
     for ((body, data), moving) in system.bodies.iter_mut().zip(&system.data).zip(moving.iter()) {
         if moving.v != body.v || moving.w != body.w {
@@ -101,7 +104,7 @@ pub fn meet(
 pub fn drift(system: &mut System, h_s: f64) {
     let n = system.count();
     for (body, data) in system.bodies[..n].iter_mut().zip(&system.data) {
-        if data.alive {
+        if data.alive && !data.asleep {
             body.x = math::axpy(body.x, h_s, body.v);
             body.q = math::qrenormalise(math::qmul(body.q, math::qexp(math::scale(h_s, body.w_body))));
             body.r = math::qmat(body.q);
@@ -115,8 +118,8 @@ fn turn(r: V3, v: V3) -> V3 {
     let r2 = math::dot(r, r);
     let (a, b) = if r2 < 0.01 {
         (
-            1.0 - r2 / 6.0 * (1.0 - r2 / 20.0 * (1.0 - r2 / 42.0 * (1.0 - r2 / 72.0))),
-            0.5 - r2 / 24.0 * (1.0 - r2 / 30.0 * (1.0 - r2 / 56.0 * (1.0 - r2 / 90.0))),
+            1.0 - r2 * (1.0 / 6.0 - r2 * (1.0 / 120.0 - r2 * (1.0 / 5040.0 - r2 * (1.0 / 362_880.0)))),
+            0.5 - r2 * (1.0 / 24.0 - r2 * (1.0 / 720.0 - r2 * (1.0 / 40320.0 - r2 * (1.0 / 3_628_800.0)))),
         )
     } else {
         let s = r2.sqrt();
@@ -129,6 +132,25 @@ fn turn(r: V3, v: V3) -> V3 {
 /// Momentum and angular momentum at the full step, half a step after the stored ones.
 pub fn synchronised(body: &BodyState, half_s: f64) -> (V3, V3) {
     (math::axpy(body.p, half_s, body.force), math::axpy(body.l, half_s, body.torque))
+}
+
+/// Kinetic energy with the velocities of the step \[J\].
+pub fn step_energy_j(body: &BodyState, data: &BodyData) -> f64 {
+    0.5 * data.mass * math::dot(body.v, body.v)
+        + 0.5 * math::dot(body.w_body, math::mul(&data.inertia, body.w_body))
+}
+
+/// Stops a body and puts it to sleep; its forces stay.
+pub fn lay_down(system: &mut System, i: usize) {
+    let body = &mut system.bodies[i];
+    (body.p, body.l, body.v, body.w, body.w_body) = ([0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
+    system.data[i].asleep = true;
+}
+
+/// Gives a body the momenta of its forces over a time \[s\].
+pub fn push(body: &mut BodyState, time_s: f64) {
+    body.p = math::axpy(body.p, time_s, body.force);
+    body.l = math::axpy(body.l, time_s, body.torque);
 }
 
 /// Kinetic energy at the full step \[J\].

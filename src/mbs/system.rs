@@ -47,6 +47,8 @@ pub struct BodyData {
     pub inverse_inertia: M3,
     /// Whether the body is still there.
     pub alive: bool,
+    /// Whether it sleeps.
+    pub asleep: bool,
 }
 
 /// A compiled model.
@@ -113,16 +115,20 @@ impl System {
     #[inline]
     pub fn reset_forces(&mut self) {
         for (body, data) in self.bodies.iter_mut().zip(&self.data) {
-            body.force = math::scale(data.mass, self.gravity);
-            body.torque = [0.0; 3];
+            if !data.asleep {
+                body.force = math::scale(data.mass, self.gravity);
+                body.torque = [0.0; 3];
+            }
         }
     }
 
     /// Adds the forces of all intact joints; hinge histories advance.
     #[inline]
     pub fn add_joint_forces(&mut self) {
+        let ground = self.bodies.len() - 1;
         for joint in &mut self.joints {
-            if joint.alive {
+            let rests = |i: usize| i == ground || self.data[i].asleep;
+            if joint.alive && !(rests(joint.a) && rests(joint.b)) {
                 joint.apply(&mut self.bodies, &self.tables);
             }
         }
@@ -174,11 +180,19 @@ impl BodyData {
             inertia,
             inverse_inertia: math::inverse(&inertia),
             alive: true,
+            asleep: false,
         }
     }
 
     fn ground() -> Self {
         let zero = [[0.0; 3]; 3];
-        Self { mass: 0.0, inverse_mass: 0.0, inertia: zero, inverse_inertia: zero, alive: true }
+        Self {
+            mass: 0.0,
+            inverse_mass: 0.0,
+            inertia: zero,
+            inverse_inertia: zero,
+            alive: true,
+            asleep: false,
+        }
     }
 }

@@ -8,5 +8,6 @@ mod hinge;
 mod ideal;
 mod input;
 mod motion;
+mod sleep;
 mod statics;
 mod support;

@@ -114,6 +114,13 @@ impl Model {
             list.positive("settings.time_step_s", h);
         }
         list.positive("settings.tolerance", s.tolerance);
+        if let Some(v) = s.sleep_speed_m_s {
+            list.positive("settings.sleep_speed_m_s", v);
+            let ideal = !self.joints.is_empty() || !self.forces.is_empty();
+            list.require(!ideal, "settings.sleep_speed_m_s", || {
+                "needs a model without ideal joints and forces: leave it out".into()
+            });
+        }
         if list.0.is_empty() { Ok(()) } else { Err(ModelError::Invalid(list.0)) }
     }
 }

@@ -153,14 +153,24 @@ impl Solid {
         }
     }
 
-    /// Its points that may lie on a plane with the given normal, in its frame: all corners, the nearest point of a ball.
-    pub fn feet(&self, at: &Placed, normal: V3, found: &mut Vec<(V3, u64)>) {
+    /// Its points that may lie on a plane with the given normal, in its frame: corners, of a box only those no farther than `within` \[m\] above the
+    /// lowest one; the nearest point of a ball.
+    pub fn feet(&self, at: &Placed, normal: V3, within: f64, found: &mut Vec<(V3, u64)>) {
         found.clear();
         match self {
-            Self::Box(half) => found.extend((0..8).map(|c| {
-                let corner = std::array::from_fn(|i| if c >> i & 1 == 0 { -half[i] } else { half[i] });
-                (corner, c as u64)
-            })),
+            Self::Box(half) => {
+                let up = math::mul_t(&at.r, normal);
+                let rise: V3 = std::array::from_fn(|i| up[i] * half[i]);
+                let lowest: f64 = rise.iter().map(|v| v.abs()).sum();
+                let slack = 1e-9 * (half[0] + half[1] + half[2]);
+                for c in 0..8_usize {
+                    let sign = |i: usize, v: f64| if c >> i & 1 == 0 { -v } else { v };
+                    let above = lowest + (sign(0, rise[0]) + sign(1, rise[1]) + sign(2, rise[2]));
+                    if above <= within + slack {
+                        found.push((std::array::from_fn(|i| sign(i, half[i])), c as u64));
+                    }
+                }
+            }
             Self::Ball(radius) => found.push((math::scale(-radius, math::mul_t(&at.r, normal)), 0)),
             Self::Hull(_, corners) => found.extend(corners.iter().enumerate().map(|(i, c)| (*c, i as u64))),
         }
@@ -194,6 +204,32 @@ pub fn separation(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> f64 {
     }
     gap
 }
+
+/// The same bound for boxes along the products of their edges: with [`separation`] all axes that can part two boxes. Nothing for others \[m\].
+pub fn edge_separation(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> f64 {
+    let (Solid::Box(half_a), Solid::Box(half_b)) = (a.0, b.0) else { return f64::NEG_INFINITY };
+    let d = math::mul_t(&a.1.r, math::sub(b.1.x, a.1.x));
+    let c = math::matmul(&math::transpose(&a.1.r), &b.1.r);
+    let mut gap = f64::NEG_INFINITY;
+    for i in 0..3 {
+        let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
+        for j in 0..3 {
+            let square = 1.0 - c[i][j] * c[i][j];
+            if square < PARALLEL {
+                continue;
+            }
+            let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
+            let apart = (d[i2] * c[i1][j] - d[i1] * c[i2][j]).abs();
+            let reach_a = half_a[i1] * c[i2][j].abs() + half_a[i2] * c[i1][j].abs();
+            let reach_b = half_b[j1] * c[i][j2].abs() + half_b[j2] * c[i][j1].abs();
+            gap = gap.max((apart - reach_a - reach_b) / square.sqrt());
+        }
+    }
+    gap
+}
+
+/// Square of the sine of the angle between edges up to which they are parallel.
+const PARALLEL: f64 = 1e-6;
 
 /// Finds the points of two solids; the manifold is kept as working memory.
 #[derive(Default)]

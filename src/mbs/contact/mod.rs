@@ -38,7 +38,7 @@ pub use surface::Surface;
 use super::math::{self, M3, Q, V3};
 use super::model::{Model, Shape};
 use collide::{Broad, Finder, Found, Placed, Solid};
-use pair::{Entry, Pair};
+use pair::{Entry, Pair, Point};
 use rows::{Motion, Rows};
 use surface::Surfaces;
 
@@ -191,10 +191,15 @@ struct Collider {
     solid: Solid,
     /// Its frame in the body; none if it is the body's.
     local: Option<Placed>,
+    /// Whether that frame is turned in the body.
+    turned: bool,
     thickness: f64,
     /// What it is to others.
     partner: Partner,
 }
+
+/// A path that no body travels \[m\].
+const NEVER_M: f64 = 1e300;
 
 #[derive(Debug, Clone, Copy)]
 struct Plane {
@@ -214,6 +219,10 @@ pub struct ContactSet {
     pub touches: Vec<Touch>,
     /// What was done.
     pub work: Work,
+    /// Bodies asleep that another one may touch in the step; not empty: nothing was solved.
+    pub touched: Vec<usize>,
+    /// Who does not move: bodies asleep, and the ground.
+    still: Vec<bool>,
     colliders: Vec<Collider>,
     planes: Vec<Plane>,
     surfaces: Surfaces,
@@ -223,11 +232,14 @@ pub struct ContactSet {
     /// Paths travelled, and of this step at most, the ground last \[m\].
     travel: Vec<f64>,
     path: Vec<f64>,
+    /// Sum of both and the margin.
+    until: Vec<f64>,
     /// Share of it by rotation, and what impulses may add to it \[m\].
     spin: Vec<f64>,
     growth: Vec<f64>,
-    /// Travel up to which a body's solids are within their entered bounds.
+    /// Travel up to which a body's solids are within their entered bounds, and how far that was ahead when they were entered.
     budget: Vec<f64>,
+    ahead: Vec<f64>,
     entered: Vec<[V3; 2]>,
     broad: Broad,
     finder: Finder,
@@ -243,13 +255,18 @@ pub struct ContactSet {
     /// Sum of twice the largest path, and its value at which something must be looked at.
     clock: f64,
     alarm: f64,
+    /// Solids in space, and the step in which they were placed.
     placed: Vec<Placed>,
+    placed_in: Vec<u64>,
+    step: u64,
     rows: Rows,
     mean: Vec<Motion>,
     found: Vec<Found>,
     feet: Vec<(V3, u64)>,
+    kept: Vec<Point>,
     met: Vec<(u32, u32)>,
     room: Vec<f64>,
+    due: Vec<bool>,
     moved: Vec<bool>,
 }
 
@@ -269,6 +286,7 @@ impl ContactSet {
                     thickness: solid.thickness(),
                     solid,
                     local: (local != Placed::HERE).then_some(local),
+                    turned: local.q != Placed::HERE.q,
                     partner: Partner::Body(body),
                 });
             }
@@ -282,6 +300,7 @@ impl ContactSet {
                 thickness: f64::INFINITY,
                 solid,
                 local: Some(local),
+                turned: false,
                 partner: Partner::Obstacle(i),
             });
         }
@@ -301,14 +320,18 @@ impl ContactSet {
             energy: ContactEnergy::default(),
             touches: Vec::new(),
             work: Work::default(),
+            touched: Vec::new(),
+            still: (0..=ground).map(|i| i == ground).collect(),
             surfaces: Surfaces::new(model),
             ground,
             radius,
             travel: vec![0.0; ground + 1],
             path: vec![0.0; ground + 1],
+            until: Vec::new(),
             spin: vec![0.0; ground + 1],
             growth: vec![0.0; ground + 1],
             budget: vec![f64::NEG_INFINITY; ground],
+            ahead: vec![0.0; ground],
             entered: vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count],
             broad: Broad::default(),
             finder: Finder::default(),
@@ -322,12 +345,16 @@ impl ContactSet {
             clock: 0.0,
             alarm: 0.0,
             placed: vec![Placed::HERE; count],
+            placed_in: vec![0; count],
+            step: 0,
             rows: Rows::default(),
             mean: Vec::new(),
             found: Vec::new(),
             feet: Vec::new(),
+            kept: Vec::new(),
             met: Vec::new(),
             room: Vec::new(),
+            due: Vec::new(),
             moved: Vec::new(),
             colliders,
             planes,
@@ -364,6 +391,9 @@ impl ContactSet {
         self.connected.clear();
         self.connected.extend(connected.map(|(a, b)| (a.min(b), a.max(b))));
         self.connected.sort_unstable();
+        for body in (0..self.ground).filter(|i| !alive(*i)) {
+            self.budget[body] = f64::INFINITY;
+        }
         for i in 0..self.order.len() {
             let slot = self.order[i].slot as usize;
             let blocked = self.is_blocked(&self.pairs[slot], &alive);
@@ -411,8 +441,44 @@ impl ContactSet {
     }
 
     /// Whether nothing can touch while no body's path, angular velocity times radius included, is longer than `path_m`.
-    pub fn is_clear_for(&self, path_m: f64) -> bool {
+    pub fn is_clear_for(&mut self, path_m: f64) -> bool {
+        if self.clock + 2.0 * path_m >= self.alarm {
+            self.count_slack();
+        }
+        let margin = self.settings.margin_m;
         self.clock + 2.0 * path_m < self.alarm
+            && self.travel.iter().zip(&self.budget).all(|(t, budget)| t + path_m + margin <= *budget)
+    }
+
+    /// Puts a body to sleep, or wakes it. Pairs of bodies asleep are not looked at.
+    pub fn set_asleep(&mut self, body: usize, asleep: bool) {
+        self.still[body] = asleep;
+        if self.alarm < f64::INFINITY {
+            self.alarm = self.clock;
+        }
+    }
+
+    fn is_still(&self, entry: &Entry) -> bool {
+        entry.bodies.iter().all(|i| self.still[*i as usize])
+    }
+
+    /// Pairs of bodies that were near each other in the last step; the ground is the number of bodies.
+    pub fn meeting(&self) -> impl Iterator<Item = [usize; 2]> {
+        let known = if self.alarm == f64::NEG_INFINITY { &self.rows.blocks[..] } else { &[] };
+        known.iter().map(|block| block.bodies.map(|i| i as usize))
+    }
+
+    /// Sets the alarm to the time at which the first pair must be looked at, unless there were points in the last step.
+    fn count_slack(&mut self) {
+        if self.alarm > f64::NEG_INFINITY {
+            let left = |e: &Entry| {
+                let [a, b] = e.bodies.map(|i| i as usize);
+                e.limit - (self.travel[a] + self.travel[b])
+            };
+            let moving = self.order.iter().filter(|e| !self.is_still(e));
+            let least = moving.map(left).fold(NEVER_M, f64::min);
+            self.alarm = self.clock + (least - self.settings.margin_m);
+        }
     }
 
     /// Distance of a body's farthest point from its centre of mass \[m\].
@@ -423,16 +489,22 @@ impl ContactSet {
     /// Whether nothing can touch in a step of `h` \[s\] with these velocities and angular velocities of all bodies; if so, the paths are counted.
     #[inline]
     pub fn quiet(&mut self, h: f64, velocities: impl Iterator<Item = (V3, V3)>) -> bool {
-        if self.alarm == f64::INFINITY {
-            return true;
+        if self.alarm.is_infinite() {
+            return self.alarm > 0.0;
         }
+        let margin = self.settings.margin_m;
         let mut largest = 0.0_f64;
+        let mut late = false;
         for (i, (v, w)) in velocities.enumerate() {
             let path = h * (math::norm(v) + math::norm(w) * self.radius[i]);
             self.path[i] = path;
             largest = largest.max(path);
+            late |= self.travel[i] + path + margin > self.budget[i];
         }
-        let quiet = self.clock + 2.0 * largest < self.alarm;
+        if !late && self.clock + 2.0 * largest >= self.alarm {
+            self.count_slack();
+        }
+        let quiet = !late && self.clock + 2.0 * largest < self.alarm;
         if quiet {
             self.clock += 2.0 * largest;
             for (travel, path) in self.travel.iter_mut().zip(&self.path) {

@@ -11,6 +11,8 @@ pub(super) const MOST_POINTS: usize = 8;
 const SAME_POINT: f64 = 1e-3;
 /// How far bounds are entered beyond a solid: time \[s\] at its present speed, and share of its thickness.
 const AHEAD: (f64, f64) = (0.02, 0.1);
+/// Bounds are entered anew with those of others when no more than this share of their room is left.
+const SOON: f64 = 0.5;
 
 /// A point of a pair.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -30,14 +32,33 @@ pub(super) struct Point {
 pub(super) struct Entry {
     /// Paths of both bodies together up to which the pair need not be looked at \[m\]; infinite if it is blocked.
     pub limit: f64,
-    /// Distance up to which its points take part in this step; zero if it was not looked at \[m\].
-    pub reach: f64,
+    /// What its points may close in this step beyond their own approach \[m\]; zero if it was not looked at.
+    pub allowed: f64,
     /// Bodies.
     pub bodies: [u32; 2],
     /// Solids, or a solid and a plane.
     key: (u32, u32),
     /// The pair.
     pub slot: u32,
+}
+
+/// Which points of a pair take part.
+#[derive(Debug, Clone, Copy)]
+struct Within {
+    /// Largest distance \[m\].
+    reach: f64,
+    /// What they may close in the step beyond their own approach \[m\]: more than `from`, at most `allowed`.
+    from: f64,
+    allowed: f64,
+}
+
+impl Within {
+    /// For a point with a gap that its own motion changes by `change` in the step \[m\].
+    #[inline(always)]
+    fn holds(&self, gap: f64, change: f64) -> bool {
+        let left = gap + change.min(0.0);
+        gap <= self.reach && left <= self.allowed && left > self.from
+    }
 }
 
 /// A pair of solids, or a solid and a plane.
@@ -54,6 +75,8 @@ pub(super) struct Pair {
     offset: f64,
     pub surface: Surface,
     normal: [V3; 2],
+    /// A plane's normal in the solid's frame when the effective masses were found.
+    weighed: V3,
     count: u8,
     pub points: [Point; MOST_POINTS],
 }
@@ -70,6 +93,7 @@ impl Pair {
             offset: 0.0,
             surface,
             normal: [[0.0; 3]; 2],
+            weighed: [0.0; 3],
             count: 0,
             points: [Point::default(); MOST_POINTS],
         }
@@ -80,41 +104,54 @@ impl Pair {
         self.offset = 0.0;
     }
 
-    /// Enters a point with the impulse that the one with the same features had.
-    fn enter(&mut self, old: &[Point], mut point: Point) {
+    /// Enters a point with the impulse that the one with the same features had; returns its effective masses then, zero if there was none.
+    fn enter(&mut self, old: &[Point], mut point: Point) -> [f64; 2] {
+        let mut mass = [0.0; 2];
         if usize::from(self.count) < MOST_POINTS {
             if let Some(same) = old.iter().find(|p| p.id == point.id) {
                 (point.normal, point.tangent) = (same.normal, same.tangent);
+                mass = same.mass;
             }
             self.points[usize::from(self.count)] = point;
             self.count += 1;
         }
+        mass
     }
 }
 
 impl ContactSet {
-    /// Places all solids of bodies that are there.
-    pub(super) fn place(&mut self, bodies: &[Moving]) {
-        for (collider, placed) in self.colliders.iter().zip(&mut self.placed) {
-            *placed = match (bodies.get(collider.body), &collider.local) {
-                (Some(body), None) => Placed { x: body.x, q: body.q, r: body.r },
-                (Some(body), Some(local)) => Placed {
-                    x: math::add(body.x, math::mul(&body.r, local.x)),
-                    q: math::qmul(body.q, local.q),
-                    r: math::matmul(&body.r, &local.r),
-                },
-                (None, Some(local)) => *local,
-                (None, None) => Placed::HERE,
-            };
+    /// Places a solid, once a step.
+    fn place(&mut self, i: usize, bodies: &[Moving]) {
+        if std::mem::replace(&mut self.placed_in[i], self.step) == self.step {
+            return;
         }
+        let collider = &self.colliders[i];
+        self.placed[i] = match (bodies.get(collider.body), &collider.local) {
+            (Some(body), None) => Placed { x: body.x, q: body.q, r: body.r },
+            (Some(body), Some(local)) => {
+                let x = math::add(body.x, math::mul(&body.r, local.x));
+                if collider.turned {
+                    Placed { x, q: math::qmul(body.q, local.q), r: math::matmul(&body.r, &local.r) }
+                } else {
+                    Placed { x, q: body.q, r: body.r }
+                }
+            }
+            (None, Some(local)) => *local,
+            (None, None) => Placed::HERE,
+        };
     }
 
     /// Enters new bounds of the solids that may leave theirs in this step, and the pairs that come of it.
     pub(super) fn enter_bounds(&mut self, bodies: &[Moving], h: f64) {
         let margin = self.settings.margin_m;
-        let late = |set: &Self, i: usize| set.travel[i] + set.path[i] + margin > set.budget[i];
-        if self.alarm == f64::INFINITY || !(0..bodies.len()).any(|i| bodies[i].alive && late(self, i)) {
+        let left = |set: &Self, i: usize| set.budget[i] - (set.travel[i] + set.path[i] + margin);
+        if self.alarm == f64::INFINITY || !(0..bodies.len()).any(|i| bodies[i].alive && left(self, i) < 0.0) {
             return;
+        }
+        // Those that would soon be late go with them: one walk through the tree for all.
+        self.due.clear();
+        for (i, body) in bodies.iter().enumerate() {
+            self.due.push(body.alive && left(self, i) < SOON * self.ahead[i]);
         }
         let mut room = std::mem::take(&mut self.room);
         room.clear();
@@ -122,13 +159,14 @@ impl ContactSet {
         self.moved.clear();
         self.moved.resize(self.colliders.len(), false);
         let mut any = false;
-        for (i, collider) in self.colliders.iter().enumerate() {
-            let body = collider.body;
+        for i in 0..self.colliders.len() {
+            let body = self.colliders[i].body;
             let obstacle = body == self.ground;
-            let due = if obstacle { self.first_look } else { bodies[body].alive && late(self, body) };
-            if !due {
+            if !(if obstacle { self.first_look } else { self.due[body] }) {
                 continue;
             }
+            self.place(i, bodies);
+            let collider = &self.colliders[i];
             let more = if obstacle {
                 0.0
             } else {
@@ -150,8 +188,8 @@ impl ContactSet {
             }
         }
         for (i, room) in room.iter().enumerate() {
-            if late(self, i) {
-                self.budget[i] = self.travel[i] + room;
+            if self.due[i] {
+                (self.budget[i], self.ahead[i]) = (self.travel[i] + room, *room);
             }
         }
         self.room = room;
@@ -163,18 +201,20 @@ impl ContactSet {
     fn enter_pairs(&mut self, bodies: &[Moving]) {
         let mut met = std::mem::take(&mut self.met);
         met.clear();
-        self.broad.changed_pairs(|a, b| met.push((a.min(b) as u32, a.max(b) as u32)));
+        let colliders = &self.colliders;
+        self.broad.changed_pairs(|a, b| {
+            if colliders[a].body != colliders[b].body {
+                met.push((a.min(b) as u32, a.max(b) as u32));
+            }
+        });
         met.sort_unstable();
         self.drop_apart();
         let known = self.order.len();
         for &(a, b) in &met {
-            let [of_a, of_b] = [a, b].map(|i| self.colliders[i as usize].body);
+            let of_a = self.colliders[a as usize].body;
             let partner = self.colliders[b as usize].partner;
             let old = &self.order[self.plane_pairs..known];
-            if of_a == of_b
-                || of_a == self.ground
-                || old.binary_search_by_key(&(a, b), |entry| entry.key).is_ok()
-            {
+            if of_a == self.ground || old.binary_search_by_key(&(a, b), |entry| entry.key).is_ok() {
                 continue;
             }
             let Some(surface) = self.surfaces.between(of_a, partner) else { continue };
@@ -194,7 +234,7 @@ impl ContactSet {
         let slot = self.free.pop().unwrap_or(self.pairs.len() as u32);
         self.order.push(Entry {
             limit: if pair.blocked { f64::INFINITY } else { f64::NEG_INFINITY },
-            reach: 0.0,
+            allowed: 0.0,
             bodies: self.bodies_of(&pair).map(|i| i as u32),
             key: (pair.a, pair.b),
             slot,
@@ -226,19 +266,29 @@ impl ContactSet {
         });
     }
 
-    /// Enters the points of a pair that are not farther than `reach` into the rows, but those nearer than `from` that are in already.
-    pub(super) fn look(&mut self, entry: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) {
+    /// Enters the points of a pair that close in this step, or would if `allowed` \[m\] came on top of their own approach, into the rows, but those that do
+    /// with `from` and are in already.
+    pub(super) fn look(&mut self, entry: usize, bodies: &[Moving], h: f64, from: f64, allowed: f64) {
+        let [a, b] = self.order[entry].bodies.map(|i| i as usize);
+        let v = bodies.get(b).map_or([0.0; 3], |body| body.v);
+        let approach = h * math::norm(math::sub(bodies[a].v, v)) + (self.spin[a] + self.spin[b]);
+        let within = Within { reach: approach + allowed, from, allowed };
         let slot = self.order[entry].slot as usize;
+        self.place(self.pairs[slot].a as usize, bodies);
+        if entry >= self.plane_pairs {
+            self.place(self.pairs[slot].b as usize, bodies);
+        }
         let limit = if entry < self.plane_pairs {
-            self.look_at_plane(slot, bodies, h, from, reach)
+            self.look_at_plane(slot, bodies, h, within)
         } else {
-            self.look_at_solids(slot, bodies, h, from, reach)
+            self.look_at_solids(slot, bodies, h, within)
         };
-        (self.order[entry].limit, self.order[entry].reach) = (limit, reach);
+        (self.order[entry].limit, self.order[entry].allowed) = (limit, allowed);
     }
 
     /// Returns the paths up to which it need not be looked at again.
-    fn look_at_plane(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) -> f64 {
+    fn look_at_plane(&mut self, slot: usize, bodies: &[Moving], h: f64, within: Within) -> f64 {
+        let reach = within.reach;
         let pair = &mut self.pairs[slot];
         let collider = &self.colliders[pair.a as usize];
         let at = &self.placed[pair.a as usize];
@@ -252,31 +302,42 @@ impl ContactSet {
         }
         pair.offset = if pair.fresh { (-low).max(0.0) } else { pair.offset.min((-low).max(0.0)) };
         pair.fresh = false;
-        let old = pair.points;
-        let old = &old[..usize::from(pair.count)];
-        if from == f64::NEG_INFINITY {
+        self.kept.clear();
+        self.kept.extend_from_slice(&pair.points[..usize::from(pair.count)]);
+        if within.from == f64::NEG_INFINITY {
             pair.count = 0;
         }
-        pair.normal = [math::mul_t(&at.r, n), plane.normal];
-        collider.solid.feet(at, plane.normal, &mut self.feet);
+        let normal = math::mul_t(&at.r, n);
+        let turned = math::sub(normal, pair.weighed);
+        let stale = self.settings.stale;
+        let keep = !collider.solid.is_round() && math::dot(turned, turned) <= stale * stale;
+        if !keep {
+            pair.weighed = normal;
+        }
+        pair.normal = [normal, plane.normal];
+        collider.solid.feet(at, plane.normal, reach - low - pair.offset, &mut self.feet);
         let body = &bodies[collider.body];
         let first = self.rows.rows.len() as u32;
         for (foot, id) in &self.feet {
             let above = math::mul(&at.r, *foot);
             let gap = math::dot(math::add(at.x, above), plane.normal) - plane.level + pair.offset;
-            if gap > reach || gap <= from || usize::from(pair.count) == MOST_POINTS {
-                continue;
-            }
             let arm = math::axpy(
                 math::sub(math::add(at.x, above), body.x),
                 -0.5 * (gap - pair.offset),
                 plane.normal,
             );
+            let speed = math::dot(math::add(body.v, math::cross(body.w, arm)), plane.normal);
+            if !within.holds(gap, h * speed) || usize::from(pair.count) == MOST_POINTS {
+                continue;
+            }
             let point = Point { on: [*foot; 2], id: *id, ..Point::default() };
-            pair.enter(old, point);
+            let mass = pair.enter(&self.kept, point);
             let k = usize::from(pair.count) - 1;
-            let inverse = Inverse::of(body);
-            pair.points[k].mass = masses(&[inverse, Inverse::default()], &[arm, [0.0; 3]], n);
+            pair.points[k].mass = if keep && mass[0] > 0.0 {
+                mass
+            } else {
+                masses(&[Inverse::of(body), Inverse::default()], &[arm, [0.0; 3]], n)
+            };
             self.rows.rows.push(row(&pair.points[k], [arm, [0.0; 3]], gap, n, h, k));
         }
         self.rows.close_block([collider.body, self.ground], first, slot, pair.surface, n);
@@ -284,16 +345,14 @@ impl ContactSet {
     }
 
     /// The same of two solids.
-    fn look_at_solids(&mut self, slot: usize, bodies: &[Moving], h: f64, from: f64, reach: f64) -> f64 {
+    fn look_at_solids(&mut self, slot: usize, bodies: &[Moving], h: f64, within: Within) -> f64 {
+        let reach = within.reach;
         let pair = &self.pairs[slot];
         let (a, b) = (pair.a as usize, pair.b as usize);
         let [of_a, of_b] = [self.colliders[a].body, self.colliders[b].body];
         let travelled = self.travel[of_a] + self.travel[of_b];
         if pair.count == 0 || self.is_stale(pair) {
-            let apart = collide::separation(
-                (&self.colliders[a].solid, &self.placed[a]),
-                (&self.colliders[b].solid, &self.placed[b]),
-            );
+            let apart = self.separation([a, b], reach);
             if apart > reach {
                 let pair = &mut self.pairs[slot];
                 pair.forget();
@@ -325,7 +384,11 @@ impl ContactSet {
         let first = self.rows.rows.len() as u32;
         for k in 0..usize::from(pair.count) {
             let gap = gaps[k] + pair.offset;
-            if gap <= reach && gap > from {
+            let speed = math::dot(
+                math::sub(speed_of(bodies, of_b, arms[k][1]), speed_of(bodies, of_a, arms[k][0])),
+                n,
+            );
+            if within.holds(gap, h * speed) {
                 if pair.points[k].mass[0] == 0.0 {
                     let inverse = [of_a, of_b].map(|i| bodies.get(i).map_or(Inverse::default(), Inverse::of));
                     pair.points[k].mass = masses(&inverse, &arms[k], n);
@@ -335,11 +398,16 @@ impl ContactSet {
         }
         self.rows.close_block([of_a, of_b], first, slot, pair.surface, n);
         if least > reach {
-            let apart =
-                collide::separation((&self.colliders[a].solid, at_a), (&self.colliders[b].solid, at_b));
-            return travelled + apart.max(0.0);
+            return travelled + self.separation([a, b], reach).max(0.0);
         }
         f64::NEG_INFINITY
+    }
+
+    /// A lower bound of the distance of two solids, a good one if it is not above `reach` \[m\].
+    fn separation(&self, pair: [usize; 2], reach: f64) -> f64 {
+        let [a, b] = pair.map(|i| (&self.colliders[i].solid, &self.placed[i]));
+        let faces = collide::separation(a, b);
+        if faces > reach { faces } else { faces.max(collide::edge_separation(a, b)) }
     }
 
     /// Whether the points of a pair have moved against each other so far that they must be searched again.
@@ -373,8 +441,8 @@ impl ContactSet {
         let normals =
             self.finder.find((&solid_a.solid, &at_a), (&solid_b.solid, &at_b), reach, &mut self.found);
         let pair = &mut self.pairs[slot];
-        let old = pair.points;
-        let old = &old[..usize::from(pair.count)];
+        self.kept.clear();
+        self.kept.extend_from_slice(&pair.points[..usize::from(pair.count)]);
         pair.count = 0;
         let Some(normals) = normals else { return };
         pair.normal = normals;
@@ -389,7 +457,7 @@ impl ContactSet {
             if pair.points[..usize::from(pair.count)].iter().any(near) {
                 continue;
             }
-            pair.enter(old, Point { on: [found.on_a, found.on_b], id: found.id, ..Point::default() });
+            pair.enter(&self.kept, Point { on: [found.on_a, found.on_b], id: found.id, ..Point::default() });
         }
     }
 
@@ -427,9 +495,15 @@ impl super::Rows {
                 restitution: surface.restitution,
                 normal,
                 linked: super::links::ALONE,
+                idle: false,
             });
         }
     }
+}
+
+/// Velocity of a point of a body \[m/s\].
+fn speed_of(bodies: &[Moving], body: usize, arm: V3) -> V3 {
+    bodies.get(body).map_or([0.0; 3], |b| math::add(b.v, math::cross(b.w, arm)))
 }
 
 /// Inverses of the inverse effective masses: along the normal, and the largest one across it.

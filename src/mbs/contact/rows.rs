@@ -62,6 +62,8 @@ pub(super) struct Block {
     pub normal: V3,
     /// Its first row among those that ideal joints link to others; [`ALONE`]: none.
     pub linked: u32,
+    /// Whether its points had no impulses in the last visit.
+    pub idle: bool,
 }
 
 /// One contact point.
@@ -94,6 +96,12 @@ impl Row {
 }
 
 impl Row {
+    /// Whether there was no impulse and a relative velocity asks for none.
+    #[inline(always)]
+    fn stays_open(&self, u: V3, n: V3) -> bool {
+        self.normal == 0.0 && self.tangent == [0.0; 3] && self.target <= math::dot(u, n)
+    }
+
     /// Corrects the impulses by a relative velocity; what is added to them, and the square of the change of velocity.
     #[inline(always)]
     pub fn correct(&mut self, u: V3, n: V3, friction: f64) -> (V3, f64) {
@@ -153,14 +161,20 @@ impl Rows {
         }
     }
 
-    /// One sweep; the largest change of a velocity \[m/s\].
-    pub fn sweep(&mut self, backwards: bool) -> f64 {
+    /// One sweep, which passes over blocks without impulses if it is not a whole one; the largest change of a velocity \[m/s\].
+    pub fn sweep(&mut self, backwards: bool, whole: bool) -> f64 {
         let mut largest = 0.0_f64;
         let count = self.blocks.len();
         for k in 0..count {
-            let block = self.blocks[if backwards { count - 1 - k } else { k }];
+            let k = if backwards { count - 1 - k } else { k };
+            let block = self.blocks[k];
+            if block.idle && !whole {
+                continue;
+            }
             let change = if block.linked == ALONE { self.visit(&block) } else { self.visit_linked(&block) };
             largest = largest.max(change);
+            let rows = &self.rows[block.first as usize..(block.first + block.count) as usize];
+            self.blocks[k].idle = rows.iter().all(|r| r.normal == 0.0);
         }
         largest.sqrt()
     }
@@ -168,19 +182,47 @@ impl Rows {
     /// Visits the rows of a block; the largest square of a change of a velocity.
     #[inline(always)]
     fn visit(&mut self, block: &Block) -> f64 {
+        if block.bodies[1] as usize + 1 == self.motion.len() {
+            return self.visit_fixed(block);
+        }
         let [a, b] = block.bodies.map(|i| i as usize);
         let (inverse_a, inverse_b) = (self.inverse[a], self.inverse[b]);
         let (mut of_a, mut of_b) = (self.motion[a], self.motion[b]);
         let n = block.normal;
         let mut largest = 0.0_f64;
         for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
-            let (p, change) = row.correct(row.relative(&of_a, &of_b), n, block.friction);
+            let u = row.relative(&of_a, &of_b);
+            if row.stays_open(u, n) {
+                continue;
+            }
+            let (p, change) = row.correct(u, n, block.friction);
             largest = largest.max(change);
             kick(&mut of_a, &inverse_a, row.arms[0], p, -1.0);
             kick(&mut of_b, &inverse_b, row.arms[1], p, 1.0);
         }
         self.motion[a] = of_a;
         self.motion[b] = of_b;
+        largest
+    }
+
+    /// The same of a block whose second body does not move.
+    #[inline(always)]
+    fn visit_fixed(&mut self, block: &Block) -> f64 {
+        let a = block.bodies[0] as usize;
+        let inverse = self.inverse[a];
+        let mut of_a = self.motion[a];
+        let n = block.normal;
+        let mut largest = 0.0_f64;
+        for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
+            let u = math::scale(-1.0, math::add(of_a.v, math::cross(of_a.w, row.arms[0])));
+            if row.stays_open(u, n) {
+                continue;
+            }
+            let (p, change) = row.correct(u, n, block.friction);
+            largest = largest.max(change);
+            kick(&mut of_a, &inverse, row.arms[0], p, -1.0);
+        }
+        self.motion[a] = of_a;
         largest
     }
 

@@ -12,6 +12,8 @@ const DEPTH_LIMIT: f64 = 1.0;
 const REBOUND_FROM: f64 = 4.0;
 /// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
 const UNSTEADY: f64 = 0.45;
+/// One sweep of so many visits points without impulses as well; so do the last one and the one that shows that velocities hold.
+const WHOLE_EVERY: usize = 3;
 /// Least velocity that errors are compared with \[m/s\].
 const LEAST_SCALE_M_S: f64 = 1e-3;
 
@@ -40,12 +42,16 @@ impl ContactSet {
             self.path[i] = if body.alive { h * math::norm(body.v) + self.spin[i] } else { 0.0 };
             self.growth[i] = 0.0;
         }
-        self.place(bodies);
+        self.step += 1;
         self.enter_bounds(bodies, h);
         self.rows.blocks.clear();
         self.rows.rows.clear();
-        let slack = self.look_at_all(bodies, h);
+        self.look_at_all(bodies, h);
         let points = self.rows.rows.len();
+        self.find_touched();
+        if !self.touched.is_empty() {
+            return Ok(());
+        }
         if points > 0 {
             self.load(bodies);
             self.rows.links.clear();
@@ -57,7 +63,9 @@ impl ContactSet {
             self.rebound(bodies, h);
             self.close(bodies, h)?;
         }
-        self.count_paths(bodies, h, if points > 0 { f64::NEG_INFINITY } else { slack });
+        self.count_paths(bodies, h);
+        self.alarm = if points > 0 { f64::NEG_INFINITY } else { self.clock };
+        self.count_slack();
         Ok(())
     }
 
@@ -65,36 +73,34 @@ impl ContactSet {
         h * (math::norm(v) + math::norm(w) * self.radius[i])
     }
 
-    /// Distance that two bodies can close in this step \[m\].
-    fn reach(&self, bodies: &[Moving], [a, b]: [usize; 2], h: f64) -> f64 {
-        let v = bodies.get(b).map_or([0.0; 3], |body| body.v);
-        h * math::norm(math::sub(bodies[a].v, v))
-            + (self.spin[a] + self.spin[b])
-            + (self.growth[a] + self.growth[b])
-            + self.settings.margin_m
+    /// Distance that two bodies may close in this step beyond what their velocities at its begin do \[m\].
+    fn allowed(&self, [a, b]: [usize; 2]) -> f64 {
+        (self.growth[a] + self.growth[b]) + self.settings.margin_m
     }
 
-    /// Looks at the pairs that may touch; the least path of two bodies until another one must be looked at.
-    fn look_at_all(&mut self, bodies: &[Moving], h: f64) -> f64 {
-        let mut slack = f64::INFINITY;
+    /// Looks at the pairs that may touch.
+    fn look_at_all(&mut self, bodies: &[Moving], h: f64) {
         let margin = self.settings.margin_m;
+        self.until.clear();
+        self.until.extend(self.travel.iter().zip(&self.path).map(|(travel, path)| travel + path + margin));
         for k in 0..self.order.len() {
             let entry = &mut self.order[k];
-            entry.reach = 0.0;
+            entry.allowed = 0.0;
             let [a, b] = entry.bodies.map(|i| i as usize);
-            let travelled = self.travel[a] + self.travel[b];
-            if travelled + self.path[a] + self.path[b] + margin >= entry.limit {
-                let reach = self.reach(bodies, [a, b], h);
-                self.look(k, bodies, h, f64::NEG_INFINITY, reach);
-            }
-            slack = slack.min(self.order[k].limit - travelled - margin);
-        }
-        for (i, body) in bodies.iter().enumerate() {
-            if body.alive {
-                slack = slack.min(2.0 * (self.budget[i] - self.travel[i] - margin));
+            if self.until[a] + self.until[b] >= entry.limit && !(self.still[a] && self.still[b]) {
+                let allowed = self.allowed([a, b]);
+                self.look(k, bodies, h, f64::NEG_INFINITY, allowed);
             }
         }
-        slack
+    }
+
+    /// Bodies asleep with points that one awake has as well.
+    fn find_touched(&mut self) {
+        let ground = self.ground;
+        let asleep = |i: &usize| *i != ground && self.still[*i];
+        let bodies = self.rows.blocks.iter().flat_map(|block| block.bodies.map(|i| i as usize));
+        self.touched.clear();
+        self.touched.extend(bodies.filter(asleep));
     }
 
     fn load(&mut self, bodies: &[Moving]) {
@@ -103,9 +109,9 @@ impl ContactSet {
         rows.inverse.clear();
         rows.shift.clear();
         rows.shift.resize(bodies.len() + 1, Motion::default());
-        for body in bodies {
+        for (body, still) in bodies.iter().zip(&self.still) {
             rows.motion.push(Motion { v: body.v, w: body.w });
-            rows.inverse.push(if body.alive { Inverse::of(body) } else { Inverse::default() });
+            rows.inverse.push(if body.alive && !still { Inverse::of(body) } else { Inverse::default() });
         }
         rows.motion.push(Motion::default());
         rows.inverse.push(Inverse::default());
@@ -135,15 +141,17 @@ impl ContactSet {
         let s = self.settings;
         let kick = bodies.iter().map(|b| math::dot(b.kick_v, b.kick_v)).fold(0.0, f64::max).sqrt();
         let scale = (2.0 * kick).max(LEAST_SCALE_M_S);
-        let mut change = self.rows.sweep(false);
+        let mut change = self.rows.sweep(false, true);
         let mut done = 1;
         let most = if change > UNSTEADY * scale {
             (s.visits / self.rows.rows.len()).clamp(s.sweeps, s.most_sweeps)
         } else {
             s.sweeps
         };
-        while change > s.tolerance * scale && done < most {
-            change = self.rows.sweep(done % 2 == 1);
+        let mut whole = true;
+        while done < most && (change > s.tolerance * scale || !whole) {
+            whole = change <= s.tolerance * scale || done % WHOLE_EVERY == 0 || done + 1 == most;
+            change = self.rows.sweep(done % 2 == 1, whole);
             done += 1;
         }
         self.work.unfinished += u64::from(change > s.tolerance * scale);
@@ -173,16 +181,19 @@ impl ContactSet {
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
             let path = self.path[a] + self.path[b] + self.settings.margin_m;
-            if self.growth[a] + self.growth[b] == 0.0 || self.travel[a] + self.travel[b] + path < entry.limit
+            let still = self.still[a] && self.still[b];
+            if still
+                || self.growth[a] + self.growth[b] == 0.0
+                || self.travel[a] + self.travel[b] + path < entry.limit
             {
                 continue;
             }
-            let reach = self.reach(bodies, [a, b], h);
-            if reach <= entry.reach {
+            let allowed = self.allowed([a, b]);
+            if allowed <= entry.allowed {
                 continue;
             }
-            let from = if entry.reach > 0.0 { entry.reach } else { f64::NEG_INFINITY };
-            self.look(k, bodies, h, from, reach);
+            let from = if entry.allowed > 0.0 { entry.allowed } else { f64::NEG_INFINITY };
+            self.look(k, bodies, h, from, allowed);
         }
         true
     }
@@ -191,7 +202,7 @@ impl ContactSet {
     fn rebound(&mut self, bodies: &[Moving], h: f64) {
         let mut any = false;
         let rows = &mut self.rows;
-        for block in rows.blocks.iter().filter(|b| b.restitution > 0.0) {
+        for block in rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
             let at =
                 |i: u32, f: &dyn Fn(&Moving) -> Motion| bodies.get(i as usize).map_or(Motion::default(), f);
             let [before_a, before_b] = block
@@ -287,8 +298,7 @@ impl ContactSet {
         self.energy.friction_j -= friction_work;
     }
 
-    fn count_paths(&mut self, bodies: &[Moving], h: f64, slack: f64) {
-        let begin = self.clock;
+    fn count_paths(&mut self, bodies: &[Moving], h: f64) {
         let mut largest = 0.0_f64;
         for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
             let path = self.path_of(i, body.v, body.w, h)
@@ -298,6 +308,5 @@ impl ContactSet {
             largest = largest.max(path);
         }
         self.clock += 2.0 * largest;
-        self.alarm = begin + slack;
     }
 }

@@ -187,6 +187,10 @@ pub struct RunSettings {
     pub tolerance: f64,
     /// Whether reactions of ideal joints are recorded; steps end at outputs then.
     pub reactions: bool,
+    /// Islands of bodies in contact fall asleep when the kinetic energy of each of their bodies has been below that at this speed for half a second, and
+    /// wake when something touches them, with events and joints that separate \[m/s\]; `None`: nothing sleeps. Models without ideal joints and forces only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sleep_speed_m_s: Option<f64>,
 }
 
 /// The tolerance unless a model says otherwise.
@@ -201,6 +205,7 @@ impl Default for RunSettings {
             time_step_s: None,
             tolerance: TOLERANCE,
             reactions: false,
+            sleep_speed_m_s: None,
         }
     }
 }

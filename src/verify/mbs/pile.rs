@@ -86,6 +86,7 @@ pub fn model(side: usize, end_time_s: f64, time_step_s: f64) -> Model {
             time_step_s: Some(time_step_s),
             tolerance: TOLERANCE,
             reactions: false,
+            sleep_speed_m_s: None,
         },
     }
 }

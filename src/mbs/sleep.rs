@@ -1,0 +1,146 @@
+//! Sleep: islands of bodies at rest are left alone until something wakes them.
+//!
+//! An island is what contacts and bushings connect, the ground apart. It falls asleep when the kinetic energy of each of its bodies has been below
+//! `½ m v²`, with the speed `v` of [`super::model::RunSettings::sleep_speed_m_s`], for [`REST_S`]: a body that nothing holds is past that bound within a thousandth of a second. Its kinetic energy goes
+//! into the book of the contacts. Asleep, it keeps its pose, its forces and the impulses of its contacts, and is neither kicked nor moved. It wakes, from rest and with these impulses, when a body that
+//! is awake comes so near to one of its own that they may touch within a step; all islands wake with every event and every joint that separates.
+
+use super::contact::ContactSet;
+use super::step;
+use super::system::System;
+
+/// Time for which bodies are at rest before they fall asleep, and between looks at the islands \[s\].
+pub const REST_S: f64 = 0.5;
+const LOOK_S: f64 = 0.1;
+
+/// Who sleeps in a run.
+#[derive(Debug, Clone)]
+pub struct Sleep {
+    /// Half the square of the speed: kinetic energy over mass up to which a body is at rest \[m²/s²\]; zero: nothing sleeps.
+    level: f64,
+    /// For how long each body has been at rest \[s\].
+    rest_s: Vec<f64>,
+    /// The island of each body that sleeps, by its first body.
+    island: Vec<Option<u32>>,
+    asleep: usize,
+    next_look_s: f64,
+    parent: Vec<u32>,
+    restless: Vec<bool>,
+    /// Kinetic energy of the bodies as they fell asleep, after the impulses of that step, all together \[J\].
+    pub taken_j: f64,
+}
+
+impl Sleep {
+    /// For bodies that are at rest below a speed \[m/s\]; none: nothing sleeps.
+    pub fn new(speed_m_s: Option<f64>, bodies: usize) -> Self {
+        Self {
+            level: speed_m_s.map_or(0.0, |v| 0.5 * v * v),
+            rest_s: vec![0.0; bodies],
+            island: vec![None; bodies],
+            asleep: 0,
+            next_look_s: LOOK_S,
+            parent: Vec::new(),
+            restless: Vec::new(),
+            taken_j: 0.0,
+        }
+    }
+
+    /// Whether all bodies that are there sleep.
+    pub fn is_complete(&self, system: &System) -> bool {
+        self.asleep > 0 && system.data[..system.count()].iter().all(|d| !d.alive || d.asleep)
+    }
+
+    /// Counts the time at rest in a step of `h` \[s\] that begins at a time \[s\], its kicks and impulses done; islands that have rested fall asleep.
+    pub fn count(&mut self, system: &mut System, contacts: &mut ContactSet, time_s: f64, h: f64) {
+        if self.level == 0.0 {
+            return;
+        }
+        for i in 0..self.rest_s.len() {
+            let data = &system.data[i];
+            if data.alive && !data.asleep {
+                let at_rest = step::step_energy_j(&system.bodies[i], data) <= self.level * data.mass;
+                self.rest_s[i] = if at_rest { self.rest_s[i] + h } else { 0.0 };
+            }
+        }
+        if time_s >= self.next_look_s {
+            self.next_look_s = time_s + LOOK_S;
+            self.look(system, contacts, h);
+        }
+    }
+
+    /// Puts the islands to sleep in which all bodies have rested.
+    fn look(&mut self, system: &mut System, contacts: &mut ContactSet, h: f64) {
+        let n = self.rest_s.len();
+        let awake = |i: usize| system.data[i].alive && !system.data[i].asleep;
+        if !(0..n).any(|i| awake(i) && self.rest_s[i] >= REST_S) {
+            return;
+        }
+        self.parent.clear();
+        self.parent.extend(0..n as u32);
+        let joined = system.joints.iter().filter(|j| j.alive).map(|j| [j.a, j.b]);
+        for [a, b] in joined.chain(contacts.meeting()) {
+            if a < n && b < n {
+                let (a, b) = (root(&mut self.parent, a), root(&mut self.parent, b));
+                self.parent[a.max(b)] = a.min(b) as u32;
+            }
+        }
+        self.restless.clear();
+        self.restless.resize(n, false);
+        for i in 0..n {
+            let first = root(&mut self.parent, i);
+            self.restless[first] |= awake(i) && self.rest_s[i] < REST_S;
+        }
+        for i in 0..n {
+            let first = root(&mut self.parent, i);
+            if system.data[i].alive && !system.data[i].asleep && !self.restless[first] {
+                self.taken_j += step::kinetic_j(&system.bodies[i], &system.data[i], -0.5 * h);
+                self.island[i] = Some(first as u32);
+                self.asleep += 1;
+                step::lay_down(system, i);
+                contacts.set_asleep(i, true);
+            }
+        }
+    }
+
+    /// Wakes the islands of bodies that were touched in a step of `h` \[s\] whose kicks are done.
+    pub fn rouse(&mut self, system: &mut System, contacts: &mut ContactSet, touched: &[usize], h: f64) {
+        let islands: Vec<Option<u32>> =
+            touched.iter().map(|i| self.island[*i]).filter(Option::is_some).collect();
+        for i in 0..self.island.len() {
+            if islands.contains(&self.island[i]) {
+                self.wake(system, contacts, i);
+                step::push(&mut system.bodies[i], 0.5 * h);
+                step::find_velocities(&mut system.bodies[i], &system.data[i], h);
+            }
+        }
+    }
+
+    /// Wakes all bodies, momenta being `half_s` \[s\] behind.
+    pub fn rouse_all(&mut self, system: &mut System, contacts: &mut ContactSet, half_s: f64) {
+        if self.asleep > 0 {
+            for i in 0..self.island.len() {
+                if self.island[i].is_some() {
+                    self.wake(system, contacts, i);
+                    step::push(&mut system.bodies[i], -half_s);
+                }
+            }
+        }
+    }
+
+    fn wake(&mut self, system: &mut System, contacts: &mut ContactSet, i: usize) {
+        self.island[i] = None;
+        self.rest_s[i] = 0.0;
+        self.asleep -= 1;
+        system.data[i].asleep = false;
+        contacts.set_asleep(i, false);
+    }
+}
+
+/// The first body of an island.
+fn root(parent: &mut [u32], mut i: usize) -> usize {
+    while parent[i] as usize != i {
+        parent[i] = parent[parent[i] as usize];
+        i = parent[i] as usize;
+    }
+    i
+}

@@ -1,0 +1,145 @@
+//! Islands at rest fall asleep: the same histories, and what wakes them.
+
+use super::support::*;
+use fallwerk::mbs::model::*;
+use fallwerk::mbs::{RunResult, math, simulate};
+
+const SPEED_M_S: f64 = 0.05;
+
+fn on_ground(name: &str, end_s: f64) -> Model {
+    let mut m = model(name, end_s, 0.01);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+    m
+}
+
+fn stack(count: usize, end_s: f64) -> Model {
+    let mut m = on_ground("stack", end_s);
+    for i in 0..count {
+        let off = 0.02 * (i % 3) as f64;
+        m.bodies.push(solid(&format!("box{i}"), [off, -off, 0.2 + 0.4 * i as f64], [0.6, 0.5, 0.4]));
+    }
+    m
+}
+
+/// A run without and one with sleep.
+fn both(mut m: Model) -> [RunResult; 2] {
+    let awake = simulate(&m).unwrap();
+    m.settings.sleep_speed_m_s = Some(SPEED_M_S);
+    [awake, simulate(&m).unwrap()]
+}
+
+/// Largest distance of a body from where it is in the other run, at any output [m].
+fn apart([a, b]: &[RunResult; 2]) -> f64 {
+    let frames = a.frames.iter().zip(&b.frames);
+    let pairs = frames.flat_map(|(f, g)| f.position_m.iter().zip(&g.position_m));
+    pairs.map(|(x, y)| math::norm(math::sub(*x, *y))).fold(0.0, f64::max)
+}
+
+/// From which time on no pose changes by a bit [s].
+fn still_from(run: &RunResult) -> f64 {
+    let end = run.frames.last().unwrap();
+    let first = run.frames.iter().rposition(|f| f != end).map_or(0, |i| i + 1);
+    run.times_s[first]
+}
+
+#[test]
+fn a_stack_asleep_stands_where_it_stands_awake() {
+    let runs = both(stack(10, 5.0));
+    println!(
+        "stack: {:.1e} m apart, still from {:.2} s (awake: {:.2} s), {:.1} and {:.1} ms, energy error {:.1e} and {:.1e}",
+        apart(&runs),
+        still_from(&runs[1]),
+        still_from(&runs[0]),
+        1e3 * runs[0].cpu_s,
+        1e3 * runs[1].cpu_s,
+        runs[0].energy_error,
+        runs[1].energy_error
+    );
+    // The manual's bound of a stack at rest: awake, it trembles by that much.
+    assert!(apart(&runs) < 1e-3);
+    assert!(still_from(&runs[1]) < 1.5);
+    assert!(runs[1].energy_error < 1e-6);
+    assert_eq!(runs[0].events, runs[1].events);
+}
+
+#[test]
+fn a_ball_wakes_the_stack_that_it_falls_on() {
+    let mut m = stack(3, 2.5);
+    let mut ball = solid("ball", [0.02, -0.02, 1.8], [0.3; 3]);
+    ball.shapes = vec![Shape::Sphere { center_m: [0.0; 3], radius_m: 0.15 }];
+    ball.velocity_m_s = [0.1, 0.0, 7.0];
+    m.bodies.push(ball);
+    let runs = both(m.clone());
+    // Without the ball the stack sleeps well before it comes down.
+    m.bodies.pop();
+    m.settings.sleep_speed_m_s = Some(SPEED_M_S);
+    assert!(still_from(&simulate(&m).unwrap()) < 1.2);
+    let hit = |run: &RunResult| run.events.iter().map(|e| e.time_s).find(|t| *t > 0.5).unwrap();
+    println!("ball: {:.1e} m apart, hits at {:.4} and {:.4} s", apart(&runs), hit(&runs[0]), hit(&runs[1]));
+    assert!(hit(&runs[0]) > 1.3 && (hit(&runs[0]) - hit(&runs[1])).abs() < 1e-3);
+    assert!(apart(&runs) < 1e-3);
+    assert!(runs[1].energy_error < 1e-6, "{}", runs[1].energy_error);
+    let top = |i: usize| runs[1].frames[i].position_m[2];
+    assert!(top(100) == top(130) && top(130) != top(180), "asleep, then struck");
+}
+
+#[test]
+fn an_event_wakes_all_from_rest() {
+    let mut m = stack(4, 1.6);
+    m.events.push(Event {
+        id: "charge".into(),
+        time_s: 1.4,
+        remove_bodies: vec!["box0".into()],
+        release: Vec::new(),
+        weaken: Vec::new(),
+        origin: Origin::default(),
+    });
+    let runs = both(m);
+    let fall = runs[1].frames[140].position_m[3][2] - runs[1].frames[160].position_m[3][2];
+    println!("event: {:.1e} m apart, falls {fall:.6} m in 0.2 s", apart(&runs));
+    // Awake, the boxes begin to fall from a tremble of up to one step of gravity.
+    assert!(apart(&runs) < 1e-3 * G * 0.2);
+    assert!((fall - 0.5 * G * 0.04).abs() < 1e-4);
+    assert!(runs[1].energy_error < 1e-6, "{}", runs[1].energy_error);
+}
+
+#[test]
+fn bodies_on_a_bushing_sleep_together() {
+    let mut m = on_ground("pair", 2.0);
+    m.bodies.push(solid("left", [0.0, 0.0, 0.2], [0.6, 0.5, 0.4]));
+    m.bodies.push(solid("right", [1.0, 0.0, 0.2], [0.6, 0.5, 0.4]));
+    m.bushings.push(joint(
+        "tie",
+        Some("left"),
+        "right",
+        [0.5, 0.0, 0.2],
+        1e6,
+        1e4,
+        [elastic(1e5), elastic(1e5)],
+    ));
+    let runs = both(m.clone());
+    println!("bushing: {:.1e} m apart, still from {:.2} s", apart(&runs), still_from(&runs[1]));
+    assert!(apart(&runs) < 1e-6 && still_from(&runs[1]) < 1.5);
+    // One that slides keeps the other awake.
+    m.bodies[1].velocity_m_s = [4.0, 0.0, 0.0];
+    let runs = both(m);
+    assert!(apart(&runs) < 1e-3, "{}", apart(&runs));
+}
+
+#[test]
+fn sleep_is_for_models_without_ideal_joints_and_forces() {
+    let mut m = stack(1, 0.1);
+    m.settings.sleep_speed_m_s = Some(SPEED_M_S);
+    m.forces.push(Force::Torque {
+        id: "wind".into(),
+        body: "box0".into(),
+        torque_nm: [1.0, 0.0, 0.0],
+        from_to_s: None,
+    });
+    let text = simulate(&m).unwrap_err().to_string();
+    assert!(text.contains("settings.sleep_speed_m_s") && text.contains("leave it out"), "{text}");
+    m.forces.clear();
+    m.settings.sleep_speed_m_s = Some(-1.0);
+    assert!(simulate(&m).unwrap_err().to_string().contains("settings.sleep_speed_m_s"));
+}
