@@ -3,7 +3,8 @@
 //! The law of a buckling bar ([`crate::material::rebar::Buckling`]) was found on bare bars. In a member the concrete outside of the ties keeps the bar in its line as
 //! long as it bears ("Reinforcement stability and fracture of cover concrete", Dhakal and Maekawa, J. Struct. Eng. 128(10), 2002). Beside each element of a bar lie the
 //! elements of the cover, outside of the outermost bars; once they have been, in the mean, shortened by 0.004 along the member, where cover begins to spall (Priestley, Calvi and
-//! Kowalsky 2007, their limit of serviceability), they have spalled for good. A bar inside the core is held by all elements around it.
+//! Kowalsky 2007, their limit of serviceability), they have spalled for good. So has cover beside a bar that has
+//! yielded in tension: cracks as wide as its plastic elongation part it into loose pieces. A bar inside the core is held by all elements around it.
 
 use super::member::RcMember;
 use crate::fe::dynamics::Dynamics;
@@ -28,14 +29,19 @@ struct Held {
     edges: Vec<[usize; 2]>,
     /// Their length at the start \[m\].
     length_m: f64,
+    /// Strain at which the bar yields.
+    yield_strain: f64,
 }
 
 impl Cover {
     /// Holds all bars of a member that could buckle.
     pub fn of(member: &RcMember, body: &mut Dynamics) -> Self {
         let mesh = &member.mesh;
-        let buckles = |t: &usize| mesh.laws[mesh.trusses[*t].law].rebar.is_some_and(|r| r.buckling.is_some());
-        let bars: Vec<usize> = member.bars.iter().copied().filter(buckles).collect();
+        let buckles = |t: &usize| {
+            let law = mesh.laws[mesh.trusses[*t].law].rebar.filter(|r| r.buckling.is_some())?;
+            Some((*t, law.yield_strain()))
+        };
+        let bars: Vec<(usize, f64)> = member.bars.iter().filter_map(buckles).collect();
         // where the outermost bars are, on each side of each axis
         let mut outer = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for bar in &member.bars {
@@ -55,7 +61,7 @@ impl Cover {
             })
         };
         let mut held = Vec::new();
-        for bar in bars {
+        for (bar, yield_strain) in bars {
             let [below, above] = mesh.trusses[bar].nodes;
             // a bar that slips has a node of its own at the end section, which no element of concrete has
             let heights = [below, above].map(|n| mesh.nodes[n][2]);
@@ -71,18 +77,20 @@ impl Cover {
                 [0, 1, 2, 3].map(|k| [n[k], n[k + 4]])
             };
             let edges = holding.iter().flat_map(edges).collect();
-            held.push(Held { bar, edges, length_m: heights[1] - heights[0] });
+            held.push(Held { bar, edges, length_m: heights[1] - heights[0], yield_strain });
         }
         Self { held }
     }
 
     /// Lets bars go whose cover has spalled.
     pub fn look(&mut self, body: &mut Dynamics) {
-        self.held.retain(|Held { bar, edges, length_m }| {
+        self.held.retain(|Held { bar, edges, length_m, yield_strain }| {
             let shortened: f64 =
                 edges.iter().map(|[below, above]| length_m - (body.x[*above][2] - body.x[*below][2])).sum();
-            let holds = shortened < SPALLED * length_m * edges.len() as f64;
-            body.trusses.bars[*bar].rebar.held = holds;
+            let rebar = &mut body.trusses.bars[*bar].rebar;
+            let torn = rebar.strain > *yield_strain;
+            let holds = !torn && shortened < SPALLED * length_m * edges.len() as f64;
+            rebar.held = holds;
             holds
         });
     }

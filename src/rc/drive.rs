@@ -289,6 +289,8 @@ mod tests {
             largest = largest.max(((rate - before) / dt).abs());
             (before, time) = (rate, time + dt);
         }
+        let slow = Path::through(&[0.1], 0.25);
+        assert!((slow.motion(1.0).rate_rad_s - 0.25 * SPEED_RAD_S).abs() < 1e-15);
         // the sine's steepest slope
         assert!(largest <= 1.001 * 0.5 * PI * SPEED_RAD_S / TURN_S, "{largest}");
     }

@@ -521,3 +521,28 @@ fn steel_law(rebar: RebarLaw) -> Law {
         rebar: Some(rebar),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::source::Source;
+    use crate::rc::section_file::{EXAMPLE, read};
+
+    /// Bars and what is left of the concrete fill the section, also in half of it.
+    #[test]
+    fn bars_displace_concrete() {
+        let section = read(&Source::new("section.toml", EXAMPLE)).unwrap();
+        let (input, concrete) = (&section.input, &section.concrete);
+        let sizes_m = [section.length_m, 0.05];
+        let whole = RcMember::new(input, concrete, Joint::Symmetry, sizes_m[0], sizes_m[1]).unwrap();
+        let half = RcMember::half(input, concrete, Joint::Symmetry, sizes_m, 90.0).unwrap();
+        for member in [whole, half] {
+            let mesh = &member.mesh;
+            let volume = |e: &Element| e.smear * volume_m3(&e.nodes.map(|n| mesh.nodes[n]));
+            let found: f64 = mesh.elements.iter().map(volume).sum();
+            let wanted = member.share * member.length_m * (input.area_m2() - section.steel_m2());
+            assert!((found / wanted - 1.0).abs() < 1e-12, "{found} {wanted}");
+            assert!(mesh.elements.iter().all(|e| e.smear > 0.5));
+        }
+    }
+}

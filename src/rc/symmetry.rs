@@ -13,7 +13,8 @@ use nalgebra::{Matrix3, Vector3};
 const AVERAGED_S: f64 = 5e-4;
 /// Compression that counts as spread evenly over the section in addition, so that it is held before it is loaded \[N\].
 const EVEN_N: f64 = 1e3;
-/// Share that a face across an axis takes of what its compression would: it bears no shear stress, which rises from zero within the first elements (a triangle in place of a rectangle).
+/// Share that a node on a face takes of what its compression would: a face bears no shear stress, which rises from zero within the first elements. Of a triangle in place of
+/// a rectangle, weighted by linear shape functions, a third is left on the face and two thirds on the next node.
 const FACE_SHARE: f64 = 1.0 / 3.0;
 /// Coordinates closer than this are one \[m\].
 const SAME_M: f64 = 1e-6;
