@@ -8,6 +8,7 @@
 use super::contact::ContactSet;
 use super::step;
 use super::system::System;
+use petgraph::unionfind::UnionFind;
 
 /// Time for which bodies are at rest before they fall asleep, and between looks at the islands \[s\].
 pub const REST_S: f64 = 0.5;
@@ -21,11 +22,9 @@ pub struct Sleep {
     /// For how long each body has been at rest \[s\].
     rest_s: Vec<f64>,
     /// The island of each body that sleeps, by its first body.
-    island: Vec<Option<u32>>,
+    island: Vec<Option<usize>>,
     asleep: usize,
     next_look_s: f64,
-    parent: Vec<u32>,
-    restless: Vec<bool>,
     /// Kinetic energy of the bodies as they fell asleep, after the impulses of that step, all together \[J\].
     pub taken_j: f64,
 }
@@ -39,8 +38,6 @@ impl Sleep {
             island: vec![None; bodies],
             asleep: 0,
             next_look_s: LOOK_S,
-            parent: Vec::new(),
-            restless: Vec::new(),
             taken_j: 0.0,
         }
     }
@@ -75,26 +72,23 @@ impl Sleep {
         if !(0..n).any(|i| awake(i) && self.rest_s[i] >= REST_S) {
             return;
         }
-        self.parent.clear();
-        self.parent.extend(0..n as u32);
+        let mut sets = UnionFind::<usize>::new(n);
         let joined = system.joints.iter().filter(|j| j.alive).map(|j| [j.a, j.b]);
         for [a, b] in joined.chain(contacts.meeting()) {
             if a < n && b < n {
-                let (a, b) = (root(&mut self.parent, a), root(&mut self.parent, b));
-                self.parent[a.max(b)] = a.min(b) as u32;
+                sets.union(a, b);
             }
         }
-        self.restless.clear();
-        self.restless.resize(n, false);
-        for i in 0..n {
-            let first = root(&mut self.parent, i);
-            self.restless[first] |= awake(i) && self.rest_s[i] < REST_S;
+        let labels = sets.into_labeling();
+        let (mut firsts, mut restless) = (vec![None; n], vec![false; n]);
+        for (i, label) in labels.iter().enumerate() {
+            firsts[*label].get_or_insert(i);
+            restless[*label] |= awake(i) && self.rest_s[i] < REST_S;
         }
-        for i in 0..n {
-            let first = root(&mut self.parent, i);
-            if system.data[i].alive && !system.data[i].asleep && !self.restless[first] {
+        for (i, label) in labels.into_iter().enumerate() {
+            if system.data[i].alive && !system.data[i].asleep && !restless[label] {
                 self.taken_j += step::kinetic_j(&system.bodies[i], &system.data[i], -0.5 * h);
-                self.island[i] = Some(first as u32);
+                self.island[i] = firsts[label];
                 self.asleep += 1;
                 step::lay_down(system, i);
                 contacts.set_asleep(i, true);
@@ -104,7 +98,7 @@ impl Sleep {
 
     /// Wakes the islands of bodies that were touched in a step of `h` \[s\] whose kicks are done.
     pub fn rouse(&mut self, system: &mut System, contacts: &mut ContactSet, touched: &[usize], h: f64) {
-        let islands: Vec<Option<u32>> =
+        let islands: Vec<Option<usize>> =
             touched.iter().map(|i| self.island[*i]).filter(Option::is_some).collect();
         for i in 0..self.island.len() {
             if islands.contains(&self.island[i]) {
@@ -134,13 +128,4 @@ impl Sleep {
         system.data[i].asleep = false;
         contacts.set_asleep(i, false);
     }
-}
-
-/// The first body of an island.
-fn root(parent: &mut [u32], mut i: usize) -> usize {
-    while parent[i] as usize != i {
-        parent[i] = parent[parent[i] as usize];
-        i = parent[i] as usize;
-    }
-    i
 }

@@ -47,17 +47,12 @@ fn weaken(member: &mut RcMember, concrete: &ConcreteLaw) {
         tensile_strength_pa: (1.0 - WEAKER) * concrete.tensile_strength_pa,
         ..concrete.clone()
     });
-    let nodes = &mesh.nodes;
-    let off = |e: &crate::fe::mesh::Element| {
-        (e.nodes.iter().map(|n| nodes[*n][2]).sum::<f64>() / 8.0 - 0.5 * member.length_m).abs()
-    };
-    let least = mesh.elements.iter().map(off).fold(f64::INFINITY, f64::min);
+    let heights: Vec<f64> = (0..mesh.elements.len()).map(|e| mesh.center(e)[2]).collect();
+    let off = |height: &f64| (height - 0.5 * member.length_m).abs();
+    let least = heights.iter().map(off).fold(f64::INFINITY, f64::min);
     // of two layers equally near the upper one
-    let above = |e: &crate::fe::mesh::Element| {
-        off(e) < least + 1e-6
-            && e.nodes.iter().map(|n| nodes[*n][2]).sum::<f64>() / 8.0 > 0.5 * member.length_m - 1e-6
-    };
-    let chosen: Vec<bool> = mesh.elements.iter().map(above).collect();
+    let above = |height: &f64| off(height) < least + 1e-6 && *height > 0.5 * member.length_m - 1e-6;
+    let chosen: Vec<bool> = heights.iter().map(above).collect();
     mesh.laws.push(weak);
     let index = mesh.laws.len() - 1;
     mesh.elements.iter_mut().zip(chosen).filter(|(_, c)| *c).for_each(|(e, _)| e.law = index);

@@ -23,8 +23,8 @@ use std::f64::consts::PI;
 /// Share of the yield strength in tension at which a bar has no bending resistance any more.
 const PULLED: f64 = 0.1;
 
-/// The bending of all bars of a member in motion. Its forces count as applied; it hands back what else acts on these nodes.
-#[derive(Debug)]
+/// The bending of all bars of a member in motion. Its forces count as applied; it hands back what else acts on these nodes. The default: bars without.
+#[derive(Debug, Default)]
 pub(super) struct BarBending {
     joints: Vec<Joint>,
     /// Nodes of the bars, each once, and the forces on them besides \[N\].

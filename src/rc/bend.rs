@@ -8,7 +8,7 @@
 use super::anchorage::Anchored;
 use super::bar_bending::BarBending;
 use super::cover::Cover;
-use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, KINETIC_LIMIT, Means, Path};
+use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, Means, Path};
 use super::events::{Event, Watch};
 use super::gauge::{EndStrains, Gauge};
 use super::member::{Joint, RcMember};
@@ -113,11 +113,6 @@ pub struct Bent {
 }
 
 impl Bent {
-    /// Whether so little of its energy is motion ([`KINETIC_LIMIT`]) that it counts as a static curve.
-    pub fn is_quasi_static(&self) -> bool {
-        self.kinetic_share <= KINETIC_LIMIT
-    }
-
     /// Whether it ended because the section had failed.
     pub fn failed(&self) -> bool {
         self.ending != Ending::Path

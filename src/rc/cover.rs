@@ -50,12 +50,10 @@ impl Cover {
                 *range = [range[0].min(x), range[1].max(x)];
             }
         }
-        let middle = |e: usize, axis: usize| {
-            mesh.elements[e].nodes.iter().map(|n| mesh.nodes[*n][axis]).sum::<f64>() / 8.0
-        };
         let outside = |e: &usize| {
+            let middle = mesh.center(*e);
             (0..2).any(|a| {
-                let x = middle(*e, a);
+                let x = middle[a];
                 // the plane of symmetry of half a section is no face
                 x > outer[a][1] + SAME_M || (member.mirror != Some(a) && x < outer[a][0] - SAME_M)
             })
@@ -65,7 +63,7 @@ impl Cover {
             let [below, above] = mesh.trusses[bar].nodes;
             // a bar that slips has a node of its own at the end section, which no element of concrete has
             let heights = [below, above].map(|n| mesh.nodes[n][2]);
-            let level = |e: &usize| (heights[0]..heights[1]).contains(&middle(*e, 2));
+            let level = |e: &usize| (heights[0]..heights[1]).contains(&mesh.center(*e)[2]);
             let around: BTreeSet<usize> =
                 [below, above].iter().flat_map(|n| body.blocks.elements_at(*n)).filter(level).collect();
             let beside: Vec<usize> = around.into_iter().collect();

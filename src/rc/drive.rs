@@ -20,6 +20,13 @@ pub const ENERGY_LIMIT: f64 = 0.03;
 /// Internal energy over mass from which on the balance counts, in concrete that of an elastic strain of some `3e-5` \[J/kg\].
 const JUDGED_FROM_J_KG: f64 = 4e-3;
 
+/// Why a curve with this share of kinetic energy is no static one, in words; nothing below [`KINETIC_LIMIT`].
+pub fn moves(kinetic_share: f64) -> Option<String> {
+    let share = 100.0 * kinetic_share;
+    (kinetic_share > KINETIC_LIMIT)
+        .then(|| format!("not quasi-static: kinetic energy is {share:.1} % of the internal energy"))
+}
+
 /// One way from a turning point to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Leg {

@@ -7,6 +7,7 @@
 
 use super::bar_bending::BarBending;
 use super::cover::Cover;
+use super::drive;
 use super::member::RcMember;
 use super::plate::{Motion, Plate};
 use crate::fe::contact::RigidSurfaces;
@@ -33,8 +34,8 @@ const SAMPLE: [f64; 3] = [2e-6, 0.02, 2e-4];
 pub const FAILED_SHARE: f64 = 0.2;
 /// Deformation below which a fall of the force is one of cracking, not of failure.
 const CRACKING: f64 = 0.004;
-/// Largest kinetic over internal energy, and error of the balance of energy, of a curve that counts as quasi-static.
-pub const QUASI_STATIC: [f64; 2] = [0.05, 0.1];
+/// Largest error of the balance of energy of a curve that counts as quasi-static.
+const BALANCE_LIMIT: f64 = 0.1;
 /// Share of the initial stiffness at which a piece counts as softened.
 const SOFT_SHARE: f64 = 0.8;
 
@@ -199,11 +200,9 @@ impl PieceRun {
 
     /// Why the curve is not quasi-static, in words.
     pub fn fault(&self) -> Option<String> {
-        let [kinetic, balance] = QUASI_STATIC;
-        if self.kinetic_share > kinetic {
-            let share = 100.0 * self.kinetic_share;
-            Some(format!("not quasi-static: kinetic energy is {share:.1} % of the internal energy"))
-        } else if self.energy_error > balance {
+        if let Some(moves) = drive::moves(self.kinetic_share) {
+            Some(moves)
+        } else if self.energy_error > BALANCE_LIMIT {
             let share = 100.0 * self.energy_error;
             Some(format!("work and energy of the elements differ by {share:.1} %"))
         } else {
@@ -218,7 +217,7 @@ struct Run<'a> {
     body: Dynamics,
     cover: Cover,
     /// Bending of the bars; none across the member, where it would be dowel action of bars that stay elastic.
-    bars: Option<BarBending>,
+    bars: BarBending,
     plates: [Plate; 2],
     /// Displacement per unit of deformation \[m or rad\].
     scale: f64,
@@ -242,7 +241,10 @@ pub fn run(
 ) -> Result<PieceRun, PieceError> {
     let mut body = Dynamics::new(&member.mesh, 0.0, RigidSurfaces::default(), false);
     let cover = Cover::of(member, &mut body);
-    let bars = matches!(load.drive, Drive::Crush | Drive::Tension).then(|| BarBending::of(member));
+    let bars = match load.drive {
+        Drive::Crush | Drive::Tension => BarBending::of(member),
+        Drive::Shear | Drive::Torsion => BarBending::default(),
+    };
     let plates =
         [Plate::of(member, &body, &member.base, !load.rough), Plate::of(member, &body, &member.tip, true)];
     let mut is_bar = vec![false; member.mesh.trusses.len()];
@@ -269,26 +271,19 @@ pub fn run(
 
 /// Elements in the middle third of the length; of a piece without any the nearest to mid-length.
 fn middle_third(member: &RcMember) -> Vec<usize> {
-    let height = |e: &crate::fe::mesh::Element| {
-        e.nodes.iter().map(|n| member.mesh.nodes[*n][2]).sum::<f64>() / 8.0 / member.length_m
-    };
-    let off = |e: &crate::fe::mesh::Element| (height(e) - 0.5).abs();
-    let least = member.mesh.elements.iter().map(off).fold(f64::INFINITY, f64::min);
+    let elements = 0..member.mesh.elements.len();
+    let off = |e: usize| (member.mesh.center(e)[2] / member.length_m - 0.5).abs();
+    let least = elements.clone().map(off).fold(f64::INFINITY, f64::min);
     let near = (1.0 / 6.0f64).max(least + 1e-6);
-    let elements = member.mesh.elements.iter().enumerate();
-    elements.filter(|(_, e)| off(e) < near).map(|(i, _)| i).collect()
+    elements.filter(|e| off(*e) < near).collect()
 }
 
 impl Run<'_> {
     /// One step, with both sections held.
     fn step(&mut self, upper: &Motion) {
-        if let Some(bars) = &mut self.bars {
-            bars.push(&mut self.body);
-        }
+        self.bars.push(&mut self.body);
         self.body.step(false);
-        if let Some(bars) = &self.bars {
-            bars.release(&mut self.body);
-        }
+        self.bars.release(&mut self.body);
         let lower = Motion { along_m_s: Some(0.0), ..Motion::default() };
         self.plates[0].hold(&mut self.body, &lower);
         self.plates[1].hold(&mut self.body, upper);

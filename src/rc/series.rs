@@ -3,6 +3,7 @@
 //! Bends run beside each other on the threads of the pool, each of them on one thread: results do not depend on the number of threads.
 
 use super::bend::{Bend, BendError, Bent, bend};
+use super::drive::{self, KINETIC_LIMIT};
 use super::hysteresis::{History, Hysteresis};
 use super::member::{Joint, RcMember};
 use super::section_file::RcSection;
@@ -159,11 +160,8 @@ pub struct Case {
 impl Case {
     /// Why a monotonic push is no static curve, in words.
     pub fn fault(&self) -> Option<String> {
-        let bent = self.bent.as_ref().ok().filter(|b| !b.is_quasi_static() && self.hysteresis.is_none())?;
-        let (share, pace) = (100.0 * bent.kinetic_share, self.pace);
-        Some(format!(
-            "not quasi-static: kinetic energy is {share:.1} % of the internal energy, at {pace} of the speed"
-        ))
+        let bent = self.bent.as_ref().ok().filter(|_| self.hysteresis.is_none())?;
+        drive::moves(bent.kinetic_share).map(|moves| format!("{moves}, at {} of the speed", self.pace))
     }
 }
 
@@ -357,7 +355,7 @@ fn one(
 fn paced(member: &RcMember, mut load: Bend, progress: &dyn Fn(f64)) -> (f64, Result<Bent, BendError>) {
     loop {
         let bent = bend(member, &load, false, progress);
-        let moves = bent.as_ref().is_ok_and(|b| !b.is_quasi_static()) && load.turns_rad.len() == 1;
+        let moves = bent.as_ref().is_ok_and(|b| b.kinetic_share > KINETIC_LIMIT) && load.turns_rad.len() == 1;
         if !moves || load.pace <= LEAST_PACE {
             return (load.pace, bent);
         }

@@ -458,8 +458,9 @@ impl ContactSet {
         }
     }
 
-    fn is_still(&self, entry: &Entry) -> bool {
-        entry.bodies.iter().all(|i| self.still[*i as usize])
+    /// Whether neither body of a pair moves.
+    fn is_still(&self, [a, b]: [usize; 2]) -> bool {
+        self.still[a] && self.still[b]
     }
 
     /// Pairs of bodies that were near each other in the last step; the ground is the number of bodies.
@@ -475,7 +476,7 @@ impl ContactSet {
                 let [a, b] = e.bodies.map(|i| i as usize);
                 e.limit - (self.travel[a] + self.travel[b])
             };
-            let moving = self.order.iter().filter(|e| !self.is_still(e));
+            let moving = self.order.iter().filter(|e| !self.is_still(e.bodies.map(|i| i as usize)));
             let least = moving.map(left).fold(NEVER_M, f64::min);
             self.alarm = self.clock + (least - self.settings.margin_m);
         }

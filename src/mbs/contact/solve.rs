@@ -87,7 +87,7 @@ impl ContactSet {
             let entry = &mut self.order[k];
             entry.allowed = 0.0;
             let [a, b] = entry.bodies.map(|i| i as usize);
-            if self.until[a] + self.until[b] >= entry.limit && !(self.still[a] && self.still[b]) {
+            if self.until[a] + self.until[b] >= entry.limit && !self.is_still([a, b]) {
                 let allowed = self.allowed([a, b]);
                 self.look(k, bodies, h, f64::NEG_INFINITY, allowed);
             }
@@ -181,8 +181,7 @@ impl ContactSet {
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
             let path = self.path[a] + self.path[b] + self.settings.margin_m;
-            let still = self.still[a] && self.still[b];
-            if still
+            if self.is_still([a, b])
                 || self.growth[a] + self.growth[b] == 0.0
                 || self.travel[a] + self.travel[b] + path < entry.limit
             {
