@@ -11,10 +11,16 @@ pub trait Linked {
     /// Whether joints hold a body.
     fn is_linked(&self, body: usize) -> bool;
 
+    /// Mass of all bodies that joints connect with a body, itself included \[kg\].
+    fn mass_kg(&self, body: usize) -> f64;
+
     /// What an impulse on a body (linear \[N s\], angular about its centre of mass \[N m s\]) adds to the velocities of the bodies that its joints connect it with, itself included: `[velocity, angular velocity]` by
     /// body.
     fn respond(&mut self, body: usize, impulse: [V3; 2], out: &mut Vec<(usize, [V3; 2])>);
 }
+
+/// Inverse mass of a point that joints hold, over that without joints and over that of all bodies that they connect, below both of which it does not move.
+const HELD: [f64; 2] = [1e-6, 1e-2];
 
 /// Marks a block without links.
 pub(super) const ALONE: u32 = u32::MAX;
@@ -99,8 +105,25 @@ impl Rows {
         let [p, q] = [math::dot(first, axes[1]), math::dot(second, axes[2])];
         // the larger eigenvalue of the tangential inverse mass
         let largest = 0.5 * (p + q) + (0.25 * (p - q) * (p - q) + across * across).sqrt();
-        let invert = |m: f64| if m > 0.0 { 1.0 / m } else { 0.0 };
-        self.rows[i].mass = [invert(normal), invert(largest)];
+        // what joints hold in this direction cannot be moved by an impulse: what is left is round-off
+        let free: f64 = (0..2)
+            .map(|side| self.inverse[block.bodies[side] as usize].response(row.arms[side], axes[0], axes[0]))
+            .sum();
+        let own = [0, 1].map(|side| self.loosest(block.bodies[side], mechanism));
+        let least = (HELD[0] * free).min(HELD[1] * own[0].max(own[1]));
+        let invert = |m: f64| if m > least { 1.0 / m } else { 0.0 };
+        let row = &mut self.rows[i];
+        row.mass = [invert(normal), invert(largest)];
+        if row.mass[0] == 0.0 {
+            (row.normal, row.tangent) = (0.0, [0.0; 3]);
+        }
+    }
+
+    /// One over the mass that moves with a body \[1/kg\].
+    fn loosest(&self, body: u32, mechanism: &dyn Linked) -> f64 {
+        let i = body as usize;
+        let linked = i + 1 < self.motion.len() && mechanism.is_linked(i);
+        if linked { 1.0 / mechanism.mass_kg(i) } else { self.inverse[i].mass }
     }
 
     fn respond(&mut self, body: u32, p: V3, arm: V3, mechanism: &mut dyn Linked) {

@@ -59,8 +59,15 @@ impl ContactSet {
                 self.rows.link(0, m);
             }
             self.rows.warm_start(0);
+            let linked = mechanism.is_some();
+            if linked {
+                self.temper(bodies);
+            }
             self.impulses(bodies, h, mechanism);
             self.rebound(bodies, h);
+            if linked {
+                self.temper(bodies);
+            }
             self.close(bodies, h)?;
         }
         self.count_paths(bodies, h);
@@ -117,6 +124,36 @@ impl ContactSet {
         rows.inverse.push(Inverse::default());
         self.work.steps += 1;
         self.work.most_points = self.work.most_points.max(rows.rows.len());
+    }
+
+    /// Scales the impulses down where they make energy: `J = p · ((u_0 + u)/2 - target)`, which exact impulses make least, must not exceed zero, its value without any. Those of
+    /// the last step may do so as a first guess where joints nearly hold a point, since its effective mass changes from step to step there, and so may sweeps that have
+    /// not converged, as friction is cut off with normal impulses that still change.
+    fn temper(&mut self, bodies: &[Moving]) {
+        let before = |i: u32| bodies.get(i as usize).map_or(Motion::default(), |b| Motion { v: b.v, w: b.w });
+        let (mut linear, mut square) = (0.0, 0.0);
+        for block in &self.rows.blocks {
+            let first = block.bodies.map(before);
+            let now = block.bodies.map(|i| self.rows.motion[i as usize]);
+            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+                let p = math::axpy(row.tangent, row.normal, block.normal);
+                let start = math::dot(p, row.relative(&first[0], &first[1]));
+                linear += start - row.normal * row.target;
+                square += math::dot(p, row.relative(&now[0], &now[1])) - start;
+            }
+        }
+        if linear + 0.5 * square <= 0.0 {
+            return;
+        }
+        let share = if square > 0.0 { (-linear / square).clamp(0.0, 1.0) } else { 0.0 };
+        for row in &mut self.rows.rows {
+            (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
+        }
+        for (motion, body) in self.rows.motion.iter_mut().zip(bodies) {
+            let change = Motion { v: math::sub(motion.v, body.v), w: math::sub(motion.w, body.w) };
+            *motion =
+                Motion { v: math::axpy(body.v, share, change.v), w: math::axpy(body.w, share, change.w) };
+        }
     }
 
     /// Sweeps until the velocities hold, with the pairs that they bring near.

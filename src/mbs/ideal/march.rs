@@ -120,6 +120,17 @@ pub struct Tally {
     pub longest_s: f64,
 }
 
+/// Motions that joints allow at first order only, in a singular pose, and stop as it is left.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Locked {
+    /// How often.
+    pub times: usize,
+    /// When last \[s\].
+    pub last_s: f64,
+    /// Their kinetic energy \[J\].
+    pub energy_j: f64,
+}
+
 /// A mechanism on its way.
 #[derive(Debug)]
 pub struct Marcher {
@@ -155,6 +166,10 @@ pub struct Marcher {
     /// Steps of this length at most, whatever their error \[s\].
     fixed_s: Option<f64>,
     start_j: f64,
+    /// Dependent rows at the end of the last step.
+    dependent: usize,
+    /// What joints stopped as they left singular poses.
+    pub locked: Locked,
 }
 
 /// An accepted step: states in between.
@@ -225,6 +240,8 @@ impl Marcher {
             watched: (0, 0.0),
             fixed_s: None,
             start_j: 0.0,
+            dependent: 0,
+            locked: Locked::default(),
         };
         marcher.motion.take(&marcher.state);
         marcher.motion.project(&mut marcher.state);
@@ -272,6 +289,7 @@ impl Marcher {
     /// Evaluates the state anew, as projected: afterwards the reactions are those of it.
     pub fn refresh(&mut self) {
         self.motion.take(&self.state);
+        self.dependent = self.motion.dependent();
         rate(&mut self.motion, &self.state, &mut self.rates[0]);
     }
 
@@ -331,11 +349,15 @@ impl Marcher {
                 self.motion.project(&mut state);
                 (self.state, self.time_s) = (state, at_s);
             } else {
-                self.motion.project(&mut self.next);
+                let locked = self.project_step();
                 self.state.copy_from_slice(&self.next);
                 let last = if near { 1 } else { self.rates.len() - 1 };
                 self.rates.swap(0, last);
                 self.time_s += step;
+                if locked {
+                    self.refresh();
+                    self.before = 1.0;
+                }
             }
             let opened = self.motion.commit();
             self.yields.extend(self.motion.yielded.drain(..).map(|id| (self.time_s, id)));
@@ -351,6 +373,22 @@ impl Marcher {
         }
         self.time_s = until_s;
         Ok(false)
+    }
+
+    /// Projects the end of a step; true if joint conditions that depended on others no longer do: a pose was left in which the joints allowed a motion at first order
+    /// only. What the step took of the energies is booked: it is the motion that the joints stop, as an impact without rebound.
+    fn project_step(&mut self) -> bool {
+        let dependent = self.motion.dependent();
+        let locked = dependent < std::mem::replace(&mut self.dependent, dependent);
+        self.motion.project(&mut self.next);
+        if locked {
+            let work = self.state.len() - 1;
+            let balance_j = |state: &[f64]| self.motion.energy_j(state) - state[work];
+            self.locked.times += 1;
+            self.locked.energy_j += balance_j(&self.state) - balance_j(&self.next);
+            self.locked.last_s = self.time_s;
+        }
+        locked
     }
 
     /// Stops a march that gets nowhere.

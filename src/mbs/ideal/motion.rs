@@ -207,6 +207,11 @@ impl Motion {
         self.part[body]
     }
 
+    /// Mass of the part of a body \[kg\].
+    pub fn part_mass_kg(&self, body: usize) -> f64 {
+        self.part[body].map_or(self.mass[body], |p| self.parts_bodies[p].iter().map(|b| self.mass[*b]).sum())
+    }
+
     /// What an impulse on a body (linear, angular about its centre of mass \[N s, N m s\]) adds to the velocities of its part, at the state that was taken.
     pub fn response(&mut self, body: usize, impulse: [V3; 2], out: &mut Vec<(usize, [V3; 2])>) {
         self.loads.fill([[0.0; 3]; 2]);
@@ -534,6 +539,17 @@ impl Motion {
     /// Largest residual of a joint at the state that was taken: m, or the sine of an angle.
     pub fn residual(&self) -> f64 {
         self.rows.iter().map(|r| r.residual.abs()).fold(0.0, f64::max)
+    }
+
+    /// Kinetic and potential energy (zero at the origin) of a state \[J\].
+    pub fn energy_j(&self, state: &[f64]) -> f64 {
+        let of_body = |(b, s): (usize, &[f64])| {
+            let pose = read(s);
+            let own = mul_t(&pose.r, pose.w);
+            let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[b], own));
+            0.5 * kinetic - self.mass[b] * dot(self.gravity, pose.x)
+        };
+        state.chunks_exact(STATE).enumerate().filter(|(b, _)| !self.gone[*b]).map(of_body).sum()
     }
 
     /// Kinetic and potential energy (zero at the origin) at the state that was taken, less the work of the applied forces in it \[J\]: constant, but for errors.

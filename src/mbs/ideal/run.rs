@@ -1,7 +1,7 @@
 //! A whole run of a model file with ideal joints: events, outputs, energy balance.
 
 use super::compile;
-use super::march::{MarchError, Marcher, Span};
+use super::march::{Locked, MarchError, Marcher, Span};
 use super::motion::{Motion, STATE};
 use super::survey::Observed;
 use super::touch::Touching;
@@ -70,6 +70,8 @@ struct Record {
     unbound_j: f64,
     /// What contacts took along their normals, and by friction.
     contact_j: [f64; 2],
+    /// What joints took as they left singular poses.
+    locked_j: f64,
     turnover_j: f64,
     error: f64,
 }
@@ -104,6 +106,7 @@ impl<'a> Run<'a> {
             released_j: 0.0,
             unbound_j: 0.0,
             contact_j: [0.0; 2],
+            locked_j: 0.0,
             turnover_j,
             error: 0.0,
         };
@@ -126,6 +129,7 @@ impl<'a> Run<'a> {
         self.result.highest_frequency_rad_s = self.marcher.frequency_rad_s();
         self.result.energy_error = self.record.error;
         let contacts = self.marcher.touching.as_ref().map(|t| t.set.work);
+        self.result.warnings.extend(remark(&self.marcher.locked));
         self.result.warnings.extend(closing_remarks(self.record.error, contacts));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
@@ -154,6 +158,7 @@ impl<'a> Run<'a> {
         let at_stops = model.settings.reactions;
         let mut seen = |span: &Span<'_>, marcher: &Marcher| {
             record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
+            record.locked_j = marcher.locked.energy_j;
             while !at_stops && failure.is_none() {
                 let time = record.time(model);
                 if time > span.to_s() + SAME * model.settings.end_time_s {
@@ -192,6 +197,7 @@ impl<'a> Run<'a> {
         let Self { model, marcher, tracked, record, result, options, .. } = self;
         let at = [marcher.time_s, marcher.tally.longest_s];
         record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
+        record.locked_j = marcher.locked.energy_j;
         record.output(model, options, tracked, at, &marcher.motion, &marcher.state, result)?;
         if !model.settings.reactions {
             return Ok(());
@@ -357,7 +363,7 @@ impl Record {
         e.contact_damping_j.push(self.contact_j[0]);
         e.friction_j.push(self.contact_j[1]);
         let unbound_j = self.unbound_j + seen.lost_j;
-        e.released_j.push(self.released_j + unbound_j);
+        e.released_j.push(self.released_j + unbound_j + self.locked_j);
         // the work of springs and hinges is in their energies
         e.applied_j.push(start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j - unbound_j);
         let total = e.total_j(e.kinetic_j.len() - 1);
@@ -458,6 +464,16 @@ fn remarks(model: &Model, marcher: &Marcher, given: &[f64]) -> Vec<String> {
         ));
     }
     list
+}
+
+/// What is worth saying of motions that joints stopped.
+fn remark(locked: &Locked) -> Option<String> {
+    let Locked { times, last_s, energy_j } = locked;
+    (*times > 0).then(|| {
+        format!(
+            "joints stopped a motion {times} times, the last one at {last_s:.6} s: in a singular pose they allow it at first order only (three of their points on a line, say); it held {energy_j:.3e} J, booked as released. Leave a joint out if the mechanism is meant to move"
+        )
+    })
 }
 
 fn joints_of(model: &Model, body: &str) -> String {

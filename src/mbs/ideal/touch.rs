@@ -15,6 +15,8 @@ const STEP_S: [f64; 2] = [5e-4, 1e-3];
 const ALTERNATING: f64 = 0.8;
 /// Change of a velocity from which accelerations are found anew within a step \[m/s, rad/s\].
 const JUMP: f64 = 1e-3;
+/// Displacement that opens a gap from which what it does to forces and joints is found \[m, rad\].
+const SHIFT: f64 = 1e-5;
 
 /// What can touch, in a march.
 #[derive(Debug, Clone)]
@@ -153,12 +155,12 @@ impl Marcher {
         }
         touching.set.solve_linked(&mut touching.moving, h, Some(&mut self.motion))?;
         let work = self.state.len() - 1;
-        let mut largest = 0.0_f64;
-        for b in 0..self.motion.bodies() {
-            let moving = &touching.moving[b];
+        let (mut largest, mut shift) = (0.0_f64, 0.0_f64);
+        for (b, moving) in touching.moving.iter().enumerate() {
             let [v, w] = six(&self.state, b);
             let change = [sub(sub(moving.v, moving.kick_v), v), sub(sub(moving.w, moving.kick_w), w)];
             largest = change.iter().flatten().fold(largest, |l, c| l.max(c.abs()));
+            shift = shift.max(norm(moving.shift)).max(norm(moving.turn));
             let at = STATE * b;
             for i in 0..3 {
                 self.state[at + 7 + i] += change[0][i];
@@ -167,22 +169,47 @@ impl Marcher {
             }
             let [force, torque] = self.motion.applied(b);
             self.rates[0][work] += dot(force, change[0]) + dot(torque, change[1]);
-            if moving.shift != [0.0; 3] || moving.turn != [0.0; 3] {
-                let done = dot(force, moving.shift) + dot(torque, moving.turn);
-                touching.opened_j += done + dot(self.motion.weight(b), moving.shift);
-                self.state[work] += done;
-                (0..3).for_each(|i| self.state[at + i] += moving.shift[i]);
-                let q = &self.state[at + 3..at + 7];
-                let q = math::qrenormalise(math::qmul(math::qexp(moving.turn), [q[0], q[1], q[2], q[3]]));
-                self.state[at + 3..at + 7].copy_from_slice(&q);
-            }
         }
-        if largest > JUMP {
+        let far = shift > SHIFT;
+        if shift > 0.0 {
+            self.open(touching, far);
+        }
+        if largest > JUMP || far {
             self.refresh();
         } else if largest > 0.0 {
             self.turn_rates();
         }
         Ok(())
+    }
+
+    /// Displaces bodies to open gaps and books the work; `far`: with the forces and rates at the end of the displacements.
+    fn open(&mut self, touching: &mut Touching, far: bool) {
+        let work = self.state.len() - 1;
+        let before_j = self.motion.energy_j(&self.state);
+        let done = |motion: &Motion, moving: &[Moving]| -> f64 {
+            let of_body = |(b, m): (usize, &Moving)| {
+                let [force, torque] = motion.applied(b);
+                dot(force, m.shift) + dot(torque, m.turn)
+            };
+            moving.iter().enumerate().map(of_body).sum()
+        };
+        let mut work_j = done(&self.motion, &touching.moving);
+        for (b, moving) in touching.moving.iter().enumerate() {
+            let at = STATE * b;
+            (0..3).for_each(|i| self.state[at + i] += moving.shift[i]);
+            let q = &self.state[at + 3..at + 7];
+            let q = math::qrenormalise(math::qmul(math::qexp(moving.turn), [q[0], q[1], q[2], q[3]]));
+            self.state[at + 3..at + 7].copy_from_slice(&q);
+        }
+        if far {
+            // forces change on the way, joints are left at second order
+            self.motion.take(&self.state);
+            self.motion.project(&mut self.state);
+            self.refresh();
+            work_j = 0.5 * (work_j + done(&self.motion, &touching.moving));
+        }
+        touching.opened_j += work_j + before_j - self.motion.energy_j(&self.state);
+        self.state[work] += work_j;
     }
 
     /// Tells the contacts which bodies are there and which joints and bushings connect.
@@ -198,6 +225,10 @@ impl Marcher {
 impl crate::mbs::contact::Linked for Motion {
     fn is_linked(&self, body: usize) -> bool {
         self.part_of(body).is_some()
+    }
+
+    fn mass_kg(&self, body: usize) -> f64 {
+        self.part_mass_kg(body)
     }
 
     fn respond(&mut self, body: usize, impulse: [V3; 2], out: &mut Vec<(usize, [V3; 2])>) {
