@@ -55,7 +55,7 @@ impl Source {
             return Err(problem("this is a directory, not a file", remedy_for_directory(path)));
         }
         if !found.is_file() {
-            return Err(problem("this is not a regular file", "give a TOML or JSON file".into()));
+            return Err(problem("this is not a regular file", "give a text file".into()));
         }
         if found.len() > MAX_FILE_BYTES {
             let remedy = format!("the largest input is {} MiB", MAX_FILE_BYTES >> 20);
@@ -67,7 +67,7 @@ impl Source {
         let text = String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             let message = format!("this is not a text file: byte {at} is not UTF-8");
-            problem(&message, "give a TOML or JSON file in UTF-8".into())
+            problem(&message, "save it as text in UTF-8".into())
         })?;
         Ok(Self::new(path.display().to_string(), text))
     }
@@ -110,7 +110,7 @@ fn remedy_for_missing(path: &Path) -> String {
     names.sort();
     match crate::base::diagnostic::closest(&wanted, names.iter().map(String::as_str)) {
         Some(name) => format!("did you mean `{}`?", path.with_file_name(name).display()),
-        None => "`fallwerk init` writes an example to start from".into(),
+        None => "check its name and its folder".into(),
     }
 }
 

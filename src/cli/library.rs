@@ -10,6 +10,7 @@ use super::progress::Progress;
 use super::{colour_on_stderr, library_add, library_find, library_plot};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::hash::readable_json;
+use crate::library::journal::Happening;
 use crate::library::{Opened, Store, StoreError, exchange};
 use crate::rc::{RcSection, section_file, section_grid};
 use clap::{Args, Subcommand};
@@ -43,14 +44,14 @@ pub enum LibraryCommand {
     List(Filter),
     /// Show one entry
     Show {
-        /// Key, its hash, or the beginning of either
+        /// Key, its name without the kind, its hash, or the beginning of one of these
         key: String,
     },
     /// Draw the curves of an entry as SVG
     Plot(library_plot::Arguments),
     /// Compare two entries
     Diff {
-        /// Key, its hash, or the beginning of either
+        /// Key, its name without the kind, its hash, or the beginning of one of these
         first: String,
         /// As the first
         second: String,
@@ -59,7 +60,7 @@ pub enum LibraryCommand {
     Find(library_find::Arguments),
     /// Tell what happened to the library, or to one entry
     History {
-        /// Key, its hash, or the beginning of either
+        /// Key, its name without the kind, its hash, or the beginning of one of these
         key: Option<String>,
     },
     /// Check every text record, the working copy and the journal
@@ -78,7 +79,7 @@ pub enum LibraryCommand {
     },
     /// Mark an entry as no longer to be used; it is kept
     Deprecate {
-        /// Key, its hash, or the beginning of either
+        /// Key, its name without the kind, its hash, or the beginning of one of these
         key: String,
         /// Entry to use instead
         #[arg(long, value_name = "KEY")]
@@ -233,7 +234,10 @@ fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
         return Ok(2);
     }
     let mut store = Store::open(&args.library)?;
-    say_how_opened(&store, err)?;
+    say_how_opened(&store, args.command.names_damage(), err)?;
+    if args.command.writes() && store.writable().is_ok() {
+        warn_of_gone(&store, err)?;
+    }
     let code = dispatch(args, &mut store, out, err)?;
     if let (true, Opened::TextOnly { why, writable: true }) = (args.command.writes(), store.opened()) {
         writeln!(err, "note: the text records are written; {why}; the next command builds the copy again")?;
@@ -247,6 +251,11 @@ impl LibraryCommand {
             self,
             Self::Derive(_) | Self::Add(_) | Self::Rebuild | Self::Import { .. } | Self::Deprecate { .. }
         )
+    }
+
+    /// Whether damaged records are part of its own answer.
+    fn names_damage(&self) -> bool {
+        matches!(self, Self::Verify)
     }
 }
 
@@ -288,8 +297,11 @@ fn dispatch(
         LibraryCommand::Import { file } => {
             let done = exchange::import(store, file)?;
             let words = format!(
-                "{} added, {} mended, {} were there already",
-                done.added, done.mended, done.unchanged
+                "{} added, {} mended, {} were there already{}",
+                done.added,
+                done.mended,
+                done.unchanged,
+                plural(done.deprecated, ", {} deprecated")
             );
             report(json, out, json!(done), &words)
         }
@@ -303,7 +315,7 @@ fn dispatch(
     }
 }
 
-fn say_how_opened(store: &Store, err: &mut dyn Write) -> io::Result<()> {
+fn say_how_opened(store: &Store, names_damage: bool, err: &mut dyn Write) -> io::Result<()> {
     match store.opened() {
         Opened::Checked => {}
         Opened::Rebuilt { why, set_aside: true } => {
@@ -316,6 +328,9 @@ fn say_how_opened(store: &Store, err: &mut dyn Write) -> io::Result<()> {
         Opened::TextOnly { why, writable: true } => {
             writeln!(err, "note: {why}; the text records are used directly")?
         }
+    }
+    if names_damage {
+        return Ok(());
     }
     store
         .damaged()
@@ -339,23 +354,44 @@ fn plural(count: usize, words: &str) -> String {
 
 fn verify(store: &Store, json: bool, out: &mut dyn Write) -> Result<u8, Failure> {
     let found = exchange::verify(store)?;
+    let code = u8::from(!found.is_clean());
     if json {
         report(true, out, json!(found), "")?;
-    } else {
-        for (path, what) in &found.text {
-            writeln!(out, "{}: {what}", path.display())?;
-        }
-        for what in &found.cache {
-            writeln!(out, "working copy: {what}")?;
-        }
-        for what in &found.journal {
-            writeln!(out, "journal: {what}; `library rebuild` takes it out")?;
-        }
-        let faults = found.text.len() + found.cache.len() + found.journal.len();
-        let verdict = if faults == 0 { "all sound".to_string() } else { format!("{faults} faults") };
-        let untold =
-            plural(found.untold, "; {} came or went without the journal, which the next change notes");
-        writeln!(out, "{} records: {verdict}{untold}", found.records)?;
+        return Ok(code);
     }
-    Ok(u8::from(!found.is_clean()))
+    for (path, what) in &found.text {
+        writeln!(out, "{}: {what}", path.display())?;
+    }
+    for what in &found.cache {
+        writeln!(out, "working copy: {what}")?;
+    }
+    for what in &found.journal {
+        writeln!(out, "journal: {what}; `library rebuild` takes it out")?;
+    }
+    for key in &found.gone {
+        writeln!(out, "{key}: its record is gone; {GONE_REMEDY}")?;
+    }
+    for key in &found.missing {
+        writeln!(out, "note: {key} is noted as missing")?;
+    }
+    let verdict = match found.faults() {
+        0 => "all sound".to_string(),
+        1 => "1 fault".to_string(),
+        faults => format!("{faults} faults"),
+    };
+    let untold =
+        plural(found.untold, "; {} came or changed without the journal, which the next change notes");
+    let missing = plural(found.missing.len(), "; {} missing");
+    writeln!(out, "{} records: {verdict}{untold}{missing}", found.records)?;
+    Ok(code)
+}
+
+const GONE_REMEDY: &str = "restore the file (version control, `library import`) or derive it again; `library rebuild` notes it as missing";
+
+/// Entries of the journal whose records went without it, which a command that writes is about to note.
+fn warn_of_gone(store: &Store, err: &mut dyn Write) -> Result<(), Failure> {
+    for event in store.untold()?.iter().filter(|e| e.what == Happening::Missing) {
+        writeln!(err, "warning: {}: its record is gone, which the journal notes now", event.key)?;
+    }
+    Ok(())
 }

@@ -53,6 +53,7 @@ pub(super) fn run(
     };
     let entry = add::entry_of_files(curve, meta).map_err(Failure::Files)?;
     let what = if arguments.check {
+        Store::check(&entry)?;
         "sound"
     } else {
         match store.put(&entry)? {

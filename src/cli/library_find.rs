@@ -9,6 +9,7 @@ use crate::library::features::{NUMBERS, NumberFeature};
 use crate::library::{Answer, Entry, EntryKind, Origin, Query, Store};
 use clap::Args;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::PathBuf;
 
@@ -31,7 +32,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MEMBER", value_parser = adjoining_of)]
     adjoining: Option<Adjoining>,
     /// Largest distance of an entry that is not exact; about the relative error of its moments
-    #[arg(long, value_name = "D", default_value_t = 0.1)]
+    #[arg(long, value_name = "D", default_value_t = 0.1, value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
     /// Do not interpolate between two entries
     #[arg(long)]
@@ -75,19 +76,60 @@ pub(super) fn quantity(text: &str, dimension: Dimension) -> Result<f64, String> 
     }
 }
 
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number >= 0.0 => Ok(number),
+        _ => Err("a tolerance is a number from 0, such as 0.1".to_string()),
+    }
+}
+
 fn number(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write NAME=VALUE, such as `width=400mm`")?;
     match NumberFeature::meant_by(name.trim()) {
-        Some(feature) => Ok((feature.name.to_string(), quantity(value, feature.dimension)?)),
-        None => {
-            let names = NUMBERS.map(|f| f.name);
-            let short = names.map(|name| name.rsplit('.').next().unwrap_or(name));
-            match closest(name, short) {
-                Some(near) => Err(format!("there is no feature `{name}`; did you mean `{near}`?")),
-                None => quantity(value, Dimension::Number).map(|x| (name.trim().to_string(), x)),
+        Some(feature) => {
+            let number = quantity(value, feature.dimension)?;
+            if number > 0.0 {
+                Ok((feature.name.to_string(), number))
+            } else {
+                Err(format!("`{}` is a positive number", feature.name))
             }
         }
+        None => match closest(name, short_names().iter().map(String::as_str)) {
+            Some(near) => Err(format!("there is no feature `{name}`; did you mean `{near}`?")),
+            None => {
+                let further = quantity(value, Dimension::Number).map(|x| (name.trim().to_string(), x));
+                further.map_err(|_| no_feature(name))
+            }
+        },
     }
+}
+
+/// The names of the features without their place and unit.
+fn short_names() -> Vec<String> {
+    let last = NUMBERS.map(|f| f.name.rsplit('.').next().unwrap_or(f.name));
+    last.map(|name| name.trim_end_matches("_pa").trim_end_matches("_m").to_string()).to_vec()
+}
+
+fn no_feature(name: &str) -> String {
+    format!("there is no feature `{name}`; the features are {}", short_names().join(", "))
+}
+
+/// The numbers by name; a name twice, or one that no entry has, is an error.
+fn named(numbers: &[(String, f64)], store: &Store) -> Result<BTreeMap<String, f64>, Failure> {
+    let mut named = BTreeMap::new();
+    for (name, value) in numbers {
+        if named.insert(name.clone(), *value).is_some() {
+            return Err(Failure::Usage(format!("`{name}` is asked for twice")));
+        }
+    }
+    let further =
+        |name: &str| store.list().map(|all| all.iter().any(|e| e.features.further.contains_key(name)));
+    for name in named.keys().filter(|name| NUMBERS.iter().all(|f| f.name != name.as_str())) {
+        if !further(name)? {
+            return Err(Failure::Usage(no_feature(name)));
+        }
+    }
+    Ok(named)
 }
 
 /// Runs the command.
@@ -102,10 +144,22 @@ pub(super) fn run(
         origin: arguments.origin,
         end: arguments.end,
         adjoining: arguments.adjoining,
-        numbers: arguments.numbers.iter().cloned().collect(),
+        numbers: named(&arguments.numbers, store)?,
     };
     let answer = store.answer(&query, arguments.tolerance, !arguments.no_interpolation)?;
-    let (code, words, value, entry) = told(&answer);
+    let (code, mut words, mut value, entry) = told(&answer);
+    let rivals = store.rivals(&query, &answer);
+    if rivals.count > 0 {
+        let names: Vec<&str> = rivals.differ.iter().map(String::as_str).collect();
+        let what = match (&answer, rivals.count) {
+            (Answer::Between(_), 1) => "another pair encloses".to_string(),
+            (Answer::Between(_), count) => format!("{count} other pairs enclose"),
+            (_, 1) => "another entry fits".to_string(),
+            (_, count) => format!("{count} other entries fit"),
+        };
+        words += &format!("\n  {what} it as well; they differ in {}: ask for these too", names.join(", "));
+        value["rivals"] = json!({ "count": rivals.count, "differ": names });
+    }
     if let (Some(path), Some(entry)) = (&arguments.output, entry) {
         let text = entry.to_text().map_err(io::Error::from)?;
         write_atomic(path, text.as_bytes())

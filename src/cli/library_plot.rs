@@ -18,13 +18,13 @@ use std::sync::Arc;
 /// What to draw.
 #[derive(Debug, Clone, Args)]
 pub struct Arguments {
-    /// Key, its hash, or the beginning of either
+    /// Key, its name without the kind, its hash, or the beginning of one of these
     key: String,
     /// The SVG file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Draw up to this rotation or displacement, such as `100mrad` or `5mm`
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_hyphen_values = true)]
     to: Option<String>,
     /// A curve to draw beside it, in the format of `library add`
     #[arg(long, value_name = "CSV")]
@@ -44,6 +44,11 @@ pub(super) fn run(arguments: &Arguments, store: &Store, out: &mut dyn Write) -> 
     let dimension = if entry.kind.is_bending() { Dimension::Angle } else { Dimension::Length };
     let to = arguments.to.as_deref().map(|text| quantity(text, dimension)).transpose();
     let to = to.map_err(|e| Failure::Usage(format!("--to: {e}")))?;
+    if to.is_some_and(|to| to <= 0.0) {
+        return Err(Failure::Usage(
+            "--to: nothing is left of the curves; give a positive number".to_string(),
+        ));
+    }
     let svg = figure::svg(&entry.key, &entry.words(), &panels(&entry, reference.as_ref(), to));
     match &arguments.output {
         Some(path) => write_atomic(path, svg.as_bytes())

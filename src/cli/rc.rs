@@ -6,6 +6,7 @@ use super::{Failure, Outcome, colour_on_stderr, print, read_building, thread_poo
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
 use crate::base::units::Dimension;
+use crate::library::rc::no_strength;
 use crate::rc::events;
 use crate::rc::member::Joint;
 use crate::rc::section_file::{self, RcSection};
@@ -131,9 +132,13 @@ impl Bending {
 
     /// The options for a section: with --elements the size goes by its larger side, to a tenth of a millimetre.
     pub fn meshed(&self, options: &SeriesOptions, section: &RcSection) -> SeriesOptions {
+        SeriesOptions { mesh_size_m: self.size_m(section, options.mesh_size_m), ..options.clone() }
+    }
+
+    /// The size of the elements by --elements; `without` where it is not given \[m\].
+    pub fn size_m(&self, section: &RcSection, without: f64) -> f64 {
         let depth_m = section.input.size_m[0].max(section.input.size_m[1]);
-        let mesh_size_m = self.elements.map_or(options.mesh_size_m, |n| (1e4 * depth_m / n).round() / 1e4);
-        SeriesOptions { mesh_size_m, ..options.clone() }
+        self.elements.map_or(without, |n| (1e4 * depth_m / n).round() / 1e4)
     }
 
     /// Whether the command line says anything of it.
@@ -184,6 +189,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         })?,
     };
     let section = arguments.bending.section(section);
+    let bending = &arguments.bending;
+    arguments.piece.check(
+        !bending.axial.is_empty(),
+        arguments.loading.is_given(),
+        bending.whole || bending.joint.is_some(),
+    )?;
     if let Some(drive) = arguments.piece.drive() {
         return super::rc_springs::run(&section, drive, arguments);
     }
@@ -222,7 +233,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     } else {
         print(&table(&section, &series));
     }
-    let failed = series.cases.iter().any(|c| c.bent.is_err() || c.fault().is_some());
+    let failed = series.cases.iter().any(|c| c.bent.is_err() || fault(c).is_some());
     Ok(if failed { Outcome::CheckFailed } else { Outcome::Done })
 }
 
@@ -275,6 +286,11 @@ fn result(section: &RcSection, series: &Series) -> Value {
         "length_m": series.length_m,
         "bends": series.cases.iter().map(case).collect::<Vec<_>>(),
     })
+}
+
+/// Why a monotonic push is no curve, in words.
+fn fault(case: &Case) -> Option<String> {
+    case.fault().or_else(|| no_strength(case))
 }
 
 fn ratio(case: &Case) -> Option<f64> {
@@ -403,7 +419,7 @@ fn table(section: &RcSection, series: &Series) -> String {
             let _ = writeln!(text, "n = {}, direction {}: {words}", c.axial_share, c.direction_deg);
         }
     }
-    for (c, fault) in series.cases.iter().filter_map(|c| Some((c, c.fault()?))) {
+    for (c, fault) in series.cases.iter().filter_map(|c| Some((c, fault(c)?))) {
         let _ = writeln!(text, "n = {}, direction {}: {fault}", c.axial_share, c.direction_deg);
     }
     let is_push = series.options.turns_rad.is_empty();
@@ -412,9 +428,10 @@ fn table(section: &RcSection, series: &Series) -> String {
     {
         let _ = writeln!(
             text,
-            "n = {}, direction {}: near its shear strength: {:.0} kN of {:.0} kN (ASCE 41-17, eq. 10-3); cycles take strength that this push leaves (--cycles)",
+            "n = {}, direction {}: {} its shear strength: {:.0} kN of {:.0} kN (ASCE 41-17, eq. 10-3); cycles take strength that this push leaves (--cycles)",
             c.axial_share,
             c.direction_deg,
+            if s.share() > 1.0 { "beyond" } else { "near" },
             s.largest_n / 1e3,
             s.strength_n / 1e3
         );

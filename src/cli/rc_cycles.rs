@@ -35,6 +35,11 @@ pub struct Loading {
 }
 
 impl Loading {
+    /// Whether the command line says anything of cycles.
+    pub fn is_given(&self) -> bool {
+        self.fit_rule || !self.cycles.is_empty() || self.history.is_some()
+    }
+
     /// Whether a rule is to be fitted; that needs cycles.
     pub fn wants_rule(&self) -> Result<bool, Failure> {
         if self.fit_rule && self.cycles.is_empty() && self.history.is_none() {

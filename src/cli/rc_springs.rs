@@ -39,6 +39,22 @@ fn depths(text: &str) -> Result<f64, String> {
 }
 
 impl Loading {
+    /// Refuses options that would have no effect under this load.
+    pub fn check(&self, axial: bool, turns: bool, whole: bool) -> Result<(), Failure> {
+        let drive = self.drive();
+        let needs = |given: bool, option: &str, loads: &str, fits: bool| match given && !fits {
+            true => Err(Failure::input(format!("{option} is for {loads}, not for --load {}", self.load))),
+            false => Ok(()),
+        };
+        needs(self.piece.is_some(), "--piece", "--load crush, tension, shear or torsion", drive.is_some())?;
+        needs(self.yielding_bars, "--yielding-bars", "--load shear", drive == Some(Drive::Shear))?;
+        needs(self.rough_end, "--rough-end", "--load crush", drive == Some(Drive::Crush))?;
+        needs(turns, "--cycles or --history", "bending", drive.is_none())?;
+        needs(whole, "--joint or --whole", "bending", drive.is_none())?;
+        let under_axial = !matches!(drive, Some(Drive::Crush | Drive::Tension));
+        needs(axial, "--axial", "bending, shear or torsion", under_axial)
+    }
+
     /// What is done to a piece; `None`: bending.
     pub fn drive(&self) -> Option<Drive> {
         match self.load.as_str() {
@@ -74,7 +90,7 @@ pub fn run(section: &RcSection, drive: Drive, arguments: &super::rc::Arguments) 
         directions_deg: arguments.direction.clone(),
         length_depths: loading.piece.unwrap_or(defaults.length_depths),
         until: bending.until.unwrap_or(defaults.until),
-        mesh_size_m: bending.mesh.unwrap_or(defaults.mesh_size_m),
+        mesh_size_m: bending.size_m(section, bending.mesh.unwrap_or(defaults.mesh_size_m)),
         rough: loading.rough_end,
         elastic_bars: !loading.yielding_bars,
         seed_law: bending.seed_law,

@@ -39,11 +39,12 @@ pub fn entry_of(curve_text: Source, meta_text: Source) -> Result<Entry, Vec<Diag
         fit_together(curve, meta, &mut in_curve, &mut in_meta);
         if in_curve.is_empty() && in_meta.is_empty() {
             entry = made(&curve_text, curve, meta, &mut in_curve);
+            plausible(curve, meta, &mut in_curve);
         }
     }
     match entry {
-        Some(entry) => Ok(entry),
-        None => Err([(curve_text, in_curve), (meta_text, in_meta)]
+        Some(entry) if in_curve.is_empty() => Ok(entry),
+        _ => Err([(curve_text, in_curve), (meta_text, in_meta)]
             .into_iter()
             .filter(|(_, found)| !found.is_empty())
             .map(|(source, found)| Diagnostics::new(Arc::new(source), found))
@@ -59,6 +60,12 @@ fn fit_together(
     in_meta: &mut Vec<Diagnostic>,
 ) {
     let first = curve.levels.first().map(|l| l.span).unwrap_or_default();
+    for (name, text) in [("citation", &meta.citation), ("by", &meta.by)] {
+        if text.is_empty() {
+            let error = Diagnostic::error("empty", format!("`{name}` is empty"));
+            in_meta.push(error.help("say where the curve comes from, and who measured or computed it"));
+        }
+    }
     let kind = meta.kind.name();
     if meta.kind.is_bending() != curve.is_bending {
         let wanted = if meta.kind.is_bending() { "moment over rotation" } else { "force over displacement" };
@@ -82,6 +89,51 @@ fn fit_together(
                 .help("take it out here or there"),
         ),
         _ => {}
+    }
+}
+
+/// Largest rotation of a chord \[rad\] and displacement \[m\].
+const LARGEST_ROTATION_RAD: f64 = 1.0;
+const LARGEST_DISPLACEMENT_M: f64 = 10.0;
+/// Bounds of the largest moment over `b h max(b, h)`, and largest force over `b h`, of any reinforced section \[Pa\]: its stress is
+/// below that of steel, and a moment above that of cracked plain concrete.
+const MOMENT_STRESS_PA: [f64; 2] = [1e4, 2e8];
+const LARGEST_STRESS_PA: f64 = 1e9;
+
+/// Refuses numbers that no member of this size has; it is the unit of the header that is wrong then.
+fn plausible(curve: &CurveFile, meta: &Meta, errors: &mut Vec<Diagnostic>) {
+    let (b, h) = (meta.features.width_m, meta.features.depth_m);
+    for level in &curve.levels {
+        let mut refuse = |what: String| {
+            errors.push(
+                Diagnostic::error("implausible", what)
+                    .at(level.span, "the level that begins here")
+                    .help("check the units of the header and the size of the section"),
+            );
+        };
+        let x = level.points.iter().map(|p| p[0].abs()).fold(0.0, f64::max);
+        let y = level.points.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
+        let section = format!("a section of {b} m x {h} m");
+        if curve.is_bending {
+            if x > LARGEST_ROTATION_RAD {
+                refuse(format!("a rotation of {x} rad"));
+            }
+            let stress = y / (b * h * b.max(h));
+            if y > 0.0 && !(MOMENT_STRESS_PA[0]..=MOMENT_STRESS_PA[1]).contains(&stress) {
+                refuse(format!("a largest moment of {y} N m for {section}"));
+            }
+        } else {
+            if x > LARGEST_DISPLACEMENT_M {
+                refuse(format!("a displacement of {x} m"));
+            }
+            if y / (b * h) > LARGEST_STRESS_PA {
+                refuse(format!("a force of {y} N for {section}"));
+            }
+        }
+        let axial = level.axial_force_n.or(meta.axial_force_n).unwrap_or(0.0);
+        if axial.abs() / (b * h) > LARGEST_STRESS_PA {
+            refuse(format!("an axial force of {axial} N for {section}"));
+        }
     }
 }
 

@@ -47,6 +47,12 @@ pub enum StoreError {
         /// What is wrong.
         what: String,
     },
+    /// A file in the place of an export.
+    #[error("{path}: there is a file that is no export of a library; name another one")]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
     /// An exchange file that cannot be imported; nothing was changed.
     #[error("{path}: {what}; nothing was imported")]
     Import {

@@ -26,14 +26,23 @@ pub struct VerifyReport {
     pub cache: Vec<String>,
     /// Damage of the journal.
     pub journal: Vec<String>,
-    /// Number of records that came or went without the journal; the next command that writes notes them.
+    /// Number of records that came or changed without the journal; the next command that writes notes them.
     pub untold: usize,
+    /// Keys whose records went without the journal; the next command that writes notes them.
+    pub gone: Vec<String>,
+    /// Keys that the journal has noted as missing.
+    pub missing: Vec<String>,
 }
 
 impl VerifyReport {
     /// Whether nothing was found.
     pub fn is_clean(&self) -> bool {
-        self.text.is_empty() && self.cache.is_empty() && self.journal.is_empty()
+        self.faults() == 0
+    }
+
+    /// Number of faults. A record that is gone is one until the journal has noted it.
+    pub fn faults(&self) -> usize {
+        self.text.len() + self.cache.len() + self.journal.len() + self.gone.len()
     }
 }
 
@@ -46,6 +55,8 @@ pub struct ImportReport {
     pub unchanged: usize,
     /// Damaged records that were mended.
     pub mended: usize,
+    /// Entries that are deprecated there, and now here.
+    pub deprecated: usize,
 }
 
 /// Reads every text record from the disk and compares each record of the working copy with it.
@@ -79,7 +90,13 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
     let history = store.history()?;
     let lines = history.damaged_lines.iter();
     report.journal = lines.map(|line| format!("line {line} does not match its checksum")).collect();
-    report.untold = store.untold()?.len();
+    for event in store.untold()? {
+        match event.what {
+            Happening::Missing => report.gone.push(event.key),
+            _ => report.untold += 1,
+        }
+    }
+    report.missing = history.missing();
     if let Some(cache) = store.cache() {
         match cache.faults(&manifest, |key| good.contains_key(key)) {
             Ok(faults) => report.cache = faults,
@@ -89,11 +106,14 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
     Ok(report)
 }
 
-/// Writes all entries into one file; returns their number.
+/// Writes all entries into one file; returns their number. An older export is replaced, another file is not.
 ///
 /// # Errors
 /// If a record is damaged (an export is whole or not at all), or the file cannot be written.
 pub fn export(store: &Store, path: &Path) -> Result<usize, StoreError> {
+    if path.is_file() && !is_export(path) {
+        return Err(StoreError::Foreign { path: path.to_path_buf() });
+    }
     if let Some((path, what)) = store.damaged().into_iter().next() {
         return Err(StoreError::Damaged { path, what });
     }
@@ -111,8 +131,16 @@ pub fn export(store: &Store, path: &Path) -> Result<usize, StoreError> {
     Ok(count)
 }
 
+/// Whether a file is an export, so far as its last bytes tell: keys are sorted, and `schema` is the last.
+fn is_export(path: &Path) -> bool {
+    let text = fs::read(path).unwrap_or_default();
+    let tail = String::from_utf8_lossy(&text[text.len().saturating_sub(100)..]).into_owned();
+    text.is_empty() || tail.contains(EXCHANGE_SCHEMA)
+}
+
 /// Takes over the entries of an exchange file. All are checked first: if one is damaged, or a key
-/// is held here with other content, nothing is imported.
+/// is held here with other content, nothing is imported. What is deprecated on either side stays so; where both are, the
+/// words of this library hold.
 ///
 /// # Errors
 /// [`StoreError::Import`] with the first fault, or what [`Store::put_all`] reports.
@@ -130,17 +158,25 @@ pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError
     let mut entries: Vec<Entry> = Vec::with_capacity(items.len());
     for (i, item) in items.into_iter().enumerate() {
         let name = item["key"].as_str().unwrap_or("?").to_string();
-        let entry =
+        let mut entry =
             Entry::from_value(item).map_err(|e| refuse(format!("entry {} (`{name}`): {e}", i + 1)))?;
         match store.get(&entry.key) {
-            Ok(held) if held != entry => {
-                return Err(refuse(format!(
-                    "entry {} (`{name}`) differs from the one in the library",
-                    i + 1
-                )));
+            Ok(held) => {
+                if let Some(parts) = differing_parts(&held, &entry) {
+                    return Err(refuse(format!(
+                        "entry {} (`{name}`) differs from the one in the library in {parts}; take it out of the file, or import into another \
+                         folder (--library) and compare",
+                        i + 1
+                    )));
+                }
+                if held.deprecated.is_some() {
+                    entry = held;
+                } else if entry.deprecated.is_some() {
+                    report.deprecated += 1;
+                }
             }
             Err(StoreError::Damaged { .. }) => report.mended += 1,
-            _ => {}
+            Err(_) => {}
         }
         entries.push(entry);
     }
@@ -149,4 +185,18 @@ pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError
     report.added = done.iter().filter(|d| **d == Put::Added).count();
     report.unchanged = done.iter().filter(|d| **d == Put::Unchanged).count();
     Ok(report)
+}
+
+/// The names of the parts in which two entries of one key differ, apart from what is said of their use; `None`: nowhere.
+fn differing_parts(a: &Entry, b: &Entry) -> Option<String> {
+    let plain = |entry: &Entry| {
+        let entry = Entry { deprecated: None, ..entry.clone() };
+        serde_json::to_value(entry).unwrap_or_default()
+    };
+    let (a, b) = (plain(a), plain(b));
+    let names: std::collections::BTreeSet<&String> =
+        [&a, &b].into_iter().filter_map(Value::as_object).flat_map(|o| o.keys()).collect();
+    let differing: Vec<String> =
+        names.into_iter().filter(|name| a[*name] != b[*name]).map(|name| format!("`{name}`")).collect();
+    (!differing.is_empty()).then(|| differing.join(", "))
 }

@@ -80,12 +80,21 @@ pub(super) fn differing(a: &Features, b: &Features) -> (Vec<String>, bool) {
     (names.into_iter().filter(|name| !same(name)).cloned().collect(), words)
 }
 
+/// The names of all in which two sets of features differ, words too.
+pub(super) fn names_of_differing(a: &Features, b: &Features) -> BTreeSet<String> {
+    let hash = |f: &Features| f.law.as_ref().map(|law| law.hash.clone());
+    let words =
+        [("end", a.end != b.end), ("adjoining", a.adjoining != b.adjoining), ("law", hash(a) != hash(b))];
+    let words = words.into_iter().filter(|(_, differ)| *differ).map(|(name, _)| name.to_string());
+    differing(a, b).0.into_iter().chain(words).collect()
+}
+
 fn part(name: &str, weight: f64, entry: f64, wanted: f64) -> (f64, String) {
     (weight * log_ratio(entry, wanted), format!("{name} is {entry} instead of {wanted}"))
 }
 
 fn sum(mut parts: Vec<(f64, String)>, same_law: bool) -> Match {
-    let distance = parts.iter().map(|(d, _)| d * d).sum::<f64>().sqrt();
+    let distance = parts.iter().map(|(d, _)| d * d).fold(0.0, |a, b| a + b).sqrt();
     parts.retain(|(d, _)| *d != 0.0);
     parts.sort_by(|a, b| b.0.total_cmp(&a.0));
     let exact = parts.is_empty() && same_law;

@@ -15,6 +15,7 @@ use super::error::StoreError;
 use crate::base::hash::ContentHash;
 use crate::base::output::{sync_folder, write_atomic};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -154,6 +155,13 @@ impl History {
             start = end;
         }
         history
+    }
+
+    /// Keys whose last event says that they are missing, sorted.
+    pub fn missing(&self) -> Vec<String> {
+        let last: BTreeMap<&str, Happening> = self.events.iter().map(|e| (e.key.as_str(), e.what)).collect();
+        let missing = last.into_iter().filter(|(_, what)| *what == Happening::Missing);
+        missing.map(|(key, _)| key.to_string()).collect()
     }
 }
 

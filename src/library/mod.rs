@@ -48,6 +48,6 @@ pub use entry::{Computed, Entry, EntryKind, Features, Inputs, Origin};
 pub use error::StoreError;
 pub use find::Query;
 pub use key::{is_key, key_of};
-pub use query::{Answer, Found, Nearest};
+pub use query::{Answer, Found, Nearest, Rivals};
 pub use store::{Opened, Put, Store};
 pub use thin::thinned;

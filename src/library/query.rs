@@ -6,6 +6,7 @@ use super::find::{self, Match, Query};
 use super::interpolate;
 use super::store::{Indexed, Store};
 use std::cmp::Reverse;
+use std::collections::BTreeSet;
 
 /// The entry that fits best.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +35,15 @@ pub enum Answer {
     Between(Box<Entry>),
     /// None within the tolerance; the nearest of the kind, if there is any.
     None(Option<Nearest>),
+}
+
+/// Entries that fit a [`Query`] as well as its answer, because it leaves open in what they differ.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Rivals {
+    /// Their number; of an answer between two entries the number of other such pairs.
+    pub count: usize,
+    /// Names of the numbers in which they differ from the answer; `end`, `adjoining`, `law` of words.
+    pub differ: BTreeSet<String>,
 }
 
 impl Store {
@@ -81,28 +91,39 @@ impl Store {
         }
     }
 
+    /// What fits a query as well as its answer.
+    pub fn rivals(&self, query: &Query, answer: &Answer) -> Rivals {
+        match answer {
+            Answer::Entry(found) => {
+                let fits = |item: &Indexed| {
+                    let fit = query.compare(item.kind, item.origin, &item.features);
+                    fit.is_some_and(|fit| (fit.exact, fit.distance) == (found.fit.exact, found.fit.distance))
+                };
+                let usable = self.index.values().filter(|item| !item.deprecated && fits(item));
+                let differ =
+                    usable.map(|item| find::names_of_differing(&item.features, &found.entry.features));
+                Rivals::of(differ)
+            }
+            Answer::Between(entry) => {
+                let Some(between) = &entry.provenance.inputs.interpolation else { return Rivals::default() };
+                let pairs = self.brackets(query);
+                let own = pairs.iter().find(|p| [p.2, p.3] == [&between.entries[0], &between.entries[1]]);
+                let Some((width, feature, key, _)) = own else { return Rivals::default() };
+                let features = |key: &String| self.index.get(key).map(|item| &item.features);
+                let alike = pairs.iter().filter(|p| (p.0, &p.1) == (*width, feature) && p.2 != *key);
+                let differ = alike.filter_map(|p| features(p.2).zip(features(key)));
+                Rivals::of(differ.map(|(a, b)| find::names_of_differing(a, b)))
+            }
+            Answer::None(_) => Rivals::default(),
+        }
+    }
+
     /// The entry between the two that enclose what is asked for most closely.
     fn between(&self, query: &Query) -> Result<Option<Entry>, StoreError> {
-        let usable: Vec<(&String, &Indexed)> = self
-            .index
-            .iter()
-            .filter(|(_, item)| !item.deprecated)
-            .filter(|(_, item)| {
-                query.compare(item.kind, item.origin, &item.features).is_some_and(|m| m.distance.is_finite())
-            })
-            .collect();
         let mut best: Option<(f64, String, &String, &String)> = None;
-        for (i, (key_a, a)) in usable.iter().enumerate() {
-            for (key_b, b) in &usable[i + 1..] {
-                if (a.kind, a.origin, a.submodel_version) != (b.kind, b.origin, b.submodel_version) {
-                    continue;
-                }
-                let Some((feature, width)) = interpolate::bracket(&a.features, &b.features, query) else {
-                    continue;
-                };
-                if best.as_ref().is_none_or(|(least, ..)| width < *least) {
-                    best = Some((width, feature, key_a, key_b));
-                }
+        for pair in self.brackets(query) {
+            if best.as_ref().is_none_or(|(least, ..)| pair.0 < *least) {
+                best = Some(pair);
             }
         }
         let Some((_, feature, key_a, key_b)) = best else { return Ok(None) };
@@ -111,6 +132,30 @@ impl Store {
         interpolate::between(&a, &b, &feature, query.numbers[&feature])
             .map_err(|e| invalid(e.to_string()))
             .map(|entry| entry.filter(|e| super::check::entry(e).is_ok()))
+    }
+
+    /// The pairs of entries that enclose what is asked for in one number: logarithm of their ratio in it, its name, keys.
+    fn brackets(&self, query: &Query) -> Vec<(f64, String, &String, &String)> {
+        let usable: Vec<(&String, &Indexed)> = self
+            .index
+            .iter()
+            .filter(|(_, item)| !item.deprecated)
+            .filter(|(_, item)| {
+                query.compare(item.kind, item.origin, &item.features).is_some_and(|m| m.distance.is_finite())
+            })
+            .collect();
+        let mut pairs = Vec::new();
+        for (i, (key_a, a)) in usable.iter().enumerate() {
+            for (key_b, b) in &usable[i + 1..] {
+                if (a.kind, a.origin, a.submodel_version) != (b.kind, b.origin, b.submodel_version) {
+                    continue;
+                }
+                if let Some((feature, width)) = interpolate::bracket(&a.features, &b.features, query) {
+                    pairs.push((width, feature, *key_a, *key_b));
+                }
+            }
+        }
+        pairs
     }
 
     /// The best of all usable, not deprecated entries.
@@ -128,5 +173,16 @@ impl Store {
             }
         }
         best.map(|(near, _)| near)
+    }
+}
+
+impl Rivals {
+    /// From the names in which each of the entries differs from the answer; those that differ in nothing are no rivals.
+    fn of(differ: impl Iterator<Item = BTreeSet<String>>) -> Self {
+        differ.filter(|names| !names.is_empty()).fold(Self::default(), |mut all, names| {
+            all.count += 1;
+            all.differ.extend(names);
+            all
+        })
     }
 }

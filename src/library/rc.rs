@@ -321,6 +321,23 @@ fn of_direction(series: &Series, direction_deg: f64) -> impl Iterator<Item = &Ca
     series.cases.iter().filter(move |c| c.direction_deg == direction_deg)
 }
 
+/// Share of the fibre section's peak below which a push that broke off has not told the strength of its member.
+const LEAST_OF_FIBRE: f64 = 0.5;
+
+/// Why a push that broke off says nothing of the strength, in words.
+pub fn no_strength(case: &Case) -> Option<String> {
+    let bent = case.bent.as_ref().ok().filter(|b| b.failed() && case.hysteresis.is_none())?;
+    let (peak_nm, fibre_nm) = (case.figures.map_or(0.0, |f| f.peak_nm), case.fibre_peak_nm?);
+    (peak_nm < LEAST_OF_FIBRE * fibre_nm).then(|| {
+        format!(
+            "the push broke off at {:.3} mrad with at most {:.1} kN m, where the fibre section bears {:.1} kN m",
+            1e3 * bent.points.last().map_or(0.0, |p| p[0]),
+            peak_nm / 1e3,
+            fibre_nm / 1e3
+        )
+    })
+}
+
 /// Axial shares that every direction bears and that make curves, and those left out in words.
 fn usable(series: &Series) -> Result<(Vec<f64>, Vec<String>), RcDeriveError> {
     let (mut usable, mut left_out) = (Vec::new(), Vec::new());
@@ -334,7 +351,7 @@ fn usable(series: &Series) -> Result<(Vec<f64>, Vec<String>), RcDeriveError> {
                 }
                 Err(error) => fault = Some(error.to_string()),
                 Ok(bent) => {
-                    if let Some(why) = case.fault() {
+                    if let Some(why) = case.fault().or_else(|| no_strength(case)) {
                         if *share == 0.0 {
                             return Err(RcDeriveError::NotStatic { direction_deg, why });
                         }

@@ -217,7 +217,7 @@ impl Store {
         }
     }
 
-    /// The one key that is meant by a key, its hash, or the beginning of either.
+    /// The one key that is meant by a key, its name without the kind, its hash, or the beginning of any of these.
     ///
     /// # Errors
     /// [`StoreError::NotFound`] if none or several are.
@@ -229,8 +229,8 @@ impl Store {
             .manifest
             .keys()
             .filter(|key| {
-                !text.is_empty()
-                    && (key.starts_with(text) || key.split('@').nth(1).is_some_and(|h| h.starts_with(text)))
+                let parts = [Some(key.as_str()), key.split('/').nth(1), key.split('@').nth(1)];
+                !text.is_empty() && parts.into_iter().flatten().any(|part| part.starts_with(text))
             })
             .collect();
         match meant.as_slice() {
@@ -265,6 +265,14 @@ impl Store {
     /// If a record that was whole at opening cannot be read any more.
     pub fn list(&self) -> Result<Vec<Entry>, StoreError> {
         self.manifest.keys().filter(|key| !self.damaged.contains_key(*key)).map(|key| self.get(key)).collect()
+    }
+
+    /// Whether an entry may be stored, so far as that depends on the entry.
+    ///
+    /// # Errors
+    /// If it is not sound or too large.
+    pub fn check(entry: &Entry) -> Result<(), StoreError> {
+        sound_text(entry).map(|_| ())
     }
 
     /// Stores an entry.
@@ -425,7 +433,7 @@ fn sound_text(entry: &Entry) -> Result<String, StoreError> {
     }
     if text.len() >= RECORD_LIMIT_BYTES {
         return Err(invalid(format!(
-            "its record has {} bytes, the limit is {RECORD_LIMIT_BYTES}",
+            "its record has {} bytes, the limit is {RECORD_LIMIT_BYTES}; give fewer axial forces or points",
             text.len()
         )));
     }

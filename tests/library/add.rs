@@ -93,6 +93,31 @@ fn rows_are_checked_one_by_one() {
     assert!(told("0;0;0\n0.01;nan;0\n").contains("`nan` is no number"));
 }
 
+/// A header with the wrong unit makes numbers that no member has.
+#[test]
+fn implausible_numbers_and_empty_sources_are_refused() {
+    let told = |curve: &str| made(curve, EXAMPLE).unwrap_err();
+    let curve = |rotation: &str, moment: &str| {
+        format!("rotation [{rotation}], moment [{moment}], axial force [kN]\n0,0,0\n4,98,0\n60,80,0\n")
+    };
+    assert!(made(&curve("mrad", "kN m"), EXAMPLE).is_ok());
+    let words = told(&curve("rad", "kN m"));
+    assert!(words.contains("a rotation of 60 rad") && words.contains("check the units"), "{words}");
+    assert!(told(&curve("mrad", "MN m")).contains("a largest moment of 98000000 N m"));
+    assert!(told(&curve("mrad", "N m")).contains("a largest moment of 98 N m"));
+    let force = curve("mrad", "kN m").replace("80,0", "80,4e6");
+    assert!(
+        told(&force.replace("4,98,0", "4,98,4e6").replace("0,0,0", "0,0,4e6")).contains("an axial force of")
+    );
+    let spring = EXAMPLE.replace("\"column_hinge\"", "\"axial_spring\"");
+    let told = |curve: &str| made(curve, &spring).unwrap_err();
+    assert!(told("displacement [m], force [kN]\n0,0\n1,100\n20,90\n").contains("a displacement of 20 m"));
+    assert!(told("displacement [mm], force [MN]\n0,0\n1,1e6\n").contains("a force of"));
+    let nobody = EXAMPLE.replace("by = \"nobody\"", "by = \" \"");
+    let words = made(EXAMPLE_CURVE, &nobody).unwrap_err();
+    assert!(words.contains("`by` is empty"), "{words}");
+}
+
 #[test]
 fn curve_and_description_must_fit_together() {
     let springs = "displacement [mm], force [kN]\n-2,-30\n-1,-20\n0,0\n1,100\n5,140\n";

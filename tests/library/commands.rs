@@ -57,13 +57,34 @@ fn commands_answer_in_words_json_and_exit_codes() {
     let path = library.join(format!("{}.json", entries[0].key));
     fs::write(&path, "{}").unwrap();
     let (code, out, _) = fallwerk(&library, &["verify"]);
-    assert!(code == 1 && out.contains(path.to_str().unwrap()) && out.contains("1 faults"), "{out}");
+    assert!(code == 1 && out.contains(path.to_str().unwrap()) && out.contains("1 fault\n"), "{out}");
     let (code, _, err) = fallwerk(&library, &["show", &entries[0].key]);
     assert!(code == 1 && err.contains("damaged record"), "{err}");
     let (code, out, _) = fallwerk(&library, &["rebuild"]);
     assert!(code == 1 && out.contains("1 records, 1 damaged left out"), "{out}");
     let (code, _, err) = fallwerk(&room.path().join("absent"), &["list"]);
     assert!(code == 2 && err.contains("no such folder") && !room.path().join("absent").exists());
+}
+
+/// A lost record is named until the loss is noted; whoever notes it says so.
+#[test]
+fn a_record_that_is_gone_is_named() {
+    let room = tempfile::tempdir().unwrap();
+    let library = room.path().join("library");
+    let entries = [entry(0), entry(1), entry(2)];
+    Store::open(&library).unwrap().put_all(&entries).unwrap();
+    let [first, second] = [0, 1].map(|i: usize| library.join(format!("{}.json", entries[i].key)));
+    fs::remove_file(&first).unwrap();
+    let (code, out, _) = fallwerk(&library, &["verify"]);
+    assert!(code == 1 && out.contains(&format!("{}: its record is gone", entries[0].key)), "{out}");
+    assert!(out.ends_with("2 records: 1 fault\n"), "{out}");
+    let (code, _, err) = fallwerk(&library, &["rebuild"]);
+    assert!(code == 0 && err.contains(&format!("{}: its record is gone", entries[0].key)), "{err}");
+    let (code, out, _) = fallwerk(&library, &["verify"]);
+    assert!(code == 0 && out.ends_with("2 records: all sound; 1 missing\n"), "{out}");
+    fs::remove_file(&second).unwrap();
+    let (_, _, err) = fallwerk(&library, &["deprecate", &entries[2].key]);
+    assert!(err.contains(&entries[1].key) && !err.contains(&entries[0].key), "{err}");
 }
 
 /// A library with the example of the documentation, and its files.
@@ -121,6 +142,55 @@ fn a_curve_is_checked_added_found_and_drawn() {
         "50mrad",
     ]);
     assert!(code == 0 && svg.starts_with("<svg xmlns") && svg.contains("reference, N = 600 kN"), "{svg}");
+    for to in ["0", "-5mrad"] {
+        let (code, _, err) = run(&["plot", "350x350-l1000-bottom-ground-fc35-r320-s75", "--to", to]);
+        assert!(code == 2 && err.contains("give a positive number"), "{err}");
+    }
+}
+
+/// Of entries that fit alike the answer names the number, and what was not asked for; what is no question is refused.
+#[test]
+fn find_tells_of_rivals_and_refuses_what_is_no_question() {
+    let room = tempfile::tempdir().unwrap();
+    let (library, curve, meta) = with_example(room.path());
+    let run = |words: &[&str]| fallwerk(&library, &[&["find", "--kind", "column_hinge"], words].concat());
+    let text = fs::read_to_string(&meta).unwrap();
+    for (ties, concrete) in
+        [("75 mm", "35 MPa"), ("75 mm", "45 MPa"), ("150 mm", "35 MPa"), ("150 mm", "45 MPa")]
+    {
+        fs::write(&meta, text.replace("75 mm", ties).replace("35 MPa", concrete)).unwrap();
+        assert_eq!(fallwerk(&library, &["add", &curve, "--meta", &meta]).0, 0);
+    }
+    let (code, out, _) = run(&["width=350mm"]);
+    assert!(
+        code == 0 && out.contains("distance 0.0000: exact match\n  3 other entries fit it as well"),
+        "{out}"
+    );
+    assert!(out.contains("they differ in rc.concrete_strength_pa, rc.tie_spacing_m: ask"), "{out}");
+    let (_, out, _) = run(&["width=350mm", "tie_spacing=75mm", "concrete_strength=45MPa"]);
+    assert!(!out.contains("as well"), "{out}");
+    let (_, out, _) = run(&["width=350mm", "concrete_strength=40MPa", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&value["answer"], &value["rivals"]["count"]), (&"between".into(), &1.into()), "{out}");
+    assert_eq!(value["rivals"]["differ"], serde_json::json!(["rc.tie_spacing_m"]));
+    let (_, out, _) = run(&[]);
+    assert!(out.contains("distance 0.0000: exact match"), "{out}");
+
+    let refused = |words: &[&str], why: &str| {
+        let (code, out, err) = run(words);
+        assert!(code == 2 && out.is_empty() && err.contains(why), "{words:?}: {out}{err}");
+    };
+    refused(&["width=350mm", "width=0.4"], "`width_m` is asked for twice");
+    refused(&["colour=4"], "there is no feature `colour`; the features are width, depth,");
+    let parsed = |words: &[&str]| {
+        let all = [&["library", "find", "--kind", "column_hinge"], words].concat();
+        Program::try_parse_from(all).err().map(|e| e.to_string()).unwrap_or_default()
+    };
+    assert!(parsed(&["widht=400mm"]).contains("did you mean `width`?"));
+    assert!(parsed(&["colour=4kN"]).contains("there is no feature `colour`"));
+    assert!(parsed(&["width=0"]).contains("`width_m` is a positive number"));
+    assert!(parsed(&["--tolerance", "nan"]).contains("a number from 0"));
+    assert!(parsed(&["--tolerance", "-1"]).contains("a number from 0"));
 }
 
 #[test]

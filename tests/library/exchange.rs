@@ -57,6 +57,44 @@ fn a_bad_import_changes_nothing() {
     target.put(&other).unwrap();
     fs::write(&file, &text).unwrap();
     let message = exchange::import(&mut target, &file).unwrap_err().to_string();
-    assert!(message.contains("differs from the one in the library"), "{message}");
+    assert!(message.contains("differs from the one in the library in `axes`"), "{message}");
     assert_eq!(target.keys().len(), 1);
+}
+
+#[test]
+fn an_export_replaces_exports_only() {
+    let room = tempfile::tempdir().unwrap();
+    let mut store = Store::open(&room.path().join("library")).unwrap();
+    let (file, other) = (room.path().join("all.json"), room.path().join("notes.txt"));
+    store.put(&entry(1)).unwrap();
+    exchange::export(&store, &file).unwrap();
+    store.put(&entry(2)).unwrap();
+    assert_eq!(exchange::export(&store, &file).unwrap(), 2);
+    fs::write(&other, "not to be lost").unwrap();
+    let message = exchange::export(&store, &other).unwrap_err().to_string();
+    assert!(message.contains("no export of a library"), "{message}");
+    assert_eq!(fs::read_to_string(&other).unwrap(), "not to be lost");
+}
+
+/// Of two libraries with the same entries one has deprecated some: the other learns it, and an older file does not undo it.
+#[test]
+fn deprecations_travel_and_are_not_undone() {
+    let room = tempfile::tempdir().unwrap();
+    let (old, new) = (room.path().join("old.json"), room.path().join("new.json"));
+    let entries = [entry(1), entry(2), entry(3)];
+    let mut here = Store::open(&room.path().join("here")).unwrap();
+    let mut there = Store::open(&room.path().join("there")).unwrap();
+    here.put_all(&entries).unwrap();
+    there.put_all(&entries).unwrap();
+    exchange::export(&here, &old).unwrap();
+    here.deprecate(&entries[0].key, Some(&entries[1].key), "coarse").unwrap();
+    exchange::export(&here, &new).unwrap();
+
+    let report = exchange::import(&mut there, &new).unwrap();
+    assert_eq!((report.added, report.unchanged, report.deprecated), (0, 2, 1));
+    assert_eq!(there.list().unwrap(), here.list().unwrap());
+    let report = exchange::import(&mut there, &old).unwrap();
+    assert_eq!((report.added, report.unchanged, report.deprecated), (0, 3, 0));
+    assert_eq!(there.get(&entries[0].key).unwrap().deprecated.unwrap().reason, "coarse");
+    assert!(exchange::verify(&there).unwrap().is_clean());
 }

@@ -86,6 +86,7 @@ fn keys_may_be_shortened_but_not_ambiguously() {
     let hash = a.key.split('@').nth(1).unwrap();
     assert_eq!(store.resolve(&hash[..8]).unwrap(), a.key);
     assert_eq!(store.resolve("column_hinge/500").unwrap(), b.key);
+    assert_eq!(store.resolve("500x500").unwrap(), b.key);
     let message = store.resolve("column_hinge/").unwrap_err().to_string();
     assert!(message.contains("could mean 2 entries"), "{message}");
     let message = store.get(&a.key.replace("top", "tip")).unwrap_err().to_string();

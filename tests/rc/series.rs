@@ -6,8 +6,9 @@ use fallwerk::building::partition::Partition;
 use fallwerk::curve::CurveError;
 use fallwerk::fe::mesh::Mesh;
 use fallwerk::library::derive::Wanted;
-use fallwerk::library::rc::{RcDeriveError, RcDerived, RcWanted, Symmetry};
+use fallwerk::library::rc::{RcDeriveError, RcDerived, RcWanted, Symmetry, no_strength};
 use fallwerk::library::{Entry, Origin, Store};
+use fallwerk::rc::bend::Ending;
 use fallwerk::rc::section_file::read;
 use fallwerk::rc::{RcSection, Series, SeriesOptions, series};
 use std::process::Command;
@@ -175,6 +176,22 @@ fn symmetry_decides_which_bends_are_needed() {
     let mut one_sided = square.clone();
     one_sided.input.bars.truncate(2);
     assert_eq!(Symmetry::of(&one_sided).directions_deg(), [90.0, 270.0, 0.0]);
+}
+
+/// A push that breaks off far below the fibre section tells no strength; one that reaches its end does, however short.
+#[test]
+fn a_push_that_broke_off_early_tells_no_strength() {
+    let mut case = runs().cases[0].clone();
+    assert_eq!(no_strength(&case), None);
+    let mut figures = case.figures.unwrap();
+    figures.peak_nm = 0.01 * case.fibre_peak_nm.unwrap();
+    case.figures = Some(figures);
+    case.bent.as_mut().unwrap().ending = Ending::Path;
+    assert_eq!(no_strength(&case), None, "it ended at the rotation asked for");
+    case.bent.as_mut().unwrap().ending = Ending::Moment;
+    assert!(no_strength(&case).unwrap().contains("broke off"));
+    case.figures = None;
+    assert!(no_strength(&case).unwrap().contains("at most 0.0 kN m"));
 }
 
 #[test]

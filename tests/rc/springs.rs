@@ -221,10 +221,10 @@ fn the_command_writes_curve_figures_and_picture_of_each_load() {
     let room = tempfile::tempdir().unwrap();
     std::fs::write(room.path().join("s.toml"), SMALL).unwrap();
     for load in ["crush", "tension", "shear", "torsion"] {
-        let words = [
-            "rc", "s.toml", "--load", load, "--mesh", "0.1", "--piece", "1", "--until", "0.002", "--axial",
-            "0", "-o", load,
-        ];
+        let axial: &[&str] = if ["shear", "torsion"].contains(&load) { &["--axial", "0"] } else { &[] };
+        let words =
+            ["rc", "s.toml", "--load", load, "--mesh", "0.1", "--piece", "1", "--until", "0.002", "-o", load];
+        let words = [&words, axial].concat();
         let done = Command::new(env!("CARGO_BIN_EXE_fallwerk"))
             .args(words)
             .current_dir(room.path())
@@ -237,5 +237,27 @@ fn the_command_writes_curve_figures_and_picture_of_each_load() {
         assert!(file("curves.csv").lines().count() > 20 && file(&format!("{load}.svg")).contains("<svg"));
         let result: serde_json::Value = serde_json::from_str(&file("result.json")).unwrap();
         assert!(result["runs"][0]["figures"]["peak"].as_f64().unwrap() > 0.0);
+    }
+}
+
+/// An option that would have no effect is refused, not passed over.
+#[test]
+fn options_of_another_load_are_refused() {
+    let room = tempfile::tempdir().unwrap();
+    std::fs::write(room.path().join("s.toml"), SMALL).unwrap();
+    for (words, option) in [
+        ("--piece 2", "--piece"),
+        ("--yielding-bars", "--yielding-bars"),
+        ("--rough-end", "--rough-end"),
+        ("--load shear --rough-end", "--rough-end"),
+        ("--load crush --axial 0.1", "--axial"),
+        ("--load shear --cycles 1%", "--cycles"),
+        ("--load torsion --joint block", "--joint"),
+    ] {
+        let all = ["rc", "s.toml"].into_iter().chain(words.split(' '));
+        let done =
+            Command::new(env!("CARGO_BIN_EXE_fallwerk")).args(all).current_dir(room.path()).output().unwrap();
+        let told = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert!(done.status.code() == Some(2) && told.contains(option) && told.contains("not for"), "{told}");
     }
 }
