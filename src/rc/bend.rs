@@ -33,6 +33,8 @@ const LOOK_STEPS: u64 = 4;
 pub const CRUSHED_STRAIN: f64 = 0.01;
 /// Elongation over length at which a pulled member counts as torn; opening cracks make a third of it.
 const TORN_STRAIN: f64 = 0.05;
+/// Rotation from which on a moment can be lost \[rad\]: before it a slender member still swings about rest by more than it bears.
+const BEARS_FROM_RAD: f64 = 1e-3;
 /// Rotation from which on the kinetic energy counts \[rad\].
 const KINETIC_FROM_RAD: f64 = 2e-3;
 
@@ -429,7 +431,7 @@ impl<'a> Course<'a> {
         self.way_peak = self.way_peak.max(moment);
         if rotation > self.reach[side] {
             self.reach[side] = rotation;
-            self.lost[side] = moment < FAILED_SHARE * self.peak[side];
+            self.lost[side] = rotation > BEARS_FROM_RAD && moment < FAILED_SHARE * self.peak[side];
         }
     }
 

@@ -178,6 +178,18 @@ fn symmetry_decides_which_bends_are_needed() {
     assert_eq!(Symmetry::of(&one_sided).directions_deg(), [90.0, 270.0, 0.0]);
 }
 
+/// Ten times as long as deep: it swings about rest at the start, which once counted as a moment that is lost.
+#[test]
+fn a_slender_member_is_bent_to_the_end() {
+    let text = SMALL.replace("length = \"0.4 m\"", "length = \"2 m\"");
+    let section = read(&Source::new("slender.toml", &text)).unwrap();
+    let series = series::run(&section, &coarse(&[0.1]), &|_, _| {}).unwrap();
+    let case = &series.cases[0];
+    assert_eq!(case.bent.as_ref().unwrap().ending, Ending::Path);
+    let ratio = case.figures.unwrap().peak_nm / case.fibre_peak_nm.unwrap();
+    assert!((0.9..1.2).contains(&ratio), "{ratio}");
+}
+
 /// A push that breaks off far below the fibre section tells no strength; one that reaches its end does, however short.
 #[test]
 fn a_push_that_broke_off_early_tells_no_strength() {

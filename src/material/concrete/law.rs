@@ -107,22 +107,29 @@ pub struct LawError {
     pub expected: String,
 }
 
+/// Least strain at the strength: the secant to it must leave room for the measured residual strain.
+fn least_peak_strain(strength_pa: f64, youngs_modulus_pa: f64) -> f64 {
+    1.4 * strength_pa / youngs_modulus_pa
+}
+
 impl ConcreteLaw {
     /// Ordinary concrete of a mean compressive strength \[Pa\]: Young's modulus of EN 1992-1-1 table 3.1 (`E_cm`), tensile strength `0.3 f^(2/3)` (MPa), fracture
-    /// energy `73 f^0.18` J/m² (fib Model Code 2010, eq. 5.1-9), crushing energy [`CRUSHING_ENERGY_J_M2`], strain at the peak 0.002.
+    /// energy `73 f^0.18` J/m² (fib Model Code 2010, eq. 5.1-9), crushing energy [`CRUSHING_ENERGY_J_M2`], strain at the peak 0.002, from 51 MPa on
+    /// the least that the law takes: `1.4 f_c / E`, within 12 % of `ε_c1 = 0.7 f^0.31` ‰ of the same table.
     pub fn of_strength(compressive_strength_pa: f64) -> Self {
         let mpa = compressive_strength_pa * 1e-6;
         let tensile_strength_pa = 0.3e6 * mpa.powf(2.0 / 3.0);
         let fracture_energy_j_m2 = 73.0 * mpa.powf(0.18);
+        let youngs_modulus_pa = 22e9 * (mpa / 10.0).powf(0.3);
         Self {
             density_kg_m3: 2400.0,
-            youngs_modulus_pa: 22e9 * (mpa / 10.0).powf(0.3),
+            youngs_modulus_pa,
             poisson_ratio: 0.2,
             compressive_strength_pa,
             tensile_strength_pa,
             fracture_energy_j_m2,
             crushing_energy_j_m2: CRUSHING_ENERGY_J_M2,
-            peak_strain: 0.002,
+            peak_strain: least_peak_strain(compressive_strength_pa, youngs_modulus_pa).max(0.002),
             compression: CompressionCurve::Standard { elastic_share: ELASTIC_SHARE },
             tension: TensionCurve::Hordijk,
             surface: Surface::FULL,
@@ -174,7 +181,7 @@ impl ConcreteLaw {
         let s = &self.surface;
         let (fc, e) = (self.compressive_strength_pa, self.youngs_modulus_pa);
         let positive = "a positive number";
-        let least = 1.4 * fc / e; // the secant to the peak must leave room for the measured residual strain
+        let least = least_peak_strain(fc, e);
         let ranges: [(&'static str, f64, f64, f64, String); 15] = [
             ("density_kg_m3", self.density_kg_m3, 1.0, 1e5, positive.into()),
             ("youngs_modulus_pa", e, 1e6, 1e12, "1 MPa to 1 TPa".into()),
@@ -183,7 +190,13 @@ impl ConcreteLaw {
             ("tensile_strength_pa", self.tensile_strength_pa, 1e-4 * fc, 0.5 * fc, "up to f_c / 2".into()),
             ("fracture_energy_j_m2", self.fracture_energy_j_m2, 1e-6, 1e9, positive.into()),
             ("crushing_energy_j_m2", self.crushing_energy_j_m2, 1e-6, 1e9, positive.into()),
-            ("peak_strain", self.peak_strain, least, 0.05, format!("at least 1.4 f_c / E = {least:.2e}")),
+            (
+                "peak_strain",
+                self.peak_strain,
+                least * (1.0 - 1e-9),
+                0.05,
+                format!("at least 1.4 f_c / E = {least:.2e}"),
+            ),
             ("biaxial_ratio", s.biaxial_ratio, 1.0, 1.5, "1 to 1.5".into()),
             ("meridian_ratio", s.meridian_ratio, 0.6, 1.0, "0.6 to 1".into()),
             ("lode_amplitude", s.lode_amplitude, 0.0, 0.03, "0 to 0.03 (the surface stays convex)".into()),
@@ -217,4 +230,25 @@ pub fn compression_rate_factor(rate_1_s: f64) -> f64 {
 pub fn tension_rate_factor(rate_1_s: f64) -> f64 {
     let ratio = (rate_1_s.abs() / 1e-6).max(1.0);
     if rate_1_s.abs() <= 10.0 { ratio.powf(0.018) } else { 0.0062 * ratio.cbrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `ε_c1 = 0.7 f^0.31 <= 2.8` ‰ of EN 1992-1-1, table 3.1.
+    #[test]
+    fn every_strength_makes_a_law_with_a_strain_at_the_peak_near_that_of_the_code() {
+        for mpa in (12..=90).map(f64::from) {
+            let law = ConcreteLaw::of_strength(1e6 * mpa);
+            law.check().unwrap();
+            let code = (0.7e-3 * mpa.powf(0.31)).min(2.8e-3);
+            assert!((law.peak_strain / code - 1.0).abs() < 0.35, "{mpa}: {} {code}", law.peak_strain);
+            assert!(
+                mpa < 40.0 || (law.peak_strain / code - 1.0).abs() < 0.16,
+                "{mpa}: {} {code}",
+                law.peak_strain
+            );
+        }
+    }
 }
