@@ -253,3 +253,98 @@ fn yield_alone(joint: &mut JointData, act: &mut Act, l: usize, tables: &[Capacit
     put(&mut act.local, l, local);
     put(&mut act.moment, l, moment);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::math;
+    use super::super::model::{Bending, Body, Bushing, Model, Origin};
+    use super::super::step;
+    use super::super::system::System;
+    use crate::base::isa::Isa;
+    use crate::curve::{CapacityLevel, ResistanceCurve};
+
+    /// Eleven columns, one on top of the other, that fall over.
+    fn chain() -> Model {
+        let mut m = Model::empty("chain", [1.0, 2.0, -9.81], 1.0, 0.1);
+        let level = |axial_force_n: f64, peak: f64| CapacityLevel {
+            axial_force_n,
+            capacity: vec![[0.0, peak], [0.1, 1.2 * peak], [0.6, 0.1 * peak]],
+            fracture_rotation_rad: 2.0,
+        };
+        let levels = vec![level(0.0, 4e3), level(2e5, 9e3)];
+        m.curves.insert("c".into(), ResistanceCurve { stiffness_nm_rad: 1e6, levels, cyclic: None });
+        for i in 0..11 {
+            m.bodies.push(Body {
+                id: format!("b{i}"),
+                mass_kg: 1e3,
+                inertia_kg_m2: [[900.0, 10.0, 0.0], [10.0, 800.0, 0.0], [0.0, 0.0, 100.0]],
+                position_m: [0.0, 0.0, 1.5 + 3.0 * f64::from(i)],
+                orientation: [1.0, 0.0, 0.0, 0.0],
+                velocity_m_s: [0.0; 3],
+                angular_velocity_rad_s: if i == 10 {
+                    [0.0, 20.0, 0.0]
+                } else {
+                    [0.1 * f64::from(i), 0.0, 0.2]
+                },
+                shapes: Vec::new(),
+                origin: Origin::default(),
+            });
+            let curve = Bending::Curve { curve: "c".into(), strength_factor: 1.0 + 0.1 * f64::from(i) };
+            let soft = Bending::Elastic { stiffness_nm_rad: 2e4 };
+            m.bushings.push(Bushing {
+                id: format!("j{i}"),
+                body_a: (i > 0).then(|| format!("b{}", i - 1)),
+                body_b: format!("b{i}"),
+                point_m: [0.0, 0.0, 3.0 * f64::from(i)],
+                axes: [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                axial_stiffness_n_m: 1e8,
+                shear_stiffness_n_m: [1e8; 2],
+                torsional_stiffness_nm_rad: 1e5,
+                bending: [if i % 3 == 0 { soft } else { curve.clone() }, curve],
+                tensile_capacity_n: Some(2e5),
+                compressive_capacity_n: Some(3e5),
+                tensile_elongation_m: Some(0.5),
+                origin: Origin::default(),
+            });
+        }
+        m
+    }
+
+    #[test]
+    fn eight_at_a_time_is_one_after_the_other_byte_for_byte() {
+        let h = 1e-3;
+        let mut alone = System::new(&chain()).unwrap();
+        let mut together = vec![alone.clone(); Isa::available().count()];
+        together.iter_mut().zip(Isa::available()).for_each(|(system, isa)| system.isa = isa);
+        let (mut eventful, mut largest) = (0, 0.0_f64);
+        for _ in 0..2000 {
+            alone.reset_forces();
+            for joint in &mut alone.joints {
+                joint.apply(&mut alone.bodies, &alone.tables);
+            }
+            let n = alone.count();
+            for (body, data) in alone.bodies[..n].iter_mut().zip(&alone.data) {
+                step::push(body, h);
+                step::find_velocities(body, data, h);
+            }
+            step::drift(&mut alone, h);
+            for system in &mut together {
+                system.reset_forces();
+                eventful += usize::from(system.add_joint_forces());
+                step::kick(system, h, h);
+                step::drift(system, h);
+                assert_eq!(system.bodies[..n], alone.bodies[..n]);
+            }
+            largest = alone.joints.iter().fold(largest, |m, j| m.max(math::norm(j.theta)));
+        }
+        for system in &together {
+            for (a, b) in system.joints.iter().zip(&alone.joints) {
+                assert_eq!((a.hinge.dissipated_j, a.crush_j), (b.hinge.dissipated_j, b.crush_j));
+                assert_eq!((a.elastic_j, a.axial_force, a.theta), (b.elastic_j, b.axial_force, b.theta));
+            }
+        }
+        // All cases have been there: elastic and flowing steps, small and large angles.
+        assert!(eventful > 100 && eventful < 2000 * together.len(), "{eventful}");
+        assert!(largest > 2.4 && alone.joints.iter().any(|j| j.crush_j > 0.0), "{largest}");
+    }
+}
