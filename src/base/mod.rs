@@ -1,10 +1,11 @@
 //! What every module may use and none owns: axis-aligned boxes, units, source files as trees with
-//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, time measurement.
+//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, instruction sets, time measurement.
 
 pub mod cpu;
 pub mod diagnostic;
 pub mod geom;
 pub mod hash;
+pub mod isa;
 pub mod output;
 pub mod piecewise;
 pub mod prefetch;

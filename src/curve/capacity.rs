@@ -34,6 +34,15 @@ pub struct AxialLevel {
     out_of_range: bool,
 }
 
+/// A bound of the capacity between two levels of axial force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearby {
+    /// From and below which axial force it holds \[N\].
+    pub force_n: [f64; 2],
+    /// The capacity is at least this \[N m\].
+    pub least_nm: f64,
+}
+
 /// Result of one evaluation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capacity {
@@ -107,20 +116,42 @@ impl CapacityTable {
         }
     }
 
-    /// A lower bound of the capacity \[N m\] at a rotation and an axial force in the segments used last; none outside these.
+    /// A lower bound of the capacity at a rotation between the levels about an axial force; none if either is outside the segments used last.
     #[inline]
-    pub fn least_nearby_nm(&self, alpha: f64, axial_force_n: f64, hint: &CapacityHint) -> Option<f64> {
-        let (i, level) = (hint.alpha as usize, hint.force as usize);
-        let alphas = self.alpha.get(i..i + 2)?;
-        let forces = self.force.get(level..level + 2)?;
-        let inside = alphas[0] <= alpha
-            && alpha < alphas[1]
-            && forces[0] <= axial_force_n
-            && axial_force_n < forces[1];
+    pub fn nearby(&self, alpha: f64, axial_force_n: f64, hint: &CapacityHint) -> Option<Nearby> {
+        let last = self.force.len() - 1;
+        let (levels, force_n) = if axial_force_n < self.force[0] {
+            ([0, 0], [f64::NEG_INFINITY, self.force[0]])
+        } else if axial_force_n >= self.force[last] {
+            ([last, last], [self.force[last], f64::INFINITY])
+        } else {
+            let i = hint.force as usize;
+            ([i, i + 1], [self.force[i], self.force[i + 1]])
+        };
+        let inside = force_n[0] <= axial_force_n && axial_force_n < force_n[1];
+        let least_nm = self.least_nm(alpha, levels, hint)?;
+        inside.then_some(Nearby { force_n, least_nm })
+    }
+
+    /// The same for all axial forces.
+    pub fn anywhere(&self, alpha: f64, hint: &CapacityHint) -> Option<Nearby> {
+        let least_nm = self.least_nm(alpha, [0, self.force.len() - 1], hint)?;
+        Some(Nearby { force_n: [f64::NEG_INFINITY, f64::INFINITY], least_nm })
+    }
+
+    #[inline]
+    fn least_nm(&self, alpha: f64, [low, high]: [usize; 2], hint: &CapacityHint) -> Option<f64> {
+        let (i, last) = (hint.alpha as usize, self.alpha.len() - 1);
+        let rows = if alpha >= self.alpha[last] {
+            last..=last
+        } else if self.alpha[i] <= alpha && alpha < self.alpha[i + 1] {
+            i..=i + 1
+        } else {
+            return None;
+        };
         let levels = self.force.len();
-        let row = i * levels + level;
-        let at = |k: usize| self.value[k].min(self.value[k + 1]);
-        inside.then(|| at(row).min(at(row + levels)))
+        let values = rows.flat_map(|row| &self.value[row * levels + low..=row * levels + high]);
+        Some(values.fold(f64::INFINITY, |least, v| least.min(*v)))
     }
 
     /// Capacity at accumulated plastic rotation `alpha` \[rad\] and axial force `axial_force_n`

@@ -13,7 +13,7 @@
 //! `½ΣK e²` is exactly `½(M₀+M₁)·(Δθ-Δθ_p)`; the rest, `½(M₀+M₁)·Δθ_p`, is the dissipation. The sum is exact
 //! to round-off in every step, also while the capacity softens or the axial force changes it.
 
-use super::capacity::{AxialLevel, CapacityHint, CapacityTable};
+use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 
 /// State of a hinge.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -65,7 +65,9 @@ pub struct HingeStep {
 /// Relative accuracy of the return to the yield surface, in terms of the moment.
 const RETURN_TOLERANCE: f64 = 1e-13;
 /// Square of the share of the capacity up to which a bound of the capacity settles that the moment is inside.
-const WELL_INSIDE: f64 = 1.0 - 1e-9;
+pub const WELL_INSIDE: f64 = 1.0 - 1e-9;
+/// The same up to which a bound for all axial forces is as good as a nearer one.
+const FAR_INSIDE: f64 = 0.6;
 /// Smallest capacity, relative to the peak: keeps the ratio `M/C` finite at the end of softening.
 const CAPACITY_FLOOR: f64 = 1e-9;
 
@@ -110,13 +112,43 @@ impl Hinge2 {
         let mut f2 = 0.0;
         for i in 0..2 {
             if let AxisLaw::Plastic(table) = laws[i] {
-                match table.least_nearby_nm(self.alpha_rad, n, &self.hint[i]) {
-                    Some(least) if least > 0.0 => f2 += (trial[i] / least) * (trial[i] / least),
+                match table.nearby(self.alpha_rad, n, &self.hint[i]) {
+                    Some(near) if near.least_nm > 0.0 => {
+                        f2 += (trial[i] / near.least_nm) * (trial[i] / near.least_nm);
+                    }
                     _ => return false,
                 }
             }
         }
         f2 < WELL_INSIDE
+    }
+
+    /// About which axial forces \[N\], and with which `1/C²` of both axes \[1/(N m)²\], the moment is elastic while `Σ M_i²/C_i² <` [`WELL_INSIDE`] and the hinge has not flowed
+    /// again: those of all axial forces if the present moment is well below them, else those near the present one.
+    pub fn elastic_range(&self, laws: [AxisLaw<'_>; 2], axial_force_n: f64) -> Option<([f64; 2], [f64; 2])> {
+        let all = self.bounds(laws, |table, hint| table.anywhere(self.alpha_rad, hint));
+        let used =
+            |ease: [f64; 2]| (0..2).map(|i| self.moment_nm[i] * self.moment_nm[i] * ease[i]).sum::<f64>();
+        match all {
+            Some((_, ease)) if used(ease) < FAR_INSIDE => all,
+            _ => self.bounds(laws, |table, hint| table.nearby(self.alpha_rad, axial_force_n, hint)),
+        }
+    }
+
+    fn bounds(
+        &self,
+        laws: [AxisLaw<'_>; 2],
+        bound: impl Fn(&CapacityTable, &CapacityHint) -> Option<Nearby>,
+    ) -> Option<([f64; 2], [f64; 2])> {
+        let (mut force, mut ease) = ([f64::NEG_INFINITY, f64::INFINITY], [0.0; 2]);
+        for i in 0..2 {
+            if let AxisLaw::Plastic(table) = laws[i] {
+                let near = bound(table, &self.hint[i]).filter(|near| near.least_nm > 0.0)?;
+                force = [force[0].max(near.force_n[0]), force[1].min(near.force_n[1])];
+                ease[i] = 1.0 / (near.least_nm * near.least_nm);
+            }
+        }
+        (!self.fractured).then_some((force, ease))
     }
 
     #[inline]

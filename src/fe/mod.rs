@@ -13,7 +13,6 @@ pub mod grid;
 pub mod hexahedron;
 pub mod hourglass;
 mod incidence;
-pub mod isa;
 pub mod kernel;
 pub mod law;
 pub mod limit;
@@ -42,3 +41,5 @@ pub mod tie;
 pub mod truss;
 pub mod vtu;
 pub mod watch;
+
+pub use crate::base::isa;

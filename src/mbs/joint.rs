@@ -26,19 +26,19 @@ pub struct JointData {
     pub b: usize,
     /// Whether the joint is intact.
     pub alive: bool,
-    point_a: V3,
-    point_b: V3,
-    frame_a: Q,
-    frame_b: Q,
+    /// The joint point in the frame of either body.
+    pub(super) points: [V3; 2],
+    /// The joint axes in the frame of either body.
+    pub(super) frames: [Q; 2],
     /// Relative quaternion of the last evaluation: keeps the branch of the logarithm.
-    relative: Q,
+    pub(super) relative: Q,
     /// Translational stiffness along the joint axes \[N/m\].
     pub translation: V3,
     /// Rotational stiffness about the joint axes (elastic part) \[N m/rad\].
     pub rotation: V3,
     table: [u32; 2],
     /// 1 if axis 0 points from A's side to B's, else -1: a gap along it is then tension.
-    outward: f64,
+    pub(super) outward: f64,
     /// Tension at which the joint separates \[N\].
     pub tensile_capacity: f64,
     /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
@@ -46,7 +46,7 @@ pub struct JointData {
     /// Plastic elongation so far \[m\].
     elongated: f64,
     /// Compression at which the axial spring flows \[N\].
-    compressive_capacity: f64,
+    pub(super) compressive_capacity: f64,
     /// Plastic shortening less elongation, in the sense of the gap along axis 0 \[m\].
     pub crushed: f64,
     /// Energy dissipated by crushing and stretching \[J\].
@@ -79,10 +79,8 @@ impl JointData {
             a,
             b,
             alive: true,
-            point_a,
-            point_b,
-            frame_a,
-            frame_b,
+            points: [point_a, point_b],
+            frames: [frame_a, frame_b],
             relative: [1.0, 0.0, 0.0, 0.0],
             translation: [joint.axial_stiffness_n_m, s1, s2],
             rotation: [joint.torsional_stiffness_nm_rad, 0.0, 0.0],
@@ -132,23 +130,24 @@ impl JointData {
     #[inline]
     pub fn apply(&mut self, bodies: &mut [BodyState], tables: &[CapacityTable]) {
         let (a, b) = (&bodies[self.a], &bodies[self.b]);
-        let frame_q = math::qmul(a.q, self.frame_a);
-        let frame = math::qmat(frame_q);
-        let arm_b = math::mul(&b.r, self.point_b);
-        let arm_a = math::add(math::sub(b.x, a.x), arm_b);
-        let mut gap = math::mul_t(&frame, math::sub(arm_a, math::mul(&a.r, self.point_a)));
-        let mut q = math::qmul(math::qconj(frame_q), math::qmul(b.q, self.frame_b));
-        let same = q[0] * self.relative[0]
-            + q[1] * self.relative[1]
-            + q[2] * self.relative[2]
-            + q[3] * self.relative[3];
-        if same < 0.0 {
-            q = q.map(|v| -v);
-        }
-        self.relative = q;
-        let theta = math::qlog(q);
-        self.theta = theta;
+        let at = stance([(a.x, a.q, &a.r), (b.x, b.q, &b.r)], self.points, self.frames, self.relative);
+        let (theta, c) = bend(at.turn);
+        let [local, moment] = self.resist(&at, theta, tables);
+        let [force, on_a, on_b] = loads(&at.frame, at.arms, theta, local, moment, c);
+        let a = &mut bodies[self.a];
+        a.force = math::add(a.force, force);
+        a.torque = math::add(a.torque, on_a);
+        let b = &mut bodies[self.b];
+        b.force = math::sub(b.force, force);
+        b.torque = math::sub(b.torque, on_b);
+    }
 
+    /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.
+    #[inline]
+    pub(super) fn resist(&mut self, at: &Stance, theta: V3, tables: &[CapacityTable]) -> [V3; 2] {
+        self.relative = at.turn;
+        self.theta = theta;
+        let mut gap = at.gap;
         let k = self.translation;
         let old = self.axial_force;
         gap[0] -= self.crushed;
@@ -166,19 +165,23 @@ impl JointData {
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
         let moment = self.moments(theta, tables);
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
+        [local, moment]
+    }
 
-        let once = math::cross(theta, moment);
-        let twice = math::cross(theta, once);
-        let c = math::tangent_coefficient(math::dot(theta, theta));
-        let torque = math::mul(&frame, math::axpy(math::axpy(moment, 0.5, once), c, twice));
-        let force = math::mul(&frame, local);
-        let (turn_a, turn_b) = (math::cross(arm_a, force), math::cross(arm_b, force));
-        let a = &mut bodies[self.a];
-        a.force = math::add(a.force, force);
-        a.torque = math::add(a.torque, math::add(turn_a, torque));
-        let b = &mut bodies[self.b];
-        b.force = math::sub(b.force, force);
-        b.torque = math::sub(b.torque, math::add(turn_b, torque));
+    /// The laws of the bending axes.
+    fn laws<'a>(&self, tables: &'a [CapacityTable]) -> [AxisLaw<'a>; 2] {
+        let law = |k: usize| match self.table[k] {
+            NO_TABLE => AxisLaw::Elastic(self.rotation[k + 1]),
+            t => AxisLaw::Plastic(&tables[t as usize]),
+        };
+        [law(0), law(1)]
+    }
+
+    /// Range of axial forces \[N\] and `1/C²` about both bending axes \[1/(N m)²\] within which nothing flows or breaks ([`Hinge2::elastic_range`]); none if it is not known.
+    pub(super) fn elastic_range(&self, tables: &[CapacityTable]) -> Option<([f64; 2], [f64; 2])> {
+        let (force, ease) = self.hinge.elastic_range(self.laws(tables), self.axial_force)?;
+        let range = [force[0].max(-self.tensile_capacity), force[1].min(self.compressive_capacity)];
+        (!self.is_pulled_apart()).then_some((range, ease))
     }
 
     /// Moments about the joint axes; sets the bending part of the elastic energy.
@@ -191,12 +194,7 @@ impl JointData {
             self.hinge.moment_nm = m;
             return [torsion, m[0], m[1]];
         }
-        let law = |k: usize| match self.table[k] {
-            NO_TABLE => AxisLaw::Elastic(self.rotation[k + 1]),
-            t => AxisLaw::Plastic(&tables[t as usize]),
-        };
-        let laws = [law(0), law(1)];
-        let step = self.hinge.step(laws, [theta[1], theta[2]], self.axial_force);
+        let step = self.hinge.step(self.laws(tables), [theta[1], theta[2]], self.axial_force);
         self.flowing = step.flowing;
         self.elastic_j = step.elastic_j;
         [torsion, self.hinge.moment_nm[0], self.hinge.moment_nm[1]]
@@ -205,8 +203,8 @@ impl JointData {
     /// The six rows of the joint's linearised kinematics in the current pose (see [`Row`]).
     pub fn rows(&self, bodies: &[BodyState]) -> [Row; 6] {
         let (a, b) = (&bodies[self.a], &bodies[self.b]);
-        let axes: M3 = math::transpose(&math::qmat(math::qmul(a.q, self.frame_a)));
-        let arm_b = math::mul(&b.r, self.point_b);
+        let axes: M3 = math::transpose(&math::qmat(math::qmul(a.q, self.frames[0])));
+        let arm_b = math::mul(&b.r, self.points[1]);
         let arm_a = math::add(math::sub(b.x, a.x), arm_b);
         std::array::from_fn(|i| {
             let axis = axes[i % 3];
@@ -231,6 +229,59 @@ impl JointData {
             }
         })
     }
+}
+
+/// A joint in space.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stance {
+    /// The joint axes carried by the first body (joint to global).
+    pub frame: M3,
+    /// From the centres of mass to the joint point of the second body \[m\].
+    pub arms: [V3; 2],
+    /// From the first body's joint point to the second's, along the joint axes \[m\].
+    pub gap: V3,
+    /// Rotation of the second body's joint axes against the first's, on the branch of the last evaluation.
+    pub turn: Q,
+}
+
+/// Where a joint is, for positions and orientations (twice) of its bodies, its points and axes in them, and the rotation of the last evaluation.
+#[inline(always)]
+pub(super) fn stance([a, b]: [(V3, Q, &M3); 2], points: [V3; 2], frames: [Q; 2], last: Q) -> Stance {
+    let frame_q = math::qmul(a.1, frames[0]);
+    let frame = math::qmat(frame_q);
+    let arm_b = math::mul(b.2, points[1]);
+    let arm_a = math::add(math::sub(b.0, a.0), arm_b);
+    let gap = math::mul_t(&frame, math::sub(arm_a, math::mul(a.2, points[0])));
+    let q = math::qmul(math::qconj(frame_q), math::qmul(b.1, frames[1]));
+    let same = q[0] * last[0] + q[1] * last[1] + q[2] * last[2] + q[3] * last[3];
+    let sign = if same < 0.0 { -1.0 } else { 1.0 };
+    let turn = [sign * q[0], sign * q[1], sign * q[2], sign * q[3]];
+    Stance { frame, arms: [arm_a, arm_b], gap, turn }
+}
+
+/// Rotation vector of the joint and [`math::tangent_coefficient`], for any angle.
+#[inline(always)]
+pub(super) fn bend(turn: Q) -> (V3, f64) {
+    bend_by(math::qlog_factor(turn), turn)
+}
+
+/// The same with [`math::qlog_factor`].
+#[inline(always)]
+pub(super) fn bend_by(factor: f64, turn: Q) -> (V3, f64) {
+    let theta = math::scale(factor, [turn[1], turn[2], turn[3]]);
+    (theta, math::tangent_coefficient(math::dot(theta, theta), factor, turn[0]))
+}
+
+/// Force on the first body and torques on both about their centres of mass (the second one feels the opposite), from force and moment along the joint axes; `c` is
+/// [`math::tangent_coefficient`] of the rotation vector.
+#[inline(always)]
+pub(super) fn loads(frame: &M3, arms: [V3; 2], theta: V3, local: V3, moment: V3, c: f64) -> [V3; 3] {
+    let once = math::cross(theta, moment);
+    let twice = math::cross(theta, once);
+    let torque = math::mul(frame, math::axpy(math::axpy(moment, 0.5, once), c, twice));
+    let force = math::mul(frame, local);
+    let (turn_a, turn_b) = (math::cross(arms[0], force), math::cross(arms[1], force));
+    [force, math::add(turn_a, torque), math::add(turn_b, torque)]
 }
 
 /// One spring of a joint: its stretch is `force·(δx_b - δx_a) + turn_b·δφ_b - turn_a·δφ_a`.

@@ -7,6 +7,7 @@
 //! | [`math`] | vectors, quaternions |
 //! | [`system`] | the compiled model: compact arrays of bodies and joints |
 //! | [`joint`] | forces and energy of a compliant joint with its hinge law |
+//! | `joint_lanes`, `lanes` | joints, eight at a time; numbers of eight of a kind |
 //! | [`frequency`] | the highest frequency, hence the time step |
 //! | [`preload`] | static equilibrium before `t = 0` |
 //! | [`contact`] | contact by impulses |
@@ -26,6 +27,8 @@ pub mod error;
 pub mod frequency;
 pub mod ideal;
 pub mod joint;
+mod joint_lanes;
+mod lanes;
 pub mod math;
 pub mod model;
 pub mod parameter;

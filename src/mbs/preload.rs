@@ -48,6 +48,7 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
     let mut last = (0, f64::INFINITY);
     for iteration in 0..ITERATIONS {
         system.joints.clone_from(&virgin);
+        system.pack();
         system.reset_forces();
         system.add_joint_forces();
         let mut residual = DVector::zeros(6 * n);

@@ -250,7 +250,12 @@ impl<'a> Run<'a> {
     #[inline]
     fn forces(&mut self) {
         self.system.reset_forces();
-        self.system.add_joint_forces();
+        if self.system.add_joint_forces() {
+            self.look_at_joints();
+        }
+    }
+
+    fn look_at_joints(&mut self) {
         let mut broken = false;
         for i in 0..self.system.joints.len() {
             let joint = &self.system.joints[i];
@@ -307,6 +312,7 @@ impl<'a> Run<'a> {
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
         }
+        self.system.pack();
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
         connect(&mut self.contacts, &self.system);
         if self.model.settings.time_step_s.is_none() && self.system.joints.iter().all(|j| !j.alive) {
@@ -350,6 +356,7 @@ impl<'a> Run<'a> {
                 .push(RunEvent { time_s: self.time, kind: EventKind::Removal { event: event.id.clone() } });
         }
         if any {
+            self.system.pack();
             connect(&mut self.contacts, &self.system);
             self.forces();
         }

@@ -8,21 +8,134 @@
 //! Integration, 2nd ed., VII.5; Krysl and Endres, IJNME 62 (2005) 2154).
 
 use super::contact::{ContactSet, Moving, TooDeep};
+use super::lanes::{LANES, Lane, ZERO, get, get_matrix, put};
 use super::math::{self, V3};
 use super::system::{BodyData, BodyState, System};
+use crate::base::isa::for_each_isa;
 
 /// Fixed-point iterations for the midpoint angular velocity.
 const ITERATIONS: usize = 2;
+
+/// Inverse masses and inertias of eight bodies.
+#[derive(Debug, Clone)]
+pub(super) struct InverseBlock {
+    mass: Lane,
+    inertia: [[Lane; 3]; 3],
+}
+
+impl InverseBlock {
+    /// Those of all bodies.
+    pub fn all(data: &[BodyData]) -> Vec<Self> {
+        let of = |own: &[BodyData]| {
+            let mut block = Self { mass: ZERO, inertia: [[ZERO; 3]; 3] };
+            for (l, data) in own.iter().enumerate() {
+                block.mass[l] = data.inverse_mass;
+                for i in 0..3 {
+                    put(&mut block.inertia[i], l, data.inverse_inertia[i]);
+                }
+            }
+            block
+        };
+        data.chunks(LANES).map(of).collect()
+    }
+}
 
 /// Kicks all momenta by `kick_s`: velocities become those of a coming step of `h_s` \[s\].
 #[inline]
 pub fn kick(system: &mut System, kick_s: f64, h_s: f64) {
     let n = system.count();
-    for (body, data) in system.bodies[..n].iter_mut().zip(&system.data) {
-        if data.alive && !data.asleep {
-            body.p = math::axpy(body.p, kick_s, body.force);
-            body.l = math::axpy(body.l, kick_s, body.torque);
-            find_velocities(body, data, h_s);
+    let System { isa, bodies, data, inverses, moved, .. } = system;
+    kick_all(*isa, &mut bodies[..n], data, inverses, &mut moved.kick, kick_s, h_s);
+}
+
+for_each_isa! {
+    fn kick_all = kick_any(
+        bodies: &mut [BodyState],
+        data: &[BodyData],
+        inverses: &[InverseBlock],
+        at: &mut Kick,
+        kick_s: f64,
+        h_s: f64,
+    )
+}
+
+#[inline(always)]
+fn kick_any(
+    bodies: &mut [BodyState],
+    data: &[BodyData],
+    inverses: &[InverseBlock],
+    at: &mut Kick,
+    kick_s: f64,
+    h_s: f64,
+) {
+    for ((bodies, data), inverse) in bodies.chunks_mut(LANES).zip(data.chunks(LANES)).zip(inverses) {
+        for (l, body) in bodies.iter().enumerate() {
+            put(&mut at.p, l, body.p);
+            put(&mut at.l, l, body.l);
+            put(&mut at.force, l, body.force);
+            put(&mut at.torque, l, body.torque);
+            put(&mut at.w_body, l, body.w_body);
+            put(&mut at.q, l, body.q);
+        }
+        at.go(inverse, kick_s, h_s);
+        for (l, (body, data)) in bodies.iter_mut().zip(data).enumerate() {
+            if data.alive && !data.asleep {
+                (body.p, body.l) = (get(&at.p, l), get(&at.l, l));
+                if at.turn2[l] < TURN_NEAR {
+                    (body.v, body.w, body.w_body) = (get(&at.v, l), get(&at.w, l), get(&at.w_body, l));
+                } else {
+                    find_velocities(body, data, h_s);
+                }
+            }
+        }
+    }
+}
+
+/// Working memory of a step.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Moved {
+    kick: Kick,
+    drift: Drift,
+}
+
+/// Eight bodies that are kicked.
+#[derive(Debug, Clone, Default)]
+struct Kick {
+    p: [Lane; 3],
+    l: [Lane; 3],
+    force: [Lane; 3],
+    torque: [Lane; 3],
+    q: [Lane; 4],
+    v: [Lane; 3],
+    w: [Lane; 3],
+    w_body: [Lane; 3],
+    /// Square of the largest angle of half the step.
+    turn2: Lane,
+}
+
+impl Kick {
+    #[inline(always)]
+    fn go(&mut self, inverse: &InverseBlock, kick_s: f64, h_s: f64) {
+        for l in 0..LANES {
+            let p = math::axpy(get(&self.p, l), kick_s, get(&self.force, l));
+            let spin = math::axpy(get(&self.l, l), kick_s, get(&self.torque, l));
+            let r = math::qmat(get(&self.q, l));
+            let inertia = get_matrix(&inverse.inertia, l);
+            let l_body = math::mul_t(&r, spin);
+            let mut w = get(&self.w_body, l);
+            let mut largest = 0.0_f64;
+            for _ in 0..ITERATIONS {
+                let half = math::scale(-0.5 * h_s, w);
+                let r2 = math::dot(half, half);
+                largest = if r2 > largest { r2 } else { largest };
+                w = math::mul(&inertia, turn_by(half, l_body, turn_series(r2)));
+            }
+            self.turn2[l] = largest;
+            put(&mut self.p, l, p);
+            put(&mut self.l, l, spin);
+            put(&mut self.v, l, math::scale(inverse.mass[l], p));
+            put(&mut self.w_body, l, w);
+            put(&mut self.w, l, math::mul(&r, w));
         }
     }
 }
@@ -103,28 +216,100 @@ pub fn meet(
 #[inline]
 pub fn drift(system: &mut System, h_s: f64) {
     let n = system.count();
-    for (body, data) in system.bodies[..n].iter_mut().zip(&system.data) {
-        if data.alive && !data.asleep {
-            body.x = math::axpy(body.x, h_s, body.v);
-            body.q = math::qrenormalise(math::qmul(body.q, math::qexp(math::scale(h_s, body.w_body))));
-            body.r = math::qmat(body.q);
+    let System { isa, bodies, data, moved, .. } = system;
+    drift_all(*isa, &mut bodies[..n], data, &mut moved.drift, h_s);
+}
+
+for_each_isa! {
+    fn drift_all = drift_any(bodies: &mut [BodyState], data: &[BodyData], at: &mut Drift, h_s: f64)
+}
+
+#[inline(always)]
+fn drift_any(bodies: &mut [BodyState], data: &[BodyData], at: &mut Drift, h_s: f64) {
+    for (bodies, data) in bodies.chunks_mut(LANES).zip(data.chunks(LANES)) {
+        for (l, body) in bodies.iter().enumerate() {
+            put(&mut at.x, l, body.x);
+            put(&mut at.v, l, body.v);
+            put(&mut at.q, l, body.q);
+            put(&mut at.w_body, l, body.w_body);
+        }
+        at.go(h_s);
+        for (l, (body, data)) in bodies.iter_mut().zip(data).enumerate() {
+            if data.alive && !data.asleep {
+                body.x = get(&at.x, l);
+                if at.half2[l] < math::EXP_NEAR {
+                    (body.q, body.r) = (get(&at.q, l), get_matrix(&at.r, l));
+                } else {
+                    let turn = math::qexp(math::scale(h_s, body.w_body));
+                    body.q = math::qrenormalise(math::qmul(body.q, turn));
+                    body.r = math::qmat(body.q);
+                }
+            }
         }
     }
+}
+
+/// Eight bodies that drift.
+#[derive(Debug, Clone, Default)]
+struct Drift {
+    x: [Lane; 3],
+    v: [Lane; 3],
+    q: [Lane; 4],
+    w_body: [Lane; 3],
+    r: [[Lane; 3]; 3],
+    /// Square of half the angle of the step.
+    half2: Lane,
+}
+
+impl Drift {
+    #[inline(always)]
+    fn go(&mut self, h_s: f64) {
+        for l in 0..LANES {
+            let turn = math::scale(h_s, get(&self.w_body, l));
+            let half2 = 0.25 * math::dot(turn, turn);
+            let (half_sinc, c) = math::exp_series(half2);
+            let by = [c, half_sinc * turn[0], half_sinc * turn[1], half_sinc * turn[2]];
+            let q = math::qrenormalise(math::qmul(get(&self.q, l), by));
+            let r = math::qmat(q);
+            self.half2[l] = half2;
+            let x = math::axpy(get(&self.x, l), h_s, get(&self.v, l));
+            put(&mut self.x, l, x);
+            put(&mut self.q, l, q);
+            put(&mut self.r[0], l, r[0]);
+            put(&mut self.r[1], l, r[1]);
+            put(&mut self.r[2], l, r[2]);
+        }
+    }
+}
+
+/// Square of an angle below which [`turn_series`] holds.
+const TURN_NEAR: f64 = 0.01;
+
+/// `sin(r)/r` and `(1 - cos(r))/r²` from `r²`.
+#[inline(always)]
+fn turn_series(r2: f64) -> (f64, f64) {
+    (
+        1.0 - r2 * (1.0 / 6.0 - r2 * (1.0 / 120.0 - r2 * (1.0 / 5040.0 - r2 * (1.0 / 362_880.0)))),
+        0.5 - r2 * (1.0 / 24.0 - r2 * (1.0 / 720.0 - r2 * (1.0 / 40320.0 - r2 * (1.0 / 3_628_800.0)))),
+    )
 }
 
 /// `exp([r]×) v` for a small rotation vector.
 #[inline(always)]
 fn turn(r: V3, v: V3) -> V3 {
     let r2 = math::dot(r, r);
-    let (a, b) = if r2 < 0.01 {
-        (
-            1.0 - r2 * (1.0 / 6.0 - r2 * (1.0 / 120.0 - r2 * (1.0 / 5040.0 - r2 * (1.0 / 362_880.0)))),
-            0.5 - r2 * (1.0 / 24.0 - r2 * (1.0 / 720.0 - r2 * (1.0 / 40320.0 - r2 * (1.0 / 3_628_800.0)))),
-        )
+    let factors = if r2 < TURN_NEAR {
+        turn_series(r2)
     } else {
         let s = r2.sqrt();
         (s.sin() / s, (1.0 - s.cos()) / r2)
     };
+    turn_by(r, v, factors)
+}
+
+/// `exp([r]×) v` with the two factors of `r`.
+#[inline(always)]
+fn turn_by(r: V3, v: V3, (a, b): (f64, f64)) -> V3 {
     let once = math::cross(r, v);
     math::axpy(math::axpy(v, a, once), b, math::cross(r, once))
 }

@@ -4,8 +4,11 @@
 //! special case for it.
 
 use super::joint::JointData;
+use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
 use super::model::{Bending, Body, Model};
+use super::step::{InverseBlock, Moved};
+use crate::base::isa::Isa;
 use crate::curve::{CapacityTable, CurveError};
 use std::collections::BTreeMap;
 
@@ -64,6 +67,12 @@ pub struct System {
     pub joints: Vec<JointData>,
     /// Capacities used by the joints.
     pub tables: Vec<CapacityTable>,
+    /// The instruction set of the time loop; the bytes are the same with each.
+    pub isa: Isa,
+    pub(super) blocks: Vec<JointBlock>,
+    pub(super) inverses: Vec<InverseBlock>,
+    pub(super) moved: Moved,
+    act: Act,
 }
 
 impl System {
@@ -103,7 +112,16 @@ impl System {
             }
             joints.push(compiled);
         }
-        Ok(Self { gravity: model.gravity_m_s2, bodies, data, joints, tables })
+        let blocks = JointBlock::all(&joints, &tables);
+        let inverses = InverseBlock::all(&data);
+        let (gravity, isa) = (model.gravity_m_s2, Isa::best());
+        let (moved, act) = (Moved::default(), Act::default());
+        Ok(Self { gravity, bodies, data, joints, tables, isa, blocks, inverses, moved, act })
+    }
+
+    /// To be called when joints were changed, or joints or bodies taken away.
+    pub fn pack(&mut self) {
+        self.blocks = JointBlock::all(&self.joints, &self.tables);
     }
 
     /// Number of moving bodies.
@@ -122,16 +140,18 @@ impl System {
         }
     }
 
-    /// Adds the forces of all intact joints; hinge histories advance.
+    /// Adds the forces of all intact joints; hinge histories advance. Whether any of them may have flowed or broken.
     #[inline]
-    pub fn add_joint_forces(&mut self) {
-        let ground = self.bodies.len() - 1;
-        for joint in &mut self.joints {
-            let rests = |i: usize| i == ground || self.data[i].asleep;
-            if joint.alive && !(rests(joint.a) && rests(joint.b)) {
-                joint.apply(&mut self.bodies, &self.tables);
-            }
-        }
+    pub fn add_joint_forces(&mut self) -> bool {
+        joint_lanes::apply_all(
+            self.isa,
+            &mut self.blocks,
+            &mut self.joints,
+            &mut self.bodies,
+            &self.data,
+            &self.tables,
+            &mut self.act,
+        )
     }
 }
 

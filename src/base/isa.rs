@@ -1,4 +1,4 @@
-//! Instruction sets: the kernel is compiled once for each, and a run takes the widest that the processor has, or a given one.
+//! Instruction sets: a kernel is compiled once for each, and a run takes the widest that the processor has, or a given one.
 //!
 //! The results are the same bytes with each of them: vector code does for eight elements what scalar code does for one, operation by operation,
 //! and nothing is fused or reordered. So the choice is no part of a model, and a run that goes on from a checkpoint makes its own; it decides only
@@ -90,7 +90,7 @@ macro_rules! for_each_isa {
     ($(#[$meta:meta])* $vis:vis fn $chosen:ident = $all:ident($($arg:ident: $type:ty),* $(,)?) $(-> $out:ty)?) => {
         $(#[$meta])*
         #[allow(clippy::too_many_arguments)]
-        $vis fn $chosen(isa: $crate::fe::isa::Isa, $($arg: $type),*) $(-> $out)? {
+        $vis fn $chosen(isa: $crate::base::isa::Isa, $($arg: $type),*) $(-> $out)? {
             #[cfg(target_arch = "x86_64")]
             #[allow(clippy::too_many_arguments)]
             #[target_feature(enable = "avx2")]
@@ -109,8 +109,8 @@ macro_rules! for_each_isa {
             #[expect(unsafe_code, reason = "calls code in instructions that not every processor has")]
             match isa {
                 // SAFETY: the processor has them, as the guards of the arms have asked it.
-                $crate::fe::isa::Isa::Avx512 if isa.is_available() => return unsafe { avx512($($arg),*) },
-                $crate::fe::isa::Isa::Avx2 if isa.is_available() => return unsafe { avx2($($arg),*) },
+                $crate::base::isa::Isa::Avx512 if isa.is_available() => return unsafe { avx512($($arg),*) },
+                $crate::base::isa::Isa::Avx2 if isa.is_available() => return unsafe { avx2($($arg),*) },
                 _ => {}
             }
             #[cfg(not(target_arch = "x86_64"))]
@@ -119,7 +119,7 @@ macro_rules! for_each_isa {
         }
     };
 }
-pub(super) use for_each_isa;
+pub(crate) use for_each_isa;
 
 #[cfg(test)]
 mod tests {

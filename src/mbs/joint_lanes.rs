@@ -1,0 +1,350 @@
+//! Joints, eight at a time.
+//!
+//! Poses and constants of eight joints lie in lanes; kinematics, elastic forces and their moments on the bodies are the functions of [`super::joint`] in loops over lanes, which the compiler turns into vector code.
+//! A joint whose angle is not small, or that may flow, crush or break ([`JointData::elastic_range`]), has its law evaluated by itself in between. So all joints give the same bytes as if each were
+//! evaluated by [`JointData::apply`] in turn.
+
+use super::joint::{self, JointData, Stance};
+use super::lanes::{LANES, Lane, ZERO, get, get_matrix, put};
+use super::math::{self, M3};
+use super::system::{BodyData, BodyState};
+use crate::base::isa::for_each_isa;
+use crate::curve::CapacityTable;
+use crate::curve::hinge::WELL_INSIDE;
+
+/// Eight joints: what of them the lanes need.
+#[derive(Debug, Clone)]
+pub(super) struct JointBlock {
+    /// Which ones, and their bodies.
+    joints: Vec<u32>,
+    bodies: [[u32; LANES]; 2],
+    points: [[Lane; 3]; 2],
+    frames: [[Lane; 4]; 2],
+    relative: [Lane; 4],
+    translation: [Lane; 3],
+    rotation: [Lane; 3],
+    outward: Lane,
+    crushed: Lane,
+    plastic: [Lane; 2],
+    /// Where the joint is elastic.
+    force: [Lane; 2],
+    ease: [Lane; 2],
+}
+
+/// What a block does in a step.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Act {
+    x: [[Lane; 3]; 2],
+    q: [[Lane; 4]; 2],
+    frame: [[Lane; 3]; 3],
+    arms: [[Lane; 3]; 2],
+    gap: [Lane; 3],
+    turn: [Lane; 4],
+    theta: [Lane; 3],
+    local: [Lane; 3],
+    moment: [Lane; 3],
+    tangent: Lane,
+    axial: Lane,
+    elastic: Lane,
+    plain: [u64; LANES],
+    loads: [[Lane; 3]; 3],
+}
+
+impl JointBlock {
+    /// The blocks of all intact joints, in their order.
+    pub fn all(joints: &[JointData], tables: &[CapacityTable]) -> Vec<Self> {
+        let intact: Vec<u32> = (0..joints.len() as u32).filter(|i| joints[*i as usize].alive).collect();
+        intact.chunks(LANES).map(|own| Self::of(own, joints, tables)).collect()
+    }
+
+    fn of(own: &[u32], joints: &[JointData], tables: &[CapacityTable]) -> Self {
+        let mut block = Self {
+            joints: own.to_vec(),
+            bodies: [[0; LANES]; 2],
+            points: [[ZERO; 3]; 2],
+            frames: [[[1.0; LANES], ZERO, ZERO, ZERO]; 2],
+            relative: [[1.0; LANES], ZERO, ZERO, ZERO],
+            translation: [ZERO; 3],
+            rotation: [ZERO; 3],
+            outward: [1.0; LANES],
+            crushed: ZERO,
+            plastic: [ZERO; 2],
+            force: [[f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]],
+            ease: [ZERO; 2],
+        };
+        for (l, i) in own.iter().enumerate() {
+            let joint = &joints[*i as usize];
+            for (side, body) in [joint.a, joint.b].into_iter().enumerate() {
+                block.bodies[side][l] = body as u32;
+                put(&mut block.points[side], l, joint.points[side]);
+                put(&mut block.frames[side], l, joint.frames[side]);
+            }
+            put(&mut block.translation, l, joint.translation);
+            put(&mut block.rotation, l, joint.rotation);
+            block.outward[l] = joint.outward;
+            put(&mut block.relative, l, joint.relative);
+            block.learn(l, joint, tables);
+        }
+        block
+    }
+
+    /// Takes over what may have changed by the law of a joint.
+    #[inline]
+    fn learn(&mut self, l: usize, joint: &JointData, tables: &[CapacityTable]) {
+        self.crushed[l] = joint.crushed;
+        put(&mut self.plastic, l, joint.hinge.plastic_rad);
+        // No number lies between infinity and infinity; what flows will do so in the next step as well.
+        let range = if joint.flowing { None } else { joint.elastic_range(tables) };
+        let (force, ease) = range.unwrap_or(([f64::INFINITY; 2], [0.0; 2]));
+        put(&mut self.force, l, force);
+        put(&mut self.ease, l, ease);
+    }
+
+    /// Kinematics and, where a joint is plain, its law.
+    #[inline(always)]
+    fn look(&self, act: &mut Act) {
+        for l in 0..LANES {
+            let (qa, qb) = (get(&act.q[0], l), get(&act.q[1], l));
+            let (ra, rb) = (math::qmat(qa), math::qmat(qb));
+            let poses = [(get(&act.x[0], l), qa, &ra), (get(&act.x[1], l), qb, &rb)];
+            let points = [get(&self.points[0], l), get(&self.points[1], l)];
+            let frames = [get(&self.frames[0], l), get(&self.frames[1], l)];
+            let Stance { frame, arms, gap, turn } =
+                joint::stance(poses, points, frames, get(&self.relative, l));
+            let axis = [turn[1], turn[2], turn[3]];
+            let sine2 = math::dot(axis, axis);
+            let (theta, tangent) = joint::bend_by(math::log_factor(sine2, turn[0]), turn);
+            let along = gap[0] - self.crushed[l];
+            let k = get(&self.translation, l);
+            let axial = -self.outward[l] * k[0] * along;
+            let local = [k[0] * along, k[1] * gap[1], k[2] * gap[2]];
+            let e = [theta[1] - self.plastic[0][l], theta[2] - self.plastic[1][l]];
+            let bent = [self.rotation[1][l] * e[0], self.rotation[2][l] * e[1]];
+            let moment = [self.rotation[0][l] * theta[0], bent[0], bent[1]];
+            let used = bent[0] * bent[0] * self.ease[0][l] + bent[1] * bent[1] * self.ease[1][l];
+            let stretch = math::dot(local, [along, gap[1], gap[2]]);
+            act.elastic[l] = 0.5 * (bent[0] * e[0] + bent[1] * e[1]) + 0.5 * (stretch + moment[0] * theta[0]);
+            act.axial[l] = axial;
+            let inside = (axial >= self.force[0][l]) & (axial < self.force[1][l]) & (used < WELL_INSIDE);
+            act.plain[l] = u64::from(inside & (turn[0] > math::LOG_NEAR));
+            act.tangent[l] = tangent;
+            put(&mut act.frame[0], l, frame[0]);
+            put(&mut act.frame[1], l, frame[1]);
+            put(&mut act.frame[2], l, frame[2]);
+            put(&mut act.arms[0], l, arms[0]);
+            put(&mut act.arms[1], l, arms[1]);
+            put(&mut act.gap, l, gap);
+            put(&mut act.turn, l, turn);
+            put(&mut act.theta, l, theta);
+            put(&mut act.local, l, local);
+            put(&mut act.moment, l, moment);
+        }
+    }
+}
+
+impl Act {
+    /// Forces and moments on the bodies.
+    #[inline(always)]
+    fn load(&mut self) {
+        for l in 0..LANES {
+            let frame: M3 = get_matrix(&self.frame, l);
+            let arms = [get(&self.arms[0], l), get(&self.arms[1], l)];
+            let (theta, local, moment) = (get(&self.theta, l), get(&self.local, l), get(&self.moment, l));
+            let all = joint::loads(&frame, arms, theta, local, moment, self.tangent[l]);
+            put(&mut self.loads[0], l, all[0]);
+            put(&mut self.loads[1], l, all[1]);
+            put(&mut self.loads[2], l, all[2]);
+        }
+    }
+
+    fn stance(&self, l: usize) -> Stance {
+        Stance {
+            frame: get_matrix(&self.frame, l),
+            arms: [get(&self.arms[0], l), get(&self.arms[1], l)],
+            gap: get(&self.gap, l),
+            turn: get(&self.turn, l),
+        }
+    }
+}
+
+for_each_isa! {
+    /// Adds the forces of all joints in blocks to their bodies and advances their histories; joints between bodies at rest are left out. Whether any of them may have flowed or broken.
+    pub(super) fn apply_all = apply_any(
+        blocks: &mut [JointBlock],
+        joints: &mut [JointData],
+        bodies: &mut [BodyState],
+        data: &[BodyData],
+        tables: &[CapacityTable],
+        act: &mut Act,
+    ) -> bool
+}
+
+#[inline(always)]
+fn apply_any(
+    blocks: &mut [JointBlock],
+    joints: &mut [JointData],
+    bodies: &mut [BodyState],
+    data: &[BodyData],
+    tables: &[CapacityTable],
+    act: &mut Act,
+) -> bool {
+    let mut eventful = false;
+    for block in blocks {
+        for side in 0..2 {
+            for l in 0..LANES {
+                let body = &bodies[block.bodies[side][l] as usize];
+                put(&mut act.x[side], l, body.x);
+                put(&mut act.q[side], l, body.q);
+            }
+        }
+        block.look(act);
+        for l in 0..block.joints.len() {
+            let joint = &mut joints[block.joints[l] as usize];
+            if rests(joint, data) {
+                continue;
+            }
+            joint.flowing = false;
+            put(&mut block.relative, l, get(&act.turn, l));
+            if act.plain[l] == 0 {
+                eventful = true;
+
+                yield_alone(joint, act, l, tables);
+                block.learn(l, joint, tables);
+            } else {
+                joint.relative = get(&act.turn, l);
+                joint.theta = get(&act.theta, l);
+                joint.axial_force = act.axial[l];
+                joint.elastic_j = act.elastic[l];
+                joint.hinge.moment_nm = [act.moment[1][l], act.moment[2][l]];
+            }
+        }
+        act.load();
+        for (l, i) in block.joints.iter().enumerate() {
+            if rests(&joints[*i as usize], data) {
+                continue;
+            }
+            let force = get(&act.loads[0], l);
+            let a = &mut bodies[block.bodies[0][l] as usize];
+            a.force = math::add(a.force, force);
+            a.torque = math::add(a.torque, get(&act.loads[1], l));
+            let b = &mut bodies[block.bodies[1][l] as usize];
+            b.force = math::sub(b.force, force);
+            b.torque = math::sub(b.torque, get(&act.loads[2], l));
+        }
+    }
+    eventful
+}
+
+/// Whether neither body of a joint moves.
+#[inline(always)]
+fn rests(joint: &JointData, data: &[BodyData]) -> bool {
+    let still = |i: usize| i + 1 == data.len() || data[i].asleep;
+    still(joint.a) && still(joint.b)
+}
+
+/// The law of one joint.
+#[inline(never)]
+fn yield_alone(joint: &mut JointData, act: &mut Act, l: usize, tables: &[CapacityTable]) {
+    let at = act.stance(l);
+    let (theta, tangent) = joint::bend(at.turn);
+    let [local, moment] = joint.resist(&at, theta, tables);
+    act.tangent[l] = tangent;
+    put(&mut act.theta, l, theta);
+    put(&mut act.local, l, local);
+    put(&mut act.moment, l, moment);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::math;
+    use super::super::model::{Bending, Body, Bushing, Model, Origin};
+    use super::super::step;
+    use super::super::system::System;
+    use crate::base::isa::Isa;
+    use crate::curve::{CapacityLevel, ResistanceCurve};
+
+    /// Eleven columns, one on top of the other, that fall over.
+    fn chain() -> Model {
+        let mut m = Model::empty("chain", [1.0, 2.0, -9.81], 1.0, 0.1);
+        let level = |axial_force_n: f64, peak: f64| CapacityLevel {
+            axial_force_n,
+            capacity: vec![[0.0, peak], [0.1, 1.2 * peak], [0.6, 0.1 * peak]],
+            fracture_rotation_rad: 2.0,
+        };
+        let levels = vec![level(0.0, 4e3), level(2e5, 9e3)];
+        m.curves.insert("c".into(), ResistanceCurve { stiffness_nm_rad: 1e6, levels, cyclic: None });
+        for i in 0..11 {
+            m.bodies.push(Body {
+                id: format!("b{i}"),
+                mass_kg: 1e3,
+                inertia_kg_m2: [[900.0, 10.0, 0.0], [10.0, 800.0, 0.0], [0.0, 0.0, 100.0]],
+                position_m: [0.0, 0.0, 1.5 + 3.0 * f64::from(i)],
+                orientation: [1.0, 0.0, 0.0, 0.0],
+                velocity_m_s: [0.0; 3],
+                angular_velocity_rad_s: if i == 10 {
+                    [0.0, 20.0, 0.0]
+                } else {
+                    [0.1 * f64::from(i), 0.0, 0.2]
+                },
+                shapes: Vec::new(),
+                origin: Origin::default(),
+            });
+            let curve = Bending::Curve { curve: "c".into(), strength_factor: 1.0 + 0.1 * f64::from(i) };
+            let soft = Bending::Elastic { stiffness_nm_rad: 2e4 };
+            m.bushings.push(Bushing {
+                id: format!("j{i}"),
+                body_a: (i > 0).then(|| format!("b{}", i - 1)),
+                body_b: format!("b{i}"),
+                point_m: [0.0, 0.0, 3.0 * f64::from(i)],
+                axes: [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                axial_stiffness_n_m: 1e8,
+                shear_stiffness_n_m: [1e8; 2],
+                torsional_stiffness_nm_rad: 1e5,
+                bending: [if i % 3 == 0 { soft } else { curve.clone() }, curve],
+                tensile_capacity_n: Some(2e5),
+                compressive_capacity_n: Some(3e5),
+                tensile_elongation_m: Some(0.5),
+                origin: Origin::default(),
+            });
+        }
+        m
+    }
+
+    #[test]
+    fn eight_at_a_time_is_one_after_the_other_byte_for_byte() {
+        let h = 1e-3;
+        let mut alone = System::new(&chain()).unwrap();
+        let mut together = vec![alone.clone(); Isa::available().count()];
+        together.iter_mut().zip(Isa::available()).for_each(|(system, isa)| system.isa = isa);
+        let (mut eventful, mut largest) = (0, 0.0_f64);
+        for _ in 0..2000 {
+            alone.reset_forces();
+            for joint in &mut alone.joints {
+                joint.apply(&mut alone.bodies, &alone.tables);
+            }
+            let n = alone.count();
+            for (body, data) in alone.bodies[..n].iter_mut().zip(&alone.data) {
+                step::push(body, h);
+                step::find_velocities(body, data, h);
+            }
+            step::drift(&mut alone, h);
+            for system in &mut together {
+                system.reset_forces();
+                eventful += usize::from(system.add_joint_forces());
+                step::kick(system, h, h);
+                step::drift(system, h);
+                assert_eq!(system.bodies[..n], alone.bodies[..n]);
+            }
+            largest = alone.joints.iter().fold(largest, |m, j| m.max(math::norm(j.theta)));
+        }
+        for system in &together {
+            for (a, b) in system.joints.iter().zip(&alone.joints) {
+                assert_eq!((a.hinge.dissipated_j, a.crush_j), (b.hinge.dissipated_j, b.crush_j));
+                assert_eq!((a.elastic_j, a.axial_force, a.theta), (b.elastic_j, b.axial_force, b.theta));
+            }
+        }
+        // All cases have been there: elastic and flowing steps, small and large angles.
+        assert!(eventful > 100 && eventful < 2000 * together.len(), "{eventful}");
+        assert!(largest > 2.4 && alone.joints.iter().any(|j| j.crush_j > 0.0), "{largest}");
+    }
+}
