@@ -118,6 +118,8 @@ pub fn sweep(count: u64, done: &(dyn Fn() + Sync)) -> Sweep {
 fn outcome(model: &Model) -> Result<Finished, String> {
     let result = simulate(model).map_err(|e| e.to_string())?;
     let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
+    // bodies that a joint connects with the ground pass through it
+    let meets_ground = |id: &str| model.joints.iter().all(|j| j.body_a.is_some() || j.body_b != id);
     let depth = |frame: &crate::mbs::result::Frame| {
         let of_body = |(i, body): (usize, &crate::mbs::model::Body)| {
             let r = crate::mbs::math::qmat(frame.orientation[i]);
@@ -125,7 +127,8 @@ fn outcome(model: &Model) -> Result<Finished, String> {
             let corners = body.shapes.iter().flat_map(|s| s.corners()).map(lowest);
             level - corners.fold(f64::INFINITY, f64::min)
         };
-        model.bodies.iter().enumerate().map(of_body).fold(0.0, f64::max)
+        let meeting = model.bodies.iter().enumerate().filter(|(_, b)| meets_ground(&b.id));
+        meeting.map(of_body).fold(0.0, f64::max)
     };
     // what is in the ground at the start stays as deep
     let start = result.frames.first().map_or(0.0, depth);

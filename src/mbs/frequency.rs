@@ -1,8 +1,9 @@
 //! The highest natural frequency of the elastic model, which limits the explicit step to `2/ω`.
 //!
 //! Power iteration on `M⁻¹K`, matrix-free over the springs of the joints. It converges from below, so
-//! the result carries a margin ([`MARGIN`]); the step then uses [`STEP_FRACTION`] of the limit, which leaves the
-//! rest of `h²ω² <= 4` to the contact springs.
+//! the result carries a margin ([`MARGIN`]); the step then uses [`STEP_FRACTION`] of the limit. What that
+//! costs and brings, generated three-storey frame, against steps of 0.05 ms: 0.7 of the limit 0.25 mm before the first contact, energy
+//! error 0.34 %, 90 runs a second; 0.75: 0.33 mm, 1.1 %, 97; 0.8: 0.74 mm, 1.6 %, 100.
 
 use super::joint::Row;
 use super::math::{self, V3};
