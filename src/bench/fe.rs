@@ -10,11 +10,11 @@
 //! code of `sweep::chunk_in`, where a vector instruction is one operation of each of the eight elements of a block.
 
 use super::bandwidth::triad_bytes_per_s;
+use crate::base::isa::Isa;
 use crate::fe::blocks::Block;
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 use crate::fe::full::FullState;
-use crate::fe::isa::Isa;
 use crate::fe::kernel::BlockState;
 use crate::fe::law::{ElementForm, Law};
 use crate::fe::shapes::{elastic, grid, point};

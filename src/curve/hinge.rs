@@ -109,18 +109,8 @@ impl Hinge2 {
     /// Whether a bound without interpolation shows that the moment is inside.
     #[inline]
     fn is_well_inside(&self, laws: [AxisLaw<'_>; 2], trial: [f64; 2], n: f64) -> bool {
-        let mut f2 = 0.0;
-        for i in 0..2 {
-            if let AxisLaw::Plastic(table) = laws[i] {
-                match table.nearby(self.alpha_rad, n, &self.hint[i]) {
-                    Some(near) if near.least_nm > 0.0 => {
-                        f2 += (trial[i] / near.least_nm) * (trial[i] / near.least_nm);
-                    }
-                    _ => return false,
-                }
-            }
-        }
-        f2 < WELL_INSIDE
+        let near = self.bounds(laws, |table, hint| table.nearby(self.alpha_rad, n, hint));
+        near.is_some_and(|(_, ease)| (0..2).map(|i| trial[i] * trial[i] * ease[i]).sum::<f64>() < WELL_INSIDE)
     }
 
     /// About which axial forces \[N\], and with which `1/C²` of both axes \[1/(N m)²\], the moment is elastic while `Σ M_i²/C_i² <` [`WELL_INSIDE`] and the hinge has not flowed

@@ -9,7 +9,6 @@ use super::blocks::Blocks;
 use super::contact::body::{Moving, Struck, Surroundings};
 use super::contact::{BodyContact, RigidSurfaces, TiedStrikes};
 use super::erosion::{self, Failure};
-use super::isa::Isa;
 use super::kernel::KernelStep;
 use super::limit::BULK_LINEAR;
 use super::mesh::Mesh;
@@ -17,6 +16,7 @@ use super::node_field::NodeField;
 use super::sweep::Sweep;
 use super::tie::Ties;
 use super::truss::Trusses;
+use crate::base::isa::Isa;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -34,9 +34,9 @@ use super::hexahedron::{
     Vec3, add, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
 };
 use super::hourglass::{self, Brick, Control};
-use super::isa::{Isa, for_each_isa};
 use super::law::{ElementForm, Hourglass};
 use super::limit::{bulk_viscosity, frequency_bound};
+use crate::base::isa::{Isa, for_each_isa};
 use crate::material::j2::HardeningTable;
 use serde::{Deserialize, Serialize};
 

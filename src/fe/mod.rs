@@ -41,5 +41,3 @@ pub mod tie;
 pub mod truss;
 pub mod vtu;
 pub mod watch;
-
-pub use crate::base::isa;

@@ -3,7 +3,6 @@
 use super::contact::{BodyContact, LostContact, RigidSurfaces};
 use super::dynamics::Dynamics;
 use super::erosion::Fate;
-use super::isa::Isa;
 use super::law::ElementForm;
 use super::mass_scaling::{MOST_ADDED, MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
@@ -18,6 +17,7 @@ use super::vtu::{FrameSink, WrittenFrame};
 use super::watch::{Diagnosis, LOOK_STEPS};
 use crate::base::cpu::{Elapsed, Stopwatch};
 use crate::base::hash::ContentHash;
+use crate::base::isa::Isa;
 use crate::building::Building;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;

@@ -3,9 +3,9 @@
 use super::blocks::{Block, Blocks, Failing, Quiet};
 use super::concrete;
 use super::full;
-use super::isa::{Isa, for_each_isa};
 use super::kernel::{self, BlockForce, KernelStep, LANES};
 use super::law::{ElementForm, Hourglass};
+use crate::base::isa::{Isa, for_each_isa};
 use crate::base::prefetch::prefetch;
 use crate::material::concrete::ConcretePoint;
 use crate::material::j2::HardeningTable;

@@ -1,10 +1,10 @@
 //! One element: gradient, volume, rigid motion, stiffness, frequency bound, instruction sets.
 
 use super::mesh::{Random, Single, bilinear, elastic, grid, hexahedron, in_lanes};
+use fallwerk::base::isa::Isa;
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::hexahedron::volume_m3;
-use fallwerk::fe::isa::Isa;
 use fallwerk::fe::kernel::{BlockForce, KernelStep, LANES, update_block, update_block_in};
 use nalgebra::DMatrix;
 

@@ -1,9 +1,9 @@
 //! Every instruction set gives the same run, to the last bit.
 
 use super::mesh::{bilinear, grid, ground, of_hexahedra};
+use fallwerk::base::isa::Isa;
 use fallwerk::fe::contact::BodyContact;
 use fallwerk::fe::dynamics::{Death, Dynamics};
-use fallwerk::fe::isa::Isa;
 use fallwerk::fe::law::{ElementForm, Hourglass};
 use fallwerk::fe::mesh::Mesh;
 use fallwerk::fe::model::ContactSettings;

@@ -1,10 +1,10 @@
 //! Options that choose how the FE run is computed: what was asked for is what runs, and what there is not is refused by name.
 
 use super::commands::{fallwerk, names, room};
+use fallwerk::base::isa::Isa;
 use fallwerk::base::tree::Format;
 use fallwerk::building::{EXAMPLE, parse};
 use fallwerk::cli::fe::displacements_csv;
-use fallwerk::fe::isa::Isa;
 use fallwerk::fe::run::{FeOptions, run};
 use fallwerk::verify::fe::forms::{FORMS, form};
 use serde_json::Value;

@@ -541,26 +541,23 @@ impl Motion {
         self.rows.iter().map(|r| r.residual.abs()).fold(0.0, f64::max)
     }
 
+    /// Kinetic and potential energy (zero at the origin) of a body at a pose \[J\].
+    fn body_energy_j(&self, body: usize, pose: &Pose) -> f64 {
+        let own = mul_t(&pose.r, pose.w);
+        let kinetic = self.mass[body] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[body], own));
+        0.5 * kinetic - self.mass[body] * dot(self.gravity, pose.x)
+    }
+
     /// Kinetic and potential energy (zero at the origin) of a state \[J\].
     pub fn energy_j(&self, state: &[f64]) -> f64 {
-        let of_body = |(b, s): (usize, &[f64])| {
-            let pose = read(s);
-            let own = mul_t(&pose.r, pose.w);
-            let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[b], own));
-            0.5 * kinetic - self.mass[b] * dot(self.gravity, pose.x)
-        };
-        state.chunks_exact(STATE).enumerate().filter(|(b, _)| !self.gone[*b]).map(of_body).sum()
+        let there = state.chunks_exact(STATE).enumerate().filter(|(b, _)| !self.gone[*b]);
+        there.map(|(b, s)| self.body_energy_j(b, &read(s))).sum()
     }
 
     /// Kinetic and potential energy (zero at the origin) at the state that was taken, less the work of the applied forces in it \[J\]: constant, but for errors.
     pub fn balance_j(&self, state: &[f64]) -> f64 {
-        let of_body = |(b, pose): (usize, &Pose)| {
-            let own = mul_t(&pose.r, pose.w);
-            let kinetic = self.mass[b] * dot(pose.v, pose.v) + dot(own, mul(&self.inertia[b], own));
-            0.5 * kinetic - self.mass[b] * dot(self.gravity, pose.x)
-        };
         let there = self.poses.iter().enumerate().filter(|(b, _)| !self.gone[*b]);
-        let bodies: f64 = there.map(of_body).sum();
+        let bodies: f64 = there.map(|(b, pose)| self.body_energy_j(b, pose)).sum();
         bodies - state.last().copied().unwrap_or(0.0)
     }
 }
