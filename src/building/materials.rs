@@ -227,11 +227,16 @@ pub fn section_bars(
 ) -> Option<Vec<Bar>> {
     let mut bars: Vec<Placed<Bar>> = Vec::new();
     if let Some(node) = fields.child("bars_around") {
-        let made = around(Fields { node, table: &BARS_AROUND }, size)?;
+        let fields = Fields { node, table: &BARS_AROUND };
+        check_edge(fields, "edge_distance", size[0].min(size[1]), found);
+        let made = around(fields, size)?;
         bars.extend(made.into_iter().map(|item| Placed { item, span: node.span }));
     }
     for node in fields.child("bar_layers").map_or(&[][..], Node::items) {
-        let made = layer(Fields { node, table: &BAR_LAYER }, size)?;
+        let fields = Fields { node, table: &BAR_LAYER };
+        check_edge(fields, "edge_distance", size[1], found);
+        check_edge(fields, "side_distance", size[0], found);
+        let made = layer(fields, size)?;
         bars.extend(made.into_iter().map(|item| Placed { item, span: node.span }));
     }
     for node in fields.child("bars").map_or(&[][..], Node::items) {
@@ -287,6 +292,21 @@ fn layer(fields: Fields<'_>, [width, depth]: [f64; 2]) -> Option<Vec<Bar>> {
     let diameter_m = fields.number("diameter")?;
     let positions = spread(fields.count("count")?, 0.5 * width - side);
     Some(positions.into_iter().map(|x_m| Bar { x_m, y_m, diameter_m }).collect())
+}
+
+/// A distance from a face that leads past the middle of the section, so that the bars would lie at the other face.
+fn check_edge(fields: Fields<'_>, key: &'static str, side_m: f64, found: &mut Vec<Diagnostic>) {
+    let Some(distance) = fields.child(key).and_then(|_| fields.number(key)) else { return };
+    if distance > 0.5 * side_m {
+        let message = format!("`{key}` leads past the middle of the section");
+        let error = Diagnostic::error("bar-outside", message)
+            .at(fields.span(key), format!("the section is {} there", show(side_m, Dimension::Length)))
+            .help(format!(
+                "at most {}, measured from the face to the bar centres",
+                show(0.5 * side_m, Dimension::Length)
+            ));
+        found.push(error);
+    }
 }
 
 /// Bars outside the section, too near to its face, or in each other; one message a place.

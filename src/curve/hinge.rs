@@ -26,7 +26,11 @@ pub struct Hinge2 {
     pub dissipated_j: f64,
     /// Moments of the last step \[N m\].
     pub moment_nm: [f64; 2],
-    /// Whether the accumulated plastic rotation has passed the fracture rotation.
+    /// Share of the rotation to fracture that is used up: the sum of the increments of plastic rotation, each over the fracture rotation at its axial force (linear damage, as in
+    /// Johnson and Cook 1985, Eng. Fract. Mech. 21(1), 31-48). Under constant axial force it is the plastic rotation over the fracture rotation; a short pulse of axial force does not
+    /// fracture a hinge that has turned far under another one.
+    pub damage: f64,
+    /// Whether the hinge has fractured: a damage of 1.
     pub fractured: bool,
     /// Whether an axial force lay outside the levels while the hinge was flowing.
     pub out_of_range: bool,
@@ -100,7 +104,8 @@ impl Hinge2 {
             }
             self.alpha_rad += x;
             flowing = true;
-            self.fractured |= self.beyond_fracture(laws, axial_force_n);
+            self.damage += x / self.fracture_rotation_rad(laws, axial_force_n);
+            self.fractured |= self.damage >= 1.0;
         }
         self.moment_nm = [k[0] * e[0], k[1] * e[1]];
         HingeStep { elastic_j: 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]), flowing }
@@ -218,13 +223,14 @@ impl Hinge2 {
     }
 
     #[inline]
-    fn beyond_fracture(&mut self, laws: [AxisLaw<'_>; 2], n: f64) -> bool {
-        let mut beyond = false;
+    /// The smaller fracture rotation of both axes.
+    fn fracture_rotation_rad(&mut self, laws: [AxisLaw<'_>; 2], n: f64) -> f64 {
+        let mut least = f64::INFINITY;
         for (law, hint) in laws.iter().zip(&mut self.hint) {
             if let AxisLaw::Plastic(table) = law {
-                beyond |= self.alpha_rad >= table.fracture_rotation_rad(n, hint);
+                least = least.min(table.fracture_rotation_rad(n, hint));
             }
         }
-        beyond
+        least
     }
 }

@@ -338,6 +338,22 @@ pub fn no_strength(case: &Case) -> Option<String> {
     })
 }
 
+/// Rotation over the estimate of first yield up to which a push is followed at least.
+const LEAST_OF_YIELD: f64 = 2.0;
+
+/// Why a push that was stopped on its path tells a stiffness and no resistance, in words.
+pub fn stopped_early(case: &Case) -> Option<String> {
+    let bent = case.bent.as_ref().ok().filter(|b| !b.failed() && case.hysteresis.is_none())?;
+    let (end, first) = (bent.points.last()?[0], case.figures?.yield_rotation_rad);
+    (end < LEAST_OF_YIELD * first).then(|| {
+        format!(
+            "the push stops at {:.3} mrad, and a secant through it yields at {:.3} mrad: bend further (`--until`), to {LEAST_OF_YIELD} times the rotation of first yield at least",
+            1e3 * end,
+            1e3 * first
+        )
+    })
+}
+
 /// Axial shares that every direction bears and that make curves, and those left out in words.
 fn usable(series: &Series) -> Result<(Vec<f64>, Vec<String>), RcDeriveError> {
     let (mut usable, mut left_out) = (Vec::new(), Vec::new());
@@ -351,7 +367,9 @@ fn usable(series: &Series) -> Result<(Vec<f64>, Vec<String>), RcDeriveError> {
                 }
                 Err(error) => fault = Some(error.to_string()),
                 Ok(bent) => {
-                    if let Some(why) = case.fault().or_else(|| no_strength(case)) {
+                    if let Some(why) =
+                        case.fault().or_else(|| no_strength(case)).or_else(|| stopped_early(case))
+                    {
                         if *share == 0.0 {
                             return Err(RcDeriveError::NotStatic { direction_deg, why });
                         }

@@ -65,10 +65,7 @@ impl TextFolder {
     /// # Errors
     /// As the file system reports them.
     pub fn read_all(&self) -> Result<Vec<TextFile>, StoreError> {
-        self.scan()?
-            .into_iter()
-            .map(|(key, path)| Ok(TextFile { key, bytes: fs::read(&path).map_err(StoreError::io(&path))? }))
-            .collect()
+        self.scan()?.into_iter().map(|(key, path)| Ok(TextFile { key, bytes: bytes_of(&path)? })).collect()
     }
 
     /// Reads and checks one record.
@@ -77,7 +74,7 @@ impl TextFolder {
     /// [`StoreError::Damaged`] naming the file, or the file system's error.
     pub fn read(&self, key: &str) -> Result<Entry, StoreError> {
         let path = self.path_of(key);
-        let bytes = fs::read(&path).map_err(StoreError::io(&path))?;
+        let bytes = bytes_of(&path)?;
         self.parse(key, &bytes)
     }
 
@@ -132,6 +129,18 @@ impl TextFolder {
             }
         }
     }
+}
+
+/// The bytes of a record's file; a pipe or device of that name would be waited for without end.
+fn bytes_of(path: &Path) -> Result<Vec<u8>, StoreError> {
+    let about = fs::metadata(path).map_err(StoreError::io(path))?;
+    if !about.is_file() {
+        return Err(StoreError::Damaged {
+            path: path.to_path_buf(),
+            what: "it is no ordinary file".to_string(),
+        });
+    }
+    fs::read(path).map_err(StoreError::io(path))
 }
 
 /// The visible items of a folder, unsorted; an absent folder has none.

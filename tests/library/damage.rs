@@ -267,3 +267,17 @@ fn a_killed_writer_leaves_each_record_old_or_new() {
         }
     }
 }
+
+/// A named pipe in the place of a record would be read without end.
+#[cfg(unix)]
+#[test]
+fn a_record_that_is_no_file_is_named() {
+    let room = tempfile::tempdir().unwrap();
+    let folder = room.path().join("library");
+    let entries = filled(&folder, 2);
+    let path = folder.join(format!("{}.json", entries[0].key));
+    fs::remove_file(&path).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    let error = Store::open(&folder).err().unwrap().to_string();
+    assert!(error.contains("it is no ordinary file") && error.contains(&entries[0].key), "{error}");
+}

@@ -68,6 +68,38 @@ fn monotonic_rotation_follows_the_capacity_and_dissipates_its_area() {
     assert!((state.dissipated_j - area).abs() < 1e-4 * area, "{} {area}", state.dissipated_j);
 }
 
+/// Two levels that fracture at 0.4 and 0.1 rad: half of the damage under one and half under the other, and a pulse beyond 0.1 rad that adds only what turns under it.
+#[test]
+fn damage_to_fracture_adds_up_over_axial_forces() {
+    let level = |axial_force_n: f64, fracture_rotation_rad: f64| CapacityLevel {
+        axial_force_n,
+        capacity: vec![[0.0, 1e5], [0.5, 1e5]],
+        fracture_rotation_rad,
+    };
+    let levels = vec![level(0.0, 0.4), level(1e6, 0.1)];
+    let curve = ResistanceCurve { stiffness_nm_rad: 1e9, levels, cyclic: None };
+    let table = CapacityTable::new(&curve, 1.0).unwrap();
+    let laws = [AxisLaw::Elastic(1e6), AxisLaw::Plastic(&table)];
+    let fractured_at = |force: &dyn Fn(f64) -> f64| {
+        let mut state = Hinge2::default();
+        let turns = (1..=100_000).map(|i| 5e-6 * f64::from(i));
+        let mut turned = turns.skip_while(|theta| {
+            state.step(laws, [0.0, *theta], force(state.alpha_rad));
+            !state.fractured
+        });
+        (turned.next().map(|_| state.alpha_rad), state.damage)
+    };
+    // a step, 5e-6 rad, on the wrong side of a change counts for four
+    let near = |at: (Option<f64>, f64), expected: f64| {
+        assert!((at.0.unwrap() - expected).abs() < 3e-5 && (at.1 - 1.0).abs() < 2e-4, "{at:?}, {expected}");
+    };
+    near(fractured_at(&|_| 0.0), 0.4);
+    near(fractured_at(&|_| 1e6), 0.1);
+    near(fractured_at(&|turned| if turned < 0.2 { 0.0 } else { 1e6 }), 0.25);
+    // turned by 0.01 under the heavy force: 0.1 of damage, 0.9 of it under the light one
+    near(fractured_at(&|turned| if (0.2..0.21).contains(&turned) { 1e6 } else { 0.0 }), 0.9 * 0.4 + 0.01);
+}
+
 #[test]
 fn equal_axes_flow_along_the_trial_moment() {
     let table = CapacityTable::new(&curve(&[[0.0, 100e3], [1.0, 100e3]], 2.0), 1.0).unwrap();

@@ -6,7 +6,7 @@ use fallwerk::building::partition::Partition;
 use fallwerk::curve::CurveError;
 use fallwerk::fe::mesh::Mesh;
 use fallwerk::library::derive::Wanted;
-use fallwerk::library::rc::{RcDeriveError, RcDerived, RcWanted, Symmetry, no_strength};
+use fallwerk::library::rc::{RcDeriveError, RcDerived, RcWanted, Symmetry, no_strength, stopped_early};
 use fallwerk::library::{Entry, Origin, Store};
 use fallwerk::rc::bend::Ending;
 use fallwerk::rc::section_file::read;
@@ -206,6 +206,18 @@ fn a_push_that_broke_off_early_tells_no_strength() {
     assert!(no_strength(&case).unwrap().contains("at most 0.0 kN m"));
 }
 
+/// A push that was stopped while it rose is a stiffness, not a resistance; one that ended by failure is what it is.
+#[test]
+fn a_push_that_stops_before_it_flows_makes_no_curve() {
+    let mut case = runs().cases[0].clone();
+    assert_eq!(stopped_early(&case), None);
+    let first = case.figures.unwrap().yield_rotation_rad;
+    case.bent.as_mut().unwrap().points.retain(|p| p[0] < 1.2 * first);
+    assert!(stopped_early(&case).unwrap().contains("bend further (`--until`)"));
+    case.bent.as_mut().unwrap().ending = Ending::Moment;
+    assert_eq!(stopped_early(&case), None);
+}
+
 #[test]
 fn an_entry_without_a_usable_level_is_refused() {
     let wanted = RcWanted::of(&small(), &coarse(&[1.5])).unwrap();
@@ -224,7 +236,7 @@ fn the_commands_run_write_and_go_on() {
     let room = tempfile::tempdir().unwrap();
     let folder = room.path();
     std::fs::write(folder.join("small.toml"), SMALL).unwrap();
-    let coarse = ["--mesh", "100 mm", "--until", "8mrad", "--axial", "0,0.2"];
+    let coarse = ["--mesh", "100 mm", "--until", "18mrad", "--axial", "0,0.2"];
     let words = [&["rc", "small.toml"][..], &coarse, &["-o", "out"]].concat();
     let (code, out, err) = fallwerk(folder, &words);
     assert_eq!(code, 0, "{err}");
