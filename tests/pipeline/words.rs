@@ -11,6 +11,8 @@ fn good() -> Validation {
         building: "frame".into(),
         e_to_contact: 0.05,
         e_total: 0.3,
+        largest_displacement_m: Both { fe: 4.0, mbs: 4.1 },
+        largest_difference_m: 0.2,
         first_contact_s: Both { fe: Some(1.0), mbs: Some(1.02) },
         hinges: Sites::default(),
         missed_column_ends: Vec::new(),
@@ -69,6 +71,26 @@ fn each_breach_is_named_alone() {
             words.headline
         );
     }
+}
+
+/// A structure that stands deflects by millimetres; their distance counts, not their ratio.
+#[test]
+fn a_structure_that_stands_is_judged_by_the_distance() {
+    let mut v = good();
+    v.e_to_contact = 0.9;
+    v.first_contact_s = Both { fe: None, mbs: None };
+    v.largest_displacement_m = Both { fe: 0.028, mbs: 0.004 };
+    v.largest_difference_m = 0.024;
+    assert!(!v.agrees(), "it collapses");
+    v.collapsed = Both { fe: false, mbs: false };
+    assert!(v.agrees() && failed(&v).is_empty());
+    let words = verdict(&v).headline;
+    assert!(
+        words.contains("stands in both, displacements at most 24.0 mm apart (FE 28.0 mm, MBS 4.0 mm)"),
+        "{words}"
+    );
+    v.largest_difference_m = 0.06;
+    assert!(!v.agrees() && verdict(&v).headline.contains("limit ≤ 0.10, or 50 mm apart"));
 }
 
 #[test]
