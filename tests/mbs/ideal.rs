@@ -298,6 +298,13 @@ fn contact_in_a_direction_that_joints_hold_makes_no_energy() {
     }
 }
 
+/// A structure that contact keeps in leapfrog steps throughout: the work of its hinges, booked with the velocities at the begin of a step led on, once fell behind by a thousandth.
+#[test]
+fn hinges_in_contact_steps_do_the_work_that_is_booked() {
+    let result = simulate(&fallwerk::bench::mbs_trials::random(3074)).unwrap();
+    assert!(result.energy_error < 5e-4, "{}", result.energy_error);
+}
+
 #[test]
 fn a_pendulum_that_meets_a_wall_rebounds_with_its_restitution() {
     let mut m = model("wall", 2.0, 0.001);

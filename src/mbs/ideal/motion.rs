@@ -241,6 +241,14 @@ impl Motion {
         self.applied[body]
     }
 
+    /// Power of the applied forces of the rate that was found last, gravity aside, at the velocities of a state \[W\].
+    pub fn power(&self, state: &[f64]) -> f64 {
+        let of = |(s, [force, torque]): (&[f64], &[V3; 2])| {
+            dot(*force, [s[7], s[8], s[9]]) + dot(*torque, [s[10], s[11], s[12]])
+        };
+        state.chunks_exact(STATE).zip(&self.applied).map(of).sum()
+    }
+
     /// Weight of a body \[N\].
     pub fn weight(&self, body: usize) -> V3 {
         scale(self.mass[body], self.gravity)
