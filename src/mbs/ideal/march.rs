@@ -247,6 +247,7 @@ impl Marcher {
         marcher.motion.project(&mut marcher.state);
         marcher.tally.rows = [marcher.motion.constraints(), marcher.motion.dependent()];
         marcher.restart();
+        marcher.motion.settle();
         Ok(marcher)
     }
 
