@@ -121,6 +121,7 @@ pub fn hinges(
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
+            joint: None,
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,
             compressive_capacity_n: entry.compressive_capacity_n,

@@ -61,6 +61,8 @@ pub struct JointData {
     pub elastic_j: f64,
     /// Whether the hinge flowed in the last evaluation.
     pub flowing: bool,
+    /// Whether an ideal joint holds its point: [`Self::axial_force`] is given from outside.
+    pub(super) is_held: bool,
 }
 
 impl JointData {
@@ -97,6 +99,7 @@ impl JointData {
             axial_force: 0.0,
             elastic_j: 0.0,
             flowing: false,
+            is_held: joint.joint.is_some(),
         }
     }
 
@@ -147,6 +150,11 @@ impl JointData {
     pub(super) fn resist(&mut self, at: &Stance, theta: V3, tables: &[CapacityTable]) -> [V3; 2] {
         self.relative = at.turn;
         self.theta = theta;
+        if self.is_held {
+            let moment = self.moments(theta, tables);
+            self.elastic_j += 0.5 * moment[0] * theta[0];
+            return [[0.0; 3], moment];
+        }
         let mut gap = at.gap;
         let k = self.translation;
         let old = self.axial_force;

@@ -1,6 +1,7 @@
 //! Model files with ideal joints: events, applied forces, reactions, energies, what is refused.
 
 use super::support::*;
+use fallwerk::curve::{CapacityLevel, ResistanceCurve};
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::EventKind;
 use fallwerk::mbs::{RunResult, simulate};
@@ -298,6 +299,13 @@ fn contact_in_a_direction_that_joints_hold_makes_no_energy() {
     }
 }
 
+/// A structure that contact keeps in leapfrog steps throughout: the work of its hinges, booked with the velocities at the begin of a step led on, once fell behind by a thousandth.
+#[test]
+fn hinges_in_contact_steps_do_the_work_that_is_booked() {
+    let result = simulate(&fallwerk::bench::mbs_trials::random(3074)).unwrap();
+    assert!(result.energy_error < 5e-4, "{}", result.energy_error);
+}
+
 #[test]
 fn a_pendulum_that_meets_a_wall_rebounds_with_its_restitution() {
     let mut m = model("wall", 2.0, 0.001);
@@ -394,4 +402,89 @@ fn a_bushing_and_a_ball_carry_one_body() {
         (lift / (0.5 * weight) - 1.0).abs() < 0.5 && sag < -0.5 * weight / 1e7 && sag > -1.01 * weight / 1e7,
         "{lift} {sag}"
     );
+}
+
+#[test]
+fn a_hinge_on_an_ideal_joint_knows_its_axial_force() {
+    // a leaning column under a slab that is pushed: the axial force of its foot rises and falls as the slab turns down
+    let model_of = |held: bool| {
+        let mut m = model("foot", 0.8, 0.05);
+        m.bodies.push(solid("column", [0.0, 0.0, 1.5], [0.4, 0.4, 3.0]));
+        m.bodies[0].mass_kg *= 20.0;
+        m.bodies[0].inertia_kg_m2.iter_mut().flatten().for_each(|i| *i *= 20.0);
+        m.bodies[0].velocity_m_s = [1.5, 0.3, 0.0];
+        m.bodies[0].angular_velocity_rad_s = [-0.2, 1.0, 0.0];
+        let level = |axial_force_n: f64, capacity: f64| CapacityLevel {
+            axial_force_n,
+            capacity: vec![[0.0, capacity], [0.1, 0.8 * capacity], [2.0, 0.5 * capacity]],
+            fracture_rotation_rad: 5.0,
+        };
+        let curve = ResistanceCurve {
+            stiffness_nm_rad: 2e7,
+            levels: vec![level(-2e5, 20e3), level(3e5, 160e3)],
+            cyclic: None,
+        };
+        m.curves.insert("c".into(), curve);
+        let stiff = if held { 0.0 } else { 1e10 };
+        let mut foot = joint("foot", None, "column", [0.0; 3], stiff, 1e8, [hinge("c"), hinge("c")]);
+        if held {
+            foot.joint = Some("pin".into());
+            m.joints.push(ideal("pin", JointKind::Spherical, None, "column", [0.0; 3]));
+        }
+        // without the static state a bushing swings between no axial force and twice the weight
+        m.settings.preload = !held;
+        m.bushings.push(foot);
+        track(&mut m, "column", [0.0, 0.0, 3.0]);
+        m
+    };
+    let [bushing, held] = [false, true].map(|held| simulate(&model_of(held)).unwrap());
+    assert!(
+        bushing.energy_error < 1e-4 && held.energy_error < 1e-5,
+        "{} {}",
+        bushing.energy_error,
+        held.energy_error
+    );
+    let [a, b] = [&bushing, &held].map(|r| r.tracked[0].displacement_m.as_flattened());
+    let far = b.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let off = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let [n, m] = [&bushing, &held].map(|r| &r.hinges[0].axial_force_n);
+    println!(
+        "tip moves {far:.3} m, off by {off:.2e} m; axial forces {n:?} {m:?}; energy {:.1e} {:.1e}",
+        bushing.energy_error, held.energy_error
+    );
+    assert!(far > 1.0 && off < 2e-3 * far, "{off} of {far}");
+    let [p, q] = [&bushing, &held].map(|r| *r.hinges[0].plastic_rotation_rad.last().unwrap());
+    assert!(q > 0.3 && (p - q).abs() < 2e-3 * q, "{p} {q}");
+    // the motion without the interaction is another one
+    let mut dull = model_of(true);
+    dull.curves.get_mut("c").unwrap().levels.remove(0);
+    let dull = simulate(&dull).unwrap();
+    assert!((dull.hinges[0].plastic_rotation_rad.last().unwrap() - q).abs() > 0.02 * q);
+}
+
+#[test]
+fn a_hinge_on_an_ideal_joint_opens_it_and_is_checked() {
+    let mut m = model("foot", 1.0, 0.05);
+    m.bodies.push(solid("column", [0.0, 0.0, 1.5], [0.4, 0.4, 3.0]));
+    m.bodies[0].velocity_m_s = [1.5, 0.0, 0.0];
+    m.bodies[0].angular_velocity_rad_s = [0.0, 1.0, 0.0];
+    m.curves.insert("c".into(), curve(&[[0.0, 5e3], [0.4, 5e3]], 0.2));
+    m.joints.push(ideal("pin", JointKind::Spherical, None, "column", [0.0; 3]));
+    m.bushings.push(Bushing {
+        joint: Some("pin".into()),
+        ..joint("foot", None, "column", [0.0; 3], 0.0, 1e8, [hinge("c"), hinge("c")])
+    });
+    let result = simulate(&m).unwrap();
+    let fracture = result.events.iter().find(|e| matches!(e.kind, EventKind::Fracture { .. })).unwrap();
+    // it falls freely from there on
+    let fall = |i: usize| result.frames[i].position_m[0][2];
+    let second = (fall(20) - 2.0 * fall(18) + fall(16)) / 0.01;
+    assert!(fracture.time_s < 0.8 && (second + G).abs() < 1e-3 * G, "{} {second}", fracture.time_s);
+    assert!(result.energy_error < 1e-5, "{}", result.energy_error);
+    m.bushings[0].axial_stiffness_n_m = 1e8;
+    m.bushings[0].joint = Some("pine".into());
+    let complaint = simulate(&m).unwrap_err().to_string();
+    for part in ["bushings[0].joint", "\"pin\"", "axial_stiffness_n_m", "expected 0"] {
+        assert!(complaint.contains(part), "{complaint}");
+    }
 }

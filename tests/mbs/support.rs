@@ -54,6 +54,7 @@ pub fn joint(
         shear_stiffness_n_m: [translation; 2],
         torsional_stiffness_nm_rad: torsion,
         bending,
+        joint: None,
         tensile_capacity_n: None,
         compressive_capacity_n: None,
         tensile_elongation_m: None,

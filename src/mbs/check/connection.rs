@@ -107,6 +107,46 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     if let Some(c) = joint.compressive_capacity_n {
         list.positive(&format!("{path}.compressive_capacity_n"), c);
     }
+    if let Some(id) = &joint.joint {
+        check_held(model, joint, id, path, list);
+    }
+}
+
+/// A bushing whose point an ideal joint holds.
+fn check_held(model: &Model, bushing: &Bushing, id: &str, path: &str, list: &mut List) {
+    use JointKind::{Revolute, Spherical, Universal};
+    let joints: BTreeSet<&str> = model.joints.iter().map(|j| j.id.as_str()).collect();
+    list.among(&joints, id, &format!("{path}.joint"), "an ideal joint");
+    if let Some(joint) = model.joints.iter().find(|j| j.id == id) {
+        let same = joint.body_a == bushing.body_a && joint.body_b == bushing.body_b;
+        list.require(same, &format!("{path}.joint"), || {
+            format!("\"{id}\" has other bodies, expected the same body_a and body_b as the bushing's")
+        });
+        let holds = matches!(joint.kind, Spherical | Revolute | Universal);
+        list.require(holds, &format!("{path}.joint"), || {
+            format!("\"{id}\" does not hold a point and leave it turning, expected a spherical, revolute or universal joint")
+        });
+    }
+    let [s1, s2] = bushing.shear_stiffness_n_m;
+    let stiff = [
+        ("axial_stiffness_n_m", bushing.axial_stiffness_n_m),
+        ("shear_stiffness_n_m[0]", s1),
+        ("shear_stiffness_n_m[1]", s2),
+    ];
+    for (name, k) in stiff {
+        list.require(k == 0.0, &format!("{path}.{name}"), || {
+            format!("is {k}, expected 0: joint \"{id}\" holds the point")
+        });
+    }
+    let flows = [
+        ("tensile_elongation_m", bushing.tensile_elongation_m),
+        ("compressive_capacity_n", bushing.compressive_capacity_n),
+    ];
+    for (name, value) in flows {
+        list.require(value.is_none(), &format!("{path}.{name}"), || {
+            format!("has no meaning: joint \"{id}\" neither stretches nor crushes; leave it out")
+        });
+    }
 }
 
 fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list: &mut List) {

@@ -8,7 +8,8 @@
 //! | `pair` | pairs of solids and their points over time |
 //! | `rows` | the impulses of a step |
 //! | `links` | impulses on bodies that ideal joints hold together |
-//! | `solve` | a step: which pairs, impulses, rebound, gaps, energies |
+//! | `impact` | impacts with rebound of bodies that no joint holds: rounds of Moreau's law |
+//! | `solve` | a step: which pairs, impulses, gaps, energies |
 //!
 //! **Law.** At each contact point `gap + h v_n >= 0` at the end of a step of length `h`, the impulse `p_n >= 0` acts only if this is an
 //! equality (Signorini), `|p_t| <= μ p_n` with the greatest dissipation (Coulomb), and rebound by Newton's coefficient of
@@ -26,6 +27,7 @@
 //! work against the acting forces is the caller's to book.
 
 mod collide;
+mod impact;
 mod links;
 mod pair;
 mod rows;
@@ -38,6 +40,7 @@ pub use surface::Surface;
 use super::math::{self, M3, Q, V3};
 use super::model::{Model, Shape};
 use collide::{Broad, Finder, Found, Placed, Solid};
+use impact::Impacts;
 use pair::{Entry, Pair, Point};
 use rows::{Motion, Rows};
 use surface::Surfaces;
@@ -260,6 +263,7 @@ pub struct ContactSet {
     placed_in: Vec<u64>,
     step: u64,
     rows: Rows,
+    impacts: Impacts,
     mean: Vec<Motion>,
     found: Vec<Found>,
     feet: Vec<(V3, u64)>,
@@ -348,6 +352,7 @@ impl ContactSet {
             placed_in: vec![0; count],
             step: 0,
             rows: Rows::default(),
+            impacts: Impacts::default(),
             mean: Vec::new(),
             found: Vec::new(),
             feet: Vec::new(),

@@ -75,7 +75,7 @@ pub(super) struct Row {
     pub mass: [f64; 2],
     /// Smallest velocity along the normal \[m/s\].
     pub target: f64,
-    /// Distance; after the velocities are known that at the end of the step \[m\].
+    /// Distance; after the velocities are known that at the end of the step, displacements of bodies left aside \[m\].
     pub gap: f64,
     /// Impulses \[N s\].
     pub normal: f64,
@@ -84,6 +84,8 @@ pub(super) struct Row {
     pub point: u32,
     /// Whether the distance at the end of the step is prescribed (an impact with rebound), else a lower bound.
     pub exact: bool,
+    /// When in the step its first impact with rebound is; infinite: there is none \[s\].
+    pub hit_s: f64,
 }
 
 impl Row {
@@ -96,6 +98,15 @@ impl Row {
 }
 
 impl Row {
+    /// When in the step it first touches \[s\].
+    pub fn touch_s(&self) -> f64 {
+        if self.exact {
+            return 0.0;
+        }
+        let speed = if self.target < 0.0 { -self.target } else { f64::INFINITY };
+        self.hit_s.min(self.gap.max(0.0) / speed)
+    }
+
     /// Whether there was no impulse and a relative velocity asks for none.
     #[inline(always)]
     fn stays_open(&self, u: V3, n: V3) -> bool {
@@ -231,9 +242,11 @@ impl Rows {
         let mut worst = 0.0_f64;
         for block in &self.blocks {
             let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
+            let [shift_a, shift_b] = block.bodies.map(|i| &self.shift[i as usize]);
             for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
                 row.gap += h * math::dot(row.relative(a, b), block.normal);
-                worst = worst.min(if row.exact { -row.gap.abs() } else { row.gap });
+                let open = row.gap + math::dot(row.relative(shift_a, shift_b), block.normal);
+                worst = worst.min(if row.exact { -open.abs() } else { open });
             }
         }
         worst

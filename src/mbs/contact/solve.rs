@@ -9,7 +9,7 @@ const MOST_EXTENSIONS: usize = 4;
 /// Share of half the thickness by which solids may be in each other.
 const DEPTH_LIMIT: f64 = 1.0;
 /// Approach speed from which there is rebound, over the velocity that forces add in half a step.
-const REBOUND_FROM: f64 = 4.0;
+pub(super) const REBOUND_FROM: f64 = 4.0;
 /// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
 const UNSTEADY: f64 = 0.45;
 /// One sweep of so many visits points without impulses as well; so do the last one and the one that shows that velocities hold.
@@ -64,9 +64,11 @@ impl ContactSet {
                 self.temper(bodies);
             }
             self.impulses(bodies, h, mechanism);
-            self.rebound(bodies, h);
             if linked {
+                self.rebound_linked(bodies, h);
                 self.temper(bodies);
+            } else {
+                self.rebound(bodies, h);
             }
             self.close(bodies, h)?;
         }
@@ -174,7 +176,7 @@ impl ContactSet {
         }
     }
 
-    fn sweeps(&mut self, bodies: &[Moving]) {
+    pub(super) fn sweeps(&mut self, bodies: &[Moving]) {
         let s = self.settings;
         let kick = bodies.iter().map(|b| math::dot(b.kick_v, b.kick_v)).fold(0.0, f64::max).sqrt();
         let scale = (2.0 * kick).max(LEAST_SCALE_M_S);
@@ -197,7 +199,7 @@ impl ContactSet {
     }
 
     /// Enters the points that come within reach of the bodies that impulses made faster; false if there is no such body.
-    fn extend(&mut self, bodies: &[Moving], h: f64) -> bool {
+    pub(super) fn extend(&mut self, bodies: &[Moving], h: f64) -> bool {
         let allowed = 0.5 * self.settings.margin_m;
         let mut any = false;
         for i in 0..bodies.len() {
@@ -234,8 +236,8 @@ impl ContactSet {
         true
     }
 
-    /// Gives impacts their rebound, with the velocity and place that they have at the end of the step after an impact within it.
-    fn rebound(&mut self, bodies: &[Moving], h: f64) {
+    /// Gives impacts of bodies that joints hold together their rebound, with the velocity and place that they have at the end of the step after an impact within it.
+    fn rebound_linked(&mut self, bodies: &[Moving], h: f64) {
         let mut any = false;
         let rows = &mut self.rows;
         for block in rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
@@ -322,8 +324,7 @@ impl ContactSet {
                 point.normal = row.normal / h;
                 point.tangent = math::scale(1.0 / h, row.tangent);
                 if row.normal > 0.0 && !self.pairs[slot].seen {
-                    let speed = if row.target < 0.0 { -row.target } else { f64::INFINITY };
-                    first_touch = first_touch.min(if row.exact { 0.0 } else { row.gap.max(0.0) / speed });
+                    first_touch = first_touch.min(row.touch_s());
                 }
             }
             if first_touch < f64::INFINITY {

@@ -3,7 +3,7 @@
 use super::joint::{Pose, is_ground, pose_of};
 use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
 use crate::mbs::joint::JointData;
-use crate::mbs::math::{V3, add, axpy, dot};
+use crate::mbs::math::{V3, add, axpy, dot, qmat, qmul};
 use crate::mbs::model::{Bending, Bushing};
 use crate::mbs::system::BodyState;
 
@@ -14,6 +14,8 @@ pub struct Given {
     pub bushing: Bushing,
     /// The bodies; the ground may be one of them.
     pub bodies: [usize; 2],
+    /// Ideal joint that holds its point, by its place in the mechanism.
+    pub joint: Option<usize>,
     /// Curves of its bending axes.
     pub curves: [Option<ResistanceCurve>; 2],
 }
@@ -29,6 +31,8 @@ pub struct Held {
     committed: JointData,
     trial: JointData,
     factor: f64,
+    /// Axial force of its joint at the pose that was evaluated last, compression positive \[N\].
+    axial_force: f64,
 }
 
 /// A bushing with a curve at a time.
@@ -61,6 +65,7 @@ impl Held {
             committed,
             trial,
             factor: 1.0,
+            axial_force: 0.0,
         };
         held.tables = held.compiled()?;
         let mut next = 0;
@@ -110,9 +115,29 @@ impl Held {
         power
     }
 
+    /// The ideal joint that holds its point, by its place in the mechanism.
+    pub fn joint(&self) -> Option<usize> {
+        self.given.joint
+    }
+
+    /// Takes note of the force of its joint on its second body \[N\], at the pose that was applied last.
+    pub fn feel(&mut self, force: V3, poses: &[Pose]) {
+        let frame = qmat(qmul(pose_of(poses, self.bodies[0]).q, self.committed.frames[0]));
+        self.axial_force = self.committed.outward * dot(force, [frame[0][0], frame[1][0], frame[2][0]]);
+    }
+
+    /// Takes the axial force that was felt last as the one under which it resists.
+    pub fn settle(&mut self) {
+        if self.given.joint.is_some() {
+            self.committed.axial_force = self.axial_force;
+            self.trial.axial_force = self.axial_force;
+        }
+    }
+
     /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
     pub fn commit(&mut self) -> Option<bool> {
         self.committed.clone_from(&self.trial);
+        self.settle();
         self.is_broken().then_some(!self.trial.hinge.fractured)
     }
 

@@ -22,18 +22,24 @@ pub fn mechanism(model: &Model) -> Mechanism {
         joints: model.joints.iter().map(|j| joint(j, &place)).collect(),
         forces,
         laws,
-        bushings: model.bushings.iter().map(|b| bushing(model, b, &place)).collect(),
+        bushings: model.bushings.iter().map(|b| bushing(model, b, &place, &joints)).collect(),
         gravity_m_s2: model.gravity_m_s2,
     }
 }
 
-fn bushing(model: &Model, bushing: &model::Bushing, place: &dyn Fn(Option<&str>) -> usize) -> Given {
+fn bushing(
+    model: &Model,
+    bushing: &model::Bushing,
+    place: &dyn Fn(Option<&str>) -> usize,
+    joints: &BTreeMap<&str, usize>,
+) -> Given {
     let curve = |k: usize| match &bushing.bending[k] {
         Bending::Curve { curve, .. } => model.curves.get(curve).cloned(),
         Bending::Elastic { .. } => None,
     };
     Given {
         bodies: [place(bushing.body_a.as_deref()), place(Some(&bushing.body_b))],
+        joint: bushing.joint.as_deref().and_then(|id| joints.get(id).copied()),
         curves: [curve(0), curve(1)],
         bushing: bushing.clone(),
     }

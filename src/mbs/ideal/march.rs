@@ -247,6 +247,7 @@ impl Marcher {
         marcher.motion.project(&mut marcher.state);
         marcher.tally.rows = [marcher.motion.constraints(), marcher.motion.dependent()];
         marcher.restart();
+        marcher.motion.settle();
         Ok(marcher)
     }
 
@@ -440,6 +441,8 @@ impl Marcher {
             let q = quaternion_rate([s[3], s[4], s[5], s[6]], [s[10], s[11], s[12]]);
             after[b + 3..b + 7].copy_from_slice(&q);
         }
+        // with the velocities of the end, not those that the rate at the start leads to
+        after[last] = self.motion.power(&self.next);
         self.next[last] = self.state[last] + 0.5 * step * (before[last] + after[last]);
         largest
     }

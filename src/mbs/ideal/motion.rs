@@ -241,6 +241,14 @@ impl Motion {
         self.applied[body]
     }
 
+    /// Power of the applied forces of the rate that was found last, gravity aside, at the velocities of a state \[W\].
+    pub fn power(&self, state: &[f64]) -> f64 {
+        let of = |(s, [force, torque]): (&[f64], &[V3; 2])| {
+            dot(*force, [s[7], s[8], s[9]]) + dot(*torque, [s[10], s[11], s[12]])
+        };
+        state.chunks_exact(STATE).zip(&self.applied).map(of).sum()
+    }
+
     /// Weight of a body \[N\].
     pub fn weight(&self, body: usize) -> V3 {
         scale(self.mass[body], self.gravity)
@@ -363,6 +371,7 @@ impl Motion {
         }
         // loads are accelerations without joints now
         self.accept(|row| -row.gamma, false);
+        self.feel();
         for ((rate, pose), a) in rate.chunks_exact_mut(STATE).zip(&self.poses).zip(&self.loads) {
             rate[..3].copy_from_slice(&pose.v);
             rate[7..10].copy_from_slice(&a[0]);
@@ -371,6 +380,22 @@ impl Motion {
         if let Some(last) = rate.last_mut() {
             *last = power;
         }
+    }
+
+    /// Tells bushings on ideal joints the forces of these.
+    fn feel(&mut self) {
+        for i in 0..self.bushings.len() {
+            if let Some(id) = self.bushings[i].joint() {
+                let place = self.ids.iter().position(|j| *j == id);
+                let [force, _] = place.map_or([[0.0; 3]; 2], |j| self.reaction(j));
+                self.bushings[i].feel(force, &self.poses);
+            }
+        }
+    }
+
+    /// Lets bushings on ideal joints resist under the forces that these have in the rate that was taken last.
+    pub fn settle(&mut self) {
+        self.bushings.iter_mut().for_each(Held::settle);
     }
 
     /// Takes the state whose rate was taken last into the history of hinges. Those that are beyond their fracture open, with their joints; their places in
@@ -401,6 +426,7 @@ impl Motion {
                 broken.push(*id);
                 self.lost_j += bushing.at(&self.poses).0[0];
                 self.torn.extend(by_tension.then_some(*id));
+                opened.extend(bushing.joint());
             }
         }
         if !broken.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::bushing::{BushingState, Held};
 use super::force::{Acting, HingeState};
-use super::joint::{Compiled, Pose, is_ground, pose_of};
+use super::joint::{Pose, is_ground, pose_of};
 use super::motion::{Motion, STATE, read};
 use crate::mbs::math::{M3, V3, axpy, cross, dot, mul, mul_t, scale, sub};
 
@@ -143,17 +143,20 @@ impl Motion {
 
     /// Force and torque about its point of each joint that is there on its second body, global \[N, N m\], at the state whose rate was taken last.
     pub fn reactions(&self) -> Vec<[V3; 2]> {
-        let of_joint = |(j, joint): (usize, &Compiled)| {
-            let (mut force, mut torque) = ([0.0; 3], [0.0; 3]);
-            let side = usize::from(!is_ground(joint.bodies[1]));
-            for r in self.first[j]..self.first[j + 1] {
-                let [linear, angular] = self.rows[r].of[side];
-                let factor = if side == 1 { -self.multipliers[r] } else { self.multipliers[r] };
-                (force, torque) = (axpy(force, factor, linear), axpy(torque, factor, angular));
-            }
-            let arm = joint.arm(side, pose_of(&self.poses, joint.bodies[side]));
-            [force, sub(torque, cross(arm, force))]
-        };
-        self.joints.iter().enumerate().map(of_joint).collect()
+        (0..self.joints.len()).map(|j| self.reaction(j)).collect()
+    }
+
+    /// The same of one joint.
+    pub(super) fn reaction(&self, j: usize) -> [V3; 2] {
+        let joint = &self.joints[j];
+        let (mut force, mut torque) = ([0.0; 3], [0.0; 3]);
+        let side = usize::from(!is_ground(joint.bodies[1]));
+        for r in self.first[j]..self.first[j + 1] {
+            let [linear, angular] = self.rows[r].of[side];
+            let factor = if side == 1 { -self.multipliers[r] } else { self.multipliers[r] };
+            (force, torque) = (axpy(force, factor, linear), axpy(torque, factor, angular));
+        }
+        let arm = joint.arm(side, pose_of(&self.poses, joint.bodies[side]));
+        [force, sub(torque, cross(arm, force))]
     }
 }

@@ -199,6 +199,10 @@ pub struct Bushing {
     pub torsional_stiffness_nm_rad: f64,
     /// Bending about axes 1 and 2.
     pub bending: [Bending; 2],
+    /// Ideal joint between the same bodies that holds its point: the bushing is a hinge on it, and opens it when it breaks. The axial force is that of the joint at the end of the step
+    /// before; the axial and shear stiffnesses are zero.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
     /// Tension \[N\] at which it separates; `None`: never.
     #[serde(default)]
     pub tensile_capacity_n: Option<f64>,

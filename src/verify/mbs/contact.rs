@@ -82,11 +82,11 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-fn model(end_time_s: f64, output_interval_s: f64) -> Model {
+pub(super) fn model(end_time_s: f64, output_interval_s: f64) -> Model {
     Model::empty("contact", [0.0, 0.0, -G], end_time_s, output_interval_s)
 }
 
-fn ground(friction: f64, restitution: f64) -> Option<GroundPlane> {
+pub(super) fn ground(friction: f64, restitution: f64) -> Option<GroundPlane> {
     Some(GroundPlane { level_m: 0.0, friction, restitution })
 }
 
@@ -114,16 +114,16 @@ fn solid(model: &mut Model, position_m: [f64; 3], size: [f64; 3]) -> &mut Body {
     body(model, mass, [s[1] + s[2], s[0] + s[2], s[0] + s[1]], position_m, shape)
 }
 
-fn ball(model: &mut Model, mass: f64, radius_m: f64, position_m: [f64; 3]) -> &mut Body {
+pub(super) fn ball(model: &mut Model, mass: f64, radius_m: f64, position_m: [f64; 3]) -> &mut Body {
     let inertia = 0.4 * mass * radius_m * radius_m;
     body(model, mass, [inertia; 3], position_m, Shape::Sphere { center_m: [0.0; 3], radius_m })
 }
 
-fn run(model: &Model) -> Result<RunResult, String> {
+pub(super) fn run(model: &Model) -> Result<RunResult, String> {
     simulate(model).map_err(|e| e.to_string())
 }
 
-fn energy(result: &RunResult, allowed: f64) -> Figure {
+pub(super) fn energy(result: &RunResult, allowed: f64) -> Figure {
     Figure::absolute(
         "energy error, share of the turnover",
         "-",
@@ -133,7 +133,7 @@ fn energy(result: &RunResult, allowed: f64) -> Figure {
     )
 }
 
-fn last(result: &RunResult) -> &crate::mbs::result::Frame {
+pub(super) fn last(result: &RunResult) -> &crate::mbs::result::Frame {
     result.frames.last().expect("a run has outputs")
 }
 

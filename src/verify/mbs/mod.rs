@@ -3,6 +3,7 @@
 mod contact;
 mod hinges;
 mod iftomm;
+mod impact;
 pub mod models;
 mod pendulums;
 pub mod pile;
@@ -19,6 +20,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(pendulums::cases());
     all.extend(hinges::cases());
     all.extend(contact::cases());
+    all.extend(impact::cases());
     all
 }
 
