@@ -141,7 +141,7 @@ impl Hybrid {
         if !lost.is_empty() {
             self.release(body, &lost, Reason::Remnant);
         }
-        self.planned = Some((parts, reason));
+        self.planned = (!parts.is_empty()).then_some((parts, reason));
     }
 
     /// Takes elements out of their sets; between steps. What is left of a set goes on as one or several.
