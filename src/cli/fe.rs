@@ -1,5 +1,7 @@
 //! `fallwerk fe`: the FE run of a building alone, or of a keyword deck.
 
+use super::fe_against::Against;
+use super::fe_hybrid;
 use super::fe_places::{self as places, failure, unwritable};
 use super::progress::Progress;
 use super::verdict::{collapse_words, percent, seconds};
@@ -90,6 +92,11 @@ pub struct Arguments {
     /// Let the parts of the building pass through each other
     #[arg(long)]
     no_body_contact: bool,
+    #[command(flatten)]
+    hybrid: fe_hybrid::Options,
+    /// Tell the error of the tracked points against another run: the fe.json of an FE run of the same building
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
@@ -129,6 +136,8 @@ impl Arguments {
             (self.compute_all, "--compute-all"),
             (self.form.is_some(), "--form"),
             (self.isa.is_some(), "--isa"),
+            (self.hybrid.is_given(), "--hybrid"),
+            (self.against.is_some(), "--against"),
             (!matches!(self.on_failure, OnFailure::Erode), "--on-failure"),
         ];
         given.iter().find(|(given, _)| *given).map(|(_, name)| *name)
@@ -172,6 +181,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     progress.finish();
     let mesh_size_m = options.mesh_size_m.unwrap_or(building.settings.mesh_size_m);
     write(&output, &building, &fe, mesh_size_m)?;
+    let against = arguments.against.as_ref().map(|path| Against::of(path, &fe)).transpose()?;
     places::remove_checkpoint(output.path())?;
     let folder = output.commit().map_err(|e| unwritable(&e))?;
     let collapsed = fe.tracked.iter().any(|h| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M));
@@ -180,6 +190,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         value["building"] = json!(building.name);
         value["form"] = json!(form_of(&fe));
         value["collapsed"] = json!(collapsed);
+        if let Some(hybrid) = &fe.hybrid {
+            value["hybrid"] = fe_hybrid::json(hybrid);
+        }
+        if let Some(against) = &against {
+            value["against"] = against.json();
+        }
         value["notes"] = json!(notes);
         value["output"] = json!(folder);
         print(&format!("{value:#}\n"));
@@ -189,7 +205,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         "{}: {} in the FE run\n{}  results: {}\n",
         building.name,
         collapse_words(collapsed),
-        zones_words(&building, &fe) + &summary(&fe.summary) + &mesh_words(&building, &fe, mesh_size_m),
+        zones_words(&building, &fe)
+            + &summary(&fe.summary)
+            + &fe.hybrid.as_ref().map_or(String::new(), fe_hybrid::words)
+            + &against.as_ref().map_or(String::new(), Against::words)
+            + &mesh_words(&building, &fe, mesh_size_m),
         folder.display()
     ));
     Ok(Outcome::Done)
@@ -225,6 +245,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         skip_quiet: !arguments.compute_all,
         form: element_form(arguments)?,
         isa: instruction_set(arguments.isa.as_deref())?,
+        hybrid: arguments.hybrid.settings(building, mesh_size_m)?,
         ..FeOptions::default()
     })
 }
@@ -325,6 +346,10 @@ pub fn write(
     places::write(output, "fe.json", &text(&record(building, fe, mesh_size_m)?)?)?;
     places::write(output, "fe-displacements.csv", &displacements_csv(fe))?;
     places::write(output, "fe-energies.csv", &energies_csv(fe))?;
+    if let Some(hybrid) = &fe.hybrid {
+        places::write(output, "hybrid.csv", &fe_hybrid::partition_csv(&fe.times_s, hybrid))?;
+        places::write(output, "hybrid-switches.csv", &fe_hybrid::switches_csv(hybrid))?;
+    }
     places::write(output, "fe-events.csv", &events_csv(fe))
 }
 
@@ -338,7 +363,7 @@ fn record(building: &Building, fe: &FeRun, mesh_size_m: f64) -> Result<Value, Fa
     let deaths = |cause: Death| fe.deaths.iter().filter(|d| d.cause == cause).count();
     let snapped: Vec<Value> =
         fe.snapped.iter().map(|s| json!({ "member": s.member, "volume_ratio": s.volume_ratio })).collect();
-    Ok(json!({
+    let mut record = json!({
         "schema": FE_SCHEMA,
         "building": building.name,
         "building_hash": hash.to_string(),
@@ -359,7 +384,11 @@ fn record(building: &Building, fe: &FeRun, mesh_size_m: f64) -> Result<Value, Fa
         "times_s": fe.times_s,
         "tracked": fe.tracked,
         "energies": fe.energies,
-    }))
+    });
+    if let Some(hybrid) = &fe.hybrid {
+        record["hybrid"] = json!(hybrid);
+    }
+    Ok(record)
 }
 
 /// Displacements of the tracked points, columns `time_s, <id>_x_m, ...`.

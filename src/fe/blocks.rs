@@ -57,10 +57,14 @@ pub struct Blocks {
     pub(super) quiet: Vec<Quiet>,
     /// Nodes of each element.
     element_nodes: Vec<[u32; 8]>,
+    /// Place of each element along the curve of the first packing.
+    rank: Vec<u32>,
     /// Elements that have ended since the blocks were packed.
     dead: usize,
     /// Whether each element was detached from its neighbours; empty if none was.
     detached: Vec<bool>,
+    /// Whether each element is part of a rigid set and not computed; empty if none is.
+    resting: Vec<bool>,
     /// Hardening tables by law.
     pub tables: Vec<HardeningTable>,
     /// Laws of concrete elements.
@@ -97,6 +101,8 @@ impl Blocks {
         let concretes = ConcretePoints::of(mesh).expect("concrete law");
         let tables = mesh.laws.iter().map(Law::table).collect();
         let order = packing_order(mesh);
+        let mut rank = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(place, e)| rank[*e] = place as u32);
         let (mut blocks, mut lanes) = (Vec::new(), Vec::new());
         for elements in runs(&order, |e| mesh.elements[*e].law) {
             let mut held = [NO_ELEMENT; LANES];
@@ -110,8 +116,10 @@ impl Blocks {
             chunk_blocks: 0,
             quiet: Vec::new(),
             element_nodes: mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect(),
+            rank,
             dead: 0,
             detached: Vec::new(),
+            resting: Vec::new(),
             blocks,
             tables,
             concretes,
@@ -136,18 +144,39 @@ impl Blocks {
         if self.dead < 2 * LANES || (self.dead as f64) < DEAD_SHARE * acting as f64 {
             return;
         }
+        self.repack(x);
+    }
+
+    /// Leaves the elements that are `resting` out of all passes, with the stress that they have. Forces are zero until the next pass of the kernel.
+    pub(super) fn rest(&mut self, resting: &[bool], x: &[[f64; 3]]) {
+        self.resting = resting.to_vec();
+        self.repack(x);
+    }
+
+    fn repack(&mut self, x: &[[f64; 3]]) {
         let lanes = &self.lanes;
         let all = (0..self.blocks.len())
             .flat_map(|b| (0..LANES).filter(move |l| lanes[b][*l] != NO_ELEMENT).map(move |l| (b, l)));
-        let (acting, ended): (Vec<_>, Vec<_>) = all.partition(|(b, l)| self.blocks[*b].state.share[*l] > 0.0);
+        let (there, ended): (Vec<_>, Vec<_>) = all.partition(|(b, l)| self.blocks[*b].state.share[*l] > 0.0);
+        let rests = |(b, l): &(usize, usize)| self.resting.get(self.lanes[*b][*l] as usize) == Some(&true);
+        let (resting, mut acting): (Vec<_>, Vec<_>) = there.into_iter().partition(rests);
+        if !self.resting.is_empty() {
+            // elements come and go: keep the order along the curve, in which neighbours are close
+            let element = |(b, l): &(usize, usize)| self.lanes[*b][*l];
+            acting.sort_by_key(|place| self.rank[element(place) as usize]);
+        }
         let law = |(b, _): &(usize, usize)| self.blocks[*b].material.table;
         let (mut blocks, mut lanes) = (Vec::new(), Vec::new());
-        for places in runs(&acting, law).chain(runs(&ended, law)) {
+        for places in runs(&acting, law).chain(runs(&resting, law)).chain(runs(&ended, law)) {
             let mut held = [NO_ELEMENT; LANES];
             for (lane, (b, l)) in places.iter().enumerate() {
                 held[lane] = self.lanes[*b][*l];
             }
-            blocks.push(self.collected(places));
+            let mut block = self.collected(places);
+            if rests(&places[0]) {
+                (block.acts, block.largest_bound) = (false, 0.0);
+            }
+            blocks.push(block);
             lanes.push(held);
         }
         (self.blocks, self.lanes, self.dead) = (blocks, lanes, 0);

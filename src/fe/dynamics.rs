@@ -9,6 +9,8 @@ use super::blocks::Blocks;
 use super::contact::body::{Moving, Struck, Surroundings};
 use super::contact::{BodyContact, RigidSurfaces, TiedStrikes};
 use super::erosion::{self, Failure};
+use super::hybrid::Hybrid;
+use super::hybrid::parts::NONE;
 use super::kernel::KernelStep;
 use super::limit::BULK_LINEAR;
 use super::mesh::Mesh;
@@ -110,6 +112,8 @@ pub struct Dynamics {
     pub deaths: Vec<(usize, Death)>,
     /// When elements fail, and what has failed.
     pub failure: Failure,
+    /// Parts that move as rigid bodies, if there may be any.
+    pub hybrid: Option<Box<Hybrid>>,
     parallel: bool,
 }
 
@@ -149,6 +153,7 @@ impl Dynamics {
             ahead_j: [0.0; 2],
             deaths: Vec::new(),
             failure: Failure::of(mesh),
+            hybrid: None,
             blocks,
             trusses: Trusses::of(mesh),
             parallel: false,
@@ -251,10 +256,12 @@ impl Dynamics {
         if allowed < before {
             self.dt_s = 0.98 * allowed;
         } else if allowed > 1.05 * before {
-            self.dt_s = allowed.min(1.05 * before).min(1.2 * self.first_dt_s);
+            self.dt_s = allowed.min(1.05 * before).min(self.most_growth() * self.first_dt_s);
         }
+        let mut hybrid = self.hybrid.take();
+        let frozen = hybrid.as_mut().is_some_and(|h| h.freeze(self));
         self.prepare_contact();
-        let kinetic = self.accelerate(0.5 * (taken + self.dt_s), measure);
+        let kinetic = self.accelerate(0.5 * (taken + self.dt_s), measure, hybrid.as_deref_mut());
         if !self.ties.is_empty() {
             self.follow_ties();
             self.ties.drift(self.dt_s, &self.v, &mut self.x);
@@ -265,12 +272,30 @@ impl Dynamics {
         if !self.deaths.is_empty() {
             self.blocks.repack_if_worthwhile(&self.x);
         }
+        if let Some(hybrid) = &mut hybrid {
+            if frozen {
+                hybrid.rest(self);
+            }
+            hybrid.decide(self);
+        }
+        self.hybrid = hybrid;
         kinetic
+    }
+
+    /// How far beyond the first step the step may grow: elements that ask for a short one may be rigid.
+    fn most_growth(&self) -> f64 {
+        if self.hybrid.as_ref().is_some_and(|h| !h.sets.is_empty()) { 3.0 } else { 1.2 }
+    }
+
+    /// Books work of gravity \[J\] up to the full step, and from there to the half step.
+    pub(super) fn add_gravity(&mut self, to_full_j: f64, ahead_j: f64) {
+        self.gravity_j += to_full_j;
+        self.ahead_j[0] += ahead_j;
     }
 
     /// New velocities from all forces that act for `kick` \[s\], with contact, and new positions; books the work of gravity,
     /// contact and drives.
-    fn accelerate(&mut self, kick: f64, measure: bool) -> f64 {
+    fn accelerate(&mut self, kick: f64, measure: bool, mut hybrid: Option<&mut Hybrid>) -> f64 {
         let dt = self.dt_s;
         let common = NodeStep {
             kick,
@@ -287,6 +312,7 @@ impl Dynamics {
             other_n: &self.other_n,
             ties: &self.ties,
             prescribed_m_s: &self.prescribed_m_s,
+            set_of: hybrid.as_ref().map_or(&[], |h| &h.set_of),
         };
         let (x, v) = (&mut self.x, &mut self.v);
         let parts: Vec<NodeSums> = if self.parallel {
@@ -302,7 +328,10 @@ impl Dynamics {
         let [gravity_before, driven_before] = std::mem::take(&mut self.ahead_j);
         self.gravity_j += gravity_before;
         self.driven_j += driven_before;
-        for part in parts {
+        let struck = hybrid.as_mut().map_or(Vec::new(), |h| h.push(self, kick, dt));
+        let rigid = NodeSums { touching: struck, ..NodeSums::default() };
+        let among_rigid = !rigid.touching.is_empty();
+        for part in parts.into_iter().chain(std::iter::once(rigid)) {
             kinetic += part.kinetic_j;
             self.gravity_j += part.gravity_j;
             self.driven_j += part.driven_j;
@@ -323,8 +352,13 @@ impl Dynamics {
                 }
                 self.contact_j[0] += work[0];
                 self.contact_j[1] += work[1];
-                kinetic += self.settle(&node, &pushed, kick);
+                if !hybrid.as_mut().is_some_and(|h| h.hit(&node, &pushed.trial)) {
+                    kinetic += self.settle(&node, &pushed, kick);
+                }
             }
+        }
+        if among_rigid {
+            meeting.sort_by_key(|(node, _)| node.at.node);
         }
         let (mut nodes, pushed): (Vec<_>, Vec<_>) = meeting.into_iter().unzip();
         let mut rows = self.tied_strikes.rows(dt, &nodes, &self.ties);
@@ -339,7 +373,13 @@ impl Dynamics {
             self.contact_j[i] += work.body_j[i] + work.rigid_j[i];
         }
         self.driven_j += work.held_j;
-        kinetic + nodes.iter().zip(pushed).map(|(node, pushed)| self.settle(node, &pushed, kick)).sum::<f64>()
+        let mut rest = 0.0;
+        for (node, pushed) in nodes.iter().zip(pushed) {
+            if !hybrid.as_mut().is_some_and(|h| h.hit(node, &pushed.trial)) {
+                rest += self.settle(node, &pushed, kick);
+            }
+        }
+        kinetic + rest + hybrid.map_or(0.0, |h| h.finish(self, [kick, dt], measure))
     }
 
     /// Gives a node its final velocity, moves it and books the work of gravity and drives over the time `kick`; returns its kinetic energy
@@ -412,6 +452,8 @@ struct NodeStep<'a> {
     other_n: &'a [[f64; 3]],
     ties: &'a Ties,
     prescribed_m_s: &'a NodeField<[Option<f64>; 3]>,
+    /// Rigid set of each node; empty if there are none.
+    set_of: &'a [u32],
 }
 
 /// What it leaves besides velocities.
@@ -429,11 +471,11 @@ struct NodeSums {
 
 /// What forces do to a node in a step.
 #[derive(Debug, Clone, Copy)]
-struct Pushed {
+pub(super) struct Pushed {
     /// Velocity after it without impulses of contact \[m/s\].
-    trial: [f64; 3],
+    pub trial: [f64; 3],
     /// Applied and driving forces \[N\].
-    driven: [f64; 3],
+    pub driven: [f64; 3],
 }
 
 impl Pushed {
@@ -522,6 +564,9 @@ impl NodeStep<'_> {
             if mass == 0.0 {
                 *v = [0.0; 3];
                 continue;
+            }
+            if self.set_of.get(n).is_some_and(|set| *set != NONE) {
+                continue; // moved with its set
             }
             let internal = self.blocks.force_on(n);
             let weight = self.acceleration_m_s2.map(|a| mass * a);

@@ -12,6 +12,7 @@ pub mod full;
 pub mod grid;
 pub mod hexahedron;
 pub mod hourglass;
+pub mod hybrid;
 mod incidence;
 pub mod kernel;
 pub mod law;

@@ -2,6 +2,7 @@
 
 use super::dynamics::{Death, Dynamics};
 use super::erosion::{ErosionTable, free_nodes};
+use super::hybrid::HybridRecord;
 use super::mesh::{Mesh, Snapped};
 use super::probe::Probe;
 use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, KeptFrame, StrainRates, Touch};
@@ -48,6 +49,7 @@ pub(super) struct Recorder {
     hourglass_share: f64,
     first_contact_s: Option<f64>,
     watch: Watch,
+    hybrid: HybridRecord,
 }
 
 impl Recorder {
@@ -93,6 +95,7 @@ impl Recorder {
             hourglass_share: 0.0,
             first_contact_s: None,
             watch: Watch::new(fall_j(building, body)),
+            hybrid: HybridRecord::default(),
         }
     }
 
@@ -161,6 +164,12 @@ impl Recorder {
             sink.frame(&frame).map_err(FeError::Output)?;
         }
         self.balance(building, body);
+        if let Some(hybrid) = &body.hybrid {
+            let acting = (0..mesh.elements.len()).filter(|e| body.blocks.share(*e) > 0.0).count();
+            self.hybrid.rigid_share.push(hybrid.rigid() as f64 / acting.max(1) as f64);
+            self.hybrid.sets.push(hybrid.sets.len());
+            self.hybrid.switched_j.push(hybrid.books.switched_j);
+        }
         Ok(())
     }
 
@@ -242,6 +251,14 @@ impl Recorder {
             body_contact: body.body_contact.as_ref().map(|c| c.summary().clone()),
             ..FeSummary::default()
         };
+        let hybrid = body.hybrid.as_ref().map(|hybrid| HybridRecord {
+            skipped_share: hybrid.books.skipped as f64
+                / (body.steps.max(1) * mesh.elements.len() as u64) as f64,
+            checks: hybrid.books.checks[0],
+            factors: hybrid.books.checks[1],
+            switches: hybrid.books.switches.clone(),
+            ..self.hybrid
+        });
         let plastic_strain = (0..mesh.elements.len()).map(|e| body.blocks.plastic_strain(e)).collect();
         FeRun {
             mesh,
@@ -256,6 +273,7 @@ impl Recorder {
             ruptures: self.ruptures,
             touches: self.touches,
             energies: self.energies,
+            hybrid,
             summary,
         }
     }

@@ -32,6 +32,13 @@ impl Removal {
         Self { pending, begun: vec![false; mesh.elements.len()] }
     }
 
+    /// Whether each of so many elements is to be removed.
+    pub fn removes(&self, elements: usize) -> Vec<bool> {
+        let mut removes = vec![false; elements];
+        self.pending.iter().flat_map(|(_, hit)| hit).for_each(|e| removes[*e] = true);
+        removes
+    }
+
     /// Lowers the acting share of elements under removal; at the end takes their mass away. Their stress is frozen first: a column that kept
     /// its stiffness would be pressed harder as its share falls, and shed its load within a small part of the duration at the very end.
     pub fn apply(&mut self, mesh: &Mesh, body: &mut Dynamics, duration_s: f64, recorder: &mut Recorder) {
@@ -69,5 +76,9 @@ impl Removal {
         let before = body.kinetic_j();
         body.assemble_mass(mesh, |e| !recorder.removed[e]);
         recorder.removed_j += body.kinetic_j() - before;
+        if let Some(mut hybrid) = body.hybrid.take() {
+            hybrid.renew(body);
+            body.hybrid = Some(hybrid);
+        }
     }
 }

@@ -3,6 +3,7 @@
 use super::contact::ContactSummary;
 use super::dynamics::Death;
 use super::erosion::ErosionTable;
+use super::hybrid::HybridRecord;
 use super::mass_scaling::MassScaling;
 use super::mesh::{Mesh, Snapped};
 use super::truss::BarRupture;
@@ -37,6 +38,8 @@ pub struct FeRun {
     pub touches: Vec<Touch>,
     /// Energies.
     pub energies: Vec<FeEnergies>,
+    /// Rigid parts over time, if the run was to have any.
+    pub hybrid: Option<HybridRecord>,
     /// Statistics.
     pub summary: FeSummary,
 }
@@ -110,7 +113,8 @@ pub struct Touch {
 }
 
 /// Energies at one time \[J\]; the balance is
-/// `kinetic + internal + hourglass + viscous = initial + gravity + contact + friction + removed + released + residual`.
+/// `kinetic + internal + hourglass + viscous = initial + gravity + contact + friction + removed + released + switched + residual`, where what
+/// switches to rigid parts added is in [`HybridRecord::switched_j`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct FeEnergies {
     /// Kinetic energy.

@@ -3,6 +3,7 @@
 use super::contact::{BodyContact, LostContact, RigidSurfaces};
 use super::dynamics::Dynamics;
 use super::erosion::Fate;
+use super::hybrid::{Hybrid, HybridSettings, Refused};
 use super::law::ElementForm;
 use super::mass_scaling::{MOST_ADDED, MassScaling, MassScalingError, scale_mass};
 use super::mesh::Mesh;
@@ -49,6 +50,8 @@ pub struct FeOptions {
     pub skip_quiet: bool,
     /// Instruction set of the kernel.
     pub isa: Isa,
+    /// Move parts that do not deform as rigid bodies.
+    pub hybrid: Option<HybridSettings>,
 }
 
 impl Default for FeOptions {
@@ -66,6 +69,7 @@ impl Default for FeOptions {
             form: None,
             skip_quiet: true,
             isa: Isa::best(),
+            hybrid: None,
         }
     }
 }
@@ -143,6 +147,9 @@ pub enum FeError {
     /// A checkpoint cannot be written or gone on from.
     #[error(transparent)]
     Restart(#[from] RestartError),
+    /// There can be no rigid parts.
+    #[error(transparent)]
+    Hybrid(#[from] Refused),
     /// Members without elements.
     #[error("no elements fit into {members} at a mesh size of {size_m} m; give a smaller mesh size")]
     Unmeshed {
@@ -209,7 +216,7 @@ impl FeError {
         match self {
             Self::MassScaling(_) | Self::StepShare { .. } | Self::Unmeshed { .. } | Self::Empty => true,
             Self::NoElements { .. } | Self::TooShort { .. } | Self::LongStep { .. } => true,
-            Self::Restart(_) | Self::Output(_) => true,
+            Self::Restart(_) | Self::Output(_) | Self::Hybrid(_) => true,
             Self::Preload(_) | Self::Unsound(_) | Self::Contact { .. } => false,
         }
     }
@@ -258,6 +265,9 @@ pub fn run_with(
     check_mesh(building, &mesh, size_m)?;
     if let Some(form) = options.form {
         mesh.laws.iter_mut().for_each(|law| law.form = form);
+    }
+    if options.hybrid.is_some() && (attached.checkpoints.is_some() || attached.resume.is_some()) {
+        return Err(Refused::Checkpoint.into());
     }
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);
     let interval = settings.output_interval_s;
@@ -388,9 +398,16 @@ impl RunState {
             let settings = ContactSettings { friction: building.ground.friction };
             body.body_contact = Some(Box::new(BodyContact::new(mesh, settings)));
         }
+        let removal = Removal::new(building, mesh);
+        if let Some(settings) = &options.hybrid {
+            if options.on_failure == Fate::Split {
+                return Err(Refused::Split.into());
+            }
+            let removed = removal.removes(mesh.elements.len());
+            body.hybrid = Some(Box::new(Hybrid::new(mesh, &body, &removed, settings.clone())?));
+        }
         let mut recorder = Recorder::new(building, mesh, &body, outputs, options.keep_frames);
         recorder.record(building, mesh, &body, attached.frames.as_deref_mut())?;
-        let removal = Removal::new(building, mesh);
         let (frames, elapsed) = (Vec::new(), Elapsed::default());
         Ok(Self { body, recorder, removal, preload, mass_scaling, frames, elapsed })
     }

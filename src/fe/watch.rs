@@ -60,6 +60,8 @@ pub struct Books {
     pub removed_j: f64,
     /// Work booked for forces of dying elements and ended ties that no longer acted.
     pub released_j: f64,
+    /// What hand-overs between deformable and rigid parts added.
+    pub switched_j: f64,
 }
 
 impl Books {
@@ -80,6 +82,7 @@ impl Books {
             friction_j,
             removed_j,
             released_j: body.ties.released_j + body.failure.table.released_j,
+            switched_j: body.hybrid.as_ref().map_or(0.0, |h| h.books.switched_j),
         }
     }
 
@@ -91,7 +94,8 @@ impl Books {
             + self.contact_j
             + self.friction_j
             + self.removed_j
-            + self.released_j;
+            + self.released_j
+            + self.switched_j;
         self.kinetic_j + self.internal_j + self.hourglass_j + self.viscous_j - supplied
     }
 
@@ -113,6 +117,7 @@ impl Books {
             change("work of loads", |b| b.body_loads_j),
             change("work of given motions", |b| b.driven_j),
             change("work released by dying elements", |b| b.released_j),
+            change("energy of switches to rigid parts", |b| b.switched_j),
         ];
         let size = |(_, change): &(&str, f64)| if change.is_nan() { f64::INFINITY } else { change.abs() };
         all.into_iter().fold(all[0], |most, one| if size(&one) > size(&most) { one } else { most })

@@ -12,6 +12,7 @@ use crate::building::Building;
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::partition::Partition;
 use crate::fe::dynamics::Death;
+use crate::fe::mesh::Mesh;
 use crate::fe::result::{FeRun, Touch};
 use serde::{Deserialize, Serialize};
 
@@ -81,13 +82,7 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
     let mut in_end = vec![false; run.mesh.elements.len()];
     let mut zones = Vec::new();
     for end in &ends {
-        let elements: Vec<usize> = (0..run.mesh.elements.len())
-            .filter(|e| run.mesh.elements[*e].part == end.member && !removed[*e])
-            .filter(|e| {
-                let along = (run.mesh.center(*e)[end.axis] - end.point_m[end.axis]) * end.outward;
-                (0.0..(END_DEPTHS * end.depth_m).min(0.5 * end.clear_m)).contains(&along)
-            })
-            .collect();
+        let elements: Vec<usize> = end_zone(&run.mesh, end).filter(|e| !removed[*e]).collect();
         if elements.is_empty() {
             continue;
         }
@@ -120,6 +115,29 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
         contacts: run.touches.clone(),
         collapsed: run.tracked.iter().any(fall),
     }
+}
+
+/// Elements of the member within [`END_DEPTHS`] section depths of its end.
+fn end_zone<'a>(mesh: &'a Mesh, end: &'a MemberEnd) -> impl Iterator<Item = usize> + 'a {
+    let near = move |e: &usize| {
+        let along = (mesh.center(*e)[end.axis] - end.point_m[end.axis]) * end.outward;
+        (0.0..(END_DEPTHS * end.depth_m).min(0.5 * end.clear_m)).contains(&along)
+    };
+    (0..mesh.elements.len()).filter(|e| mesh.elements[*e].part == end.member).filter(near)
+}
+
+/// The partition of the seed paper: elements that count as rigid for a whole run, by the facts of a study. Those are the ends that never
+/// exceeded the critical rate, and of members away from their ends those in which no element did.
+pub fn rigid_elements(building: &Building, mesh: &Mesh, facts: &Facts) -> Vec<bool> {
+    let member = |e: usize| &building.members[mesh.elements[e].part].id;
+    let quiet = |e: &usize| facts.members.iter().any(|m| m.member == *member(*e) && m.rigid_share >= 1.0);
+    let mut rigid: Vec<bool> = (0..mesh.elements.len()).map(|e| quiet(&e)).collect();
+    for end in member_ends(building, &Partition::of(building)) {
+        let zone = facts.ends.iter().find(|zone| zone.id == end.id);
+        let still = zone.is_some_and(|zone| zone.first_s.is_none());
+        end_zone(mesh, &end).for_each(|e| rigid[e] = still);
+    }
+    rigid
 }
 
 /// First time above the critical rate, peak rate and death time of each element.

@@ -12,6 +12,7 @@ mod deck;
 mod element;
 mod elements;
 mod erosion;
+mod hybrid;
 mod isa;
 mod mesh;
 mod meshing;

@@ -142,6 +142,20 @@ impl RigidSurfaces {
             || (0..self.planes.len()).any(|i| self.crosses(i, node, dt, x, new))
     }
 
+    /// Whether a node at `x` is not farther than `reach_m` from any of the surfaces, or behind it.
+    #[inline]
+    pub(in crate::fe) fn is_near(&self, node: usize, x: &Vec3, reach_m: f64) -> bool {
+        let over =
+            |solid: &Aabb| (0..3).all(|i| (solid.min[i] - reach_m..solid.max[i] + reach_m).contains(&x[i]));
+        self.ground.is_some_and(|(level, _)| x[2] <= level + reach_m)
+            && self.ground_of(node).is_some_and(|(level, _)| x[2] <= level + reach_m)
+            || self.boxes.iter().any(|(solid, _)| over(solid))
+            || self.planes.iter().enumerate().any(|(i, plane)| {
+                let stops = self.stops.get(i).is_none_or(|s| s.get(node).copied().unwrap_or(true));
+                stops && height(plane, x) <= reach_m
+            })
+    }
+
     fn crosses(&self, plane: usize, node: usize, dt: f64, x: &Vec3, new: &Vec3) -> bool {
         let stops = self.stops.get(plane).is_none_or(|s| s.get(node).copied().unwrap_or(true));
         stops && height(&self.planes[plane], x) + dt * dot(self.planes[plane].normal, *new) < 0.0

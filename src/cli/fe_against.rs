@@ -1,0 +1,88 @@
+//! `fallwerk fe --against`: the error of a run's tracked points against another FE run of the same building.
+
+use super::Failure;
+use super::verdict::seconds;
+use crate::fe::result::{FeRun, History};
+use crate::validate::measure::{at, error_curve};
+use serde::Deserialize;
+use std::path::Path;
+
+/// What is read of an `fe.json`.
+#[derive(Deserialize)]
+struct Reference {
+    times_s: Vec<f64>,
+    tracked: Vec<History>,
+    summary: Contact,
+}
+
+#[derive(Deserialize)]
+struct Contact {
+    first_ground_contact_s: Option<f64>,
+}
+
+/// The comparison.
+pub(super) struct Against {
+    to_contact: Option<f64>,
+    to_end: f64,
+    contact_s: [Option<f64>; 2],
+    end_s: f64,
+    curve: Vec<f64>,
+}
+
+impl Against {
+    /// Compares the tracked points of a run with those in `fe.json` at `path`.
+    pub(super) fn of(path: &Path, run: &FeRun) -> Result<Self, Failure> {
+        let bad = |what: String| {
+            Failure::input(format!(
+                "--against {}: {what}; give the fe.json of an FE run of the same building",
+                path.display()
+            ))
+        };
+        let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
+        let reference: Reference =
+            serde_json::from_str(&text).map_err(|e| bad(format!("is no result of an FE run: {e}")))?;
+        let times = run.times_s.len().min(reference.times_s.len());
+        let same = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
+        if !run.times_s[..times].iter().zip(&reference.times_s).all(same) {
+            return Err(bad("its outputs are at other times".into()));
+        }
+        let mut pairs = Vec::new();
+        for point in &run.tracked {
+            let of = reference.tracked.iter().find(|p| p.id == point.id);
+            let of = of.ok_or_else(|| bad(format!("it has no tracked point `{}`", point.id)))?;
+            if of.displacement_m.len() < times {
+                return Err(bad(format!("the history of `{}` is too short", point.id)));
+            }
+            pairs.push((&point.displacement_m[..times], &of.displacement_m[..times]));
+        }
+        let curve = error_curve(&run.times_s[..times], &pairs);
+        let contact_s = [reference.summary.first_ground_contact_s, run.summary.first_ground_contact_s];
+        Ok(Self {
+            to_contact: contact_s[0].and_then(|t| at(&run.times_s[..times], &curve, t)),
+            to_end: curve.last().copied().unwrap_or(0.0),
+            contact_s,
+            end_s: run.times_s[times - 1],
+            curve,
+        })
+    }
+
+    /// In words.
+    pub(super) fn words(&self) -> String {
+        let [theirs, own] = self.contact_s.map(seconds);
+        let to_contact = self.to_contact.map_or("-".into(), |e| format!("{e:.4}"));
+        format!(
+            "  against the other run: error e = {to_contact} to its first contact, {:.4} to {:.3} s; first ground contact {own}, there {theirs}\n",
+            self.to_end, self.end_s
+        )
+    }
+
+    /// As JSON.
+    pub(super) fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "e_to_contact": self.to_contact,
+            "e_to_end": self.to_end,
+            "first_contact_s": { "reference": self.contact_s[0], "run": self.contact_s[1] },
+            "e_curve": self.curve,
+        })
+    }
+}
