@@ -1,7 +1,7 @@
 //! `fallwerk fe --hybrid`: options, words and files of a run with rigid parts.
 
-use super::Failure;
 use super::verdict::percent;
+use super::{Failure, study};
 use crate::building::Building;
 use crate::fe::hybrid::{HybridRecord, HybridSettings, Reason};
 use crate::fe::mesh::Mesh;
@@ -9,6 +9,7 @@ use crate::study::{Study, rigid_elements};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// Value of `--hybrid` without one.
 const AUTO: &str = "auto";
@@ -54,7 +55,10 @@ impl Options {
         let rigid_from_start = if partition == AUTO {
             None
         } else {
-            let study = read_study(partition)?;
+            let study = study::read(Path::new(partition)).map_err(|why| {
+                let record = "give auto, or a record that `fallwerk study run` wrote";
+                Failure::input(format!("--hybrid={partition}: {}; {record}", why.message))
+            })?;
             let (mesh, _) = Mesh::of(building, mesh_size_m.unwrap_or(building.settings.mesh_size_m));
             Some(of_study(partition, &study, building, &mesh)?)
         };
@@ -68,16 +72,6 @@ impl Options {
             ..default
         }))
     }
-}
-
-fn read_study(path: &str) -> Result<Study, Failure> {
-    let bad = |what: String| {
-        Failure::input(format!(
-            "--hybrid={path}: {what}; give auto, or a record that `fallwerk study run` wrote"
-        ))
-    };
-    let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
-    serde_json::from_str(&text).map_err(|e| bad(format!("is no study record: {e}")))
 }
 
 /// The elements that a study found rigid; it has to be one of this building.

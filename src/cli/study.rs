@@ -80,7 +80,8 @@ fn run_study(path: &Path, kb: &Path, threads: Option<u16>) -> Result<(), Failure
     Ok(())
 }
 
-fn read(path: &Path) -> Result<Study, Failure> {
+/// A record from its file.
+pub(super) fn read(path: &Path) -> Result<Study, Failure> {
     let text = std::fs::read_to_string(path)
         .map_err(|e| Failure::input(format!("cannot read {}: {e}", path.display())))?;
     let study: Study = serde_json::from_str(&text)

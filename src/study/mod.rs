@@ -129,9 +129,9 @@ fn end_zone<'a>(mesh: &'a Mesh, end: &'a MemberEnd) -> impl Iterator<Item = usiz
 /// The partition of the seed paper: elements that count as rigid for a whole run, by the facts of a study. Those are the ends that never
 /// exceeded the critical rate, and of members away from their ends those in which no element did.
 pub fn rigid_elements(building: &Building, mesh: &Mesh, facts: &Facts) -> Vec<bool> {
-    let member = |e: usize| &building.members[mesh.elements[e].part].id;
-    let quiet = |e: &usize| facts.members.iter().any(|m| m.member == *member(*e) && m.rigid_share >= 1.0);
-    let mut rigid: Vec<bool> = (0..mesh.elements.len()).map(|e| quiet(&e)).collect();
+    let whole = |id: &str| facts.members.iter().any(|m| m.member == id && m.rigid_share >= 1.0);
+    let quiet: Vec<bool> = building.members.iter().map(|member| whole(&member.id)).collect();
+    let mut rigid: Vec<bool> = mesh.elements.iter().map(|element| quiet[element.part]).collect();
     for end in member_ends(building, &Partition::of(building)) {
         let zone = facts.ends.iter().find(|zone| zone.id == end.id);
         let still = zone.is_some_and(|zone| zone.first_s.is_none());

@@ -12,6 +12,7 @@ use fallwerk::fe::mesh::Mesh;
 use fallwerk::fe::result::FeRun;
 use fallwerk::fe::run::{Attached, Checkpoints, FeError, FeOptions, run_with};
 use fallwerk::fe::watch::Books;
+use fallwerk::verify::fe::body::momenta;
 
 /// Sets that switch when they are told to.
 fn by_hand() -> HybridSettings {
@@ -38,19 +39,6 @@ fn release(body: &mut Dynamics, elements: &[usize]) {
 
 fn rigid(body: &Dynamics) -> usize {
     body.hybrid.as_ref().unwrap().rigid()
-}
-
-/// Momentum, angular momentum about the origin.
-fn momenta(body: &Dynamics) -> [[f64; 3]; 2] {
-    let mut sums = [[0.0; 3]; 2];
-    for ((x, v), m) in body.x.iter().zip(&body.v).zip(&body.mass_kg) {
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            sums[0][i] += m * v[i];
-            sums[1][i] += m * (x[j] * v[k] - x[k] * v[j]);
-        }
-    }
-    sums
 }
 
 fn assert_kept(before: [[f64; 3]; 2], after: [[f64; 3]; 2], within: f64) {

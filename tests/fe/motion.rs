@@ -3,18 +3,7 @@
 use super::mesh::{bilinear, elastic, grid, ground};
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
-
-fn momenta(body: &Dynamics) -> [[f64; 3]; 2] {
-    let mut sums = [[0.0; 3]; 2];
-    for ((x, v), m) in body.x.iter().zip(&body.v).zip(&body.mass_kg) {
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            sums[0][i] += m * v[i];
-            sums[1][i] += m * (x[j] * v[k] - x[k] * v[j]);
-        }
-    }
-    sums
-}
+use fallwerk::verify::fe::body::momenta;
 
 /// A block set spinning at 180 rad/s about a skew axis for more than a turn, with strong elastic vibration.
 #[test]

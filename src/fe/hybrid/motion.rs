@@ -95,11 +95,16 @@ impl Motion {
         UnitQuaternion::new_unchecked(self.quaternion()).to_rotation_matrix().into_inner()
     }
 
+    /// `Σ m r rᵀ` along the axes of space, given [`Self::rotation`].
+    fn spread_in_space(&self, turn: &Matrix3<f64>) -> Matrix3<f64> {
+        let [xx, yy, zz, xy, yz, zx] = self.spread;
+        turn * Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * turn.transpose()
+    }
+
     /// The velocities that have the momenta, for the step of `dt_s` that begins at the present place, or that ended there (negative).
     pub fn twist(&self, dt_s: f64) -> Twist {
         let turn = self.rotation();
-        let [xx, yy, zz, xy, yz, zx] = self.spread;
-        let here = turn * Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * turn.transpose();
+        let here = self.spread_in_space(&turn);
         let momentum = Vector3::from(self.spin_momentum);
         let mut spin = Vector3::zeros();
         let mut half = Matrix3::identity();
@@ -141,8 +146,7 @@ impl Motion {
     /// The acceleration of a place in body coordinates \[m/s²\] under a force \[N\] and a moment about the centre \[N m\].
     pub fn accelerations(&self, force: Vec3, moment: Vec3) -> impl Fn(&Vec3) -> Vec3 + use<> {
         let turn = self.rotation();
-        let [xx, yy, zz, xy, yz, zx] = self.spread;
-        let here = turn * Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) * turn.transpose();
+        let here = self.spread_in_space(&turn);
         let inertia = Matrix3::identity() * here.trace() - here;
         let inverse = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
         let spin = inverse * Vector3::from(self.spin_momentum);

@@ -28,6 +28,8 @@ pub const WINDOW_S: f64 = 0.01;
 pub const FLOW_S: f64 = 0.001;
 /// Time between two rounds in which changed sets get their stiffness factorised \[s\]: one costs as much as some hundred steps.
 pub const FACTOR_S: f64 = 0.02;
+/// Distance from a rigid surface within which a node keeps its elements deformable \[m\]: beyond that at which a node at rest counts as about to meet it.
+const TOUCHING_M: f64 = 2e-3;
 /// New elements, over those there are, from which sets are made anew.
 const WORTHWHILE: f64 = 0.01;
 
@@ -212,7 +214,7 @@ impl Hybrid {
         let allowed = self.settings.rigid_from_start.as_ref();
         let touches = |n: usize| {
             body.body_contact.as_ref().is_some_and(|c| c.flagged[n])
-                || body.surfaces.is_near(n, &body.x[n], 2e-3)
+                || body.surfaces.is_near(n, &body.x[n], TOUCHING_M)
         };
         let calm = |e: usize| {
             body.blocks.share(e) == 1.0
