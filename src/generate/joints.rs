@@ -122,6 +122,7 @@ pub fn hinges(
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
             joint: None,
+            latent: false,
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,
             compressive_capacity_n: entry.compressive_capacity_n,

@@ -63,6 +63,8 @@ pub struct JointData {
     pub flowing: bool,
     /// Whether an ideal joint holds its point: [`Self::axial_force`] is given from outside.
     pub(super) is_held: bool,
+    /// Gap and rotation that it had when its bodies parted ([`Self::strain`]).
+    strained: [V3; 2],
 }
 
 impl JointData {
@@ -76,7 +78,6 @@ impl JointData {
         let ((point_a, frame_a), (point_b, frame_b)) = (local(a), local(b));
         let [s1, s2] = joint.shear_stiffness_n_m;
         let center_a = if a + 1 == bodies.len() { joint.point_m } else { bodies[a].x };
-        let towards_b = math::dot(joint.axes[0], math::sub(bodies[b].x, center_a));
         Self {
             a,
             b,
@@ -87,7 +88,7 @@ impl JointData {
             translation: [joint.axial_stiffness_n_m, s1, s2],
             rotation: [joint.torsional_stiffness_nm_rad, 0.0, 0.0],
             table: [NO_TABLE; 2],
-            outward: if towards_b < 0.0 { -1.0 } else { 1.0 },
+            outward: sense(joint, center_a, bodies[b].x),
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
             elongated: 0.0,
@@ -100,6 +101,7 @@ impl JointData {
             elastic_j: 0.0,
             flowing: false,
             is_held: joint.joint.is_some(),
+            strained: [[0.0; 3]; 2],
         }
     }
 
@@ -132,8 +134,7 @@ impl JointData {
     /// Adds the joint's forces to its two bodies and advances its history.
     #[inline]
     pub fn apply(&mut self, bodies: &mut [BodyState], tables: &[CapacityTable]) {
-        let (a, b) = (&bodies[self.a], &bodies[self.b]);
-        let at = stance([(a.x, a.q, &a.r), (b.x, b.q, &b.r)], self.points, self.frames, self.relative);
+        let at = self.stance(bodies);
         let (theta, c) = bend(at.turn);
         let [local, moment] = self.resist(&at, theta, tables);
         let [force, on_a, on_b] = loads(&at.frame, at.arms, theta, local, moment, c);
@@ -143,6 +144,65 @@ impl JointData {
         let b = &mut bodies[self.b];
         b.force = math::sub(b.force, force);
         b.torque = math::sub(b.torque, on_b);
+    }
+
+    /// Force on the first body and torques about the centres of mass of both \[N, N m\] (the second one feels the opposite), as of the last evaluation, which was in the present poses.
+    pub fn pull(&self, bodies: &[BodyState]) -> [V3; 3] {
+        let at = self.stance(bodies);
+        let (theta, c) = bend(at.turn);
+        let k = self.translation;
+        let local = [k[0] * (at.gap[0] - self.crushed), k[1] * at.gap[1], k[2] * at.gap[2]];
+        let [m1, m2] = self.hinge.moment_nm;
+        loads(&at.frame, at.arms, theta, local, [self.rotation[0] * theta[0], m1, m2], c)
+    }
+
+    fn stance(&self, bodies: &[BodyState]) -> Stance {
+        let (a, b) = (&bodies[self.a], &bodies[self.b]);
+        stance([(a.x, a.q, &a.r), (b.x, b.q, &b.r)], self.points, self.frames, self.relative)
+    }
+
+    /// Moves its points and axes in its bodies so that poses that were free of stress strain it by a gap \[m\] and a rotation \[rad\] along its axes.
+    pub fn strain(&mut self, gap: V3, theta: V3) {
+        self.strained = [gap, theta];
+        let frame = math::qmat(self.frames[0]);
+        self.points[0] = math::sub(self.points[0], math::mul(&frame, gap));
+        self.relative = math::qexp(theta);
+        self.frames[1] = math::qmul(self.frames[1], self.relative);
+    }
+
+    /// Takes over the history of a joint between the same points of other bodies.
+    pub fn adopt(&mut self, old: &Self) {
+        let (a, b, points, frames) = (self.a, self.b, self.points, self.frames);
+        *self = Self { a, b, points, frames, ..old.clone() };
+        if old.strained != [[0.0; 3]; 2] {
+            self.strain(old.strained[0], old.strained[1]);
+            self.relative = old.relative;
+        }
+    }
+
+    /// Says that the tables of its curves have moved on by some places.
+    pub fn renumber(&mut self, by: usize) {
+        for table in self.table.iter_mut().filter(|t| **t != NO_TABLE) {
+            *table += by as u32;
+        }
+    }
+
+    /// The table of a bending axis (0 or 1); none if it is elastic.
+    pub fn table_of(&self, k: usize) -> Option<usize> {
+        (self.table[k] != NO_TABLE).then_some(self.table[k] as usize)
+    }
+
+    /// Share of the capacity of the virgin joint that a force \[N\] and a moment \[N m\] along its axes take: the largest of bending, tension and compression.
+    pub fn share_used(&self, force: V3, moment: V3, tables: &[CapacityTable]) -> f64 {
+        let axial = -self.outward * force[0];
+        let mut bending = 0.0;
+        for k in 0..2 {
+            if let Some(table) = self.table_of(k) {
+                let capacity = tables[table].capacity(0.0, axial, &mut Default::default()).moment_nm;
+                bending += (moment[k + 1] / capacity).powi(2);
+            }
+        }
+        bending.sqrt().max(axial / self.compressive_capacity).max(-axial / self.tensile_capacity)
     }
 
     /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.
@@ -237,6 +297,11 @@ impl JointData {
             }
         })
     }
+}
+
+/// 1 if axis 0 points from the first body's side to the second's, else -1.
+pub fn sense(joint: &Bushing, center_a: V3, center_b: V3) -> f64 {
+    if math::dot(joint.axes[0], math::sub(center_b, center_a)) < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// A joint in space.

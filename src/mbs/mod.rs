@@ -12,6 +12,7 @@
 //! | [`preload`] | static equilibrium before `t = 0` |
 //! | [`contact`] | contact by impulses |
 //! | [`step`] | the explicit integrator |
+//! | [`latent`] | bodies that are one until a section between them gives way |
 //! | [`sleep`] | islands at rest: who sleeps, what wakes |
 //! | [`parameter`] | numbers of a model by name |
 //! | [`batch`] | many runs of one model |
@@ -29,6 +30,7 @@ pub mod ideal;
 pub mod joint;
 mod joint_lanes;
 mod lanes;
+pub mod latent;
 pub mod math;
 pub mod model;
 pub mod parameter;

@@ -24,6 +24,9 @@ pub struct RunResult {
     pub energies: EnergyHistory,
     /// Histories of the joints that have a curve.
     pub hinges: Vec<HingeHistory>,
+    /// Bushings that were latent at the begin.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub latent: Vec<LatentRecord>,
     /// Histories of the hinges and torsion springs among the forces.
     #[serde(default)]
     pub turns: Vec<TurnHistory>,
@@ -87,7 +90,7 @@ pub struct EnergyHistory {
     pub contact_damping_j: Vec<f64>,
     /// Dissipated by friction.
     pub friction_j: Vec<f64>,
-    /// Released by fracture of joints and removal of bodies.
+    /// Released by fracture of joints and removal of bodies, less the elastic energy that latent bushings go live with: rigid pieces have stored none.
     pub released_j: Vec<f64>,
     /// Taken by dampers, less the work of applied forces and torques.
     #[serde(default)]
@@ -107,6 +110,17 @@ impl EnergyHistory {
             + self.released_j[i]
             + self.applied_j.get(i).copied().unwrap_or(0.0)
     }
+}
+
+/// What became of a latent bushing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LatentRecord {
+    /// Id of the bushing.
+    pub joint: String,
+    /// Largest share of its resistance that it bore while it was latent.
+    pub largest_share: f64,
+    /// When it went live \[s\]; none: it stayed latent.
+    pub live_s: Option<f64>,
 }
 
 /// History of a hinge, about the bending axes 1 and 2 of its joint.
@@ -180,6 +194,14 @@ pub enum EventKind {
         a: String,
         /// What it met.
         b: String,
+    },
+    /// A latent bushing goes live: a body parts there.
+    Live {
+        /// Id of the bushing.
+        joint: String,
+        /// The latent bushing that had reached its resistance, which took this one along; left out: itself.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        with: Option<String>,
     },
     /// Bodies vanish.
     Removal {

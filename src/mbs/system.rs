@@ -156,7 +156,8 @@ impl System {
 }
 
 impl BodyState {
-    fn new(body: &Body) -> Self {
+    /// That of a body of the file.
+    pub fn new(body: &Body) -> Self {
         let length = body.orientation.iter().map(|v| v * v).sum::<f64>().sqrt();
         let q = body.orientation.map(|v| v / length);
         let r = math::qmat(q);

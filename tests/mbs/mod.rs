@@ -7,6 +7,7 @@ mod frame;
 mod hinge;
 mod ideal;
 mod input;
+mod latent;
 mod motion;
 mod sleep;
 mod statics;

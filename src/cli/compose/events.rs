@@ -48,6 +48,8 @@ fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
             format!("hinge {joint} separates in tension")
         }
         EventKind::Contact { a, b } => format!("{a} touches {}", surface(b)),
+        EventKind::Live { joint, with: None } => format!("{joint} gives way: its body parts there"),
+        EventKind::Live { joint, with: Some(cause) } => format!("{joint} becomes a hinge with {cause}"),
         EventKind::Removal { event } => format!("charge {event} removes its bodies"),
     };
     let event = |e: &crate::mbs::result::RunEvent| TimedEvent {

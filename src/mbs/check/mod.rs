@@ -2,6 +2,7 @@
 
 mod connection;
 mod contact;
+mod latent;
 
 use super::math::{self, M3};
 use super::model::{Body, Force, MODEL_SCHEMA, Model};
@@ -103,6 +104,7 @@ impl Model {
         connection::check(self, &known, &mut list);
         contact::check(self, &known, &mut list);
         check_events(self, &known, &mut list);
+        latent::check(self, &mut list);
         for (i, point) in self.tracked.iter().enumerate() {
             list.known(&known, &point.body, &format!("tracked[{i}].body"));
             list.finite(&format!("tracked[{i}].point_m"), &point.point_m);

@@ -474,6 +474,20 @@ impl ContactSet {
         known.iter().map(|block| block.bodies.map(|i| i as usize))
     }
 
+    /// The impulses \[N s\] of the last step with contacts, each with its solid (in the order of bodies and their shapes) and the arm from the centre of mass of its body \[m\].
+    pub fn each_impulse(&self, mut visit: impl FnMut(usize, V3, V3)) {
+        for block in &self.rows.blocks {
+            let pair = &self.pairs[block.slot as usize];
+            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+                let p = math::axpy(row.tangent, row.normal, block.normal);
+                visit(pair.a as usize, row.arms[0], math::scale(-1.0, p));
+                if !pair.plane {
+                    visit(pair.b as usize, row.arms[1], p);
+                }
+            }
+        }
+    }
+
     /// Sets the alarm to the time at which the first pair must be looked at, unless there were points in the last step.
     fn count_slack(&mut self) {
         if self.alarm > f64::NEG_INFINITY {

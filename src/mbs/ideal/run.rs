@@ -517,6 +517,7 @@ fn empty(model: &Model) -> RunResult {
         frames: Vec::new(),
         energies: Default::default(),
         hinges: hinges.collect(),
+        latent: Vec::new(),
         turns: turns.collect(),
         reactions: reactions.collect(),
         events: Vec::new(),

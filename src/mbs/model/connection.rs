@@ -203,6 +203,10 @@ pub struct Bushing {
     /// before; the axial and shear stiffnesses are zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
+    /// Whether its bodies move as one until the forces that it would have to bear reach its resistance (bending of its curves, tension, compression). It needs a body on both sides, all its
+    /// stiffnesses, and a model without ideal joints and forces.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub latent: bool,
     /// Tension \[N\] at which it separates; `None`: never.
     #[serde(default)]
     pub tensile_capacity_n: Option<f64>,

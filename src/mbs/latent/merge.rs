@@ -1,0 +1,164 @@
+//! Bodies that latent bushings hold together, as one body.
+
+use crate::mbs::math::{self, M3, Q, V3};
+use crate::mbs::model::{Body, Model, Shape};
+use petgraph::unionfind::UnionFind;
+
+/// Where a body of the model file is in the model that runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Its body there.
+    pub body: usize,
+    /// Its pose in that body; none if it is that body.
+    pub pose: Option<(V3, Q)>,
+}
+
+impl Place {
+    /// Position and orientation for those of the body it is in.
+    pub fn of(&self, x: V3, q: Q, r: &M3) -> (V3, Q) {
+        match &self.pose {
+            None => (x, q),
+            Some((offset, turn)) => {
+                (math::add(x, math::mul(r, *offset)), math::qrenormalise(math::qmul(q, *turn)))
+            }
+        }
+    }
+}
+
+/// A model in which latent bushings are rigid, and what became of its parts.
+#[derive(Debug, Clone)]
+pub struct Merged {
+    /// The model.
+    pub model: Model,
+    /// Each body of the file.
+    pub places: Vec<Place>,
+    /// Which bodies of the file each body of the model is made of.
+    pub pieces: Vec<Vec<usize>>,
+    /// The bushing of the model that each one of the file is; none while it is latent.
+    pub bushings: Vec<Option<usize>>,
+}
+
+/// Joins the bodies between latent bushings; each body takes the id of its first piece.
+///
+/// The mass, centre and momenta of a body are the sums over its pieces, so that pieces that move as one go on as they did.
+pub fn merge(model: &Model, latent: &[bool]) -> Merged {
+    let at = |id: &str| model.bodies.iter().position(|b| b.id == id);
+    let mut sets = UnionFind::<usize>::new(model.bodies.len());
+    for (bushing, _) in model.bushings.iter().zip(latent).filter(|(_, latent)| **latent) {
+        if let (Some(a), Some(b)) = (bushing.body_a.as_deref().and_then(at), at(&bushing.body_b)) {
+            sets.union(a, b);
+        }
+    }
+    let labels = sets.into_labeling();
+    let mut of_label = vec![None; labels.len()];
+    let mut pieces: Vec<Vec<usize>> = Vec::new();
+    for (i, label) in labels.iter().enumerate() {
+        let body = *of_label[*label].get_or_insert_with(|| {
+            pieces.push(Vec::new());
+            pieces.len() - 1
+        });
+        pieces[body].push(i);
+    }
+    let bodies: Vec<Body> = pieces.iter().map(|own| join(&model.bodies, own)).collect();
+    let mut places = vec![Place { body: 0, pose: None }; labels.len()];
+    for (body, own) in pieces.iter().enumerate() {
+        for i in own {
+            let piece = &model.bodies[*i];
+            // joined bodies have the axes of space
+            let pose = (own.len() > 1)
+                .then(|| (math::sub(piece.position_m, bodies[body].position_m), unit(piece.orientation)));
+            places[*i] = Place { body, pose };
+        }
+    }
+    let renamed = |id: &str| at(id).map_or_else(|| id.to_string(), |i| bodies[places[i].body].id.clone());
+    let mut bushings = Vec::with_capacity(latent.len());
+    let mut own = Model {
+        bodies: Vec::new(),
+        bushings: Vec::new(),
+        tracked: Vec::new(),
+        events: Vec::new(),
+        ..model.clone()
+    };
+    for (bushing, latent) in model.bushings.iter().zip(latent) {
+        bushings.push((!latent).then_some(own.bushings.len()));
+        if !latent {
+            let mut bushing = bushing.clone();
+            bushing.body_a = bushing.body_a.as_deref().map(renamed);
+            bushing.body_b = renamed(&bushing.body_b);
+            own.bushings.push(bushing);
+        }
+    }
+    own.bodies = bodies;
+    Merged { model: own, places, pieces, bushings }
+}
+
+fn unit(q: Q) -> Q {
+    let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+    q.map(|v| v / length)
+}
+
+/// One body from pieces.
+fn join(bodies: &[Body], own: &[usize]) -> Body {
+    let first = &bodies[own[0]];
+    if own.len() == 1 {
+        return first.clone();
+    }
+    let pieces = || own.iter().map(|i| &bodies[*i]);
+    let mass: f64 = pieces().map(|b| b.mass_kg).sum();
+    let mean = |f: fn(&Body) -> V3| pieces().fold([0.0; 3], |sum, b| math::axpy(sum, b.mass_kg / mass, f(b)));
+    let (center, velocity) = (mean(|b| b.position_m), mean(|b| b.velocity_m_s));
+    let (mut inertia, mut spin) = ([[0.0; 3]; 3], [0.0; 3]);
+    for b in pieces() {
+        let arm = math::sub(b.position_m, center);
+        let own = turned(&b.inertia_kg_m2, unit(b.orientation));
+        let square = math::dot(arm, arm);
+        for i in 0..3 {
+            for j in 0..3 {
+                let steiner = if i == j { square } else { 0.0 } - arm[i] * arm[j];
+                inertia[i][j] += own[i][j] + b.mass_kg * steiner;
+            }
+        }
+        let orbit = math::scale(b.mass_kg, math::cross(arm, math::sub(b.velocity_m_s, velocity)));
+        spin = math::add(spin, math::add(orbit, math::mul(&own, b.angular_velocity_rad_s)));
+    }
+    let mut body = first.clone();
+    body.mass_kg = mass;
+    body.inertia_kg_m2 = inertia;
+    body.position_m = center;
+    body.orientation = [1.0, 0.0, 0.0, 0.0];
+    body.velocity_m_s = velocity;
+    body.angular_velocity_rad_s = math::mul(&math::inverse(&inertia), spin);
+    body.shapes = pieces()
+        .flat_map(|b| {
+            let (offset, turn) = (math::sub(b.position_m, center), unit(b.orientation));
+            b.shapes.iter().map(move |shape| moved(shape, offset, turn))
+        })
+        .collect();
+    body
+}
+
+/// `R I Rᵀ`.
+fn turned(inertia: &M3, turn: Q) -> M3 {
+    let r = math::qmat(turn);
+    math::matmul(&math::matmul(&r, inertia), &math::transpose(&r))
+}
+
+/// A shape in the frame of the body that its own lies in at a pose.
+fn moved(shape: &Shape, offset: V3, turn: Q) -> Shape {
+    let r = math::qmat(turn);
+    let at = |p: V3| math::add(offset, math::mul(&r, p));
+    match shape {
+        Shape::Box { center_m, half_extents_m, orientation } => {
+            let orientation = match orientation {
+                Some(own) => Some(math::qmul(turn, *own)),
+                None if turn == [1.0, 0.0, 0.0, 0.0] => None,
+                None => Some(turn),
+            };
+            Shape::Box { center_m: at(*center_m), half_extents_m: *half_extents_m, orientation }
+        }
+        Shape::Sphere { center_m, radius_m } => {
+            Shape::Sphere { center_m: at(*center_m), radius_m: *radius_m }
+        }
+        Shape::Hull { points_m } => Shape::Hull { points_m: points_m.iter().map(|p| at(*p)).collect() },
+    }
+}

@@ -1,0 +1,427 @@
+//! Latent bushings: bodies that are one until a section between them reaches its resistance.
+//!
+//! A model may say of a bushing that it is *latent*: the bodies on its sides then move as one, and cost what one body costs. In every step the forces that it would have to
+//! bear follow from what acts on the pieces of that body ([`demand`]). When they reach the resistance of the bushing, the body parts there ([`Parting`]): its pieces go on
+//! with exactly its momenta, and the bushing goes live with the forces that it had to bear, so that nothing jumps.
+//!
+//! | file | owns |
+//! |---|---|
+//! | this one | who is latent, when a body parts |
+//! | `merge` | a model in which latent bushings are rigid |
+//! | `demand` | what latent bushings bear |
+
+mod demand;
+mod merge;
+
+pub use merge::{Merged, Place, merge};
+
+use super::contact::ContactSet;
+use super::joint::{self, JointData};
+use super::math::{self, V3};
+use super::model::{Bending, Bushing, Model};
+use super::system::System;
+use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
+use demand::Demand;
+use std::collections::BTreeMap;
+
+/// A body of several pieces.
+#[derive(Debug, Clone)]
+struct Compound {
+    /// The body in the running model.
+    body: usize,
+    /// Its latent bushings in the model file.
+    bushings: Vec<usize>,
+    demand: Demand,
+    /// Joints that are attached to it: which, whether it is their second body, and the piece.
+    attached: Vec<(usize, bool, usize)>,
+    /// Filtered loads of contacts on each piece, and those of the present step.
+    contact: Vec<[V3; 2]>,
+    now: Vec<[V3; 2]>,
+}
+
+/// A body that parts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parting {
+    /// The bushing that reached its resistance.
+    pub cause: usize,
+    /// Bushings that go live, each with its force and moment along its axes \[N, N m\].
+    pub live: Vec<(usize, [V3; 2])>,
+}
+
+/// The latent bushings of a run.
+#[derive(Debug, Clone)]
+pub struct Latent {
+    /// Where the bodies and bushings of the file are in the running model.
+    pub places: Vec<Place>,
+    /// The bushing of the running model that each one of the file is.
+    pub bushings: Vec<Option<usize>>,
+    /// Bodies of the file in each body of the running model.
+    pub pieces: Vec<Vec<usize>>,
+    held: Vec<bool>,
+    parted: bool,
+    compounds: Vec<Compound>,
+    /// The model with nothing latent, in its initial poses.
+    whole: Option<System>,
+    /// Largest share of its resistance that each bushing has borne while it was latent.
+    peak: Vec<f64>,
+    /// Compound and piece in it of each solid of the running model.
+    solids: Vec<Option<(usize, usize)>>,
+}
+
+impl Latent {
+    /// The latent bushings of a checked model, and the model that runs first.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn new(file: &Model) -> Result<(Self, Option<Model>), CurveError> {
+        let held: Vec<bool> = file.bushings.iter().map(|b| b.latent).collect();
+        if !held.contains(&true) {
+            let alone = |body| Place { body, pose: None };
+            let latent = Self {
+                places: (0..file.bodies.len()).map(alone).collect(),
+                bushings: (0..held.len()).map(Some).collect(),
+                pieces: (0..file.bodies.len()).map(|i| vec![i]).collect(),
+                peak: vec![0.0; held.len()],
+                held,
+                parted: false,
+                compounds: Vec::new(),
+                whole: None,
+                solids: Vec::new(),
+            };
+            return Ok((latent, None));
+        }
+        let mut latent = Self {
+            places: Vec::new(),
+            bushings: Vec::new(),
+            pieces: Vec::new(),
+            peak: vec![0.0; held.len()],
+            held,
+            parted: false,
+            compounds: Vec::new(),
+            whole: Some(System::new(file)?),
+            solids: Vec::new(),
+        };
+        let first = latent.rebuild(file);
+        Ok((latent, Some(first)))
+    }
+
+    /// The model with the bushings that are latent now.
+    fn rebuild(&mut self, file: &Model) -> Model {
+        let before = std::mem::take(&mut self.compounds);
+        let felt = |piece: usize| {
+            let old = before
+                .iter()
+                .find_map(|c| self.pieces[c.body].iter().position(|p| *p == piece).map(|k| c.contact[k]));
+            old.unwrap_or_default()
+        };
+        let merged = merge(file, &self.held);
+        let whole = self.whole.as_ref();
+        let mut compounds = Vec::new();
+        let mut solids = Vec::new();
+        for (body, own) in merged.pieces.iter().enumerate() {
+            let compound = (own.len() > 1).then_some(compounds.len());
+            for (k, piece) in own.iter().enumerate() {
+                let count = file.bodies[*piece].shapes.len();
+                solids.extend(std::iter::repeat_n(compound.map(|c| (c, k)), count));
+            }
+            let Some(whole) = whole.filter(|_| own.len() > 1) else { continue };
+            let inside = |b: usize| self.held[b] && own.contains(&whole.joints[b].b);
+            let bushings: Vec<usize> = (0..self.held.len()).filter(|b| inside(*b)).collect();
+            let joints: Vec<&JointData> = bushings.iter().map(|b| &whole.joints[*b]).collect();
+            let center = merged.model.bodies[body].position_m;
+            let demand = Demand::new(&whole.bodies, &whole.data, own, &joints, center);
+            let piece_of = |body: usize| own.iter().position(|p| *p == body);
+            let mut attached = Vec::new();
+            for (b, running) in merged.bushings.iter().enumerate() {
+                let Some(running) = running else { continue };
+                let joint = &whole.joints[b];
+                attached.extend(piece_of(joint.a).map(|p| (*running, false, p)));
+                attached.extend(piece_of(joint.b).map(|p| (*running, true, p)));
+            }
+            let contact: Vec<[V3; 2]> = own.iter().map(|p| felt(*p)).collect();
+            let now = contact.clone();
+            compounds.push(Compound { body, bushings, demand, attached, contact, now });
+        }
+        (self.places, self.pieces, self.bushings) = (merged.places, merged.pieces, merged.bushings);
+        (self.compounds, self.solids) = (compounds, solids);
+        merged.model
+    }
+
+    /// Whether any bushing is latent.
+    pub fn is_watching(&self) -> bool {
+        !self.compounds.is_empty()
+    }
+
+    /// Whether a bushing has gone live.
+    pub fn has_parted(&self) -> bool {
+        self.parted
+    }
+
+    /// Axial force of a latent bushing of the file, compression positive \[N\].
+    pub fn axial_n(&self, bushing: usize) -> f64 {
+        let force = self.borne(bushing).map_or(0.0, |[force, _]| force[0]);
+        self.whole.as_ref().map_or(0.0, |whole| -whole.joints[bushing].outward * force)
+    }
+
+    /// Sets the strength of the curves of a latent bushing to a share of that in the file.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn weaken(
+        &mut self,
+        given: &Bushing,
+        bushing: usize,
+        share: f64,
+        curves: &BTreeMap<String, ResistanceCurve>,
+    ) -> Result<(), CurveError> {
+        if let Some(whole) = &mut self.whole {
+            let System { tables, joints, .. } = whole;
+            for (k, bending) in given.bending.iter().enumerate() {
+                if let Bending::Curve { curve, strength_factor } = bending {
+                    tables.push(CapacityTable::new(&curves[curve], strength_factor * share)?);
+                    joints[bushing].set_curve(k, (tables.len() - 1) as u32, tables);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a bushing of the file is latent.
+    pub fn is_held(&self, bushing: usize) -> bool {
+        self.held[bushing]
+    }
+
+    /// Largest share of its resistance that a bushing of the file has borne while it was latent.
+    pub fn peak(&self, bushing: usize) -> f64 {
+        self.peak[bushing]
+    }
+
+    /// The body that parts under the forces of the present poses and the contacts so far; none if all holds.
+    pub fn overloaded(&mut self, system: &System) -> Option<Parting> {
+        self.look(system, false)
+    }
+
+    /// The same with the contacts of the step after these poses.
+    pub fn struck(&mut self, system: &System) -> Option<Parting> {
+        self.look(system, true)
+    }
+
+    fn look(&mut self, system: &System, with_step: bool) -> Option<Parting> {
+        let whole = self.whole.as_ref()?;
+        let mut worst: Option<(f64, usize)> = None;
+        for c in 0..self.compounds.len() {
+            let compound = &mut self.compounds[c];
+            if !system.data[compound.body].alive || system.data[compound.body].asleep {
+                continue;
+            }
+            if with_step && compound.now == compound.contact {
+                continue;
+            }
+            compound.load(system, with_step);
+            for (l, bushing) in compound.bushings.iter().enumerate() {
+                let [force, moment] = compound.demand.of(l);
+                let used = whole.joints[*bushing].share_used(force, moment, &whole.tables);
+                self.peak[*bushing] = self.peak[*bushing].max(used);
+                if used >= 1.0 && worst.is_none_or(|(most, _)| used > most) {
+                    worst = Some((used, *bushing));
+                }
+            }
+        }
+        worst.map(|(_, cause)| self.parting(system, cause))
+    }
+
+    /// The body of a latent bushing parts there.
+    pub fn parting(&mut self, system: &System, cause: usize) -> Parting {
+        let Some(compound) = self.compounds.iter_mut().find(|c| c.bushings.contains(&cause)) else {
+            return Parting { cause, live: Vec::new() };
+        };
+        compound.load(system, false);
+        let Some(whole) = &self.whole else { return Parting { cause, live: Vec::new() } };
+        let ends = |b: usize| {
+            let joint = &whole.joints[b];
+            (joint.a.min(joint.b), joint.a.max(joint.b))
+        };
+        let side_by_side: Vec<usize> =
+            compound.bushings.iter().copied().filter(|b| ends(*b) == ends(cause)).collect();
+        let rest: Vec<(usize, usize)> =
+            compound.bushings.iter().filter(|b| !side_by_side.contains(b)).map(|b| ends(*b)).collect();
+        // in a loop of pieces the others would hold this one rigid
+        let parts = if are_linked(&rest, ends(cause)) { compound.bushings.clone() } else { side_by_side };
+        let forces = |b: usize| {
+            let l = compound.bushings.iter().position(|o| *o == b).unwrap_or(0);
+            compound.demand.of(l)
+        };
+        Parting { cause, live: parts.into_iter().map(|b| (b, forces(b))).collect() }
+    }
+
+    /// Takes in the contacts of a step of `h` \[s\]; none: there were none.
+    pub fn feel(&mut self, system: &System, contacts: Option<&ContactSet>, h: f64) {
+        for compound in &mut self.compounds {
+            let fade = (-h * compound.demand.frequency_rad_s()).exp();
+            for (now, felt) in compound.now.iter_mut().zip(&compound.contact) {
+                *now = felt.map(|v| math::scale(fade, v));
+            }
+        }
+        let (Some(contacts), compounds, solids) = (contacts, &mut self.compounds, &self.solids) else {
+            return;
+        };
+        contacts.each_impulse(|solid, arm, impulse| {
+            let Some((c, piece)) = solids.get(solid).copied().flatten() else { return };
+            let compound = &mut compounds[c];
+            let share = (1.0 - (-h * compound.demand.frequency_rad_s()).exp()) / h;
+            let r = &system.bodies[compound.body].r;
+            let force = math::mul_t(r, math::scale(share, impulse));
+            let [f, m] = &mut compound.now[piece];
+            *f = math::add(*f, force);
+            *m = math::add(*m, math::cross(math::mul_t(r, arm), force));
+        });
+    }
+
+    /// The contacts of the step count as borne.
+    pub fn keep(&mut self) {
+        for compound in &mut self.compounds {
+            compound.contact.clone_from(&compound.now);
+        }
+    }
+
+    /// The contacts of the step did not happen.
+    pub fn drop_step(&mut self) {
+        for compound in &mut self.compounds {
+            compound.now.clone_from(&compound.contact);
+        }
+    }
+
+    /// Finds what all latent bushings bear in the present poses.
+    pub fn weigh(&mut self, system: &System) {
+        for compound in self.compounds.iter_mut().filter(|c| system.data[c.body].alive) {
+            compound.load(system, false);
+        }
+    }
+
+    /// Force and moment along the axes of a latent bushing of the file \[N, N m\], as they were found last.
+    pub fn borne(&self, bushing: usize) -> Option<[V3; 2]> {
+        self.compounds.iter().find_map(|c| {
+            let l = c.bushings.iter().position(|b| *b == bushing)?;
+            Some(c.demand.of(l))
+        })
+    }
+
+    /// Parts a body: the system and the model that go on, in the present poses and with the momenta of the full step. Energy that the bushings bring into the balance is in their books.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn part(
+        &mut self,
+        file: &Model,
+        system: &System,
+        parting: &Parting,
+    ) -> Result<(System, Model), CurveError> {
+        let (places, pieces, bushings) = (self.places.clone(), self.pieces.clone(), self.bushings.clone());
+        parting.live.iter().for_each(|(b, _)| self.held[*b] = false);
+        self.parted |= !parting.live.is_empty();
+        let model = self.rebuild(file);
+        let mut next = System::new(&model)?;
+        for (body, own) in self.pieces.iter().enumerate() {
+            let was = places[own[0]];
+            if pieces[was.body] == *own {
+                next.bodies[body] = system.bodies[was.body];
+                next.data[body].alive = system.data[was.body].alive;
+            } else {
+                hand_over(system, &mut next, was, self.places[own[0]]);
+            }
+        }
+        let moved = system.tables.len();
+        for (b, running) in self.bushings.iter().enumerate() {
+            let Some(running) = *running else { continue };
+            let joint = &mut next.joints[running];
+            match bushings[b] {
+                Some(old) => joint.adopt(&system.joints[old]),
+                None => {
+                    joint.renumber(moved);
+                    if let Some((_, [force, moment])) = parting.live.iter().find(|(live, _)| *live == b) {
+                        let gap = std::array::from_fn(|i| force[i] / joint.translation[i]);
+                        joint.strain(gap, std::array::from_fn(|i| moment[i] / joint.rotation[i]));
+                    }
+                }
+            }
+        }
+        next.tables = system.tables.iter().cloned().chain(std::mem::take(&mut next.tables)).collect();
+        self.orient(file, &mut next);
+        next.pack();
+        Ok((next, model))
+    }
+
+    /// Sets which sense of a bushing is tension: its own bodies decide, not those they are part of.
+    pub fn orient(&self, file: &Model, system: &mut System) {
+        for (b, running) in self.bushings.iter().enumerate() {
+            if let Some(running) = running {
+                system.joints[*running].outward = sense(file, &file.bushings[b]);
+            }
+        }
+    }
+}
+
+impl Compound {
+    fn load(&mut self, system: &System, with_step: bool) {
+        self.demand.start(system.bodies[self.body].w_body);
+        for (joint, is_second, piece) in &self.attached {
+            if system.joints[*joint].alive {
+                self.demand.add(*piece, demand::pull(system, *joint, *is_second));
+            }
+        }
+        let contact = if with_step { &self.now } else { &self.contact };
+        for (piece, load) in contact.iter().enumerate() {
+            self.demand.add(piece, *load);
+        }
+        self.demand.solve();
+    }
+}
+
+/// Whether links connect two pieces.
+fn are_linked(links: &[(usize, usize)], ends: (usize, usize)) -> bool {
+    let mut reached = vec![ends.0];
+    let mut next = 0;
+    while next < reached.len() {
+        let at = reached[next];
+        for (a, b) in links {
+            let other = if *a == at {
+                *b
+            } else if *b == at {
+                *a
+            } else {
+                continue;
+            };
+            if !reached.contains(&other) {
+                reached.push(other);
+            }
+        }
+        next += 1;
+    }
+    reached.contains(&ends.1)
+}
+
+fn sense(file: &Model, bushing: &Bushing) -> f64 {
+    let center = |id: &str| file.bodies.iter().find(|b| b.id == id).map_or(bushing.point_m, |b| b.position_m);
+    joint::sense(bushing, bushing.body_a.as_deref().map_or(bushing.point_m, center), center(&bushing.body_b))
+}
+
+/// Gives a body of the next system the motion that one of its pieces has in the body that parts.
+fn hand_over(old: &System, next: &mut System, was: Place, is: Place) {
+    let (from, data) = (&old.bodies[was.body], &old.data[was.body]);
+    let (body, own) = (&mut next.bodies[is.body], &mut next.data[is.body]);
+    let (x, q) = was.of(from.x, from.q, &from.r);
+    // a body of several pieces has the axes of the one that it was part of
+    (body.x, body.q) = match is.pose {
+        None => (x, q),
+        Some((offset, _)) => (math::sub(x, math::mul(&from.r, offset)), from.q),
+    };
+    body.r = math::qmat(body.q);
+    let spin = math::mul(&from.r, math::mul(&data.inverse_inertia, math::mul_t(&from.r, from.l)));
+    let speed = math::scale(data.inverse_mass, from.p);
+    own.alive = data.alive;
+    body.v = math::add(speed, math::cross(spin, math::sub(body.x, from.x)));
+    body.p = math::scale(own.mass, body.v);
+    body.w = spin;
+    body.w_body = math::mul_t(&body.r, spin);
+    body.l = math::mul(&body.r, math::mul(&own.inertia, body.w_body));
+}

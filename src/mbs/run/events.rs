@@ -1,0 +1,185 @@
+//! Yield, fracture, contacts, and the events of a model.
+
+use super::Run;
+use super::setup::connect;
+use crate::curve::CapacityTable;
+use crate::mbs::contact::Partner;
+use crate::mbs::error::SolveError;
+use crate::mbs::model::Bending;
+use crate::mbs::result::{EventKind, FractureCause, RunEvent};
+use crate::mbs::run::LARGEST_STEP_S;
+use crate::mbs::{math, step};
+
+impl Run<'_> {
+    #[cold]
+    pub(super) fn note_yield(&mut self, i: usize) {
+        let id = &self.model.bushings[i].id;
+        if !std::mem::replace(&mut self.yielded[i], true) {
+            self.result
+                .events
+                .push(RunEvent { time_s: self.time, kind: EventKind::Yield { joint: id.clone() } });
+        }
+        let joint = &self.system.joints[i];
+        if joint.hinge.out_of_range && !std::mem::replace(&mut self.range_warned[i], true) {
+            self.result.warnings.push(format!(
+                "joint \"{id}\": at t = {:.4} s the axial force {:.4e} N lies outside the levels of its curve; the nearest level is used",
+                self.time, joint.axial_force
+            ));
+        }
+    }
+
+    pub(super) fn note_preload_yield(&mut self) {
+        for i in 0..self.system.joints.len() {
+            if self.preloading && self.yielded[i] {
+                let id = &self.model.bushings[i].id;
+                self.result.warnings.push(format!("joint \"{id}\" flows under dead load already"));
+                let kind = EventKind::Yield { joint: id.clone() };
+                self.result.events.push(RunEvent { time_s: 0.0, kind });
+            }
+        }
+    }
+
+    #[cold]
+    pub(super) fn fracture(&mut self) {
+        for i in 0..self.system.joints.len() {
+            let joint = &mut self.system.joints[i];
+            let tension = joint.is_pulled_apart();
+            if joint.alive && (joint.hinge.fractured || tension) {
+                joint.alive = false;
+                joint.flowing = false;
+                self.released += std::mem::take(&mut joint.elastic_j);
+                let cause =
+                    if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
+                let kind = EventKind::Fracture { joint: self.model.bushings[i].id.clone(), cause };
+                self.result.events.push(RunEvent { time_s: self.time, kind });
+            }
+        }
+        self.system.pack();
+        self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
+        connect(&mut self.contacts, &self.system);
+        if self.model.settings.time_step_s.is_none() && self.system.joints.iter().all(|j| !j.alive) {
+            self.step_limit = LARGEST_STEP_S;
+        }
+    }
+
+    #[cold]
+    pub(super) fn record_touches(&mut self) {
+        for touch in std::mem::take(&mut self.contacts.touches) {
+            let time_s = self.time + touch.after_s;
+            if touch.b == Partner::Ground {
+                self.result.first_ground_contact_s.get_or_insert(time_s);
+            }
+            let kind = EventKind::Contact {
+                a: self.model.bodies[touch.a].id.clone(),
+                b: touch.b.id(&self.model).into(),
+            };
+            // pieces of a body are told of what it has met before
+            if self.latent.has_parted() && self.result.events.iter().any(|e| e.kind == kind) {
+                continue;
+            }
+            self.result.events.push(RunEvent { time_s, kind });
+        }
+    }
+
+    /// Carries out the events of a time: momenta are brought to the full step, bodies and joints vanish or weaken, forces are evaluated again.
+    pub(super) fn events_at(&mut self, time: f64) -> Result<(), SolveError> {
+        let file = self.file;
+        let tolerance = 1e-12 * file.settings.end_time_s;
+        let mut any = false;
+        for event in file.events.iter().filter(|e| (e.time_s - time).abs() <= tolerance) {
+            if !std::mem::replace(&mut any, true) {
+                self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
+                self.synchronise();
+            }
+            for id in &event.remove_bodies {
+                if let Some(i) = file.bodies.iter().position(|b| b.id == *id) {
+                    self.part_from_others(i)?;
+                    self.remove_body(self.latent.places[i].body);
+                }
+            }
+            for id in &event.release {
+                if let Some(b) = file.bushings.iter().position(|b| b.id == *id) {
+                    self.part_at(b)?;
+                    self.release(b);
+                }
+            }
+            for w in &event.weaken {
+                if let Some(b) = file.bushings.iter().position(|b| b.id == w.id) {
+                    self.weaken(b, w.factor)?;
+                }
+            }
+            self.result
+                .events
+                .push(RunEvent { time_s: self.time, kind: EventKind::Removal { event: event.id.clone() } });
+        }
+        if any {
+            self.system.pack();
+            connect(&mut self.contacts, &self.system);
+            self.forces();
+        }
+        Ok(())
+    }
+
+    /// Takes a bushing of the file away.
+    fn release(&mut self, bushing: usize) {
+        if let Some(joint) = self.latent.bushings[bushing].map(|i| &mut self.system.joints[i])
+            && joint.alive
+        {
+            (joint.alive, joint.flowing) = (false, false);
+            self.released += std::mem::take(&mut joint.elastic_j);
+        }
+    }
+
+    /// Multiplies the capacities of the curves of a bushing of the file.
+    pub(super) fn weaken(&mut self, bushing: usize, factor: f64) -> Result<(), SolveError> {
+        self.strength[bushing] *= factor;
+        let Some(running) = self.latent.bushings[bushing] else {
+            let share = self.strength[bushing];
+            return Ok(self.latent.weaken(
+                &self.file.bushings[bushing],
+                bushing,
+                share,
+                &self.file.curves,
+            )?);
+        };
+        let tables = &mut self.system.tables;
+        let joint = &mut self.system.joints[running];
+        for (k, bending) in self.file.bushings[bushing].bending.iter().enumerate() {
+            if let Bending::Curve { curve, strength_factor } = bending {
+                let strength = strength_factor * self.strength[bushing];
+                tables.push(CapacityTable::new(&self.file.curves[curve], strength)?);
+                joint.set_curve(k, (tables.len() - 1) as u32, tables);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn synchronise(&mut self) {
+        let n = self.system.count();
+        for body in &mut self.system.bodies[..n] {
+            (body.p, body.l) = step::synchronised(body, 0.5 * self.last_step);
+        }
+        self.last_step = 0.0;
+    }
+
+    fn remove_body(&mut self, i: usize) {
+        if !self.system.data[i].alive {
+            return;
+        }
+        self.released += step::kinetic_j(&self.system.bodies[i], &self.system.data[i], 0.5 * self.last_step)
+            + self.gravity_energy(i);
+        self.system.data[i].alive = false;
+        let body = &mut self.system.bodies[i];
+        (body.p, body.l, body.v, body.w, body.w_body) = ([0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
+        for joint in self.system.joints.iter_mut().filter(|j| j.alive && (j.a == i || j.b == i)) {
+            joint.alive = false;
+            joint.flowing = false;
+            self.released += std::mem::take(&mut joint.elastic_j);
+        }
+    }
+
+    pub(super) fn gravity_energy(&self, i: usize) -> f64 {
+        let rise = math::sub(self.system.bodies[i].x, self.origin[i]);
+        -self.system.data[i].mass * math::dot(self.system.gravity, rise)
+    }
+}

@@ -1,0 +1,349 @@
+//! A whole run: set-up, preload, time loop with events, outputs and the energy balance.
+//!
+//! Steps end exactly at every output and every event: between two such times the step is constant and
+//! at most the limit. The energies are taken at full steps, with the momenta of that time; the balance is
+//! a true one (states and trapezoidal dissipation), not an identity of the update formulas.
+//!
+//! | file | owns |
+//! |---|---|
+//! | this one | options, the time loop |
+//! | `setup` | the step, the empty result |
+//! | `events` | yield, fracture, contacts, removal and weakening |
+//! | `part` | latent bushings: bodies that part |
+//! | `output` | histories, the energy balance |
+
+mod events;
+mod output;
+mod part;
+mod setup;
+
+use self::setup::{choose_step, connect, empty_result, preload_error};
+use super::contact::{ContactSet, Moving, Settings, Work};
+use super::error::SolveError;
+use super::ideal;
+use super::latent::Latent;
+use super::math;
+use super::model::{Bending, Model};
+use super::preload;
+use super::result::RunResult;
+use super::sleep::Sleep;
+use super::system::{BodyState, System};
+use super::{frequency, step};
+use crate::base::cpu::ThreadClock;
+use std::borrow::Cow;
+
+/// Largest automatic step \[s\]: in it a body at 10 m/s moves by a centimetre, one that turns at 10 rad/s by a hundredth of a radian.
+pub const LARGEST_STEP_S: f64 = 1e-3;
+/// Most steps between two outputs; more points to a wrong stiffness or mass.
+const MOST_STEPS: f64 = 2e9;
+
+/// Options that are not part of the model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolverOptions {
+    /// Relative energy error above which the run stops.
+    pub energy_limit: f64,
+    /// How contact impulses are found.
+    pub contact: Settings,
+}
+
+impl Default for SolverOptions {
+    fn default() -> Self {
+        Self { energy_limit: 0.1, contact: Settings::default() }
+    }
+}
+
+/// Checks and runs a model.
+pub fn simulate(model: &Model) -> Result<RunResult, SolveError> {
+    simulate_with(model, &SolverOptions::default())
+}
+
+/// Checks and runs a model with options.
+pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
+    model.check()?;
+    if !model.joints.is_empty() || !model.forces.is_empty() {
+        return ideal::run::simulate(model, options);
+    }
+    let clock = ThreadClock::start();
+    let mut run = Run::new(model, options)?;
+    run.go()?;
+    let remarks = closing_remarks(run.result.energy_error, Some(run.contacts.work));
+    run.result.warnings.extend(remarks);
+    run.close_latent();
+    run.result.cpu_s = clock.elapsed_s();
+    Ok(run.result)
+}
+
+/// Energy error worth a warning.
+const ENERGY_WORTH_TELLING: f64 = 1e-3;
+/// Depth of a contact worth a warning \[m\].
+const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
+
+/// What is worth saying of a run that came to its end.
+pub(super) fn closing_remarks(energy_error: f64, contacts: Option<Work>) -> Vec<String> {
+    let mut list = Vec::new();
+    if energy_error > ENERGY_WORTH_TELLING {
+        list.push(format!(
+            "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller settings.tolerance or settings.time_step_s shows what that changes"
+        ));
+    }
+    if let Some(work) = contacts.filter(|w| w.deepest_m > DEPTH_WORTH_TELLING_M) {
+        list.push(format!(
+            "contacts were up to {:.1} mm deep (heavy bodies on light ones, or impacts whose impulses did not settle in {} of {} steps); a smaller settings.time_step_s holds them better",
+            1e3 * work.deepest_m,
+            work.unfinished,
+            work.steps
+        ));
+    }
+    list
+}
+
+struct Run<'a> {
+    /// The model as it was given.
+    file: &'a Model,
+    /// The model that runs: that of the file, with the bodies that latent bushings hold together as one.
+    model: Cow<'a, Model>,
+    latent: Latent,
+    /// States before a step that a body may part in.
+    before: Vec<BodyState>,
+    resting: Vec<bool>,
+    options: &'a SolverOptions,
+    system: System,
+    contacts: ContactSet,
+    /// The bodies as the contacts see them.
+    moving: Vec<Moving>,
+    sleep: Sleep,
+    /// Work of the forces on displacements that open gaps \[J\].
+    opened: f64,
+    result: RunResult,
+    time: f64,
+    /// Length of the last step, zero right after a start \[s\].
+    last_step: f64,
+    step_limit: f64,
+    /// Where the bodies of the file are at `t = 0` \[m\], and the centres of those that run.
+    start: Vec<math::V3>,
+    origin: Vec<math::V3>,
+    /// Bodies of the file and the tracked points in them \[m\].
+    tracked: Vec<(usize, math::V3)>,
+    /// Bushings of the file that have a curve.
+    hinges: Vec<usize>,
+    /// What events have made of the strength of each bushing of the file.
+    strength: Vec<f64>,
+    yielded: Vec<bool>,
+    range_warned: Vec<bool>,
+    plastic_start: f64,
+    released: f64,
+    total_start: f64,
+    turnover: f64,
+    preloading: bool,
+}
+
+impl<'a> Run<'a> {
+    fn new(file: &'a Model, options: &'a SolverOptions) -> Result<Self, SolveError> {
+        let (latent, merged) = Latent::new(file)?;
+        let model = merged.map_or(Cow::Borrowed(file), Cow::Owned);
+        let mut system = System::new(&model)?;
+        latent.orient(file, &mut system);
+        let at = |id: &str| file.bodies.iter().position(|b| b.id == id).unwrap_or(0);
+        let tracked = file.tracked.iter().map(|t| {
+            let body = at(&t.body);
+            let state = BodyState::new(&file.bodies[body]);
+            (body, math::mul_t(&state.r, math::sub(t.point_m, state.x)))
+        });
+        let tracked: Vec<(usize, math::V3)> = tracked.collect();
+        let preload_iterations = if file.settings.preload {
+            Some(preload::equilibrate(&mut system).map_err(|e| preload_error(&model, e))?)
+        } else {
+            None
+        };
+        let frequency = frequency::highest_rad_s(&system);
+        let step_limit = choose_step(&model, frequency)?;
+        let mut contacts = ContactSet::new(&model, options.contact);
+        connect(&mut contacts, &system);
+        let curved = |b: usize| file.bushings[b].bending.iter().any(|k| matches!(k, Bending::Curve { .. }));
+        let hinges: Vec<usize> = (0..file.bushings.len()).filter(|b| curved(*b)).collect();
+        let n = system.count();
+        let mut run = Self {
+            start: Vec::new(),
+            origin: system.bodies[..n].iter().map(|b| b.x).collect(),
+            strength: vec![1.0; file.bushings.len()],
+            yielded: system.joints.iter().map(|j| j.hinge.alpha_rad > 0.0).collect(),
+            range_warned: vec![false; system.joints.len()],
+            plastic_start: system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum(),
+            result: empty_result(file, &hinges, step_limit, frequency, preload_iterations),
+            file,
+            model,
+            latent,
+            before: Vec::new(),
+            resting: Vec::new(),
+            options,
+            system,
+            contacts,
+            moving: Vec::new(),
+            sleep: Sleep::new(file.settings.sleep_speed_m_s, n),
+            opened: 0.0,
+            time: 0.0,
+            last_step: 0.0,
+            step_limit,
+            tracked,
+            hinges,
+            released: 0.0,
+            total_start: 0.0,
+            turnover: 0.0,
+            preloading: file.settings.preload,
+        };
+        run.start = (0..file.bodies.len()).map(|i| run.piece(i).0).collect();
+        for k in 0..run.tracked.len() {
+            run.result.tracked[k].origin_m = run.place_of(run.tracked[k]);
+        }
+        Ok(run)
+    }
+
+    /// Position and orientation of a body of the file.
+    fn piece(&self, i: usize) -> (math::V3, math::Q) {
+        let place = self.latent.places[i];
+        let body = &self.system.bodies[place.body];
+        place.of(body.x, body.q, &body.r)
+    }
+
+    /// A point of a body of the file in space \[m\].
+    fn place_of(&self, (body, local): (usize, math::V3)) -> math::V3 {
+        let place = self.latent.places[body];
+        let state = &self.system.bodies[place.body];
+        let (x, q) = place.of(state.x, state.q, &state.r);
+        let r = if place.pose.is_some() { math::qmat(q) } else { state.r };
+        math::add(x, math::mul(&r, local))
+    }
+
+    fn go(&mut self) -> Result<(), SolveError> {
+        self.note_preload_yield();
+        self.forces();
+        self.part_under_load()?;
+        self.output()?;
+        self.events_at(0.0)?;
+        for (end, is_output) in self.stops() {
+            self.advance_to(end)?;
+            self.forces();
+            if is_output {
+                self.output()?;
+            }
+            self.events_at(end)?;
+        }
+        Ok(())
+    }
+
+    /// Outputs and events after `t = 0` in order of time.
+    fn stops(&self) -> Vec<(f64, bool)> {
+        let s = &self.file.settings;
+        let count = (s.end_time_s / s.output_interval_s * (1.0 + 1e-12)).floor() as usize;
+        let mut stops: Vec<(f64, bool)> =
+            (1..=count).map(|i| (i as f64 * s.output_interval_s, true)).collect();
+        if stops.last().is_none_or(|last| s.end_time_s - last.0 > 1e-9 * s.end_time_s) {
+            stops.push((s.end_time_s, true));
+        }
+        let events = self.file.events.iter().map(|e| e.time_s);
+        stops.extend(events.filter(|t| *t > 0.0 && *t <= s.end_time_s).map(|t| (t, false)));
+        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+        stops.dedup_by(|later, kept| {
+            let same = later.0 - kept.0 <= 1e-12 * s.end_time_s;
+            kept.1 |= same && later.1;
+            same
+        });
+        stops
+    }
+
+    /// Steps up to `end`. Forces at the current position are known; at the end they are not yet.
+    fn advance_to(&mut self, end: f64) -> Result<(), SolveError> {
+        while !self.advance(end)? {}
+        self.time = end;
+        Ok(())
+    }
+
+    /// The same, or up to the time at which a body parts: the steps then begin anew.
+    fn advance(&mut self, end: f64) -> Result<bool, SolveError> {
+        let span = end - self.time;
+        let count = (span / self.step_limit - 1e-9).ceil().max(1.0);
+        let h = span / count;
+        let begin = self.time;
+        if self.sleep.is_complete(&self.system) {
+            (self.last_step, self.time) = (h, end);
+            self.result.steps += count as usize;
+            return Ok(true);
+        }
+        for i in 0..count as usize {
+            if i > 0 {
+                self.forces();
+            }
+            if self.latent.is_watching() && self.part_under_load()? {
+                return Ok(false);
+            }
+            step::kick(&mut self.system, 0.5 * (self.last_step + h), h);
+            let meets = !step::is_quiet(&self.system, &mut self.contacts, h);
+            if meets && self.meet(h)? {
+                return Ok(false);
+            }
+            if self.latent.is_watching() && !meets {
+                self.latent.feel(&self.system, None, h);
+                self.latent.keep();
+            }
+            self.sleep.count(&mut self.system, &mut self.contacts, self.time, h);
+            step::drift(&mut self.system, h);
+            self.result.steps += 1;
+            self.last_step = h;
+            self.time = begin + h * (i + 1) as f64;
+        }
+        Ok(true)
+    }
+
+    /// Contact impulses at the present positions, for a step of `h` from here. Whether a body parted under them: the step has not been taken then.
+    fn meet(&mut self, h: f64) -> Result<bool, SolveError> {
+        let books = (self.contacts.energy, self.opened);
+        if self.latent.is_watching() {
+            self.remember(h);
+        }
+        loop {
+            let opened = step::meet(&mut self.system, &mut self.contacts, &mut self.moving, h);
+            self.opened += opened.map_err(|deep| SolveError::Penetration {
+                time_s: self.time,
+                a: self.model.bodies[deep.a].id.clone(),
+                b: deep.b.id(&self.model).into(),
+                depth_m: deep.depth_m,
+                step_s: h,
+            })?;
+            let touched = std::mem::take(&mut self.contacts.touched);
+            if touched.is_empty() {
+                break;
+            }
+            self.sleep.rouse(&mut self.system, &mut self.contacts, &touched, h);
+        }
+        if self.latent.is_watching() && self.part_under_contact(h, books)? {
+            return Ok(true);
+        }
+        if !self.contacts.touches.is_empty() {
+            self.record_touches();
+        }
+        Ok(false)
+    }
+
+    /// Forces at the current position; fracture.
+    #[inline]
+    fn forces(&mut self) {
+        self.system.reset_forces();
+        if self.system.add_joint_forces() {
+            self.look_at_joints();
+        }
+    }
+
+    fn look_at_joints(&mut self) {
+        let mut broken = false;
+        for i in 0..self.system.joints.len() {
+            let joint = &self.system.joints[i];
+            broken |= joint.alive && (joint.hinge.fractured || joint.is_pulled_apart());
+            if joint.flowing && (!self.yielded[i] || joint.hinge.out_of_range) {
+                self.note_yield(i);
+            }
+        }
+        if broken {
+            self.fracture();
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! Histories, frames and the energy balance.
+
+use super::Run;
+use super::setup::joints_of;
+use crate::mbs::error::SolveError;
+use crate::mbs::result::Frame;
+use crate::mbs::system::BodyState;
+use crate::mbs::{math, step};
+
+impl Run<'_> {
+    pub(super) fn output(&mut self) -> Result<(), SolveError> {
+        let n = self.system.count();
+        if let Some(i) = (0..n).find(|i| !finite(&self.system.bodies[*i])) {
+            return Err(SolveError::NotANumber {
+                time_s: self.time,
+                body: self.model.bodies[i].id.clone(),
+                joints: joints_of(&self.model, i),
+            });
+        }
+        self.result.times_s.push(self.time);
+        let poses: Vec<_> = (0..self.file.bodies.len()).map(|i| self.piece(i)).collect();
+        self.result.frames.push(Frame {
+            position_m: poses.iter().map(|(x, _)| *x).collect(),
+            orientation: poses.iter().map(|(_, q)| *q).collect(),
+        });
+        for k in 0..self.tracked.len() {
+            let point = self.place_of(self.tracked[k]);
+            let history = &mut self.result.tracked[k];
+            history.displacement_m.push(math::sub(point, history.origin_m));
+        }
+        self.latent.weigh(&self.system);
+        for (history, bushing) in self.result.hinges.iter_mut().zip(&self.hinges) {
+            let Some(running) = self.latent.bushings[*bushing] else {
+                let [_, moment] = self.latent.borne(*bushing).unwrap_or_default();
+                history.rotation_rad.push([0.0; 2]);
+                history.moment_nm.push([moment[1], moment[2]]);
+                history.plastic_rotation_rad.push(0.0);
+                history.axial_force_n.push(self.latent.axial_n(*bushing));
+                continue;
+            };
+            let joint = &self.system.joints[running];
+            let moment = if joint.alive { joint.hinge.moment_nm } else { [0.0; 2] };
+            history.rotation_rad.push([joint.theta[1], joint.theta[2]]);
+            history.moment_nm.push(moment);
+            history.plastic_rotation_rad.push(joint.hinge.alpha_rad);
+            history.axial_force_n.push(if joint.alive { joint.axial_force } else { 0.0 });
+        }
+        self.balance()
+    }
+
+    /// Records the energies and checks their sum.
+    fn balance(&mut self) -> Result<(), SolveError> {
+        let n = self.system.count();
+        let alive = (0..n).filter(|i| self.system.data[*i].alive);
+        let (mut kinetic, mut gravity) = (0.0, 0.0);
+        for i in alive {
+            if !self.system.data[i].asleep {
+                kinetic +=
+                    step::kinetic_j(&self.system.bodies[i], &self.system.data[i], 0.5 * self.last_step);
+            }
+            gravity += self.gravity_energy(i);
+        }
+        let joints: f64 = self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum();
+        let plastic: f64 = self.system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum::<f64>()
+            - self.plastic_start;
+        let contact = self.contacts.energy;
+        let e = &mut self.result.energies;
+        e.kinetic_j.push(kinetic);
+        e.gravity_j.push(gravity);
+        e.joints_elastic_j.push(joints);
+        e.plastic_j.push(plastic);
+        e.contact_elastic_j.push(0.0);
+        e.contact_damping_j.push(contact.normal_j + self.opened + self.sleep.taken_j);
+        e.friction_j.push(contact.friction_j);
+        e.released_j.push(self.released);
+        e.applied_j.push(0.0);
+        let total = e.total_j(e.kinetic_j.len() - 1);
+        if e.kinetic_j.len() == 1 {
+            self.total_start = total;
+            // One millimetre of fall: the scale of a model in which nothing happens.
+            let mass: f64 = self.system.data.iter().map(|d| d.mass).sum();
+            self.turnover = 1e-3 * mass * math::norm(self.system.gravity) + kinetic + joints;
+        }
+        self.turnover = self.turnover.max(kinetic + gravity.abs() + plastic.abs() + contact.friction_j.abs());
+        let error = (total - self.total_start).abs() / self.turnover;
+        self.result.energy_error = self.result.energy_error.max(error);
+        if error.is_nan() || error > self.options.energy_limit {
+            return Err(self.energy_error(error));
+        }
+        Ok(())
+    }
+
+    fn energy_error(&self, error: f64) -> SolveError {
+        let speed = |i: usize| math::norm(self.system.bodies[i].v);
+        let body = (0..self.system.count()).max_by(|a, b| speed(*a).total_cmp(&speed(*b))).unwrap_or(0);
+        let energy = |i: usize| self.system.joints[i].elastic_j;
+        let joint = (0..self.system.joints.len()).max_by(|a, b| energy(*a).total_cmp(&energy(*b)));
+        SolveError::Energy {
+            time_s: self.time,
+            error,
+            limit: self.options.energy_limit,
+            body: self.model.bodies[body].id.clone(),
+            speed_m_s: speed(body),
+            joint: joint.map_or_else(|| "none".into(), |i| self.model.bushings[i].id.clone()),
+            step_s: self.step_limit,
+        }
+    }
+}
+
+fn finite(body: &BodyState) -> bool {
+    let sum: f64 = body.x.iter().chain(&body.q).chain(&body.p).chain(&body.l).map(|v| v * 0.0).sum();
+    sum == 0.0
+}

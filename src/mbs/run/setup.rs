@@ -1,0 +1,96 @@
+//! What a run begins with: its step, its empty result; and words for what goes wrong then.
+
+use super::{LARGEST_STEP_S, MOST_STEPS};
+use crate::mbs::contact::ContactSet;
+use crate::mbs::error::SolveError;
+use crate::mbs::frequency;
+use crate::mbs::model::Model;
+use crate::mbs::preload::PreloadError;
+use crate::mbs::result::{HingeHistory, LatentRecord, RESULT_SCHEMA, RunResult, TrackedHistory};
+use crate::mbs::system::System;
+
+/// Tells the contacts which bodies are there and which a joint connects.
+pub(super) fn connect(contacts: &mut ContactSet, system: &System) {
+    let joined = system.joints.iter().filter(|j| j.alive).map(|j| (j.a, j.b));
+    contacts.connect(joined, |i| system.data[i].alive);
+}
+
+pub(super) fn choose_step(model: &Model, frequency: f64) -> Result<f64, SolveError> {
+    let limit = if frequency > 0.0 { 2.0 / frequency } else { f64::INFINITY };
+    let step = match model.settings.time_step_s {
+        Some(given) if given > limit => return Err(SolveError::TimeStep { given_s: given, limit_s: limit }),
+        Some(given) => given,
+        None => (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S),
+    };
+    let interval = model.settings.output_interval_s;
+    if interval / step >= MOST_STEPS {
+        return Err(SolveError::TooManySteps { step_s: step, interval_s: interval });
+    }
+    Ok(step)
+}
+
+pub(super) fn preload_error(model: &Model, error: PreloadError) -> SolveError {
+    match error {
+        PreloadError::Mechanism { body } => {
+            SolveError::Mechanism { body: model.bodies[body].id.clone(), joints: joints_of(model, body) }
+        }
+        PreloadError::NoConvergence { body, residual } => {
+            SolveError::Preload { body: model.bodies[body].id.clone(), residual }
+        }
+    }
+}
+
+pub(super) fn joints_of(model: &Model, body: usize) -> String {
+    let id = &model.bodies[body].id;
+    let own = model.bushings.iter().filter(|j| j.body_b == *id || j.body_a.as_ref() == Some(id));
+    let list: Vec<&str> = own.map(|j| j.id.as_str()).collect();
+    if list.is_empty() { "none".into() } else { list.join(", ") }
+}
+
+pub(super) fn empty_result(
+    model: &Model,
+    hinges: &[usize],
+    step_limit: f64,
+    frequency: f64,
+    preload_iterations: Option<usize>,
+) -> RunResult {
+    let histories = model.tracked.iter().map(|point| TrackedHistory {
+        id: point.id.clone(),
+        origin_m: point.point_m,
+        displacement_m: Vec::new(),
+    });
+    let latent = model.bushings.iter().filter(|b| b.latent).map(|b| LatentRecord {
+        joint: b.id.clone(),
+        largest_share: 0.0,
+        live_s: None,
+    });
+    let hinge_histories = hinges.iter().map(|i| HingeHistory {
+        joint: model.bushings[*i].id.clone(),
+        rotation_rad: Vec::new(),
+        moment_nm: Vec::new(),
+        plastic_rotation_rad: Vec::new(),
+        axial_force_n: Vec::new(),
+    });
+    RunResult {
+        schema: RESULT_SCHEMA.into(),
+        name: model.name.clone(),
+        times_s: Vec::new(),
+        tracked: histories.collect(),
+        bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
+        frames: Vec::new(),
+        energies: Default::default(),
+        hinges: hinge_histories.collect(),
+        latent: latent.collect(),
+        turns: Vec::new(),
+        reactions: Vec::new(),
+        events: Vec::new(),
+        first_ground_contact_s: None,
+        steps: 0,
+        time_step_s: step_limit,
+        highest_frequency_rad_s: frequency,
+        preload_iterations,
+        cpu_s: 0.0,
+        energy_error: 0.0,
+        warnings: Vec::new(),
+    }
+}
