@@ -65,8 +65,8 @@ pub struct EntryFacts {
     pub quality: Quality,
     /// Where it holds.
     pub validity: Validity,
-    /// Largest moment of any axial force, about the bending axes 1 and 2 \[N m\].
-    pub peak_moment_nm: [f64; 2],
+    /// Largest moment of any axial force, about each of its bending axes \[N m\].
+    pub peak_moment_nm: Vec<f64>,
     /// Hash of what it was computed from.
     pub inputs_hash: String,
     /// Version of the program that computed it.
@@ -79,7 +79,7 @@ impl EntryFacts {
             words: entry_words(entry),
             quality: entry.quality.clone(),
             validity: entry.validity,
-            peak_moment_nm: [0, 1].map(|axis: usize| entry.axes[axis].curve.peak_nm()),
+            peak_moment_nm: entry.axes.iter().map(|axis| axis.curve.peak_nm()).collect(),
             inputs_hash: entry.provenance.inputs_hash.clone(),
             program_version: entry.provenance.program_version.clone(),
         }
@@ -279,17 +279,17 @@ fn grouped(reasons: &[Reason]) -> Vec<(&Reason, Vec<&str>)> {
 }
 
 fn entry_text(f: &EntryFacts) -> String {
+    let peaks: Vec<String> = f.peak_moment_nm.iter().map(|m| format!("{:.1}", m / 1e3)).collect();
     let mut quality: Vec<String> = Vec::new();
     quality.extend(f.quality.elements.map(|n| format!("{n} elements")));
     quality.extend(f.quality.kinetic_energy_ratio.map(|x| format!("kinetic over internal energy {x:.3}")));
     quality.extend(f.quality.asymmetry.map(|x| format!("difference between the senses of rotation {x:.3}")));
     quality.extend(f.quality.mesh_sensitivity.map(|x| format!("sensitivity to the mesh {x:.3}")));
     format!(
-        "    {}\n    peak moments {:.1} and {:.1} kN m; axial force {:.0} to {:.0} kN, rotation up to {:.3} rad\n    \
+        "    {}\n    peak moment {} kN m; axial force {:.0} to {:.0} kN, rotation up to {:.3} rad\n    \
          quality: {}\n    computed by version {} from inputs {}\n",
         f.words,
-        f.peak_moment_nm[0] / 1e3,
-        f.peak_moment_nm[1] / 1e3,
+        peaks.join(" and "),
         f.validity.axial_force_n[0] / 1e3,
         f.validity.axial_force_n[1] / 1e3,
         f.validity.rotation_rad.map_or(0.0, |range| range[1]),

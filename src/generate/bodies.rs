@@ -1,9 +1,61 @@
 //! Rigid bodies from sets of members.
 
+use super::floors::Piece;
 use crate::building::partition::merged;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::mbs::model::{Body, Origin, Shape};
+
+/// The bodies of a model, and which of them a place belongs to.
+#[derive(Debug, Default)]
+pub struct Bodies {
+    /// The bodies.
+    pub list: Vec<Body>,
+    /// For each member its body, or the first piece of its floor.
+    owner: Vec<Option<usize>>,
+    /// Floors in pieces: their first body, and the pieces in the order of the bodies.
+    floors: Vec<(usize, Vec<Piece>)>,
+}
+
+impl Bodies {
+    /// For a number of members.
+    pub fn new(members: usize) -> Self {
+        Self { owner: vec![None; members], ..Self::default() }
+    }
+
+    /// Enters the body of some members.
+    pub fn add(&mut self, members: &[usize], body: Body) {
+        members.iter().for_each(|m| self.owner[*m] = Some(self.list.len()));
+        self.list.push(body);
+    }
+
+    /// Enters the pieces of a floor; the number of bodies before.
+    pub fn add_floor(&mut self, members: &[usize], pieces: Vec<Piece>, bodies: Vec<Body>) -> usize {
+        let first = self.list.len();
+        members.iter().for_each(|m| self.owner[*m] = Some(first));
+        self.list.extend(bodies);
+        self.floors.push((first, pieces));
+        first
+    }
+
+    /// The body of a member at a place.
+    pub fn of(&self, member: usize, point_m: [f64; 3]) -> Option<usize> {
+        let first = self.owner[member]?;
+        let Some((_, pieces)) = self.floors.iter().find(|(floor, _)| *floor == first) else {
+            return Some(first);
+        };
+        let distance = |i: &usize| pieces[*i].distance2(point_m);
+        let nearest = (0..pieces.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.map(|i| first + i)
+    }
+
+    /// All bodies of a member.
+    pub fn all_of(&self, member: usize) -> Vec<usize> {
+        let Some(first) = self.owner[member] else { return Vec::new() };
+        let floor = self.floors.iter().find(|(floor, _)| *floor == first);
+        (first..first + floor.map_or(1, |(_, pieces)| pieces.len())).collect()
+    }
+}
 
 /// The body of some members: mass, centre, inertia from their own volumes, and contact boxes.
 pub fn body(building: &Building, structure: &Structure, members: &[usize], rules: Vec<String>) -> Body {
@@ -34,7 +86,7 @@ pub fn body(building: &Building, structure: &Structure, members: &[usize], rules
 }
 
 /// A body is called after its plate, or after its first member.
-fn name(building: &Building, members: &[usize]) -> String {
+pub fn name(building: &Building, members: &[usize]) -> String {
     let plate = |m: &&usize| !matches!(building.members[**m].kind, MemberKind::Beam | MemberKind::Column);
     let index = members.iter().find(plate).unwrap_or(&members[0]);
     building.members[*index].id.clone()

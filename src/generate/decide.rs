@@ -37,6 +37,8 @@ pub struct Decision {
     pub merges: Vec<bool>,
     /// Hinged member ends with the ids of the rules that put hinge and springs there.
     pub hinges: BTreeMap<String, Vec<String>>,
+    /// Beam ends at which floors may fold, with the ids of the rules that say so.
+    pub latent: BTreeMap<String, Vec<String>>,
     /// What the rules said, by subject.
     traces: BTreeMap<String, Trace>,
     /// What an analyst should look at.
@@ -63,14 +65,18 @@ impl Decision {
                 None => gaps.push(subject.id),
             }
         }
-        for end in ends.iter().filter(|e| is_column(building, e.member)) {
-            let subject = end_subject(building, partition, end, demands);
-            match this.ask(rules, &subject, Aspect::Rotation)? {
-                Some(Action::Hinge) => {
-                    let fired = this.traces[&end.id].firings.iter().filter(|f| f.overruled_by.is_none());
-                    let fired = fired.map(|f| f.rule.clone()).collect();
-                    this.hinges.insert(end.id.clone(), fired);
+        for end in ends {
+            let column = is_column(building, end.member);
+            let subject = end_subject(building, partition, end, ends, demands);
+            let answer = this.ask(rules, &subject, Aspect::Rotation)?;
+            match answer {
+                Some(Action::Hinge) if column => {
+                    this.hinges.insert(end.id.clone(), this.fired(&end.id));
                 }
+                Some(Action::LatentHinge) if !column => {
+                    this.latent.insert(end.id.clone(), this.fired(&end.id));
+                }
+                Some(Action::RigidConnection) if !column => {}
                 Some(other) => return Err(unsupported(&subject, other)),
                 None => gaps.push(end.id.clone()),
             }
@@ -98,6 +104,12 @@ impl Decision {
         let answer = trace.decision(aspect).map(|f| f.action);
         self.traces.insert(subject.id.clone(), trace);
         Ok(answer)
+    }
+
+    /// The rules that decided about a subject.
+    fn fired(&self, id: &str) -> Vec<String> {
+        let firings = self.traces[id].firings.iter().filter(|f| f.overruled_by.is_none());
+        firings.map(|f| f.rule.clone()).collect()
     }
 
     /// Rules that made some members one body.
@@ -163,7 +175,13 @@ fn member_subject(building: &Building, partition: &Partition, index: usize) -> S
 }
 
 /// What is known of a member end before any run.
-fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd, demands: &Demands) -> Subject {
+fn end_subject(
+    building: &Building,
+    partition: &Partition,
+    end: &MemberEnd,
+    ends: &[MemberEnd],
+    demands: &Demands,
+) -> Subject {
     let mut subject = member_subject(building, partition, end.member);
     let adjoining = beyond(partition, end).map(|m| building.members[m].kind.name());
     let column = is_column(building, end.member);
@@ -177,13 +195,33 @@ fn end_subject(building: &Building, partition: &Partition, end: &MemberEnd, dema
         adjoining.is_none() && building.supports.iter().any(|s| s.member == building.members[end.member].id);
     subject.id.clone_from(&end.id);
     subject.kind = SubjectKind::MemberEnd;
-    if let Some(state) = demands.ends.iter().find(|d| d.id == end.id).and_then(|d| d.after) {
-        subject = subject.with("end.demand_ratio", state.section.ratio);
+    let ratio = |id: &str| {
+        let state = demands.ends.iter().find(|d| d.id == id).and_then(|d| d.after)?;
+        Some(state.section.ratio)
+    };
+    if let Some(own) = ratio(&end.id) {
+        subject = subject.with("end.demand_ratio", own);
+    }
+    let at_joint =
+        ends.iter().filter(|e| !column && is_column(building, e.member) && meets(building, end, e));
+    if let Some(most) = at_joint.filter_map(|e| ratio(&e.id)).reduce(f64::max) {
+        subject = subject.with("end.column_demand_ratio", most);
     }
     subject
         .with("end.position", position)
         .with("end.clamped", clamped)
         .with("end.adjoining", adjoining.unwrap_or(if clamped { "ground" } else { "none" }))
+}
+
+/// How far apart the ends of a beam and a column at one joint may be beyond their sizes \[m\].
+const JOINT_TOLERANCE_M: f64 = 0.05;
+
+/// Whether a column ends at the joint that a beam frames into.
+fn meets(building: &Building, beam: &MemberEnd, column: &MemberEnd) -> bool {
+    let size = building.members[column.member].solid.size();
+    let deep = building.members[beam.member].solid.size()[2];
+    let reach = [0.5 * size[0], 0.5 * size[1], deep];
+    (0..3).all(|i| (beam.point_m[i] - column.point_m[i]).abs() <= reach[i] + JOINT_TOLERANCE_M)
 }
 
 fn is_weakened(building: &Building, member: &str) -> bool {

@@ -1,5 +1,6 @@
 //! Hinges at member ends with the curves of their library entries.
 
+use super::bodies::Bodies;
 use super::decide::Decision;
 use super::{Derive, GenerateError};
 use crate::building::ends::MemberEnd;
@@ -7,9 +8,10 @@ use crate::building::partition::Partition;
 use crate::building::{Building, Face};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
-use crate::library::derive::{Wanted, beyond};
+use crate::library::derive::{DeriveError, Wanted, beyond};
+use crate::library::derive_strip::WantedStrip;
 use crate::library::{Entry, Store, StoreError};
-use crate::mbs::model::{Bending, Body, Bushing, Origin};
+use crate::mbs::model::{Bending, Bushing, Origin};
 use std::collections::BTreeMap;
 
 /// What the joints are placed in.
@@ -17,8 +19,32 @@ pub struct Place<'a> {
     pub building: &'a Building,
     pub partition: &'a Partition,
     pub mesh: &'a Mesh,
-    pub bodies: &'a [Body],
-    pub owner: &'a [Option<usize>],
+    pub bodies: &'a Bodies,
+}
+
+/// What an entry is asked for.
+#[derive(Debug, Clone)]
+pub enum Query {
+    /// A column end.
+    End(Wanted),
+    /// A line of a floor.
+    Strip(WantedStrip),
+}
+
+impl Query {
+    fn key(&self) -> Result<String, DeriveError> {
+        Ok(match self {
+            Self::End(query) => query.key()?,
+            Self::Strip(query) => query.key()?,
+        })
+    }
+
+    fn derive(&self, place: &str, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Entry, DeriveError> {
+        match self {
+            Self::End(query) => query.derive(place, progress),
+            Self::Strip(query) => query.derive(place, progress),
+        }
+    }
 }
 
 /// Entries for member ends.
@@ -35,32 +61,41 @@ impl Entries {
     pub fn curves(&self) -> BTreeMap<String, ResistanceCurve> {
         self.entries
             .iter()
-            .flat_map(|(key, e)| [0, 1].map(|axis| (curve_id(key, axis), e.axes[axis].curve.clone())))
+            .flat_map(|(key, e)| e.axes.iter().enumerate().map(|(i, a)| (curve_id(key, i), a.curve.clone())))
             .collect()
     }
 }
 
-fn curve_id(key: &str, axis: usize) -> String {
+pub fn curve_id(key: &str, axis: usize) -> String {
     format!("{key}/axis-{}", axis + 1)
 }
 
-/// Finds, or computes, the entry of each end. Ends that are mirror images share one.
+/// What the entries of member ends are asked for.
+///
+/// # Errors
+/// If an end touches nothing.
+pub fn queries(place: &Place, ends: &[&MemberEnd]) -> Result<Vec<(String, Query)>, GenerateError> {
+    let of = |end: &&MemberEnd| {
+        let query = Wanted::of(place.building, place.partition, place.mesh, end);
+        let query = query.ok_or_else(|| GenerateError::Loose(end.id.clone()))?;
+        Ok((end.id.clone(), Query::End(query)))
+    };
+    ends.iter().map(of).collect()
+}
+
+/// Finds, or computes, the entry for each of some places. Places that are mirror images of each other share one.
 pub fn entries(
-    place: &Place,
-    ends: &[&MemberEnd],
+    places: Vec<(String, Query)>,
     store: &mut Store,
     derive: Derive,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Entries, GenerateError> {
     let mut found = Entries::default();
-    let mut wanted: BTreeMap<String, (String, Wanted)> = BTreeMap::new();
-    for end in ends {
-        let Some(query) = Wanted::of(place.building, place.partition, place.mesh, end) else {
-            return Err(GenerateError::Loose(end.id.clone()));
-        };
-        let key = query.key().map_err(crate::library::derive::DeriveError::from)?;
-        found.of_end.insert(end.id.clone(), key.clone());
-        wanted.entry(key).or_insert_with(|| (end.id.clone(), query));
+    let mut wanted: BTreeMap<String, (String, Query)> = BTreeMap::new();
+    for (id, query) in places {
+        let key = query.key()?;
+        found.of_end.insert(id.clone(), key.clone());
+        wanted.entry(key).or_insert((id, query));
     }
     let known = store.keys();
     let mut missing = Vec::new();
@@ -98,8 +133,8 @@ pub fn hinges(
 ) -> Result<Vec<Bushing>, GenerateError> {
     let mut joints = Vec::new();
     for end in ends {
-        let Some(own) = place.owner[end.member] else { continue };
-        let other = beyond(place.partition, end).and_then(|m| place.owner[m]);
+        let Some(own) = place.bodies.of(end.member, end.point_m) else { continue };
+        let other = beyond(place.partition, end).and_then(|m| place.bodies.of(m, end.point_m));
         if other.is_none() && !on_support(place.building, end) {
             notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
             continue;
@@ -113,8 +148,8 @@ pub fn hinges(
         let bending = [0, 1].map(|axis| Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 });
         joints.push(Bushing {
             id: end.id.clone(),
-            body_a: other.map(|o| place.bodies[o].id.clone()),
-            body_b: place.bodies[own].id.clone(),
+            body_a: other.map(|o| place.bodies.list[o].id.clone()),
+            body_b: place.bodies.list[own].id.clone(),
             point_m: hinge_point(end, hinge.offset_m),
             axes: axes(end),
             axial_stiffness_n_m: hinge.stiffness.axial_n_m,
@@ -122,7 +157,7 @@ pub fn hinges(
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
             joint: None,
-            latent: false,
+            latent: None,
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,
             compressive_capacity_n: entry.compressive_capacity_n,

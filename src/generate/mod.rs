@@ -6,23 +6,27 @@
 
 pub mod bodies;
 mod decide;
+mod floors;
 mod joints;
 
 pub use decide::{Decision, Reason};
 
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::partition::Partition;
-use crate::building::tracked::tracked_points;
-use crate::building::{Building, MemberKind};
+use crate::building::tracked::{Tracked, tracked_points};
+use crate::building::{Building, Charge, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::graph::{Demands, Structure, demands};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    Body, BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RESTITUTION,
+    BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RESTITUTION,
     RunSettings, TOLERANCE, TrackedPoint,
 };
 use crate::rules::RuleBase;
+use bodies::Bodies;
+use floors::{Grid, Line, Piece};
+use joints::Query;
 use std::collections::BTreeMap;
 
 /// What to do about member ends that the library has no entry for.
@@ -109,20 +113,24 @@ pub fn generate(
         .into_iter()
         .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
         .collect();
-    let list: Vec<Body> = clusters
-        .iter()
-        .map(|c| bodies::body(building, &structure, c, decision.rules_of(building, c)))
-        .collect();
-    let mut owner = vec![None; building.members.len()];
-    for (index, members) in clusters.iter().enumerate() {
-        members.iter().for_each(|m| owner[*m] = Some(index));
-    }
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-    let place = joints::Place { building, partition, mesh: &mesh, bodies: &list, owner: &owner };
+    let mut notes = decision.notes.clone();
+    let mut bodies = Bodies::new(building.members.len());
+    let floors = bodies_of(building, &structure, &clusters, &ends, &decision, &mut bodies, &mut notes);
+    let place = joints::Place { building, partition, mesh: &mesh, bodies: &bodies };
     let hinged: Vec<&MemberEnd> =
         ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
-    let found = joints::entries(&place, &hinged, store, derive, progress)?;
-    let mut notes = decision.notes.clone();
+    let mut asked = joints::queries(&place, &hinged)?;
+    let lines: Vec<(usize, Line)> = floors
+        .iter()
+        .flat_map(|(grid, first, pieces)| {
+            let names: Vec<String> =
+                bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
+            grid.lines(&place, pieces, &ends, &names, &decision).into_iter().map(move |line| (*first, line))
+        })
+        .collect();
+    asked.extend(lines.iter().map(|(_, line)| (line.id.clone(), Query::Strip(line.wanted.clone()))));
+    let found = joints::entries(asked, store, derive, progress)?;
     notes.extend(overloaded_rigid_ends(&demands, &decision));
     if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
         notes.push(format!(
@@ -130,7 +138,11 @@ pub fn generate(
             building.settings.removal_duration_s
         ));
     }
-    let hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
+    let mut hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
+    for (first, line) in &lines {
+        let entry = &found.entries[&found.of_end[&line.id]];
+        hinges.push(line.bushing(&bodies.list, *first, entry, joints::curve_id(&entry.key, 0), building)?);
+    }
     let model = Model {
         schema: MODEL_SCHEMA.to_string(),
         name: building.name.clone(),
@@ -140,8 +152,8 @@ pub fn generate(
         bushings: hinges,
         forces: Vec::new(),
         contact: contact(building),
-        events: events(building, &list, &owner),
-        tracked: tracked(building, partition, &list, &owner),
+        events: events(building, &bodies),
+        tracked: tracked(building, partition, &bodies),
         settings: RunSettings {
             end_time_s: building.settings.end_time_s,
             output_interval_s: building.settings.output_interval_s,
@@ -151,7 +163,7 @@ pub fn generate(
             reactions: false,
             sleep_speed_m_s: None,
         },
-        bodies: list,
+        bodies: bodies.list,
     };
     let trace = decision.reasons(rules, &model);
     Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries })
@@ -162,7 +174,7 @@ fn overloaded_rigid_ends(demands: &Demands, decision: &Decision) -> Vec<String> 
     let mut ends: Vec<(f64, &str)> = demands
         .ends
         .iter()
-        .filter(|e| !decision.hinges.contains_key(&e.id))
+        .filter(|e| !decision.hinges.contains_key(&e.id) && !decision.latent.contains_key(&e.id))
         .filter_map(|e| Some((e.after.as_ref()?.section.ratio, e.id.as_str())))
         .filter(|(ratio, _)| *ratio > 1.0)
         .collect();
@@ -201,38 +213,62 @@ fn contact(building: &Building) -> Contact {
     }
 }
 
-/// Charges take whole bodies away.
-fn events(building: &Building, bodies: &[Body], owner: &[Option<usize>]) -> Vec<Event> {
-    building
-        .events
-        .iter()
-        .filter_map(|charge| {
-            let member = building.members.iter().position(|m| m.id == charge.member)?;
-            Some(Event {
-                id: charge.id.clone(),
-                time_s: charge.time_s,
-                release: Vec::new(),
-                weaken: Vec::new(),
-                remove_bodies: vec![bodies[owner[member]?].id.clone()],
-                origin: Origin { members: vec![charge.member.clone()], ..Origin::default() },
-            })
-        })
-        .collect()
+/// The bodies of clusters of members: one each, or the pieces of floors that may fold. Returns those floors with their first body.
+fn bodies_of(
+    building: &Building,
+    structure: &Structure,
+    clusters: &[Vec<usize>],
+    ends: &[MemberEnd],
+    decision: &Decision,
+    bodies: &mut Bodies,
+    notes: &mut Vec<String>,
+) -> Vec<(Grid, usize, Vec<Piece>)> {
+    let mut floors = Vec::new();
+    for cluster in clusters {
+        let rules = decision.rules_of(building, cluster);
+        let name = bodies::name(building, cluster);
+        match Grid::of(building, structure, cluster, ends, decision) {
+            Ok(Some(grid)) => {
+                let pieces = grid.pieces(structure);
+                let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
+                let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
+                floors.push((grid, first, pieces));
+                continue;
+            }
+            Ok(None) => {}
+            Err(pieces) => notes.push(format!(
+                "{name} stays rigid: the lines at which it may fold would make {pieces} pieces of it, more than a model can watch in one floor"
+            )),
+        }
+        bodies.add(cluster, bodies::body(building, structure, cluster, rules));
+    }
+    floors
 }
 
-fn tracked(
-    building: &Building,
-    partition: &Partition,
-    bodies: &[Body],
-    owner: &[Option<usize>],
-) -> Vec<TrackedPoint> {
-    tracked_points(building, partition)
-        .into_iter()
-        .filter_map(|t| {
-            let member = building.members.iter().position(|m| m.id == t.member)?;
-            Some(TrackedPoint { id: t.id, body: bodies[owner[member]?].id.clone(), point_m: t.point_m })
+/// Charges take whole bodies away.
+fn events(building: &Building, bodies: &Bodies) -> Vec<Event> {
+    let event = |charge: &Charge| {
+        let member = building.members.iter().position(|m| m.id == charge.member)?;
+        let own = bodies.all_of(member);
+        (!own.is_empty()).then(|| Event {
+            id: charge.id.clone(),
+            time_s: charge.time_s,
+            release: Vec::new(),
+            weaken: Vec::new(),
+            remove_bodies: own.iter().map(|i| bodies.list[*i].id.clone()).collect(),
+            origin: Origin { members: vec![charge.member.clone()], ..Origin::default() },
         })
-        .collect()
+    };
+    building.events.iter().filter_map(event).collect()
+}
+
+fn tracked(building: &Building, partition: &Partition, bodies: &Bodies) -> Vec<TrackedPoint> {
+    let point = |t: Tracked| {
+        let member = building.members.iter().position(|m| m.id == t.member)?;
+        let body = bodies.of(member, t.point_m)?;
+        Some(TrackedPoint { id: t.id, body: bodies.list[body].id.clone(), point_m: t.point_m })
+    };
+    tracked_points(building, partition).into_iter().filter_map(point).collect()
 }
 
 /// Whether a member is a bar that may get hinges of its own.

@@ -12,6 +12,7 @@ use crate::building::ends::{End, MemberEnd};
 use crate::building::partition::Partition;
 use crate::curve::{CurveError, Envelope, ResistanceCurve};
 use crate::fe::mesh::Mesh;
+use crate::rc::pushover::Push;
 use crate::rc::{EndCurves, EndModel, PushoverError};
 use std::collections::BTreeMap;
 
@@ -120,7 +121,7 @@ impl Wanted {
             }),
             tensile_capacity_n: Some(curves.tensile_capacity_n),
             tensile_elongation_m: Some(curves.tensile_elongation_m),
-            compressive_capacity_n: Some(curves.tensile_capacity_n),
+            compressive_capacity_n: Some(curves.compressive_capacity_n),
             hinge_offset_m: Some(curves.hinge_offset_m),
             quality: Quality {
                 kinetic_energy_ratio: Some(
@@ -139,7 +140,7 @@ impl Wanted {
 }
 
 /// Rounds a length to micrometres, so that ends that differ by round-off share an entry \[m\].
-fn micrometres(length_m: f64) -> f64 {
+pub(super) fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e6).round() / 1e6
 }
 
@@ -168,15 +169,17 @@ fn axis_record(curves: &EndCurves, axis: usize, end: &str) -> Result<AxisRecord,
         .collect();
     let curve = ResistanceCurve::from_envelopes(&measured)
         .map_err(|source| DeriveError::Curve { end: end.to_string(), source })?;
-    let envelopes = pushes
-        .iter()
-        .map(|p| EnvelopeLevel {
-            axial_force_n: p.axial_force_n,
-            points: thinned(&p.points, ENVELOPE_POINTS),
-            fracture_rotation_rad: p.failed.then(|| p.points.last().map_or(0.0, |q| q[0])),
-        })
-        .collect();
-    Ok(AxisRecord { envelopes, curve, reverse: None })
+    Ok(AxisRecord { envelopes: envelope_levels(pushes), curve, reverse: None })
+}
+
+/// What is kept of envelopes.
+pub(super) fn envelope_levels(pushes: &[Push]) -> Vec<EnvelopeLevel> {
+    let level = |p: &Push| EnvelopeLevel {
+        axial_force_n: p.axial_force_n,
+        points: thinned(&p.points, ENVELOPE_POINTS),
+        fracture_rotation_rad: p.failed.then(|| p.points.last().map_or(0.0, |q| q[0])),
+    };
+    pushes.iter().map(level).collect()
 }
 
 fn validity(curves: &EndCurves) -> Validity {

@@ -177,6 +177,23 @@ impl Entry {
         }
     }
 
+    /// The parts of a hinge on a line of a floor: its stiffnesses and the distance of the hinge from the line \[m\]; its curve is the first one.
+    ///
+    /// # Errors
+    /// If it lacks one of them.
+    pub fn line(&self) -> Result<(Stiffness, f64), StoreError> {
+        let lacks = |what: &str| StoreError::Invalid {
+            key: self.key.clone(),
+            what: format!("has no {what}, which a hinge on a line of a floor needs"),
+        };
+        match (self.axes.is_empty(), self.stiffness, self.hinge_offset_m) {
+            (false, Some(stiffness), Some(offset_m)) => Ok((stiffness, offset_m)),
+            (true, ..) => Err(lacks("curve")),
+            (_, None, _) => Err(lacks("elastic stiffness beside bending")),
+            (_, _, None) => Err(lacks("place of the hinge (`hinge_offset_m`)")),
+        }
+    }
+
     /// The entry in words.
     pub fn words(&self) -> String {
         self.features.words(self.kind, self.origin)

@@ -23,6 +23,7 @@ mod cache;
 mod check;
 pub mod curve_file;
 pub mod derive;
+pub mod derive_strip;
 pub mod entry;
 mod error;
 pub mod exchange;

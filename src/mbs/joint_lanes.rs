@@ -302,7 +302,7 @@ mod tests {
                 torsional_stiffness_nm_rad: 1e5,
                 bending: [if i % 3 == 0 { soft } else { curve.clone() }, curve],
                 joint: None,
-                latent: false,
+                latent: None,
                 tensile_capacity_n: Some(2e5),
                 compressive_capacity_n: Some(3e5),
                 tensile_elongation_m: Some(0.5),

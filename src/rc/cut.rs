@@ -1,5 +1,6 @@
 //! Cuts the piece of mesh around a member end.
 
+use super::pushover::torsion_constant;
 use crate::building::ends::End;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::tracked::clear_range;
@@ -25,6 +26,12 @@ pub struct EndModel {
     pub length_m: f64,
     /// Section size in the directions `axis + 1` and `axis + 2` \[m\].
     pub section_m: [f64; 2],
+    /// Its area \[m²\] and torsion constant \[m⁴\].
+    pub area_m2: f64,
+    /// See `area_m2`.
+    pub torsion_m4: f64,
+    /// Elements beyond the end section.
+    pub own_elements: Vec<usize>,
     /// Nodes of the end section.
     pub section_nodes: Vec<usize>,
     /// Elements of the member that touch the end section.
@@ -49,7 +56,8 @@ impl EndModel {
         };
         let mut point_m = owner.solid.center();
         point_m[axis] = at;
-        let far = far_plane(mesh, part, axis, 0.5 * (low + high));
+        let own = mesh.elements.iter().filter(|e| e.part == part).flat_map(|e| e.nodes);
+        let far = far_plane(own.map(|n| mesh.nodes[n][axis]), 0.5 * (low + high));
         let keep = kept_elements(building, mesh, part, owner, point_m, far, outward);
         let (mut piece, old) = mesh.cut_out(|e| keep[e]);
         clamp_cut(mesh, &keep, part, &old, &mut piece);
@@ -74,6 +82,9 @@ impl EndModel {
             point_m,
             length_m: (far - at).abs(),
             section_m: across,
+            area_m2: across[0] * across[1],
+            torsion_m4: torsion_constant(across),
+            own_elements: own,
             section_nodes,
             section_elements,
             tip_nodes,
@@ -109,15 +120,9 @@ impl EndModel {
     }
 }
 
-/// The element face of the member nearest to a coordinate.
-fn far_plane(mesh: &Mesh, part: usize, axis: usize, middle: f64) -> f64 {
-    mesh.elements
-        .iter()
-        .filter(|e| e.part == part)
-        .flat_map(|e| e.nodes)
-        .map(|n| mesh.nodes[n][axis])
-        .min_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs()))
-        .unwrap_or(middle)
+/// The coordinate nearest to one in the middle of a member.
+fn far_plane(coordinates: impl Iterator<Item = f64>, middle: f64) -> f64 {
+    coordinates.min_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs())).unwrap_or(middle)
 }
 
 /// The member's elements up to the far section, and elements of adjoining plates and beams within reach.
@@ -164,7 +169,7 @@ fn clamp_cut(mesh: &Mesh, keep: &[bool], part: usize, old: &[usize], piece: &mut
 }
 
 /// Nodes of the far section with their share of the area.
-fn tip_shares(mesh: &Mesh, own: &[usize], axis: usize, far: f64) -> Vec<(usize, f64)> {
+pub(super) fn tip_shares(mesh: &Mesh, own: &[usize], axis: usize, far: f64) -> Vec<(usize, f64)> {
     let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut shares = std::collections::BTreeMap::new();
     for e in own {

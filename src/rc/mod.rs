@@ -29,6 +29,7 @@ pub mod section_grid;
 pub mod series;
 pub mod shear;
 pub mod springs;
+pub mod strip;
 mod symmetry;
 pub mod torsion;
 
@@ -37,3 +38,4 @@ pub use pushover::{EndCurves, PushoverError, derive};
 pub use section_file::RcSection;
 pub use series::{Series, SeriesOptions};
 pub use springs::{SpringOptions, Springs};
+pub use strip::{StripCurves, StripPlace, derive_strip};

@@ -37,7 +37,7 @@ const RAMPS: [f64; 2] = [0.1, 0.4];
 /// Chord rotations between which the pole is found \[rad\].
 const POLE_ROTATIONS: [f64; 2] = [0.08, 0.2];
 /// Largest distance of the hinge from the end section, in section depths.
-const POLE_LIMIT_DEPTHS: f64 = 1.5;
+pub(super) const POLE_LIMIT_DEPTHS: f64 = 1.5;
 /// Interval over which section forces are averaged \[rad\], elastic and later.
 const SAMPLE: [f64; 2] = [2.0e-4, 4.0e-3];
 
@@ -71,6 +71,8 @@ pub struct EndCurves {
     pub torsional_stiffness_nm_rad: f64,
     /// Tension at which the section separates, `σ_y(ε_crit) A` \[N\].
     pub tensile_capacity_n: f64,
+    /// Compression at which the section crushes, or that what it stands on does not bear \[N\].
+    pub compressive_capacity_n: f64,
     /// Plastic elongation at that tension, `ε_crit l`: the law hardens, so that the bar stretches along its whole length \[m\].
     pub tensile_elongation_m: f64,
     /// Difference of the peaks for the two senses of rotation over their mean, larger of both axes.
@@ -101,13 +103,18 @@ pub enum PushoverError {
 }
 
 /// All curves of a member end; `progress` is told after each push (done, all).
+///
+/// A large compression that what the member stands on does not bear (a thin slab under a strong column) has no push; it bounds the compressive capacity.
+///
+/// # Errors
+/// If a push cannot be made at an axial force of up to a tenth of the squash load, or does not stay finite.
 pub fn derive(
     model: &EndModel,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<EndCurves, PushoverError> {
     let law = &model.mesh.laws[model.mesh.elements[model.section_elements[0]].law];
     let sample = &model.mesh.elements[model.section_elements[0]];
-    let area = model.section_m[0] * model.section_m[1];
+    let area = model.area_m2;
     let table = HardeningTable::new(&law.hardening);
     let scale = sample.smear * sample.strength;
     let squash = scale * table.at(0.0).0 * area;
@@ -116,15 +123,24 @@ pub fn derive(
     jobs.extend([(0, 0.1 * squash, -1.0), (1, 0.1 * squash, -1.0)]);
     let done = std::sync::atomic::AtomicUsize::new(0);
     let all = jobs.len();
-    let pushes: Vec<(Push, f64)> = jobs
+    let results: Vec<Result<(Push, f64), PushoverError>> = jobs
         .par_iter()
         .map(|(axis, force, sense)| {
             let result = push(model, *axis, *force, *sense);
             progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
             result
         })
-        .collect::<Result<_, _>>()?;
-    let count = AXIAL_SHARES.len();
+        .collect();
+    let unborne = |r: &Result<_, PushoverError>| match r {
+        Err(PushoverError::Preload { axial_force_n, .. }) => {
+            Some(*axial_force_n).filter(|n| *n > 0.15 * squash)
+        }
+        _ => None,
+    };
+    let limit = results.iter().filter_map(unborne).fold(f64::INFINITY, f64::min);
+    let kept = jobs.iter().zip(results).filter(|((_, force, _), _)| *force < limit);
+    let pushes: Vec<(Push, f64)> = kept.map(|(_, result)| result).collect::<Result<_, _>>()?;
+    let count = AXIAL_SHARES.iter().filter(|share| **share * squash < limit).count();
     let peak = |p: &Push| p.points.iter().map(|q| q[1]).fold(0.0, f64::max);
     let asymmetry = (0..2)
         .map(|axis| {
@@ -140,14 +156,16 @@ pub fn derive(
     let hinge_offset_m = median(poles).clamp(0.0, POLE_LIMIT_DEPTHS * depth);
     let about_hinge =
         |p: &Push| Push { points: moved(&p.points, model.length_m, hinge_offset_m), ..p.clone() };
+    let tensile_capacity_n = scale * table.at(rupture).0 * area;
     Ok(EndCurves {
         axes: [0, 1]
             .map(|axis| pushes[axis * count..(axis + 1) * count].iter().map(|p| about_hinge(&p.0)).collect()),
         hinge_offset_m,
         axial_stiffness_n_m: pushes[2].1,
         shear_stiffness_n_m: [shear; 2],
-        torsional_stiffness_nm_rad: shear_modulus * torsion_constant(model.section_m) / model.length_m,
-        tensile_capacity_n: scale * table.at(rupture).0 * area,
+        torsional_stiffness_nm_rad: shear_modulus * model.torsion_m4 / model.length_m,
+        tensile_capacity_n,
+        compressive_capacity_n: tensile_capacity_n.min(limit),
         tensile_elongation_m: rupture * model.length_m,
         asymmetry,
         elements: model.mesh.elements.len(),
@@ -155,13 +173,13 @@ pub fn derive(
 }
 
 /// Median; zero for an empty list.
-fn median(mut values: Vec<f64>) -> f64 {
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// An envelope over chord rotation about the end section, described about a point `c` further along the member.
-fn moved(points: &[[f64; 2]], length: f64, c: f64) -> Vec<[f64; 2]> {
+pub(super) fn moved(points: &[[f64; 2]], length: f64, c: f64) -> Vec<[f64; 2]> {
     let turn = |r: f64| (length * r.sin()).atan2(length * r.cos() - c);
     points.iter().map(|[r, m]| [turn(*r), m * (1.0 - c / length)]).collect()
 }
@@ -179,7 +197,7 @@ pub fn torsion_constant(section_m: [f64; 2]) -> f64 {
 }
 
 /// One push about the direction `axis + 1 + bending`; also returns the axial stiffness.
-fn push(
+pub(super) fn push(
     model: &EndModel,
     bending: usize,
     axial_force_n: f64,
@@ -366,11 +384,11 @@ fn center_line(model: &EndModel, direction: usize) -> Vec<usize> {
 /// Whether a whole layer of the member has eroded, so that the far section hangs on nothing.
 fn is_separated(model: &EndModel, body: &Dynamics) -> bool {
     let mut alive = std::collections::BTreeMap::new();
-    let part = model.mesh.elements[model.section_elements[0]].part;
-    for (e, element) in model.mesh.elements.iter().enumerate().filter(|(_, e)| e.part == part) {
+    for e in &model.own_elements {
+        let element = &model.mesh.elements[*e];
         let low =
             element.nodes.map(|n| model.mesh.nodes[n][model.axis]).into_iter().fold(f64::INFINITY, f64::min);
-        *alive.entry((low * 1e6).round() as i64).or_insert(false) |= body.blocks.share(e) > 0.0;
+        *alive.entry((low * 1e6).round() as i64).or_insert(false) |= body.blocks.share(*e) > 0.0;
     }
     alive.values().any(|a| !a)
 }

@@ -118,6 +118,12 @@ pub const CATALOGUE: &[Feature] = &[
         &[MemberEnd],
         "elastic moment after the removal over moment capacity at the dead-load axial force",
     ),
+    number(
+        "end.column_demand_ratio",
+        "1",
+        &[MemberEnd],
+        "of a beam end: the largest demand ratio of the column ends at its joint",
+    ),
     names(
         "end.position",
         &["bottom", "top", "start", "end"],

@@ -55,7 +55,7 @@ pub fn joint(
         torsional_stiffness_nm_rad: torsion,
         bending,
         joint: None,
-        latent: false,
+        latent: None,
         tensile_capacity_n: None,
         compressive_capacity_n: None,
         tensile_elongation_m: None,

@@ -5,6 +5,7 @@ mod cyclic;
 mod section;
 mod series;
 mod springs;
+mod strip;
 
 use fallwerk::building::ends::End;
 use fallwerk::building::{Building, EXAMPLE};

@@ -9,12 +9,12 @@ use crate::mbs::model::{Bending, Model};
 const VELOCITY_TOLERANCE: f64 = 1e-6;
 
 pub(super) fn check(model: &Model, list: &mut List) {
-    let latent: Vec<bool> = model.bushings.iter().map(|b| b.latent).collect();
+    let latent: Vec<bool> = model.bushings.iter().map(|b| b.latent.is_some()).collect();
     if !latent.contains(&true) {
         return;
     }
     let before = list.len();
-    for (i, bushing) in model.bushings.iter().enumerate().filter(|(_, b)| b.latent) {
+    for (i, bushing) in model.bushings.iter().enumerate().filter(|(_, b)| b.latent.is_some()) {
         let path = format!("bushings[{i}]");
         let ideal = !model.joints.is_empty() || !model.forces.is_empty();
         list.require(!ideal, &format!("{path}.latent"), || {

@@ -35,6 +35,8 @@ pub(super) struct Demand {
     pieces: Vec<Piece>,
     /// Forces of the springs, six a bushing, over the loads of the pieces, six each.
     operator: DMatrix<f64>,
+    /// Forces of the springs over the products of angular velocities in [`PRODUCTS`].
+    rotation: DMatrix<f64>,
     loads: DVector<f64>,
     forces: DVector<f64>,
     /// Slowest vibration of the pieces on their springs \[rad/s\].
@@ -77,9 +79,11 @@ impl Demand {
         let rigid = rigid_motions(&pieces);
         let (flexibility, balanced) = flexibility(&stretch, &stiffness, &mass, &rigid);
         let operator = DMatrix::from_diagonal(&stiffness) * &stretch * &flexibility;
+        let rotation = &operator * rotation_loads(&pieces);
         let frequency = slowest(&(balanced.transpose() * flexibility), &mass);
         Self {
             operator,
+            rotation,
             loads: DVector::zeros(6 * n),
             forces: DVector::zeros(6 * joints.len()),
             frequency,
@@ -92,15 +96,12 @@ impl Demand {
         self.frequency
     }
 
-    /// Sets the loads to those of the rotation of the body \[rad/s, its axes\].
+    /// Sets the forces to those of the rotation of the body \[rad/s, its axes\] and the loads to none.
     pub fn start(&mut self, spin: V3) {
-        for (p, piece) in self.pieces.iter().enumerate() {
-            let pull = math::cross(spin, math::cross(spin, piece.arm));
-            let turn = math::cross(spin, math::mul(&piece.inertia, spin));
-            for k in 0..3 {
-                self.loads[6 * p + k] = -piece.mass * pull[k];
-                self.loads[6 * p + 3 + k] = -turn[k];
-            }
+        self.loads.fill(0.0);
+        self.forces.fill(0.0);
+        for (k, [i, j]) in PRODUCTS.into_iter().enumerate() {
+            self.forces.axpy(spin[i] * spin[j], &self.rotation.column(k), 1.0);
         }
     }
 
@@ -113,9 +114,11 @@ impl Demand {
         }
     }
 
-    /// Finds the forces for the loads.
+    /// Adds the forces of the loads.
     pub fn solve(&mut self) {
-        self.forces.gemv(1.0, &self.operator, &self.loads, 0.0);
+        for (column, load) in self.loads.iter().enumerate().filter(|(_, load)| **load != 0.0) {
+            self.forces.axpy(*load, &self.operator.column(column), 1.0);
+        }
     }
 
     /// Force and moment of a bushing along its axes, as a gap and a rotation of its second piece would make them.
@@ -123,6 +126,34 @@ impl Demand {
         let f = |r: usize| self.forces[6 * l + r];
         [[f(0), f(1), f(2)], [f(3), f(4), f(5)]]
     }
+}
+
+/// Products of components of the angular velocity.
+const PRODUCTS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
+
+/// d'Alembert's loads of a rotation `w` on the pieces, `-m w×(w×r)` and `-w×(I w)`, over the products of its components.
+fn rotation_loads(pieces: &[Piece]) -> DMatrix<f64> {
+    let mut loads = DMatrix::zeros(6 * pieces.len(), PRODUCTS.len());
+    let unit = |i: usize| std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 });
+    for (p, piece) in pieces.iter().enumerate() {
+        let of = |a: V3, b: V3| {
+            let pull = math::scale(-piece.mass, math::cross(a, math::cross(b, piece.arm)));
+            [pull, math::scale(-1.0, math::cross(a, math::mul(&piece.inertia, b)))]
+        };
+        for (column, [i, j]) in PRODUCTS.into_iter().enumerate() {
+            let (a, b): (V3, V3) = (unit(i), unit(j));
+            let [mut pull, mut turn] = of(a, b);
+            if i != j {
+                let [other_pull, other_turn] = of(b, a);
+                (pull, turn) = (math::add(pull, other_pull), math::add(turn, other_turn));
+            }
+            for k in 0..3 {
+                loads[(6 * p + k, column)] = pull[k];
+                loads[(6 * p + 3 + k, column)] = turn[k];
+            }
+        }
+    }
+    loads
 }
 
 fn mass_matrix(pieces: &[Piece]) -> DMatrix<f64> {

@@ -58,7 +58,11 @@ pub struct Latent {
     /// Bodies of the file in each body of the running model.
     pub pieces: Vec<Vec<usize>>,
     held: Vec<bool>,
+    /// Section of each bushing of the file.
+    sections: Vec<Option<String>>,
     parted: bool,
+    /// The body of the model that runs first which each body of the file is in.
+    family: Vec<usize>,
     compounds: Vec<Compound>,
     /// The model with nothing latent, in its initial poses.
     whole: Option<System>,
@@ -74,7 +78,7 @@ impl Latent {
     /// # Errors
     /// If a curve cannot be compiled.
     pub fn new(file: &Model) -> Result<(Self, Option<Model>), CurveError> {
-        let held: Vec<bool> = file.bushings.iter().map(|b| b.latent).collect();
+        let held: Vec<bool> = file.bushings.iter().map(|b| b.latent.is_some()).collect();
         if !held.contains(&true) {
             let alone = |body| Place { body, pose: None };
             let latent = Self {
@@ -83,7 +87,9 @@ impl Latent {
                 pieces: (0..file.bodies.len()).map(|i| vec![i]).collect(),
                 peak: vec![0.0; held.len()],
                 held,
+                sections: Vec::new(),
                 parted: false,
+                family: Vec::new(),
                 compounds: Vec::new(),
                 whole: None,
                 solids: Vec::new(),
@@ -96,12 +102,15 @@ impl Latent {
             pieces: Vec::new(),
             peak: vec![0.0; held.len()],
             held,
+            sections: file.bushings.iter().map(|b| b.latent.clone()).collect(),
             parted: false,
+            family: Vec::new(),
             compounds: Vec::new(),
             whole: Some(System::new(file)?),
             solids: Vec::new(),
         };
         let first = latent.rebuild(file);
+        latent.family = latent.places.iter().map(|p| p.body).collect();
         Ok((latent, Some(first)))
     }
 
@@ -150,6 +159,12 @@ impl Latent {
     /// Whether any bushing is latent.
     pub fn is_watching(&self) -> bool {
         !self.compounds.is_empty()
+    }
+
+    /// Whether bodies of the running model were one at the begin; the ground, which comes last, was never part of one.
+    pub fn were_one(&self, a: usize, b: usize) -> bool {
+        let first = |body: usize| self.pieces.get(body).map(|own| self.family[own[0]]);
+        a == b || first(a).is_some() && first(a) == first(b)
     }
 
     /// Whether a bushing has gone live.
@@ -241,12 +256,12 @@ impl Latent {
             let joint = &whole.joints[b];
             (joint.a.min(joint.b), joint.a.max(joint.b))
         };
-        let side_by_side: Vec<usize> =
-            compound.bushings.iter().copied().filter(|b| ends(*b) == ends(cause)).collect();
+        let together = |b: &usize| self.sections[*b] == self.sections[cause] || ends(*b) == ends(cause);
+        let section: Vec<usize> = compound.bushings.iter().copied().filter(together).collect();
         let rest: Vec<(usize, usize)> =
-            compound.bushings.iter().filter(|b| !side_by_side.contains(b)).map(|b| ends(*b)).collect();
-        // in a loop of pieces the others would hold this one rigid
-        let parts = if are_linked(&rest, ends(cause)) { compound.bushings.clone() } else { side_by_side };
+            compound.bushings.iter().filter(|b| !section.contains(b)).map(|b| ends(*b)).collect();
+        // in a loop of pieces the others would hold these rigid
+        let parts = if are_linked(&rest, ends(cause)) { compound.bushings.clone() } else { section };
         let forces = |b: usize| {
             let l = compound.bushings.iter().position(|o| *o == b).unwrap_or(0);
             compound.demand.of(l)

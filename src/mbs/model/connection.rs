@@ -203,10 +203,10 @@ pub struct Bushing {
     /// before; the axial and shear stiffnesses are zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
-    /// Whether its bodies move as one until the forces that it would have to bear reach its resistance (bending of its curves, tension, compression). It needs a body on both sides, all its
-    /// stiffnesses, and a model without ideal joints and forces.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub latent: bool,
+    /// The section that it is part of, if it is latent: its bodies then move as one until the forces that a bushing of this section would have to bear reach its resistance (bending of its curves,
+    /// tension, compression); those of a section give way together. It needs a body on both sides, all its stiffnesses, and a model without ideal joints and forces. `None`: it is live from the begin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub latent: Option<String>,
     /// Tension \[N\] at which it separates; `None`: never.
     #[serde(default)]
     pub tensile_capacity_n: Option<f64>,

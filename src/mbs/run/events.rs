@@ -56,7 +56,7 @@ impl Run<'_> {
         }
         self.system.pack();
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
-        connect(&mut self.contacts, &self.system);
+        connect(&mut self.contacts, &self.system, &self.latent);
         if self.model.settings.time_step_s.is_none() && self.system.joints.iter().all(|j| !j.alive) {
             self.step_limit = LARGEST_STEP_S;
         }
@@ -114,7 +114,7 @@ impl Run<'_> {
         }
         if any {
             self.system.pack();
-            connect(&mut self.contacts, &self.system);
+            connect(&mut self.contacts, &self.system, &self.latent);
             self.forces();
         }
         Ok(())

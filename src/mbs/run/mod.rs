@@ -158,7 +158,7 @@ impl<'a> Run<'a> {
         let frequency = frequency::highest_rad_s(&system);
         let step_limit = choose_step(&model, frequency)?;
         let mut contacts = ContactSet::new(&model, options.contact);
-        connect(&mut contacts, &system);
+        connect(&mut contacts, &system, &latent);
         let curved = |b: usize| file.bushings[b].bending.iter().any(|k| matches!(k, Bending::Curve { .. }));
         let hinges: Vec<usize> = (0..file.bushings.len()).filter(|b| curved(*b)).collect();
         let n = system.count();

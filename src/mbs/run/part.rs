@@ -95,7 +95,7 @@ impl Run<'_> {
         let (energy, work) = (self.contacts.energy, self.contacts.work);
         self.contacts = ContactSet::new(&self.model, self.options.contact);
         (self.contacts.energy, self.contacts.work) = (energy, work);
-        connect(&mut self.contacts, &self.system);
+        connect(&mut self.contacts, &self.system, &self.latent);
         self.origin = self.centers();
         self.step_limit = choose_step(&self.model, frequency::highest_rad_s(&self.system))?;
         self.result.time_step_s = self.result.time_step_s.min(self.step_limit);
@@ -138,7 +138,7 @@ impl Run<'_> {
 
     /// Writes down how near to their resistance the latent bushings came.
     pub(super) fn close_latent(&mut self) {
-        let latent = self.file.bushings.iter().enumerate().filter(|(_, b)| b.latent);
+        let latent = self.file.bushings.iter().enumerate().filter(|(_, b)| b.latent.is_some());
         for (record, (b, _)) in self.result.latent.iter_mut().zip(latent) {
             record.largest_share = self.latent.peak(b);
         }

@@ -4,15 +4,36 @@ use super::{LARGEST_STEP_S, MOST_STEPS};
 use crate::mbs::contact::ContactSet;
 use crate::mbs::error::SolveError;
 use crate::mbs::frequency;
+use crate::mbs::latent::Latent;
 use crate::mbs::model::Model;
 use crate::mbs::preload::PreloadError;
 use crate::mbs::result::{HingeHistory, LatentRecord, RESULT_SCHEMA, RunResult, TrackedHistory};
 use crate::mbs::system::System;
+use petgraph::unionfind::UnionFind;
+use std::collections::BTreeSet;
 
-/// Tells the contacts which bodies are there and which a joint connects.
-pub(super) fn connect(contacts: &mut ContactSet, system: &System) {
-    let joined = system.joints.iter().filter(|j| j.alive).map(|j| (j.a, j.b));
-    contacts.connect(joined, |i| system.data[i].alive);
+/// Tells the contacts which bodies are there and which a joint connects. Pieces of what was one body count as that body as far as intact joints still connect them: a column
+/// that did not touch its floor as a whole does not touch the pieces of it either.
+pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Latent) {
+    let joined = || system.joints.iter().filter(|j| j.alive).map(|j| (j.a, j.b));
+    if !latent.has_parted() {
+        contacts.connect(joined(), |i| system.data[i].alive);
+        return;
+    }
+    let mut sets = UnionFind::<usize>::new(system.bodies.len());
+    for (a, b) in joined().filter(|(a, b)| latent.were_one(*a, *b)) {
+        sets.union(a, b);
+    }
+    let labels = sets.into_labeling();
+    let mut members = vec![Vec::new(); labels.len()];
+    labels.iter().enumerate().for_each(|(i, label)| members[*label].push(i));
+    let mut pairs = BTreeSet::new();
+    for (a, b) in joined() {
+        for x in &members[labels[a]] {
+            pairs.extend(members[labels[b]].iter().filter(|y| x != *y).map(|y| (*x.min(y), *x.max(y))));
+        }
+    }
+    contacts.connect(pairs.into_iter(), |i| system.data[i].alive);
 }
 
 pub(super) fn choose_step(model: &Model, frequency: f64) -> Result<f64, SolveError> {
@@ -59,7 +80,7 @@ pub(super) fn empty_result(
         origin_m: point.point_m,
         displacement_m: Vec::new(),
     });
-    let latent = model.bushings.iter().filter(|b| b.latent).map(|b| LatentRecord {
+    let latent = model.bushings.iter().filter(|b| b.latent.is_some()).map(|b| LatentRecord {
         joint: b.id.clone(),
         largest_share: 0.0,
         live_s: None,

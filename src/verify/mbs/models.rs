@@ -303,7 +303,7 @@ fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> B
         torsional_stiffness_nm_rad: 3e6,
         bending: [Bending::Elastic { stiffness_nm_rad: 4e6 }, Bending::Elastic { stiffness_nm_rad: 5e6 }],
         joint: None,
-        latent: false,
+        latent: None,
         tensile_capacity_n: None,
         tensile_elongation_m: None,
         compressive_capacity_n: None,

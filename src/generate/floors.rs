@@ -1,0 +1,312 @@
+//! Floors in pieces: cells between the lines at which a floor may fold, and the hinges on these lines.
+//!
+//! The lines run through a whole floor, at the ends of its beams for which a rule asks for latent hinges. What lies in a cell between them is one
+//! body; neighbouring cells are joined by a hinge with the resistance of the strip of floor that crosses the line there. A hinge is as long as a beam is deep, so that the bodies
+//! meet that far from the line: bodies of the size of a joint block would be so light beside the stiffness of their columns that steps had to be six times shorter.
+
+use super::GenerateError;
+use super::decide::Decision;
+use super::joints::Place;
+use crate::base::geom::Aabb;
+use crate::building::ends::MemberEnd;
+use crate::building::partition::merged;
+use crate::building::{Building, MemberKind};
+use crate::graph::{MassProperties, Structure};
+use crate::library::Entry;
+use crate::library::derive_strip::WantedStrip;
+use crate::mbs::model::{Bending, Body, Bushing, Origin, Shape};
+use crate::rc::StripPlace;
+use std::collections::BTreeSet;
+
+/// Lines nearer to each other than this are one \[m\].
+const SAME_LINE_M: f64 = 0.05;
+/// Most pieces of a floor: what latent hinges bear is found with a dense matrix.
+const MOST_PIECES: usize = 64;
+/// Largest distance from a line at which its pieces meet, of the clear span of the beam.
+const MOST_OF_SPAN: f64 = 0.2;
+/// How far a strip is kept on the side that holds it, in depths of the beams: as far as the submodel of a column end.
+const REACH_DEPTHS: f64 = 2.5;
+
+/// The grid of a floor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid {
+    /// Members of the floor.
+    pub members: Vec<usize>,
+    /// Lines along x and y, without the edges.
+    lines: [Vec<Fold>; 2],
+    /// Edges of the floor \[m\].
+    edges: [[f64; 2]; 2],
+    /// Deepest beam \[m\].
+    depth_m: f64,
+}
+
+/// A line at which a floor may fold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Fold {
+    /// Where the beams end \[m\].
+    at_m: f64,
+    /// +1 if they extend towards larger coordinates.
+    outward: f64,
+    /// Where the pieces meet \[m\].
+    parts_m: f64,
+}
+
+/// A piece of a floor.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    cell: [usize; 2],
+    /// Its boxes, with their members.
+    boxes: Vec<(usize, Aabb)>,
+}
+
+/// A hinge on a line of a floor.
+#[derive(Debug, Clone)]
+pub struct Line {
+    /// Name of the hinge: that of the beam end at which it stands, else of the pieces.
+    pub id: String,
+    /// Pieces on its held and its bent side.
+    pieces: [usize; 2],
+    /// The line, across the whole floor.
+    section: String,
+    /// The rules that asked for hinges on it.
+    rules: Vec<String>,
+    /// What its entry is computed from.
+    pub wanted: WantedStrip,
+    outward: f64,
+}
+
+impl Grid {
+    /// The grid of a floor; none if no rule asks for lines in it, or there would be too many pieces (the number is told).
+    pub fn of(
+        building: &Building,
+        structure: &Structure,
+        members: &[usize],
+        ends: &[MemberEnd],
+        decision: &Decision,
+    ) -> Result<Option<Self>, usize> {
+        let mut lines = [Vec::new(), Vec::new()];
+        let mut depth_m = 0.0_f64;
+        for end in ends.iter().filter(|e| e.axis < 2 && members.contains(&e.member)) {
+            if decision.latent.contains_key(&end.id) {
+                let deep = building.members[end.member].solid.size()[2];
+                let (at_m, length) = (end.point_m[end.axis], deep.min(MOST_OF_SPAN * end.clear_m));
+                lines[end.axis].push(Fold {
+                    at_m,
+                    outward: end.outward,
+                    parts_m: at_m + end.outward * length,
+                });
+                depth_m = depth_m.max(deep);
+            }
+        }
+        if lines.iter().all(Vec::is_empty) {
+            return Ok(None);
+        }
+        for own in &mut lines {
+            own.sort_by(|a, b| a.at_m.total_cmp(&b.at_m).then(a.parts_m.total_cmp(&b.parts_m)));
+            own.dedup_by(|b, a| b.at_m - a.at_m < SAME_LINE_M && a.outward == b.outward);
+        }
+        let pieces = (lines[0].len() + 1) * (lines[1].len() + 1);
+        if pieces > MOST_PIECES {
+            return Err(pieces);
+        }
+        let boxes = || members.iter().flat_map(|m| structure.boxes(*m));
+        let edges = [0, 1].map(|i| {
+            [
+                boxes().map(|b| b.min[i]).fold(f64::INFINITY, f64::min),
+                boxes().map(|b| b.max[i]).fold(f64::NEG_INFINITY, f64::max),
+            ]
+        });
+        Ok(Some(Self { members: members.to_vec(), lines, edges, depth_m }))
+    }
+
+    /// Lower and upper bound of a cell along x or y \[m\].
+    fn bounds(&self, axis: usize, k: usize) -> [f64; 2] {
+        let lines = &self.lines[axis];
+        let low = if k == 0 { self.edges[axis][0] } else { lines[k - 1].parts_m };
+        [low, lines.get(k).map_or(self.edges[axis][1], |line| line.parts_m)]
+    }
+
+    /// The pieces that have a volume.
+    pub fn pieces(&self, structure: &Structure) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        for i in 0..=self.lines[0].len() {
+            for j in 0..=self.lines[1].len() {
+                let ([x0, x1], [y0, y1]) = (self.bounds(0, i), self.bounds(1, j));
+                let cell = Aabb { min: [x0, y0, f64::NEG_INFINITY], max: [x1, y1, f64::INFINITY] };
+                let inside = |m: &usize| {
+                    let own = structure.boxes(*m).iter().filter_map(|b| b.intersection(&cell, 1e-9));
+                    own.map(|b| (*m, b)).collect::<Vec<_>>()
+                };
+                let boxes: Vec<(usize, Aabb)> = self.members.iter().flat_map(inside).collect();
+                if !boxes.is_empty() {
+                    pieces.push(Piece { cell: [i, j], boxes });
+                }
+            }
+        }
+        pieces
+    }
+
+    /// The hinges between neighbouring pieces.
+    pub fn lines(
+        &self,
+        place: &Place,
+        pieces: &[Piece],
+        ends: &[MemberEnd],
+        names: &[String],
+        decision: &Decision,
+    ) -> Vec<Line> {
+        let mut list = Vec::new();
+        for (a, piece) in pieces.iter().enumerate() {
+            for axis in 0..2 {
+                let mut cell = piece.cell;
+                cell[axis] += 1;
+                let Some(b) = pieces.iter().position(|p| p.cell == cell) else { continue };
+                let k = piece.cell[axis];
+                let Fold { at_m, outward, .. } = self.lines[axis][k];
+                let lengths = [at_m - self.bounds(axis, k)[0], self.bounds(axis, k + 1)[1] - at_m];
+                let (held, bent) = if outward > 0.0 { (a, b) } else { (b, a) };
+                let [near, far] = if outward > 0.0 { lengths } else { [lengths[1], lengths[0]] };
+                let across_m = self.bounds(1 - axis, piece.cell[1 - axis]);
+                let strip = StripPlace {
+                    axis,
+                    at_m,
+                    outward,
+                    near_m: near.min(REACH_DEPTHS * self.depth_m),
+                    far_m: 0.5 * far,
+                    across_m,
+                };
+                let Some(wanted) = WantedStrip::of(place.building, place.mesh, &self.members, &strip) else {
+                    continue;
+                };
+                let on_line = |e: &&MemberEnd| {
+                    let near = (e.point_m[axis] - at_m).abs() < SAME_LINE_M;
+                    e.axis == axis && self.members.contains(&e.member) && near
+                };
+                let inside = |e: &&MemberEnd| {
+                    let p = e.point_m[1 - axis];
+                    p > across_m[0] && p < across_m[1]
+                };
+                let beam = ends.iter().filter(on_line).find(inside);
+                let asked = ends.iter().filter(on_line).filter_map(|e| decision.latent.get(&e.id));
+                let rules: BTreeSet<&String> = asked.flatten().collect();
+                let rules = rules.into_iter().cloned().collect();
+                let id = beam.map_or_else(|| format!("{}|{}", names[held], names[bent]), |e| e.id.clone());
+                let floor = names[a].split('/').next().unwrap_or_default();
+                let section = format!("{floor}/{}{}", ["x", "y"][axis], k + 1);
+                list.push(Line { id, pieces: [held, bent], section, rules, wanted, outward });
+            }
+        }
+        list
+    }
+}
+
+impl Piece {
+    /// Its body.
+    pub fn body(&self, building: &Building, structure: &Structure, id: String, rules: Vec<String>) -> Body {
+        let dense = self.boxes.iter().map(|(m, b)| (b, structure.density_kg_m3(*m)));
+        let mass = MassProperties::of_boxes(dense);
+        let mut members: Vec<usize> = self.boxes.iter().map(|(m, _)| *m).collect();
+        members.dedup();
+        let shapes = members.iter().flat_map(|m| {
+            let own: Vec<Aabb> = self.boxes.iter().filter(|(o, _)| o == m).map(|(_, b)| *b).collect();
+            merged(&own)
+        });
+        let shapes = shapes.map(|solid| {
+            let center_m = std::array::from_fn(|i| solid.center()[i] - mass.center_m[i]);
+            Shape::cuboid(center_m, solid.size().map(|s| 0.5 * s))
+        });
+        Body {
+            id,
+            mass_kg: mass.mass_kg,
+            inertia_kg_m2: mass.inertia_kg_m2,
+            position_m: mass.center_m,
+            orientation: [1.0, 0.0, 0.0, 0.0],
+            velocity_m_s: [0.0; 3],
+            angular_velocity_rad_s: [0.0; 3],
+            shapes: shapes.collect(),
+            origin: Origin {
+                members: members.iter().map(|m| building.members[*m].id.clone()).collect(),
+                rules,
+                entries: Vec::new(),
+            },
+        }
+    }
+
+    /// Name of a piece: that of its floor, and its cell counted from one.
+    pub fn name(&self, floor: &str) -> String {
+        format!("{floor}/{}-{}", self.cell[0] + 1, self.cell[1] + 1)
+    }
+
+    /// Square of the distance of a point from it \[m²\].
+    pub fn distance2(&self, point: [f64; 3]) -> f64 {
+        let to = |b: &Aabb| -> f64 {
+            (0..3).map(|i| (b.min[i] - point[i]).max(point[i] - b.max[i]).max(0.0).powi(2)).sum()
+        };
+        self.boxes.iter().map(|(_, b)| to(b)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Line {
+    /// The latent hinge on the line, between bodies of which the pieces of its floor begin at some place in the list.
+    pub fn bushing(
+        &self,
+        bodies: &[Body],
+        first: usize,
+        entry: &Entry,
+        curve: String,
+        building: &Building,
+    ) -> Result<Bushing, GenerateError> {
+        let model = &self.wanted.model;
+        let (stiffness, offset_m) = entry.line()?;
+        let axis = model.axis;
+        let [held, bent] = self.pieces.map(|p| bodies[first + p].id.clone());
+        let mut point_m = model.point_m;
+        point_m[axis] += self.outward * offset_m;
+        // in its plane a floor is a deep beam: elastic
+        let width = if axis == 0 { model.section_m[0] } else { model.section_m[1] };
+        let law = &model.mesh.laws[model.mesh.elements[model.section_elements[0]].law];
+        let in_plane = 3.0 * law.youngs_modulus_pa * model.area_m2 * width * width / 12.0 / model.length_m;
+        let folds = Bending::Curve { curve, strength_factor: 1.0 };
+        let stiff = Bending::Elastic { stiffness_nm_rad: in_plane };
+        let unit = |i: usize, sign: f64| {
+            let mut e = [0.0; 3];
+            e[i] = sign;
+            e
+        };
+        Ok(Bushing {
+            id: self.id.clone(),
+            body_a: Some(held),
+            body_b: bent,
+            point_m,
+            axes: [unit(axis, self.outward), unit((axis + 1) % 3, 1.0), unit((axis + 2) % 3, self.outward)],
+            axial_stiffness_n_m: stiffness.axial_n_m,
+            shear_stiffness_n_m: stiffness.shear_n_m,
+            torsional_stiffness_nm_rad: stiffness.torsion_nm_rad,
+            bending: if axis == 0 { [folds, stiff] } else { [stiff, folds] },
+            joint: None,
+            latent: Some(self.section.clone()),
+            tensile_capacity_n: entry.tensile_capacity_n,
+            tensile_elongation_m: entry.tensile_elongation_m,
+            compressive_capacity_n: entry.compressive_capacity_n,
+            origin: Origin {
+                members: model_members(building, model, &self.id),
+                rules: self.rules.clone(),
+                entries: vec![entry.key.clone()],
+            },
+        })
+    }
+}
+
+/// The beam end that a hinge stands at, or the slabs in its section.
+fn model_members(building: &Building, model: &crate::rc::EndModel, id: &str) -> Vec<String> {
+    if id.contains('.') {
+        return vec![id.to_string()];
+    }
+    let mut parts: Vec<usize> = model.section_elements.iter().map(|e| model.mesh.elements[*e].part).collect();
+    parts.sort_unstable();
+    parts.dedup();
+    let slab = |m: &usize| building.members[*m].kind == MemberKind::Slab;
+    let slabs: Vec<usize> = parts.iter().copied().filter(slab).collect();
+    let shown = if slabs.is_empty() { parts } else { slabs };
+    shown.into_iter().map(|m| building.members[m].id.clone()).collect()
+}
