@@ -180,7 +180,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let fe = pool.install(|| run_with_progress(&building, &options, attached, &kept, &progress))?;
     progress.finish();
     let mesh_size_m = options.mesh_size_m.unwrap_or(building.settings.mesh_size_m);
-    write(&output, &building, &fe, mesh_size_m)?;
+    write(&output, &building, &fe, mesh_size_m, "fe")?;
     let against = arguments.against.as_ref().map(|path| Against::of(path, &fe)).transpose()?;
     places::remove_checkpoint(output.path())?;
     let folder = output.commit().map_err(|e| unwritable(&e))?;
@@ -312,7 +312,7 @@ fn positive(name: &str, value: Option<f64>) -> Result<Option<f64>, Failure> {
     }
 }
 
-/// Runs the FE model and shows how far it is; `kept` is called once there is a checkpoint.
+/// Runs the FE model, with rigid parts if the options say so, and shows how far it is; `kept` is called once there is a checkpoint.
 pub fn run_with_progress(
     building: &Building,
     options: &FeOptions,
@@ -320,14 +320,15 @@ pub fn run_with_progress(
     kept: &dyn Fn(),
     progress: &Progress,
 ) -> Result<FeRun, Failure> {
-    progress.stage("FE run: dead load");
+    let name = if options.hybrid.is_some() { "hybrid FE run" } else { "FE run" };
+    progress.stage(&format!("{name}: dead load"));
     let mut began = false;
     let run = run_with(building, options, attached, &mut |at| {
         if at.checkpoints > 0 {
             kept();
         }
         if !began {
-            progress.stage("FE run");
+            progress.stage(name);
             began = true;
         }
         progress.advance(at.time_s / at.end_s, &format!("t = {:.2} of {:.2} s", at.time_s, at.end_s));
@@ -335,22 +336,23 @@ pub fn run_with_progress(
     run.map_err(|e| failure(&e))
 }
 
-/// `fe.json` and the histories as CSV.
+/// The record of a run, `NAME.json`, and its histories as CSV.
 pub fn write(
     output: &OutputFolder,
     building: &Building,
     fe: &FeRun,
     mesh_size_m: f64,
+    name: &str,
 ) -> Result<(), Failure> {
     let text = |value: &Value| readable_json(value).map_err(|e| Failure::input(e.to_string()));
-    places::write(output, "fe.json", &text(&record(building, fe, mesh_size_m)?)?)?;
-    places::write(output, "fe-displacements.csv", &displacements_csv(fe))?;
-    places::write(output, "fe-energies.csv", &energies_csv(fe))?;
+    places::write(output, &format!("{name}.json"), &text(&record(building, fe, mesh_size_m)?)?)?;
+    places::write(output, &format!("{name}-displacements.csv"), &displacements_csv(fe))?;
+    places::write(output, &format!("{name}-energies.csv"), &energies_csv(fe))?;
     if let Some(hybrid) = &fe.hybrid {
         places::write(output, "hybrid.csv", &fe_hybrid::partition_csv(&fe.times_s, hybrid))?;
         places::write(output, "hybrid-switches.csv", &fe_hybrid::switches_csv(hybrid))?;
     }
-    places::write(output, "fe-events.csv", &events_csv(fe))
+    places::write(output, &format!("{name}-events.csv"), &events_csv(fe))
 }
 
 /// What `fe.json` holds: everything of the run but frames, strain rates and run times.

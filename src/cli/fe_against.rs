@@ -24,6 +24,8 @@ struct Contact {
 pub(super) struct Against {
     to_contact: Option<f64>,
     to_end: f64,
+    /// Points that become debris in the other run, and the error to the end without them.
+    without_debris: (usize, f64),
     contact_s: [Option<f64>; 2],
     end_s: f64,
     curve: Vec<f64>,
@@ -46,20 +48,26 @@ impl Against {
         if !run.times_s[..times].iter().zip(&reference.times_s).all(same) {
             return Err(bad("its outputs are at other times".into()));
         }
-        let mut pairs = Vec::new();
+        let (mut pairs, mut whole) = (Vec::new(), Vec::new());
         for point in &run.tracked {
             let of = reference.tracked.iter().find(|p| p.id == point.id);
             let of = of.ok_or_else(|| bad(format!("it has no tracked point `{}`", point.id)))?;
             if of.displacement_m.len() < times {
                 return Err(bad(format!("the history of `{}` is too short", point.id)));
             }
-            pairs.push((&point.displacement_m[..times], &of.displacement_m[..times]));
+            let pair = (&point.displacement_m[..times], &of.displacement_m[..times]);
+            pairs.push(pair);
+            if of.debris_s.is_none() {
+                whole.push(pair);
+            }
         }
+        let last = |curve: &[f64]| curve.last().copied().unwrap_or(0.0);
         let curve = error_curve(&run.times_s[..times], &pairs);
         let contact_s = [reference.summary.first_ground_contact_s, run.summary.first_ground_contact_s];
         Ok(Self {
             to_contact: contact_s[0].and_then(|t| at(&run.times_s[..times], &curve, t)),
-            to_end: curve.last().copied().unwrap_or(0.0),
+            to_end: last(&curve),
+            without_debris: (pairs.len() - whole.len(), last(&error_curve(&run.times_s[..times], &whole))),
             contact_s,
             end_s: run.times_s[times - 1],
             curve,
@@ -70,8 +78,13 @@ impl Against {
     pub(super) fn words(&self) -> String {
         let [theirs, own] = self.contact_s.map(seconds);
         let to_contact = self.to_contact.map_or("-".into(), |e| format!("{e:.4}"));
+        let debris = match self.without_debris {
+            (0, _) => String::new(),
+            (1, e) => format!(" ({e:.4} without the point that becomes debris there)"),
+            (points, e) => format!(" ({e:.4} without {points} points that become debris there)"),
+        };
         format!(
-            "  against the other run: error e = {to_contact} to its first contact, {:.4} to {:.3} s; first ground contact {own}, there {theirs}\n",
+            "  against the other run: error e = {to_contact} to its first contact, {:.4} to {:.3} s{debris}; first ground contact {own}, there {theirs}\n",
             self.to_end, self.end_s
         )
     }
@@ -81,6 +94,8 @@ impl Against {
         serde_json::json!({
             "e_to_contact": self.to_contact,
             "e_to_end": self.to_end,
+            "debris_points": self.without_debris.0,
+            "e_to_end_without_debris": self.without_debris.1,
             "first_contact_s": { "reference": self.contact_s[0], "run": self.contact_s[1] },
             "e_curve": self.curve,
         })

@@ -5,16 +5,17 @@ use super::explain::TraceFile;
 use super::knowledge::KnowledgeArgs;
 use super::progress::Progress;
 use super::summary::{Summary, as_json, as_text};
-use super::{Failure, Outcome, fe, knowledge, print, read_building, simulate, thread_pool, write};
+use super::{Failure, Outcome, fe, fe_hybrid, knowledge, print, read_building, simulate, thread_pool, write};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::OutputFolder;
 use crate::building::Building;
+use crate::fe::hybrid::HybridSettings;
 use crate::fe::result::FeRun;
 use crate::fe::run::{Attached, FeOptions};
 use crate::generate::{Derive, Generated, generate};
 use crate::mbs::RunResult;
 use crate::study::{Facts, Study, facts};
-use crate::validate::Validation;
+use crate::validate::{HybridValidation, Validation};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -27,7 +28,8 @@ const VALIDATION_FILE: &str = "validation.json";
 ///
 /// Rules decide which members become rigid bodies and where hinges stand; the library holds the hinges' resistance curves.
 /// Writes model.json, trace.json, mbs.json and histories as CSV into a result folder; with --validate also fe.json,
-/// study.json, validation.json and report.html. Run times are in validation.json and report.html only: all other files
+/// study.json, validation.json and report.html; with --validate --hybrid the FE run with rigid parts as well, hybrid.json,
+/// and the report compares all three. Run times are in validation.json and report.html only: all other files
 /// are the same for the same input, whatever the number of threads.
 /// Exit codes: 0 done (with --validate: the MBS agrees with FE), 1 it does not, or a run stopped, 2 bad input.
 #[derive(clap::Args)]
@@ -40,6 +42,8 @@ pub struct Arguments {
     /// Run FE as well and compare
     #[arg(long)]
     validate: bool,
+    #[command(flatten)]
+    hybrid: fe_hybrid::Options,
     /// What to do about hinges that the library has no curves for
     #[arg(long, value_enum, default_value = "never", default_missing_value = "run", num_args = 0..=1, require_equals = true)]
     derive: DeriveArgument,
@@ -71,6 +75,8 @@ enum DeriveArgument {
 pub struct Comparison {
     /// The FE run.
     pub fe: FeRun,
+    /// The FE run with rigid parts, if it was asked for.
+    pub hybrid: Option<FeRun>,
     /// Its facts.
     pub facts: Facts,
     /// Errors of the MBS against it.
@@ -80,12 +86,18 @@ pub struct Comparison {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let building = read_building(&arguments.building, arguments.json)?;
+    let hybrid = arguments.hybrid.settings(&building, None)?;
+    if hybrid.is_some() && !arguments.validate {
+        return Err(Failure::input(
+            "--hybrid compares the FE run with rigid parts: give --validate as well".into(),
+        ));
+    }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, ""));
     keep_validation(arguments, &target)?;
     let output = OutputFolder::create(&target).map_err(|e| Failure::input(e.to_string()))?;
     let pool = thread_pool(arguments.threads)?;
     let progress = Progress::on_stderr();
-    let result = pool.install(|| compute(arguments, &building, &output, &progress));
+    let result = pool.install(|| compute(arguments, &building, hybrid, &output, &progress));
     progress.finish();
     let computed = result?;
     let folder = output.commit().map_err(|e| Failure::input(e.to_string()))?;
@@ -122,6 +134,7 @@ struct Computed {
 fn compute(
     arguments: &Arguments,
     building: &Building,
+    hybrid: Option<HybridSettings>,
     output: &OutputFolder,
     progress: &Progress,
 ) -> Result<Computed, Failure> {
@@ -134,11 +147,16 @@ fn compute(
     if !arguments.validate {
         return Ok(Computed { generated, mbs, comparison: None });
     }
-    let options = FeOptions { keep_frames: true, ..FeOptions::default() };
-    let fe = fe::run_with_progress(building, &options, Attached::default(), &|| (), progress)?;
+    let fe_run = |hybrid: Option<HybridSettings>, name: &str| {
+        let options = FeOptions { keep_frames: true, hybrid, ..FeOptions::default() };
+        let run = fe::run_with_progress(building, &options, Attached::default(), &|| (), progress)?;
+        fe::write(output, building, &run, building.settings.mesh_size_m, name).map(|()| run)
+    };
+    let fe = fe_run(None, "fe")?;
+    let hybrid = hybrid.map(|settings| fe_run(Some(settings), "hybrid")).transpose()?;
     let facts = facts(building, &fe);
-    let validation = Validation::of(building, &fe, &facts, &generated.model, &mbs, wall_s);
-    fe::write(output, building, &fe, building.settings.mesh_size_m)?;
+    let mut validation = Validation::of(building, &fe, &facts, &generated.model, &mbs, wall_s);
+    validation.hybrid = hybrid.as_ref().map(|run| HybridValidation::of(&fe, run));
     let study = Study::new(&building.name, hash, building.settings.mesh_size_m, &fe.summary, facts.clone());
     write_json(output, "study.json", &study)?;
     write_json(output, VALIDATION_FILE, &validation)?;
@@ -146,6 +164,7 @@ fn compute(
         building,
         generated: &generated,
         fe: &fe,
+        hybrid: hybrid.as_ref(),
         facts: &facts,
         mbs: &mbs,
         validation: &validation,
@@ -155,7 +174,7 @@ fn compute(
     let page = crate::report::render(&compose::report_input(&pieces))
         .map_err(|e| Failure::stopped(e.to_string()))?;
     write(output, "report.html", &page)?;
-    Ok(Computed { generated, mbs, comparison: Some(Comparison { fe, facts, validation }) })
+    Ok(Computed { generated, mbs, comparison: Some(Comparison { fe, hybrid, facts, validation }) })
 }
 
 fn generated(arguments: &Arguments, building: &Building, progress: &Progress) -> Result<Generated, Failure> {

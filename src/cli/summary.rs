@@ -1,5 +1,6 @@
 //! The summary of `generate-mbs`, for people and for programs.
 
+use super::compose::compared;
 use super::generate_mbs::{Comparison, MBS_RUNS};
 use super::verdict::{collapse_words, percent, seconds, verdict};
 use crate::building::Building;
@@ -91,10 +92,10 @@ fn comparison_text(c: &Comparison) -> String {
     let words = verdict(v);
     format!(
         "  FE run     {} in {} steps of {} elements, {:.1} s wall, {:.1} s processor; energy error {}\n  \
-         error      e = {:.3} up to the first contact, {:.3} over the whole run\n  \
-         contact    FE {}, MBS {}\n  \
+         against FE error e up to the first contact of the FE run, over the whole run, over points that do not become debris\n\
+         {}\
+         {}  \
          hinges     precision {:.2}, recall {:.2}, F1 {:.2} ({} FE zones, {} active hinges, {} common)\n  \
-         debris     footprints overlap by {:.0} %\n  \
          speed      MBS {:.0} times faster (processor time)\n  \
          verdict    {}\n",
         collapse_words(v.collapsed.fe),
@@ -103,17 +104,14 @@ fn comparison_text(c: &Comparison) -> String {
         v.wall_s.fe,
         v.cpu_s.fe,
         percent(v.energy_error.fe),
-        v.e_to_contact,
-        v.e_total,
-        seconds(v.first_contact_s.fe),
-        seconds(v.first_contact_s.mbs),
+        compared::table(v),
+        compared::notes(v).iter().map(|note| format!("    {note}\n")).collect::<String>(),
         v.hinges.precision,
         v.hinges.recall,
         v.hinges.f1,
         v.hinges.expected,
         v.hinges.found,
         v.hinges.common,
-        100.0 * v.footprint_overlap,
         v.speed_ratio,
         words.headline,
     )
@@ -129,6 +127,8 @@ pub fn as_json(s: &Summary) -> Value {
             "verdict": verdict(v).headline,
             "e_to_contact": v.e_to_contact,
             "e_total": v.e_total,
+            "e_total_without_debris": v.e_total_without_debris,
+            "debris": v.debris,
             "first_contact_s": v.first_contact_s,
             "collapsed": v.collapsed,
             "hinges": v.hinges,
@@ -140,6 +140,23 @@ pub fn as_json(s: &Summary) -> Value {
             "speed_ratio": v.speed_ratio,
             "fe_elements": c.fe.summary.elements,
             "fe_steps": c.fe.summary.steps,
+            "hybrid": v.hybrid.as_ref().map(|h| json!({
+                "e_to_contact": h.e_to_contact,
+                "e_total": h.e_total,
+                "e_total_without_debris": h.e_total_without_debris,
+                "debris": h.debris,
+                "first_contact_s": h.first_contact_s,
+                "collapsed": h.collapsed,
+                "energy_error": h.energy_error,
+                "footprint_overlap": h.footprint_overlap,
+                "cpu_s": h.cpu_s,
+                "wall_s": h.wall_s,
+                "cpu_share": h.cpu_share,
+                "mean_rigid_share": h.mean_rigid_share,
+                "skipped_share": h.skipped_share,
+                "switched_j": h.switched_j,
+                "switches": h.switches,
+            })),
         })
     });
     json!({

@@ -2,8 +2,8 @@
 
 use crate::report::{Check, Status, Verdict};
 use crate::validate::{
-    ACTIVE_ROTATION_RAD, LIMIT_CONTACT_TIME, LIMIT_ENERGY, LIMIT_SPEED, LIMIT_STANDING_M, LIMIT_TO_CONTACT,
-    Validation,
+    ACTIVE_ROTATION_RAD, HybridValidation, LIMIT_CONTACT_TIME, LIMIT_ENERGY, LIMIT_HYBRID, LIMIT_HYBRID_TIME,
+    LIMIT_SPEED, LIMIT_STANDING_M, LIMIT_TO_CONTACT, Validation,
 };
 
 /// Number of the checks, from the first, that [`Validation::agrees`] is made of.
@@ -34,7 +34,7 @@ pub fn checks(v: &Validation) -> Vec<Check> {
         let (value, limit) = (percent(error), format!("≤ {:.0} %", 100.0 * LIMIT_ENERGY));
         check(label, value, limit, status(error <= LIMIT_ENERGY), words)
     };
-    vec![
+    let mut checks = vec![
         displacements(v),
         contact(v),
         check(
@@ -59,6 +59,35 @@ pub fn checks(v: &Validation) -> Vec<Check> {
             format!("≥ {LIMIT_SPEED:.0} times"),
             status(v.speed_ratio >= LIMIT_SPEED),
             "processor time of FE over that of the MBS; says nothing about the agreement",
+        ),
+    ];
+    checks.extend(v.hybrid.iter().flat_map(hybrid));
+    checks
+}
+
+/// What is asked of a hybrid run; the agreement of the MBS is none of its business.
+fn hybrid(h: &HybridValidation) -> [Check; 3] {
+    [
+        check(
+            "Hybrid: displacement error over the whole run",
+            format!("e = {:.3}", h.e_total),
+            format!("≤ {LIMIT_HYBRID:.2}"),
+            status(h.is_close()),
+            "relative error over all tracked points of the FE run with rigid parts against the full FE run",
+        ),
+        check(
+            "Hybrid: processor time",
+            format!("{} of FE's", percent(h.cpu_share)),
+            format!("≤ {:.0} %", 100.0 * LIMIT_HYBRID_TIME),
+            status(h.is_fast()),
+            "rigid parts cost no element work",
+        ),
+        check(
+            "Energy error of the hybrid run",
+            percent(h.energy_error),
+            format!("≤ {:.0} %", 100.0 * LIMIT_ENERGY),
+            status(h.energy_error <= LIMIT_ENERGY),
+            "largest residual of the energy balance over the energy turned over; what switches change is in the balance",
         ),
     ]
 }

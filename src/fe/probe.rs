@@ -9,6 +9,9 @@ use super::mesh::Mesh;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
+/// Nodes that a rigid fit needs.
+const LEAST_CARRIERS: usize = 3;
+
 /// A tracked point with the nodes that carry it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Probe {
@@ -40,13 +43,8 @@ impl Probe {
         if let [only] = self.nodes[..] {
             return Some(std::array::from_fn(|i| x[only][i] + self.point_m[i] - mesh.nodes[only][i]));
         }
-        let alive = |n: &&usize| {
-            blocks.elements_at(**n).any(|e| {
-                mesh.elements[e].part == self.part && blocks.share(e) == 1.0 && !blocks.is_detached(e)
-            })
-        };
-        let carriers: Vec<usize> = self.nodes.iter().filter(alive).copied().collect();
-        if carriers.len() < 3 {
+        let carriers = self.carriers(mesh, blocks);
+        if carriers.len() < LEAST_CARRIERS {
             return None;
         }
         let mean = |at: &[[f64; 3]]| -> Vector3<f64> {
@@ -63,5 +61,21 @@ impl Probe {
         let rotation = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * vt;
         let point = to + rotation * (Vector3::from(self.point_m) - from);
         Some([point.x, point.y, point.z])
+    }
+
+    /// Nodes at which an element of the part still acts.
+    fn carriers(&self, mesh: &Mesh, blocks: &Blocks) -> Vec<usize> {
+        let own =
+            |e: usize| mesh.elements[e].part == self.part && blocks.share(e) == 1.0 && !blocks.is_detached(e);
+        self.nodes.iter().copied().filter(|n| blocks.elements_at(*n).any(own)).collect()
+    }
+
+    /// Whether the point is no longer part of the structure: no element acts at its only node, which is then a point mass of debris, or too little
+    /// of its member is left to carry it.
+    pub fn is_debris(&self, mesh: &Mesh, blocks: &Blocks) -> bool {
+        match self.nodes[..] {
+            [only] => !blocks.elements_at(only).any(|e| blocks.share(e) > 0.0 && !blocks.is_detached(e)),
+            _ => self.carriers(mesh, blocks).len() < LEAST_CARRIERS,
+        }
     }
 }

@@ -66,8 +66,7 @@ impl Recorder {
             .collect();
         let start_m: Vec<[f64; 3]> =
             probes.iter().map(|p| p.position(mesh, &body.blocks, &body.x).unwrap_or(p.point_m)).collect();
-        let tracked =
-            probes.iter().map(|p| History { id: p.id.clone(), displacement_m: Vec::new() }).collect();
+        let tracked = probes.iter().map(|p| History { id: p.id.clone(), ..History::default() }).collect();
         let standing =
             building.members.iter().map(|m| building.supports.iter().any(|s| s.member == m.id)).collect();
         Self {
@@ -150,14 +149,17 @@ impl Recorder {
         for (i, probe) in self.probes.iter().enumerate() {
             let at = probe.position(mesh, &body.blocks, &body.x).unwrap_or(self.last_m[i]);
             self.last_m[i] = at;
-            self.tracked[i].displacement_m.push(std::array::from_fn(|k| at[k] - self.start_m[i][k]));
-        }
-        if self.keep_every > 0 && output.is_multiple_of(self.keep_every) {
-            let nodes_m = body.x.iter().map(|p| p.map(|c| c as f32)).collect();
-            self.frames.push(KeptFrame { output, nodes_m });
+            let point = &mut self.tracked[i];
+            point.displacement_m.push(std::array::from_fn(|k| at[k] - self.start_m[i][k]));
+            if point.debris_s.is_none() && probe.is_debris(mesh, &body.blocks) {
+                point.debris_s = Some(time_s);
+            }
         }
         let rates = self.window.finish(mesh, |e| body.blocks.share(e) > 0.0, &body.x, interval);
         self.rates.add(time_s, &rates);
+        if self.keep_every > 0 && output.is_multiple_of(self.keep_every) {
+            self.frames.push(kept_frame(output, body, &rates, self.rates.critical_1_s));
+        }
         if let Some(sink) = frames {
             let start_m = &self.rest_m[..];
             let frame = Frame { output, time_s, mesh, body, start_m, strain_rates_1_s: &rates };
@@ -284,7 +286,19 @@ fn fall_j(building: &Building, body: &Dynamics) -> f64 {
     0.01 * body.mass_kg.iter().sum::<f64>() * building.settings.gravity_m_s2
 }
 
-/// Every how many outputs a frame is kept, so that all together are not too large.
+/// The state at an output, for a report.
+fn kept_frame(output: usize, body: &Dynamics, rates_1_s: &[f32], critical_1_s: f64) -> KeptFrame {
+    let rigid =
+        body.hybrid.as_ref().map_or(Vec::new(), |h| (0..rates_1_s.len()).map(|e| h.is_rigid(e)).collect());
+    KeptFrame {
+        output,
+        nodes_m: body.x.iter().map(|p| p.map(|c| c as f32)).collect(),
+        fast: rates_1_s.iter().map(|rate| f64::from(*rate) > critical_1_s).collect(),
+        rigid,
+    }
+}
+
+/// Every how many outputs a frame is kept, so that the positions of all together are not too large.
 fn kept_every(nodes: usize, outputs: usize) -> usize {
     (12 * nodes * (outputs + 1)).div_ceil(MOST_KEPT_BYTES).max(1)
 }

@@ -44,13 +44,17 @@ pub struct FeRun {
     pub summary: FeSummary,
 }
 
-/// Node positions at one output.
+/// Node positions at one output, and which elements deform there: 2 bytes an element beside 12 a node.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeptFrame {
     /// Number of the output: its time is `times_s[output]`.
     pub output: usize,
     /// Positions \[m\].
     pub nodes_m: Vec<[f32; 3]>,
+    /// Whether each element strained faster than the critical rate over the output interval that ends here.
+    pub fast: Vec<bool>,
+    /// Whether each element was part of a rigid set; empty in a run without rigid parts.
+    pub rigid: Vec<bool>,
 }
 
 /// Extremes of the equivalent strain rates over output intervals, of each element.
@@ -82,12 +86,15 @@ impl StrainRates {
 }
 
 /// Displacement from the preloaded state of one point.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct History {
     /// Tracked point id.
     pub id: String,
     /// Displacements \[m\].
     pub displacement_m: Vec<[f64; 3]>,
+    /// First output at which the elements that carried the point had failed \[s\]: from then on it is a point mass of debris, or stays where the
+    /// last of its member was. `None`: it is part of the structure to the end.
+    pub debris_s: Option<f64>,
 }
 
 /// The end of an element.

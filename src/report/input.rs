@@ -5,6 +5,7 @@
 //! SI (m, kg, s, N, J, rad); the page chooses readable prefixes. Histories may contain NaN: it is drawn
 //! as a gap. Every list may be empty; its section then says so or is left out.
 
+use super::partition::PartitionView;
 use super::scene_input::Scene;
 
 /// Everything one report shows.
@@ -22,6 +23,10 @@ pub struct ReportInput {
     pub verdict: Verdict,
     /// The checks behind the verdict, in order of importance.
     pub checks: Vec<Check>,
+    /// All runs beside each other.
+    pub compared: Vec<ComparedRun>,
+    /// What there is to say about them.
+    pub compared_notes: Vec<String>,
     /// Settings of the comparison: name, value with unit.
     pub settings: Vec<Setting>,
     /// Times of the first ground contact.
@@ -38,6 +43,8 @@ pub struct ReportInput {
     pub mbs_energy: Option<MbsEnergy>,
     /// Cost of the FE run.
     pub fe_run: Option<RunCost>,
+    /// Cost of the hybrid run.
+    pub hybrid_run: Option<RunCost>,
     /// Cost of the MBS run.
     pub mbs_run: Option<RunCost>,
     /// The generated model.
@@ -50,6 +57,31 @@ pub struct ReportInput {
     pub events: Vec<TimedEvent>,
     /// The 3D scene of both runs.
     pub scene: Option<Scene>,
+    /// Rigid and deforming parts over time.
+    pub partition: Option<PartitionView>,
+}
+
+/// One run in the table that compares all with FE; `None`: does not apply, such as the error of FE against itself.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ComparedRun {
+    /// Name of the run.
+    pub name: String,
+    /// Error e up to the first contact.
+    pub until_contact: Option<f64>,
+    /// Error e up to the end.
+    pub until_end: Option<f64>,
+    /// The same without points that become debris in the FE run.
+    pub without_debris: Option<f64>,
+    /// First ground contact \[s\].
+    pub first_contact_s: Option<f64>,
+    /// Processor time over all threads \[s\].
+    pub cpu_s: Option<f64>,
+    /// Processor time over that of FE.
+    pub cpu_share: Option<f64>,
+    /// Energy error of the run.
+    pub energy_error: Option<f64>,
+    /// Area of the debris footprint common with FE over that of the union.
+    pub footprint_overlap: Option<f64>,
 }
 
 /// Outcome of a check.
@@ -119,6 +151,10 @@ pub struct History {
     pub fe_m: Vec<[f64; 3]>,
     /// MBS displacement \[m\], as many as times.
     pub mbs_m: Vec<[f64; 3]>,
+    /// Displacement in the hybrid run \[m\], as many as times; empty: no such run.
+    pub hybrid_m: Vec<[f64; 3]>,
+    /// Time from which the point is free debris in the FE run \[s\].
+    pub debris_s: Option<f64>,
 }
 
 /// The relative displacement error over all tracked points,
@@ -129,6 +165,12 @@ pub struct ErrorMeasure {
     pub time_s: Vec<f64>,
     /// e(T) over all T, dimensionless, as many as times.
     pub e: Vec<f64>,
+    /// The same without points that become debris in the FE run; empty: there are none.
+    pub without_debris: Vec<f64>,
+    /// e(T) of the hybrid run; empty: no such run.
+    pub hybrid: Vec<f64>,
+    /// The same without points that become debris in the FE run; empty: there are none.
+    pub hybrid_without_debris: Vec<f64>,
     /// End of the first phase (first ground contact of either run) \[s\].
     pub contact_s: Option<f64>,
     /// e up to the first contact.

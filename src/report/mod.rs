@@ -1,4 +1,4 @@
-//! The HTML report: how far the generated multibody model (MBS) can be trusted against the FE run.
+//! The HTML report: how far the generated multibody model (MBS), and a run with rigid parts (hybrid), can be trusted against the FE run.
 //!
 //! One self-contained page: verdict, plots (inline SVG), tables and a 3D view of both collapses side
 //! by side. Opening it loads nothing from elsewhere. The caller fills a [`ReportInput`]; this module knows no
@@ -12,6 +12,7 @@
 //! | `figure` | charts as an SVG file of their own |
 //! | `loglog` | a plot on logarithmic axes as an SVG file |
 //! | `scatter` | points of two quantities that should be equal, as an SVG file |
+//! | `partition` | pictures of rigid and deforming parts, and their share over time |
 //! | `plots` | which charts a report has |
 //! | `page` | tables and figures for the template |
 //! | `codec`, `scene` | the packed data of the 3D view |
@@ -25,12 +26,14 @@ pub mod interaction;
 pub mod loglog;
 mod number;
 mod page;
+pub mod partition;
 mod plots;
 pub mod scatter;
 mod scene;
 pub mod scene_input;
 
 pub use input::*;
+pub use partition::{Facet, FacetKind, Moment, PartitionView, Picture};
 pub use scene_input::*;
 
 /// Why a report could not be made.

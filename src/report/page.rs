@@ -3,9 +3,9 @@
 use super::ReportError;
 use super::chart::seconds;
 use super::codec::base64;
-use super::input::{HingeSite, History, ReportInput, RunCost, Severity, Status};
+use super::input::{ComparedRun, HingeSite, History, ReportInput, RunCost, Severity, Status};
 use super::number::{MISSING, count, duration, fixed, significant};
-use super::{plots, scene};
+use super::{partition, plots, scene};
 use minijinja::{AutoEscape, Environment, syntax::SyntaxConfig};
 use serde::Serialize;
 use serde_json::json;
@@ -42,6 +42,10 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
             "label": c.label, "value": c.value, "limit": c.limit, "status": word(c.status), "explanation": c.explanation,
         })).collect::<Vec<_>>(),
         "figures": figures(input),
+        "compared": input.compared.iter().map(compared).collect::<Vec<_>>(),
+        "compared_notes": input.compared_notes,
+        "partition": input.partition.as_ref().map(|p| partition::section(p, &input.first_contact)).transpose()?,
+        "has_hybrid": input.histories.iter().any(|h| !h.hybrid_m.is_empty()),
         "scene": packed.as_ref().map(|p| json!({
             "head": script_json(&p.head), "data": base64(&p.bytes), "groups": p.groups,
             "step": p.step_m.map(|s| format!("{} mm", significant(1e3 * s, 2))),
@@ -52,6 +56,7 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "sites": input.hinge_sites.iter().map(site).collect::<Vec<_>>(),
         "agreement": agreement(&input.hinge_sites),
         "energy": json!({ "fe": energy.fe, "mbs": energy.mbs, "residuals": energy.residuals }),
+        "run_columns": run_columns(input),
         "runs": runs(input),
         "model": model(input),
         "curves": input.curves.iter().map(plots::curve_chart).collect::<Vec<_>>(),
@@ -194,6 +199,8 @@ struct Point {
     mbs_max: String,
     until_contact: String,
     overall: String,
+    hybrid: Option<[String; 2]>,
+    debris: Option<String>,
     when: String,
     relative: String,
     charts: [String; 3],
@@ -207,14 +214,20 @@ fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, R
     for history in histories {
         let charts = plots::history_charts(history)?;
         let largest = |u: &[[f64; 3]]| u.iter().map(norm).filter(|x| x.is_finite()).fold(f64::NAN, f64::max);
-        let deviation = |until: f64| {
-            let rows = history.time_s.iter().zip(history.fe_m.iter().zip(&history.mbs_m));
+        let deviation_of = |other: &[[f64; 3]], until: f64| {
+            let rows = history.time_s.iter().zip(history.fe_m.iter().zip(other));
             rows.filter(|(t, _)| **t <= until)
                 .map(|(t, (a, b))| (*t, norm(&std::array::from_fn(|i| a[i] - b[i]))))
                 .filter(|x| x.1.is_finite())
                 .fold((f64::NAN, f64::NAN), |best, x| if best.1 >= x.1 { best } else { x })
         };
+        let deviation = |until: f64| deviation_of(&history.mbs_m, until);
         let overall = deviation(f64::INFINITY);
+        let contact = |deviation: f64| contact_s.map_or(MISSING.into(), |_| significant(deviation, 3));
+        let hybrid = (!history.hybrid_m.is_empty()).then(|| {
+            let until = |t: f64| deviation_of(&history.hybrid_m, t).1;
+            [contact(until(contact_s.unwrap_or(f64::INFINITY))), significant(until(f64::INFINITY), 3)]
+        });
         if overall.1 > worst.1 {
             worst = (out.len(), overall.1);
         }
@@ -223,8 +236,10 @@ fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, R
             name: history.point.clone(),
             fe_max: significant(fe_max, 3),
             mbs_max: significant(largest(&history.mbs_m), 3),
-            until_contact: contact_s.map_or(MISSING.into(), |t| significant(deviation(t).1, 3)),
+            until_contact: contact(deviation(contact_s.unwrap_or(f64::INFINITY)).1),
             overall: significant(overall.1, 3),
+            hybrid,
+            debris: history.debris_s.map(seconds),
             when: fixed(overall.0, 2),
             relative: if fe_max > 0.0 {
                 format!("{} %", significant(100.0 * overall.1 / fe_max, 2))
@@ -306,32 +321,62 @@ fn site(s: &HingeSite) -> serde_json::Value {
     })
 }
 
-/// The run time table: label, FE, MBS, FE over MBS.
-fn runs(input: &ReportInput) -> Vec<(&'static str, String, String, String)> {
-    let (fe, mbs) = (input.fe_run.clone().unwrap_or_default(), input.mbs_run.clone().unwrap_or_default());
+/// A row of the table that compares all runs.
+fn compared(run: &ComparedRun) -> [String; 9] {
+    let percent = |share: Option<f64>, digits| {
+        share.map_or(MISSING.into(), |s| format!("{} %", significant(100.0 * s, digits)))
+    };
+    [
+        run.name.clone(),
+        optional(run.until_contact, 2),
+        optional(run.until_end, 2),
+        optional(run.without_debris, 2),
+        run.first_contact_s.map_or("none".into(), |t| fixed(t, 3)),
+        run.cpu_s.map_or(MISSING.into(), duration),
+        percent(run.cpu_share, 2),
+        percent(run.energy_error, 2),
+        percent(run.footprint_overlap, 2),
+    ]
+}
+
+/// Head of the run time table.
+fn run_columns(input: &ReportInput) -> Vec<&'static str> {
+    let hybrid = input.hybrid_run.is_some().then_some("hybrid");
+    ["", "FE"].into_iter().chain(hybrid).chain(["MBS", "FE over MBS"]).collect()
+}
+
+/// The run time table: label, FE, hybrid if there was such a run, MBS, FE over MBS.
+fn runs(input: &ReportInput) -> Vec<Vec<String>> {
     if input.fe_run.is_none() && input.mbs_run.is_none() {
         return Vec::new();
     }
+    let (fe, mbs) = (input.fe_run.clone().unwrap_or_default(), input.mbs_run.clone().unwrap_or_default());
+    let hybrid = input.hybrid_run.as_ref();
     let ratio = |a: Option<f64>, b: Option<f64>| {
         let r = a.zip(b).map(|(a, b)| a / b).filter(|r| r.is_finite());
         r.map_or(MISSING.into(), |r| format!("{} ×", significant(r, 2)))
     };
-    let time = |label, a: Option<f64>, b: Option<f64>| {
-        let text = |t: Option<f64>| t.map_or(MISSING.into(), duration);
-        (label, text(a), text(b), ratio(a, b))
+    let row = |label: &str, texts: [String; 2], between: Option<String>, ratio: String| {
+        let [a, b] = texts;
+        [label.to_string(), a].into_iter().chain(between).chain([b, ratio]).collect::<Vec<String>>()
     };
-    let number = |label, a: Option<u64>, b: Option<u64>| {
-        let text = |n: Option<u64>| n.map_or(MISSING.into(), count);
-        (label, text(a), text(b), ratio(a.map(|n| n as f64), b.map(|n| n as f64)))
+    let time = |label, of: fn(&RunCost) -> Option<f64>| {
+        let text = |run: &RunCost| of(run).map_or(MISSING.into(), duration);
+        row(label, [text(&fe), text(&mbs)], hybrid.map(text), ratio(of(&fe), of(&mbs)))
+    };
+    let number = |label, of: fn(&RunCost) -> Option<u64>| {
+        let text = |run: &RunCost| of(run).map_or(MISSING.into(), count);
+        let wide = |run: &RunCost| of(run).map(|n| n as f64);
+        row(label, [text(&fe), text(&mbs)], hybrid.map(text), ratio(wide(&fe), wide(&mbs)))
     };
     vec![
-        time("CPU time", fe.cpu_s, mbs.cpu_s),
-        time("Wall time", fe.wall_s, mbs.wall_s),
-        number("Threads", fe.threads, mbs.threads),
-        number("Steps", fe.steps, mbs.steps),
-        time("Mean step", fe.step_s, mbs.step_s),
-        number("Elements / bodies", fe.parts, mbs.parts),
-        number("Degrees of freedom", fe.dofs, mbs.dofs),
+        time("CPU time", |r| r.cpu_s),
+        time("Wall time", |r| r.wall_s),
+        number("Threads", |r| r.threads),
+        number("Steps", |r| r.steps),
+        time("Mean step", |r| r.step_s),
+        number("Elements / bodies", |r| r.parts),
+        number("Degrees of freedom", |r| r.dofs),
     ]
 }
 

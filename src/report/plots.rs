@@ -2,14 +2,14 @@
 
 use super::ReportError;
 use super::chart::{Chart, Mark, Series, Size, seconds};
-use super::input::{CurveFamily, FirstContact, History, ReportInput};
+use super::input::{CurveFamily, ErrorMeasure, FirstContact, History, ReportInput};
 use super::number::{fixed, prefixed, significant};
 
 fn time_axis() -> (String, String) {
     ("time".into(), "s".into())
 }
 
-fn contact_marks(contact: &FirstContact) -> Vec<Mark> {
+pub(super) fn contact_marks(contact: &FirstContact) -> Vec<Mark> {
     let mark = |t: Option<f64>, name: &str, class| {
         t.filter(|t| t.is_finite()).map(|x| Mark {
             x,
@@ -21,7 +21,7 @@ fn contact_marks(contact: &FirstContact) -> Vec<Mark> {
 }
 
 /// Checks that times are finite and increase, and that a list is as long as they are.
-fn check(what: &str, time_s: &[f64], lengths: &[usize]) -> Result<(), ReportError> {
+pub(super) fn check(what: &str, time_s: &[f64], lengths: &[usize]) -> Result<(), ReportError> {
     if !time_s.iter().all(|t| t.is_finite()) || time_s.windows(2).any(|w| w[1] <= w[0]) {
         return Err(ReportError::Times { what: what.into() });
     }
@@ -34,7 +34,15 @@ fn check(what: &str, time_s: &[f64], lengths: &[usize]) -> Result<(), ReportErro
 /// The chart of e(T).
 pub fn error_chart(input: &ReportInput) -> Result<Option<String>, ReportError> {
     let Some(error) = &input.error else { return Ok(None) };
-    check("error measure", &error.time_s, &[error.e.len()])?;
+    let lines = [
+        ("MBS against FE", "mbs", &error.e),
+        ("MBS without points that become debris", "mbs faint", &error.without_debris),
+        ("hybrid against FE", "hybrid", &error.hybrid),
+        ("hybrid without points that become debris", "hybrid faint", &error.hybrid_without_debris),
+    ];
+    let given: Vec<_> = lines.into_iter().enumerate().filter(|(i, l)| *i == 0 || !l.2.is_empty()).collect();
+    let lengths: Vec<usize> = given.iter().map(|(_, l)| l.2.len()).collect();
+    check("error measure", &error.time_s, &lengths)?;
     let end = error.time_s.last().copied().unwrap_or(0.0);
     let contact = error.contact_s.filter(|t| t.is_finite());
     let mut limits = Vec::new();
@@ -50,24 +58,50 @@ pub fn error_chart(input: &ReportInput) -> Result<Option<String>, ReportError> {
         limits.push((from, end, limit, format!("limit up to the end {}", significant(limit, 2))));
     }
     limits.retain(|l| l.2.is_finite());
+    let top = error_top(error, contact.unwrap_or(end), &limits);
+    let largest = given.iter().map(|(_, l)| largest_of(l.2)).fold(0.0, f64::max);
+    let cut = if largest > top {
+        format!("; larger values at the start, up to {}, are not drawn", significant(largest, 2))
+    } else {
+        String::new()
+    };
+    let shown = |e: &[f64]| e.iter().map(|v| if *v <= top { *v } else { f64::NAN }).collect::<Vec<f64>>();
     let chart = Chart {
-        title: "Relative displacement error e(T) over all tracked points".into(),
+        title: format!("Relative displacement error e(T) over all tracked points{cut}"),
         x: ("T".into(), "s".into()),
         y: ("e".into(), "–".into()),
-        series: vec![Series {
-            label: "e(T), MBS against FE".into(),
-            class: "mbs".into(),
-            points: zip(&error.time_s, &error.e, 1.0),
-        }],
+        series: given
+            .iter()
+            .map(|(_, (label, class, e))| Series {
+                label: (*label).into(),
+                class: (*class).into(),
+                points: zip(&error.time_s, &shown(e), 1.0),
+            })
+            .collect(),
         marks: contact_marks(&input.first_contact),
         limits,
         shade: contact.map(|t| [t, end]),
         y_range: Some([0.0, 0.0]),
         is_time: true,
-        no_legend: true,
+        no_legend: given.len() == 1,
         ..Chart::default()
     };
     Ok(Some(chart.to_html()))
+}
+
+/// Largest error that is drawn: 1.5 times the largest from half the time to the first contact on, limits included. Before that FE has hardly moved: a
+/// relative error says little there, and would flatten all the rest.
+fn error_top(error: &ErrorMeasure, contact_s: f64, limits: &[(f64, f64, f64, String)]) -> f64 {
+    let late = error.time_s.partition_point(|t| *t < 0.5 * contact_s);
+    let curves = [&error.e, &error.without_debris, &error.hybrid, &error.hybrid_without_debris];
+    let tops = curves.map(|e| largest_of(e.get(late..).unwrap_or(&[])));
+    let limit = limits.iter().map(|l| l.2).fold(0.0, f64::max);
+    let top = 1.5 * tops.into_iter().fold(limit, f64::max);
+    if top > 0.0 { top } else { f64::INFINITY }
+}
+
+fn largest_of(values: &[f64]) -> f64 {
+    values.iter().copied().filter(|v| v.is_finite()).fold(0.0, f64::max)
 }
 
 fn zip(time_s: &[f64], values: &[f64], factor: f64) -> Vec<[f64; 2]> {
@@ -76,7 +110,13 @@ fn zip(time_s: &[f64], values: &[f64], factor: f64) -> Vec<[f64; 2]> {
 
 /// The three charts of a tracked point: x, y and z.
 pub fn history_charts(history: &History) -> Result<[String; 3], ReportError> {
-    let lengths = [history.fe_m.len(), history.mbs_m.len()];
+    let lines = [
+        ("FE", "fe", &history.fe_m),
+        ("hybrid", "hybrid", &history.hybrid_m),
+        ("MBS", "mbs", &history.mbs_m),
+    ];
+    let given: Vec<_> = lines.into_iter().filter(|l| l.0 != "hybrid" || !l.2.is_empty()).collect();
+    let lengths: Vec<usize> = given.iter().map(|l| l.2.len()).collect();
     check(&format!("history of {}", history.point), &history.time_s, &lengths)?;
     Ok([0, 1, 2].map(|axis| {
         let line = |label: &str, class: &str, values: &[[f64; 3]]| Series {
@@ -88,7 +128,7 @@ pub fn history_charts(history: &History) -> Result<[String; 3], ReportError> {
             title: ["x", "y", "z (vertical)"][axis].into(),
             x: time_axis(),
             y: (["u x", "u y", "u z"][axis].replace(' ', "\u{2009}"), "m".into()),
-            series: vec![line("FE", "fe", &history.fe_m), line("MBS", "mbs", &history.mbs_m)],
+            series: given.iter().map(|(label, class, values)| line(label, class, values)).collect(),
             is_time: true,
             size: Size::Third,
             no_legend: true,

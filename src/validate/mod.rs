@@ -1,6 +1,11 @@
-//! Error measures between an MBS run and an FE run of the same building, and their verdict.
+//! Error measures of an MBS run, and of a hybrid run, against an FE run of the same building, and the verdict.
 
+pub mod hybrid;
 pub mod measure;
+pub mod points;
+
+pub use hybrid::HybridValidation;
+pub use points::DebrisPoint;
 
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
@@ -8,7 +13,8 @@ use crate::fe::result::FeRun;
 use crate::mbs::Model;
 use crate::mbs::result::{EventKind, RunResult};
 use crate::study::{COLLAPSE_DROP_M, Facts};
-use measure::{Footprint, Sites, at, error_curve};
+use measure::{Footprint, Sites};
+use points::PointErrors;
 use serde::{Deserialize, Serialize};
 
 /// Version of `validation.json`.
@@ -27,6 +33,11 @@ pub const LIMIT_CONTACT_TIME: f64 = 0.05;
 pub const LIMIT_ENERGY: f64 = 0.02;
 /// Smallest ratio of FE to MBS processor time.
 pub const LIMIT_SPEED: f64 = 300.0;
+
+/// Largest error over the whole run of a hybrid run.
+pub const LIMIT_HYBRID: f64 = 0.05;
+/// Largest share of the FE run's processor time that a hybrid run may take.
+pub const LIMIT_HYBRID_TIME: f64 = 0.5;
 
 /// A figure for each run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -65,6 +76,10 @@ pub struct Validation {
     pub e_to_contact: f64,
     /// Error over the whole run.
     pub e_total: f64,
+    /// The same over the tracked points that are not in `debris`.
+    pub e_total_without_debris: f64,
+    /// Tracked points that become debris in the FE run. They count in all other errors.
+    pub debris: Vec<DebrisPoint>,
     /// Largest displacement of a tracked point \[m\].
     pub largest_displacement_m: Both<f64>,
     /// Largest distance between both runs' displacements of a tracked point \[m\].
@@ -91,10 +106,14 @@ pub struct Validation {
     pub speed_ratio: f64,
     /// `e(T)` at the output times.
     pub e_curve: Vec<f64>,
+    /// `e(T)` over the tracked points that are not in `debris`.
+    pub e_curve_without_debris: Vec<f64>,
     /// Output times \[s\].
     pub times_s: Vec<f64>,
     /// Member ends.
     pub sites: Vec<SiteComparison>,
+    /// The hybrid run against FE, if there was one.
+    pub hybrid: Option<HybridValidation>,
 }
 
 impl Validation {
@@ -107,28 +126,19 @@ impl Validation {
         mbs: &RunResult,
         mbs_wall_s: f64,
     ) -> Self {
-        let times = fe.times_s.len().min(mbs.times_s.len());
-        let pairs: Vec<(&measure::Displacement, &measure::Displacement)> = fe
-            .tracked
-            .iter()
-            .filter_map(|f| {
-                let m = mbs.tracked.iter().find(|m| m.id == f.id)?;
-                Some((&m.displacement_m[..times], &f.displacement_m[..times]))
-            })
-            .collect();
-        let times_s = fe.times_s[..times].to_vec();
-        let e_curve = error_curve(&times_s, &pairs);
-        let contact = facts.first_contact_s.unwrap_or(f64::INFINITY);
+        let history = |id: &str| mbs.tracked.iter().find(|m| m.id == id).map(|m| &m.displacement_m[..]);
+        let errors = PointErrors::of(fe, mbs.times_s.len(), history);
+        let pairs = &errors.pairs;
         let sites = compare_sites(facts, model, mbs);
-        let fell = |u: &[[f64; 3]]| u.iter().any(|u| -u[2] > COLLAPSE_DROP_M);
-        let fe_end = fe.energies.last().copied().unwrap_or_default();
         let e = &mbs.energies;
         let last = |v: &[f64]| v.last().copied().unwrap_or(0.0);
         Self {
             schema: VALIDATION_SCHEMA,
             building: building.name.clone(),
-            e_to_contact: at(&times_s, &e_curve, contact).unwrap_or(0.0),
-            e_total: last(&e_curve),
+            e_to_contact: errors.until(facts.first_contact_s),
+            e_total: errors.until(None),
+            e_total_without_debris: last(&errors.curve_without_debris),
+            debris: points::debris(fe),
             largest_displacement_m: Both {
                 fe: largest(pairs.iter().flat_map(|(_, fe)| fe.iter().copied())),
                 mbs: largest(pairs.iter().flat_map(|(mbs, _)| mbs.iter().copied())),
@@ -144,18 +154,18 @@ impl Validation {
             collapsed: Both { fe: facts.collapsed, mbs: mbs.tracked.iter().any(|t| fell(&t.displacement_m)) },
             energy_error: Both { fe: fe.summary.energy_error, mbs: mbs.energy_error },
             dissipated_j: Both {
-                fe: fe_end.internal_j + fe_end.hourglass_j + fe_end.viscous_j
-                    - fe_end.contact_j
-                    - fe_end.friction_j,
+                fe: fe_dissipated_j(fe),
                 mbs: last(&e.plastic_j) + last(&e.contact_damping_j) + last(&e.friction_j),
             },
             footprint_overlap: fe_footprint(fe).overlap(&mbs_footprint(model, mbs)),
             cpu_s: Both { fe: fe.summary.elapsed.cpu_s, mbs: mbs.cpu_s },
             wall_s: Both { fe: fe.summary.elapsed.wall_s, mbs: mbs_wall_s },
             speed_ratio: fe.summary.elapsed.cpu_s / mbs.cpu_s.max(1e-9),
-            e_curve,
-            times_s,
+            e_curve: errors.curve,
+            e_curve_without_debris: errors.curve_without_debris,
+            times_s: errors.times_s,
             sites,
+            hybrid: None,
         }
     }
 
@@ -203,6 +213,17 @@ fn missed_column_ends(building: &Building, facts: &Facts, sites: &[SiteCompariso
         .filter(|(_, site)| site.fe_zone && site.plastic_rotation_rad <= ACTIVE_ROTATION_RAD)
         .map(|(_, site)| site.id.clone())
         .collect()
+}
+
+/// Whether a point falls far enough to count as collapsed.
+fn fell(displacement_m: &measure::Displacement) -> bool {
+    displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M)
+}
+
+/// Energy that an FE run has dissipated by its end, elastic energy included \[J\].
+fn fe_dissipated_j(run: &FeRun) -> f64 {
+    let end = run.energies.last().copied().unwrap_or_default();
+    end.internal_j + end.hourglass_j + end.viscous_j - end.contact_j - end.friction_j
 }
 
 /// Member ends of both runs.

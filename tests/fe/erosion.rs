@@ -5,6 +5,7 @@ use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::{Death, Dynamics};
 use fallwerk::fe::erosion::{Fate, STRAIN_CHECK_STEPS, free_nodes, mean_gradient, principal_strain};
 use fallwerk::fe::mesh::Mesh;
+use fallwerk::fe::probe::Probe;
 use fallwerk::fe::split::follow;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -69,6 +70,32 @@ fn torn_at_the_principal_strain() {
             }
         }
     }
+}
+
+/// A tracked point is debris once no element holds its node, or too little of its member is left.
+#[test]
+fn a_point_whose_elements_have_failed_is_debris() {
+    let mut weak = bilinear(30e9, 0.0, 2500.0, 1e15, 0.0);
+    weak.erosion.principal_strain = 0.01;
+    let mut mesh = grid([2, 1, 1], [2.0, 1.0, 1.0], bilinear(30e9, 0.0, 2500.0, 1e15, 0.0), |_| false);
+    mesh.laws.push(weak);
+    mesh.elements[1].law = 1;
+    mesh.elements.sort_by_key(|e| e.law);
+    let mut body = free_body(&mesh);
+    for n in 0..mesh.nodes.len() {
+        let speed = 4.0 * (mesh.nodes[n][0] - 1.0).max(0.0);
+        body.prescribed_m_s[n] = [Some(speed), None, None];
+    }
+    let at = |point: [f64; 3], whole: bool| Probe::new(&mesh, "p", 0, point, whole).unwrap();
+    let probes =
+        [at([2.0, 1.0, 1.0], false), at([1.0, 1.0, 1.0], false), at([0.0; 3], false), at([1.0; 3], true)];
+    let found = |body: &Dynamics| probes.each_ref().map(|p| p.is_debris(&mesh, &body.blocks));
+    assert_eq!(found(&body), [false; 4]);
+    while body.time_s < 0.01 {
+        body.step(false);
+    }
+    assert_eq!(body.failure.table.eroded(), 1);
+    assert_eq!(found(&body), [true, false, false, false], "the other element holds what it has nodes at");
 }
 
 /// The share of the first step at which an element has collapsed is a setting.

@@ -1,5 +1,6 @@
 //! From a building to model, runs and report: the commands `generate-mbs`, `fe` and `explain`, and the parts they are made of.
 
+mod all_three;
 mod commands;
 mod fe_options;
 mod fe_refused;

@@ -3,7 +3,7 @@
 use fallwerk::cli::verdict::{checks, verdict};
 use fallwerk::report::Status;
 use fallwerk::validate::measure::Sites;
-use fallwerk::validate::{Both, LIMIT_SPEED, VALIDATION_SCHEMA, Validation};
+use fallwerk::validate::{Both, HybridValidation, LIMIT_SPEED, VALIDATION_SCHEMA, Validation};
 
 fn good() -> Validation {
     Validation {
@@ -11,6 +11,8 @@ fn good() -> Validation {
         building: "frame".into(),
         e_to_contact: 0.05,
         e_total: 0.3,
+        e_total_without_debris: 0.2,
+        debris: Vec::new(),
         largest_displacement_m: Both { fe: 4.0, mbs: 4.1 },
         largest_difference_m: 0.2,
         first_contact_s: Both { fe: Some(1.0), mbs: Some(1.02) },
@@ -24,8 +26,57 @@ fn good() -> Validation {
         wall_s: Both { fe: 40.0, mbs: 0.02 },
         speed_ratio: 2000.0,
         e_curve: Vec::new(),
+        e_curve_without_debris: Vec::new(),
         times_s: Vec::new(),
         sites: Vec::new(),
+        hybrid: None,
+    }
+}
+
+fn good_hybrid() -> HybridValidation {
+    HybridValidation {
+        e_to_contact: 0.01,
+        e_total: 0.04,
+        e_total_without_debris: 0.03,
+        debris: Vec::new(),
+        first_contact_s: Some(1.0),
+        collapsed: true,
+        energy_error: 1e-4,
+        dissipated_j: 1e6,
+        footprint_overlap: 0.98,
+        cpu_s: 18.0,
+        wall_s: 18.0,
+        cpu_share: 0.45,
+        mean_rigid_share: 0.8,
+        skipped_share: 0.7,
+        switched_j: -5e3,
+        switches: 400,
+        e_curve: Vec::new(),
+        e_curve_without_debris: Vec::new(),
+        rigid_share: Vec::new(),
+    }
+}
+
+#[test]
+fn a_hybrid_run_has_checks_of_its_own_that_decide_nothing() {
+    let with = |hybrid| Validation { hybrid: Some(hybrid), ..good() };
+    let fine = with(good_hybrid());
+    assert_eq!(checks(&fine).len(), checks(&good()).len() + 3);
+    assert!(fine.agrees() && failed(&fine).is_empty());
+    type Breach = (&'static str, fn(&mut HybridValidation));
+    let breaches: [Breach; 3] = [
+        ("Hybrid: displacement error", |h| h.e_total = 0.08),
+        ("Hybrid: processor time", |h| h.cpu_share = 0.6),
+        ("Energy error of the hybrid run", |h| h.energy_error = 0.1),
+    ];
+    for (label, breach) in breaches {
+        let mut hybrid = good_hybrid();
+        breach(&mut hybrid);
+        let v = with(hybrid);
+        let found = failed(&v);
+        assert!(found.len() == 1 && found[0].starts_with(label), "{found:?}");
+        assert!(v.agrees(), "the MBS is what agrees");
+        assert_eq!(verdict(&v).headline, verdict(&good()).headline);
     }
 }
 

@@ -155,6 +155,8 @@ fn histories() -> Vec<History> {
         point: name.into(),
         fe_m: time_s.iter().map(|&t| u(p, tilt(t))).collect(),
         mbs_m: time_s.iter().map(|&t| u(p, tilt(0.97 * t))).collect(),
+        hybrid_m: time_s.iter().map(|&t| u(p, tilt(0.99 * t))).collect(),
+        debris_s: name.starts_with("S2").then_some(1.7),
         time_s: time_s.clone(),
     };
     points.iter().map(line).collect()
@@ -284,6 +286,7 @@ fn tables(input: &mut ReportInput) {
         threads: Some(threads),
     };
     input.fe_run = Some(run(612.0, 321.0, 61_728, 4.05e-5, 2330, 10_500, 2));
+    input.hybrid_run = Some(run(301.0, 160.0, 61_728, 4.05e-5, 2330, 10_500, 2));
     input.mbs_run = Some(run(0.84, 0.86, 5_000, 5e-4, 13, 78, 1));
     input.model.bodies = solids()
         .iter()
@@ -339,6 +342,58 @@ fn tables(input: &mut ReportInput) {
         .into();
 }
 
+fn compared() -> Vec<ComparedRun> {
+    let run = |name: &str, e: Option<f64>, contact_s, cpu_s: f64| ComparedRun {
+        name: name.into(),
+        until_contact: e,
+        until_end: e.map(|e| 3.0 * e),
+        without_debris: e.map(|e| 2.5 * e),
+        first_contact_s: Some(contact_s),
+        cpu_s: Some(cpu_s),
+        cpu_share: e.map(|_| cpu_s / 612.0),
+        energy_error: Some(0.0004),
+        footprint_overlap: e.map(|_| 0.93),
+    };
+    vec![
+        run("FE", None, 1.62, 612.0),
+        run("hybrid", Some(0.0123), 1.624, 301.0),
+        run("MBS", Some(0.0413), 1.668, 0.84),
+    ]
+}
+
+/// The solids as boxes at some times: columns deform.
+fn partition() -> PartitionView {
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let facets = |t: f64| {
+        let of = |s: &Solid| {
+            let corner = |k: usize| {
+                let b = [s.2.min, s.2.max];
+                moved(std::array::from_fn(|i| b[k >> i & 1][i]), tilt(t))
+            };
+            let kind = if s.1 == "column" { FacetKind::Deforming } else { FacetKind::Rigid };
+            faces.map(|f| Facet { corners_m: f.map(corner), kind })
+        };
+        solids().iter().flat_map(of).collect::<Vec<Facet>>()
+    };
+    let moment = |(label, time_s): (&str, f64)| {
+        let picture = |run: &str| Picture {
+            run: run.into(),
+            words: "all columns deform".into(),
+            facets: facets(time_s),
+            dots_m: vec![[0.0, 5.0, 3.25]],
+        };
+        Moment { label: label.into(), time_s, pictures: ["FE", "hybrid", "MBS"].map(picture).into() }
+    };
+    PartitionView {
+        time_s: vec![0.0, 1.0, 2.0],
+        fe_share: vec![1.0, 0.99, 0.95],
+        fe_never_share: vec![1.0, 0.98, 0.93],
+        hybrid_share: vec![0.0, 0.8, 0.5],
+        ground_level_m: Some(0.0),
+        moments: [("before the first contact", 0.8), ("at the end", END_S)].map(moment).into(),
+    }
+}
+
 /// A full report; `size` is the mesh size \[m\].
 pub fn report(size: f64, frames: usize) -> ReportInput {
     let time_s: Vec<f64> = (0..=250).map(|i| 0.01 * f64::from(i)).collect();
@@ -355,8 +410,14 @@ pub fn report(size: f64, frames: usize) -> ReportInput {
         },
         first_contact: FirstContact { fe_s: Some(1.62), mbs_s: Some(1.668) },
         histories: histories(),
+        compared: compared(),
+        compared_notes: vec!["S2, corner rear right is debris from 1.700 s.".into()],
+        partition: Some(partition()),
         error: Some(ErrorMeasure {
             e: time_s.iter().map(|&t| e(t)).collect(),
+            without_debris: time_s.iter().map(|&t| 0.9 * e(t)).collect(),
+            hybrid: time_s.iter().map(|&t| 0.3 * e(t) + if t < 0.1 { 0.8 } else { 0.0 }).collect(),
+            hybrid_without_debris: time_s.iter().map(|&t| 0.2 * e(t)).collect(),
             time_s,
             contact_s: Some(1.62),
             until_contact: Some(0.0413),

@@ -122,6 +122,11 @@ fn names_from_outside_stay_text() {
     input.histories[0].point = text();
     input.hinge_sites[0].member_end = text();
     input.events[0] = TimedEvent { time_s: 0.0, run: text(), what: text() };
+    input.compared[0].name = text();
+    input.compared_notes = vec![text()];
+    let moment = &mut input.partition.as_mut().unwrap().moments[0];
+    moment.label = text();
+    (moment.pictures[0].run, moment.pictures[0].words) = (text(), text());
     input.notes = [Severity::Note, Severity::Warning].map(|severity| Note { severity, text: text() }).into();
     input.curves[0].id = text();
     input.curves[0].description = text();
@@ -159,6 +164,39 @@ fn the_page_shows_the_given_figures() {
     ] {
         assert!(page.contains(text), "{text}");
     }
+}
+
+#[test]
+fn the_page_shows_all_runs() {
+    let page = render(&collapse::report(0.8, 5)).unwrap();
+    for text in [
+        "The runs against FE",
+        "0.012",
+        "49 %",
+        "debris from 1.700 s",
+        "hybrid against FE",
+        "hybrid without points that become debris",
+        "larger values at the start, up to 0.81, are not drawn",
+        "before the first contact, t = 0.800 s",
+        "Rigid share of the elements",
+        "max |Δu| hybrid",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert_eq!(page.matches("<figure class=\"picture\">").count(), 6, "three runs at two times");
+    assert_eq!(
+        page.matches("class=\"line hybrid\" data-label=\"hybrid\"").count(),
+        12,
+        "four points, three axes"
+    );
+    let mut input = collapse::report(0.8, 5);
+    (input.compared, input.partition, input.hybrid_run) = Default::default();
+    input.histories.iter_mut().for_each(|h| h.hybrid_m.clear());
+    let error = input.error.as_mut().unwrap();
+    (error.hybrid, error.without_debris, error.hybrid_without_debris) = Default::default();
+    let page = render(&input).unwrap();
+    let body = &page[page.find("<body>").unwrap()..page.find("id=\"scene-head\"").unwrap()];
+    assert!(!body.contains("hybrid"), "a report of two runs does not speak of a third");
 }
 
 #[test]

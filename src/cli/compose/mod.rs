@@ -2,8 +2,10 @@
 //!
 //! The report knows no solver and no building model; here its plain data are filled.
 
+pub mod compared;
 mod events;
 mod model;
+mod partition;
 mod scene;
 
 pub use model::entry_words;
@@ -28,7 +30,9 @@ pub struct Pieces<'a> {
     pub generated: &'a Generated,
     /// The FE run.
     pub fe: &'a FeRun,
-    /// Its facts.
+    /// The FE run with rigid parts, if there was one.
+    pub hybrid: Option<&'a FeRun>,
+    /// The facts of the FE run.
     pub facts: &'a Facts,
     /// The MBS run; its `cpu_s` is what the report shows.
     pub mbs: &'a RunResult,
@@ -41,44 +45,58 @@ pub struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
-    /// Number of output times that both runs have.
+    /// Number of output times that all runs have.
     fn outputs(&self) -> usize {
-        self.fe.times_s.len().min(self.mbs.times_s.len())
+        let hybrid = self.hybrid.map_or(usize::MAX, |run| run.times_s.len());
+        self.fe.times_s.len().min(self.mbs.times_s.len()).min(hybrid)
     }
 }
 
 /// The input of the report.
 pub fn report_input(p: &Pieces) -> ReportInput {
     let v = p.validation;
+    let sites = hinge_sites(p);
+    // The second line of the error is drawn where there is debris only: elsewhere it is the first.
+    let without_debris = |curve: &Vec<f64>| if v.debris.is_empty() { Vec::new() } else { curve.clone() };
     ReportInput {
-        title: "MBS against FE".into(),
+        title: if p.hybrid.is_some() { "FE, hybrid and MBS" } else { "MBS against FE" }.into(),
         building_name: p.building.name.clone(),
         building_description: p.building.description.clone(),
         program_version: format!("fallwerk {}", env!("CARGO_PKG_VERSION")),
         verdict: verdict::verdict(v),
         checks: verdict::checks(v),
+        compared: compared::runs(v),
+        compared_notes: compared::notes(v),
         settings: settings(p),
         first_contact: FirstContact { fe_s: v.first_contact_s.fe, mbs_s: v.first_contact_s.mbs },
         histories: histories(p),
         error: Some(ErrorMeasure {
             time_s: v.times_s.clone(),
             e: v.e_curve.clone(),
+            without_debris: without_debris(&v.e_curve_without_debris),
+            hybrid: v.hybrid.as_ref().map_or(Vec::new(), |h| h.e_curve.clone()),
+            hybrid_without_debris: v
+                .hybrid
+                .as_ref()
+                .map_or(Vec::new(), |h| without_debris(&h.e_curve_without_debris)),
             contact_s: v.first_contact_s.fe,
             until_contact: Some(v.e_to_contact),
             until_end: Some(v.e_total),
             limit_until_contact: Some(LIMIT_TO_CONTACT),
             limit_until_end: None,
         }),
-        hinge_sites: hinge_sites(p),
         fe_energy: Some(fe_energy(p.fe)),
         mbs_energy: Some(mbs_energy(p.mbs)),
-        fe_run: Some(fe_cost(p)),
+        fe_run: Some(fe_cost(p.fe, p.threads)),
+        hybrid_run: p.hybrid.map(|run| fe_cost(run, p.threads)),
         mbs_run: Some(mbs_cost(p)),
         model: model::summary(p.generated),
         curves: model::curves(p.generated),
         notes: notes(p),
         events: events::events(p),
         scene: Some(scene::scene(p)),
+        partition: Some(partition::partition(p, &sites)),
+        hinge_sites: sites,
     }
 }
 
@@ -102,6 +120,10 @@ fn settings(p: &Pieces) -> Vec<Setting> {
 
 fn histories(p: &Pieces) -> Vec<History> {
     let n = p.outputs();
+    let hybrid = |id: &str| {
+        let point = p.hybrid?.tracked.iter().find(|h| h.id == id)?;
+        Some(point.displacement_m[..n].to_vec())
+    };
     let pair = |f: &crate::fe::result::History| {
         let m = p.mbs.tracked.iter().find(|m| m.id == f.id)?;
         Some(History {
@@ -109,6 +131,8 @@ fn histories(p: &Pieces) -> Vec<History> {
             time_s: p.fe.times_s[..n].to_vec(),
             fe_m: f.displacement_m[..n].to_vec(),
             mbs_m: m.displacement_m[..n].to_vec(),
+            hybrid_m: hybrid(&f.id).unwrap_or_default(),
+            debris_s: f.debris_s,
         })
     };
     p.fe.tracked.iter().filter_map(pair).collect()
@@ -179,16 +203,16 @@ fn mean_step_s(times_s: &[f64], steps: u64) -> Option<f64> {
     times_s.last().map(|end| end / steps.max(1) as f64)
 }
 
-fn fe_cost(p: &Pieces) -> RunCost {
-    let s = &p.fe.summary;
+fn fe_cost(run: &FeRun, threads: usize) -> RunCost {
+    let s = &run.summary;
     RunCost {
-        cpu_s: Some(p.validation.cpu_s.fe),
-        wall_s: Some(p.validation.wall_s.fe),
+        cpu_s: Some(s.elapsed.cpu_s),
+        wall_s: Some(s.elapsed.wall_s),
         steps: Some(s.steps),
-        step_s: mean_step_s(&p.fe.times_s, s.steps),
+        step_s: mean_step_s(&run.times_s, s.steps),
         parts: Some(s.elements as u64),
-        dofs: Some(3 * (s.nodes - p.fe.mesh.fixed.len()) as u64),
-        threads: Some(p.threads as u64),
+        dofs: Some(3 * (s.nodes - run.mesh.fixed.len()) as u64),
+        threads: Some(threads as u64),
     }
 }
 
@@ -215,11 +239,6 @@ fn notes(p: &Pieces) -> Vec<Note> {
         let rest = if more > 0 { format!(" ({more} more of the run under Notes)") } else { String::new() };
         notes.push(warning(&format!("MBS run: {first}{rest}")));
     }
-    notes.push(note(
-        "FE: contact between parts of the structure is not computed yet; nodes are tested against ground and obstacles. \
-         What falls on other parts passes through them."
-            .into(),
-    ));
     if let Some(text) = snapped(p.fe) {
         notes.push(note(text));
     }

@@ -3,11 +3,11 @@
 use super::Pieces;
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
-use crate::fe::result::KeptFrame;
+use crate::fe::result::{FeRun, KeptFrame};
 use crate::mbs::model::Body;
 use crate::report::{
-    BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneObstacle,
-    ScenePart, faces_of_hexes,
+    BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneFace,
+    SceneObstacle, ScenePart, faces_of_hexes,
 };
 
 /// Colour group of a member; the same word in both views.
@@ -39,26 +39,41 @@ pub fn scene(p: &Pieces) -> Scene {
     }
 }
 
-/// FE frames at times that both runs reached.
-fn kept<'a>(p: &'a Pieces) -> impl Iterator<Item = &'a KeptFrame> {
+/// FE frames at times that all runs reached.
+pub(super) fn kept<'a>(p: &'a Pieces) -> impl Iterator<Item = &'a KeptFrame> {
     p.fe.frames.iter().filter(|f| f.output < p.outputs())
+}
+
+/// The elements of an FE run with their ends, and the faces that are visible at some time.
+pub(super) struct Skin {
+    pub(super) elements: Vec<SceneElement>,
+    pub(super) faces: Vec<SceneFace>,
+}
+
+impl Skin {
+    pub(super) fn of(run: &FeRun) -> Self {
+        let mesh = &run.mesh;
+        let mut elements: Vec<SceneElement> =
+            mesh.elements.iter().map(|e| SceneElement { part: e.part as u32, death_s: None }).collect();
+        for death in run.deaths.iter().filter(|d| d.cause != Death::Split) {
+            elements[death.element].death_s.get_or_insert(death.time_s);
+        }
+        let hexes: Vec<[u32; 8]> = mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect();
+        let faces = faces_of_hexes(&hexes, &elements);
+        Self { elements, faces }
+    }
 }
 
 fn fe_scene(p: &Pieces) -> FeScene {
     let mesh = &p.fe.mesh;
-    let mut elements: Vec<SceneElement> =
-        mesh.elements.iter().map(|e| SceneElement { part: e.part as u32, death_s: None }).collect();
-    for death in p.fe.deaths.iter().filter(|d| d.cause != Death::Split) {
-        elements[death.element].death_s.get_or_insert(death.time_s);
-    }
-    let hexes: Vec<[u32; 8]> = mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect();
+    let Skin { elements, faces } = Skin::of(p.fe);
     FeScene {
         parts: mesh
             .parts
             .iter()
             .map(|id| ScenePart { id: id.clone(), group: group(p.building, id) })
             .collect(),
-        faces: faces_of_hexes(&hexes, &elements),
+        faces,
         elements,
         frames_m: kept(p).map(|f| f.nodes_m.clone()).collect(),
         plastic_strain: PlasticStrain::Final(p.fe.plastic_strain.iter().map(|s| *s as f32).collect()),

@@ -1,0 +1,213 @@
+//! Rigid and deforming parts of the runs: shares over time, and pictures at some times.
+
+use super::Pieces;
+use super::scene::{Skin, kept};
+use crate::base::geom::Aabb;
+use crate::fe::result::{FeRun, KeptFrame};
+use crate::mbs::result::Frame;
+use crate::report::{Facet, FacetKind, HingeSite, Moment, PartitionView, Picture, SceneFace};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+/// Longest edge of a face in a picture \[m\]: smaller than the members, so that the depth of their centres orders them.
+const FACE_M: f64 = 0.5;
+
+/// Shares over the kept frames, and pictures before the first contact, at it, after it and at the end.
+pub fn partition(p: &Pieces, sites: &[HingeSite]) -> PartitionView {
+    let outputs: Vec<usize> = kept(p).map(|f| f.output).collect();
+    let fe = Deforming::of(p.fe);
+    let hybrid = p.hybrid.map(Deforming::of);
+    let shares = |run: &Deforming, share: &dyn Fn(&KeptFrame) -> f64| {
+        outputs.iter().filter_map(|o| run.frame(*o)).map(share).collect::<Vec<f64>>()
+    };
+    let moment = |(label, output): (&str, usize)| {
+        let mut pictures = vec![fe.picture(p, output)];
+        pictures.extend(hybrid.as_ref().map(|run| run.picture(p, output)));
+        pictures.push(mbs_picture(p, sites, output));
+        Moment { label: label.into(), time_s: p.fe.times_s[output], pictures }
+    };
+    PartitionView {
+        time_s: outputs.iter().map(|o| p.fe.times_s[*o]).collect(),
+        fe_share: shares(&fe, &|f| fe.rigid_share(f)),
+        fe_never_share: shares(&fe, &|f| fe.never_share(f)),
+        hybrid_share: hybrid.as_ref().map_or(Vec::new(), |run| shares(run, &|f| run.rigid_share(f))),
+        ground_level_m: Some(p.building.ground.level_m),
+        moments: moments(p, &outputs).into_iter().map(moment).collect(),
+    }
+}
+
+/// Which outputs are drawn, of those that were kept.
+fn moments(p: &Pieces, outputs: &[usize]) -> Vec<(&'static str, usize)> {
+    let at = |time_s: f64| outputs.iter().copied().find(|o| p.fe.times_s[*o] >= time_s - 1e-9);
+    let end_s = outputs.last().map_or(0.0, |o| p.fe.times_s[*o]);
+    let wanted = match p.facts.first_contact_s.filter(|t| *t < end_s) {
+        Some(t) => vec![
+            ("before the first contact", 0.5 * t),
+            ("at the first contact", t),
+            ("after the first contact", 0.5 * (t + end_s)),
+            ("at the end", end_s),
+        ],
+        None => vec![("under way", 0.5 * end_s), ("at the end", end_s)],
+    };
+    let mut moments: Vec<_> = wanted.into_iter().filter_map(|(label, t)| Some((label, at(t)?))).collect();
+    moments.dedup_by_key(|m| m.1);
+    moments
+}
+
+/// An FE run with what its pictures take.
+struct Deforming<'a> {
+    run: &'a FeRun,
+    skin: Skin,
+}
+
+impl<'a> Deforming<'a> {
+    fn of(run: &'a FeRun) -> Self {
+        Self { run, skin: Skin::of(run) }
+    }
+
+    fn frame(&self, output: usize) -> Option<&'a KeptFrame> {
+        self.run.frames.iter().find(|f| f.output == output)
+    }
+
+    /// Whether an element is there at a time \[s\].
+    fn acts(&self, element: usize, time_s: f64) -> bool {
+        self.skin.elements[element].death_s.is_none_or(|t| t > time_s)
+    }
+
+    /// Whether an element is rigid: in a run with rigid parts if it belongs to one, else if it strains no faster than the critical rate.
+    fn is_rigid(&self, frame: &KeptFrame, element: usize) -> bool {
+        if frame.rigid.is_empty() { !frame.fast[element] } else { frame.rigid[element] }
+    }
+
+    /// Whether an element has strained no faster than the critical rate until then.
+    fn never_deformed(&self, frame: &KeptFrame, element: usize) -> bool {
+        let first_s = self.run.strain_rates.first_s[element];
+        first_s.is_none_or(|t| t > self.run.times_s[frame.output])
+    }
+
+    /// Share of the acting elements that count.
+    fn share(&self, frame: &KeptFrame, counts: impl Fn(usize) -> bool) -> f64 {
+        let time_s = self.run.times_s[frame.output];
+        let acting: Vec<usize> = (0..self.skin.elements.len()).filter(|e| self.acts(*e, time_s)).collect();
+        acting.iter().filter(|e| counts(**e)).count() as f64 / acting.len().max(1) as f64
+    }
+
+    fn rigid_share(&self, frame: &KeptFrame) -> f64 {
+        self.share(frame, |e| self.is_rigid(frame, e))
+    }
+
+    fn never_share(&self, frame: &KeptFrame) -> f64 {
+        self.share(frame, |e| self.never_deformed(frame, e))
+    }
+
+    fn kind(&self, frame: &KeptFrame, element: usize) -> FacetKind {
+        match (self.is_rigid(frame, element), self.run.hybrid.is_some()) {
+            (false, _) => FacetKind::Deforming,
+            (true, false) if !self.never_deformed(frame, element) => FacetKind::Deformed,
+            _ => FacetKind::Rigid,
+        }
+    }
+
+    fn picture(&self, p: &Pieces, output: usize) -> Picture {
+        let Some(frame) = self.frame(output) else { return Picture::default() };
+        let time_s = self.run.times_s[output];
+        let at = |n: u32| frame.nodes_m[n as usize].map(f64::from);
+        let seen =
+            |f: &&SceneFace| f.birth_s.is_none_or(|t| t <= time_s) && self.acts(f.element as usize, time_s);
+        let facet =
+            |f: &SceneFace| Facet { corners_m: f.nodes.map(at), kind: self.kind(frame, f.element as usize) };
+        let share = 100.0 * self.rigid_share(frame);
+        let (name, words) = match &self.run.hybrid {
+            Some(record) => {
+                let sets = record.sets.get(output).copied().unwrap_or(0);
+                let parts = if sets == 1 { "part" } else { "parts" };
+                ("hybrid", format!("{share:.1} % in {sets} rigid {parts}"))
+            }
+            None => {
+                let never = 100.0 * self.never_share(frame);
+                let words = "below the critical strain rate";
+                ("FE", format!("{share:.1} % {words}, {never:.1} % since the start"))
+            }
+        };
+        Picture {
+            run: name.into(),
+            words,
+            facets: self.skin.faces.iter().filter(seen).map(facet).chain(obstacles(p)).collect(),
+            dots_m: Vec::new(),
+        }
+    }
+}
+
+fn obstacles(p: &Pieces) -> Vec<Facet> {
+    let solids = p.building.obstacles.iter().map(|o| o.solid);
+    solids.flat_map(|solid| box_facets(solid, FacetKind::Obstacle, |local| local)).collect()
+}
+
+/// The faces of a box in pieces of at most [`FACE_M`], at their place.
+fn box_facets(solid: Aabb, kind: FacetKind, place: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<Facet> {
+    let size = solid.size();
+    let count: [usize; 3] = size.map(|s| (s / FACE_M).ceil().max(1.0) as usize);
+    let mut facets = Vec::new();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let corner = |side: usize, i: usize, j: usize| {
+            let mut at = solid.min;
+            at[axis] += side as f64 * size[axis];
+            at[u] += i as f64 / count[u] as f64 * size[u];
+            at[v] += j as f64 / count[v] as f64 * size[v];
+            place(at)
+        };
+        for i in 0..count[u] {
+            for j in 0..count[v] {
+                let around = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+                let upper = around.map(|[i, j]| corner(1, i, j));
+                let mut lower = around.map(|[i, j]| corner(0, i, j));
+                lower.reverse();
+                facets.extend([lower, upper].map(|corners_m| Facet { corners_m, kind }));
+            }
+        }
+    }
+    facets
+}
+
+/// The bodies of the MBS, and its hinges that have yielded.
+fn mbs_picture(p: &Pieces, sites: &[HingeSite], output: usize) -> Picture {
+    let model = &p.generated.model;
+    let time_s = p.fe.times_s[output];
+    let (Some(first), Some(frame)) = (p.mbs.frames.first(), p.mbs.frames.get(output)) else {
+        return Picture::default();
+    };
+    let removed =
+        |id: &String| model.events.iter().any(|e| e.time_s <= time_s && e.remove_bodies.contains(id));
+    let mut facets = obstacles(p);
+    let bodies: Vec<usize> = (0..model.bodies.len()).filter(|b| !removed(&model.bodies[*b].id)).collect();
+    for body in &bodies {
+        for shape in &model.bodies[*body].shapes {
+            let [center, half] = shape.bounds();
+            let solid = Aabb::from_corners(
+                std::array::from_fn(|i| center[i] - half[i]),
+                std::array::from_fn(|i| center[i] + half[i]),
+            );
+            facets.extend(box_facets(solid, FacetKind::Rigid, |local| place(frame, *body, local)));
+        }
+    }
+    let carried = |site: &HingeSite| {
+        let body = model.bodies.iter().position(|b| Some(&b.id) == site.body.as_ref())?;
+        let back = turn(first, body).inverse()
+            * (Vector3::from(site.point_m) - Vector3::from(first.position_m[body]));
+        Some(place(frame, body, back.into()))
+    };
+    let yielded = sites.iter().filter(|s| s.mbs_yielded_s.is_some_and(|t| t <= time_s));
+    let dots_m: Vec<[f64; 3]> = yielded.filter_map(carried).collect();
+    let words = format!("{} bodies; {} hinges have yielded", bodies.len(), dots_m.len());
+    Picture { run: "MBS".into(), words, facets, dots_m }
+}
+
+fn turn(frame: &Frame, body: usize) -> UnitQuaternion<f64> {
+    let [w, x, y, z] = frame.orientation[body];
+    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
+}
+
+/// Where a point of a body is \[m\].
+fn place(frame: &Frame, body: usize, local_m: [f64; 3]) -> [f64; 3] {
+    (turn(frame, body) * Vector3::from(local_m) + Vector3::from(frame.position_m[body])).into()
+}
