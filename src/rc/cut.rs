@@ -26,7 +26,7 @@ pub struct EndModel {
     pub length_m: f64,
     /// Section size in the directions `axis + 1` and `axis + 2` \[m\].
     pub section_m: [f64; 2],
-    /// Its area \[m²\] and torsion constant \[m⁴\].
+    /// Its area (of a strip: as far as its elements are filled) \[m²\] and torsion constant \[m⁴\].
     pub area_m2: f64,
     /// See `area_m2`.
     pub torsion_m4: f64,

@@ -248,7 +248,7 @@ pub(super) fn push(
         }
         let separated = !body.deaths.is_empty() && is_separated(model, &body);
         if separated {
-            recorder.points.push([rotation, 0.0]);
+            recorder.points.push([rotation.max(recorder.from + 1e-6), 0.0]);
         }
         let failed = separated || recorder.failed();
         if failed || rotation >= LARGEST_ROTATION {
@@ -296,7 +296,11 @@ impl Default for Recorder {
 }
 
 impl Recorder {
+    /// Takes in a sample; one that falls back behind the last point (a section that has failed vibrates) is left out.
     fn add(&mut self, rotation: f64, moment: f64) {
+        if rotation < self.from {
+            return;
+        }
         self.sum[0] += rotation;
         self.sum[1] += moment;
         self.count += 1.0;

@@ -41,7 +41,8 @@ pub fn derive_strip(
     let sample = &model.mesh.elements[model.section_elements[0]];
     let law = &model.mesh.laws[sample.law];
     let table = HardeningTable::new(&law.hardening);
-    let scale = sample.smear * sample.strength;
+    // the area of a strip is what is filled of its elements
+    let scale = sample.strength;
     let squash = scale * table.at(0.0).0 * model.area_m2;
     // rotation about `axis + 1` moves the far side along `axis + 2`
     let bending = usize::from(model.axis == 1);
@@ -61,7 +62,7 @@ pub fn derive_strip(
     let poles: Vec<f64> = pushes.iter().filter_map(|p| p.0.pole_m).collect();
     let hinge_offset_m = median(poles).clamp(0.0, POLE_LIMIT_DEPTHS * depth);
     let rupture = law.erosion.plastic_strain.min(law.erosion.principal_strain);
-    let shear_modulus = 0.5 * law.youngs_modulus_pa * sample.smear / (1.0 + law.poisson_ratio);
+    let shear_modulus = 0.5 * law.youngs_modulus_pa / (1.0 + law.poisson_ratio);
     Ok(StripCurves {
         hinge_offset_m,
         axial_stiffness_n_m: pushes[2].1,
@@ -137,7 +138,7 @@ impl EndModel {
         piece.fixed.sort_unstable();
         piece.fixed.dedup();
         let faces = section_faces(&piece, &section_elements, axis);
-        let area: f64 = faces.iter().map(|f| f.area()).sum();
+        let area: f64 = faces.iter().map(Face::area).sum();
         let point = |i: usize| faces.iter().map(|f| f.area() * f.center(i)).sum::<f64>() / area;
         let mut point_m: [f64; 3] = std::array::from_fn(point);
         point_m[axis] = place.at_m;
@@ -175,11 +176,14 @@ struct Face {
     part: usize,
     axis: usize,
     range: [[f64; 2]; 3],
+    /// Share of it that is filled: a beam narrower than its elements.
+    filled: f64,
 }
 
 impl Face {
     fn area(&self) -> f64 {
-        (0..3).filter(|i| *i != self.axis).map(|i| self.range[i][1] - self.range[i][0]).product()
+        let sides = (0..3).filter(|i| *i != self.axis).map(|i| self.range[i][1] - self.range[i][0]);
+        self.filled * sides.product::<f64>()
     }
 
     fn center(&self, i: usize) -> f64 {
@@ -194,7 +198,7 @@ fn section_faces(mesh: &Mesh, elements: &[usize], axis: usize) -> Vec<Face> {
             let values = nodes.iter().map(|n| mesh.nodes[*n][i]);
             [values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max)]
         });
-        Face { part: mesh.elements[*e].part, axis, range }
+        Face { part: mesh.elements[*e].part, axis, range, filled: mesh.elements[*e].smear }
     };
     elements.iter().map(face).collect()
 }

@@ -113,16 +113,16 @@ pub const CATALOGUE: &[Feature] = &[
     ),
     flag("end.clamped", &[MemberEnd], "the end is held by a support"),
     number(
-        "end.demand_ratio",
-        "1",
-        &[MemberEnd],
-        "elastic moment after the removal over moment capacity at the dead-load axial force",
-    ),
-    number(
         "end.column_demand_ratio",
         "1",
         &[MemberEnd],
         "of a beam end: the largest demand ratio of the column ends at its joint",
+    ),
+    number(
+        "end.demand_ratio",
+        "1",
+        &[MemberEnd],
+        "elastic moment after the removal over moment capacity at the dead-load axial force",
     ),
     names(
         "end.position",

@@ -5,7 +5,7 @@ use fallwerk::building::partition::Partition;
 use fallwerk::building::{Building, EXAMPLE, parse};
 use fallwerk::generate::{Derive, GenerateError, Generated, generate};
 use fallwerk::library::Store;
-use fallwerk::rules::{RuleBase, Source};
+use fallwerk::rules::RuleBase;
 use std::path::Path;
 
 fn reference(change: impl Fn(String) -> String) -> Building {
@@ -67,53 +67,6 @@ fn every_part_names_members_rules_and_entries() {
     {
         assert!(generated.trace.iter().any(|r| r.part == *part && !r.words.is_empty()), "{part}");
     }
-}
-
-fn folding() -> Building {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("buildings/folding-floor.toml");
-    parse(&std::fs::read_to_string(path).unwrap(), Format::Toml, "folding-floor").expect("a sound building")
-}
-
-/// Pieces of a floor move as one until a line gives way; the lines of the beam ends carry their names, and what stands on a floor stands on the piece below it.
-#[test]
-fn floors_may_fold_where_beams_yield_before_columns() {
-    let model = generated(&folding()).expect("the library holds all entries").model;
-    let line = |id: &str| model.bushings.iter().find(|b| b.id == id).unwrap_or_else(|| panic!("{id}"));
-    let start = line("B1-A1-B1.start");
-    let section: Vec<&str> =
-        model.bushings.iter().filter(|b| b.latent == start.latent).map(|b| b.id.as_str()).collect();
-    assert!(start.latent.is_some() && section.contains(&"B1-A2-B2.start"), "{section:?}");
-    let (held, bent) = (start.body_a.as_deref().unwrap(), &start.body_b);
-    assert_eq!(line("C2-A1.bottom").body_a.as_deref(), Some(held));
-    assert_ne!(held, bent);
-    // pieces have the mass of the floor
-    let of =
-        |floor: &str| model.bodies.iter().filter(|b| b.id.starts_with(floor)).map(|b| b.mass_kg).sum::<f64>();
-    let building = folding();
-    let volumes = Partition::of(&building).volumes(building.members.len());
-    let floor = building.members.iter().zip(&volumes).filter(|(m, _)| m.storey == Some(1));
-    let floor = floor.filter(|(m, _)| m.id.starts_with('B') || m.id.starts_with('S'));
-    let mass: f64 = floor.map(|(_, v)| 2500.0 * v).sum();
-    assert!((of("S1") / mass - 1.0).abs() < 1e-9, "{} {mass}", of("S1"));
-    model.check().expect("a sound model");
-}
-
-/// Without a rule for them the floors are one body each, as in the seed paper.
-#[test]
-fn without_lines_floors_are_one_body() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules/seed");
-    let read = |name: &str| std::fs::read_to_string(root.join(name)).unwrap();
-    let hinges = read("hinges.toml");
-    let begin = hinges.find("[[rule]]\nid = \"seed/floor-may-fold\"").unwrap();
-    let end = begin + 2 + hinges[begin + 2..].find("[[rule]]").unwrap();
-    let without = format!("{}{}", &hinges[..begin], &hinges[end..]);
-    let source = |name: &str, text: String| Source { name: name.into(), text };
-    let others = ["bodies.toml", "springs.toml"].map(|n| source(n, read(n)));
-    let sources = others.into_iter().chain([source("hinges.toml", without)]);
-    let rules = RuleBase::from_sources(sources.collect()).unwrap();
-    let (_, mut store, _cache) = knowledge();
-    let model = generate(&folding(), &rules, &mut store, Derive::Never, &|_| {}).unwrap().model;
-    assert!(model.bushings.iter().all(|b| b.latent.is_none()) && model.bodies.iter().any(|b| b.id == "S1"));
 }
 
 #[test]

@@ -273,7 +273,7 @@ const BOND: f64 = 2000.0;
 
 /// A chimney of blocks that topples over its edge; joints bear `BOND + N SIDE / 2`.
 fn chimney(spin: f64) -> Model {
-    let mut m = model("chimney", 2.0, 1e-3);
+    let mut m = model("chimney", 5.0, 1e-3);
     let most = 1e5;
     let level = |axial_force_n: f64| {
         let peak = BOND + 0.5 * SIDE * axial_force_n;
