@@ -3,7 +3,8 @@
 use super::Failure;
 use super::verdict::seconds;
 use crate::fe::result::{FeRun, History};
-use crate::validate::measure::{at, error_curve};
+use crate::validate::measure::at;
+use crate::validate::points::PointErrors;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -48,29 +49,25 @@ impl Against {
         if !run.times_s[..times].iter().zip(&reference.times_s).all(same) {
             return Err(bad("its outputs are at other times".into()));
         }
-        let (mut pairs, mut whole) = (Vec::new(), Vec::new());
         for point in &run.tracked {
             let of = reference.tracked.iter().find(|p| p.id == point.id);
             let of = of.ok_or_else(|| bad(format!("it has no tracked point `{}`", point.id)))?;
             if of.displacement_m.len() < times {
                 return Err(bad(format!("the history of `{}` is too short", point.id)));
             }
-            let pair = (&point.displacement_m[..times], &of.displacement_m[..times]);
-            pairs.push(pair);
-            if of.debris_s.is_none() {
-                whole.push(pair);
-            }
         }
-        let last = |curve: &[f64]| curve.last().copied().unwrap_or(0.0);
-        let curve = error_curve(&run.times_s[..times], &pairs);
+        let history = |id: &str| run.tracked.iter().find(|p| p.id == id).map(|p| &p.displacement_m[..]);
+        let errors = PointErrors::of(&reference.times_s, &reference.tracked, run.times_s.len(), history);
+        let compared = |p: &&History| p.debris_s.is_some() && history(&p.id).is_some();
+        let debris = reference.tracked.iter().filter(compared).count();
         let contact_s = [reference.summary.first_ground_contact_s, run.summary.first_ground_contact_s];
         Ok(Self {
-            to_contact: contact_s[0].and_then(|t| at(&run.times_s[..times], &curve, t)),
-            to_end: last(&curve),
-            without_debris: (pairs.len() - whole.len(), last(&error_curve(&run.times_s[..times], &whole))),
+            to_contact: contact_s[0].and_then(|t| at(&errors.times_s, &errors.curve, t)),
+            to_end: errors.until(None),
+            without_debris: (debris, errors.curve_without_debris.last().copied().unwrap_or(0.0)),
             contact_s,
             end_s: run.times_s[times - 1],
-            curve,
+            curve: errors.curve,
         })
     }
 

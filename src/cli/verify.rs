@@ -5,7 +5,6 @@ use super::verify_columns;
 use super::{Failure, Outcome, print, thread_pool};
 use crate::base::output::write_atomic;
 use crate::verify::{Case, Figure, Form, fe, manual, mbs, rc, select, suite};
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -176,11 +175,8 @@ fn list(cases: &[Case]) -> String {
     cases.iter().map(line).collect()
 }
 
-/// All cases side by side; on a terminal with a bar.
+/// All cases side by side, with a bar on a terminal and a line now and then in a pipe.
 fn run_cases(cases: &[Case]) -> Vec<Result<Vec<Figure>, suite::Failed>> {
-    if !std::io::stderr().is_terminal() {
-        return suite::run(cases, &|_| ());
-    }
     let progress = Progress::on_stderr();
     progress.stage("verify");
     let done = AtomicUsize::new(0);

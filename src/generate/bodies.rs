@@ -1,9 +1,10 @@
 //! Rigid bodies from sets of members.
 
 use super::floors::Piece;
+use crate::base::geom::Aabb;
 use crate::building::partition::merged;
 use crate::building::{Building, MemberKind};
-use crate::graph::Structure;
+use crate::graph::{MassProperties, Structure};
 use crate::mbs::model::{Body, Origin, Shape};
 
 /// The bodies of a model, and which of them a place belongs to.
@@ -57,26 +58,41 @@ impl Bodies {
     }
 }
 
-/// The body of some members: mass, centre, inertia from their own volumes, and contact boxes.
+/// The body of some members.
 pub fn body(building: &Building, structure: &Structure, members: &[usize], rules: Vec<String>) -> Body {
-    let mass = structure.mass_of(members);
-    let shapes = members
-        .iter()
-        .flat_map(|m| merged(structure.boxes(*m)))
-        .map(|solid| {
-            let center_m = std::array::from_fn(|i| solid.center()[i] - mass.center_m[i]);
-            Shape::cuboid(center_m, solid.size().map(|s| 0.5 * s))
-        })
-        .collect();
+    let own = |m: &usize| structure.boxes(*m).iter().map(|b| (*m, *b)).collect::<Vec<_>>();
+    let boxes: Vec<(usize, Aabb)> = members.iter().flat_map(own).collect();
+    of_boxes(building, structure, &boxes, name(building, members), rules)
+}
+
+/// The body of some boxes, given with their members, one member after the other: mass, centre, inertia from these volumes, and contact boxes.
+pub fn of_boxes(
+    building: &Building,
+    structure: &Structure,
+    boxes: &[(usize, Aabb)],
+    id: String,
+    rules: Vec<String>,
+) -> Body {
+    let mass = MassProperties::of_boxes(boxes.iter().map(|(m, b)| (b, structure.density_kg_m3(*m))));
+    let mut members: Vec<usize> = boxes.iter().map(|(m, _)| *m).collect();
+    members.dedup();
+    let merged_of = |m: &usize| {
+        let own: Vec<Aabb> = boxes.iter().filter(|(o, _)| o == m).map(|(_, b)| *b).collect();
+        merged(&own)
+    };
+    let shape = |solid: Aabb| {
+        let center_m = std::array::from_fn(|i| solid.center()[i] - mass.center_m[i]);
+        Shape::cuboid(center_m, solid.size().map(|s| 0.5 * s))
+    };
     Body {
-        id: name(building, members),
+        id,
         mass_kg: mass.mass_kg,
         inertia_kg_m2: mass.inertia_kg_m2,
         position_m: mass.center_m,
         orientation: [1.0, 0.0, 0.0, 0.0],
         velocity_m_s: [0.0; 3],
         angular_velocity_rad_s: [0.0; 3],
-        shapes,
+        shapes: members.iter().flat_map(merged_of).map(shape).collect(),
         origin: Origin {
             members: members.iter().map(|m| building.members[*m].id.clone()).collect(),
             rules,

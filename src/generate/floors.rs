@@ -5,16 +5,16 @@
 //! meet that far from the line: bodies of the size of a joint block would be so light beside the stiffness of their columns that steps had to be six times shorter.
 
 use super::GenerateError;
+use super::bodies::of_boxes;
 use super::decide::Decision;
-use super::joints::Place;
+use super::joints::{Place, axes};
 use crate::base::geom::Aabb;
 use crate::building::ends::MemberEnd;
-use crate::building::partition::merged;
 use crate::building::{Building, MemberKind};
-use crate::graph::{MassProperties, Structure};
+use crate::graph::Structure;
 use crate::library::Entry;
 use crate::library::derive_strip::WantedStrip;
-use crate::mbs::model::{Bending, Body, Bushing, Origin, Shape};
+use crate::mbs::model::{Bending, Body, Bushing, Origin};
 use crate::rc::StripPlace;
 use std::collections::BTreeSet;
 
@@ -203,33 +203,7 @@ impl Grid {
 impl Piece {
     /// Its body.
     pub fn body(&self, building: &Building, structure: &Structure, id: String, rules: Vec<String>) -> Body {
-        let dense = self.boxes.iter().map(|(m, b)| (b, structure.density_kg_m3(*m)));
-        let mass = MassProperties::of_boxes(dense);
-        let mut members: Vec<usize> = self.boxes.iter().map(|(m, _)| *m).collect();
-        members.dedup();
-        let shapes = members.iter().flat_map(|m| {
-            let own: Vec<Aabb> = self.boxes.iter().filter(|(o, _)| o == m).map(|(_, b)| *b).collect();
-            merged(&own)
-        });
-        let shapes = shapes.map(|solid| {
-            let center_m = std::array::from_fn(|i| solid.center()[i] - mass.center_m[i]);
-            Shape::cuboid(center_m, solid.size().map(|s| 0.5 * s))
-        });
-        Body {
-            id,
-            mass_kg: mass.mass_kg,
-            inertia_kg_m2: mass.inertia_kg_m2,
-            position_m: mass.center_m,
-            orientation: [1.0, 0.0, 0.0, 0.0],
-            velocity_m_s: [0.0; 3],
-            angular_velocity_rad_s: [0.0; 3],
-            shapes: shapes.collect(),
-            origin: Origin {
-                members: members.iter().map(|m| building.members[*m].id.clone()).collect(),
-                rules,
-                entries: Vec::new(),
-            },
-        }
+        of_boxes(building, structure, &self.boxes, id, rules)
     }
 
     /// Name of a piece: that of its floor, and its cell counted from one.
@@ -268,17 +242,12 @@ impl Line {
         let in_plane = 3.0 * law.youngs_modulus_pa * model.area_m2 * width * width / 12.0 / model.length_m;
         let folds = Bending::Curve { curve, strength_factor: 1.0 };
         let stiff = Bending::Elastic { stiffness_nm_rad: in_plane };
-        let unit = |i: usize, sign: f64| {
-            let mut e = [0.0; 3];
-            e[i] = sign;
-            e
-        };
         Ok(Bushing {
             id: self.id.clone(),
             body_a: Some(held),
             body_b: bent,
             point_m,
-            axes: [unit(axis, self.outward), unit((axis + 1) % 3, 1.0), unit((axis + 2) % 3, self.outward)],
+            axes: axes(axis, self.outward),
             axial_stiffness_n_m: stiffness.axial_n_m,
             shear_stiffness_n_m: stiffness.shear_n_m,
             torsional_stiffness_nm_rad: stiffness.torsion_nm_rad,

@@ -151,7 +151,7 @@ pub fn hinges(
             body_a: other.map(|o| place.bodies.list[o].id.clone()),
             body_b: place.bodies.list[own].id.clone(),
             point_m: hinge_point(end, hinge.offset_m),
-            axes: axes(end),
+            axes: axes(end.axis, end.outward),
             axial_stiffness_n_m: hinge.stiffness.axial_n_m,
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
@@ -178,15 +178,15 @@ fn hinge_point(end: &MemberEnd, offset_m: f64) -> [f64; 3] {
     point
 }
 
-/// Joint axes: axis 0 points from the other body into the member, so that a positive axial displacement is tension;
-/// axes 1 and 2 follow the section's directions, turned to stay right-handed.
-fn axes(end: &MemberEnd) -> [[f64; 3]; 3] {
+/// Joint axes of a member along `axis` that extends to larger coordinates (`outward` +1) or smaller ones: axis 0 points from the other body into the member, so that a positive axial
+/// displacement is tension; axes 1 and 2 follow the section's directions, turned to stay right-handed.
+pub fn axes(axis: usize, outward: f64) -> [[f64; 3]; 3] {
     let unit = |i: usize, sign: f64| {
         let mut e = [0.0; 3];
         e[i] = sign;
         e
     };
-    [unit(end.axis, end.outward), unit((end.axis + 1) % 3, 1.0), unit((end.axis + 2) % 3, end.outward)]
+    [unit(axis, outward), unit((axis + 1) % 3, 1.0), unit((axis + 2) % 3, outward)]
 }
 
 /// Whether an end stands on a supported face.

@@ -7,9 +7,9 @@ use super::entry::{
 use super::key::key_of;
 use super::thin::thinned;
 use crate::base::hash::ContentHash;
-use crate::building::Building;
 use crate::building::ends::{End, MemberEnd};
 use crate::building::partition::Partition;
+use crate::building::{Building, Homogenised, Section};
 use crate::curve::{CurveError, Envelope, ResistanceCurve};
 use crate::fe::mesh::Mesh;
 use crate::rc::pushover::Push;
@@ -59,48 +59,18 @@ impl Wanted {
         let section = building.sections[&member.section].clone();
         let law = building.law_of(member).clone();
         let strength = model.mesh.elements[model.section_elements[0]].strength;
-        let mut further = BTreeMap::new();
-        if strength != 1.0 {
-            further.insert("strength_factor".to_string(), strength);
-        }
-        let geometry = BTreeMap::from([
-            ("width_m".to_string(), micrometres(model.section_m[0])),
-            ("depth_m".to_string(), micrometres(model.section_m[1])),
-            ("length_m".to_string(), micrometres(model.length_m)),
-            ("elements".to_string(), model.mesh.elements.len() as f64),
-        ]);
-        let shape = ContentHash::of_value(&model.canonical_geometry()).ok()?;
-        let settings = BTreeMap::from([
-            ("geometry_hash".to_string(), shape.to_string().into()),
-            ("mesh_size_m".to_string(), building.settings.mesh_size_m.into()),
-            ("axial_shares".to_string(), crate::rc::pushover::AXIAL_SHARES.to_vec().into()),
-        ]);
+        let shares = &crate::rc::pushover::AXIAL_SHARES;
+        let (features, inputs) =
+            described(building, section, law, strength, &model, model.section_m, shares)?;
         let features = Features {
-            width_m: micrometres(model.section_m[0]),
-            depth_m: micrometres(model.section_m[1]),
-            length_to_inflection_m: Some(micrometres(model.length_m)),
             end: Some(match end.end {
                 End::Lower => ColumnEnd::Bottom,
                 End::Upper => ColumnEnd::Top,
             }),
             adjoining: Some(adjoining(building, partition, end)),
-            law: Some(LawFeatures::of(&section.law, &law)),
-            mesh_size_m: Some(building.settings.mesh_size_m),
-            rc: None,
-            further,
+            ..features
         };
-        Some(Self {
-            features,
-            inputs: Inputs {
-                section: Some(section),
-                law: Some(law),
-                geometry,
-                settings,
-                submodel_version: Some(SUBMODEL_VERSION),
-                ..Inputs::default()
-            },
-            model,
-        })
+        Some(Self { features, inputs, model })
     }
 
     /// The key that an entry computed from these inputs has.
@@ -139,8 +109,56 @@ impl Wanted {
     }
 }
 
+/// Features and inputs of an entry of the homogenised submodel, for the width and depth of its section and the axial forces of its pushes.
+pub(super) fn described(
+    building: &Building,
+    section: Section,
+    law: Homogenised,
+    strength: f64,
+    model: &EndModel,
+    [width_m, depth_m]: [f64; 2],
+    axial_shares: &[f64],
+) -> Option<(Features, Inputs)> {
+    let mut further = BTreeMap::new();
+    if strength != 1.0 {
+        further.insert("strength_factor".to_string(), strength);
+    }
+    let geometry = BTreeMap::from([
+        ("width_m".to_string(), micrometres(width_m)),
+        ("depth_m".to_string(), micrometres(depth_m)),
+        ("length_m".to_string(), micrometres(model.length_m)),
+        ("elements".to_string(), model.mesh.elements.len() as f64),
+    ]);
+    let shape = ContentHash::of_value(&model.canonical_geometry()).ok()?;
+    let settings = BTreeMap::from([
+        ("geometry_hash".to_string(), shape.to_string().into()),
+        ("mesh_size_m".to_string(), building.settings.mesh_size_m.into()),
+        ("axial_shares".to_string(), axial_shares.to_vec().into()),
+    ]);
+    let features = Features {
+        width_m: micrometres(width_m),
+        depth_m: micrometres(depth_m),
+        length_to_inflection_m: Some(micrometres(model.length_m)),
+        end: None,
+        adjoining: None,
+        law: Some(LawFeatures::of(&section.law, &law)),
+        mesh_size_m: Some(building.settings.mesh_size_m),
+        rc: None,
+        further,
+    };
+    let inputs = Inputs {
+        section: Some(section),
+        law: Some(law),
+        geometry,
+        settings,
+        submodel_version: Some(SUBMODEL_VERSION),
+        ..Inputs::default()
+    };
+    Some((features, inputs))
+}
+
 /// Rounds a length to micrometres, so that ends that differ by round-off share an entry \[m\].
-pub(super) fn micrometres(length_m: f64) -> f64 {
+fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e6).round() / 1e6
 }
 

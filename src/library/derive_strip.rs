@@ -1,9 +1,8 @@
 //! Entries for lines at which a floor may fold, computed by the submodel of a strip.
 
-use super::derive::{DeriveError, SUBMODEL_VERSION, envelope_levels, micrometres};
+use super::derive::{DeriveError, described, envelope_levels};
 use super::entry::{
-    AxisRecord, Computed, Entry, EntryKind, Features, Inputs, LawFeatures, Origin, Quality, Stiffness,
-    Validity,
+    AxisRecord, Computed, Entry, EntryKind, Features, Inputs, Origin, Quality, Stiffness, Validity,
 };
 use super::key::key_of;
 use crate::base::hash::ContentHash;
@@ -12,7 +11,6 @@ use crate::curve::{Envelope, ResistanceCurve};
 use crate::fe::mesh::Mesh;
 use crate::rc::strip::AXIAL_SHARES;
 use crate::rc::{EndModel, StripPlace, derive_strip};
-use std::collections::BTreeMap;
 
 /// A strip of a floor across a line, described so that an entry for it can be looked up or computed: a beam hinge if a beam crosses the line in it, else a slab's yield line.
 #[derive(Debug, Clone)]
@@ -42,46 +40,10 @@ impl WantedStrip {
         let member = &building.members[sample.part];
         let section = building.sections[&member.section].clone();
         let law = building.law_of(member).clone();
-        let mut further = BTreeMap::new();
-        if sample.strength != 1.0 {
-            further.insert("strength_factor".to_string(), sample.strength);
-        }
-        let (width, depth) = if place.axis == 0 {
-            (model.section_m[0], model.section_m[1])
-        } else {
-            (model.section_m[1], model.section_m[0])
-        };
-        let geometry = BTreeMap::from([
-            ("width_m".to_string(), micrometres(width)),
-            ("depth_m".to_string(), micrometres(depth)),
-            ("length_m".to_string(), micrometres(model.length_m)),
-            ("elements".to_string(), model.mesh.elements.len() as f64),
-        ]);
-        let shape = ContentHash::of_value(&model.canonical_geometry()).ok()?;
-        let settings = BTreeMap::from([
-            ("geometry_hash".to_string(), shape.to_string().into()),
-            ("mesh_size_m".to_string(), building.settings.mesh_size_m.into()),
-            ("axial_shares".to_string(), AXIAL_SHARES.to_vec().into()),
-        ]);
-        let features = Features {
-            width_m: micrometres(width),
-            depth_m: micrometres(depth),
-            length_to_inflection_m: Some(micrometres(model.length_m)),
-            end: None,
-            adjoining: None,
-            law: Some(LawFeatures::of(&section.law, &law)),
-            mesh_size_m: Some(building.settings.mesh_size_m),
-            rc: None,
-            further,
-        };
-        let inputs = Inputs {
-            section: Some(section),
-            law: Some(law),
-            geometry,
-            settings,
-            submodel_version: Some(SUBMODEL_VERSION),
-            ..Inputs::default()
-        };
+        let [first, second] = model.section_m;
+        let size = if place.axis == 0 { [first, second] } else { [second, first] };
+        let (features, inputs) =
+            described(building, section, law, sample.strength, &model, size, &AXIAL_SHARES)?;
         Some(Self { kind, features, inputs, model })
     }
 

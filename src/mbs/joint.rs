@@ -78,6 +78,7 @@ impl JointData {
         let ((point_a, frame_a), (point_b, frame_b)) = (local(a), local(b));
         let [s1, s2] = joint.shear_stiffness_n_m;
         let center_a = if a + 1 == bodies.len() { joint.point_m } else { bodies[a].x };
+        let towards_b = math::dot(joint.axes[0], math::sub(bodies[b].x, center_a));
         Self {
             a,
             b,
@@ -88,7 +89,7 @@ impl JointData {
             translation: [joint.axial_stiffness_n_m, s1, s2],
             rotation: [joint.torsional_stiffness_nm_rad, 0.0, 0.0],
             table: [NO_TABLE; 2],
-            outward: sense(joint, center_a, bodies[b].x),
+            outward: if towards_b < 0.0 { -1.0 } else { 1.0 },
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
             elongated: 0.0,
@@ -115,6 +116,12 @@ impl JointData {
     pub fn set_curve(&mut self, k: usize, table: u32, tables: &[CapacityTable]) {
         self.rotation[k + 1] = tables[table as usize].stiffness_nm_rad();
         self.table[k] = table;
+    }
+
+    /// Takes the joint away; returns the elastic energy that it had \[J\].
+    pub fn open(&mut self) -> f64 {
+        (self.alive, self.flowing) = (false, false);
+        std::mem::take(&mut self.elastic_j)
     }
 
     /// Whether tension has separated the joint.
@@ -297,11 +304,6 @@ impl JointData {
             }
         })
     }
-}
-
-/// 1 if axis 0 points from the first body's side to the second's, else -1.
-pub fn sense(joint: &Bushing, center_a: V3, center_b: V3) -> f64 {
-    if math::dot(joint.axes[0], math::sub(center_b, center_a)) < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// A joint in space.

@@ -6,10 +6,10 @@
 use super::joint::JointData;
 use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
-use super::model::{Bending, Body, Model};
+use super::model::{Bending, Body, Bushing, Model};
 use super::step::{InverseBlock, Moved};
 use crate::base::isa::Isa;
-use crate::curve::{CapacityTable, CurveError};
+use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
 use std::collections::BTreeMap;
 
 /// Moving state of a body.
@@ -117,6 +117,26 @@ impl System {
         let (gravity, isa) = (model.gravity_m_s2, Isa::best());
         let (moved, act) = (Moved::default(), Act::default());
         Ok(Self { gravity, bodies, data, joints, tables, isa, blocks, inverses, moved, act })
+    }
+
+    /// Sets the strength of the curves of a joint to a share of that which its bushing gives.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn set_strength(
+        &mut self,
+        joint: usize,
+        given: &Bushing,
+        share: f64,
+        curves: &BTreeMap<String, ResistanceCurve>,
+    ) -> Result<(), CurveError> {
+        for (k, bending) in given.bending.iter().enumerate() {
+            if let Bending::Curve { curve, strength_factor } = bending {
+                self.tables.push(CapacityTable::new(&curves[curve], strength_factor * share)?);
+                self.joints[joint].set_curve(k, (self.tables.len() - 1) as u32, &self.tables);
+            }
+        }
+        Ok(())
     }
 
     /// To be called when joints were changed, or joints or bodies taken away.

@@ -52,7 +52,7 @@ impl HybridValidation {
     /// Compares a run with rigid parts with the full FE run.
     pub fn of(fe: &FeRun, run: &FeRun) -> Self {
         let history = |id: &str| run.tracked.iter().find(|p| p.id == id).map(|p| &p.displacement_m[..]);
-        let errors = PointErrors::of(fe, run.times_s.len(), history);
+        let errors = PointErrors::of(&fe.times_s, &fe.tracked, run.times_s.len(), history);
         let record = run.hybrid.clone().unwrap_or_default();
         let elapsed = run.summary.elapsed;
         Self {

@@ -127,7 +127,7 @@ impl Validation {
         mbs_wall_s: f64,
     ) -> Self {
         let history = |id: &str| mbs.tracked.iter().find(|m| m.id == id).map(|m| &m.displacement_m[..]);
-        let errors = PointErrors::of(fe, mbs.times_s.len(), history);
+        let errors = PointErrors::of(&fe.times_s, &fe.tracked, mbs.times_s.len(), history);
         let pairs = &errors.pairs;
         let sites = compare_sites(facts, model, mbs);
         let e = &mbs.energies;

@@ -4,7 +4,7 @@
 //! about the slab. Such points stay in the error over all points, which is how the measure is defined; beside it stands the error without them.
 
 use super::measure::{Displacement, at, error_curve};
-use crate::fe::result::FeRun;
+use crate::fe::result::{FeRun, History};
 use serde::{Deserialize, Serialize};
 
 /// A tracked point whose elements fail in a run: from then on it is debris, or stays where the last of its member was.
@@ -18,8 +18,7 @@ pub struct DebrisPoint {
 
 /// The tracked points of a run that become debris.
 pub fn debris(run: &FeRun) -> Vec<DebrisPoint> {
-    let point =
-        |h: &crate::fe::result::History| h.debris_s.map(|from_s| DebrisPoint { point: h.id.clone(), from_s });
+    let point = |h: &History| h.debris_s.map(|from_s| DebrisPoint { point: h.id.clone(), from_s });
     run.tracked.iter().filter_map(point).collect()
 }
 
@@ -36,11 +35,16 @@ pub struct PointErrors<'a> {
 }
 
 impl<'a> PointErrors<'a> {
-    /// Compares the histories `of` a run with those of the FE run; `outputs` are the run's output times.
-    pub fn of(fe: &'a FeRun, outputs: usize, of: impl Fn(&str) -> Option<&'a Displacement>) -> Self {
-        let times = fe.times_s.len().min(outputs);
+    /// Compares the histories `of` a run, at `outputs` times, with those of an FE run at its times \[s\].
+    pub fn of(
+        fe_times_s: &[f64],
+        fe: &'a [History],
+        outputs: usize,
+        of: impl Fn(&str) -> Option<&'a Displacement>,
+    ) -> Self {
+        let times = fe_times_s.len().min(outputs);
         let (mut pairs, mut whole) = (Vec::new(), Vec::new());
-        for point in &fe.tracked {
+        for point in fe {
             let Some(history) = of(&point.id) else { continue };
             let pair = (&history[..times], &point.displacement_m[..times]);
             pairs.push(pair);
@@ -48,7 +52,7 @@ impl<'a> PointErrors<'a> {
                 whole.push(pair);
             }
         }
-        let times_s = fe.times_s[..times].to_vec();
+        let times_s = fe_times_s[..times].to_vec();
         let (curve, curve_without_debris) = (error_curve(&times_s, &pairs), error_curve(&times_s, &whole));
         Self { times_s, pairs, curve, curve_without_debris }
     }

@@ -110,6 +110,6 @@ fn points_that_become_debris_count_and_are_named() {
         (named.len(), named[0].point.as_str(), named[0].from_s),
         (1, fe.tracked[point].id.as_str(), 0.01)
     );
-    let errors = PointErrors::of(&fe, other.times_s.len(), |_| None);
+    let errors = PointErrors::of(&fe.times_s, &fe.tracked, other.times_s.len(), |_| None);
     assert_eq!((errors.until(None), errors.pairs.len()), (0.0, 0), "no point, no error");
 }

@@ -16,11 +16,11 @@ mod merge;
 pub use merge::{Merged, Place, merge};
 
 use super::contact::ContactSet;
-use super::joint::{self, JointData};
+use super::joint::JointData;
 use super::math::{self, V3};
-use super::model::{Bending, Bushing, Model};
+use super::model::{Bushing, Model};
 use super::system::System;
-use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
+use crate::curve::{CurveError, ResistanceCurve};
 use demand::Demand;
 use std::collections::BTreeMap;
 
@@ -79,36 +79,24 @@ impl Latent {
     /// If a curve cannot be compiled.
     pub fn new(file: &Model) -> Result<(Self, Option<Model>), CurveError> {
         let held: Vec<bool> = file.bushings.iter().map(|b| b.latent.is_some()).collect();
-        if !held.contains(&true) {
-            let alone = |body| Place { body, pose: None };
-            let latent = Self {
-                places: (0..file.bodies.len()).map(alone).collect(),
-                bushings: (0..held.len()).map(Some).collect(),
-                pieces: (0..file.bodies.len()).map(|i| vec![i]).collect(),
-                peak: vec![0.0; held.len()],
-                held,
-                sections: Vec::new(),
-                parted: false,
-                family: Vec::new(),
-                compounds: Vec::new(),
-                whole: None,
-                solids: Vec::new(),
-            };
-            return Ok((latent, None));
-        }
+        let is_any = held.contains(&true);
+        let (bodies, alone) = (0..file.bodies.len(), |body| Place { body, pose: None });
         let mut latent = Self {
-            places: Vec::new(),
-            bushings: Vec::new(),
-            pieces: Vec::new(),
+            places: bodies.clone().map(alone).collect(),
+            bushings: (0..held.len()).map(Some).collect(),
+            pieces: bodies.clone().map(|i| vec![i]).collect(),
             peak: vec![0.0; held.len()],
             held,
             sections: file.bushings.iter().map(|b| b.latent.clone()).collect(),
             parted: false,
-            family: Vec::new(),
+            family: bodies.collect(),
             compounds: Vec::new(),
-            whole: Some(System::new(file)?),
+            whole: is_any.then(|| System::new(file)).transpose()?,
             solids: Vec::new(),
         };
+        if !is_any {
+            return Ok((latent, None));
+        }
         let first = latent.rebuild(file);
         latent.family = latent.places.iter().map(|p| p.body).collect();
         Ok((latent, Some(first)))
@@ -190,13 +178,7 @@ impl Latent {
         curves: &BTreeMap<String, ResistanceCurve>,
     ) -> Result<(), CurveError> {
         if let Some(whole) = &mut self.whole {
-            let System { tables, joints, .. } = whole;
-            for (k, bending) in given.bending.iter().enumerate() {
-                if let Bending::Curve { curve, strength_factor } = bending {
-                    tables.push(CapacityTable::new(&curves[curve], strength_factor * share)?);
-                    joints[bushing].set_curve(k, (tables.len() - 1) as u32, tables);
-                }
-            }
+            whole.set_strength(bushing, given, share, curves)?;
         }
         Ok(())
     }
@@ -361,16 +343,17 @@ impl Latent {
             }
         }
         next.tables = system.tables.iter().cloned().chain(std::mem::take(&mut next.tables)).collect();
-        self.orient(file, &mut next);
+        self.orient(&mut next);
         next.pack();
         Ok((next, model))
     }
 
     /// Sets which sense of a bushing is tension: its own bodies decide, not those they are part of.
-    pub fn orient(&self, file: &Model, system: &mut System) {
-        for (b, running) in self.bushings.iter().enumerate() {
+    pub fn orient(&self, system: &mut System) {
+        let Some(whole) = &self.whole else { return };
+        for (own, running) in whole.joints.iter().zip(&self.bushings) {
             if let Some(running) = running {
-                system.joints[*running].outward = sense(file, &file.bushings[b]);
+                system.joints[*running].outward = own.outward;
             }
         }
     }
@@ -413,11 +396,6 @@ fn are_linked(links: &[(usize, usize)], ends: (usize, usize)) -> bool {
         next += 1;
     }
     reached.contains(&ends.1)
-}
-
-fn sense(file: &Model, bushing: &Bushing) -> f64 {
-    let center = |id: &str| file.bodies.iter().find(|b| b.id == id).map_or(bushing.point_m, |b| b.position_m);
-    joint::sense(bushing, bushing.body_a.as_deref().map_or(bushing.point_m, center), center(&bushing.body_b))
 }
 
 /// Gives a body of the next system the motion that one of its pieces has in the body that parts.

@@ -2,10 +2,8 @@
 
 use super::Run;
 use super::setup::connect;
-use crate::curve::CapacityTable;
 use crate::mbs::contact::Partner;
 use crate::mbs::error::SolveError;
-use crate::mbs::model::Bending;
 use crate::mbs::result::{EventKind, FractureCause, RunEvent};
 use crate::mbs::run::LARGEST_STEP_S;
 use crate::mbs::{math, step};
@@ -45,9 +43,7 @@ impl Run<'_> {
             let joint = &mut self.system.joints[i];
             let tension = joint.is_pulled_apart();
             if joint.alive && (joint.hinge.fractured || tension) {
-                joint.alive = false;
-                joint.flowing = false;
-                self.released += std::mem::take(&mut joint.elastic_j);
+                self.released += joint.open();
                 let cause =
                     if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
                 let kind = EventKind::Fracture { joint: self.model.bushings[i].id.clone(), cause };
@@ -125,31 +121,18 @@ impl Run<'_> {
         if let Some(joint) = self.latent.bushings[bushing].map(|i| &mut self.system.joints[i])
             && joint.alive
         {
-            (joint.alive, joint.flowing) = (false, false);
-            self.released += std::mem::take(&mut joint.elastic_j);
+            self.released += joint.open();
         }
     }
 
     /// Multiplies the capacities of the curves of a bushing of the file.
     pub(super) fn weaken(&mut self, bushing: usize, factor: f64) -> Result<(), SolveError> {
         self.strength[bushing] *= factor;
-        let Some(running) = self.latent.bushings[bushing] else {
-            let share = self.strength[bushing];
-            return Ok(self.latent.weaken(
-                &self.file.bushings[bushing],
-                bushing,
-                share,
-                &self.file.curves,
-            )?);
-        };
-        let tables = &mut self.system.tables;
-        let joint = &mut self.system.joints[running];
-        for (k, bending) in self.file.bushings[bushing].bending.iter().enumerate() {
-            if let Bending::Curve { curve, strength_factor } = bending {
-                let strength = strength_factor * self.strength[bushing];
-                tables.push(CapacityTable::new(&self.file.curves[curve], strength)?);
-                joint.set_curve(k, (tables.len() - 1) as u32, tables);
-            }
+        let (share, given, curves) =
+            (self.strength[bushing], &self.file.bushings[bushing], &self.file.curves);
+        match self.latent.bushings[bushing] {
+            None => self.latent.weaken(given, bushing, share, curves)?,
+            Some(running) => self.system.set_strength(running, given, share, curves)?,
         }
         Ok(())
     }
@@ -172,9 +155,7 @@ impl Run<'_> {
         let body = &mut self.system.bodies[i];
         (body.p, body.l, body.v, body.w, body.w_body) = ([0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
         for joint in self.system.joints.iter_mut().filter(|j| j.alive && (j.a == i || j.b == i)) {
-            joint.alive = false;
-            joint.flowing = false;
-            self.released += std::mem::take(&mut joint.elastic_j);
+            self.released += joint.open();
         }
     }
 

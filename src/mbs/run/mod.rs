@@ -142,7 +142,7 @@ impl<'a> Run<'a> {
         let (latent, merged) = Latent::new(file)?;
         let model = merged.map_or(Cow::Borrowed(file), Cow::Owned);
         let mut system = System::new(&model)?;
-        latent.orient(file, &mut system);
+        latent.orient(&mut system);
         let at = |id: &str| file.bodies.iter().position(|b| b.id == id).unwrap_or(0);
         let tracked = file.tracked.iter().map(|t| {
             let body = at(&t.body);
