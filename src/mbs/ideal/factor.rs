@@ -3,13 +3,24 @@
 //! Order and pattern are found once: at each step the joint with the fewest neighbours left is eliminated (minimum degree). `S` is positive
 //! semidefinite. A row that depends on those before it has a pivot that vanishes beside its own diagonal entry; it is given no force, which is one of the solutions of a
 //! consistent system.
+//!
+//! Blocks are stored by rows. A row of three numbers, the commonest, has room for a fourth, zero, so that it is one vector of four; what has to be multiplied by it
+//! is stored turned over.
 
+use crate::base::isa::{Isa, for_each_isa};
 use std::collections::BTreeSet;
 
 /// Most rows of a joint.
 const MOST: usize = 6;
+/// Right-hand sides that are solved at once: one vector of the processor.
+pub const SIDES: usize = 4;
 /// Pivot over the row's own diagonal entry below which a row depends on others.
 const DEPENDENT: f64 = 1e-10;
+
+/// Room of a row of a block with so many columns.
+pub const fn stride(columns: usize) -> usize {
+    if columns == 3 { 4 } else { columns }
+}
 
 /// One product `target -= w bᵀ` of the elimination.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,9 +50,10 @@ struct Column {
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockFactor {
     columns: Vec<Column>,
-    /// Values: blocks by rows, of the matrix and then of what the elimination left; and `W = B P`.
+    /// Values: blocks of the matrix and then of what the elimination left; `W = B P`; and blocks of three columns turned over.
     values: Vec<f64>,
     scaled: Vec<f64>,
+    turned: Vec<f64>,
     /// Diagonal of the matrix.
     diagonal: Vec<f64>,
     /// Place of the block of a pair of joints, by the joint with the larger place in the order first.
@@ -49,6 +61,7 @@ pub struct BlockFactor {
     /// Place of each joint in the order, and first unknown.
     order: Vec<u32>,
     first: Vec<u32>,
+    isa: Isa,
     /// Rows found dependent in the last factorisation.
     pub dependent: usize,
 }
@@ -70,7 +83,7 @@ impl BlockFactor {
         for (at, joint) in sequence.iter().enumerate() {
             let mut block = |other: usize| {
                 place.insert((other as u32, *joint as u32), length as u32);
-                length += rows[other] * rows[*joint];
+                length += rows[other] * stride(rows[*joint]);
             };
             block(*joint);
             fill[at].iter().for_each(|other| block(*other));
@@ -84,10 +97,13 @@ impl BlockFactor {
             columns,
             values: vec![0.0; length],
             scaled: vec![0.0; length],
+            turned: vec![0.0; length],
             diagonal: vec![0.0; next as usize],
             place,
             order,
             first,
+            // only blocks of three rows gain by wider vectors
+            isa: if rows.contains(&3) { Isa::best() } else { Isa::Portable },
             dependent: 0,
         }
     }
@@ -136,111 +152,171 @@ impl BlockFactor {
 
     /// Factorises what the values hold.
     pub fn factorise(&mut self) {
-        let Self { columns, values, scaled, diagonal, .. } = self;
-        self.dependent = 0;
+        let Self { columns, values, scaled, turned, diagonal, isa, .. } = self;
         for column in columns.iter() {
             let (first, n, at) = (column.first as usize, usize::from(column.size), column.diagonal as usize);
             for i in 0..n {
-                diagonal[first + i] = values[at + i * n + i];
+                diagonal[first + i] = values[at + i * stride(n) + i];
             }
         }
-        for column in columns.iter() {
-            let n = usize::from(column.size);
-            let at = column.diagonal as usize;
-            let first = column.first as usize;
-            let (block, start) = (&values[at..at + n * n], &diagonal[first..first + n]);
-            let (inverse, dependent) = match n {
-                1 => inverted::<1>(block, start),
-                2 => inverted::<2>(block, start),
-                3 => inverted::<3>(block, start),
-                4 => inverted::<4>(block, start),
-                5 => inverted::<5>(block, start),
-                _ => inverted::<6>(block, start),
-            };
-            self.dependent += dependent;
-            values[at..at + n * n].copy_from_slice(&inverse[..n * n]);
-            for (_, size, place) in &column.below {
-                let (m, place) = (usize::from(*size), *place as usize);
-                let (block, out) = (&values[place..place + m * n], &mut scaled[place..place + m * n]);
-                match (m, n) {
-                    (3, 3) => multiply::<3, 3>(block, &inverse, out),
-                    (2, 2) => multiply::<2, 2>(block, &inverse, out),
-                    (5, 5) => multiply::<5, 5>(block, &inverse, out),
-                    _ => multiply_any(block, &inverse, out, [m, n]),
-                }
-            }
-            for u in &column.updates {
-                let (t, w, b) = (u.target as usize, u.w as usize, u.b as usize);
-                match u.sizes {
-                    [3, 3, 3] => subtract::<3, 3, 3>(values, scaled, [t, w, b]),
-                    [2, 2, 2] => subtract::<2, 2, 2>(values, scaled, [t, w, b]),
-                    [5, 5, 5] => subtract::<5, 5, 5>(values, scaled, [t, w, b]),
-                    sizes => subtract_any(values, scaled, [t, w, b], sizes.map(usize::from)),
-                }
-            }
-        }
+        self.dependent = eliminate(*isa, columns, values, scaled, turned, diagonal);
+    }
+
+    /// The instruction set that it runs in.
+    pub fn isa(&self) -> Isa {
+        self.isa
     }
 
     /// Solves for one right-hand side, in place.
     pub fn solve(&self, x: &mut [f64]) {
-        for column in &self.columns {
-            match column.size {
-                1 => self.forward::<1>(column, x),
-                2 => self.forward::<2>(column, x),
-                3 => self.forward::<3>(column, x),
-                4 => self.forward::<4>(column, x),
-                5 => self.forward::<5>(column, x),
-                _ => self.forward::<6>(column, x),
-            }
-        }
-        for column in self.columns.iter().rev() {
-            match column.size {
-                1 => self.backward::<1>(column, x),
-                2 => self.backward::<2>(column, x),
-                3 => self.backward::<3>(column, x),
-                4 => self.backward::<4>(column, x),
-                5 => self.backward::<5>(column, x),
-                _ => self.backward::<6>(column, x),
-            }
-        }
+        // no vectors to be had: not worth the call into another instruction set
+        solve_any::<1>(&self.columns, &self.values, &self.scaled, x.as_chunks_mut().0);
     }
 
-    fn forward<const N: usize>(&self, column: &Column, x: &mut [f64]) {
-        let mut own = [0.0; N];
-        own.copy_from_slice(&x[column.first as usize..][..N]);
-        for (row, size, place) in &column.below {
-            let rows = &mut x[*row as usize..][..usize::from(*size)];
-            let w = &self.scaled[*place as usize..][..rows.len() * N];
-            for (x, w) in rows.iter_mut().zip(w.chunks_exact(N)) {
-                let mut sum = 0.0;
-                for k in 0..N {
-                    sum += w[k] * own[k];
+    /// Solves for several right-hand sides, in place.
+    pub fn solve_sides(&self, x: &mut [[f64; SIDES]]) {
+        solve_sides(self.isa, &self.columns, &self.values, &self.scaled, x);
+    }
+}
+
+for_each_isa! {
+    fn eliminate = eliminate_any(
+        columns: &[Column],
+        values: &mut [f64],
+        scaled: &mut [f64],
+        turned: &mut [f64],
+        diagonal: &[f64],
+    ) -> usize
+}
+
+for_each_isa! {
+    fn solve_sides = solve_any(columns: &[Column], values: &[f64], scaled: &[f64], x: &mut [[f64; SIDES]])
+}
+
+/// The elimination; the number of dependent rows.
+#[inline(always)]
+fn eliminate_any(
+    columns: &[Column],
+    values: &mut [f64],
+    scaled: &mut [f64],
+    turned: &mut [f64],
+    diagonal: &[f64],
+) -> usize {
+    let mut found = 0;
+    for column in columns {
+        let n = usize::from(column.size);
+        let (at, first) = (column.diagonal as usize, column.first as usize);
+        let (block, start) = (&values[at..at + n * stride(n)], &diagonal[first..first + n]);
+        let (inverse, dependent) = match n {
+            1 => inverted::<1>(block, start),
+            2 => inverted::<2>(block, start),
+            3 => inverted::<3>(block, start),
+            4 => inverted::<4>(block, start),
+            5 => inverted::<5>(block, start),
+            _ => inverted::<6>(block, start),
+        };
+        found += dependent;
+        values[at..at + n * stride(n)].copy_from_slice(&inverse[..n * stride(n)]);
+        for (_, size, place) in &column.below {
+            let (m, place) = (usize::from(*size), *place as usize);
+            let range = place..place + m * stride(n);
+            let (block, out) = (&values[range.clone()], &mut scaled[range]);
+            match (m, n) {
+                (3, 3) => multiply_3(block, &inverse, out, &mut turned[place..place + 12]),
+                (2, 2) => multiply::<2, 2>(block, &inverse, out),
+                (5, 5) => multiply::<5, 5>(block, &inverse, out),
+                _ => multiply_any(block, &inverse, out, [m, n]),
+            }
+        }
+        for u in &column.updates {
+            let (t, w, b) = (u.target as usize, u.w as usize, u.b as usize);
+            match u.sizes {
+                [3, 3, 3] => {
+                    subtract_3(&mut values[t..t + 12], &scaled[w..w + 12], &turned[b..b + 12]);
                 }
-                *x -= sum;
+                [2, 2, 2] => subtract::<2, 2, 2>(values, scaled, [t, w, b]),
+                [5, 5, 5] => subtract::<5, 5, 5>(values, scaled, [t, w, b]),
+                sizes => subtract_any(values, scaled, [t, w, b], sizes.map(usize::from)),
             }
         }
     }
+    found
+}
 
-    fn backward<const N: usize>(&self, column: &Column, x: &mut [f64]) {
-        let first = column.first as usize;
-        let inverse = &self.values[column.diagonal as usize..][..N * N];
-        let mut own = [0.0; N];
-        for i in 0..N {
+#[inline(always)]
+fn solve_any<const R: usize>(columns: &[Column], values: &[f64], scaled: &[f64], x: &mut [[f64; R]]) {
+    for column in columns {
+        match column.size {
+            1 => forward::<1, R>(column, scaled, x),
+            2 => forward::<2, R>(column, scaled, x),
+            3 => forward::<3, R>(column, scaled, x),
+            4 => forward::<4, R>(column, scaled, x),
+            5 => forward::<5, R>(column, scaled, x),
+            _ => forward::<6, R>(column, scaled, x),
+        }
+    }
+    for column in columns.iter().rev() {
+        match column.size {
+            1 => backward::<1, R>(column, values, scaled, x),
+            2 => backward::<2, R>(column, values, scaled, x),
+            3 => backward::<3, R>(column, values, scaled, x),
+            4 => backward::<4, R>(column, values, scaled, x),
+            5 => backward::<5, R>(column, values, scaled, x),
+            _ => backward::<6, R>(column, values, scaled, x),
+        }
+    }
+}
+
+#[inline(always)]
+fn forward<const N: usize, const R: usize>(column: &Column, scaled: &[f64], x: &mut [[f64; R]]) {
+    let mut own = [[0.0; R]; N];
+    own.copy_from_slice(&x[column.first as usize..][..N]);
+    for (row, size, place) in &column.below {
+        let rows = &mut x[*row as usize..][..usize::from(*size)];
+        let w = &scaled[*place as usize..][..rows.len() * stride(N)];
+        for (x, w) in rows.iter_mut().zip(w.chunks_exact(stride(N))) {
+            let mut sum = [0.0; R];
             for k in 0..N {
-                own[i] += inverse[i * N + k] * x[first + k];
+                for r in 0..R {
+                    sum[r] += w[k] * own[k][r];
+                }
+            }
+            for r in 0..R {
+                x[r] -= sum[r];
             }
         }
-        for (row, size, place) in &column.below {
-            let rows = &x[*row as usize..][..usize::from(*size)];
-            let w = &self.scaled[*place as usize..][..rows.len() * N];
-            for (force, w) in rows.iter().zip(w.chunks_exact(N)) {
-                for k in 0..N {
-                    own[k] -= w[k] * force;
+    }
+}
+
+#[inline(always)]
+fn backward<const N: usize, const R: usize>(
+    column: &Column,
+    values: &[f64],
+    scaled: &[f64],
+    x: &mut [[f64; R]],
+) {
+    let first = column.first as usize;
+    let inverse = &values[column.diagonal as usize..][..N * stride(N)];
+    let mut own = [[0.0; R]; N];
+    for i in 0..N {
+        for k in 0..N {
+            for r in 0..R {
+                own[i][r] += inverse[i * stride(N) + k] * x[first + k][r];
+            }
+        }
+    }
+    for (row, size, place) in &column.below {
+        let rows = &x[*row as usize..][..usize::from(*size)];
+        let w = &scaled[*place as usize..][..rows.len() * stride(N)];
+        for (force, w) in rows.iter().zip(w.chunks_exact(stride(N))) {
+            for k in 0..N {
+                for r in 0..R {
+                    own[k][r] -= w[k] * force[r];
                 }
             }
         }
-        x[first..first + N].copy_from_slice(&own);
     }
+    x[first..first + N].copy_from_slice(&own);
 }
 
 /// The order of elimination, and for each joint in it those that come later and are coupled with it then.
@@ -267,12 +343,13 @@ fn eliminated(count: usize, pairs: &BTreeSet<(usize, usize)>) -> (Vec<usize>, Ve
 }
 
 /// A generalised inverse of a positive semidefinite block, and the number of rows that depend on those before them.
+#[inline(always)]
 fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST], usize) {
-    let (block, start) = (&block[..N * N], &start[..N]);
+    let (block, start) = (&block[..N * stride(N)], &start[..N]);
     let (mut lower, mut pivots) = ([[0.0_f64; N]; N], [0.0_f64; N]);
     let mut dependent = 0;
     for j in 0..N {
-        let mut pivot = block[j * N + j];
+        let mut pivot = block[j * stride(N) + j];
         for k in 0..j {
             pivot -= lower[j][k] * lower[j][k] * pivots[k];
         }
@@ -281,7 +358,7 @@ fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST]
         // a row without a pivot has no force: its inverse is zero
         let scale = if free { 0.0 } else { 1.0 / pivot };
         for i in j + 1..N {
-            let mut rest = block[i * N + j];
+            let mut rest = block[i * stride(N) + j];
             for k in 0..j {
                 rest -= lower[i][k] * lower[j][k] * pivots[k];
             }
@@ -305,13 +382,30 @@ fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST]
             for k in i + 1..N {
                 x[i] -= lower[k][i] * x[k];
             }
-            inverse[i * N + c] = x[i];
+            inverse[i * stride(N) + c] = x[i];
         }
     }
     (inverse, dependent)
 }
 
-/// `out = a b` with `b` square.
+/// `out = a b` of three rows and columns, and `a` turned over.
+#[inline(always)]
+fn multiply_3(a: &[f64], b: &[f64], out: &mut [f64], turned: &mut [f64]) {
+    let (a, b, out, turned) = (&a[..12], &b[..12], &mut out[..12], &mut turned[..12]);
+    for i in 0..3 {
+        let mut sum = [0.0; 4];
+        for k in 0..3 {
+            for j in 0..4 {
+                sum[j] += a[4 * i + k] * b[4 * k + j];
+            }
+            turned[4 * k + i] = a[4 * i + k];
+        }
+        out[4 * i..4 * i + 4].copy_from_slice(&sum);
+    }
+}
+
+/// `out = a b` with `b` square; not for three columns.
+#[inline(always)]
 fn multiply<const M: usize, const N: usize>(a: &[f64], b: &[f64], out: &mut [f64]) {
     let (a, b, out) = (&a[..M * N], &b[..N * N], &mut out[..M * N]);
     for i in 0..M {
@@ -325,15 +419,35 @@ fn multiply<const M: usize, const N: usize>(a: &[f64], b: &[f64], out: &mut [f64
     }
 }
 
+#[inline(always)]
 fn multiply_any(a: &[f64], b: &[f64], out: &mut [f64], [m, n]: [usize; 2]) {
+    let width = stride(n);
     for i in 0..m {
         for j in 0..n {
-            out[i * n + j] = (0..n).map(|k| a[i * n + k] * b[k * n + j]).sum();
+            out[i * width + j] = (0..n).map(|k| a[i * width + k] * b[k * width + j]).sum();
         }
     }
 }
 
-/// `target -= w bᵀ`.
+/// `target -= w bᵀ` of three rows and columns, `b` turned over.
+#[inline(always)]
+fn subtract_3(target: &mut [f64], w: &[f64], turned: &[f64]) {
+    let (target, w, turned) = (&mut target[..12], &w[..12], &turned[..12]);
+    for i in 0..3 {
+        let mut sum = [0.0; 4];
+        for k in 0..3 {
+            for j in 0..4 {
+                sum[j] += w[4 * i + k] * turned[4 * k + j];
+            }
+        }
+        for j in 0..4 {
+            target[4 * i + j] -= sum[j];
+        }
+    }
+}
+
+/// `target -= w bᵀ`; not for three rows of `b` or three columns.
+#[inline(always)]
 fn subtract<const I: usize, const J: usize, const K: usize>(
     values: &mut [f64],
     scaled: &[f64],
@@ -359,11 +473,13 @@ fn subtract<const I: usize, const J: usize, const K: usize>(
     }
 }
 
+#[inline(always)]
 fn subtract_any(values: &mut [f64], scaled: &[f64], [t, w, b]: [usize; 3], [m, n, k]: [usize; 3]) {
+    let (of, to) = (stride(k), stride(n));
     for i in 0..m {
         for j in 0..n {
-            let product: f64 = (0..k).map(|c| scaled[w + i * k + c] * values[b + j * k + c]).sum();
-            values[t + i * n + j] -= product;
+            let product: f64 = (0..k).map(|c| scaled[w + i * of + c] * values[b + j * of + c]).sum();
+            values[t + i * to + j] -= product;
         }
     }
 }
@@ -413,7 +529,7 @@ mod tests {
                 for i in 0..rows[row] {
                     for j in 0..rows[column] {
                         let value = product(&g[first[row] + i], &g[first[column] + j]);
-                        factor.values()[place + i * rows[column] + j] = value;
+                        factor.values()[place + i * stride(rows[column]) + j] = value;
                     }
                 }
             }
@@ -423,7 +539,12 @@ mod tests {
         let some: Vec<f64> = (0..unknowns).map(|_| random(&mut seed)).collect();
         let wanted: Vec<f64> = g.iter().map(|row| product(row, &some)).collect();
         let mut x = wanted.clone();
+        let mut sides: Vec<[f64; SIDES]> =
+            wanted.iter().map(|v| [1.0, 0.0, -2.0, 0.5].map(|s| s * v)).collect();
         factor.solve(&mut x);
+        factor.solve_sides(&mut sides);
+        // powers of two: the same digits
+        assert!(x.iter().zip(&sides).all(|(x, side)| *side == [*x, 0.0, -2.0 * x, 0.5 * x]));
         let back: Vec<f64> = (0..unknowns).map(|c| (0..count).map(|r| g[r][c] * x[r]).sum()).collect();
         for (row, wanted) in g.iter().zip(&wanted) {
             let found = product(row, &back);

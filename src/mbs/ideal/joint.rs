@@ -192,6 +192,20 @@ impl Compiled {
         }
     }
 
+    /// [`Compiled::write`] where [`Compiled::is_point`]; the arms of the points \[m\].
+    pub fn write_point(&self, poses: [&Pose; 2], rows: &mut [Row]) -> [V3; 2] {
+        let arms = [0, 1].map(|side| self.arm(side, poses[side]));
+        let points = Points::of(poses, arms);
+        // `arm × e_i`
+        let [a, b] = arms.map(|[x, y, z]| [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]);
+        for (i, row) in rows.iter_mut().enumerate() {
+            let axis = Pose::GROUND.r[i];
+            row.of = [[scale(-1.0, axis), scale(-1.0, a[i])], [axis, b[i]]];
+            (row.residual, row.gamma) = (points.gap[i], -points.turning[i]);
+        }
+        arms
+    }
+
     /// Writes its rows at the poses of its bodies.
     pub fn write(&self, poses: [&Pose; 2], rows: &mut [Row]) {
         let arm = |side: usize| {
@@ -353,6 +367,11 @@ mod tests {
                 let poses = poses_at(time);
                 let mut rows = vec![Row::default(); joint.rows()];
                 joint.write([&poses[0], &poses[1]], &mut rows);
+                if joint.is_point() {
+                    let mut same = rows.clone();
+                    joint.write_point([&poses[0], &poses[1]], &mut same);
+                    assert_eq!(rows, same);
+                }
                 rows
             };
             assert!(at(0.0).iter().all(|r| r.residual.abs() < 1e-14), "{kind:?}");

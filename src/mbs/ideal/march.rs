@@ -350,7 +350,7 @@ impl Marcher {
                 self.motion.project(&mut state);
                 (self.state, self.time_s) = (state, at_s);
             } else {
-                let locked = self.project_step();
+                let locked = self.project_step(near || self.method.is_leapfrog());
                 self.state.copy_from_slice(&self.next);
                 let last = if near { 1 } else { self.rates.len() - 1 };
                 self.rates.swap(0, last);
@@ -378,10 +378,14 @@ impl Marcher {
 
     /// Projects the end of a step; true if joint conditions that depended on others no longer do: a pose was left in which the joints allowed a motion at first order
     /// only. What the step took of the energies is booked: it is the motion that the joints stop, as an impact without rebound.
-    fn project_step(&mut self) -> bool {
+    fn project_step(&mut self, leaped: bool) -> bool {
         let dependent = self.motion.dependent();
         let locked = dependent < std::mem::replace(&mut self.dependent, dependent);
-        self.motion.project(&mut self.next);
+        if leaped {
+            self.motion.close(&mut self.next);
+        } else {
+            self.motion.project(&mut self.next);
+        }
         if locked {
             let work = self.state.len() - 1;
             let balance_j = |state: &[f64]| self.motion.energy_j(state) - state[work];
@@ -426,7 +430,7 @@ impl Marcher {
         let (before, after) = (&first[0], &mut rest[0]);
         leap_positions(&self.state, before, step, &mut self.next);
         self.motion.take(&self.next);
-        rate(&mut self.motion, &self.next, after);
+        self.motion.rate_and_close(&self.state, before, step, after);
         let (mut largest, last) = (0.0_f64, self.state.len() - 1);
         for b in (0..last).step_by(STATE) {
             for i in b + 7..b + STATE {

@@ -12,7 +12,8 @@
 //! | [`bushing`] | compliant connections |
 //! | [`factor`] | the sparse block factorisation of `S` |
 //! | [`planar`] | which parts move in a plane, so that rows across it can be left out |
-//! | [`motion`] | accelerations and projections at a state |
+//! | [`motion`] | rows and accelerations at a state |
+//! | `solve` | what joints add to accelerations; the projection |
 //! | [`touch`] | contact |
 //! | [`compile`] | from a model file |
 //! | [`run`] | a whole run of a model file: events, outputs, energy balance |
@@ -29,6 +30,7 @@ mod method;
 pub mod motion;
 pub mod planar;
 pub mod run;
+mod solve;
 pub mod survey;
 pub mod touch;
 

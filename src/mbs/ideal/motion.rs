@@ -1,15 +1,16 @@
 //! Accelerations of a mechanism at a state, and the nearest state that its joints allow.
 
 use super::bushing::Held;
-use super::factor::BlockFactor;
+use super::factor::{BlockFactor, SIDES, stride};
 use super::force::{Acting, HingeLaw};
 use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
 use super::planar::planes;
+use super::solve::{Loads, Sides};
 use super::{Mechanism, joint};
 use crate::curve::CurveError;
 use crate::mbs::math::{
-    M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, mul_t, qexp, qmat, qmul, qrenormalise, scale,
-    sub, transpose,
+    M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, mul_t, qmat, qmul, qrenormalise, scale, sub,
+    transpose,
 };
 use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
@@ -28,7 +29,7 @@ struct Part {
 }
 
 /// Sign of a joint's rows on its first and second body.
-const SENSE: [f64; 2] = [-1.0, 1.0];
+pub(super) const SENSE: [f64; 2] = [-1.0, 1.0];
 
 /// Adds what a body gives to the block of two joints that hold a point of it each: `s_a s_b (1/m - r_a× I⁻¹ r_b×)`; `turned(j)` is
 /// `s_b I⁻¹ (r_b × e_j)`.
@@ -42,9 +43,9 @@ fn add_point_block(
     for j in 0..3 {
         let column = cross(turned(j), arm_a);
         for (i, c) in column.iter().enumerate() {
-            block[3 * i + j] += sense_a * c;
+            block[stride(3) * i + j] += sense_a * c;
         }
-        block[4 * j] += sense_a * sense_b * inverse_mass;
+        block[(stride(3) + 1) * j] += sense_a * sense_b * inverse_mass;
     }
 }
 
@@ -90,6 +91,9 @@ pub struct Motion {
     /// Applied forces and torques, gravity aside, of the rate that was found last.
     pub(super) applied: Vec<[V3; 2]>,
     pub(super) multipliers: Vec<f64>,
+    /// Loads and multipliers of several right-hand sides.
+    pub(super) sides: Vec<Loads>,
+    pub(super) wanted: Vec<Sides>,
     /// Bodies that joints hold together, by part; the part of each body that joints hold.
     pub(super) parts_bodies: Vec<Vec<usize>>,
     pub(super) part: Vec<Option<usize>>,
@@ -149,6 +153,8 @@ impl Motion {
             moved: Vec::new(),
             arms: Vec::new(),
             multipliers: Vec::new(),
+            sides: vec![[[[0.0; SIDES]; 3]; 2]; start.len()],
+            wanted: Vec::new(),
             poses: start,
         };
         motion.link();
@@ -174,6 +180,7 @@ impl Motion {
         self.rows = vec![Row::default(); total];
         self.moved = vec![[[[0.0; 3]; 2]; 2]; total];
         self.multipliers = vec![0.0; total];
+        self.wanted = vec![[0.0; SIDES]; total];
         self.factor = factor;
         self.find_parts();
     }
@@ -216,7 +223,7 @@ impl Motion {
     pub fn response(&mut self, body: usize, impulse: [V3; 2], out: &mut Vec<(usize, [V3; 2])>) {
         self.loads.fill([[0.0; 3]; 2]);
         self.loads[body] = [scale(1.0 / self.mass[body], impulse[0]), mul(&self.inverse[body], impulse[1])];
-        self.accept(|_| 0.0, false);
+        self.accept(|_| 0.0);
         let part = self.part[body].map_or(&[][..], |p| &self.parts_bodies[p]);
         out.extend(part.iter().map(|b| (*b, self.loads[*b])));
     }
@@ -295,16 +302,19 @@ impl Motion {
         for (j, joint) in self.joints.iter().enumerate() {
             let range = self.first[j]..self.first[j + 1];
             let pose = |body: usize| pose_of(&self.poses, body);
-            joint.write(joint.bodies.map(pose), &mut self.rows[range.clone()]);
-            let arms = || [0, 1].map(|side| joint.arm(side, pose(joint.bodies[side])));
-            self.arms[j] = joint.is_point().then(arms);
-            for (row, moved) in self.rows[range.clone()].iter().zip(&mut self.moved[range]) {
+            let rows = &mut self.rows[range.clone()];
+            let poses = joint.bodies.map(pose);
+            self.arms[j] = joint.is_point().then(|| joint.write_point(poses, rows));
+            if self.arms[j].is_none() {
+                joint.write(poses, rows);
+            }
+            let inverse_mass = joint.bodies.map(|b| if is_ground(b) { 0.0 } else { 1.0 / self.mass[b] });
+            for (row, moved) in rows.iter().zip(&mut self.moved[range]) {
                 for side in 0..2 {
                     let body = joint.bodies[side];
                     if !is_ground(body) {
                         let [linear, angular] = row.of[side];
-                        moved[side] =
-                            [scale(1.0 / self.mass[body], linear), mul(&self.inverse[body], angular)];
+                        moved[side] = [scale(inverse_mass[side], linear), mul(&self.inverse[body], angular)];
                     }
                 }
             }
@@ -319,9 +329,9 @@ impl Motion {
         for part in &self.parts {
             let ((a, side_a), (b, side_b)) = (part.rows, part.columns);
             let (rows, columns) = (self.first[a]..self.first[a + 1], self.first[b]..self.first[b + 1]);
-            let mut at = part.place;
+            let at = part.place;
             if let (Some(arms), Some(_)) = (self.arms[a], self.arms[b]) {
-                let block = &mut values[at..at + 9];
+                let block = &mut values[at..at + 3 * stride(3)];
                 let body = self.joints[a].bodies[side_a];
                 let moved = &self.moved[columns.start..columns.start + 3];
                 add_point_block(
@@ -333,12 +343,13 @@ impl Motion {
                 );
                 continue;
             }
-            for row in &self.rows[rows] {
+            let moved = &self.moved[columns];
+            let width = stride(moved.len());
+            for (row, values) in self.rows[rows].iter().zip(values[at..].chunks_mut(width)) {
                 let [linear, angular] = row.of[side_a];
-                for moved in &self.moved[columns.clone()] {
+                for (value, moved) in values.iter_mut().zip(moved) {
                     let [l, w] = moved[side_b];
-                    values[at] += dot(linear, l) + dot(angular, w);
-                    at += 1;
+                    *value += dot(linear, l) + dot(angular, w);
                 }
             }
         }
@@ -346,6 +357,13 @@ impl Motion {
 
     /// The rate of the state that was taken.
     pub fn rate(&mut self, rate: &mut [f64]) {
+        let power = self.load();
+        self.accept(|row| -row.gamma);
+        self.write_rate(power, rate);
+    }
+
+    /// Loads the bodies with the accelerations that they would have without joints; the power of the applied forces, gravity aside \[W\].
+    pub(super) fn load(&mut self) -> f64 {
         for (load, mass) in self.loads.iter_mut().zip(&self.mass) {
             *load = [scale(*mass, self.gravity), [0.0; 3]];
         }
@@ -369,8 +387,11 @@ impl Motion {
             let torque = sub(load[1], gyroscopic);
             *load = [scale(1.0 / self.mass[b], load[0]), mul(&self.inverse[b], torque)];
         }
-        // loads are accelerations without joints now
-        self.accept(|row| -row.gamma, false);
+        power
+    }
+
+    /// Writes the accelerations with which the bodies are loaded, and the velocities.
+    pub(super) fn write_rate(&mut self, power: f64, rate: &mut [f64]) {
         self.feel();
         for ((rate, pose), a) in rate.chunks_exact_mut(STATE).zip(&self.poses).zip(&self.loads) {
             rate[..3].copy_from_slice(&pose.v);
@@ -500,66 +521,6 @@ impl Motion {
         let of_bushing = |b: &Held| if b.is_broken() { 0.0 } else { -1.0 };
         let bushings = self.bushings.iter().map(of_bushing);
         self.forces.iter().filter_map(|f| f.beyond(&self.laws)).chain(bushings).reduce(f64::max)
-    }
-
-    /// Solves `S λ = G l + shift` (`plain`: without `G l`) and takes `M⁻¹ Gᵀ λ` off the loads `l`.
-    pub(super) fn accept(&mut self, shift: impl Fn(&Row) -> f64, plain: bool) {
-        for (j, joint) in self.joints.iter().enumerate() {
-            let range = self.first[j]..self.first[j + 1];
-            let (rows, wanted) = (&self.rows[range.clone()], &mut self.multipliers[range]);
-            for (row, wanted) in rows.iter().zip(wanted.iter_mut()) {
-                *wanted = shift(row);
-            }
-            for side in (0..2).filter(|side| !plain && !is_ground(joint.bodies[*side])) {
-                let [a, w] = self.loads[joint.bodies[side]];
-                if let Some(arms) = self.arms[j] {
-                    let at_point = add(a, cross(w, arms[side]));
-                    wanted.iter_mut().zip(at_point).for_each(|(l, v)| *l += SENSE[side] * v);
-                    continue;
-                }
-                for (row, wanted) in rows.iter().zip(wanted.iter_mut()) {
-                    *wanted += dot(row.of[side][0], a) + dot(row.of[side][1], w);
-                }
-            }
-        }
-        self.factor.solve(&mut self.multipliers);
-        for (j, joint) in self.joints.iter().enumerate() {
-            let range = self.first[j]..self.first[j + 1];
-            for side in (0..2).filter(|side| !is_ground(joint.bodies[*side])) {
-                let body = joint.bodies[side];
-                let [a, w] = &mut self.loads[body];
-                if let Some(arms) = self.arms[j] {
-                    let force: V3 = std::array::from_fn(|i| -SENSE[side] * self.multipliers[range.start + i]);
-                    *a = axpy(*a, 1.0 / self.mass[body], force);
-                    *w = add(*w, mul(&self.inverse[body], cross(arms[side], force)));
-                    continue;
-                }
-                for r in range.clone() {
-                    let [linear, angular] = self.moved[r][side];
-                    *a = axpy(*a, -self.multipliers[r], linear);
-                    *w = axpy(*w, -self.multipliers[r], angular);
-                }
-            }
-        }
-    }
-
-    /// Moves the state that was taken to the nearest one, in the norm of kinetic energy, that the joints allow: one Newton step of positions, and velocities.
-    pub fn project(&mut self, state: &mut [f64]) {
-        self.loads.fill([[0.0; 3]; 2]);
-        self.accept(|row| row.residual, true);
-        for (s, [shift, turn]) in state.chunks_exact_mut(STATE).zip(&self.loads) {
-            (0..3).for_each(|i| s[i] += shift[i]);
-            let q = qrenormalise(qmul(qexp(*turn), [s[3], s[4], s[5], s[6]]));
-            s[3..7].copy_from_slice(&q);
-        }
-        for (load, s) in self.loads.iter_mut().zip(state.chunks_exact(STATE)) {
-            *load = [[s[7], s[8], s[9]], [s[10], s[11], s[12]]];
-        }
-        self.accept(|_| 0.0, false);
-        for (s, [v, w]) in state.chunks_exact_mut(STATE).zip(&self.loads) {
-            s[7..10].copy_from_slice(v);
-            s[10..].copy_from_slice(w);
-        }
     }
 
     /// Largest residual of a joint at the state that was taken: m, or the sine of an angle.

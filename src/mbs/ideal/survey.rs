@@ -120,7 +120,7 @@ impl Motion {
             for (b, load) in self.loads.iter_mut().enumerate() {
                 *load = [scale(-1.0 / self.mass[b], load[0]), scale(-1.0, mul(&self.inverse[b], load[1]))];
             }
-            self.accept(|_| 0.0, false);
+            self.accept(|_| 0.0);
             let size = |m: &[[V3; 2]], mass: &[f64], r: &[Pose], inertia: &[M3]| {
                 let of = |(b, [v, w]): (usize, &[V3; 2])| {
                     let own = mul_t(&r[b].r, *w);
