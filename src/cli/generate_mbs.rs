@@ -62,13 +62,29 @@ pub struct Arguments {
 
 /// Values of `--derive`.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum DeriveArgument {
+pub enum DeriveArgument {
     /// Stop and name them
     Never,
     /// Compute the curves for this run
     Run,
     /// Compute the curves and add them to the library
     Keep,
+}
+
+impl DeriveArgument {
+    /// What the generator is told.
+    pub fn choice(self) -> Derive {
+        match self {
+            Self::Never => Derive::Never,
+            Self::Run => Derive::Run,
+            Self::Keep => Derive::Keep,
+        }
+    }
+
+    /// Whether the library has to be writable.
+    pub fn keeps(self) -> bool {
+        matches!(self, Self::Keep)
+    }
 }
 
 /// The FE side of a run with `--validate`.
@@ -157,7 +173,7 @@ fn compute(
     let facts = facts(building, &fe);
     let mut validation = Validation::of(building, &fe, &facts, &generated.model, &mbs, wall_s);
     validation.hybrid = hybrid.as_ref().map(|run| HybridValidation::of(&fe, run));
-    let study = Study::new(&building.name, hash, building.settings.mesh_size_m, &fe.summary, facts.clone());
+    let study = Study::new(&building.name, hash, building.settings.mesh_size_m, &fe, facts.clone());
     write_json(output, "study.json", &study)?;
     write_json(output, VALIDATION_FILE, &validation)?;
     let pieces = Pieces {
@@ -178,13 +194,9 @@ fn compute(
 }
 
 fn generated(arguments: &Arguments, building: &Building, progress: &Progress) -> Result<Generated, Failure> {
-    let derive = match arguments.derive {
-        DeriveArgument::Never => Derive::Never,
-        DeriveArgument::Run => Derive::Run,
-        DeriveArgument::Keep => Derive::Keep,
-    };
+    let derive = arguments.derive.choice();
     let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
-    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), derive == Derive::Keep)?;
+    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), arguments.derive.keeps())?;
     progress.stage("generating the model");
     generate(building, &rules, &mut store, derive, &|text| progress.note(text))
         .map_err(|e| Failure::input(e.to_string()))

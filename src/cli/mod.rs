@@ -33,6 +33,8 @@ pub mod rules;
 mod schema;
 pub mod simulate;
 mod study;
+mod study_compare;
+mod study_run;
 mod summary;
 pub mod verdict;
 mod verify;

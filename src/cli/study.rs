@@ -1,12 +1,13 @@
 //! `fallwerk study`: FE runs as evidence in `kb/studies/`.
 
-use super::progress::Progress;
-use super::{Failure, Outcome, print, read_building, thread_pool};
-use crate::base::hash::{ContentHash, readable_json};
+use super::{Failure, Outcome, print, study_compare, study_run};
 use crate::base::output::write_atomic;
-use crate::fe::run::{FeOptions, run as run_fe};
-use crate::study::{Study, facts};
+use crate::study::Study;
+use crate::study::plan::Scene;
 use std::path::{Path, PathBuf};
+
+/// Most scenes of a plan: the length of the sequence.
+const MOST_SCENES: u32 = 1 << 16;
 
 /// Run FE studies, list and show their records
 #[derive(clap::Args)]
@@ -17,17 +18,43 @@ pub struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Verb {
-    /// Run a building by FE and keep what it shows: zones, rigid shares, contact, fracture
+    /// Write the building files of a plan: scenes that cover spans, storeys, floors, strengths and ways of blasting evenly
+    ///
+    /// The same seed gives the same scenes, and a longer plan begins with those of a shorter one.
+    Plan {
+        /// Seed of the plan
+        #[arg(long, default_value_t = 1)]
+        seed: u32,
+        /// Number of scenes
+        #[arg(long, default_value_t = 120)]
+        count: u32,
+        /// Folder for the building files
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+    },
+    /// Run buildings by FE and keep what they show: zones, rotations, rigid shares, contact, fracture
+    ///
+    /// A building whose record is there already, of the same input, is passed over, so that a run that was stopped goes on where it was.
+    ///
+    /// Exit codes: 0 done, 1 an FE run went wrong, 2 bad input or usage.
     Run {
-        /// The building file
-        building: PathBuf,
+        /// Building files, or folders of them
+        #[arg(required = true)]
+        buildings: Vec<PathBuf>,
         /// Folder of the records
         #[arg(long, value_name = "DIR", default_value = "kb/studies")]
         kb: PathBuf,
-        /// Worker threads (default: all cores)
+        /// Worker threads (default: all cores); of several buildings so many are run at once
         #[arg(long, value_name = "N")]
         threads: Option<u16>,
+        /// Run again what has a record
+        #[arg(long)]
+        again: bool,
     },
+    /// Generate the models of buildings, run them, and compare them with the records
+    ///
+    /// No FE is run. Exit codes: 0 done, 1 buildings without a comparison, 2 bad usage.
+    Compare(study_compare::Arguments),
     /// List the records
     List {
         /// Folder of the records
@@ -44,39 +71,30 @@ enum Verb {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     match &arguments.verb {
-        Verb::Run { building, kb, threads } => run_study(building, kb, *threads)?,
+        Verb::Plan { seed, count, output } => plan(*seed, *count, output)?,
+        Verb::Run { buildings, kb, threads, again } => {
+            return study_run::run(buildings, kb, *threads, *again);
+        }
+        Verb::Compare(arguments) => return study_compare::run(arguments),
         Verb::List { kb } => list(kb)?,
         Verb::Show { record } => print(&described(&read(record)?)),
     }
     Ok(Outcome::Done)
 }
 
-fn run_study(path: &Path, kb: &Path, threads: Option<u16>) -> Result<(), Failure> {
-    let building = read_building(path, false)?;
-    let progress = Progress::on_stderr();
-    progress.stage("FE run");
-    let work = || {
-        run_fe(&building, &FeOptions::default(), &mut |p| {
-            progress.advance(p.time_s / p.end_s, &format!("{:.2} of {:.2} s", p.time_s, p.end_s));
-        })
-    };
-    let run = thread_pool(threads)?.install(work).map_err(|e| Failure::stopped(e.to_string()))?;
-    progress.finish();
-    let hash = ContentHash::of_value(&building).map_err(|e| Failure::stopped(e.to_string()))?;
-    let record = Study::new(
-        &building.name,
-        hash.to_string(),
-        building.settings.mesh_size_m,
-        &run.summary,
-        facts(&building, &run),
-    );
-    let text = readable_json(&record).map_err(|e| Failure::stopped(e.to_string()))?;
-    std::fs::create_dir_all(kb)
-        .map_err(|e| Failure::input(format!("cannot create {}: {e}", kb.display())))?;
-    let file = kb.join(format!("{}.json", building.name));
-    write_atomic(&file, text.as_bytes())
-        .map_err(|e| Failure::input(format!("cannot write {}: {e}", file.display())))?;
-    print(&format!("{}wrote {}\n", described(&record), file.display()));
+fn plan(seed: u32, count: u32, folder: &Path) -> Result<(), Failure> {
+    if !(1..=MOST_SCENES).contains(&count) {
+        return Err(Failure::input(format!("--count: {count} is not between 1 and {MOST_SCENES}")));
+    }
+    let failed =
+        |path: &Path, e: std::io::Error| Failure::input(format!("cannot write {}: {e}", path.display()));
+    std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
+    for number in 1..=count {
+        let scene = Scene::of(seed, number);
+        let file = folder.join(format!("{}.toml", scene.name()));
+        write_atomic(&file, scene.toml().as_bytes()).map_err(|e| failed(&file, e))?;
+    }
+    print(&format!("wrote {count} building files to {}\n", folder.display()));
     Ok(())
 }
 
@@ -119,7 +137,7 @@ fn list(kb: &Path) -> Result<(), Failure> {
 }
 
 /// A record in words.
-fn described(study: &Study) -> String {
+pub(super) fn described(study: &Study) -> String {
     use std::fmt::Write;
     let facts = &study.facts;
     let mut text = String::new();

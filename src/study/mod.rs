@@ -4,7 +4,9 @@
 //! (0.25 1/s there). The rate is that of the net strain over an output interval, so that elastic vibration
 //! within it does not count.
 
+pub mod plan;
 pub mod record;
+mod rotation;
 
 pub use record::Study;
 
@@ -35,6 +37,12 @@ pub struct EndZone {
     pub eroded: f64,
     /// Time at which a whole layer of the member had eroded \[s\].
     pub fracture_s: Option<f64>,
+    /// Largest rotation of the member against what the end is joined to up to the first contact \[rad\]; `None`: too little is left of it at the end of the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation_before_contact_rad: Option<f64>,
+    /// The same over the whole run \[rad\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation_rad: Option<f64>,
 }
 
 /// What the FE run shows in a member away from its ends.
@@ -79,6 +87,9 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
     };
     let history = ElementHistory::of(run);
     let ends: Vec<MemberEnd> = member_ends(building, &Partition::of(building));
+    let contact = run.summary.first_ground_contact_s.unwrap_or(f64::INFINITY);
+    let mut dead = vec![false; run.mesh.elements.len()];
+    run.deaths.iter().for_each(|d| dead[d.element] = true);
     let mut in_end = vec![false; run.mesh.elements.len()];
     let mut zones = Vec::new();
     for end in &ends {
@@ -87,9 +98,9 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
             continue;
         }
         elements.iter().for_each(|e| in_end[*e] = true);
-        zones.push(zone(building, run, &history, end, &elements));
+        let turned = rotation::turned(run, &dead, end, contact);
+        zones.push(zone(building, run, &history, end, &elements).turned(turned));
     }
-    let contact = run.summary.first_ground_contact_s.unwrap_or(f64::INFINITY);
     let members = (0..building.members.len())
         .filter_map(|part| {
             let own: Vec<usize> = (0..in_end.len())
@@ -181,5 +192,7 @@ fn zone(
         eroded: elements.iter().filter(|e| history.death_s[**e].is_finite()).count() as f64
             / elements.len() as f64,
         fracture_s: fracture.is_finite().then_some(fracture),
+        rotation_before_contact_rad: None,
+        rotation_rad: None,
     }
 }

@@ -3,6 +3,7 @@
 pub mod hybrid;
 pub mod measure;
 pub mod points;
+pub mod record;
 
 pub use hybrid::HybridValidation;
 pub use points::DebrisPoint;

@@ -4,4 +4,5 @@ mod all_three;
 mod commands;
 mod fe_options;
 mod fe_refused;
+mod studies;
 mod words;

@@ -1,0 +1,127 @@
+//! `fallwerk study compare`: generated models against the records of FE studies.
+
+use super::generate_mbs::DeriveArgument;
+use super::knowledge::{self, KnowledgeArgs};
+use super::progress::Progress;
+use super::study::read;
+use super::study_run::files;
+use super::{Failure, Outcome, print, read_building};
+use crate::base::hash::ContentHash;
+use crate::generate::generate;
+use crate::validate::record::{Agreement, Together};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// What is compared.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Building files, or folders of them
+    #[arg(required = true)]
+    buildings: Vec<PathBuf>,
+    /// Folder of the records
+    #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+    kb: PathBuf,
+    /// What to do about hinges that the library has no curves for
+    #[arg(long, value_enum, default_value = "never", default_missing_value = "run", num_args = 0..=1, require_equals = true)]
+    derive: DeriveArgument,
+    #[command(flatten)]
+    knowledge: KnowledgeArgs,
+    /// Print as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What is known of a building.
+#[derive(Debug, Serialize)]
+struct Missed {
+    building: String,
+    why: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Compared {
+    together: Together,
+    runs: Vec<Agreement>,
+    /// Buildings without a comparison.
+    missed: Vec<Missed>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    let files = files(&arguments.buildings)?;
+    let progress = Progress::on_stderr();
+    progress.stage("models");
+    let (mut runs, mut missed) = (Vec::new(), Vec::new());
+    for (done, file) in files.iter().enumerate() {
+        let name = file.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        progress.advance(done as f64 / files.len() as f64, &name);
+        match one(arguments, file, &progress) {
+            Ok(agreement) => runs.push(agreement),
+            Err(failure) => missed.push(Missed { building: name, why: failure.message }),
+        }
+    }
+    progress.finish();
+    let compared = Compared { together: Together::of(&runs), runs, missed };
+    if arguments.json {
+        let text = serde_json::to_string_pretty(&compared).map_err(|e| Failure::stopped(e.to_string()))?;
+        print(&(text + "\n"));
+    } else {
+        print(&as_text(&compared));
+    }
+    Ok(if compared.missed.is_empty() { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+fn one(arguments: &Arguments, file: &Path, progress: &Progress) -> Result<Agreement, Failure> {
+    let building = read_building(file, false)?;
+    let hash = ContentHash::of_value(&building).map_err(|e| Failure::stopped(e.to_string()))?;
+    let study = read(&arguments.kb.join(format!("{}.json", building.name)))?;
+    if study.building_hash != hash.to_string() {
+        return Err(Failure::input("its record is of another input; run `fallwerk study run` again".into()));
+    }
+    let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
+    let derive = arguments.derive.choice();
+    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), arguments.derive.keeps())?;
+    let generated = generate(&building, &rules, &mut store, derive, &|text| progress.note(text))
+        .map_err(|e| Failure::input(e.to_string()))?;
+    let run =
+        crate::mbs::simulate(&generated.model).map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
+    Ok(Agreement::of(&study, &generated.model, &run))
+}
+
+fn as_text(compared: &Compared) -> String {
+    let mut text = String::from(
+        "building              e to contact  e total  without debris  difference [m]  contact FE, MBS [s]  collapse FE, MBS  hinges F1  bodies   CPU [ms]  energy\n",
+    );
+    let time = |t: Option<f64>| t.map_or("-".to_string(), |t| format!("{t:.2}"));
+    let falls = |c: bool| if c { "falls" } else { "stands" };
+    for r in &compared.runs {
+        let _ = writeln!(
+            text,
+            "{:<22}{:>12.3}{:>9.3}{:>16.3}{:>16.3}{:>12}{:>9}{:>11}{:>7}{:>11.2}{:>8}{:>11.2}{:>8.0e}",
+            r.building,
+            r.e_to_contact,
+            r.e_total,
+            r.e_total_without_debris,
+            r.largest_difference_m,
+            time(r.first_contact_s.fe),
+            time(r.first_contact_s.mbs),
+            falls(r.collapsed.fe),
+            falls(r.collapsed.mbs),
+            r.hinges.f1,
+            r.bodies,
+            1e3 * r.cpu_s,
+            r.energy_error
+        );
+    }
+    let t = &compared.together;
+    let _ = writeln!(
+        text,
+        "{} buildings: e to contact median {:.3}, 90th percentile {:.3}; e total {:.3}, {:.3}; hinges F1 {:.2}; collapse right in {}",
+        t.buildings, t.e_to_contact[0], t.e_to_contact[1], t.e_total[0], t.e_total[1], t.f1, t.collapse_right
+    );
+    for m in &compared.missed {
+        let _ = writeln!(text, "no comparison of {}: {}", m.building, m.why);
+    }
+    text
+}

@@ -1,0 +1,119 @@
+//! An MBS run against the record of an FE study, which has what is needed without a further FE run.
+
+use super::measure::Sites;
+use super::points::PointErrors;
+use super::{ACTIVE_ROTATION_RAD, Both, compare_sites, fell};
+use crate::mbs::Model;
+use crate::mbs::result::RunResult;
+use crate::study::Study;
+use serde::Serialize;
+
+/// How far a run and a study agree. Errors are those of [`super::Validation`], on the times of the record.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Agreement {
+    /// Name of the building.
+    pub building: String,
+    /// Error up to the first ground contact of the FE run, or to the end if there is none.
+    pub e_to_contact: f64,
+    /// Error over the whole run.
+    pub e_total: f64,
+    /// The same over the points that do not become debris.
+    pub e_total_without_debris: f64,
+    /// Largest distance between both runs' displacements of a point \[m\].
+    pub largest_difference_m: f64,
+    /// First ground contact \[s\].
+    pub first_contact_s: Both<Option<f64>>,
+    /// Whether the structure collapsed.
+    pub collapsed: Both<bool>,
+    /// Active hinges against FE zones at member ends.
+    pub hinges: Sites,
+    /// Energy error of the MBS run.
+    pub energy_error: f64,
+    /// Bodies and steps of the MBS run.
+    pub bodies: usize,
+    /// Steps.
+    pub steps: usize,
+    /// Its processor time \[s\].
+    pub cpu_s: f64,
+}
+
+impl Agreement {
+    /// Compares a run of a model with the record of its building.
+    pub fn of(study: &Study, model: &Model, run: &RunResult) -> Self {
+        let times_s = study.motion.times_s();
+        // the outputs of the run nearest to the times of the record
+        let output_s = run.times_s.get(1).copied().unwrap_or(1.0);
+        let at: Vec<usize> = times_s.iter().map(|t| (t / output_s).round() as usize).collect();
+        let count = at.iter().take_while(|i| **i < run.times_s.len()).count();
+        let own: Vec<(&str, Vec<[f64; 3]>)> = run
+            .tracked
+            .iter()
+            .map(|p| (p.id.as_str(), at[..count].iter().map(|i| p.displacement_m[*i]).collect()))
+            .collect();
+        let reference = study.motion.histories();
+        let errors = PointErrors::of(&times_s, &reference, count, |id| {
+            own.iter().find(|(own, _)| *own == id).map(|(_, displacement)| &displacement[..])
+        });
+        let distance =
+            |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let facts = &study.facts;
+        let sites = compare_sites(facts, model, run);
+        Self {
+            building: study.building.clone(),
+            e_to_contact: errors.until(facts.first_contact_s),
+            e_total: errors.until(None),
+            e_total_without_debris: errors.curve_without_debris.last().copied().unwrap_or(0.0),
+            largest_difference_m: errors
+                .pairs
+                .iter()
+                .flat_map(|(a, b)| a.iter().zip(b.iter()).map(distance))
+                .fold(0.0, f64::max),
+            first_contact_s: Both { fe: facts.first_contact_s, mbs: run.first_ground_contact_s },
+            collapsed: Both { fe: facts.collapsed, mbs: run.tracked.iter().any(|t| fell(&t.displacement_m)) },
+            hinges: Sites::of(
+                sites.iter().map(|s| (s.fe_zone, s.plastic_rotation_rad > ACTIVE_ROTATION_RAD)),
+            ),
+            energy_error: run.energy_error,
+            bodies: model.bodies.len(),
+            steps: run.steps,
+            cpu_s: run.cpu_s,
+        }
+    }
+}
+
+/// Figures of many comparisons together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Together {
+    /// Buildings.
+    pub buildings: usize,
+    /// Median and 90th percentile of the error up to the first contact.
+    pub e_to_contact: [f64; 2],
+    /// The same of the error over the whole run.
+    pub e_total: [f64; 2],
+    /// Hinges of all buildings.
+    pub f1: f64,
+    /// Buildings that collapse in both runs or in neither.
+    pub collapse_right: usize,
+}
+
+impl Together {
+    /// Of some comparisons.
+    pub fn of(list: &[Agreement]) -> Self {
+        let share = |of: &dyn Fn(&Agreement) -> f64, share: f64| {
+            let mut values: Vec<f64> = list.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            let at = (share * (values.len().max(1) - 1) as f64).round() as usize;
+            values.get(at).copied().unwrap_or(f64::NAN)
+        };
+        let both = |of: &dyn Fn(&Agreement) -> f64| [share(of, 0.5), share(of, 0.9)];
+        let sum = |of: &dyn Fn(&Sites) -> usize| list.iter().map(|a| of(&a.hinges)).sum::<usize>() as f64;
+        let all = sum(&|s| s.expected) + sum(&|s| s.found);
+        Self {
+            buildings: list.len(),
+            e_to_contact: both(&|a| a.e_to_contact),
+            e_total: both(&|a| a.e_total),
+            f1: if all > 0.0 { 2.0 * sum(&|s| s.common) / all } else { 1.0 },
+            collapse_right: list.iter().filter(|a| a.collapsed.fe == a.collapsed.mbs).count(),
+        }
+    }
+}

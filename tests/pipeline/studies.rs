@@ -1,0 +1,87 @@
+//! Plans of studies and their runs.
+
+use super::commands::{fallwerk, names};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// The first scenes of a plan, of one storey and a short run, in the folder `plan`.
+fn short_plan(folder: &Path, count: usize) {
+    let (code, _, err) = fallwerk(folder, &["study", "plan", "--count", "40", "-o", "all"]);
+    assert_eq!(code, 0, "{err}");
+    fs::create_dir(folder.join("plan")).unwrap();
+    let texts = names(&folder.join("all")).into_iter().map(|name| {
+        let text = fs::read_to_string(folder.join("all").join(&name)).unwrap();
+        (name, text)
+    });
+    let is_small = |text: &str| {
+        let of = |key: &str| text.lines().find(|l| l.starts_with(key)).unwrap().matches(',').count();
+        of("x = ") + of("y = ") + of("storey_heights = ") <= 2
+    };
+    for (name, text) in texts.filter(|(_, text)| is_small(text)).take(count) {
+        let end = text.lines().find(|l| l.starts_with("end_time = ")).unwrap().to_string();
+        fs::write(folder.join("plan").join(name), text.replace(&end, "end_time = 0.3")).unwrap();
+    }
+    assert_eq!(names(&folder.join("plan")).len(), count);
+}
+
+#[test]
+fn a_plan_is_the_same_every_time_and_a_longer_one_begins_with_it() {
+    let room = tempfile::tempdir().unwrap();
+    for (count, folder) in [("3", "a"), ("3", "b"), ("5", "c")] {
+        let (code, _, err) =
+            fallwerk(room.path(), &["study", "plan", "--seed", "7", "--count", count, "-o", folder]);
+        assert_eq!(code, 0, "{err}");
+    }
+    let text = |folder: &str, name: &str| fs::read_to_string(room.path().join(folder).join(name)).unwrap();
+    for name in names(&room.path().join("a")) {
+        assert_eq!(text("a", &name), text("b", &name));
+        assert_eq!(text("a", &name), text("c", &name));
+        assert_eq!(fallwerk(room.path(), &["check", &format!("a/{name}")]).0, 0);
+    }
+    let (code, _, err) = fallwerk(room.path(), &["study", "plan", "--count", "0", "-o", "d"]);
+    assert!(code == 2 && err.contains("--count"), "{err}");
+}
+
+#[test]
+fn studies_are_run_once_and_the_same_on_any_number_of_threads() {
+    let room = tempfile::tempdir().unwrap();
+    short_plan(room.path(), 2);
+    let run = |more: &[&str]| {
+        let (code, out, err) = fallwerk(room.path(), &[&["study", "run", "plan"], more].concat());
+        assert_eq!(code, 0, "{out}{err}");
+        (out, err)
+    };
+    let (out, _) = run(&["--kb", "kb", "--threads", "2"]);
+    assert!(out.contains("wrote 2 records"), "{out}");
+    let records = names(&room.path().join("kb"));
+    let text = |folder: &str, name: &str| fs::read_to_string(room.path().join(folder).join(name)).unwrap();
+    // one is lost: only that is run again
+    fs::remove_file(room.path().join("kb").join(&records[0])).unwrap();
+    let (out, err) = run(&["--kb", "kb", "--threads", "1"]);
+    assert!(out.contains("wrote 1 records") && err.contains("1 of 2 buildings"), "{out}{err}");
+    run(&["--kb", "other", "--threads", "1"]);
+    for name in &records {
+        assert_eq!(text("kb", name), text("other", name));
+        let study: Value = serde_json::from_str(&text("kb", name)).unwrap();
+        let ends = study["facts"]["ends"].as_array().unwrap();
+        let turned = ends.iter().filter(|e| e["rotation_rad"].as_f64().is_some()).count();
+        assert!(
+            turned > 0
+                && turned == ends.iter().filter(|e| e["rotation_before_contact_rad"].is_number()).count()
+        );
+        let points = study["motion"]["points"].as_array().unwrap();
+        assert!(
+            points.iter().all(|p| p["displacement_mm"].as_array().unwrap().len() == 3 * 4),
+            "every 0.1 s up to 0.3 s"
+        );
+    }
+}
+
+#[test]
+fn a_folder_without_buildings_is_refused() {
+    let room = tempfile::tempdir().unwrap();
+    fs::create_dir(room.path().join("plan")).unwrap();
+    let (code, _, err) = fallwerk(room.path(), &["study", "run", "plan"]);
+    assert!(code == 2 && err.contains("no building files"), "{err}");
+}
