@@ -44,8 +44,8 @@ enum Verb {
         /// Folder of the records
         #[arg(long, value_name = "DIR", default_value = "kb/studies")]
         kb: PathBuf,
-        /// Worker threads (default: all cores); of several buildings so many are run at once
-        #[arg(long, value_name = "N")]
+        /// Threads [default: all cores]; of several buildings so many are run at once
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
         /// Run again what has a record
         #[arg(long)]

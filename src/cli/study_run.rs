@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A building to be run.
 struct Task {
+    file: PathBuf,
     building: Building,
     hash: String,
     record: PathBuf,
@@ -21,9 +22,18 @@ struct Task {
 
 /// Runs what has no record yet.
 pub fn run(paths: &[PathBuf], kb: &Path, threads: Option<u16>, again: bool) -> Result<Outcome, Failure> {
-    let mut tasks = Vec::new();
+    let mut tasks: Vec<Task> = Vec::new();
     for file in files(paths)? {
-        tasks.push(Task::of(&file, kb)?);
+        let task = Task::of(file, kb)?;
+        if let Some(other) = tasks.iter().find(|t| t.record == task.record) {
+            return Err(Failure::input(format!(
+                "{} and {} both describe a building called `{}`, and a record has the name of its building: rename one of them",
+                other.file.display(),
+                task.file.display(),
+                task.building.name
+            )));
+        }
+        tasks.push(task);
     }
     let all = tasks.len();
     tasks.retain(|task| again || !task.is_done());
@@ -32,7 +42,7 @@ pub fn run(paths: &[PathBuf], kb: &Path, threads: Option<u16>, again: bool) -> R
     }
     std::fs::create_dir_all(kb)
         .map_err(|e| Failure::input(format!("cannot create {}: {e}", kb.display())))?;
-    let workers = threads.map_or_else(rayon::current_num_threads, usize::from).max(1);
+    let workers = threads.map_or_else(rayon::current_num_threads, usize::from);
     // a run on one thread wastes nothing; only the last buildings share the cores
     let each = if tasks.len() < workers { workers / tasks.len().max(1) } else { 1 };
     let (next, progress) = (AtomicUsize::new(0), Progress::on_stderr());
@@ -102,11 +112,11 @@ pub(super) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 }
 
 impl Task {
-    fn of(file: &Path, kb: &Path) -> Result<Self, Failure> {
-        let building = read_building(file, false)?;
+    fn of(file: PathBuf, kb: &Path) -> Result<Self, Failure> {
+        let building = read_building(&file, false)?;
         let hash = ContentHash::of_value(&building).map_err(|e| Failure::stopped(e.to_string()))?;
         let record = kb.join(format!("{}.json", building.name));
-        Ok(Self { building, hash: hash.to_string(), record })
+        Ok(Self { file, building, hash: hash.to_string(), record })
     }
 
     /// Whether there is a record of the same input.
