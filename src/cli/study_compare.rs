@@ -3,15 +3,15 @@
 use super::generate_mbs::DeriveArgument;
 use super::knowledge::{self, KnowledgeArgs};
 use super::progress::Progress;
-use super::study::read;
-use super::study_run::files;
-use super::{Failure, Outcome, print, read_building};
-use crate::base::hash::ContentHash;
+use super::study_run::{Task, files};
+use super::{Failure, Outcome, print};
 use crate::generate::generate;
+use crate::library::Store;
+use crate::rules::RuleBase;
 use crate::validate::record::{Agreement, Together};
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What is compared.
 #[derive(clap::Args)]
@@ -50,13 +50,16 @@ struct Compared {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let files = files(&arguments.buildings)?;
+    let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
+    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), arguments.derive.keeps())?;
     let progress = Progress::on_stderr();
     progress.stage("models");
     let (mut runs, mut missed) = (Vec::new(), Vec::new());
-    for (done, file) in files.iter().enumerate() {
+    let count = files.len();
+    for (done, file) in files.into_iter().enumerate() {
         let name = file.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        progress.advance(done as f64 / files.len() as f64, &name);
-        match one(arguments, file, &progress) {
+        progress.advance(done as f64 / count as f64, &name);
+        match one(arguments, file, &rules, &mut store, &progress) {
             Ok(agreement) => runs.push(agreement),
             Err(failure) => missed.push(Missed { building: name, why: failure.message }),
         }
@@ -72,18 +75,20 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     Ok(if compared.missed.is_empty() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
-fn one(arguments: &Arguments, file: &Path, progress: &Progress) -> Result<Agreement, Failure> {
-    let building = read_building(file, false)?;
-    let hash = ContentHash::of_value(&building).map_err(|e| Failure::stopped(e.to_string()))?;
-    let study = read(&arguments.kb.join(format!("{}.json", building.name)))?;
-    if study.building_hash != hash.to_string() {
-        return Err(Failure::input("its record is of another input; run `fallwerk study run` again".into()));
-    }
-    let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
-    let derive = arguments.derive.choice();
-    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), arguments.derive.keeps())?;
-    let generated = generate(&building, &rules, &mut store, derive, &|text| progress.note(text))
-        .map_err(|e| Failure::input(e.to_string()))?;
+fn one(
+    arguments: &Arguments,
+    file: PathBuf,
+    rules: &RuleBase,
+    store: &mut Store,
+    progress: &Progress,
+) -> Result<Agreement, Failure> {
+    let task = Task::of(file, &arguments.kb)?;
+    let study = task.study()?.ok_or_else(|| {
+        Failure::input("its record is of another input; run `fallwerk study run` again".into())
+    })?;
+    let generated =
+        generate(&task.building, rules, store, arguments.derive.choice(), &|text| progress.note(text))
+            .map_err(|e| Failure::input(e.to_string()))?;
     let run =
         crate::mbs::simulate(&generated.model).map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
     Ok(Agreement::of(&study, &generated.model, &run))

@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// A building to be run.
-struct Task {
+/// A building and where its record is, or will be.
+pub(super) struct Task {
     file: PathBuf,
-    building: Building,
+    pub(super) building: Building,
     hash: String,
     record: PathBuf,
 }
@@ -36,7 +36,7 @@ pub fn run(paths: &[PathBuf], kb: &Path, threads: Option<u16>, again: bool) -> R
         tasks.push(task);
     }
     let all = tasks.len();
-    tasks.retain(|task| again || !task.is_done());
+    tasks.retain(|task| again || !matches!(task.study(), Ok(Some(_))));
     if tasks.len() < all {
         eprintln!("{} of {all} buildings have their records already", all - tasks.len());
     }
@@ -112,16 +112,16 @@ pub(super) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 }
 
 impl Task {
-    fn of(file: PathBuf, kb: &Path) -> Result<Self, Failure> {
+    pub(super) fn of(file: PathBuf, kb: &Path) -> Result<Self, Failure> {
         let building = read_building(&file, false)?;
         let hash = ContentHash::of_value(&building).map_err(|e| Failure::stopped(e.to_string()))?;
         let record = kb.join(format!("{}.json", building.name));
         Ok(Self { file, building, hash: hash.to_string(), record })
     }
 
-    /// Whether there is a record of the same input.
-    fn is_done(&self) -> bool {
-        read(&self.record).is_ok_and(|study| study.building_hash == self.hash)
+    /// Its record; none if that is of another input.
+    pub(super) fn study(&self) -> Result<Option<Study>, Failure> {
+        read(&self.record).map(|study| Some(study).filter(|s| s.building_hash == self.hash))
     }
 
     fn run(&self, threads: u16, advance: &(dyn Fn(f64) + Sync)) -> Result<Study, Failure> {

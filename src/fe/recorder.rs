@@ -16,6 +16,7 @@ use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
 use crate::building::{Building, MemberKind};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Node positions that are kept in memory for reports at most, over all frames \[bytes\].
 const MOST_KEPT_BYTES: usize = 100_000_000;
@@ -106,20 +107,33 @@ impl Recorder {
         }
         self.ruptures.extend(body.trusses.ruptures(mesh, body.time_s));
         for (node, surface) in std::mem::take(&mut body.surfaces.new_touches) {
-            let Some(element) = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0) else {
-                continue;
-            };
-            let part = mesh.elements[element].part;
-            let surface = match surface {
-                0 => "ground".to_string(),
-                i => building.obstacles[i - 1].id.clone(),
-            };
-            if surface == "ground" && !self.standing[part] {
+            let Some(part) = part_at(mesh, body, node) else { continue };
+            if surface == 0 && !self.standing[part] {
                 self.first_contact_s.get_or_insert(body.time_s);
             }
-            let part = mesh.parts[part].clone();
+            let [part, surface] =
+                [mesh.parts[part].as_str(), surface_name(building, surface)].map(str::to_string);
             if !self.touches.iter().any(|t| t.part == part && t.surface == surface) {
-                self.touches.push(Touch { time_s: body.time_s, part, surface });
+                self.touches.push(Touch { time_s: body.time_s, part, surface, force_n: 0.0 });
+            }
+        }
+    }
+
+    /// Forces of surfaces on parts over the last output interval; what stands on the ground from the start has none.
+    fn weigh(&mut self, mesh: &Mesh, body: &mut Dynamics, building: &Building) {
+        let mut impulses = BTreeMap::<(usize, usize), f64>::new();
+        for (node, push) in body.surfaces.take_pushes().into_iter().enumerate() {
+            if push.impulse_ns > 0.0
+                && let Some(part) = part_at(mesh, body, node)
+            {
+                *impulses.entry((part, push.surface)).or_default() += push.impulse_ns;
+            }
+        }
+        for ((part, surface), impulse_ns) in impulses {
+            let [part, surface] = [mesh.parts[part].as_str(), surface_name(building, surface)];
+            if let Some(touch) = self.touches.iter_mut().find(|t| t.part == part && t.surface == surface) {
+                let force_n = (impulse_ns / building.settings.output_interval_s).round();
+                touch.force_n = touch.force_n.max(force_n);
             }
         }
     }
@@ -138,9 +152,11 @@ impl Recorder {
         &mut self,
         building: &Building,
         mesh: &Mesh,
-        body: &Dynamics,
+        body: &mut Dynamics,
         frames: Option<&mut (dyn FrameSink + '_)>,
     ) -> Result<(), FeError> {
+        self.weigh(mesh, body, building);
+        let body = &*body;
         let interval = building.settings.output_interval_s;
         let output = self.times_s.len();
         let time_s = output as f64 * interval;
@@ -301,6 +317,17 @@ fn kept_frame(output: usize, body: &Dynamics, rates_1_s: &[f32], critical_1_s: f
 /// Every how many outputs a frame is kept, so that the positions of all together are not too large.
 fn kept_every(nodes: usize, outputs: usize) -> usize {
     (12 * nodes * (outputs + 1)).div_ceil(MOST_KEPT_BYTES).max(1)
+}
+
+/// The part that a node belongs to, as far as it acts.
+fn part_at(mesh: &Mesh, body: &Dynamics, node: usize) -> Option<usize> {
+    let element = body.blocks.elements_at(node).find(|e| body.blocks.share(*e) > 0.0)?;
+    Some(mesh.elements[element].part)
+}
+
+/// The name of a surface: 0 for the ground, 1 + i for obstacle i.
+fn surface_name(building: &Building, surface: usize) -> &str {
+    surface.checked_sub(1).map_or("ground", |i| &building.obstacles[i].id)
 }
 
 #[cfg(test)]

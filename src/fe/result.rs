@@ -117,6 +117,8 @@ pub struct Touch {
     pub part: String,
     /// `ground` or the obstacle's id.
     pub surface: String,
+    /// Largest normal force of the surface on the part, as a mean over an output interval \[N\].
+    pub force_n: f64,
 }
 
 /// Energies at one time \[J\]; the balance is

@@ -286,7 +286,7 @@ pub fn run_with(
     for output in state.recorder.count()..=outputs {
         let target = output as f64 * interval;
         state.advance(building, &mut mesh, target)?;
-        state.recorder.record(building, &mesh, &state.body, attached.frames.as_deref_mut())?;
+        state.recorder.record(building, &mesh, &mut state.body, attached.frames.as_deref_mut())?;
         state.elapsed = before + watch.elapsed();
         if let Some(to) = &attached.checkpoints
             && (output == outputs || to.due(target - interval, target))
@@ -394,6 +394,7 @@ impl RunState {
             FeError::Preload(format!("{what}; mass scaling adds {percent:.1} % to the mass of the building, whose weight has to be borne: give a smaller step of mass scaling"))
         })?;
         body.surfaces.new_touches.clear();
+        body.surfaces.take_pushes();
         if options.body_contact {
             let settings = ContactSettings { friction: building.ground.friction };
             body.body_contact = Some(Box::new(BodyContact::new(mesh, settings)));
@@ -407,7 +408,7 @@ impl RunState {
             body.hybrid = Some(Box::new(Hybrid::new(mesh, &body, &removed, settings.clone())?));
         }
         let mut recorder = Recorder::new(building, mesh, &body, outputs, options.keep_frames);
-        recorder.record(building, mesh, &body, attached.frames.as_deref_mut())?;
+        recorder.record(building, mesh, &mut body, attached.frames.as_deref_mut())?;
         let (frames, elapsed) = (Vec::new(), Elapsed::default());
         Ok(Self { body, recorder, removal, preload, mass_scaling, frames, elapsed })
     }

@@ -106,10 +106,7 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
             let own: Vec<usize> = (0..in_end.len())
                 .filter(|e| run.mesh.elements[*e].part == part && !in_end[*e] && !removed[*e])
                 .collect();
-            let share = |until: f64| {
-                own.iter().filter(|e| history.first_s[**e].is_none_or(|t| t >= until)).count() as f64
-                    / own.len() as f64
-            };
+            let share = |until: f64| share(&own, |e| history.first_s[e].is_none_or(|t| t >= until));
             (!own.is_empty()).then(|| MemberFacts {
                 member: building.members[part].id.clone(),
                 rigid_share_before_contact: share(contact),
@@ -126,6 +123,17 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
         contacts: run.touches.clone(),
         collapsed: run.tracked.iter().any(fall),
     }
+}
+
+/// Share of elements of which something is true, rounded down: it is 1 if it is true of all.
+fn share(elements: &[usize], is: impl Fn(usize) -> bool) -> f64 {
+    let share = elements.iter().filter(|e| is(**e)).count() as f64 / elements.len() as f64;
+    (1e4 * share).floor() / 1e4
+}
+
+/// Rounded, so that records are short.
+fn short(value: f64) -> f64 {
+    (1e4 * value).round() / 1e4
 }
 
 /// Elements of the member within [`END_DEPTHS`] section depths of its end.
@@ -187,10 +195,9 @@ fn zone(
         member: building.members[end.member].id.clone(),
         point_m: end.point_m,
         first_s: first.is_finite().then_some(first),
-        peak_rate_1_s: largest(&|e| f64::from(history.peak[e])),
-        plastic_strain: largest(&|e| run.plastic_strain[e]),
-        eroded: elements.iter().filter(|e| history.death_s[**e].is_finite()).count() as f64
-            / elements.len() as f64,
+        peak_rate_1_s: short(largest(&|e| f64::from(history.peak[e]))),
+        plastic_strain: short(largest(&|e| run.plastic_strain[e])),
+        eroded: share(elements, |e| history.death_s[e].is_finite()),
         fracture_s: fracture.is_finite().then_some(fracture),
         rotation_before_contact_rad: None,
         rotation_rad: None,

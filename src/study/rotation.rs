@@ -1,9 +1,9 @@
 //! How far a member has turned against what its end is joined to, out of the kept frames of a run.
 //!
-//! Both sides of the zone at the end move nearly as rigid bodies: the member beyond the zone, and the parts around the end. The rotation of each is the one that brings the positions of its
+//! Both sides of the zone at the end move nearly as rigid bodies: the member from the middle of the zone on, and the parts around the end. The rotation of each is the one that brings the positions of its
 //! nodes at the start nearest to those of a frame (Kabsch, Acta Cryst. A32 (1976) 922).
 
-use super::{END_DEPTHS, EndZone};
+use super::{END_DEPTHS, EndZone, short};
 use crate::building::ends::MemberEnd;
 use crate::fe::result::FeRun;
 use nalgebra::{Matrix3, Vector3};
@@ -60,10 +60,9 @@ pub fn turned(run: &FeRun, dead: &[bool], end: &MemberEnd, until_s: f64) -> Opti
 impl EndZone {
     /// With the rotations.
     pub(super) fn turned(self, turned: Option<Turned>) -> Self {
-        let rounded = |angle: f64| (1e4 * angle).round() / 1e4;
         Self {
-            rotation_before_contact_rad: turned.map(|t| rounded(t.until_rad)),
-            rotation_rad: turned.map(|t| rounded(t.rad)),
+            rotation_before_contact_rad: turned.map(|t| short(t.until_rad)),
+            rotation_rad: turned.map(|t| short(t.rad)),
             ..self
         }
     }

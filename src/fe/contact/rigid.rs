@@ -69,6 +69,17 @@ pub struct RigidSurfaces {
     /// Nodes that touched for the first time since the list was last taken, with 0 for ground, 1 + i for box i and
     /// 1 + boxes + i for plane i.
     pub new_touches: Vec<(usize, usize)>,
+    /// Normal impulse on each node since they were last taken, and the surface that gave the last of it.
+    pushes: Vec<Push>,
+}
+
+/// Normal impulse on a node.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub struct Push {
+    /// Impulse \[N s\].
+    pub impulse_ns: f64,
+    /// 0 for ground, 1 + i for box i, 1 + boxes + i for plane i.
+    pub surface: usize,
 }
 
 impl RigidSurfaces {
@@ -86,6 +97,7 @@ impl RigidSurfaces {
     pub(in crate::fe) fn begin(&mut self, x: &[Vec3]) {
         let nodes = x.len();
         self.touched = vec![false; nodes];
+        self.pushes = vec![Push::default(); nodes];
         let chosen = |plane: &RigidPlane| {
             plane.nodes.as_ref().map_or(Vec::new(), |list| {
                 let mut stops = vec![false; nodes];
@@ -121,6 +133,7 @@ impl RigidSurfaces {
     /// Makes room for a copy of a node.
     pub(in crate::fe) fn add_copy_of(&mut self, node: usize) {
         self.touched.push(self.touched[node]);
+        self.pushes.push(Push::default());
         self.grounded.push(self.grounded[node]);
         if !self.embedded.is_empty() {
             self.embedded.push(self.embedded[node]);
@@ -211,6 +224,7 @@ impl RigidSurfaces {
                 let along: Vec3 = std::array::from_fn(|i| moves[i] * plane.normal[i]);
                 let (ability, speed) = (dot(along, plane.normal), dot(plane.normal, *new));
                 let target = (-height(plane, &x)).min(0.0) / dt;
+                let mut impulse_ns = 0.0;
                 if ability > 1e-12 && speed < target {
                     let change = (target - speed) / ability;
                     let after = plus(*new, scaled(change, along));
@@ -220,8 +234,9 @@ impl RigidSurfaces {
                         changes[1][i] += slipped[i] - after[i];
                     }
                     *new = slipped;
+                    impulse_ns = mass * change;
                 }
-                self.note(node, 1 + self.boxes.len() + index);
+                self.note(node, 1 + self.boxes.len() + index, impulse_ns);
             }
         }
         let middle: Vec3 = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
@@ -237,8 +252,9 @@ impl RigidSurfaces {
         {
             let target = ((level - x[2]) / dt).min(0.0).max(new[2]);
             let bounded = if x[2] < level { 0.0_f64.max(new[2]) } else { target };
+            let impulse_ns = at.mass_kg * (bounded - new[2]);
             add(&mut work, stop(at, 2, bounded, friction, new));
-            self.note(node, 0);
+            self.note(node, 0, impulse_ns);
         }
         for index in 0..self.boxes.len() {
             let (solid, friction) = self.boxes[index];
@@ -255,14 +271,23 @@ impl RigidSurfaces {
             } else {
                 (face - x[axis]) / dt
             };
+            let impulse_ns = at.mass_kg * (target - new[axis]).abs();
             add(&mut work, stop(at, axis, target, friction, new));
-            self.note(node, index + 1);
+            self.note(node, index + 1, impulse_ns);
         }
         work
     }
 
-    /// Notes that a node touches a surface.
-    pub(super) fn note(&mut self, node: usize, surface: usize) {
+    /// The pushes on all nodes since the last call.
+    pub(in crate::fe) fn take_pushes(&mut self) -> Vec<Push> {
+        let nodes = self.pushes.len();
+        std::mem::replace(&mut self.pushes, vec![Push::default(); nodes])
+    }
+
+    /// Notes that a surface pushes a node.
+    pub(super) fn note(&mut self, node: usize, surface: usize, impulse_ns: f64) {
+        let push = &mut self.pushes[node];
+        *push = Push { impulse_ns: push.impulse_ns + impulse_ns, surface };
         let counts = surface != 0 || !self.grounded[node];
         if counts && !self.touched[node] {
             self.touched[node] = true;
@@ -319,4 +344,30 @@ fn stop(at: &Struck, axis: usize, normal_velocity: f64, friction: f64, new: &mut
         new[i] = after;
     }
     [normal, tangential]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pushes_are_the_normal_impulses_of_a_node() {
+        let mut surfaces = RigidSurfaces { ground: Some((0.0, 0.5)), ..RigidSurfaces::default() };
+        surfaces.begin(&[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]);
+        let at = Struck {
+            node: 1,
+            held: [false; 3],
+            mass_kg: 2.0,
+            dt_s: 1e-3,
+            x: [0.0, 0.0, 1e-3],
+            old: [3.0, 0.0, -5.0],
+        };
+        let mut new = at.old;
+        surfaces.resolve(&at, &mut new);
+        // what brings it onto the ground within the step is left to it
+        assert_eq!(new[2], -1.0);
+        let pushes = surfaces.take_pushes();
+        assert_eq!((pushes[0].impulse_ns, pushes[1].impulse_ns, pushes[1].surface), (0.0, 2.0 * 4.0, 0));
+        assert_eq!(surfaces.take_pushes()[1].impulse_ns, 0.0);
+    }
 }

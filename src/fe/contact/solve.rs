@@ -231,7 +231,7 @@ fn solve(rows: &mut [Row], parts: &[(u32, f64)], nodes: &mut [Moving], rigid: &m
             }
         }
         if let Some((node, surface)) = row.condition.rigid {
-            rigid.note(node, surface);
+            rigid.note(node, surface, row.normal_ns);
         }
     }
     work

@@ -3,7 +3,7 @@
 use super::{Beams, Blast, Scene, milli};
 use std::fmt::Write;
 
-/// Time that a run goes on after the last charge \[s\], and more for each storey.
+/// Simulated time after the last charge \[s\], and more for each storey.
 const END_S: [f64; 2] = [2.0, 0.2];
 
 impl Scene {
@@ -63,41 +63,22 @@ critical_plastic_strain = {}
         let [column, beam, slab] = [s.column_m, s.beam_m, s.slab_m].map(mm);
         let common = "concrete = \"C30\"\nsteel = \"B500\"\nlaw = \"RC\"";
         let ties = "ties = { diameter = \"8 mm\", spacing = \"150 mm\" }";
-        let _ = write!(
-            text,
-            "
-[sections.column]
-kind = \"rectangle\"
-{common}
-width = \"{column} mm\"
-depth = \"{column} mm\"
-bars_around = {{ per_face = {}, diameter = \"{} mm\", edge_distance = \"50 mm\" }}
-{ties}
-",
-            s.bars.0,
-            mm(s.bars.1)
-        );
+        let bars = |name: &str, depth: f64, bars: &str| {
+            format!(
+                "\n[sections.{name}]\nkind = \"rectangle\"\n{common}\nwidth = \"{column} mm\"\ndepth = \"{depth} mm\"\n{bars}\n{ties}\n"
+            )
+        };
+        let edge = "edge_distance = \"50 mm\"";
+        let (per_face, diameter) = (s.bars.0, mm(s.bars.1));
+        let around =
+            format!("bars_around = {{ per_face = {per_face}, diameter = \"{diameter} mm\", {edge} }}");
+        text.push_str(&bars("column", column, &around));
         if self.beams != Beams::None {
             let layer = |face: &str| {
-                format!(
-                    "{{ face = \"{face}\", count = {}, diameter = \"20 mm\", edge_distance = \"50 mm\" }}",
-                    s.beam_bars
-                )
+                format!("{{ face = \"{face}\", count = {}, diameter = \"20 mm\", {edge} }}", s.beam_bars)
             };
-            let _ = write!(
-                text,
-                "
-[sections.beam]
-kind = \"rectangle\"
-{common}
-width = \"{column} mm\"
-depth = \"{beam} mm\"
-bar_layers = [{}, {}]
-{ties}
-",
-                layer("bottom"),
-                layer("top")
-            );
+            let layers = format!("bar_layers = [{}, {}]", layer("bottom"), layer("top"));
+            text.push_str(&bars("beam", beam, &layers));
         }
         let mesh = "mesh = { diameter = \"10 mm\", spacing = \"150 mm\", edge_distance = \"30 mm\" }";
         let plate = |name: &str, thickness: f64| {
@@ -205,8 +186,9 @@ bar_layers = [{}, {}]
                 blast.time_s
             );
         }
-        let storeys = self.heights_m.len() as f64;
-        let _ = write!(text, "\n[settings]\nend_time = {}\n", milli(END_S[0] + END_S[1] * storeys));
+        let last_s = self.blasts.iter().map(|blast| blast.time_s).fold(0.0, f64::max);
+        let end_s = last_s + END_S[0] + END_S[1] * self.heights_m.len() as f64;
+        let _ = write!(text, "\n[settings]\nend_time = {}\n", milli(end_s));
     }
 }
 
