@@ -133,7 +133,7 @@ fn outcome(model: &Model) -> Result<Finished, String> {
     // what is in the ground at the start stays as deep
     let start = result.frames.first().map_or(0.0, depth);
     let deepest = result.frames.iter().map(depth).fold(0.0, f64::max);
-    let warned = result.warnings.iter().any(|w| w.contains("energy balance") || w.contains("mm deep"));
+    let warned = result.warnings.iter().any(|w| w.contains("energy") || w.contains("mm deep"));
     let e = &result.energies;
     let total = |i: usize| e.total_j(i);
     let turned = |i: usize| e.kinetic_j[i] + e.gravity_j[i].abs() + e.plastic_j[i] + e.applied_j[i].abs();

@@ -111,4 +111,20 @@ pub enum SolveError {
         /// The step \[s\].
         step_s: f64,
     },
+    /// Contacts make energy.
+    #[error(
+        "at t = {time_s:.6} s contacts have made {made_j:.2e} J, {share:.3} of the energy turned over, above {limit}: bodies are jammed between contacts and joints, and the impulses on them do not settle; a smaller settings.tolerance or settings.time_step_s (now {step_s:.3e}) may help, or joints that yield"
+    )]
+    ContactEnergy {
+        /// When \[s\].
+        time_s: f64,
+        /// How much \[J\].
+        made_j: f64,
+        /// As a share of the energy turned over.
+        share: f64,
+        /// Its limit.
+        limit: f64,
+        /// The step \[s\].
+        step_s: f64,
+    },
 }

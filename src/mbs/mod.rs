@@ -16,11 +16,13 @@
 //! | [`sleep`] | islands at rest: who sleeps, what wakes |
 //! | [`parameter`] | numbers of a model by name |
 //! | [`batch`] | many runs of one model |
-//! | [`run`] | the whole run: events, outputs, energy balance |
+//! | [`run`] | the whole run: events, outputs |
+//! | `balance` | energy balance: whether its sum holds and contacts only take |
 //! | [`ideal`] | smooth motion on ideal joints |
 //! | [`result`] | what a run returns |
 //! | [`error`] | why a run stopped |
 
+mod balance;
 pub mod batch;
 pub mod check;
 pub mod contact;

@@ -191,3 +191,31 @@ fn spheres_hulls_planes_and_pair_rules_do_what_the_file_says() {
     assert!(end[3][2] < -15.0, "the ghost falls through: {:?}", end[3]);
     assert!(result.energy_error < 1e-3, "{}", result.energy_error);
 }
+
+#[test]
+fn a_heavy_block_comes_to_rest_on_a_light_one() {
+    for ratio in [1e2, 1e3] {
+        let mut m = on_ground("heavy on light", 1.0, 0.5);
+        m.bodies.push(solid("light", [0.0, 0.0, 0.26], [0.5; 3]));
+        m.bodies.push(solid("heavy", [0.01, 0.0, 0.78], [0.5; 3]));
+        let light = &mut m.bodies[0];
+        light.mass_kg /= ratio;
+        light.inertia_kg_m2.iter_mut().flatten().for_each(|i| *i /= ratio);
+        m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+        let result = simulate(&m).unwrap();
+        assert!(result.warnings.is_empty(), "{ratio}: {:?}", result.warnings);
+        let end = result.frames.last().unwrap();
+        // two centimetres of fall for the light one, four for the heavy one; impulses are plastic
+        let places = [end.position_m[0][2] - 0.25, end.position_m[1][2] - 0.75];
+        println!("mass ratio {ratio}: gaps {places:.6?} m");
+        assert!(places.iter().all(|z| z.abs() < 2e-4), "{ratio}: {places:?}");
+        // what contacts have taken they keep
+        let e = &result.energies;
+        let taken: Vec<f64> = e.contact_damping_j.iter().zip(&e.friction_j).map(|(a, b)| a + b).collect();
+        let mut most = 0.0_f64;
+        for taken in taken {
+            most = most.max(taken);
+            assert!(most - taken < 1e-3 * m.bodies[1].mass_kg * G * 0.04, "{ratio}: {most} {taken}");
+        }
+    }
+}

@@ -7,6 +7,7 @@
 //! | `surface` | friction and restitution of each pair, who passes through whom |
 //! | `pair` | pairs of solids and their points over time |
 //! | `rows` | the impulses of a step |
+//! | `search` | conjugate directions where sweeps settle slowly |
 //! | `links` | impulses on bodies that ideal joints hold together |
 //! | `impact` | impacts with rebound of bodies that no joint holds: rounds of Moreau's law |
 //! | `solve` | a step: which pairs, impulses, gaps, energies |
@@ -31,6 +32,7 @@ mod impact;
 mod links;
 mod pair;
 mod rows;
+mod search;
 mod solve;
 mod surface;
 
@@ -151,6 +153,8 @@ pub struct Settings {
     pub visits: usize,
     /// Most sweeps of such a step.
     pub most_sweeps: usize,
+    /// Visits of points in conjugate directions where sweeps left velocities far from settled.
+    pub search_visits: usize,
     /// Sweeps that open gaps.
     pub gap_sweeps: usize,
     /// Share of a gap opened in a visit.
@@ -169,6 +173,7 @@ impl Default for Settings {
             sweeps: 4,
             visits: 600,
             most_sweeps: 400,
+            search_visits: 40_000,
             gap_sweeps: 2,
             gap_rate: 0.2,
             slop_m: 1e-4,

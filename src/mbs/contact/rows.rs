@@ -8,6 +8,7 @@
 //! Gaps are corrected by displacements found in sweeps of their own, which leave the velocities alone (split impulses).
 
 use super::links::{ALONE, Links};
+use super::search::Search;
 use crate::mbs::math::{self, V3};
 
 /// Depth from which more of a gap is opened at once \[m\], and that share.
@@ -146,6 +147,7 @@ pub(super) struct Rows {
     pub shift: Vec<Motion>,
     push: Vec<f64>,
     pub links: Links,
+    pub(super) search: Search,
 }
 
 impl Rows {

@@ -12,6 +12,9 @@ const DEPTH_LIMIT: f64 = 1.0;
 pub(super) const REBOUND_FROM: f64 = 4.0;
 /// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
 const UNSTEADY: f64 = 0.45;
+/// Change of a velocity after the sweeps, over the same, from which conjugate directions go on, and the fewest of them that are worth it.
+const SEARCH_FROM: f64 = 0.1;
+const FEWEST_MOVES: usize = 8;
 /// One sweep of so many visits points without impulses as well; so do the last one and the one that shows that velocities hold.
 const WHOLE_EVERY: usize = 3;
 /// Least velocity that errors are compared with \[m/s\].
@@ -193,9 +196,27 @@ impl ContactSet {
             change = self.rows.sweep(done % 2 == 1, whole);
             done += 1;
         }
+        let moves = s.search_visits / (2 * self.rows.rows.len());
+        if change > SEARCH_FROM * scale && moves >= FEWEST_MOVES && self.rows.are_uneven() {
+            let (moved, left) = self.conjugate(moves, s.tolerance * scale);
+            change = left;
+            done += 2 * moved + 1;
+        }
         self.work.unfinished += u64::from(change > s.tolerance * scale);
         self.work.sweeps += done as u64;
         self.work.visits += (done * self.rows.rows.len()) as u64;
+    }
+
+    /// Conjugate directions until the velocities hold; how many moves, and the largest change of a velocity in the sweep after them \[m/s\].
+    fn conjugate(&mut self, most: usize, tolerance_m_s: f64) -> (usize, f64) {
+        self.rows.search_anew();
+        let (mut moves, mut change) = (0, f64::INFINITY);
+        while moves < most && change > tolerance_m_s {
+            change = self.rows.search();
+            moves += 1;
+        }
+        // back to where Coulomb's law allows
+        (moves, self.rows.sweep(false, true))
     }
 
     /// Enters the points that come within reach of the bodies that impulses made faster; false if there is no such body.

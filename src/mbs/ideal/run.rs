@@ -6,6 +6,7 @@ use super::motion::{Motion, STATE};
 use super::survey::Observed;
 use super::touch::Touching;
 use crate::base::cpu::ThreadClock;
+use crate::mbs::balance::Balance;
 use crate::mbs::contact::{ContactSet, Partner};
 use crate::mbs::error::SolveError;
 use crate::mbs::math::{self, V3};
@@ -72,8 +73,7 @@ struct Record {
     contact_j: [f64; 2],
     /// What joints took as they left singular poses.
     locked_j: f64,
-    turnover_j: f64,
-    error: f64,
+    books: Balance,
 }
 
 impl<'a> Run<'a> {
@@ -99,7 +99,7 @@ impl<'a> Run<'a> {
         });
         let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
         // one millimetre of fall: the scale of a model in which nothing happens
-        let turnover_j = 1e-3 * mass * math::norm(model.gravity_m_s2) + start.kinetic_j + start.elastic_j;
+        let scale_j = 1e-3 * mass * math::norm(model.gravity_m_s2) + start.kinetic_j + start.elastic_j;
         let record = Record {
             next: 0,
             start,
@@ -107,8 +107,7 @@ impl<'a> Run<'a> {
             unbound_j: 0.0,
             contact_j: [0.0; 2],
             locked_j: 0.0,
-            turnover_j,
-            error: 0.0,
+            books: Balance::new(scale_j),
         };
         Ok(Self { model, options, tracked: tracked.collect(), record, marcher, result })
     }
@@ -127,10 +126,10 @@ impl<'a> Run<'a> {
         self.result.steps = tally.steps[0] as usize;
         self.result.time_step_s = tally.longest_s;
         self.result.highest_frequency_rad_s = self.marcher.frequency_rad_s();
-        self.result.energy_error = self.record.error;
+        self.result.energy_error = self.record.books.error;
         let contacts = self.marcher.touching.as_ref().map(|t| t.set.work);
         self.result.warnings.extend(remark(&self.marcher.locked));
-        self.result.warnings.extend(closing_remarks(self.record.error, contacts));
+        self.result.warnings.extend(closing_remarks(&self.record.books, contacts));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
     }
@@ -366,14 +365,10 @@ impl Record {
         e.released_j.push(self.released_j + unbound_j + self.locked_j);
         // the work of springs and hinges is in their energies
         e.applied_j.push(start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j - unbound_j);
-        let total = e.total_j(e.kinetic_j.len() - 1);
-        let first = e.total_j(0);
-        self.turnover_j = self.turnover_j.max(seen.kinetic_j + gravity_j.abs() + seen.plastic_j);
-        self.turnover_j = self.turnover_j.max(seen.work_j.abs()).max(f64::MIN_POSITIVE);
-        let error = (total - first).abs() / self.turnover_j;
-        self.error = self.error.max(error);
+        let turned_j = seen.kinetic_j + gravity_j.abs() + seen.plastic_j;
+        let error = self.books.note(e, turned_j.max(seen.work_j.abs()));
         if error <= options.energy_limit {
-            return Ok(());
+            return self.books.check_contacts(time, options.energy_limit, step);
         }
         let speed = |i: usize| math::norm([7, 8, 9].map(|k| state[STATE * i + k]));
         let body = (0..model.bodies.len()).max_by(|a, b| speed(*a).total_cmp(&speed(*b))).unwrap_or(0);

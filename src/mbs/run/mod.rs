@@ -18,6 +18,7 @@ mod part;
 mod setup;
 
 use self::setup::{choose_step, connect, empty_result, preload_error};
+use super::balance::Balance;
 use super::contact::{ContactSet, Moving, Settings, Work};
 use super::error::SolveError;
 use super::ideal;
@@ -66,7 +67,7 @@ pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult
     let clock = ThreadClock::start();
     let mut run = Run::new(model, options)?;
     run.go()?;
-    let remarks = closing_remarks(run.result.energy_error, Some(run.contacts.work));
+    let remarks = closing_remarks(&run.books, Some(run.contacts.work));
     run.result.warnings.extend(remarks);
     run.close_latent();
     run.result.cpu_s = clock.elapsed_s();
@@ -79,11 +80,18 @@ const ENERGY_WORTH_TELLING: f64 = 1e-3;
 const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
 
 /// What is worth saying of a run that came to its end.
-pub(super) fn closing_remarks(energy_error: f64, contacts: Option<Work>) -> Vec<String> {
+pub(super) fn closing_remarks(books: &Balance, contacts: Option<Work>) -> Vec<String> {
     let mut list = Vec::new();
+    let energy_error = books.error;
     if energy_error > ENERGY_WORTH_TELLING {
         list.push(format!(
             "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller settings.tolerance or settings.time_step_s shows what that changes"
+        ));
+    }
+    if books.made() > ENERGY_WORTH_TELLING {
+        list.push(format!(
+            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints, or rebound with friction; a smaller settings.tolerance or settings.time_step_s shows what that changes",
+            books.made()
         ));
     }
     if let Some(work) = contacts.filter(|w| w.deepest_m > DEPTH_WORTH_TELLING_M) {
@@ -132,8 +140,7 @@ struct Run<'a> {
     range_warned: Vec<bool>,
     plastic_start: f64,
     released: f64,
-    total_start: f64,
-    turnover: f64,
+    books: Balance,
     preloading: bool,
 }
 
@@ -187,8 +194,7 @@ impl<'a> Run<'a> {
             tracked,
             hinges,
             released: 0.0,
-            total_start: 0.0,
-            turnover: 0.0,
+            books: Balance::default(),
             preloading: file.settings.preload,
         };
         run.start = (0..file.bodies.len()).map(|i| run.piece(i).0).collect();

@@ -2,6 +2,7 @@
 
 use super::Run;
 use super::setup::joints_of;
+use crate::mbs::balance::Balance;
 use crate::mbs::error::SolveError;
 use crate::mbs::result::Frame;
 use crate::mbs::system::BodyState;
@@ -74,20 +75,18 @@ impl Run<'_> {
         e.friction_j.push(contact.friction_j);
         e.released_j.push(self.released);
         e.applied_j.push(0.0);
-        let total = e.total_j(e.kinetic_j.len() - 1);
         if e.kinetic_j.len() == 1 {
-            self.total_start = total;
             // One millimetre of fall: the scale of a model in which nothing happens.
             let mass: f64 = self.system.data.iter().map(|d| d.mass).sum();
-            self.turnover = 1e-3 * mass * math::norm(self.system.gravity) + kinetic + joints;
+            let scale_j = 1e-3 * mass * math::norm(self.system.gravity) + kinetic + joints;
+            self.books = Balance::new(scale_j);
         }
-        self.turnover = self.turnover.max(kinetic + gravity.abs() + plastic.abs() + contact.friction_j.abs());
-        let error = (total - self.total_start).abs() / self.turnover;
-        self.result.energy_error = self.result.energy_error.max(error);
+        let error = self.books.note(e, kinetic + gravity.abs() + plastic.abs());
+        self.result.energy_error = self.books.error;
         if error.is_nan() || error > self.options.energy_limit {
             return Err(self.energy_error(error));
         }
-        Ok(())
+        self.books.check_contacts(self.time, self.options.energy_limit, self.step_limit)
     }
 
     fn energy_error(&self, error: f64) -> SolveError {

@@ -1,0 +1,104 @@
+//! The energy balance over the outputs of a run: whether the sum of all energies holds, and whether contacts only take.
+
+use super::error::SolveError;
+use super::result::EnergyHistory;
+
+/// What the outputs so far show.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Balance {
+    /// Sum of all energies at the first output \[J\].
+    start_j: f64,
+    /// Energy turned over: the largest so far \[J\].
+    turnover_j: f64,
+    /// Most that contacts had taken \[J\].
+    taken_j: f64,
+    /// Largest amount by which contacts gave back of it \[J\].
+    made_j: f64,
+    /// Largest error of the sum over the energy turned over.
+    pub error: f64,
+}
+
+impl Balance {
+    /// With the scale of a model in which nothing happens \[J\].
+    pub fn new(scale_j: f64) -> Self {
+        Self { turnover_j: scale_j.max(f64::MIN_POSITIVE), ..Self::default() }
+    }
+
+    /// Takes in the last output, at which so much energy had been turned over; returns the error of the sum there.
+    pub fn note(&mut self, energies: &EnergyHistory, turned_j: f64) -> f64 {
+        let last = energies.kinetic_j.len() - 1;
+        let total_j = energies.total_j(last);
+        if last == 0 {
+            self.start_j = total_j;
+        }
+        // each of the two can be large where a contact is jammed, and they cancel each other then
+        let taken_j = energies.contact_damping_j[last] + energies.friction_j[last];
+        self.taken_j = self.taken_j.max(taken_j);
+        self.made_j = self.made_j.max(self.taken_j - taken_j);
+        self.turnover_j = self.turnover_j.max(turned_j).max(taken_j);
+        let error = (total_j - self.start_j).abs() / self.turnover_j;
+        self.error = self.error.max(error);
+        error
+    }
+
+    /// Energy that contacts made, as a share of that turned over. Contacts with friction and rebound only take energy; impulses that
+    /// do not settle, as in a jammed mechanism, can make some.
+    pub fn made(&self) -> f64 {
+        self.made_j / self.turnover_j
+    }
+
+    /// The diagnosis if contacts have made more than a share.
+    ///
+    /// # Errors
+    /// [`SolveError::ContactEnergy`] if so.
+    pub fn check_contacts(&self, time_s: f64, limit: f64, step_s: f64) -> Result<(), SolveError> {
+        if self.made() <= limit {
+            return Ok(());
+        }
+        Err(SolveError::ContactEnergy { time_s, made_j: self.made_j, share: self.made(), limit, step_s })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(kinetic_j: &[f64], taken_j: &[f64]) -> EnergyHistory {
+        let zero = vec![0.0; kinetic_j.len()];
+        EnergyHistory {
+            kinetic_j: kinetic_j.to_vec(),
+            gravity_j: zero.clone(),
+            joints_elastic_j: zero.clone(),
+            plastic_j: zero.clone(),
+            contact_elastic_j: zero.clone(),
+            // jammed: large, and of opposite signs
+            contact_damping_j: taken_j.iter().map(|t| t + 1e6).collect(),
+            friction_j: vec![-1e6; kinetic_j.len()],
+            released_j: zero.clone(),
+            applied_j: zero,
+        }
+    }
+
+    #[test]
+    fn contacts_that_give_back_make_energy() {
+        let all = history(&[100.0, 60.0, 90.0], &[0.0, 40.0, 10.0]);
+        let mut balance = Balance::new(1e-3);
+        for n in 1..=3 {
+            let until = history(&all.kinetic_j[..n], &[0.0, 40.0, 10.0][..n]);
+            let error = balance.note(&until, until.kinetic_j[n - 1]);
+            assert!(error < 1e-9, "{error}");
+        }
+        assert!((balance.made() - 0.3).abs() < 1e-12, "{}", balance.made());
+        assert!(balance.check_contacts(1.0, 0.31, 1e-3).is_ok());
+        let said = balance.check_contacts(1.0, 0.29, 1e-3).unwrap_err().to_string();
+        assert!(said.contains("contacts have made 3.00e1 J"), "{said}");
+    }
+
+    #[test]
+    fn work_that_cancels_does_not_hide_an_error_of_the_sum() {
+        let mut balance = Balance::new(1e-3);
+        balance.note(&history(&[100.0], &[0.0]), 100.0);
+        let error = balance.note(&history(&[100.0, 90.0], &[0.0, 0.0]), 90.0);
+        assert!((error - 0.1).abs() < 1e-12, "{error}");
+    }
+}
