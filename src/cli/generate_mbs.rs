@@ -65,6 +65,8 @@ pub struct Arguments {
 pub enum DeriveArgument {
     /// Stop and name them
     Never,
+    /// Scale the curves of similar columns by the laws of similarity
+    Similar,
     /// Compute the curves for this run
     Run,
     /// Compute the curves and add them to the library
@@ -76,6 +78,7 @@ impl DeriveArgument {
     pub fn choice(self) -> Derive {
         match self {
             Self::Never => Derive::Never,
+            Self::Similar => Derive::Similar,
             Self::Run => Derive::Run,
             Self::Keep => Derive::Keep,
         }

@@ -14,6 +14,7 @@ pub mod cyclic;
 pub mod cyclic_fit;
 pub mod envelope;
 pub mod hinge;
+mod limits;
 pub mod loops;
 
 pub use capacity::{Capacity, CapacityHint, CapacityTable};

@@ -1,6 +1,6 @@
 //! Rigid bodies from sets of members.
 
-use super::floors::Piece;
+use super::cells::Piece;
 use crate::base::geom::Aabb;
 use crate::building::partition::merged;
 use crate::building::{Building, MemberKind};

@@ -1,9 +1,10 @@
 //! Asks the rules about every member and member end, and keeps their answers.
 
+use super::grillage::on_axes;
 use super::{GenerateError, is_column};
 use crate::building::ends::{End, MemberEnd};
 use crate::building::partition::Partition;
-use crate::building::{Building, MemberKind, Preparation};
+use crate::building::{Building, Member, MemberKind, Preparation};
 use crate::graph::Demands;
 use crate::library::derive::beyond;
 use crate::mbs::Model;
@@ -35,6 +36,8 @@ pub struct Reason {
 pub struct Decision {
     /// Members that may be one rigid body with neighbours of which the same is true.
     pub merges: Vec<bool>,
+    /// Those of them whose floor bends.
+    bends: Vec<bool>,
     /// Hinged member ends with the ids of the rules that put hinge and springs there.
     pub hinges: BTreeMap<String, Vec<String>>,
     /// Beam ends at which floors may fold, with the ids of the rules that say so.
@@ -54,12 +57,16 @@ impl Decision {
         demands: &Demands,
         rules: &RuleBase,
     ) -> Result<Self, GenerateError> {
-        let mut this = Self { merges: vec![false; building.members.len()], ..Self::default() };
+        let none = vec![false; building.members.len()];
+        let mut this = Self { merges: none.clone(), bends: none, ..Self::default() };
+        let known = Known::of(building, demands);
         let mut gaps = Vec::new();
         for index in 0..building.members.len() {
             let subject = member_subject(building, partition, index);
+            let subject = known.added_to(subject, &building.members[index]);
             match this.ask(rules, &subject, Aspect::Body)? {
                 Some(Action::MergeRigid) => this.merges[index] = true,
+                Some(Action::MergeElastic) => (this.merges[index], this.bends[index]) = (true, true),
                 Some(Action::RigidBody) => {}
                 Some(other) => return Err(unsupported(&subject, other)),
                 None => gaps.push(subject.id),
@@ -110,6 +117,11 @@ impl Decision {
     fn fired(&self, id: &str) -> Vec<String> {
         let firings = self.traces[id].firings.iter().filter(|f| f.overruled_by.is_none());
         firings.map(|f| f.rule.clone()).collect()
+    }
+
+    /// Whether the floor of some members bends: if a rule says so of any of them.
+    pub fn bends(&self, members: &[usize]) -> bool {
+        members.iter().any(|m| self.bends[*m])
     }
 
     /// Rules that made some members one body.
@@ -172,6 +184,50 @@ fn member_subject(building: &Building, partition: &Partition, index: usize) -> S
         .with("collapse.phase", "before_contact")
         .with("critical_strain_rate", building.settings.critical_strain_rate_1_s)
         .with("storeys", f64::from(storeys))
+}
+
+/// What is known of the building as a whole.
+struct Known {
+    /// Largest demand over capacity of its column ends.
+    demand_ratio: Option<f64>,
+    /// Longest span between axes of columns \[m\].
+    span_m: f64,
+    /// Depth of the floor of each storey: that of its deepest beam, or of its slabs where there is none \[m\].
+    depth_m: BTreeMap<Option<u32>, f64>,
+}
+
+impl Known {
+    fn of(building: &Building, demands: &Demands) -> Self {
+        let columns = || building.members.iter().filter(|m| m.kind == MemberKind::Column);
+        let span = |axis: usize| {
+            let axes = on_axes(columns().map(|m| [m.solid.center()[axis], 0.0]).collect());
+            axes.windows(2).map(|w| w[1][0] - w[0][0]).fold(0.0, f64::max)
+        };
+        let mut depths = [MemberKind::Slab, MemberKind::Beam].map(|kind| {
+            let mut of_kind = BTreeMap::<Option<u32>, f64>::new();
+            for member in building.members.iter().filter(|m| m.kind == kind) {
+                let depth = of_kind.entry(member.storey).or_default();
+                *depth = depth.max(member.solid.size()[2]);
+            }
+            of_kind
+        });
+        let beams = std::mem::take(&mut depths[1]);
+        let [mut depth_m, _] = depths;
+        depth_m.extend(beams);
+        Self { demand_ratio: demands.largest_of_columns(building), span_m: span(0).max(span(1)), depth_m }
+    }
+
+    /// With what it says of a member.
+    fn added_to(&self, subject: Subject, member: &Member) -> Subject {
+        let known = |subject: Subject, name: &str, value: Option<f64>| match value {
+            Some(value) => subject.with(name, value),
+            None => subject,
+        };
+        let floor = matches!(member.kind, MemberKind::Slab | MemberKind::Beam) && self.span_m > 0.0;
+        let depth = self.depth_m.get(&member.storey).filter(|_| floor);
+        let subject = known(subject, "building.demand_ratio", self.demand_ratio);
+        known(subject, "floor.slenderness", depth.map(|depth| self.span_m / depth))
+    }
 }
 
 /// What is known of a member end before any run.

@@ -5,10 +5,9 @@
 //! meet that far from the line: bodies of the size of a joint block would be so light beside the stiffness of their columns that steps had to be six times shorter.
 
 use super::GenerateError;
-use super::bodies::of_boxes;
+use super::cells::{Cells, Piece, neighbours};
 use super::decide::Decision;
 use super::joints::{Place, axes};
-use crate::base::geom::Aabb;
 use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
@@ -49,14 +48,6 @@ struct Fold {
     outward: f64,
     /// Where the pieces meet \[m\].
     parts_m: f64,
-}
-
-/// A piece of a floor.
-#[derive(Debug, Clone)]
-pub struct Piece {
-    cell: [usize; 2],
-    /// Its boxes, with their members.
-    boxes: Vec<(usize, Aabb)>,
 }
 
 /// A hinge on a line of a floor.
@@ -109,13 +100,7 @@ impl Grid {
         if pieces > MOST_PIECES {
             return Err(pieces);
         }
-        let boxes = || members.iter().flat_map(|m| structure.boxes(*m));
-        let edges = [0, 1].map(|i| {
-            [
-                boxes().map(|b| b.min[i]).fold(f64::INFINITY, f64::min),
-                boxes().map(|b| b.max[i]).fold(f64::NEG_INFINITY, f64::max),
-            ]
-        });
+        let edges = Cells::edges(structure, members);
         Ok(Some(Self { members: members.to_vec(), lines, edges, depth_m }))
     }
 
@@ -126,24 +111,10 @@ impl Grid {
         [low, lines.get(k).map_or(self.edges[axis][1], |line| line.parts_m)]
     }
 
-    /// The pieces that have a volume.
-    pub fn pieces(&self, structure: &Structure) -> Vec<Piece> {
-        let mut pieces = Vec::new();
-        for i in 0..=self.lines[0].len() {
-            for j in 0..=self.lines[1].len() {
-                let ([x0, x1], [y0, y1]) = (self.bounds(0, i), self.bounds(1, j));
-                let cell = Aabb { min: [x0, y0, f64::NEG_INFINITY], max: [x1, y1, f64::INFINITY] };
-                let inside = |m: &usize| {
-                    let own = structure.boxes(*m).iter().filter_map(|b| b.intersection(&cell, 1e-9));
-                    own.map(|b| (*m, b)).collect::<Vec<_>>()
-                };
-                let boxes: Vec<(usize, Aabb)> = self.members.iter().flat_map(inside).collect();
-                if !boxes.is_empty() {
-                    pieces.push(Piece { cell: [i, j], boxes });
-                }
-            }
-        }
-        pieces
+    /// Its cells.
+    pub fn cells(&self) -> Cells {
+        let bounds = [0, 1].map(|axis| (0..=self.lines[axis].len()).map(|k| self.bounds(axis, k)).collect());
+        Cells { members: self.members.clone(), bounds }
     }
 
     /// The hinges between neighbouring pieces.
@@ -156,67 +127,43 @@ impl Grid {
         decision: &Decision,
     ) -> Vec<Line> {
         let mut list = Vec::new();
-        for (a, piece) in pieces.iter().enumerate() {
-            for axis in 0..2 {
-                let mut cell = piece.cell;
-                cell[axis] += 1;
-                let Some(b) = pieces.iter().position(|p| p.cell == cell) else { continue };
-                let k = piece.cell[axis];
-                let Fold { at_m, outward, .. } = self.lines[axis][k];
-                let lengths = [at_m - self.bounds(axis, k)[0], self.bounds(axis, k + 1)[1] - at_m];
-                let (held, bent) = if outward > 0.0 { (a, b) } else { (b, a) };
-                let [near, far] = if outward > 0.0 { lengths } else { [lengths[1], lengths[0]] };
-                let across_m = self.bounds(1 - axis, piece.cell[1 - axis]);
-                let strip = StripPlace {
-                    axis,
-                    at_m,
-                    outward,
-                    near_m: near.min(REACH_DEPTHS * self.depth_m),
-                    far_m: 0.5 * far,
-                    across_m,
-                };
-                let Some(wanted) = WantedStrip::of(place.building, place.mesh, &self.members, &strip) else {
-                    continue;
-                };
-                let on_line = |e: &&MemberEnd| {
-                    let near = (e.point_m[axis] - at_m).abs() < SAME_LINE_M;
-                    e.axis == axis && self.members.contains(&e.member) && near
-                };
-                let inside = |e: &&MemberEnd| {
-                    let p = e.point_m[1 - axis];
-                    p > across_m[0] && p < across_m[1]
-                };
-                let beam = ends.iter().filter(on_line).find(inside);
-                let asked = ends.iter().filter(on_line).filter_map(|e| decision.latent.get(&e.id));
-                let rules: BTreeSet<&String> = asked.flatten().collect();
-                let rules = rules.into_iter().cloned().collect();
-                let id = beam.map_or_else(|| format!("{}|{}", names[held], names[bent]), |e| e.id.clone());
-                let floor = names[a].split('/').next().unwrap_or_default();
-                let section = format!("{floor}/{}{}", ["x", "y"][axis], k + 1);
-                list.push(Line { id, pieces: [held, bent], section, rules, wanted, outward });
-            }
+        for (axis, a, b) in neighbours(pieces) {
+            let cell = pieces[a].cell;
+            let k = cell[axis];
+            let Fold { at_m, outward, .. } = self.lines[axis][k];
+            let lengths = [at_m - self.bounds(axis, k)[0], self.bounds(axis, k + 1)[1] - at_m];
+            let (held, bent) = if outward > 0.0 { (a, b) } else { (b, a) };
+            let [near, far] = if outward > 0.0 { lengths } else { [lengths[1], lengths[0]] };
+            let across_m = self.bounds(1 - axis, cell[1 - axis]);
+            let strip = StripPlace {
+                axis,
+                at_m,
+                outward,
+                near_m: near.min(REACH_DEPTHS * self.depth_m),
+                far_m: 0.5 * far,
+                across_m,
+            };
+            let Some(wanted) = WantedStrip::of(place.building, place.mesh, &self.members, &strip) else {
+                continue;
+            };
+            let on_line = |e: &&MemberEnd| {
+                let near = (e.point_m[axis] - at_m).abs() < SAME_LINE_M;
+                e.axis == axis && self.members.contains(&e.member) && near
+            };
+            let inside = |e: &&MemberEnd| {
+                let p = e.point_m[1 - axis];
+                p > across_m[0] && p < across_m[1]
+            };
+            let beam = ends.iter().filter(on_line).find(inside);
+            let asked = ends.iter().filter(on_line).filter_map(|e| decision.latent.get(&e.id));
+            let rules: BTreeSet<&String> = asked.flatten().collect();
+            let rules = rules.into_iter().cloned().collect();
+            let id = beam.map_or_else(|| format!("{}|{}", names[held], names[bent]), |e| e.id.clone());
+            let floor = names[a].split('/').next().unwrap_or_default();
+            let section = format!("{floor}/{}{}", ["x", "y"][axis], k + 1);
+            list.push(Line { id, pieces: [held, bent], section, rules, wanted, outward });
         }
         list
-    }
-}
-
-impl Piece {
-    /// Its body.
-    pub fn body(&self, building: &Building, structure: &Structure, id: String, rules: Vec<String>) -> Body {
-        of_boxes(building, structure, &self.boxes, id, rules)
-    }
-
-    /// Name of a piece: that of its floor, and its cell counted from one.
-    pub fn name(&self, floor: &str) -> String {
-        format!("{floor}/{}-{}", self.cell[0] + 1, self.cell[1] + 1)
-    }
-
-    /// Square of the distance of a point from it \[m²\].
-    pub fn distance2(&self, point: [f64; 3]) -> f64 {
-        let to = |b: &Aabb| -> f64 {
-            (0..3).map(|i| (b.min[i] - point[i]).max(point[i] - b.max[i]).max(0.0).powi(2)).sum()
-        };
-        self.boxes.iter().map(|(_, b)| to(b)).fold(f64::INFINITY, f64::min)
     }
 }
 

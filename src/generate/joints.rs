@@ -10,6 +10,8 @@ use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted, beyond};
 use crate::library::derive_strip::WantedStrip;
+use crate::library::entry::AxisRecord;
+use crate::library::similar::Candidates;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{Bending, Bushing, Origin};
 use std::collections::BTreeMap;
@@ -54,14 +56,19 @@ pub struct Entries {
     /// Key of each member end's entry.
     pub of_end: BTreeMap<String, String>,
     pub derived: Vec<String>,
+    /// What an analyst should look at.
+    pub notes: Vec<String>,
 }
 
 impl Entries {
-    /// The curves of all entries, `KEY/axis-1` and `KEY/axis-2`.
+    /// The curves of all entries up to crushing, `KEY/axis-1` and `KEY/axis-2`.
     pub fn curves(&self) -> BTreeMap<String, ResistanceCurve> {
         self.entries
             .iter()
-            .flat_map(|(key, e)| e.axes.iter().enumerate().map(|(i, a)| (curve_id(key, i), a.curve.clone())))
+            .flat_map(|(key, e)| {
+                let whole = |axis: &AxisRecord| axis.curve.up_to_crushing(e.compressive_capacity_n);
+                e.axes.iter().enumerate().map(move |(i, a)| (curve_id(key, i), whole(a)))
+            })
             .collect()
     }
 }
@@ -98,15 +105,26 @@ pub fn entries(
         wanted.entry(key).or_insert((id, query));
     }
     let known = store.keys();
+    let candidates = if derive == Derive::Similar { Candidates::of(store)? } else { Candidates::default() };
     let mut missing = Vec::new();
     for (key, (end, query)) in wanted {
         if known.binary_search(&key).is_ok() {
             found.entries.insert(key.clone(), store.get(&key)?);
-        } else {
-            missing.push((key, end, query));
+            continue;
         }
+        let similar = match &query {
+            Query::End(wanted) => candidates.scaled(wanted).map_err(DeriveError::from)?,
+            Query::Strip(_) => None,
+        };
+        if let Some(similar) = similar {
+            found.notes.push(format!("{end}: no entry of its own, curves scaled from {}", similar.words));
+            found.of_end.values_mut().filter(|k| **k == key).for_each(|k| k.clone_from(&similar.entry.key));
+            found.entries.insert(similar.entry.key.clone(), similar.entry);
+            continue;
+        }
+        missing.push((key, end, query));
     }
-    if derive == Derive::Never && !missing.is_empty() {
+    if matches!(derive, Derive::Never | Derive::Similar) && !missing.is_empty() {
         return Err(GenerateError::Missing(missing.into_iter().map(|(_, end, _)| end).collect()));
     }
     let count = missing.len();

@@ -5,9 +5,12 @@
 //! this member end. Where no rule decides or no entry exists, generation stops and says so: there is no default curve.
 
 pub mod bodies;
+mod cells;
 mod decide;
 mod floors;
+mod grillage;
 mod joints;
+mod walls;
 
 pub use decide::{Decision, Reason};
 
@@ -16,16 +19,19 @@ use crate::building::partition::Partition;
 use crate::building::tracked::{Tracked, tracked_points};
 use crate::building::{Building, Charge, MemberKind};
 use crate::fe::mesh::Mesh;
+use crate::graph::idealise::idealise;
 use crate::graph::{Demands, Structure, demands};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    BodyContact, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RESTITUTION,
+    BodyContact, Bushing, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RESTITUTION,
     RunSettings, TOLERANCE, TrackedPoint,
 };
 use crate::rules::RuleBase;
 use bodies::Bodies;
-use floors::{Grid, Line, Piece};
+use cells::Piece;
+use floors::{Grid, Line};
+use grillage::Grillage;
 use joints::Query;
 use std::collections::BTreeMap;
 
@@ -34,6 +40,8 @@ use std::collections::BTreeMap;
 pub enum Derive {
     /// Stop with an error that names them.
     Never,
+    /// Scale the curves of similar columns; stop where there are none.
+    Similar,
     /// Compute the curves for this model, do not store them.
     #[default]
     Run,
@@ -69,7 +77,7 @@ pub enum GenerateError {
     #[error(transparent)]
     Subject(#[from] crate::rules::SubjectError),
     /// The library lacks entries.
-    #[error("the library has no entry for {}; run with `--derive` to compute what is missing", .0.join(", "))]
+    #[error("the library has no entry for {}; run with `--derive` to compute what is missing, or for columns with `--derive=similar` to scale the curves of similar ones", .0.join(", "))]
     Missing(Vec<String>),
     /// A stretch of a member cannot be removed from a rigid body.
     #[error(
@@ -121,16 +129,17 @@ pub fn generate(
     let hinged: Vec<&MemberEnd> =
         ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
     let mut asked = joints::queries(&place, &hinged)?;
-    let lines: Vec<(usize, Line)> = floors
-        .iter()
-        .flat_map(|(grid, first, pieces)| {
-            let names: Vec<String> =
-                bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
-            grid.lines(&place, pieces, &ends, &names, &decision).into_iter().map(move |line| (*first, line))
-        })
-        .collect();
+    let mut lines: Vec<(usize, Line)> = Vec::new();
+    for Divided { floor, first, pieces } in &floors {
+        let Floor::Folds(grid) = floor else { continue };
+        let names: Vec<String> =
+            bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
+        let own = grid.lines(&place, pieces, &ends, &names, &decision);
+        lines.extend(own.into_iter().map(|line| (*first, line)));
+    }
     asked.extend(lines.iter().map(|(_, line)| (line.id.clone(), Query::Strip(line.wanted.clone()))));
     let found = joints::entries(asked, store, derive, progress)?;
+    notes.extend(found.notes.iter().cloned());
     notes.extend(overloaded_rigid_ends(&demands, &decision));
     if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
         notes.push(format!(
@@ -143,6 +152,15 @@ pub fn generate(
         let entry = &found.entries[&found.of_end[&line.id]];
         hinges.push(line.bushing(&bodies.list, *first, entry, joints::curve_id(&entry.key, 0), building)?);
     }
+    let walls = walls::springs(building, &structure, &bodies);
+    if !walls.is_empty() {
+        notes.push(
+            "walls are rigid plates on elastic springs: they neither crack nor crush in this model".into(),
+        );
+    }
+    hinges.extend(walls);
+    let mut contact = contact(building);
+    elastic_floors(building, &structure, &floors, &bodies, &mut hinges, &mut contact);
     let model = Model {
         schema: MODEL_SCHEMA.to_string(),
         name: building.name.clone(),
@@ -151,7 +169,7 @@ pub fn generate(
         joints: Vec::new(),
         bushings: hinges,
         forces: Vec::new(),
-        contact: contact(building),
+        contact,
         events: events(building, &bodies),
         tracked: tracked(building, partition, &bodies),
         settings: RunSettings {
@@ -213,7 +231,22 @@ fn contact(building: &Building) -> Contact {
     }
 }
 
-/// The bodies of clusters of members: one each, or the pieces of floors that may fold. Returns those floors with their first body.
+/// How a floor is divided.
+enum Floor {
+    /// At lines at which it may fold.
+    Folds(Grid),
+    /// About its columns, with elastic springs in between.
+    Bends(Grillage),
+}
+
+/// A floor in pieces, which are the bodies from some place on.
+struct Divided {
+    floor: Floor,
+    first: usize,
+    pieces: Vec<Piece>,
+}
+
+/// The bodies of clusters of members: one each, or the pieces of floors that bend or may fold.
 fn bodies_of(
     building: &Building,
     structure: &Structure,
@@ -222,27 +255,54 @@ fn bodies_of(
     decision: &Decision,
     bodies: &mut Bodies,
     notes: &mut Vec<String>,
-) -> Vec<(Grid, usize, Vec<Piece>)> {
+) -> Vec<Divided> {
     let mut floors = Vec::new();
     for cluster in clusters {
         let rules = decision.rules_of(building, cluster);
         let name = bodies::name(building, cluster);
-        match Grid::of(building, structure, cluster, ends, decision) {
-            Ok(Some(grid)) => {
-                let pieces = grid.pieces(structure);
-                let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
-                let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
-                floors.push((grid, first, pieces));
-                continue;
-            }
-            Ok(None) => {}
-            Err(pieces) => notes.push(format!(
-                "{name} stays rigid: the lines at which it may fold would make {pieces} pieces of it, more than a model can watch in one floor"
-            )),
-        }
-        bodies.add(cluster, bodies::body(building, structure, cluster, rules));
+        let folds = Grid::of(building, structure, cluster, ends, decision).unwrap_or_else(|pieces| {
+            notes.push(format!(
+                "{name} stays in one piece: the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
+            ));
+            None
+        });
+        let bends = || Grillage::of(building, structure, cluster).filter(|_| decision.bends(cluster));
+        let floor = bends().map(Floor::Bends).or_else(|| folds.map(Floor::Folds));
+        let Some(floor) = floor else {
+            bodies.add(cluster, bodies::body(building, structure, cluster, rules));
+            continue;
+        };
+        let pieces = match &floor {
+            Floor::Folds(grid) => grid.cells().pieces(structure),
+            Floor::Bends(grillage) => grillage.cells.pieces(structure),
+        };
+        let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
+        let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
+        floors.push(Divided { floor, first, pieces });
     }
     floors
+}
+
+/// Springs of the floors that bend, and their pieces that pass through each other.
+fn elastic_floors(
+    building: &Building,
+    structure: &Structure,
+    floors: &[Divided],
+    bodies: &Bodies,
+    springs: &mut Vec<Bushing>,
+    contact: &mut Contact,
+) {
+    if !floors.iter().any(|f| matches!(f.floor, Floor::Bends(_))) {
+        return;
+    }
+    let cut = building.members.iter().enumerate().filter(|(_, m)| building.is_cut(&m.id)).map(|(i, _)| i);
+    let frame = idealise(structure, building, &cut.collect()).frame;
+    for Divided { floor, first, pieces } in floors {
+        if let Floor::Bends(grillage) = floor {
+            springs.extend(grillage.springs(building, &frame, pieces, bodies, *first));
+            contact.pairs.extend(grillage::corners(pieces, bodies, *first));
+        }
+    }
 }
 
 /// Charges take whole bodies away.

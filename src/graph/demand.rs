@@ -10,7 +10,7 @@ use super::frame::{FrameError, Mechanism, SectionForces};
 use super::idealise::idealise;
 use super::paths::{charged_members, cut_members};
 use super::structure::Structure;
-use crate::building::{Building, Material, Preparation};
+use crate::building::{Building, Material, MemberKind, Preparation};
 use crate::material::section_capacity::{CompressedEdge, FibreSection, HomogenisedCapacity};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -103,6 +103,19 @@ pub fn demands(structure: &Structure, building: &Building) -> Demands {
         .map(|(end, (before, after))| EndDemand { id: end.id.clone(), before, after })
         .collect();
     Demands { before, after, ends }
+}
+
+impl Demands {
+    /// Largest demand over capacity of the reinforced sections of all column ends after the charges, or before if there are none; `None` if there is no solution.
+    pub fn largest_of_columns(&self, building: &Building) -> Option<f64> {
+        let columns: BTreeSet<&str> =
+            building.members.iter().filter(|m| m.kind == MemberKind::Column).map(|m| m.id.as_str()).collect();
+        let column = |id: &str| id.rsplit_once('.').is_some_and(|(member, _)| columns.contains(member));
+        let state = |end: &EndDemand| if self.after.is_some() { end.after } else { end.before };
+        let ratios =
+            self.ends.iter().filter(|end| column(&end.id)).filter_map(state).map(|s| s.section.ratio);
+        ratios.reduce(f64::max)
+    }
 }
 
 /// One state: its summary and the state of each end.

@@ -41,6 +41,7 @@ mod query;
 pub mod rc;
 pub mod rc_kinds;
 pub mod rc_springs;
+pub mod similar;
 pub mod store;
 mod text;
 mod thin;

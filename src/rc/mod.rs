@@ -17,6 +17,7 @@ mod column_end;
 mod cover;
 pub mod cut;
 pub mod drive;
+pub mod elastic;
 pub mod events;
 pub mod gauge;
 pub mod hysteresis;

@@ -330,7 +330,7 @@ fn section_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {
     std::array::from_fn(|i| model.section_nodes.iter().map(|k| body.x[*k][i]).sum::<f64>() / n)
 }
 
-fn tip_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {
+pub(super) fn tip_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {
     std::array::from_fn(|i| model.tip_nodes.iter().map(|(k, share)| body.x[*k][i] * share).sum())
 }
 
@@ -353,14 +353,14 @@ fn tip_pose(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize
 }
 
 /// Rotation of the chord from the end section's undeformed centre to the far section \[rad\], positive.
-fn chord_rotation(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize) -> f64 {
+pub(super) fn chord_rotation(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize) -> f64 {
     let tip = tip_center(model, body);
     let along = model.outward * (tip[model.axis] - model.point_m[model.axis]);
     ((tip[direction] - start[direction]).abs()).atan2(along.max(0.05 * model.length_m))
 }
 
 /// Moment of the end section that resists the push \[N m\].
-fn section_moment(model: &EndModel, body: &Dynamics, direction: usize) -> f64 {
+pub(super) fn section_moment(model: &EndModel, body: &Dynamics, direction: usize) -> f64 {
     let center = section_center(model, body);
     let mut moment = 0.0;
     for e in &model.section_elements {

@@ -96,6 +96,8 @@ pub enum Action {
     RigidBody,
     /// The member is part of one rigid body together with its neighbours.
     MergeRigid,
+    /// The member is part of a floor that bends.
+    MergeElastic,
     /// The member is several rigid bodies with sections between them.
     Subdivide,
     /// The body vanishes, with its joints.
@@ -153,6 +155,14 @@ pub static CATALOGUE: &[ActionSpec] = &[
         subjects: &[Member],
         parameters: &[required("with", ParameterType::Names(&["adjoining_slab", "storey_floor"]))],
         meaning: "the member and those named are one rigid body",
+    },
+    ActionSpec {
+        action: Action::MergeElastic,
+        name: "merge_elastic",
+        aspect: Aspect::Body,
+        subjects: &[Member],
+        parameters: &[required("with", ParameterType::Names(&["storey_floor"]))],
+        meaning: "the member and those named are one floor, in pieces about its columns with elastic springs in between",
     },
     ActionSpec {
         action: Action::Subdivide,

@@ -86,6 +86,12 @@ const fn flag(name: &'static str, subjects: &'static [SubjectKind], meaning: &'s
 
 /// All features, by name.
 pub const CATALOGUE: &[Feature] = &[
+    number(
+        "building.demand_ratio",
+        "1",
+        &[Member],
+        "largest elastic demand after the removal over capacity among the column ends; unknown for a mechanism",
+    ),
     names(
         "collapse.phase",
         &["before_contact", "after_contact"],
@@ -131,6 +137,12 @@ pub const CATALOGUE: &[Feature] = &[
         "which end: bottom and top of a column, start and end of a beam",
     ),
     number("event.time", "s", EVENTS, "time since the first ignition"),
+    number(
+        "floor.slenderness",
+        "1",
+        &[Member],
+        "of a slab or beam: longest span between axes of columns over the depth of its floor's deepest beam, or of the slab where there is none",
+    ),
     names(
         "fracture.place",
         &["end", "span"],

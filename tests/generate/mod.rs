@@ -5,6 +5,7 @@ use fallwerk::building::partition::Partition;
 use fallwerk::building::{Building, EXAMPLE, parse};
 use fallwerk::generate::{Derive, GenerateError, Generated, generate};
 use fallwerk::library::Store;
+use fallwerk::mbs::model::Bending;
 use fallwerk::rules::RuleBase;
 use std::path::Path;
 
@@ -106,4 +107,130 @@ fn without_rules_there_is_no_model() {
     let none = RuleBase::from_sources(Vec::new()).expect("no rules are no error");
     let error = generate(&reference(|t| t), &none, &mut store, Derive::Never, &|_| {}).unwrap_err();
     assert!(matches!(error, GenerateError::Gap(_)), "{error}");
+}
+
+/// The reference without its charges: it stands.
+fn standing() -> Building {
+    reference(|text| {
+        let from = text.find("[[events]]").expect("events");
+        let to = from + text[from..].find("\n\n\n").expect("the next chapter");
+        format!("{}{}", &text[..from], &text[to..])
+    })
+}
+
+#[test]
+fn floors_of_a_building_that_stands_bend_about_its_columns() {
+    let building = standing();
+    let generated = generated(&building).unwrap();
+    let model = &generated.model;
+    assert_eq!(model.bodies.len(), 12 + 3 * 4, "twelve columns, a piece of each floor to a column");
+    assert_eq!(model.bushings.len(), 24 + 3 * 4, "hinges at columns, and four springs in each floor");
+    let volume: f64 = Partition::of(&building).volumes(building.members.len()).iter().sum();
+    let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
+    assert!((mass / (2500.0 * volume) - 1.0).abs() < 1e-12);
+    let spring = model.bushings.iter().find(|b| b.id == "S1/1-1|S1/2-1").expect("between the front columns");
+    assert_eq!(spring.origin.rules, ["seed/floor-bends"]);
+    // a beam of 0.3 x 0.5 m with its flange, over the clear span: stiffer than its web, less than three times so
+    let span = model.bodies.iter().find(|b| b.id == "C1-B1").unwrap().position_m[0]
+        - model.bodies.iter().find(|b| b.id == "C1-A1").unwrap().position_m[0];
+    let web = 16.5e9 * 0.3 * 0.5_f64.powi(3) / 12.0 / (span - 0.4);
+    let Bending::Elastic { stiffness_nm_rad } = spring.bending[0] else { panic!("{:?}", spring.bending) };
+    assert!((1.0..3.0).contains(&(stiffness_nm_rad / web)), "{}", stiffness_nm_rad / web);
+    // at rest under dead load it stays there
+    let mut still = model.clone();
+    still.settings.end_time_s = 0.2;
+    let run = fallwerk::mbs::simulate(&still).unwrap();
+    let moved =
+        run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    assert!(moved < 1e-5 && run.first_ground_contact_s.is_none(), "{moved}");
+}
+
+#[test]
+fn curves_of_a_smaller_column_are_scaled_from_a_similar_one() {
+    let building = reference(|text| {
+        text.replacen("width = \"400 mm\" ", "width = \"350 mm\" ", 1).replacen(
+            "depth = \"400 mm\" ",
+            "depth = \"350 mm\" ",
+            1,
+        )
+    });
+    let (rules, mut store, _cache) = knowledge();
+    let missing = generate(&building, &rules, &mut store, Derive::Never, &|_| {}).unwrap_err().to_string();
+    assert!(missing.contains("--derive=similar"), "{missing}");
+    let scaled = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    assert!(scaled.derived.is_empty());
+    let told = scaled.notes.iter().filter(|n| n.contains("curves scaled from column_hinge/400x400")).count();
+    assert!(told >= 3, "{:?}", scaled.notes);
+    let foot = scaled.model.bushings.iter().find(|b| b.id == "C1-A2.bottom").unwrap();
+    let entry = &scaled.entries[&foot.origin.entries[0]];
+    let own =
+        store.keys().into_iter().find(|k| k.contains("400x400") && k.contains("bottom-ground")).unwrap();
+    let from = store.get(&own).unwrap();
+    assert_eq!(entry.provenance.inputs.settings["scaled_from"], own);
+    let ratio = 350.0 / 400.0_f64;
+    let (a, b) = (&from.axes[0].curve, &entry.axes[0].curve);
+    for (x, y) in a.levels.iter().zip(&b.levels) {
+        assert!((y.axial_force_n - ratio.powi(2) * x.axial_force_n).abs() < 1e-3);
+        assert!((y.peak_nm() / x.peak_nm() / ratio.powi(3) - 1.0).abs() < 1e-9);
+        assert!((y.fracture_rotation_rad / x.fracture_rotation_rad * ratio - 1.0).abs() < 1e-9);
+    }
+    scaled.model.check().expect("a sound model");
+}
+
+#[test]
+fn walls_stand_on_springs_between_ground_and_floor() {
+    let scene = fallwerk::study::plan::Scene::of(1, 1);
+    assert!(scene.has_wall && scene.heights_m.len() == 1);
+    let building = parse(&scene.toml(), Format::Toml, "scene").expect("a sound building");
+    let (rules, mut store, _cache) = knowledge();
+    let generated = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    let springs: Vec<_> = generated.model.bushings.iter().filter(|b| b.id.starts_with("W1.")).collect();
+    let ids: Vec<&str> = springs.iter().map(|b| b.id.as_str()).collect();
+    assert_eq!(ids, ["W1.bottom-1", "W1.bottom-2", "W1.top-1", "W1.top-2"]);
+    for spring in &springs {
+        assert_eq!(spring.body_a.is_none(), spring.id.contains("bottom"), "{}", spring.id);
+        assert_eq!(
+            (spring.body_b.as_str(), spring.origin.members.as_slice()),
+            ("W1", &["W1".to_string()][..])
+        );
+    }
+    // both halves in a row: the height over the stiffness of the whole area
+    let wall = building.members.iter().find(|m| m.id == "W1").unwrap();
+    let body = generated.model.bodies.iter().find(|b| b.id == "W1").unwrap();
+    let height = 2.0 * body.position_m[2];
+    let size = wall.solid.size();
+    let whole = 16.5e9 * size[0] * size[1] / height;
+    let series: f64 = 0.5 * springs[..2].iter().map(|b| b.axial_stiffness_n_m).sum::<f64>();
+    assert!((series / whole - 1.0).abs() < 1e-9, "{series} {whole}");
+    let mut still = generated.model.clone();
+    still.events.clear();
+    still.settings.end_time_s = 0.1;
+    let run = fallwerk::mbs::simulate(&still).unwrap();
+    let moved =
+        run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    assert!(moved < 1e-5, "{moved}");
+}
+
+#[test]
+fn elastic_stiffness_of_an_end_is_that_of_its_curves() {
+    let building = reference(|t| t);
+    let (_, store, _cache) = knowledge();
+    let partition = Partition::of(&building);
+    let (mesh, _) = fallwerk::fe::mesh::Mesh::of(&building, building.settings.mesh_size_m);
+    let ends = fallwerk::building::ends::member_ends(&building, &partition);
+    for id in ["C1-A2.bottom", "C1-A2.top", "C2-A2.bottom"] {
+        let end = ends.iter().find(|e| e.id == id).unwrap();
+        let wanted = fallwerk::library::derive::Wanted::of(&building, &partition, &mesh, end).unwrap();
+        let entry = store.get(&wanted.key().unwrap()).expect("shipped");
+        let own = fallwerk::rc::elastic::elastic(&wanted.model, entry.hinge_offset_m.unwrap()).unwrap();
+        let axial = own.axial_n_m / entry.stiffness.unwrap().axial_n_m;
+        // the axial stiffness of an entry is of a static state too, the rotational one the largest secant of pushes that take their time
+        println!("{id}: axial {axial:.4} of the entry's");
+        assert!((axial - 1.0).abs() < 0.005, "{id}: {axial}");
+        for (axis, stiffness) in entry.axes.iter().zip(own.bending_nm_rad) {
+            let ratio = stiffness / axis.curve.stiffness_nm_rad;
+            println!("{id}: bending {ratio:.4}");
+            assert!((0.99..1.005).contains(&ratio), "{id}: {ratio}");
+        }
+    }
 }

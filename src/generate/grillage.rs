@@ -1,0 +1,254 @@
+//! Floors that bend: a piece about each column, and elastic springs between neighbouring pieces in the middle of the span between their columns.
+//!
+//! A beam of length `L` that is cut in the middle has there, for a moment `M` and a shear force `V`, the rotation `M L / (E I)` and the displacement `V (L³ / (12 E I) + L / (G A_s))`, which is all that its ends
+//! can do to each other in a plane (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116, written for the middle): springs of these stiffnesses between rigid halves
+//! are the beam. The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins. In its own plane a floor is as stiff as its
+//! whole section. Left out: the sag of a floor between its columns, and all that yields.
+
+use super::bodies::Bodies;
+use super::cells::{Cells, Piece, neighbours};
+use super::joints::axes;
+use crate::building::{Building, MemberKind};
+use crate::graph::Structure;
+use crate::graph::frame::{BeamSection, Frame};
+use crate::mbs::model::{Bending, Bushing, Origin, PairRule};
+
+/// Columns nearer to each other than this along x or y stand on one axis \[m\].
+const SAME_AXIS_M: f64 = 0.75;
+/// How far a column may be above or below a floor that it bears or stands on \[m\].
+const MEETS_M: f64 = 1e-3;
+/// Share of the torsion constant of a rectangle that a strip of a plate has in either direction (Hambly, Bridge Deck Behaviour, 1976, section 3.4).
+const PLATE_TORSION: f64 = 0.5;
+
+/// A floor in pieces about its columns.
+#[derive(Debug, Clone)]
+pub struct Grillage {
+    /// Axes of columns along x and y: place, and mean width of the columns there \[m\].
+    axes: [Vec<[f64; 2]>; 2],
+    /// The cells about them.
+    pub cells: Cells,
+}
+
+/// Sums over the beams that cross a cut.
+#[derive(Debug, Clone, Copy, Default)]
+struct Crossing {
+    /// Bending stiffness about the horizontal axis \[N m²\].
+    bending: f64,
+    /// Torsional stiffness \[N m²\].
+    torsion: f64,
+    /// Shear stiffness in vertical direction \[N\].
+    shear: f64,
+    /// Places of the beams across the span and in height, times their bending stiffness \[N m³\].
+    place: [f64; 2],
+}
+
+impl Grillage {
+    /// The pieces of a floor about its columns, removed ones included; none if they are fewer than two.
+    pub fn of(building: &Building, structure: &Structure, members: &[usize]) -> Option<Self> {
+        let solids = || members.iter().map(|m| &building.members[*m].solid);
+        let low = solids().map(|s| s.min[2]).fold(f64::INFINITY, f64::min) - MEETS_M;
+        let high = solids().map(|s| s.max[2]).fold(f64::NEG_INFINITY, f64::max) + MEETS_M;
+        let edges = Cells::edges(structure, members);
+        let columns = building.members.iter().filter(|m| m.kind == MemberKind::Column).filter(|m| {
+            let center = m.solid.center();
+            let inside = (0..2).all(|i| (edges[i][0]..=edges[i][1]).contains(&center[i]));
+            inside && m.solid.min[2] <= high && m.solid.max[2] >= low
+        });
+        let places: Vec<[[f64; 2]; 2]> =
+            columns.map(|m| [0, 1].map(|i| [m.solid.center()[i], m.solid.size()[i]])).collect();
+        let axes = [0, 1].map(|i| on_axes(places.iter().map(|p| p[i]).collect()));
+        if axes[0].len() * axes[1].len() < 2 {
+            return None;
+        }
+        let bounds = [0, 1].map(|i| {
+            let middles = axes[i].windows(2).map(|w| 0.5 * (w[0][0] + w[1][0]));
+            let mut lines = vec![edges[i][0]];
+            lines.extend(middles);
+            lines.push(edges[i][1]);
+            lines.windows(2).map(|w| [w[0], w[1]]).collect()
+        });
+        Some(Self { axes, cells: Cells { members: members.to_vec(), bounds } })
+    }
+
+    /// The springs between the pieces, whose bodies begin at some place in the list.
+    pub fn springs(
+        &self,
+        building: &Building,
+        frame: &Frame,
+        pieces: &[Piece],
+        bodies: &Bodies,
+        first: usize,
+    ) -> Vec<Bushing> {
+        let between = |(axis, a, b): (usize, usize, usize)| {
+            let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
+            let [own, next] = [0, 1].map(|k| self.axes[axis][pieces[a].cell[axis] + k]);
+            let clear_m = next[0] - own[0] - 0.5 * (own[1] + next[1]);
+            let plane = InPlane::of(building, &pieces[a], axis);
+            let range = [0, 1].map(|k| plane.edges[k]);
+            let sum = self.crossing(frame, building, axis, at_m, range)?;
+            let [across, level] = sum.place.map(|p| p / sum.bending);
+            let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
+            let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
+            let vertical = Bending::Elastic { stiffness_nm_rad: turn };
+            let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
+            let mut point_m = [at_m, at_m, level];
+            point_m[1 - axis] = across;
+            let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
+            let mut rules = of_a.origin.rules.clone();
+            rules.dedup();
+            Some(Bushing {
+                id: format!("{}|{}", of_a.id, of_b.id),
+                body_a: Some(of_a.id.clone()),
+                body_b: of_b.id.clone(),
+                point_m,
+                axes: axes(axis, 1.0),
+                axial_stiffness_n_m: plane.axial / clear_m,
+                shear_stiffness_n_m: if axis == 0 { [sideways, shear] } else { [shear, sideways] },
+                torsional_stiffness_nm_rad: sum.torsion / clear_m,
+                bending: if axis == 0 { [vertical, level_one] } else { [level_one, vertical] },
+                joint: None,
+                latent: None,
+                tensile_capacity_n: None,
+                tensile_elongation_m: None,
+                compressive_capacity_n: None,
+                origin: Origin { members: of_a.origin.members.clone(), rules, entries: Vec::new() },
+            })
+        };
+        neighbours(pieces).into_iter().filter_map(between).collect()
+    }
+
+    /// The beams of the frame that cross a cut within a range; none if there are none.
+    fn crossing(
+        &self,
+        frame: &Frame,
+        building: &Building,
+        axis: usize,
+        at_m: f64,
+        range: [f64; 2],
+    ) -> Option<Crossing> {
+        let own = |name: &str| self.cells.members.iter().any(|m| building.members[*m].id == name);
+        let slab = |name: &str| building.members.iter().any(|m| m.id == name && m.kind == MemberKind::Slab);
+        let mut sum = Crossing::default();
+        for element in frame.elements.iter().filter(|e| own(&e.member)) {
+            let [p, q] = element.ends_m;
+            let crosses = (p[axis] - at_m) * (q[axis] - at_m) < 0.0;
+            if !crosses || p[1 - axis] < range[0] || p[1 - axis] > range[1] {
+                continue;
+            }
+            let BeamSection { youngs_modulus_pa: e, shear_modulus_pa: g, .. } = element.section;
+            let bending = e * element.section.inertia_m4[0];
+            sum.bending += bending;
+            sum.shear += g * element.section.shear_area_m2[1];
+            let share = if slab(&element.member) { PLATE_TORSION } else { 1.0 };
+            sum.torsion += share * g * element.section.torsion_m4;
+            sum.place[0] += bending * p[1 - axis];
+            sum.place[1] += bending * p[2];
+        }
+        (sum.bending > 0.0).then_some(sum)
+    }
+}
+
+/// Stiffnesses against rotation \[N m/rad\] and against displacement across \[N/m\] of the springs in the middle of a beam of bending stiffness `E I` and shear stiffness `G A_s`.
+fn in_the_middle(bending: f64, shear: f64, length_m: f64) -> [f64; 2] {
+    [bending / length_m, 1.0 / (length_m.powi(3) / (12.0 * bending) + length_m / shear)]
+}
+
+/// The section of a piece where it meets the next one, in the plane of the floor.
+struct InPlane {
+    /// Its edges across the span \[m\].
+    edges: [f64; 2],
+    /// Axial stiffness, shear stiffness \[N\] and bending stiffness about the vertical \[N m²\].
+    axial: f64,
+    shear: f64,
+    bending: f64,
+}
+
+impl InPlane {
+    fn of(building: &Building, piece: &Piece, axis: usize) -> Self {
+        let across = 1 - axis;
+        let end = piece.boxes.iter().map(|(_, b)| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let mut this =
+            Self { edges: [f64::INFINITY, f64::NEG_INFINITY], axial: 0.0, shear: 0.0, bending: 0.0 };
+        for (member, solid) in piece.boxes.iter().filter(|(_, b)| b.max[axis] > end - MEETS_M) {
+            let law = building.law_of(&building.members[*member]);
+            let size = solid.size();
+            let area = size[across] * size[2];
+            this.edges[0] = this.edges[0].min(solid.min[across]);
+            this.edges[1] = this.edges[1].max(solid.max[across]);
+            this.axial += law.youngs_modulus_pa * area;
+            this.shear += 5.0 / 6.0 * area * law.youngs_modulus_pa / (2.0 * (1.0 + law.poisson_ratio));
+        }
+        let width = (this.edges[1] - this.edges[0]).max(0.0);
+        this.bending = this.axial * width * width / 12.0;
+        this
+    }
+}
+
+/// Pieces that touch at a corner only pass through each other: as the floor bends they would be pressed together there.
+pub fn corners(pieces: &[Piece], bodies: &Bodies, first: usize) -> Vec<PairRule> {
+    let id = |p: usize| bodies.list[first + p].id.clone();
+    let touch = |a: usize, b: usize| (0..2).all(|i| pieces[a].cell[i].abs_diff(pieces[b].cell[i]) == 1);
+    let with = |a: usize| (a + 1..pieces.len()).filter(move |b| touch(a, *b)).map(move |b| (a, b));
+    (0..pieces.len())
+        .flat_map(with)
+        .map(|(a, b)| PairRule { a: id(a), b: id(b), ignore: true, friction: None, restitution: None })
+        .collect()
+}
+
+/// Places and widths gathered on axes, in order.
+pub(super) fn on_axes(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    places.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut groups: Vec<Vec<[f64; 2]>> = Vec::new();
+    for place in places {
+        match groups.last_mut().filter(|g| place[0] - g[0][0] < SAME_AXIS_M) {
+            Some(group) => group.push(place),
+            None => groups.push(vec![place]),
+        }
+    }
+    let mean = |g: &Vec<[f64; 2]>, i: usize| g.iter().map(|p| p[i]).sum::<f64>() / g.len() as f64;
+    groups.iter().map(|g| [mean(g, 0), mean(g, 1)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::frame::Element;
+
+    #[test]
+    fn rigid_halves_with_springs_in_the_middle_are_the_beam() {
+        let section = BeamSection::rectangle(16.5e9, 0.2, [0.4, 0.6]);
+        let length = 5.2;
+        let beam = Element {
+            member: "B".into(),
+            nodes: [0, 1],
+            ends_m: [[0.0; 3], [length, 0.0, 0.0]],
+            axis1: [0.0, 1.0, 0.0],
+            section,
+            loads: Vec::new(),
+        };
+        let exact = beam.stiffness();
+        let bending = section.youngs_modulus_pa * section.inertia_m4[0];
+        let [turn, shear] =
+            in_the_middle(bending, section.shear_modulus_pa * section.shear_area_m2[1], length);
+        // displacement across and rotation about axis 1 of both ends; what they do to the springs
+        let freedoms = [2, 4, 8, 10];
+        let half = 0.5 * length;
+        let rotation = [0.0, -1.0, 0.0, 1.0];
+        let gap = [-1.0, half, 1.0, half];
+        for i in 0..4 {
+            for j in 0..4 {
+                let k = turn * rotation[i] * rotation[j] + shear * gap[i] * gap[j];
+                let wanted = exact[freedoms[i]][freedoms[j]];
+                let scale = (exact[freedoms[i]][freedoms[i]] * exact[freedoms[j]][freedoms[j]]).sqrt();
+                assert!((k - wanted).abs() < 1e-12 * scale, "{i} {j}: {k} {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn columns_out_of_line_stand_on_one_axis() {
+        let axes = on_axes(vec![[5.0, 0.4], [0.0, 0.4], [0.2, 0.6], [5.0, 0.4]]);
+        assert_eq!(axes.len(), 2);
+        assert!((axes[0][0] - 0.1).abs() < 1e-12 && (axes[0][1] - 0.5).abs() < 1e-12, "{axes:?}");
+    }
+}
