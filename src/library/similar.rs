@@ -12,7 +12,7 @@
 //! | torsional stiffness | `E b h³ / l` |
 //!
 //! Lengths (place of the hinge, elongations) scale with `h`. Rotational and axial stiffness depend on the joint as well: they are computed for the end itself ([`elastic`]), so that the table's serve only where that
-//! fails. Measured by leaving out one of 26 derived entries in turn: moments within 9 % (half of them within 1 %), rotations at fracture within 30 % in four of five levels; scaled stiffnesses would be off by factors
+//! fails. Measured by leaving out one of 26 derived entries in turn: moments within 9 % (half of them within 1 %), rotations at fracture within 30 % in four of five levels, ends at walls and at slabs that give way first left aside; scaled stiffnesses would be off by factors
 //! of 0.6 to 1.7 (docs/library.md).
 
 use super::derive::Wanted;
