@@ -131,8 +131,7 @@ impl<'a> Grid<'a> {
                     min: [clean(x - 0.5 * width), clean(y - 0.5 * depth), self.levels[storey - 1]],
                     max: [clean(x + 0.5 * width), clean(y + 0.5 * depth), self.levels[storey]],
                 };
-                let id = format!("C{storey}-{}", axis_point(i, j));
-                members.push(member(id, MemberKind::Column, section, solid, 2, storey));
+                members.push(member(column_id(storey, i, j), MemberKind::Column, section, solid, 2, storey));
             }
         }
     }
@@ -189,6 +188,11 @@ impl<'a> Grid<'a> {
 fn member(id: String, kind: MemberKind, section: &str, solid: Aabb, axis: usize, storey: usize) -> Member {
     let (section, storey) = (section.to_string(), Some(storey as u32));
     Member { id, kind, section, solid, axis, storey, openings: Vec::new(), rotation_deg: 0.0, inclined: None }
+}
+
+/// Id of the column of a storey, counted from one, at these axes along x and y, counted from zero.
+pub fn column_id(storey: usize, i: usize, j: usize) -> String {
+    format!("C{storey}-{}", axis_point(i, j))
 }
 
 /// "A1" for the first axes, "AA1" for the 27th x axis.

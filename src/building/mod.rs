@@ -35,6 +35,7 @@ pub mod tracked;
 pub mod turned;
 
 pub use fields::Fields;
+pub use grid::column_id;
 pub use inclined::Inclined;
 pub use materials::{LEAST_COVER_M, section_bars};
 pub use model::*;

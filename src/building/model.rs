@@ -141,6 +141,13 @@ pub struct Homogenised {
     pub critical_principal_strain: Option<f64>,
 }
 
+impl Homogenised {
+    /// Shear modulus \[Pa\].
+    pub fn shear_modulus_pa(&self) -> f64 {
+        self.youngs_modulus_pa / (2.0 * (1.0 + self.poisson_ratio))
+    }
+}
+
 /// Rate factor `1 + (ε̇ / C)^(1/P)` on the yield stress (Cowper and Symonds 1957), with the equivalent plastic strain rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CowperSymonds {

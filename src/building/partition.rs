@@ -141,6 +141,11 @@ impl Partition {
         })
     }
 
+    /// The member that owns a place.
+    pub fn member_at(&self, point_m: [f64; 3]) -> Option<usize> {
+        self.cells().find(|(cell, _)| self.cell_box(*cell).contains(point_m, 1e-9)).map(|(_, owner)| owner)
+    }
+
     /// Volume owned by each member \[m³\], indexed like `Building::members`.
     pub fn volumes(&self, members: usize) -> Vec<f64> {
         let mut volume = vec![0.0; members];

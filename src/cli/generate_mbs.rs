@@ -2,17 +2,17 @@
 
 use super::compose::{self, Pieces};
 use super::explain::TraceFile;
-use super::knowledge::KnowledgeArgs;
+use super::knowledge::CurveArgs;
 use super::progress::Progress;
 use super::summary::{Summary, as_json, as_text};
-use super::{Failure, Outcome, fe, fe_hybrid, knowledge, print, read_building, simulate, thread_pool, write};
+use super::{Failure, Outcome, fe, fe_hybrid, print, read_building, simulate, thread_pool, write};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::fe::hybrid::HybridSettings;
 use crate::fe::result::FeRun;
 use crate::fe::run::{Attached, FeOptions};
-use crate::generate::{Derive, Generated, generate};
+use crate::generate::{Generated, generate};
 use crate::mbs::RunResult;
 use crate::study::{Facts, Study, facts};
 use crate::validate::{HybridValidation, Validation};
@@ -44,50 +44,17 @@ pub struct Arguments {
     validate: bool,
     #[command(flatten)]
     hybrid: fe_hybrid::Options,
-    /// What to do about hinges that the library has no curves for
-    #[arg(long, value_enum, default_value = "never", default_missing_value = "run", num_args = 0..=1, require_equals = true)]
-    derive: DeriveArgument,
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     #[command(flatten)]
-    knowledge: KnowledgeArgs,
+    curves: CurveArgs,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
     /// Replace the results of a run with --validate by those of one without
     #[arg(long)]
     force: bool,
-}
-
-/// Values of `--derive`.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub enum DeriveArgument {
-    /// Stop and name them
-    Never,
-    /// Scale the curves of similar columns by the laws of similarity
-    Similar,
-    /// Compute the curves for this run
-    Run,
-    /// Compute the curves and add them to the library
-    Keep,
-}
-
-impl DeriveArgument {
-    /// What the generator is told.
-    pub fn choice(self) -> Derive {
-        match self {
-            Self::Never => Derive::Never,
-            Self::Similar => Derive::Similar,
-            Self::Run => Derive::Run,
-            Self::Keep => Derive::Keep,
-        }
-    }
-
-    /// Whether the library has to be writable.
-    pub fn keeps(self) -> bool {
-        matches!(self, Self::Keep)
-    }
 }
 
 /// The FE side of a run with `--validate`.
@@ -197,11 +164,9 @@ fn compute(
 }
 
 fn generated(arguments: &Arguments, building: &Building, progress: &Progress) -> Result<Generated, Failure> {
-    let derive = arguments.derive.choice();
-    let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
-    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), arguments.derive.keeps())?;
+    let (rules, mut store) = arguments.curves.open()?;
     progress.stage("generating the model");
-    generate(building, &rules, &mut store, derive, &|text| progress.note(text))
+    generate(building, &rules, &mut store, arguments.curves.derive(), &|text| progress.note(text))
         .map_err(|e| Failure::input(e.to_string()))
 }
 

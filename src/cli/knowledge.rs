@@ -1,6 +1,7 @@
 //! Where rules and library lie, and how they are opened. Commands that need them come here.
 
 use super::Failure;
+use crate::generate::Derive;
 use crate::library::{Opened, Store};
 use crate::rules::RuleBase;
 use std::path::{Path, PathBuf};
@@ -14,6 +15,50 @@ pub struct KnowledgeArgs {
     /// Rules folder [default: rules, else the program's]
     #[arg(long, value_name = "DIR")]
     pub rules: Option<PathBuf>,
+}
+
+/// Where a command that generates models finds its knowledge, and what it does about what is missing there.
+#[derive(Debug, clap::Args)]
+pub struct CurveArgs {
+    /// What to do about hinges that the library has no curves for
+    #[arg(long, value_enum, default_value = "never", default_missing_value = "run", num_args = 0..=1, require_equals = true)]
+    derive: DeriveArgument,
+    #[command(flatten)]
+    knowledge: KnowledgeArgs,
+}
+
+/// Values of `--derive`.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum DeriveArgument {
+    /// Stop and name them
+    Never,
+    /// Scale the curves of similar columns by the laws of similarity
+    Similar,
+    /// Compute the curves for this run
+    Run,
+    /// Compute the curves and add them to the library
+    Keep,
+}
+
+impl CurveArgs {
+    /// What the generator is told.
+    pub fn derive(&self) -> Derive {
+        match self.derive {
+            DeriveArgument::Never => Derive::Never,
+            DeriveArgument::Similar => Derive::Similar,
+            DeriveArgument::Run => Derive::Run,
+            DeriveArgument::Keep => Derive::Keep,
+        }
+    }
+
+    /// Rules and library, which has to be writable if curves are kept.
+    ///
+    /// # Errors
+    /// As [`rules`] and [`library`].
+    pub fn open(&self) -> Result<(RuleBase, Store), Failure> {
+        let KnowledgeArgs { library: folder, rules: of } = &self.knowledge;
+        Ok((rules(of.as_deref())?, library(folder.as_deref(), self.derive() == Derive::Keep)?))
+    }
 }
 
 /// The folder given; else `name` in the current folder; else the one that came with the program.

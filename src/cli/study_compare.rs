@@ -1,7 +1,6 @@
 //! `fallwerk study compare`: generated models against the records of FE studies.
 
-use super::generate_mbs::DeriveArgument;
-use super::knowledge::{self, KnowledgeArgs};
+use super::knowledge::CurveArgs;
 use super::progress::Progress;
 use super::study_run::{Task, files};
 use super::{Failure, Outcome, print};
@@ -22,11 +21,8 @@ pub struct Arguments {
     /// Folder of the records
     #[arg(long, value_name = "DIR", default_value = "kb/studies")]
     kb: PathBuf,
-    /// What to do about hinges that the library has no curves for
-    #[arg(long, value_enum, default_value = "never", default_missing_value = "run", num_args = 0..=1, require_equals = true)]
-    derive: DeriveArgument,
     #[command(flatten)]
-    knowledge: KnowledgeArgs,
+    curves: CurveArgs,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -50,8 +46,7 @@ struct Compared {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let files = files(&arguments.buildings)?;
-    let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
-    let mut store = knowledge::library(arguments.knowledge.library.as_deref(), arguments.derive.keeps())?;
+    let (rules, mut store) = arguments.curves.open()?;
     let progress = Progress::on_stderr();
     progress.stage("models");
     let (mut runs, mut missed) = (Vec::new(), Vec::new());
@@ -87,7 +82,7 @@ fn one(
         Failure::input("its record is of another input; run `fallwerk study run` again".into())
     })?;
     let generated =
-        generate(&task.building, rules, store, arguments.derive.choice(), &|text| progress.note(text))
+        generate(&task.building, rules, store, arguments.curves.derive(), &|text| progress.note(text))
             .map_err(|e| Failure::input(e.to_string()))?;
     let run =
         crate::mbs::simulate(&generated.model).map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;

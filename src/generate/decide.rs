@@ -203,17 +203,16 @@ impl Known {
             let axes = on_axes(columns().map(|m| [m.solid.center()[axis], 0.0]).collect());
             axes.windows(2).map(|w| w[1][0] - w[0][0]).fold(0.0, f64::max)
         };
-        let mut depths = [MemberKind::Slab, MemberKind::Beam].map(|kind| {
-            let mut of_kind = BTreeMap::<Option<u32>, f64>::new();
+        let depths = |kind: MemberKind| {
+            let mut depths = BTreeMap::<Option<u32>, f64>::new();
             for member in building.members.iter().filter(|m| m.kind == kind) {
-                let depth = of_kind.entry(member.storey).or_default();
+                let depth = depths.entry(member.storey).or_default();
                 *depth = depth.max(member.solid.size()[2]);
             }
-            of_kind
-        });
-        let beams = std::mem::take(&mut depths[1]);
-        let [mut depth_m, _] = depths;
-        depth_m.extend(beams);
+            depths
+        };
+        let mut depth_m = depths(MemberKind::Slab);
+        depth_m.extend(depths(MemberKind::Beam));
         Self { demand_ratio: demands.largest_of_columns(building), span_m: span(0).max(span(1)), depth_m }
     }
 

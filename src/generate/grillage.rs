@@ -10,8 +10,9 @@ use super::cells::{Cells, Piece, neighbours};
 use super::joints::axes;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
-use crate::graph::frame::{BeamSection, Frame};
+use crate::graph::frame::{BeamSection, Element, Frame};
 use crate::mbs::model::{Bending, Bushing, Origin, PairRule};
+use std::collections::BTreeMap;
 
 /// Columns nearer to each other than this along x or y stand on one axis \[m\].
 const SAME_AXIS_M: f64 = 0.75;
@@ -79,13 +80,21 @@ impl Grillage {
         bodies: &Bodies,
         first: usize,
     ) -> Vec<Bushing> {
+        let kinds: BTreeMap<&str, MemberKind> = self
+            .cells
+            .members
+            .iter()
+            .map(|m| &building.members[*m])
+            .map(|m| (m.id.as_str(), m.kind))
+            .collect();
+        let beams: Vec<(&Element, MemberKind)> =
+            frame.elements.iter().filter_map(|e| Some((e, *kinds.get(e.member.as_str())?))).collect();
         let between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
             let [own, next] = [0, 1].map(|k| self.axes[axis][pieces[a].cell[axis] + k]);
             let clear_m = next[0] - own[0] - 0.5 * (own[1] + next[1]);
             let plane = InPlane::of(building, &pieces[a], axis);
-            let range = [0, 1].map(|k| plane.edges[k]);
-            let sum = self.crossing(frame, building, axis, at_m, range)?;
+            let sum = Crossing::of(&beams, axis, at_m, plane.edges)?;
             let [across, level] = sum.place.map(|p| p / sum.bending);
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
@@ -94,8 +103,6 @@ impl Grillage {
             let mut point_m = [at_m, at_m, level];
             point_m[1 - axis] = across;
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
-            let mut rules = of_a.origin.rules.clone();
-            rules.dedup();
             Some(Bushing {
                 id: format!("{}|{}", of_a.id, of_b.id),
                 body_a: Some(of_a.id.clone()),
@@ -111,25 +118,18 @@ impl Grillage {
                 tensile_capacity_n: None,
                 tensile_elongation_m: None,
                 compressive_capacity_n: None,
-                origin: Origin { members: of_a.origin.members.clone(), rules, entries: Vec::new() },
+                origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
             })
         };
         neighbours(pieces).into_iter().filter_map(between).collect()
     }
+}
 
-    /// The beams of the frame that cross a cut within a range; none if there are none.
-    fn crossing(
-        &self,
-        frame: &Frame,
-        building: &Building,
-        axis: usize,
-        at_m: f64,
-        range: [f64; 2],
-    ) -> Option<Crossing> {
-        let own = |name: &str| self.cells.members.iter().any(|m| building.members[*m].id == name);
-        let slab = |name: &str| building.members.iter().any(|m| m.id == name && m.kind == MemberKind::Slab);
-        let mut sum = Crossing::default();
-        for element in frame.elements.iter().filter(|e| own(&e.member)) {
+impl Crossing {
+    /// Of those beams and strips of a floor that cross a cut within a range; none if there are none.
+    fn of(beams: &[(&Element, MemberKind)], axis: usize, at_m: f64, range: [f64; 2]) -> Option<Self> {
+        let mut sum = Self::default();
+        for (element, kind) in beams {
             let [p, q] = element.ends_m;
             let crosses = (p[axis] - at_m) * (q[axis] - at_m) < 0.0;
             if !crosses || p[1 - axis] < range[0] || p[1 - axis] > range[1] {
@@ -139,7 +139,7 @@ impl Grillage {
             let bending = e * element.section.inertia_m4[0];
             sum.bending += bending;
             sum.shear += g * element.section.shear_area_m2[1];
-            let share = if slab(&element.member) { PLATE_TORSION } else { 1.0 };
+            let share = if *kind == MemberKind::Slab { PLATE_TORSION } else { 1.0 };
             sum.torsion += share * g * element.section.torsion_m4;
             sum.place[0] += bending * p[1 - axis];
             sum.place[1] += bending * p[2];
@@ -176,7 +176,7 @@ impl InPlane {
             this.edges[0] = this.edges[0].min(solid.min[across]);
             this.edges[1] = this.edges[1].max(solid.max[across]);
             this.axial += law.youngs_modulus_pa * area;
-            this.shear += 5.0 / 6.0 * area * law.youngs_modulus_pa / (2.0 * (1.0 + law.poisson_ratio));
+            this.shear += 5.0 / 6.0 * area * law.shear_modulus_pa();
         }
         let width = (this.edges[1] - this.edges[0]).max(0.0);
         this.bending = this.axial * width * width / 12.0;
@@ -212,7 +212,6 @@ pub(super) fn on_axes(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::frame::Element;
 
     #[test]
     fn rigid_halves_with_springs_in_the_middle_are_the_beam() {

@@ -105,7 +105,9 @@ pub fn entries(
         wanted.entry(key).or_insert((id, query));
     }
     let known = store.keys();
-    let candidates = if derive == Derive::Similar { Candidates::of(store)? } else { Candidates::default() };
+    let lacks = wanted.keys().any(|key| known.binary_search(key).is_err());
+    let candidates =
+        if lacks && derive == Derive::Similar { Candidates::of(store)? } else { Candidates::default() };
     let mut missing = Vec::new();
     for (key, (end, query)) in wanted {
         if known.binary_search(&key).is_ok() {
@@ -153,7 +155,8 @@ pub fn hinges(
     for end in ends {
         let Some(own) = place.bodies.of(end.member, end.point_m) else { continue };
         let other = beyond(place.partition, end).and_then(|m| place.bodies.of(m, end.point_m));
-        if other.is_none() && !on_support(place.building, end) {
+        let stands = end.axis == 2 && on_support(place.building, end.member, end.point_m[2]);
+        if other.is_none() && !stands {
             notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
             continue;
         }
@@ -207,14 +210,14 @@ pub fn axes(axis: usize, outward: f64) -> [[f64; 3]; 3] {
     [unit(axis, outward), unit((axis + 1) % 3, 1.0), unit((axis + 2) % 3, outward)]
 }
 
-/// Whether an end stands on a supported face.
-fn on_support(building: &Building, end: &MemberEnd) -> bool {
-    let member = &building.members[end.member];
+/// Whether a member stands on, or hangs from, a supported face at a level.
+pub fn on_support(building: &Building, member: usize, level_m: f64) -> bool {
+    let member = &building.members[member];
     building.supports.iter().filter(|s| s.member == member.id).any(|s| {
         let z = match s.face {
             Face::Bottom => member.solid.min[2],
             Face::Top => member.solid.max[2],
         };
-        end.axis == 2 && (end.point_m[2] - z).abs() < 1e-6
+        (level_m - z).abs() < 1e-6
     })
 }

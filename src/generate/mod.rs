@@ -260,14 +260,16 @@ fn bodies_of(
     for cluster in clusters {
         let rules = decision.rules_of(building, cluster);
         let name = bodies::name(building, cluster);
-        let folds = Grid::of(building, structure, cluster, ends, decision).unwrap_or_else(|pieces| {
-            notes.push(format!(
-                "{name} stays in one piece: the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
-            ));
-            None
-        });
-        let bends = || Grillage::of(building, structure, cluster).filter(|_| decision.bends(cluster));
-        let floor = bends().map(Floor::Bends).or_else(|| folds.map(Floor::Folds));
+        let bends = decision.bends(cluster).then(|| Grillage::of(building, structure, cluster)).flatten();
+        let mut folds = || {
+            Grid::of(building, structure, cluster, ends, decision).unwrap_or_else(|pieces| {
+                notes.push(format!(
+                    "{name} stays in one piece: the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
+                ));
+                None
+            })
+        };
+        let floor = bends.map(Floor::Bends).or_else(|| folds().map(Floor::Folds));
         let Some(floor) = floor else {
             bodies.add(cluster, bodies::body(building, structure, cluster, rules));
             continue;

@@ -4,9 +4,9 @@
 //! moment in its plane as a couple. Walls neither crack nor crush here; the note says so.
 
 use super::bodies::Bodies;
-use super::joints::axes;
+use super::joints::{axes, on_support};
 use crate::base::geom::Aabb;
-use crate::building::{Building, Face, MemberKind};
+use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::mbs::model::{Bending, Bushing, Origin};
 
@@ -32,13 +32,10 @@ fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, wall: us
             point_m[2] = if end == 0 { solid.min[2] } else { solid.max[2] };
             let mut outside = point_m;
             outside[2] += if end == 0 { -BEYOND_M } else { BEYOND_M };
-            let next = structure
-                .partition
-                .cells()
-                .find(|(c, _)| structure.partition.cell_box(*c).contains(outside, 1e-9));
-            let other = next.and_then(|(_, member)| bodies.of(member, outside));
+            let next = structure.partition.member_at(outside);
+            let other = next.and_then(|member| bodies.of(member, outside));
             let Some(body) = bodies.of(wall, point_m) else { continue };
-            if other.is_none() && !stands(building, wall, point_m[2]) || other == Some(body) {
+            if other.is_none() && !on_support(building, wall, point_m[2]) || other == Some(body) {
                 continue;
             }
             let id = format!("{}.{name}-{}", building.members[wall].id, half + 1);
@@ -60,13 +57,12 @@ fn spring(
     // one half of the length, half of the height
     let (length, thickness, height) = (0.5 * size[along], size[1 - along], 0.5 * size[2]);
     let area = length * thickness;
-    let shear = 5.0 / 6.0 * area * law.youngs_modulus_pa / (2.0 * (1.0 + law.poisson_ratio)) / height;
+    let shear = 5.0 / 6.0 * area * law.shear_modulus_pa() / height;
     let about =
         |inertia: f64| Bending::Elastic { stiffness_nm_rad: law.youngs_modulus_pa * inertia / height };
     let out_of_plane = about(length * thickness.powi(3) / 12.0);
     let in_plane = about(thickness * length.powi(3) / 12.0);
-    let torsion =
-        law.youngs_modulus_pa / (2.0 * (1.0 + law.poisson_ratio)) * length * thickness.powi(3) / 3.0 / height;
+    let torsion = law.shear_modulus_pa() * length * thickness.powi(3) / 3.0 / height;
     let name = |i: usize| bodies.list[i].id.clone();
     let own = own.map(name).unwrap_or_default();
     Bushing {
@@ -99,16 +95,4 @@ fn around(a: Aabb, b: Aabb) -> Aabb {
         min: std::array::from_fn(|i| a.min[i].min(b.min[i])),
         max: std::array::from_fn(|i| a.max[i].max(b.max[i])),
     }
-}
-
-/// Whether a wall stands on a support at a level.
-fn stands(building: &Building, wall: usize, level_m: f64) -> bool {
-    let member = &building.members[wall];
-    building.supports.iter().filter(|s| s.member == member.id).any(|s| {
-        let z = match s.face {
-            Face::Bottom => member.solid.min[2],
-            Face::Top => member.solid.max[2],
-        };
-        (z - level_m).abs() < 1e-6
-    })
 }

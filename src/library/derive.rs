@@ -176,7 +176,7 @@ fn adjoining(building: &Building, partition: &Partition, end: &MemberEnd) -> Adj
 pub fn beyond(partition: &Partition, end: &MemberEnd) -> Option<usize> {
     let mut probe = end.point_m;
     probe[end.axis] -= 1e-4 * end.outward;
-    partition.cells().find(|(c, _)| partition.cell_box(*c).contains(probe, 1e-9)).map(|(_, owner)| owner)
+    partition.member_at(probe)
 }
 
 fn axis_record(curves: &EndCurves, axis: usize, end: &str) -> Result<AxisRecord, DeriveError> {

@@ -1,4 +1,4 @@
-//! Conjugate directions over the sweeps, for impulses on which these alone settle slowly: a heavy body on a light one, long stacks.
+//! Conjugate directions over the sweeps, for impulses on which these alone settle slowly: a heavy body on a light one.
 //!
 //! A sweep forwards and one backwards move the impulses `x` by `d`; with `β = |d|² / |d_last|²` (Fletcher and Reeves) the next point is `x + d + β p` and the next direction `p = d + β p`; a `β` above
 //! one starts anew (Silcowitz, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient method for interactive contact force problems, The Visual Computer 26 (2010) 893). Sweeps afterwards bring the impulses

@@ -1,6 +1,7 @@
 //! The building file of a scene.
 
-use super::{Beams, Blast, Scene, milli};
+use super::{Beams, Scene, milli};
+use crate::building::column_id;
 use std::fmt::Write;
 
 /// Simulated time after the last charge \[s\], and more for each storey.
@@ -179,7 +180,8 @@ critical_plastic_strain = {}
             );
         }
         for blast in &self.blasts {
-            let member = column_id(blast);
+            let [x, y] = blast.axes;
+            let member = column_id(blast.storey, x, y);
             let _ = write!(
                 text,
                 "\n[[events]]\nid = \"charge-{member}\"\nmember = \"{member}\"\ntime = {}\n",
@@ -190,12 +192,6 @@ critical_plastic_strain = {}
         let end_s = last_s + END_S[0] + END_S[1] * self.heights_m.len() as f64;
         let _ = write!(text, "\n[settings]\nend_time = {}\n", milli(end_s));
     }
-}
-
-/// The name that the grid gives a column.
-fn column_id(blast: &Blast) -> String {
-    let [x, y] = blast.axes;
-    format!("C{}-{}{}", blast.storey, char::from(b'A' + x as u8), y + 1)
 }
 
 /// Thickness of a shear wall between columns of a size: flush with small ones, else far enough from their faces that no elements are thin \[m\].
