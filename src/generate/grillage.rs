@@ -2,8 +2,8 @@
 //!
 //! A beam of length `L` that is cut in the middle has there, for a moment `M` and a shear force `V`, the rotation `M L / (E I)` and the displacement `V (L³ / (12 E I) + L / (G A_s))`, which is all that its ends
 //! can do to each other in a plane (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116, written for the middle): springs of these stiffnesses between rigid halves
-//! are the beam. The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins. In its own plane a floor is as stiff as its
-//! whole section. Left out: the sag of a floor between its columns, and all that yields.
+//! are the beam. The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. A
+//! panel whose corner gives way is twisted, and nearly all that holds it is the slab. In its own plane a floor is as stiff as its whole section. Left out: the sag of a floor between its columns, and all that yields.
 
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, neighbours};
@@ -94,7 +94,7 @@ impl Grillage {
             let [own, next] = [0, 1].map(|k| self.axes[axis][pieces[a].cell[axis] + k]);
             let clear_m = next[0] - own[0] - 0.5 * (own[1] + next[1]);
             let plane = InPlane::of(building, &pieces[a], axis);
-            let sum = Crossing::of(&beams, axis, at_m, plane.edges)?;
+            let sum = Crossing::of(&beams, axis, at_m, &plane)?;
             let [across, level] = sum.place.map(|p| p / sum.bending);
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
@@ -126,25 +126,52 @@ impl Grillage {
 }
 
 impl Crossing {
-    /// Of those beams and strips of a floor that cross a cut within a range; none if there are none.
-    fn of(beams: &[(&Element, MemberKind)], axis: usize, at_m: f64, range: [f64; 2]) -> Option<Self> {
+    /// Of those beams and strips of a floor that cross a cut in the section of a piece, and of the slab beside them; none if there are none.
+    fn of(beams: &[(&Element, MemberKind)], axis: usize, at_m: f64, section: &InPlane) -> Option<Self> {
         let mut sum = Self::default();
+        // widths of slab that bend, and that twist, in beams and strips
+        let (mut bent_m, mut twisted_m) = (0.0, 0.0);
         for (element, kind) in beams {
             let [p, q] = element.ends_m;
             let crosses = (p[axis] - at_m) * (q[axis] - at_m) < 0.0;
-            if !crosses || p[1 - axis] < range[0] || p[1 - axis] > range[1] {
+            if !crosses || p[1 - axis] < section.edges[0] || p[1 - axis] > section.edges[1] {
                 continue;
             }
             let BeamSection { youngs_modulus_pa: e, shear_modulus_pa: g, .. } = element.section;
+            // along axis 1 a beam is as wide as its web, also where a slab is its flange
+            let shear_m2 = 1.2 * element.section.shear_area_m2[1];
+            let web_m = (12.0 * element.section.inertia_m4[1] / shear_m2).sqrt();
+            let in_slab_m = (element.section.area_m2 - shear_m2) / section.thickness_m.max(MEETS_M);
+            let is_strip = *kind == MemberKind::Slab;
+            bent_m += web_m + in_slab_m;
+            twisted_m += web_m;
+            let share = if is_strip { PLATE_TORSION } else { 1.0 };
+            let torsion = share * g * element.section.torsion_m4;
             let bending = e * element.section.inertia_m4[0];
-            sum.bending += bending;
-            sum.shear += g * element.section.shear_area_m2[1];
-            let share = if *kind == MemberKind::Slab { PLATE_TORSION } else { 1.0 };
-            sum.torsion += share * g * element.section.torsion_m4;
-            sum.place[0] += bending * p[1 - axis];
-            sum.place[1] += bending * p[2];
+            sum.add(bending, torsion, g * element.section.shear_area_m2[1], [p[1 - axis], p[2]]);
+        }
+        for plate in &section.plates {
+            let share = plate.width_m / section.slab_m;
+            let left = |used_m: f64| (section.slab_m - used_m).max(0.0) * share;
+            let [e, g] = plate.moduli_pa;
+            let cubed = plate.thickness_m.powi(3);
+            sum.add(
+                e * left(bent_m) * cubed / 12.0,
+                PLATE_TORSION * g * left(twisted_m) * cubed / 3.0,
+                5.0 / 6.0 * g * left(bent_m) * plate.thickness_m,
+                plate.place_m,
+            );
         }
         (sum.bending > 0.0).then_some(sum)
+    }
+
+    /// Adds a beam or a plate at a place across the span and in height.
+    fn add(&mut self, bending: f64, torsion: f64, shear: f64, place_m: [f64; 2]) {
+        self.bending += bending;
+        self.torsion += torsion;
+        self.shear += shear;
+        self.place[0] += bending * place_m[0];
+        self.place[1] += bending * place_m[1];
     }
 }
 
@@ -161,14 +188,35 @@ struct InPlane {
     axial: f64,
     shear: f64,
     bending: f64,
+    /// Its slabs, their width together and the greatest thickness \[m\].
+    plates: Vec<Plate>,
+    slab_m: f64,
+    thickness_m: f64,
+}
+
+/// A slab in a section.
+struct Plate {
+    width_m: f64,
+    thickness_m: f64,
+    /// Its middle across the span and in height \[m\].
+    place_m: [f64; 2],
+    /// Young's and shear modulus \[Pa\].
+    moduli_pa: [f64; 2],
 }
 
 impl InPlane {
     fn of(building: &Building, piece: &Piece, axis: usize) -> Self {
         let across = 1 - axis;
         let end = piece.boxes.iter().map(|(_, b)| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
-        let mut this =
-            Self { edges: [f64::INFINITY, f64::NEG_INFINITY], axial: 0.0, shear: 0.0, bending: 0.0 };
+        let mut this = Self {
+            edges: [f64::INFINITY, f64::NEG_INFINITY],
+            axial: 0.0,
+            shear: 0.0,
+            bending: 0.0,
+            plates: Vec::new(),
+            slab_m: 0.0,
+            thickness_m: 0.0,
+        };
         for (member, solid) in piece.boxes.iter().filter(|(_, b)| b.max[axis] > end - MEETS_M) {
             let law = building.law_of(&building.members[*member]);
             let size = solid.size();
@@ -177,6 +225,17 @@ impl InPlane {
             this.edges[1] = this.edges[1].max(solid.max[across]);
             this.axial += law.youngs_modulus_pa * area;
             this.shear += 5.0 / 6.0 * area * law.shear_modulus_pa();
+            if building.members[*member].kind == MemberKind::Slab {
+                let center = solid.center();
+                this.slab_m += size[across];
+                this.thickness_m = this.thickness_m.max(size[2]);
+                this.plates.push(Plate {
+                    width_m: size[across],
+                    thickness_m: size[2],
+                    place_m: [center[across], center[2]],
+                    moduli_pa: [law.youngs_modulus_pa, law.shear_modulus_pa()],
+                });
+            }
         }
         let width = (this.edges[1] - this.edges[0]).max(0.0);
         this.bending = this.axial * width * width / 12.0;
