@@ -1,5 +1,5 @@
 //! What every module may use and none owns: axis-aligned boxes, units, source files as trees with
-//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, instruction sets, time measurement.
+//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, sparse equations, instruction sets, time measurement.
 
 pub mod cpu;
 pub mod diagnostic;
@@ -10,6 +10,7 @@ pub mod output;
 pub mod piecewise;
 pub mod prefetch;
 pub mod source;
+pub mod sparse;
 pub mod tree;
 pub mod units;
 pub mod vtu;

@@ -9,6 +9,7 @@
 //! | `mbs` | error over run time of mechanisms whose motion is known |
 //! | `mbs_stability` | multibody runs at and beyond the limits (`mbs_trials`: what they are) |
 //! | `trials` | what these runs are; their frame is `mini.toml` |
+//! | `tradeoff` | run time against error of MBS, hybrid and FE of the same buildings |
 
 pub mod bandwidth;
 pub mod fe;
@@ -17,4 +18,5 @@ pub mod fe_stability;
 pub mod mbs;
 pub mod mbs_stability;
 pub mod mbs_trials;
+pub mod tradeoff;
 pub mod trials;

@@ -166,7 +166,7 @@ fn compute(
 fn generated(arguments: &Arguments, building: &Building, progress: &Progress) -> Result<Generated, Failure> {
     let (rules, mut store) = arguments.curves.open()?;
     progress.stage("generating the model");
-    generate(building, &rules, &mut store, arguments.curves.derive(), &|text| progress.note(text))
+    generate(building, &rules, &mut store, arguments.curves.wishes(), &|text| progress.note(text))
         .map_err(|e| Failure::input(e.to_string()))
 }
 

@@ -1,7 +1,7 @@
 //! Where rules and library lie, and how they are opened. Commands that need them come here.
 
 use super::Failure;
-use crate::generate::Derive;
+use crate::generate::{Accuracy, Derive, Wishes};
 use crate::library::{Opened, Store};
 use crate::rules::RuleBase;
 use std::path::{Path, PathBuf};
@@ -23,8 +23,22 @@ pub struct CurveArgs {
     /// What to do about hinges that the library has no curves for
     #[arg(long, value_enum, default_value = "never", default_missing_value = "run", num_args = 0..=1, require_equals = true)]
     derive: DeriveArgument,
+    /// Level of detail of the model
+    #[arg(long, value_enum, default_value = "balanced")]
+    accuracy: AccuracyArgument,
     #[command(flatten)]
     knowledge: KnowledgeArgs,
+}
+
+/// Values of `--accuracy`.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum AccuracyArgument {
+    /// As few bodies as can be: floors neither bend nor fold
+    Fast,
+    /// What the rules think necessary
+    Balanced,
+    /// Floors may fold wherever beams might yield
+    Fine,
 }
 
 /// Values of `--derive`.
@@ -42,13 +56,19 @@ enum DeriveArgument {
 
 impl CurveArgs {
     /// What the generator is told.
-    pub fn derive(&self) -> Derive {
-        match self.derive {
+    pub fn wishes(&self) -> Wishes {
+        let accuracy = match self.accuracy {
+            AccuracyArgument::Fast => Accuracy::Fast,
+            AccuracyArgument::Balanced => Accuracy::Balanced,
+            AccuracyArgument::Fine => Accuracy::Fine,
+        };
+        let derive = match self.derive {
             DeriveArgument::Never => Derive::Never,
             DeriveArgument::Similar => Derive::Similar,
             DeriveArgument::Run => Derive::Run,
             DeriveArgument::Keep => Derive::Keep,
-        }
+        };
+        Wishes { derive, accuracy }
     }
 
     /// Rules and library, which has to be writable if curves are kept.
@@ -57,7 +77,7 @@ impl CurveArgs {
     /// As [`rules`] and [`library`].
     pub fn open(&self) -> Result<(RuleBase, Store), Failure> {
         let KnowledgeArgs { library: folder, rules: of } = &self.knowledge;
-        Ok((rules(of.as_deref())?, library(folder.as_deref(), self.derive() == Derive::Keep)?))
+        Ok((rules(of.as_deref())?, library(folder.as_deref(), self.wishes().derive == Derive::Keep)?))
     }
 }
 

@@ -82,7 +82,7 @@ fn one(
         Failure::input("its record is of another input; run `fallwerk study run` again".into())
     })?;
     let generated =
-        generate(&task.building, rules, store, arguments.curves.derive(), &|text| progress.note(text))
+        generate(&task.building, rules, store, arguments.curves.wishes(), &|text| progress.note(text))
             .map_err(|e| Failure::input(e.to_string()))?;
     let run =
         crate::mbs::simulate(&generated.model).map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;

@@ -1,11 +1,11 @@
 //! Asks the rules about every member and member end, and keeps their answers.
 
 use super::grillage::on_axes;
-use super::{GenerateError, is_column};
+use super::{Accuracy, GenerateError, is_column};
 use crate::building::ends::{End, MemberEnd};
 use crate::building::partition::Partition;
 use crate::building::{Building, Member, MemberKind, Preparation};
-use crate::graph::Demands;
+use crate::graph::{Demands, EndState};
 use crate::library::derive::beyond;
 use crate::mbs::Model;
 use crate::rules::{Action, Aspect, RuleBase, Subject, SubjectKind, Trace};
@@ -55,6 +55,7 @@ impl Decision {
         partition: &Partition,
         ends: &[MemberEnd],
         demands: &Demands,
+        accuracy: Accuracy,
         rules: &RuleBase,
     ) -> Result<Self, GenerateError> {
         let none = vec![false; building.members.len()];
@@ -64,6 +65,7 @@ impl Decision {
         for index in 0..building.members.len() {
             let subject = member_subject(building, partition, index);
             let subject = known.added_to(subject, &building.members[index]);
+            let subject = subject.with("wish.accuracy", accuracy.name());
             match this.ask(rules, &subject, Aspect::Body)? {
                 Some(Action::MergeRigid) => this.merges[index] = true,
                 Some(Action::MergeElastic) => (this.merges[index], this.bends[index]) = (true, true),
@@ -75,6 +77,7 @@ impl Decision {
         for end in ends {
             let column = is_column(building, end.member);
             let subject = end_subject(building, partition, end, ends, demands);
+            let subject = subject.with("wish.accuracy", accuracy.name());
             let answer = this.ask(rules, &subject, Aspect::Rotation)?;
             match answer {
                 Some(Action::Hinge) if column => {
@@ -250,22 +253,35 @@ fn end_subject(
         adjoining.is_none() && building.supports.iter().any(|s| s.member == building.members[end.member].id);
     subject.id.clone_from(&end.id);
     subject.kind = SubjectKind::MemberEnd;
-    let ratio = |id: &str| {
-        let state = demands.ends.iter().find(|d| d.id == id).and_then(|d| d.after)?;
-        Some(state.section.ratio)
-    };
-    if let Some(own) = ratio(&end.id) {
+    let columns = ends.iter().filter(|e| !column && is_column(building, e.member));
+    let at_joint: Vec<&str> = columns.filter(|e| meets(building, end, e)).map(|e| e.id.as_str()).collect();
+    let [own, most] = leading_ratios(demands, &end.id, &at_joint);
+    if let Some(own) = own {
         subject = subject.with("end.demand_ratio", own);
     }
-    let at_joint =
-        ends.iter().filter(|e| !column && is_column(building, e.member) && meets(building, end, e));
-    if let Some(most) = at_joint.filter_map(|e| ratio(&e.id)).reduce(f64::max) {
+    if let Some(most) = most {
         subject = subject.with("end.column_demand_ratio", most);
     }
     subject
         .with("end.position", position)
         .with("end.clamped", clamped)
         .with("end.adjoining", adjoining.unwrap_or(if clamped { "ground" } else { "none" }))
+}
+
+/// Demand ratios of an end and the largest of the columns at its joint: after the removal, or between two charges if only there, or more there, the end has the larger one of the joint.
+fn leading_ratios(demands: &Demands, id: &str, at_joint: &[&str]) -> [Option<f64>; 2] {
+    let place = |id: &str| demands.ends.iter().position(|d| d.id == id);
+    let (own, columns): (_, Vec<usize>) = (place(id), at_joint.iter().filter_map(|c| place(c)).collect());
+    let ratio = |state: Option<EndState>| state.map(|s| s.section.ratio);
+    let after = |i: usize| ratio(demands.ends[i].after);
+    let pair = |of: &dyn Fn(usize) -> Option<f64>| {
+        [own.and_then(of), columns.iter().filter_map(|c| of(*c)).reduce(f64::max)]
+    };
+    let leads = |[own, most]: &[Option<f64>; 2]| own > most && most.is_some();
+    let stages = demands.stages.iter().map(|stage| pair(&|i| ratio(stage[i])));
+    let last = pair(&after);
+    let rank = |pair: &[Option<f64>; 2]| if leads(pair) { pair[0].unwrap_or(0.0) } else { 0.0 };
+    stages.fold(last, |best, next| if rank(&next) > rank(&best) { next } else { best })
 }
 
 /// How far apart the ends of a beam and a column at one joint may be beyond their sizes \[m\].
@@ -281,4 +297,38 @@ fn meets(building: &Building, beam: &MemberEnd, column: &MemberEnd) -> bool {
 
 fn is_weakened(building: &Building, member: &str) -> bool {
     building.preparation.iter().any(|p| matches!(p, Preparation::Weaken { member: m, .. } if m == member))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::EndDemand;
+    use crate::graph::demand::{StateSummary, Utilisation};
+    use crate::graph::frame::SectionForces;
+
+    #[test]
+    fn a_beam_that_leads_its_joint_between_two_charges_is_judged_there() {
+        let state = |ratio: f64| {
+            let own = Utilisation { capacity_nm: [1.0; 2], ratio };
+            Some(EndState { forces: SectionForces::default(), section: own, homogenised: own })
+        };
+        let ends = |beam: f64, column: f64| vec![state(beam), state(column)];
+        let demands = |after: [f64; 2], stages: Vec<Vec<Option<EndState>>>| Demands {
+            before: StateSummary::Failed { reason: String::new() },
+            after: None,
+            ends: ["beam", "column"]
+                .iter()
+                .zip(after)
+                .map(|(id, ratio)| EndDemand { id: (*id).into(), before: None, after: state(ratio) })
+                .collect(),
+            stages,
+        };
+        let of = |d: &Demands| leading_ratios(d, "beam", &["column"]).map(Option::unwrap_or_default);
+        // never ahead of its column: as it is at the end
+        assert_eq!(of(&demands([3.0, 19.0], vec![ends(0.2, 0.4)])), [3.0, 19.0]);
+        // ahead while some columns are still there
+        assert_eq!(of(&demands([3.0, 19.0], vec![ends(0.2, 0.4), ends(2.0, 0.6)])), [2.0, 0.6]);
+        // ahead there and, further, at the end
+        assert_eq!(of(&demands([3.0, 1.0], vec![ends(2.0, 0.6)])), [3.0, 1.0]);
+    }
 }

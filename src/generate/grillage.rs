@@ -304,6 +304,43 @@ mod tests {
     }
 
     #[test]
+    fn a_slab_twists_as_a_plate_also_beside_beams() {
+        let [width, thickness] = [3.0, 0.2];
+        let plate =
+            Plate { width_m: width, thickness_m: thickness, place_m: [1.5, 3.0], moduli_pa: [16.5e9, 7e9] };
+        let section = InPlane {
+            edges: [0.0, width],
+            axial: 0.0,
+            shear: 0.0,
+            bending: 0.0,
+            plates: vec![plate],
+            slab_m: width,
+            thickness_m: thickness,
+        };
+        let per_width = 7e9 * thickness.powi(3) / 6.0;
+        let alone = Crossing::of(&[], 0, 2.5, &section).unwrap();
+        assert!((alone.torsion / (width * per_width) - 1.0).abs() < 1e-12);
+        assert!((alone.bending / (16.5e9 * width * thickness.powi(3) / 12.0) - 1.0).abs() < 1e-12);
+        assert_eq!(alone.place.map(|p| p / alone.bending), [1.5, 3.0]);
+        // a beam of 0.4 m with a flange of 1 m: 2.6 m of slab twist, 1.6 m bend for themselves
+        let mut own = BeamSection::rectangle(16.5e9, 0.2, [0.4, 0.6]);
+        own.area_m2 += thickness;
+        let beam = Element {
+            member: "B".into(),
+            nodes: [0, 1],
+            ends_m: [[0.0, 0.2, 2.9], [5.0, 0.2, 2.9]],
+            axis1: [0.0, 1.0, 0.0],
+            section: own,
+            loads: Vec::new(),
+        };
+        let both = Crossing::of(&[(&beam, MemberKind::Beam)], 0, 2.5, &section).unwrap();
+        let torsion = own.shear_modulus_pa * own.torsion_m4 + 2.6 * per_width;
+        assert!((both.torsion / torsion - 1.0).abs() < 1e-9, "{} {torsion}", both.torsion);
+        let bending = 16.5e9 * (own.inertia_m4[0] + 1.6 * thickness.powi(3) / 12.0);
+        assert!((both.bending / bending - 1.0).abs() < 1e-9, "{} {bending}", both.bending);
+    }
+
+    #[test]
     fn columns_out_of_line_stand_on_one_axis() {
         let axes = on_axes(vec![[5.0, 0.4], [0.0, 0.4], [0.2, 0.6], [5.0, 0.4]]);
         assert_eq!(axes.len(), 2);

@@ -11,8 +11,10 @@ mod floors;
 mod grillage;
 mod joints;
 mod walls;
+mod wish;
 
 pub use decide::{Decision, Reason};
+pub use wish::{Accuracy, Derive, Wishes};
 
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::partition::Partition;
@@ -34,20 +36,6 @@ use floors::{Grid, Line};
 use grillage::Grillage;
 use joints::Query;
 use std::collections::BTreeMap;
-
-/// What to do about member ends that the library has no entry for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Derive {
-    /// Stop with an error that names them.
-    Never,
-    /// Scale the curves of similar columns; stop where there are none.
-    Similar,
-    /// Compute the curves for this model, do not store them.
-    #[default]
-    Run,
-    /// Compute the curves and add them to the library.
-    Keep,
-}
 
 /// A generated model with its reasons.
 #[derive(Debug, Clone)]
@@ -103,15 +91,16 @@ pub fn generate(
     building: &Building,
     rules: &RuleBase,
     store: &mut Store,
-    derive: Derive,
+    wishes: impl Into<Wishes>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Generated, GenerateError> {
+    let Wishes { derive, accuracy } = wishes.into();
     building.without_skew("no MBS model can be generated").map_err(GenerateError::Skew)?;
     let structure = Structure::of(building);
     let partition = &structure.partition;
     let ends = member_ends(building, partition);
     let demands = demands(&structure, building);
-    let decision = Decision::of(building, partition, &ends, &demands, rules)?;
+    let decision = Decision::of(building, partition, &ends, &demands, accuracy, rules)?;
     if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
         return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
     }
@@ -152,20 +141,20 @@ pub fn generate(
         let entry = &found.entries[&found.of_end[&line.id]];
         hinges.push(line.bushing(&bodies.list, *first, entry, joints::curve_id(&entry.key, 0), building)?);
     }
-    let walls = walls::springs(building, &structure, &bodies);
+    let (walls, wall_curves) = walls::springs(building, &structure, &bodies);
     if !walls.is_empty() {
-        notes.push(
-            "walls are rigid plates on elastic springs: they neither crack nor crush in this model".into(),
-        );
+        notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
     }
     hinges.extend(walls);
+    let mut curves = found.curves();
+    curves.extend(wall_curves);
     let mut contact = contact(building);
     elastic_floors(building, &structure, &floors, &bodies, &mut hinges, &mut contact);
     let model = Model {
         schema: MODEL_SCHEMA.to_string(),
         name: building.name.clone(),
         gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
-        curves: found.curves(),
+        curves,
         joints: Vec::new(),
         bushings: hinges,
         forces: Vec::new(),

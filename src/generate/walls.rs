@@ -1,34 +1,135 @@
-//! Walls between floors: rigid plates on elastic springs at foot and head.
+//! Walls between floors: rigid plates on springs at foot and head that yield.
 //!
 //! A wall storey of height `h` is as stiff as half of its height at either end: `E A / (h/2)`, `G A_s / (h/2)` and, about its own plane, `E I / (h/2)`. Each end has two springs, in the middles of its halves, which bear the
-//! moment in its plane as a couple. Walls neither crack nor crush here; the note says so.
+//! moment in its plane as a couple.
+//!
+//! They yield like the homogenised law over their half of the section: axially at the squash load `f A` either way, out of the plane at `M_p (1 - (N/N_p)²)` ([`HomogenisedCapacity`]). Hardening and fracture are those of the law where the strain of the
+//! outer fibres is spread over one element of the mesh of height `s`, `ε = θ t / (2 s)`: the same localisation as in the FE model. In shear a wall stays elastic.
 
 use super::bodies::Bodies;
 use super::joints::{axes, on_support};
 use crate::base::geom::Aabb;
-use crate::building::{Building, MemberKind};
+use crate::building::{Building, Homogenised, MemberKind, Preparation};
+use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::graph::Structure;
+use crate::material::section_capacity::HomogenisedCapacity;
 use crate::mbs::model::{Bending, Bushing, Origin};
+use std::collections::BTreeMap;
 
 /// How far beyond an end its neighbour is looked for \[m\].
 const BEYOND_M: f64 = 1e-4;
 
-/// The springs of all walls that are bodies of their own.
-pub fn springs(building: &Building, structure: &Structure, bodies: &Bodies) -> Vec<Bushing> {
+/// Axial forces of the levels of a curve over the squash load.
+const LEVELS: [f64; 7] = [-0.95, -0.75, -0.4, 0.0, 0.4, 0.75, 0.95];
+
+/// The springs of all walls that are bodies of their own, and their curves by id.
+pub fn springs(
+    building: &Building,
+    structure: &Structure,
+    bodies: &Bodies,
+) -> (Vec<Bushing>, BTreeMap<String, ResistanceCurve>) {
     let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
-    walls.flat_map(|(wall, _)| of_wall(building, structure, bodies, wall)).collect()
+    let (mut springs, mut curves) = (Vec::new(), BTreeMap::new());
+    for (wall, member) in walls {
+        let solid = structure.boxes(wall).iter().copied().reduce(around);
+        let Some(half) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
+        let own = of_wall(building, structure, bodies, &half);
+        if !own.is_empty() {
+            curves.insert(curve_id(&member.id), half.curve());
+        }
+        springs.extend(own);
+    }
+    (springs, curves)
 }
 
-fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, wall: usize) -> Vec<Bushing> {
+fn curve_id(wall: &str) -> String {
+    format!("wall/{wall}")
+}
+
+/// Half of a wall storey in its length and in its height.
+struct Half<'a> {
+    wall: usize,
+    law: &'a Homogenised,
+    /// Share of its strength that preparation leaves.
+    strength: f64,
+    solid: Aabb,
+    /// Axis of its length.
+    along: usize,
+    length_m: f64,
+    thickness_m: f64,
+    height_m: f64,
+    mesh_m: f64,
+}
+
+impl<'a> Half<'a> {
+    fn of(building: &'a Building, wall: usize, solid: Aabb) -> Self {
+        let member = &building.members[wall];
+        let size = solid.size();
+        let along = usize::from(size[1] > size[0]);
+        let weakened = building.preparation.iter().filter_map(|p| match p {
+            Preparation::Weaken { member: weak, strength_factor } if *weak == member.id => {
+                Some(*strength_factor)
+            }
+            _ => None,
+        });
+        Self {
+            wall,
+            law: building.law_of(member),
+            strength: weakened.product(),
+            solid,
+            along,
+            length_m: 0.5 * size[along],
+            thickness_m: size[1 - along],
+            height_m: 0.5 * size[2],
+            mesh_m: building.settings.mesh_size_m,
+        }
+    }
+
+    fn capacity(&self) -> HomogenisedCapacity {
+        let whole = HomogenisedCapacity::of_rectangle(self.law, self.length_m, self.thickness_m);
+        HomogenisedCapacity {
+            plastic_moment_nm: self.strength * whole.plastic_moment_nm,
+            plastic_force_n: self.strength * whole.plastic_force_n,
+        }
+    }
+
+    /// Elastic stiffness out of the plane \[N m/rad\].
+    fn out_of_plane(&self) -> f64 {
+        self.law.youngs_modulus_pa * self.length_m * self.thickness_m.powi(3) / 12.0 / self.height_m
+    }
+
+    /// Bending out of the plane.
+    fn curve(&self) -> ResistanceCurve {
+        let capacity = self.capacity();
+        let first = self.law.hardening.first().map_or(1.0, |p| p.stress_pa);
+        let rotation = |strain: f64| 2.0 * strain * self.mesh_m / self.thickness_m;
+        let critical = self.law.critical_plastic_strain;
+        let points = || self.law.hardening.iter().filter(|p| p.plastic_strain < critical);
+        let last = points().last().map_or(first, |p| p.stress_pa);
+        let level = |share: f64| {
+            let axial_force_n = share * capacity.plastic_force_n;
+            let moment = |stress_pa: f64| capacity.moment_nm(axial_force_n) * stress_pa / first;
+            let mut table: Vec<[f64; 2]> =
+                points().map(|p| [rotation(p.plastic_strain), moment(p.stress_pa)]).collect();
+            table.push([rotation(critical), moment(last)]);
+            CapacityLevel { axial_force_n, capacity: table, fracture_rotation_rad: rotation(critical) }
+        };
+        ResistanceCurve {
+            stiffness_nm_rad: self.out_of_plane(),
+            levels: LEVELS.into_iter().map(level).collect(),
+            cyclic: None,
+        }
+    }
+}
+
+fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, half: &Half) -> Vec<Bushing> {
     let mut list = Vec::new();
-    let own = structure.boxes(wall);
-    let Some(solid) = own.iter().copied().reduce(around) else { return list };
+    let (wall, solid, along) = (half.wall, half.solid, half.along);
     let size = solid.size();
-    let along = usize::from(size[1] > size[0]);
     for (end, name) in [(0, "bottom"), (1, "top")] {
-        for half in 0..2 {
+        for side in 0..2 {
             let mut point_m = solid.center();
-            point_m[along] = solid.min[along] + (0.25 + 0.5 * half as f64) * size[along];
+            point_m[along] = solid.min[along] + (0.25 + 0.5 * side as f64) * size[along];
             point_m[2] = if end == 0 { solid.min[2] } else { solid.max[2] };
             let mut outside = point_m;
             outside[2] += if end == 0 { -BEYOND_M } else { BEYOND_M };
@@ -38,8 +139,8 @@ fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, wall: us
             if other.is_none() && !on_support(building, wall, point_m[2]) || other == Some(body) {
                 continue;
             }
-            let id = format!("{}.{name}-{}", building.members[wall].id, half + 1);
-            list.push(spring(building, bodies, wall, [other, Some(body)], (id, point_m, &solid, along)));
+            let id = format!("{}.{name}-{}", building.members[wall].id, side + 1);
+            list.push(spring(building, bodies, half, [other, Some(body)], (id, point_m)));
         }
     }
     list
@@ -48,21 +149,19 @@ fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, wall: us
 fn spring(
     building: &Building,
     bodies: &Bodies,
-    wall: usize,
+    half: &Half,
     [other, own]: [Option<usize>; 2],
-    (id, point_m, solid, along): (String, [f64; 3], &Aabb, usize),
+    (id, point_m): (String, [f64; 3]),
 ) -> Bushing {
-    let law = building.law_of(&building.members[wall]);
-    let size = solid.size();
-    // one half of the length, half of the height
-    let (length, thickness, height) = (0.5 * size[along], size[1 - along], 0.5 * size[2]);
+    let Half { wall, law, along, length_m: length, thickness_m: thickness, height_m: height, .. } = *half;
     let area = length * thickness;
     let shear = 5.0 / 6.0 * area * law.shear_modulus_pa() / height;
-    let about =
-        |inertia: f64| Bending::Elastic { stiffness_nm_rad: law.youngs_modulus_pa * inertia / height };
-    let out_of_plane = about(length * thickness.powi(3) / 12.0);
-    let in_plane = about(thickness * length.powi(3) / 12.0);
+    let out_of_plane = Bending::Curve { curve: curve_id(&building.members[wall].id), strength_factor: 1.0 };
+    let in_plane = Bending::Elastic {
+        stiffness_nm_rad: law.youngs_modulus_pa * thickness * length.powi(3) / 12.0 / height,
+    };
     let torsion = law.shear_modulus_pa() * length * thickness.powi(3) / 3.0 / height;
+    let squash_n = half.capacity().plastic_force_n;
     let name = |i: usize| bodies.list[i].id.clone();
     let own = own.map(name).unwrap_or_default();
     Bushing {
@@ -78,9 +177,9 @@ fn spring(
         bending: if along == 0 { [out_of_plane, in_plane] } else { [in_plane, out_of_plane] },
         joint: None,
         latent: None,
-        tensile_capacity_n: None,
-        tensile_elongation_m: None,
-        compressive_capacity_n: None,
+        tensile_capacity_n: Some(squash_n),
+        tensile_elongation_m: Some(law.critical_plastic_strain * half.mesh_m),
+        compressive_capacity_n: Some(squash_n),
         origin: Origin {
             members: vec![building.members[wall].id.clone()],
             rules: bodies.list.iter().find(|b| b.id == own).map_or(Vec::new(), |b| b.origin.rules.clone()),

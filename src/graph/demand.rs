@@ -84,6 +84,9 @@ pub struct Demands {
     pub after: Option<StateSummary>,
     /// All member ends, in the order of `Structure::ends`.
     pub ends: Vec<EndDemand>,
+    /// The same ends between charges that go off at different times, in the order of time; states without a solution are left out.
+    #[serde(skip)]
+    pub stages: Vec<Vec<Option<EndState>>>,
 }
 
 /// Solves the frame before and after the charges and compares with the capacities.
@@ -102,7 +105,23 @@ pub fn demands(structure: &Structure, building: &Building) -> Demands {
         .zip(before_ends.into_iter().zip(after_ends))
         .map(|(end, (before, after))| EndDemand { id: end.id.clone(), before, after })
         .collect();
-    Demands { before, after, ends }
+    let stages = stages(building)
+        .map(|gone| state(structure, building, &gone.union(&cut).copied().collect()))
+        .filter(|(summary, _)| matches!(summary, StateSummary::Equilibrium { .. }))
+        .map(|(_, ends)| ends)
+        .collect();
+    Demands { before, after, ends, stages }
+}
+
+/// Members that are gone after each time of ignition but the last.
+fn stages(building: &Building) -> impl Iterator<Item = BTreeSet<usize>> + '_ {
+    let mut times: Vec<f64> = building.events.iter().map(|event| event.time_s).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times.pop();
+    let gone_by = |time_s: f64| building.events.iter().filter(move |event| event.time_s <= time_s);
+    let member = |id: &String| building.members.iter().position(|m| m.id == *id);
+    times.into_iter().map(move |time_s| gone_by(time_s).filter_map(|e| member(&e.member)).collect())
 }
 
 impl Demands {

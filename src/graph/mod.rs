@@ -12,7 +12,7 @@
 //! | [`ends`] | the ends of the clear columns and beams |
 //! | [`mass`] | mass, centre and inertia of members, exact from cells |
 //! | [`paths`] | rigid clusters, supports reached, vertical load paths lost |
-//! | [`frame`] | linear frame solver (faer) |
+//! | [`frame`] | linear frame solver |
 //! | [`idealise`] | the building as a frame |
 //! | [`demand`] | end forces before and after the removal, against capacities |
 

@@ -8,14 +8,12 @@
 use super::frequency;
 use super::math;
 use super::system::System;
-use nalgebra::{DMatrix, DVector};
+use crate::base::sparse::{Positive, Unsolvable};
 
 /// Largest residual force relative to the weight of the model.
 const TOLERANCE: f64 = 1e-10;
 /// Most Newton iterations.
 const ITERATIONS: usize = 200;
-/// Ratio of the smallest to the largest scaled pivot below which the stiffness is singular.
-const SINGULAR: f64 = 1e-12;
 
 /// Why there is no equilibrium.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,11 +37,10 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
     let n = system.count();
     let weight: f64 = system.data.iter().map(|d| d.mass).sum::<f64>() * math::norm(system.gravity);
     let length = characteristic_length(system);
-    let stiffness = assemble(system, length);
-    let factor = match factorise(&stiffness) {
-        Ok(factor) => factor,
-        Err(loose) => return Err(PreloadError::Mechanism { body: loose }),
-    };
+    let factor = Positive::of(assemble(system, length), 6 * n).map_err(|why| match why {
+        Unsolvable::Singular(mode) => PreloadError::Mechanism { body: largest(&mode) / 6 },
+        Unsolvable::Failed(_) => PreloadError::NoConvergence { body: 0, residual: f64::NAN },
+    })?;
     let virgin = system.joints.clone();
     let mut last = (0, f64::INFINITY);
     for iteration in 0..ITERATIONS {
@@ -51,7 +48,7 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
         system.pack();
         system.reset_forces();
         system.add_joint_forces();
-        let mut residual = DVector::zeros(6 * n);
+        let mut residual = vec![0.0; 6 * n];
         last = (0, 0.0);
         for i in 0..n {
             let body = &system.bodies[i];
@@ -59,7 +56,9 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
                 residual[6 * i + k] = body.force[k];
                 residual[6 * i + 3 + k] = body.torque[k] / length;
             }
-            let size = residual.rows(6 * i, 6).amax();
+            let own = residual[6 * i..6 * i + 6].iter().map(|f| f.abs());
+            // unlike `max`, it keeps what is not a number
+            let size = own.fold(0.0_f64, |most, f| if most.is_nan() || f <= most { most } else { f });
             if size > last.1 || size.is_nan() {
                 last = (i, size);
             }
@@ -91,51 +90,30 @@ fn characteristic_length(system: &System) -> f64 {
     if length > 0.0 { length } else { 1.0 }
 }
 
-/// Elastic stiffness of the joints, `6n x 6n`, rotations scaled by `length`.
-fn assemble(system: &System, length: f64) -> DMatrix<f64> {
+/// Elastic stiffness of the joints: the lower triangle of `6n x 6n`, rotations scaled by `length`; entries of the same place add up.
+fn assemble(system: &System, length: f64) -> Vec<(usize, usize, f64)> {
     let n = system.count();
-    let mut k = DMatrix::zeros(6 * n, 6 * n);
+    let mut entries = Vec::new();
     for row in frequency::rows(system) {
         let side = |force: [f64; 3], turn: [f64; 3], sign: f64| -> [f64; 6] {
             std::array::from_fn(|i| sign * if i < 3 { force[i] } else { turn[i - 3] / length })
         };
         let parts = [(row.a, side(row.force, row.turn_a, -1.0)), (row.b, side(row.force, row.turn_b, 1.0))];
-        for (i, u) in &parts {
-            for (j, v) in &parts {
-                if *i < n && *j < n {
-                    for r in 0..6 {
-                        for c in 0..6 {
-                            k[(6 * i + r, 6 * j + c)] += row.stiffness * u[r] * v[c];
-                        }
+        for (i, u) in parts.iter().filter(|(i, _)| *i < n) {
+            for (j, v) in parts.iter().filter(|(j, _)| j <= i) {
+                for (r, c) in (0..6).flat_map(|r| (0..6).map(move |c| (6 * i + r, 6 * j + c))) {
+                    let value = row.stiffness * u[r % 6] * v[c % 6];
+                    if r >= c && value != 0.0 {
+                        entries.push((r, c, value));
                     }
                 }
             }
         }
     }
-    k
+    entries
 }
 
-/// Cholesky factor, or the body that moves most in the softest mode.
-fn factorise(k: &DMatrix<f64>) -> Result<nalgebra::Cholesky<f64, nalgebra::Dyn>, usize> {
-    let diagonal: Vec<f64> = (0..k.nrows()).map(|i| k[(i, i)]).collect();
-    let largest = diagonal.iter().copied().fold(0.0, f64::max);
-    if let Some(i) = diagonal.iter().position(|d| *d <= SINGULAR * largest) {
-        return Err(i / 6);
-    }
-    if let Some(factor) = nalgebra::Cholesky::new(k.clone()) {
-        let sound = (0..k.nrows()).all(|i| factor.l_dirty()[(i, i)].powi(2) > SINGULAR * diagonal[i]);
-        if sound {
-            return Ok(factor);
-        }
-    }
-    // Inverse iteration on the slightly stiffened matrix shows the mechanism.
-    let soft = k + DMatrix::identity(k.nrows(), k.ncols()) * (1e-9 * largest);
-    let mut mode = DVector::from_fn(k.nrows(), |i, _| 1.0 + 0.1 * ((i * 7) % 11) as f64);
-    if let Some(factor) = nalgebra::Cholesky::new(soft) {
-        for _ in 0..4 {
-            mode = factor.solve(&mode);
-            mode /= mode.amax();
-        }
-    }
-    Err(mode.iamax() / 6)
+/// Place of the entry of greatest size.
+fn largest(mode: &[f64]) -> usize {
+    (0..mode.len()).max_by(|a, b| mode[*a].abs().total_cmp(&mode[*b].abs())).unwrap_or(0)
 }

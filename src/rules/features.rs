@@ -122,13 +122,13 @@ pub const CATALOGUE: &[Feature] = &[
         "end.column_demand_ratio",
         "1",
         &[MemberEnd],
-        "of a beam end: the largest demand ratio of the column ends at its joint",
+        "of a beam end: the largest demand ratio of the column ends at its joint, at the same time as its own",
     ),
     number(
         "end.demand_ratio",
         "1",
         &[MemberEnd],
-        "elastic moment after the removal over moment capacity at the dead-load axial force",
+        "elastic moment after the removal over moment capacity at the dead-load axial force; of a beam end that has the largest ratio of its joint between two charges, the ratio there",
     ),
     names(
         "end.position",
@@ -190,6 +190,12 @@ pub const CATALOGUE: &[Feature] = &[
         "largest strain rate around the section over the time considered",
     ),
     number("storeys", "1", ALL, "number of storeys of the building"),
+    names(
+        "wish.accuracy",
+        &["fast", "balanced", "fine"],
+        &[Member, MemberEnd],
+        "the level of detail that the analyst asks for",
+    ),
 ];
 
 /// The feature with this name.

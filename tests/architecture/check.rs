@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(lines("library/cache.rs", "fn f(db: &sled::Db) {}"), NONE);
         assert_eq!(lines("library/store.rs", "let sled = \"sled::Db\"; // sled::Db"), NONE);
         assert_eq!(lines("mbs/contact.rs", "use parry3d_f64 as p;"), [1]);
-        assert_eq!(lines("graph/demand.rs", "use faer::Mat;"), NONE);
+        assert_eq!(lines("base/sparse.rs", "use faer::Mat;"), NONE);
         assert_eq!(lines("fe/run.rs", "use faer::Mat;"), [1]);
     }
 }

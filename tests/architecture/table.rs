@@ -61,7 +61,7 @@ pub struct Confined {
 pub const CONFINED: &[Confined] = &[
     Confined { krate: "sled", within: &["library/cache.rs"] },
     Confined { krate: "parry3d_f64", within: &["mbs/contact/collide.rs"] },
-    Confined { krate: "faer", within: &["fe/preload.rs", "graph/"] },
+    Confined { krate: "faer", within: &["fe/preload.rs", "base/sparse.rs"] },
     Confined { krate: "postcard", within: &["fe/restart.rs"] },
     Confined { krate: "clap", within: &["cli/"] },
 ];

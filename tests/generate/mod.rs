@@ -3,7 +3,7 @@
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;
 use fallwerk::building::{Building, EXAMPLE, parse};
-use fallwerk::generate::{Derive, GenerateError, Generated, generate};
+use fallwerk::generate::{Accuracy, Derive, GenerateError, Generated, Wishes, generate};
 use fallwerk::library::Store;
 use fallwerk::mbs::model::Bending;
 use fallwerk::rules::RuleBase;
@@ -202,6 +202,15 @@ fn walls_stand_on_springs_between_ground_and_floor() {
     let whole = 16.5e9 * size[0] * size[1] / height;
     let series: f64 = 0.5 * springs[..2].iter().map(|b| b.axial_stiffness_n_m).sum::<f64>();
     assert!((series / whole - 1.0).abs() < 1e-9, "{series} {whole}");
+    // both halves together yield like the whole section: f A, and f l t² / 4 out of the plane without axial force
+    let first = building.law_of(wall).hardening[0].stress_pa;
+    let squash: f64 = springs[..2].iter().filter_map(|b| b.compressive_capacity_n).sum();
+    assert!((squash / (first * size[0] * size[1]) - 1.0).abs() < 1e-9, "{squash}");
+    let along = usize::from(size[1] > size[0]);
+    let plastic = 0.25 * first * size[along] * size[1 - along].powi(2);
+    let Bending::Curve { curve, .. } = &springs[0].bending[along] else { panic!("elastic out of the plane") };
+    let at_rest = generated.model.curves[curve].levels.iter().find(|l| l.axial_force_n == 0.0).unwrap();
+    assert!((2.0 * at_rest.capacity[0][1] / plastic - 1.0).abs() < 1e-9, "{:?}", at_rest.capacity);
     let mut still = generated.model.clone();
     still.events.clear();
     still.settings.end_time_s = 0.1;
@@ -209,6 +218,22 @@ fn walls_stand_on_springs_between_ground_and_floor() {
     let moved =
         run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
     assert!(moved < 1e-5, "{moved}");
+}
+
+#[test]
+fn the_wish_for_speed_leaves_floors_in_one_body() {
+    let scene = fallwerk::study::plan::Scene::of(1, 1);
+    let building = parse(&scene.toml(), Format::Toml, "scene").expect("a sound building");
+    let (rules, mut store, _cache) = knowledge();
+    let mut floors = |accuracy| {
+        let wishes = Wishes { derive: Derive::Similar, accuracy };
+        let model = generate(&building, &rules, &mut store, wishes, &|_| {}).unwrap().model;
+        model.bodies.iter().filter(|b| b.id.starts_with("S1")).count()
+    };
+    // the building stands, so that its floor bends unless few bodies count more
+    assert_eq!(floors(Accuracy::Fast), 1);
+    assert!(floors(Accuracy::Balanced) > 1);
+    assert_eq!(Accuracy::default(), Accuracy::Balanced);
 }
 
 #[test]

@@ -1,26 +1,15 @@
-//! Assembly, sparse Cholesky solution (faer), section forces, reactions, and the search for mechanisms.
+//! Assembly, solution, section forces, reactions, and the search for mechanisms.
 //!
-//! The system is scaled to a unit diagonal, so that translations and rotations compare. A frame moves
-//! freely if a part has no fixed node, or if the scaled matrix has an eigenvalue below
-//! [`MECHANISM_EIGENVALUE`]; the smallest one is found by inverse iteration.
+//! A frame moves freely if a part has no fixed node, or if its scaled stiffness has an eigenvalue below
+//! [`crate::base::sparse::MECHANISM_EIGENVALUE`].
 
 use super::element::{Matrix12, Vector12};
 use super::{Frame, SectionForces};
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::Llt;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
+use crate::base::sparse::{Positive, Unsolvable};
 use petgraph::unionfind::UnionFind;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Smallest eigenvalue of the scaled stiffness below which the frame counts as a mechanism. Rounding leaves
-/// about 1e-15 of a true mechanism; the most slender sensible frame stays above 1e-9.
-pub const MECHANISM_EIGENVALUE: f64 = 1e-12;
-/// Shift that makes a singular scaled matrix factorable for the inverse iteration.
-const SHIFT: f64 = 1e-9;
-/// Inverse iterations; each gains the ratio of the two smallest eigenvalues, and one is mostly enough.
-const ITERATIONS: usize = 4;
 /// A node takes part in a mechanism if it moves by more than this share of the largest motion.
 const PARTICIPATION: f64 = 1e-4;
 
@@ -75,20 +64,10 @@ impl Frame {
         }
         let (ties, unknowns) = self.ties();
         let (triplets, load) = self.assemble(&ties, unknowns);
-        let scaled = Scaled::of(triplets, unknowns)?;
-        let solution = match scaled.factor(0.0) {
-            Ok(factor) => {
-                let (eigenvalue, vector) = scaled.smallest(&factor);
-                if eigenvalue > MECHANISM_EIGENVALUE { Ok(scaled.solve(&factor, &load)) } else { Err(vector) }
-            }
-            Err(_) => {
-                let factor = scaled.factor(SHIFT).map_err(FrameError::Factorisation)?;
-                Err(scaled.smallest(&factor).1)
-            }
-        };
-        match solution {
-            Ok(values) => Ok(self.results(&ties, &values, unknowns)),
-            Err(vector) => Err(FrameError::Mechanism(self.moving(&expand(&ties, &vector)))),
+        match Positive::of(triplets, unknowns) {
+            Ok(factor) => Ok(self.results(&ties, &factor.solve(&load), unknowns)),
+            Err(Unsolvable::Singular(mode)) => Err(FrameError::Mechanism(self.moving(&expand(&ties, &mode)))),
+            Err(Unsolvable::Failed(reason)) => Err(FrameError::Factorisation(reason)),
         }
     }
 
@@ -210,83 +189,6 @@ impl Frame {
         let moving = self.elements.iter().filter(|e| e.nodes.iter().any(moves));
         Mechanism { members: unique(moving.map(|e| e.member.clone())) }
     }
-}
-
-/// A symmetric matrix scaled to a unit diagonal.
-struct Scaled {
-    /// Lower triangle.
-    matrix: Vec<(usize, usize, f64)>,
-    /// `1/sqrt(diagonal)`.
-    scale: Vec<f64>,
-}
-
-impl Scaled {
-    /// Scales by the diagonal. An unknown without stiffness keeps a zero on its diagonal.
-    fn of(mut matrix: Vec<(usize, usize, f64)>, unknowns: usize) -> Result<Self, FrameError> {
-        let mut diagonal = vec![0.0; unknowns];
-        matrix.iter().filter(|(i, j, _)| i == j).for_each(|(i, _, value)| diagonal[*i] += value);
-        if let Some(bad) = diagonal.iter().find(|d| !d.is_finite()) {
-            return Err(FrameError::Factorisation(format!("a stiffness is {bad}")));
-        }
-        let scale: Vec<f64> = diagonal.iter().map(|d| if *d > 0.0 { 1.0 / d.sqrt() } else { 1.0 }).collect();
-        matrix.iter_mut().for_each(|(i, j, value)| *value *= scale[*i] * scale[*j]);
-        Ok(Self { matrix, scale })
-    }
-
-    fn factor(&self, shift: f64) -> Result<Llt<usize, f64>, String> {
-        let n = self.scale.len();
-        let shifts = (0..n).map(|i| Triplet::new(i, i, shift));
-        let entries: Vec<_> =
-            self.matrix.iter().map(|&(i, j, v)| Triplet::new(i, j, v)).chain(shifts).collect();
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries)
-            .map_err(|e| format!("{e:?}"))?;
-        matrix.sp_cholesky(Side::Lower).map_err(|e| format!("{e:?}"))
-    }
-
-    /// Product with the scaled matrix.
-    fn times(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        for &(i, j, value) in &self.matrix {
-            y[i] += value * x[j];
-            if i != j {
-                y[j] += value * x[i];
-            }
-        }
-        y
-    }
-
-    /// The smallest eigenvalue (Rayleigh quotient) and its vector in unscaled unknowns.
-    fn smallest(&self, factor: &Llt<usize, f64>) -> (f64, Vec<f64>) {
-        // A start without symmetry, so that no mode is missed: fractions of multiples of the golden ratio.
-        let mut x: Vec<f64> =
-            (0..self.scale.len()).map(|i| (0.618_033_988_75 * (i + 1) as f64).fract() - 0.5).collect();
-        for _ in 0..ITERATIONS {
-            x = back_substitute(factor, &x);
-            let norm = x.iter().map(|v| v * v).sum::<f64>().sqrt();
-            if !(norm.is_finite() && norm > 0.0) {
-                return (0.0, x);
-            }
-            x.iter_mut().for_each(|v| *v /= norm);
-        }
-        let eigenvalue = self.times(&x).iter().zip(&x).map(|(a, b)| a * b).sum();
-        (eigenvalue, x.iter().zip(&self.scale).map(|(v, s)| v * s).collect())
-    }
-
-    /// Solution in unscaled unknowns, with one step of iterative refinement.
-    fn solve(&self, factor: &Llt<usize, f64>, load: &[f64]) -> Vec<f64> {
-        let scaled: Vec<f64> = load.iter().zip(&self.scale).map(|(l, s)| l * s).collect();
-        let mut x = back_substitute(factor, &scaled);
-        let residual: Vec<f64> = scaled.iter().zip(self.times(&x)).map(|(l, k)| l - k).collect();
-        let correction = back_substitute(factor, &residual);
-        x.iter_mut().zip(correction).for_each(|(v, c)| *v += c);
-        x.iter().zip(&self.scale).map(|(v, s)| v * s).collect()
-    }
-}
-
-fn back_substitute(factor: &Llt<usize, f64>, load: &[f64]) -> Vec<f64> {
-    let mut x = Mat::from_fn(load.len(), 1, |i, _| load[i]);
-    factor.solve_in_place(&mut x);
-    (0..load.len()).map(|i| x[(i, 0)]).collect()
 }
 
 /// Freedoms of the nodes from the unknowns.
