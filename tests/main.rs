@@ -3,9 +3,10 @@
 //! elements, `mbs` the multibody solver, `rc` the submodel of a member end, `library` keeps and mends the store, `rules`
 //! reads, checks and fires rules, `generate` makes the model of the reference building, `report` renders pages,
 //! `pipeline` runs the commands, `verify` the
-//! short form of the verification manual.
+//! short form of the verification manual, `bench` a few random buildings.
 
 mod architecture;
+mod bench;
 mod building;
 mod fe;
 mod generate;

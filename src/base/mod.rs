@@ -1,5 +1,5 @@
 //! What every module may use and none owns: axis-aligned boxes, units, source files as trees with
-//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, sparse equations, instruction sets, time measurement.
+//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, sparse equations, instruction sets, random numbers, time measurement.
 
 pub mod cpu;
 pub mod diagnostic;
@@ -9,6 +9,7 @@ pub mod isa;
 pub mod output;
 pub mod piecewise;
 pub mod prefetch;
+pub mod random;
 pub mod source;
 pub mod sparse;
 pub mod tree;

@@ -1,5 +1,6 @@
 //! Small models at and beyond the limits of the multibody solver, and random hinge structures.
 
+use crate::base::random::Random;
 use crate::mbs::math::{V3, norm};
 use crate::mbs::model::{Body, BodyContact, Force, GroundPlane, Joint, JointKind, Model, Origin, Shape};
 
@@ -199,36 +200,10 @@ fn portal(times: usize) -> Model {
     m
 }
 
-/// Random numbers that are the same everywhere (a linear congruential generator; Knuth, TAOCP 2, 3.3.4).
-#[derive(Debug, Clone)]
-struct Random(u64);
-
-impl Random {
-    /// Between 0 and 1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, a: f64, b: f64) -> f64 {
-        a + (b - a) * self.next()
-    }
-
-    /// Even over decades.
-    fn decades(&mut self, a: f64, b: f64) -> f64 {
-        a * (b / a).powf(self.next())
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        ((self.next() * n as f64) as usize).min(n - 1)
-    }
-}
-
 /// A random hinge structure: up to eight blocks, each joined to the ground or to one before it, sometimes closed to loops; hinges that are stiff or soft, flow, soften and fracture; in half of
 /// the structures over ground.
 pub fn random(seed: u64) -> Model {
-    let mut r = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0xD1B5_4A32_D192_ED03);
-    (0..4).for_each(|_| _ = r.next());
+    let mut r = Random::of(seed);
     let mut m = model(&format!("random {seed}"), 1.0);
     m.settings.output_interval_s = 0.05;
     let count = 1 + r.below(8);
@@ -244,22 +219,22 @@ pub fn random(seed: u64) -> Model {
         body.velocity_m_s = [r.between(-2.0, 2.0), r.between(-2.0, 2.0), r.between(-2.0, 2.0)];
         body.angular_velocity_rad_s = [r.between(-3.0, 3.0), r.between(-3.0, 3.0), r.between(-3.0, 3.0)];
         m.bodies.push(body);
-        let links = 1 + usize::from(r.next() < 0.25);
+        let links = 1 + usize::from(r.share() < 0.25);
         for k in 0..links {
             connect(&mut m, &mut r, i, k);
         }
     }
-    if r.next() < 0.5 { grounded(m, 0.5) } else { m }
+    if r.share() < 0.5 { grounded(m, 0.5) } else { m }
 }
 
 /// Joins body `i` to the ground or to one before it, mostly with a hinge.
 fn connect(m: &mut Model, r: &mut Random, i: usize, k: usize) {
-    let other = (i > 0 && r.next() < 0.8).then(|| r.below(i));
+    let other = (i > 0 && r.share() < 0.8).then(|| r.below(i));
     let a = other.map(|o| format!("body{o}"));
     let b = format!("body{i}");
     let near = other.map_or([0.0, 0.0, 6.0], |o| m.bodies[o].position_m);
     let own = m.bodies[i].position_m;
-    let share = r.next();
+    let share = r.share();
     let point: V3 = std::array::from_fn(|c| near[c] + share * (own[c] - near[c]));
     let kind =
         [JointKind::Spherical, JointKind::Revolute, JointKind::Spherical, JointKind::Fixed][r.below(4)];
@@ -268,11 +243,11 @@ fn connect(m: &mut Model, r: &mut Random, i: usize, k: usize) {
     let axis = [r.between(-1.0, 1.0), r.between(-1.0, 1.0), r.between(-1.0, 1.0)];
     held.axis = (kind == JointKind::Revolute && norm(axis) > 0.1).then_some(axis).or(held.axis);
     m.joints.push(held);
-    if kind != JointKind::Fixed && r.next() < 0.8 {
+    if kind != JointKind::Fixed && r.share() < 0.8 {
         let capacity = r.decades(1e2, 1e6);
         let mut force =
             hinge(format!("hinge{i}-{k}"), a, &b, (r.decades(1e3, 1e8), capacity, None), Some(id));
-        if let (Force::Hinge { capacity: points, fracture_rad, .. }, true) = (&mut force, r.next() < 0.5) {
+        if let (Force::Hinge { capacity: points, fracture_rad, .. }, true) = (&mut force, r.share() < 0.5) {
             *points = vec![
                 [0.0, capacity],
                 [0.03, capacity],

@@ -1,11 +1,9 @@
 //! `fallwerk bench`: measurements of the solvers.
 
-use super::knowledge::CurveArgs;
 use super::progress::Progress;
-use super::{Failure, Outcome, print, read_building, thread_pool};
+use super::{Failure, Outcome, bench_buildings, bench_tradeoff, print, read_building, thread_pool};
 use crate::base::output::write_atomic;
-use crate::bench::{fe, fe_error, fe_stability, mbs, mbs_stability, tradeoff};
-use crate::generate::{Wishes, generate};
+use crate::bench::{fe, fe_error, fe_stability, mbs, mbs_stability};
 use crate::report::loglog;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,26 +29,10 @@ enum What {
     Mbs(Mechanisms),
     /// Multibody runs at and beyond the limits, and random hinge structures; exit code 1 if one goes wrong without a diagnosis
     MbsStability(MbsStability),
+    /// Generated models of random small buildings, run to rest; exit code 1 if one does not hold
+    Buildings(bench_buildings::Arguments),
     /// Run time against error: MBS at each level of detail, hybrid and FE at several meshes, against the finest FE run of each building
-    Tradeoff(Tradeoff),
-}
-
-#[derive(clap::Args)]
-struct Tradeoff {
-    /// Building files
-    #[arg(default_value = "buildings/three-storey-frame.toml")]
-    buildings: Vec<PathBuf>,
-    /// Mesh sizes of FE runs in metres, beside that of each building's file
-    #[arg(long, value_delimiter = ',', default_value = "0.25")]
-    sizes: Vec<f64>,
-    #[command(flatten)]
-    curves: CurveArgs,
-    /// Folder for tradeoff.md and tradeoff.svg
-    #[arg(short, long, value_name = "DIR")]
-    output: Option<PathBuf>,
-    /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    Tradeoff(bench_tradeoff::Arguments),
 }
 
 #[derive(clap::Args)]
@@ -141,7 +123,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         What::FeStability(options) => stability(options),
         What::Mbs(options) => mechanisms(options),
         What::MbsStability(options) => mbs_stability_runs(options),
-        What::Tradeoff(options) => tradeoff_runs(options),
+        What::Buildings(options) => bench_buildings::run(options),
+        What::Tradeoff(options) => bench_tradeoff::run(options),
     }
 }
 
@@ -227,36 +210,8 @@ fn throughput(options: &Throughput) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn tradeoff_runs(options: &Tradeoff) -> Result<Outcome, Failure> {
-    check_sizes(&options.sizes)?;
-    let pool = thread_pool(options.threads)?;
-    let (rules, mut store) = options.curves.open()?;
-    let derive = options.curves.wishes().derive;
-    let mut rows = Vec::new();
-    for file in &options.buildings {
-        let building = read_building(file, false)?;
-        let note = |what: &str| eprintln!("{}: {what}", building.name);
-        let mut model = |accuracy| {
-            generate(&building, &rules, &mut store, Wishes { derive, accuracy }, &|text| eprintln!("{text}"))
-        };
-        let measured = pool.install(|| tradeoff::measure(&building, &options.sizes, &mut model, &note));
-        rows.extend(measured.map_err(|e| Failure::stopped(format!("{}: {e}", building.name)))?);
-    }
-    let page = tradeoff::markdown(&rows, &fe::machine());
-    let line = |kind: tradeoff::Kind| {
-        let own = rows.iter().filter(|r| r.kind == kind);
-        (kind.name().to_string(), own.map(|r| [r.cpu_s, r.e_to_contact]).collect::<Vec<_>>())
-    };
-    let lines = [tradeoff::Kind::Mbs, tradeoff::Kind::Hybrid, tradeoff::Kind::Fe].map(line);
-    let axes = ["processor time [s]", "error of displacements up to the first contact"];
-    let plot = loglog::svg("Run time against error, against the finest FE run", axes, &lines);
-    save(options.output.as_deref(), &[("tradeoff.md", &page), ("tradeoff.svg", &plot)])?;
-    print(&page);
-    Ok(Outcome::Done)
-}
-
 /// Mesh sizes are lengths.
-fn check_sizes(sizes: &[f64]) -> Result<(), Failure> {
+pub(super) fn check_sizes(sizes: &[f64]) -> Result<(), Failure> {
     match sizes.iter().find(|s| !(**s > 0.0 && s.is_finite())) {
         Some(bad) => Err(Failure::input(format!("--sizes: {bad} is not a positive length in metres"))),
         None => Ok(()),

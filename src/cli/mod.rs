@@ -4,6 +4,8 @@
 
 mod batch;
 mod bench;
+mod bench_buildings;
+mod bench_tradeoff;
 mod check;
 pub mod compose;
 pub mod explain;

@@ -11,7 +11,7 @@ use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted, beyond};
 use crate::library::derive_strip::WantedStrip;
 use crate::library::entry::AxisRecord;
-use crate::library::similar::Candidates;
+use crate::library::similar::{Candidates, Similar};
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{Bending, Bushing, Origin};
 use std::collections::BTreeMap;
@@ -90,11 +90,49 @@ pub fn queries(place: &Place, ends: &[&MemberEnd]) -> Result<Vec<(String, Query)
     ends.iter().map(of).collect()
 }
 
+/// What the library knows, and what is done about the rest.
+#[derive(Debug)]
+pub struct Known {
+    derive: Derive,
+    keys: Vec<String>,
+    candidates: Candidates,
+}
+
+impl Known {
+    /// Of a library.
+    ///
+    /// # Errors
+    /// If an entry that may be scaled cannot be read.
+    pub fn of(store: &Store, derive: Derive) -> Result<Self, StoreError> {
+        let candidates =
+            if derive == Derive::Similar { Candidates::of(store)? } else { Candidates::default() };
+        Ok(Self { derive, keys: store.keys(), candidates })
+    }
+
+    /// Whether there is an entry of this key.
+    fn has(&self, key: &str) -> bool {
+        self.keys.binary_search_by(|k| k.as_str().cmp(key)).is_ok()
+    }
+
+    /// A similar entry, if such are asked for.
+    fn similar(&self, query: &Query) -> Result<Option<Similar>, DeriveError> {
+        Ok(match query {
+            Query::End(wanted) => self.candidates.scaled(wanted)?,
+            Query::Strip(_) => None,
+        })
+    }
+
+    /// Whether there is neither an entry nor a similar one, and none is to be computed, and the model can do without.
+    pub fn lacks(&self, query: &Query) -> Result<bool, DeriveError> {
+        Ok(self.derive == Derive::Similar && !self.has(&query.key()?) && self.similar(query)?.is_none())
+    }
+}
+
 /// Finds, or computes, the entry for each of some places. Places that are mirror images of each other share one.
 pub fn entries(
     places: Vec<(String, Query)>,
     store: &mut Store,
-    derive: Derive,
+    at_hand: &Known,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Entries, GenerateError> {
     let mut found = Entries::default();
@@ -104,21 +142,14 @@ pub fn entries(
         found.of_end.insert(id.clone(), key.clone());
         wanted.entry(key).or_insert((id, query));
     }
-    let known = store.keys();
-    let lacks = wanted.keys().any(|key| known.binary_search(key).is_err());
-    let candidates =
-        if lacks && derive == Derive::Similar { Candidates::of(store)? } else { Candidates::default() };
+    let derive = at_hand.derive;
     let mut missing = Vec::new();
     for (key, (end, query)) in wanted {
-        if known.binary_search(&key).is_ok() {
+        if at_hand.has(&key) {
             found.entries.insert(key.clone(), store.get(&key)?);
             continue;
         }
-        let similar = match &query {
-            Query::End(wanted) => candidates.scaled(wanted).map_err(DeriveError::from)?,
-            Query::Strip(_) => None,
-        };
-        if let Some(similar) = similar {
+        if let Some(similar) = at_hand.similar(&query)? {
             found.notes.push(format!("{end}: no entry of its own, curves scaled from {}", similar.words));
             found.of_end.values_mut().filter(|k| **k == key).for_each(|k| k.clone_from(&similar.entry.key));
             found.entries.insert(similar.entry.key.clone(), similar.entry);

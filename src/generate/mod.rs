@@ -35,7 +35,7 @@ use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
 use joints::Query;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A generated model with its reasons.
 #[derive(Debug, Clone)]
@@ -112,22 +112,28 @@ pub fn generate(
         .collect();
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
     let mut notes = decision.notes.clone();
-    let mut bodies = Bodies::new(building.members.len());
-    let floors = bodies_of(building, &structure, &clusters, &ends, &decision, &mut bodies, &mut notes);
+    let known = joints::Known::of(store, derive)?;
+    let parts = Parts {
+        building,
+        structure: &structure,
+        mesh: &mesh,
+        clusters: &clusters,
+        ends: &ends,
+        decision: &decision,
+    };
+    let mut division = parts.divided(&BTreeSet::new());
+    let without = division.without_curves(&known)?;
+    if !without.is_empty() {
+        division = parts.divided(&without);
+    }
+    let Division { bodies, floors, lines, notes: told } = division;
+    notes.extend(told);
     let place = joints::Place { building, partition, mesh: &mesh, bodies: &bodies };
     let hinged: Vec<&MemberEnd> =
         ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
     let mut asked = joints::queries(&place, &hinged)?;
-    let mut lines: Vec<(usize, Line)> = Vec::new();
-    for Divided { floor, first, pieces } in &floors {
-        let Floor::Folds(grid) = floor else { continue };
-        let names: Vec<String> =
-            bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
-        let own = grid.lines(&place, pieces, &ends, &names, &decision);
-        lines.extend(own.into_iter().map(|line| (*first, line)));
-    }
     asked.extend(lines.iter().map(|(_, line)| (line.id.clone(), Query::Strip(line.wanted.clone()))));
-    let found = joints::entries(asked, store, derive, progress)?;
+    let found = joints::entries(asked, store, &known, progress)?;
     notes.extend(found.notes.iter().cloned());
     notes.extend(overloaded_rigid_ends(&demands, &decision));
     if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
@@ -235,43 +241,84 @@ struct Divided {
     pieces: Vec<Piece>,
 }
 
-/// The bodies of clusters of members: one each, or the pieces of floors that bend or may fold.
-fn bodies_of(
-    building: &Building,
-    structure: &Structure,
-    clusters: &[Vec<usize>],
-    ends: &[MemberEnd],
-    decision: &Decision,
-    bodies: &mut Bodies,
-    notes: &mut Vec<String>,
-) -> Vec<Divided> {
-    let mut floors = Vec::new();
-    for cluster in clusters {
-        let rules = decision.rules_of(building, cluster);
-        let name = bodies::name(building, cluster);
-        let bends = decision.bends(cluster).then(|| Grillage::of(building, structure, cluster)).flatten();
-        let mut folds = || {
-            Grid::of(building, structure, cluster, ends, decision).unwrap_or_else(|pieces| {
-                notes.push(format!(
-                    "{name} stays in one piece: the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
-                ));
-                None
-            })
-        };
-        let floor = bends.map(Floor::Bends).or_else(|| folds().map(Floor::Folds));
-        let Some(floor) = floor else {
-            bodies.add(cluster, bodies::body(building, structure, cluster, rules));
-            continue;
-        };
-        let pieces = match &floor {
-            Floor::Folds(grid) => grid.cells().pieces(structure),
-            Floor::Bends(grillage) => grillage.cells.pieces(structure),
-        };
-        let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
-        let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
-        floors.push(Divided { floor, first, pieces });
+/// What is divided.
+struct Parts<'a> {
+    building: &'a Building,
+    structure: &'a Structure,
+    mesh: &'a Mesh,
+    clusters: &'a [Vec<usize>],
+    ends: &'a [MemberEnd],
+    decision: &'a Decision,
+}
+
+/// The bodies of clusters of members, and the lines at which floors may fold with the first body of their floor.
+struct Division {
+    bodies: Bodies,
+    floors: Vec<Divided>,
+    lines: Vec<(usize, Line)>,
+    notes: Vec<String>,
+}
+
+impl Parts<'_> {
+    /// One body a cluster, or the pieces of a floor that bends or may fold; `without` are floors for whose lines there are no curves: they stay in one piece.
+    fn divided(&self, without: &BTreeSet<String>) -> Division {
+        let Self { building, structure, mesh, clusters, ends, decision } = *self;
+        let (mut bodies, mut floors, mut notes) =
+            (Bodies::new(building.members.len()), Vec::new(), Vec::new());
+        for cluster in clusters {
+            let rules = decision.rules_of(building, cluster);
+            let name = bodies::name(building, cluster);
+            let bends = decision.bends(cluster).then(|| Grillage::of(building, structure, cluster)).flatten();
+            let mut folds = || {
+                if without.contains(&name) {
+                    notes.push(format!("{name} stays in one piece: the library has no curves for the lines at which it may fold, nor similar ones"));
+                    return None;
+                }
+                Grid::of(building, structure, cluster, ends, decision).unwrap_or_else(|pieces| {
+                    notes.push(format!(
+                        "{name} stays in one piece: the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
+                    ));
+                    None
+                })
+            };
+            let floor = bends.map(Floor::Bends).or_else(|| folds().map(Floor::Folds));
+            let Some(floor) = floor else {
+                bodies.add(cluster, bodies::body(building, structure, cluster, rules));
+                continue;
+            };
+            let pieces = match &floor {
+                Floor::Folds(grid) => grid.cells().pieces(structure),
+                Floor::Bends(grillage) => grillage.cells.pieces(structure),
+            };
+            let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
+            let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
+            floors.push(Divided { floor, first, pieces });
+        }
+        let place = joints::Place { building, partition: &structure.partition, mesh, bodies: &bodies };
+        let mut lines = Vec::new();
+        for Divided { floor, first, pieces } in &floors {
+            let Floor::Folds(grid) = floor else { continue };
+            let names: Vec<String> =
+                bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
+            let own = grid.lines(&place, pieces, ends, &names, decision);
+            lines.extend(own.into_iter().map(|line| (*first, line)));
+        }
+        Division { bodies, floors, lines, notes }
     }
-    floors
+}
+
+impl Division {
+    /// Floors that have a line without curves, where none may be computed.
+    fn without_curves(&self, known: &joints::Known) -> Result<BTreeSet<String>, GenerateError> {
+        let mut floors = BTreeSet::new();
+        for (first, line) in &self.lines {
+            if known.lacks(&Query::Strip(line.wanted.clone()))? {
+                let piece = &self.bodies.list[*first].id;
+                floors.insert(piece.split('/').next().unwrap_or(piece).to_string());
+            }
+        }
+        Ok(floors)
+    }
 }
 
 /// Springs of the floors that bend, and their pieces that pass through each other.

@@ -217,7 +217,7 @@ fn missed_column_ends(building: &Building, facts: &Facts, sites: &[SiteCompariso
 }
 
 /// Whether a point falls far enough to count as collapsed.
-fn fell(displacement_m: &measure::Displacement) -> bool {
+pub fn fell(displacement_m: &measure::Displacement) -> bool {
     displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M)
 }
 

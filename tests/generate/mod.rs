@@ -259,3 +259,18 @@ fn elastic_stiffness_of_an_end_is_that_of_its_curves() {
         }
     }
 }
+
+#[test]
+fn a_floor_without_curves_for_its_lines_stays_in_one_piece_where_curves_are_scaled() {
+    let scene = fallwerk::study::plan::Scene::of(1, 26);
+    let building = parse(&scene.toml(), Format::Toml, "scene").expect("a sound building");
+    let (rules, mut store, _cache) = knowledge();
+    let missing = generate(&building, &rules, &mut store, Derive::Never, &|_| {}).unwrap_err().to_string();
+    assert!(missing.contains("B1-A1-B1.start"), "{missing}");
+    let scaled = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    assert!(scaled.model.bushings.iter().all(|b| b.latent.is_none()));
+    let told: Vec<&String> = scaled.notes.iter().filter(|n| n.contains("stays in one piece")).collect();
+    assert_eq!(told.len(), 1, "{:?}", scaled.notes);
+    assert!(told[0].starts_with("S1 stays"), "{told:?}");
+    scaled.model.check().expect("a sound model");
+}

@@ -8,9 +8,11 @@
 //! |---|---|
 //! | this one | coordinates, the frame and the blasting plan |
 //! | `design` | sizes and bars from spans and loads |
+//! | `small` | small buildings with random removals and obstacles, outside the plan |
 //! | `text` | the building file |
 
 mod design;
+mod small;
 mod text;
 
 use design::Sizes;
@@ -66,6 +68,17 @@ pub struct Obstacle {
     pub height_m: f64,
 }
 
+/// A rigid block on the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    /// Lower corner along x and y \[m\].
+    pub from_m: [f64; 2],
+    /// Upper corner \[m\].
+    pub to_m: [f64; 2],
+    /// Its height \[m\].
+    pub height_m: f64,
+}
+
 /// A building and its demolition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -73,6 +86,8 @@ pub struct Scene {
     pub seed: u32,
     /// Place in the plan, from 1.
     pub number: u32,
+    /// Whether it is no scene of a plan but one of the small buildings for runs that ask about stability.
+    pub small: bool,
     /// Axes along x and y \[m\].
     pub axes_m: [Vec<f64>; 2],
     /// Storey heights from below \[m\].
@@ -89,6 +104,8 @@ pub struct Scene {
     pub weakened: Option<f64>,
     /// A wall before the front.
     pub obstacle: Option<Obstacle>,
+    /// Blocks around and under it.
+    pub blocks: Vec<Block>,
     /// A shear wall in the first bay of the rear axis.
     pub has_wall: bool,
     /// An opening in the slabs of the last bay.
@@ -190,6 +207,7 @@ impl Scene {
         let mut scene = Self {
             seed,
             number,
+            small: false,
             axes_m,
             heights_m,
             beams,
@@ -201,6 +219,7 @@ impl Scene {
                 distance_m: point.module(Of::Distance, [1.0, 5.0, 0.5]),
                 height_m: point.module(Of::ObstacleHeight, [1.0, 3.0, 0.5]),
             }),
+            blocks: Vec::new(),
             has_wall: point.is(Of::Wall, 0.15),
             has_opening: point.is(Of::Opening, 0.15),
         };
@@ -210,7 +229,7 @@ impl Scene {
 
     /// Its name.
     pub fn name(&self) -> String {
-        format!("s{}-{:03}", self.seed, self.number)
+        format!("{}{}-{:03}", if self.small { "b" } else { "s" }, self.seed, self.number)
     }
 
     /// Rows of ground-floor columns from the front to the rear: their places on the axis of the fall.
@@ -323,6 +342,19 @@ mod tests {
         assert!((1..=8).all(|n| storeys.contains(&n)), "{storeys:?}");
         let columns = |s: &Scene| s.axes_m[0].len() * s.axes_m[1].len() * s.heights_m.len();
         assert!(scenes.iter().all(|s| columns(s) <= MOST_COLUMNS));
+    }
+
+    #[test]
+    fn every_small_building_is_one_without_errors() {
+        for number in 1..=200 {
+            let scene = Scene::small(1, number);
+            assert!(!scene.blasts.is_empty());
+            let text = scene.toml();
+            let read = parse(&text, Format::Toml, &scene.name());
+            assert!(read.is_ok(), "{}:\n{text}\n{:?}", scene.name(), read.err().map(|e| e.to_string()));
+        }
+        assert_eq!(Scene::small(1, 7), Scene::small(1, 7));
+        assert_ne!(Scene::small(1, 7), Scene { seed: 1, ..Scene::small(2, 7) });
     }
 
     #[test]

@@ -10,10 +10,13 @@ const END_S: [f64; 2] = [2.0, 0.2];
 impl Scene {
     /// The building file, TOML.
     pub fn toml(&self) -> String {
+        let what = if self.small {
+            format!("Building {} of `fallwerk bench buildings --seed {}`", self.number, self.seed)
+        } else {
+            format!("Scene {} of the plan with seed {} (`fallwerk study plan`)", self.number, self.seed)
+        };
         let mut text = format!(
-            "# Scene {} of the plan with seed {} (`fallwerk study plan`); for keys and units see `three-storey-frame.toml`.\n\nschema = 1\nname = \"{}\"\n",
-            self.number,
-            self.seed,
+            "# {what}; for keys and units see `three-storey-frame.toml`.\n\nschema = 1\nname = \"{}\"\n",
             self.name()
         );
         self.materials(&mut text);
@@ -89,7 +92,7 @@ critical_plastic_strain = {}
         };
         text.push_str(&plate("slab", slab));
         if self.has_wall {
-            text.push_str(&plate("wall", mm(wall_m(s.column_m))));
+            text.push_str(&plate("wall", mm(self.wall_m())));
         }
     }
 
@@ -148,8 +151,23 @@ critical_plastic_strain = {}
         }
     }
 
+    /// Thickness of its shear wall \[m\]: flush with small columns, else far enough from their faces that no elements are thin. A flush wall leaves nothing of the beams above it, and what stands on it
+    /// has no entry like it: small buildings, which are not meshed, have none.
+    fn wall_m(&self) -> f64 {
+        if self.sizes.column_m <= 0.3 && !self.small { self.sizes.column_m } else { 0.2 }
+    }
+
     fn surroundings(&self, text: &mut String) {
         text.push_str("\n[ground]\nlevel = 0\nfriction = 0.5\n");
+        for (i, block) in self.blocks.iter().enumerate() {
+            let ([x0, y0], [x1, y1]) = (block.from_m, block.to_m);
+            let _ = write!(
+                text,
+                "\n[[obstacles]]\nid = \"block-{}\"\nfrom = [{x0}, {y0}, 0]\nto = [{x1}, {y1}, {}]\nfriction = 0.5\n",
+                i + 1,
+                block.height_m
+            );
+        }
         let Some(obstacle) = self.obstacle else { return };
         let (axis, towards_smaller) = self.fall;
         let half = 0.5 * self.sizes.column_m;
@@ -192,11 +210,6 @@ critical_plastic_strain = {}
         let end_s = last_s + END_S[0] + END_S[1] * self.heights_m.len() as f64;
         let _ = write!(text, "\n[settings]\nend_time = {}\n", milli(end_s));
     }
-}
-
-/// Thickness of a shear wall between columns of a size: flush with small ones, else far enough from their faces that no elements are thin \[m\].
-fn wall_m(column_m: f64) -> f64 {
-    if column_m <= 0.3 { column_m } else { 0.2 }
 }
 
 /// In millimetres.

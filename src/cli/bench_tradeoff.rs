@@ -1,0 +1,57 @@
+//! `fallwerk bench tradeoff`: run time against error of all models of some buildings.
+
+use super::bench::{check_sizes, save};
+use super::knowledge::CurveArgs;
+use super::{Failure, Outcome, print, read_building, thread_pool};
+use crate::bench::{fe, tradeoff};
+use crate::generate::{Wishes, generate};
+use crate::report::loglog;
+use std::path::PathBuf;
+
+/// Which buildings, and how.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Building files
+    #[arg(default_value = "buildings/three-storey-frame.toml")]
+    buildings: Vec<PathBuf>,
+    /// Mesh sizes of FE runs in metres, beside that of each building's file
+    #[arg(long, value_delimiter = ',', default_value = "0.25")]
+    sizes: Vec<f64>,
+    #[command(flatten)]
+    curves: CurveArgs,
+    /// Folder for tradeoff.md and tradeoff.svg
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// Runs the command.
+pub fn run(options: &Arguments) -> Result<Outcome, Failure> {
+    check_sizes(&options.sizes)?;
+    let pool = thread_pool(options.threads)?;
+    let (rules, mut store) = options.curves.open()?;
+    let derive = options.curves.wishes().derive;
+    let mut rows = Vec::new();
+    for file in &options.buildings {
+        let building = read_building(file, false)?;
+        let note = |what: &str| eprintln!("{}: {what}", building.name);
+        let mut model = |accuracy| {
+            generate(&building, &rules, &mut store, Wishes { derive, accuracy }, &|text| eprintln!("{text}"))
+        };
+        let measured = pool.install(|| tradeoff::measure(&building, &options.sizes, &mut model, &note));
+        rows.extend(measured.map_err(|e| Failure::stopped(format!("{}: {e}", building.name)))?);
+    }
+    let page = tradeoff::markdown(&rows, &fe::machine());
+    let line = |kind: tradeoff::Kind| {
+        let own = rows.iter().filter(|r| r.kind == kind);
+        (kind.name().to_string(), own.map(|r| [r.cpu_s, r.e_to_contact]).collect::<Vec<_>>())
+    };
+    let lines = [tradeoff::Kind::Mbs, tradeoff::Kind::Hybrid, tradeoff::Kind::Fe].map(line);
+    let axes = ["processor time [s]", "error of displacements up to the first contact"];
+    let plot = loglog::svg("Run time against error, against the finest FE run", axes, &lines);
+    save(options.output.as_deref(), &[("tradeoff.md", &page), ("tradeoff.svg", &plot)])?;
+    print(&page);
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,42 @@
+//! Measurements of the solvers, in small.
+
+use fallwerk::bench::buildings::{Row, Settled, markdown, measure};
+use fallwerk::library::Store;
+use fallwerk::rules::RuleBase;
+use std::path::Path;
+use std::sync::Mutex;
+
+#[test]
+fn random_small_buildings_hold() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let cache = tempfile::tempdir().unwrap();
+    let rules = RuleBase::load(&root.join("rules")).expect("the shipped rules are sound");
+    let mut store =
+        Store::open_with_cache(&root.join("library"), cache.path()).expect("the shipped library is sound");
+    let run = |threads: usize, store: &mut Store| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| measure(1, 4, &rules, &Mutex::new(store), &|| {}))
+    };
+    let rows = run(2, &mut store);
+    for row in &rows {
+        assert_eq!(row.faults(), Vec::<String>::new(), "number {}: {}", row.number, row.words);
+        let settled: &Settled = row.outcome.as_ref().unwrap();
+        println!("{} ({}): {settled:?}", row.number, row.words);
+        assert!(settled.finished.energy_error < 0.01 && settled.finished.passing.is_seen());
+    }
+    // but for run times, the same with one thread
+    let untimed = |rows: &[Row]| {
+        let run = |r: &Row| {
+            let mut settled = r.outcome.clone().unwrap();
+            settled.finished.cpu_s = 0.0;
+            settled
+        };
+        rows.iter().map(run).collect::<Vec<_>>()
+    };
+    assert_eq!(untimed(&rows[..1]), untimed(&run(1, &mut store)[..1]));
+    let page = markdown(1, &rows);
+    assert!(
+        page.contains("| all | 4 |") && page.contains("| hold | 4 |") && page.ends_with("None.\n"),
+        "{page}"
+    );
+}
