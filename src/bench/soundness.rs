@@ -4,6 +4,7 @@ use super::passing::{Passing, passing};
 use crate::mbs::math::norm;
 use crate::mbs::model::Model;
 use crate::mbs::result::RunResult;
+use crate::mbs::run::REPEATED;
 
 /// Growth of the energy, as a share of that turned over, above which a finished run does not hold.
 pub const GROWTH_LIMIT: f64 = 1e-3;
@@ -32,7 +33,9 @@ pub struct Finished {
 impl Finished {
     /// Asks a run of a model.
     pub fn of(model: &Model, result: &RunResult) -> Self {
-        let warned = result.warnings.iter().any(|w| w.contains("energy") || w.contains("mm deep"));
+        // that a run was repeated with a smaller step is no warning of what it is now
+        let own = result.warnings.iter().filter(|w| !w.starts_with(REPEATED));
+        let warned = own.into_iter().any(|w| w.contains("energy") || w.contains("mm deep"));
         let e = &result.energies;
         let total = |i: usize| e.total_j(i);
         let turned = |i: usize| e.kinetic_j[i] + e.gravity_j[i].abs() + e.plastic_j[i] + e.applied_j[i].abs();
