@@ -10,6 +10,8 @@ mod decide;
 mod floors;
 mod grillage;
 mod joints;
+pub mod known;
+mod nearest;
 mod walls;
 
 pub use decide::{Decision, Reason};
@@ -33,6 +35,7 @@ use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
 use joints::Query;
+use known::Known;
 use std::collections::BTreeMap;
 
 /// What to do about member ends that the library has no entry for.
@@ -111,7 +114,8 @@ pub fn generate(
     let partition = &structure.partition;
     let ends = member_ends(building, partition);
     let demands = demands(&structure, building);
-    let decision = Decision::of(building, partition, &ends, &demands, rules)?;
+    let known = Known::of(building, &structure, &ends, &demands);
+    let decision = Decision::of(building, &ends, &known, rules)?;
     if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
         return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
     }

@@ -106,15 +106,14 @@ pub fn demands(structure: &Structure, building: &Building) -> Demands {
 }
 
 impl Demands {
-    /// Largest demand over capacity of the reinforced sections of all column ends after the charges, or before if there are none; `None` if there is no solution.
-    pub fn largest_of_columns(&self, building: &Building) -> Option<f64> {
+    /// Largest ratio of demand to capacity of all column ends after the charges, or before if there are none; `None` if there is no solution.
+    pub fn largest_of_columns(&self, building: &Building, ratio: fn(&EndState) -> f64) -> Option<f64> {
         let columns: BTreeSet<&str> =
             building.members.iter().filter(|m| m.kind == MemberKind::Column).map(|m| m.id.as_str()).collect();
         let column = |id: &str| id.rsplit_once('.').is_some_and(|(member, _)| columns.contains(member));
         let state = |end: &EndDemand| if self.after.is_some() { end.after } else { end.before };
-        let ratios =
-            self.ends.iter().filter(|end| column(&end.id)).filter_map(state).map(|s| s.section.ratio);
-        ratios.reduce(f64::max)
+        let states = self.ends.iter().filter(|end| column(&end.id)).filter_map(state);
+        states.map(|s| ratio(&s)).reduce(f64::max)
     }
 }
 
