@@ -22,6 +22,7 @@
 //! | [`rules`] | the rule files and the engine that fires them |
 //! | [`generate`] | graph + rules + library -> MBS model, with a reason for each part |
 //! | [`validate`] | error measures between an MBS run and an FE run |
+//! | [`learn`] | rules learned from studies |
 //! | [`verify`] | the verification manual: cases with known answers, run live |
 //! | [`bench`] | measurements of the solvers: throughput, error over run time, stability |
 //! | [`export`] | model files as text of other programs: MuJoCo, Adams |
@@ -37,6 +38,7 @@ pub mod export;
 pub mod fe;
 pub mod generate;
 pub mod graph;
+pub mod learn;
 pub mod library;
 pub mod material;
 pub mod mbs;

@@ -143,7 +143,24 @@ impl Partition {
 
     /// The member that owns a place.
     pub fn member_at(&self, point_m: [f64; 3]) -> Option<usize> {
-        self.cells().find(|(cell, _)| self.cell_box(*cell).contains(point_m, 1e-9)).map(|(_, owner)| owner)
+        const NEAR_M: f64 = 1e-9;
+        let n = self.count();
+        // a point on a plane lies in the cells on both sides of it
+        let [x, y, z] = [0, 1, 2].map(|axis: usize| {
+            let (planes, at) = (&self.planes[axis], point_m[axis]);
+            let first = planes.partition_point(|p| *p < at - NEAR_M).saturating_sub(1);
+            first..planes.partition_point(|p| *p <= at + NEAR_M).min(n[axis])
+        });
+        for k in z {
+            for j in y.clone() {
+                for i in x.clone().filter(|i| self.cell_box([*i, j, k]).contains(point_m, NEAR_M)) {
+                    if let Some(owner) = self.owner[i + n[0] * (j + n[1] * k)] {
+                        return Some(owner);
+                    }
+                }
+            }
+        }
+        None
     }
 
     /// Volume owned by each member \[m³\], indexed like `Building::members`.

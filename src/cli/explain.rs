@@ -228,6 +228,7 @@ fn looked_up(part: &Part, arguments: &Arguments) -> Result<Found, Failure> {
             action: String::new(),
             words: knowledge::words_of(&rules, rule).unwrap_or_else(|| "(not in the rule base)".into()),
             in_range: true,
+            confidence: None,
             entries: origin.entries.clone(),
         })
         .collect();
@@ -253,7 +254,11 @@ fn text(
     for (r, subjects) in grouped(reasons) {
         let what = if r.action.is_empty() { String::new() } else { format!(" -> {}", r.action) };
         let outside = if r.in_range { "" } else { " (outside the rule's range of evidence)" };
-        text += &format!("  {}: rule {}{what}{outside}\n    {}\n", subjects.join(", "), r.rule, r.words);
+        let sure = r
+            .confidence
+            .map_or(String::new(), |c| format!(" (right in {:.0} % of cases by its studies)", 100.0 * c));
+        text +=
+            &format!("  {}: rule {}{what}{sure}{outside}\n    {}\n", subjects.join(", "), r.rule, r.words);
     }
     for (key, facts) in entries {
         text += &format!("  entry {key}\n");

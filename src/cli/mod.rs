@@ -32,6 +32,7 @@ pub mod rc;
 mod rc_cycles;
 pub mod rc_springs;
 pub mod rules;
+pub mod rules_learn;
 mod schema;
 pub mod simulate;
 mod study;
@@ -116,7 +117,7 @@ enum Command {
     /// The library of subsystems: derive, add, list, show, plot, diff, find, history, deprecate, verify, rebuild, export, import
     Library(library::LibraryArgs),
     Rc(rc::Arguments),
-    /// The rules: list, check, show, features
+    /// The rules: list, check, show, features, learn, diff
     Rules(rules::RulesArgs),
     Study(study::Arguments),
     Verify(verify::Arguments),

@@ -1,13 +1,15 @@
-//! `fallwerk rules`: list, show and check the rules.
+//! `fallwerk rules`: list, show and check the rules, learn them from studies, compare two folders of them.
 //!
 //! Exit codes: 0 done; 1 a check failed (problems or gaps); 2 bad input or usage.
 
+use super::rules_learn::{LearnArgs, difference, learned};
 use crate::base::hash::readable_json;
-use crate::rules::{Rule, RuleBase, features};
+use crate::rules::diff::statistics;
+use crate::rules::{Problems, Rule, RuleBase, Source, features};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `fallwerk rules`.
 #[derive(Debug, Clone, Args)]
@@ -37,6 +39,20 @@ pub enum RulesCommand {
     },
     /// List the features that conditions can name
     Features,
+    /// Learn rules from the records of FE studies
+    ///
+    /// Writes a rule file for each question that the studies can answer, a list of rules for review (which are not used), and a report. The same records give the
+    /// same bytes. Rules are compared with the seed rules of the program, which stay where there are too few studies.
+    Learn(LearnArgs),
+    /// Show what changed between two folders of rules: added, removed, thresholds, evidence
+    ///
+    /// Exit codes: 0 no change, 1 changes, 2 bad input or usage.
+    Diff {
+        /// Folder of the rules before
+        old: PathBuf,
+        /// Folder of the rules after
+        new: PathBuf,
+    },
 }
 
 /// Runs the command on standard output and error; returns the exit code.
@@ -59,8 +75,11 @@ pub fn execute(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> u8
 }
 
 fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
-    if matches!(args.command, RulesCommand::Features) {
-        return list_features(args.json, out);
+    match &args.command {
+        RulesCommand::Features => return list_features(args.json, out),
+        RulesCommand::Learn(arguments) => return learn(arguments, out, err),
+        RulesCommand::Diff { old, new } => return diff([old, new], args.json, out, err),
+        _ => {}
     }
     let folder = args.rules.clone().or_else(|| Some(PathBuf::from("rules")).filter(|p| p.is_dir()));
     let loaded = folder.as_deref().map_or_else(RuleBase::seed, RuleBase::load);
@@ -89,8 +108,47 @@ fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Re
                 Ok(2)
             }
         },
-        RulesCommand::Features => list_features(args.json, out),
+        RulesCommand::Features | RulesCommand::Learn(_) | RulesCommand::Diff { .. } => Ok(0),
     }
+}
+
+fn learn(arguments: &LearnArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
+    match learned(arguments) {
+        Ok(text) => {
+            out.write_all(text.as_bytes())?;
+            Ok(0)
+        }
+        Err(failure) => {
+            writeln!(err, "error: {}", failure.message)?;
+            Ok(failure.outcome as u8)
+        }
+    }
+}
+
+fn diff(folders: [&PathBuf; 2], json: bool, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
+    let [old, new] = folders.map(|folder| read_alone(folder));
+    let (old, new) = match (old, new) {
+        (Ok(old), Ok(new)) => (old, new),
+        (Err(problems), _) | (_, Err(problems)) => {
+            writeln!(err, "{problems}")?;
+            return Ok(2);
+        }
+    };
+    let (list, text) = difference(&old, &new);
+    if json {
+        write_json(out, &json!({ "changes": list }))?;
+    } else {
+        out.write_all(text.as_bytes())?;
+    }
+    Ok(u8::from(!list.is_empty()))
+}
+
+/// The rules of a folder; learned ones supersede seed rules, so that a folder of these alone is read beside the seed rules of the program.
+fn read_alone(folder: &Path) -> Result<RuleBase, Problems> {
+    RuleBase::load(folder).or_else(|problems| {
+        let sources: Vec<Source> = RuleBase::sources(folder)?;
+        RuleBase::seed()?.with(sources).map(|base| base.without("seed/")).map_err(|_| problems)
+    })
 }
 
 fn write_json(out: &mut dyn Write, value: &Value) -> io::Result<()> {
@@ -130,8 +188,14 @@ fn show(rule: &Rule, json: bool, out: &mut dyn Write) -> io::Result<u8> {
     writeln!(out, "              ({})", rule.action.spec().meaning)?;
     writeln!(out, "  priority    {}", rule.priority)?;
     writeln!(out, "  source      {}", rule.source)?;
+    if let Some(s) = &rule.statistics {
+        writeln!(out, "  studies say {}", statistics(s))?;
+    }
     for id in &rule.evidence {
         writeln!(out, "  study       {id}")?;
+    }
+    for place in &rule.counter_examples {
+        writeln!(out, "  wrong at    {place}")?;
     }
     for (name, [low, high]) in &rule.range {
         writeln!(out, "  range       {name} from {low} to {high}")?;

@@ -10,6 +10,9 @@ mod decide;
 mod floors;
 mod grillage;
 mod joints;
+pub mod known;
+mod nearest;
+mod stretch;
 mod walls;
 mod wish;
 
@@ -35,6 +38,7 @@ use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
 use joints::Query;
+use known::Known;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A generated model with its reasons.
@@ -100,7 +104,8 @@ pub fn generate(
     let partition = &structure.partition;
     let ends = member_ends(building, partition);
     let demands = demands(&structure, building);
-    let decision = Decision::of(building, partition, &ends, &demands, accuracy, rules)?;
+    let known = Known::of(building, &structure, &ends, &demands);
+    let decision = Decision::of(building, &ends, &known, accuracy, rules)?;
     if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
         return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
     }

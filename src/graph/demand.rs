@@ -84,9 +84,6 @@ pub struct Demands {
     pub after: Option<StateSummary>,
     /// All member ends, in the order of `Structure::ends`.
     pub ends: Vec<EndDemand>,
-    /// The same ends between charges that go off at different times, in the order of time; states without a solution are left out.
-    #[serde(skip)]
-    pub stages: Vec<Vec<Option<EndState>>>,
 }
 
 /// Solves the frame before and after the charges and compares with the capacities.
@@ -105,35 +102,18 @@ pub fn demands(structure: &Structure, building: &Building) -> Demands {
         .zip(before_ends.into_iter().zip(after_ends))
         .map(|(end, (before, after))| EndDemand { id: end.id.clone(), before, after })
         .collect();
-    let stages = stages(building)
-        .map(|gone| state(structure, building, &gone.union(&cut).copied().collect()))
-        .filter(|(summary, _)| matches!(summary, StateSummary::Equilibrium { .. }))
-        .map(|(_, ends)| ends)
-        .collect();
-    Demands { before, after, ends, stages }
-}
-
-/// Members that are gone after each time of ignition but the last.
-fn stages(building: &Building) -> impl Iterator<Item = BTreeSet<usize>> + '_ {
-    let mut times: Vec<f64> = building.events.iter().map(|event| event.time_s).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    times.pop();
-    let gone_by = |time_s: f64| building.events.iter().filter(move |event| event.time_s <= time_s);
-    let member = |id: &String| building.members.iter().position(|m| m.id == *id);
-    times.into_iter().map(move |time_s| gone_by(time_s).filter_map(|e| member(&e.member)).collect())
+    Demands { before, after, ends }
 }
 
 impl Demands {
-    /// Largest demand over capacity of the reinforced sections of all column ends after the charges, or before if there are none; `None` if there is no solution.
-    pub fn largest_of_columns(&self, building: &Building) -> Option<f64> {
+    /// Largest ratio of demand to capacity of all column ends after the charges, or before if there are none; `None` if there is no solution.
+    pub fn largest_of_columns(&self, building: &Building, ratio: fn(&EndState) -> f64) -> Option<f64> {
         let columns: BTreeSet<&str> =
             building.members.iter().filter(|m| m.kind == MemberKind::Column).map(|m| m.id.as_str()).collect();
         let column = |id: &str| id.rsplit_once('.').is_some_and(|(member, _)| columns.contains(member));
         let state = |end: &EndDemand| if self.after.is_some() { end.after } else { end.before };
-        let ratios =
-            self.ends.iter().filter(|end| column(&end.id)).filter_map(state).map(|s| s.section.ratio);
-        ratios.reduce(f64::max)
+        let states = self.ends.iter().filter(|end| column(&end.id)).filter_map(state);
+        states.map(|s| ratio(&s)).reduce(f64::max)
     }
 }
 

@@ -42,6 +42,9 @@ pub struct Firing {
     pub outside: Vec<String>,
     /// Features of the range that are not known of the subject.
     pub missing: Vec<String>,
+    /// How sure the rule is, if it was learned from studies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
     /// Id of the rule that decides the same question instead; `None` if this one stands.
     pub overruled_by: Option<String>,
 }
@@ -75,6 +78,12 @@ impl Trace {
     pub fn decision(&self, aspect: Aspect) -> Option<&Firing> {
         self.firings.iter().find(|f| f.action.spec().aspect == aspect && f.overruled_by.is_none())
     }
+
+    /// The firings that count: those that decide, and those that say the same within their range of evidence.
+    pub fn standing(&self) -> impl Iterator<Item = &Firing> {
+        let decides = |f: &Firing| self.decision(f.action.spec().aspect).is_some_and(|d| d.rule == f.rule);
+        self.firings.iter().filter(move |f| f.overruled_by.is_none() && (f.in_range || decides(f)))
+    }
 }
 
 /// A subject that does not fit the catalogue of features.
@@ -93,6 +102,14 @@ impl RuleBase {
     /// # Errors
     /// All problems found in and between the files.
     pub fn load(folder: &Path) -> Result<Self, Problems> {
+        Self::from_sources(Self::sources(folder)?)
+    }
+
+    /// The texts of all `*.toml` below a folder.
+    ///
+    /// # Errors
+    /// If one cannot be read.
+    pub fn sources(folder: &Path) -> Result<Vec<Source>, Problems> {
         let mut paths = Vec::new();
         let mut sources = Vec::new();
         let io = |path: &Path, error: std::io::Error| {
@@ -104,7 +121,13 @@ impl RuleBase {
             let text = fs::read_to_string(&path).map_err(|error| io(&path, error))?;
             sources.push(Source { name: path.display().to_string(), text });
         }
-        Self::from_sources(sources)
+        Ok(sources)
+    }
+
+    /// These rules without those whose ids begin with a text.
+    #[must_use]
+    pub fn without(&self, prefix: &str) -> Self {
+        Self { rules: self.rules.iter().filter(|rule| !rule.id.starts_with(prefix)).cloned().collect() }
     }
 
     /// The seed rules that come with the program (`rules/seed/`).
@@ -127,9 +150,17 @@ impl RuleBase {
     /// # Errors
     /// All problems found in and between the texts.
     pub fn from_sources(sources: Vec<Source>) -> Result<Self, Problems> {
+        Self { rules: Vec::new() }.with(sources)
+    }
+
+    /// These rules and those of further texts.
+    ///
+    /// # Errors
+    /// As [`RuleBase::from_sources`].
+    pub fn with(&self, sources: Vec<Source>) -> Result<Self, Problems> {
         let mut problems = Vec::new();
-        let mut rules: Vec<Rule> =
-            sources.into_iter().flat_map(|source| file::read(source, &mut problems)).collect();
+        let mut rules = self.rules.clone();
+        rules.extend(sources.into_iter().flat_map(|source| file::read(source, &mut problems)));
         problems.extend(check::problems(&rules));
         if !problems.is_empty() {
             return Err(Problems(problems));
@@ -330,6 +361,7 @@ fn firing(rule: &Rule, subject: &Subject) -> Firing {
         in_range: outside.is_empty() && missing.is_empty(),
         outside,
         missing,
+        confidence: rule.statistics.as_ref().map(|s| s.confidence),
         overruled_by: None,
     }
 }

@@ -60,6 +60,7 @@ pub const MEMBER_KINDS: &[&str] = &["column", "beam", "slab", "wall", "footing"]
 
 const ALL: &[SubjectKind] = &[Member, MemberEnd, Section, ContactEvent, FractureEvent];
 const PARTS: &[SubjectKind] = &[Member, MemberEnd, Section];
+const WHOLE: &[SubjectKind] = &[Member, MemberEnd];
 const EVENTS: &[SubjectKind] = &[ContactEvent, FractureEvent];
 
 const fn number(
@@ -87,10 +88,28 @@ const fn flag(name: &'static str, subjects: &'static [SubjectKind], meaning: &'s
 /// All features, by name.
 pub const CATALOGUE: &[Feature] = &[
     number(
+        "building.charged_share",
+        "1",
+        WHOLE,
+        "largest share of a storey's columns that charges take away",
+    ),
+    number(
         "building.demand_ratio",
         "1",
-        &[Member],
+        WHOLE,
         "largest elastic demand after the removal over capacity among the column ends; unknown for a mechanism",
+    ),
+    number("building.ignition_span", "s", WHOLE, "time from the first charge to the last one"),
+    number(
+        "building.law_demand_ratio",
+        "1",
+        WHOLE,
+        "building.demand_ratio with the capacity of the homogenised law, which the FE model is made of",
+    ),
+    flag(
+        "building.mechanism",
+        WHOLE,
+        "after the removal parts of the frame can move freely: there is no elastic state",
     ),
     names(
         "collapse.phase",
@@ -117,19 +136,44 @@ pub const CATALOGUE: &[Feature] = &[
         &[MemberEnd],
         "what the end is joined to",
     ),
+    number(
+        "end.charge_distance",
+        "1",
+        &[MemberEnd],
+        "distance in plan to the nearest column that a charge takes away, over the longest span between columns",
+    ),
     flag("end.clamped", &[MemberEnd], "the end is held by a support"),
     number(
         "end.column_demand_ratio",
         "1",
         &[MemberEnd],
-        "of a beam end: the largest demand ratio of the column ends at its joint, at the same time as its own",
+        "of a beam end: the largest demand ratio of the column ends at its joint",
     ),
     number(
         "end.demand_ratio",
         "1",
         &[MemberEnd],
-        "elastic moment after the removal over moment capacity at the dead-load axial force; of a beam end that has the largest ratio of its joint between two charges, the ratio there",
+        "elastic moment after the removal over moment capacity at the dead-load axial force",
     ),
+    number(
+        "end.demand_ratio_before",
+        "1",
+        &[MemberEnd],
+        "elastic moment under dead load over moment capacity, before the removal",
+    ),
+    number(
+        "end.joint_strength",
+        "1",
+        &[MemberEnd],
+        "at the joint: moment capacity of the beams over that of the columns, of the homogenised law at the axial forces under dead load",
+    ),
+    number(
+        "end.law_demand_ratio",
+        "1",
+        &[MemberEnd],
+        "end.demand_ratio with the capacity of the homogenised law, which the FE model is made of",
+    ),
+    flag("end.over_charge", &[MemberEnd], "a charge takes a column away below the end"),
     names(
         "end.position",
         &["bottom", "top", "start", "end"],
@@ -141,7 +185,7 @@ pub const CATALOGUE: &[Feature] = &[
         "floor.slenderness",
         "1",
         &[Member],
-        "of a slab or beam: longest span between axes of columns over the depth of its floor's deepest beam, or of the slab where there is none",
+        "of a slab or beam: longest stretch of its floor between columns that stand, or beyond the last of them, before and after each charge, over the depth of the deepest beam, or of the slab where there is none",
     ),
     names(
         "fracture.place",
@@ -155,7 +199,15 @@ pub const CATALOGUE: &[Feature] = &[
         PARTS,
         "dead-load axial force over area times first yield stress, compression positive",
     ),
+    number("member.axial_ratio_after", "1", PARTS, "the same after the removal; unknown for a mechanism"),
+    number(
+        "member.charge_distance",
+        "1",
+        &[Member],
+        "distance in plan of its centre to the nearest column that a charge takes away, over the longest span between columns",
+    ),
     flag("member.charged", PARTS, "a charge removes the member or a stretch of it"),
+    number("member.fall_height", "m", PARTS, "height of its underside above the ground"),
     names(
         "member.kind",
         MEMBER_KINDS,
@@ -164,6 +216,9 @@ pub const CATALOGUE: &[Feature] = &[
     ),
     number("member.length", "m", PARTS, "clear length along the axis; the longer side of a plate"),
     number("member.slenderness", "1", PARTS, "clear length over least width of the section"),
+    number("member.span_over_depth", "1", PARTS, "of a beam: clear length over depth"),
+    number("member.storey", "1", PARTS, "storey, counted from 1 below"),
+    number("member.storey_share", "1", PARTS, "storey over number of storeys"),
     number(
         "member.strain_rate",
         "1/s",

@@ -5,7 +5,7 @@ use super::action::{self, Action, ActionSpec, CATALOGUE, ParameterType};
 use super::expr;
 use super::features::{FeatureType, suggestion};
 use super::problem::{Place, Problem, Source};
-use super::rule::Rule;
+use super::rule::{Rule, Statistics};
 use super::typing;
 use super::value::{SubjectKind, Value};
 use serde::Deserialize;
@@ -43,6 +43,9 @@ struct RawRule {
     range: BTreeMap<Spanned<String>, Spanned<[f64; 2]>>,
     #[serde(default)]
     supersedes: Vec<String>,
+    statistics: Option<Spanned<Statistics>>,
+    #[serde(default)]
+    counter_examples: Vec<String>,
 }
 
 /// Reads the rules of one file; those with problems are left out, the problems are added.
@@ -100,6 +103,7 @@ impl Reader<'_> {
         }
         let action = self.action(&raw.action, subject);
         let parameters = action.map(|spec| self.parameters(spec, &raw)).unwrap_or_default();
+        let statistics = raw.statistics.as_ref().map(|s| self.statistics(s));
         let range = subject.map(|subject| self.range(subject, &raw.range)).unwrap_or_default();
         if self.problems.len() > before {
             return None;
@@ -117,8 +121,23 @@ impl Reader<'_> {
             evidence: raw.evidence,
             range,
             supersedes: raw.supersedes,
+            statistics,
+            counter_examples: raw.counter_examples,
             place,
         })
+    }
+
+    fn statistics(&mut self, raw: &Spanned<Statistics>) -> Statistics {
+        let statistics = *raw.get_ref();
+        let share = |x: f64| (0.0..=1.0).contains(&x);
+        if !share(statistics.coverage) || !share(statistics.confidence) {
+            self.problem(raw.span(), "`coverage` and `confidence` lie between 0 and 1".to_string());
+        }
+        if statistics.right > statistics.places {
+            let message = format!("right at {} of {} places", statistics.right, statistics.places);
+            self.problem(raw.span(), message);
+        }
+        statistics
     }
 
     fn texts(&mut self, raw: &RawRule) {

@@ -10,10 +10,12 @@
 //! | `rule`, `file` | one rule; reading rule files |
 //! | `logic`, [`check`] | which conditions can hold together; conflicts and gaps |
 //! | [`engine`] | the rule base and its evaluation |
+//! | [`diff`] | what changed between two rule bases |
 //! | [`problem`] | messages with a place |
 
 pub mod action;
 pub mod check;
+pub mod diff;
 pub mod engine;
 pub mod expr;
 pub mod features;
@@ -28,5 +30,5 @@ pub use action::{Action, Aspect};
 pub use check::Gap;
 pub use engine::{Firing, RuleBase, Silent, SubjectError, Trace};
 pub use problem::{Problem, Problems, Source};
-pub use rule::Rule;
+pub use rule::{Rule, Statistics};
 pub use value::{Subject, SubjectKind, Value};

@@ -4,8 +4,31 @@ use super::action::Action;
 use super::expr::Expr;
 use super::problem::Place;
 use super::value::{SubjectKind, Value};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// How well a learned rule fits the studies it was learned from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Statistics {
+    /// Buildings in which its condition holds somewhere.
+    pub buildings: usize,
+    /// Places at which it holds.
+    pub places: usize,
+    /// Of these, places at which what it decides is right.
+    pub right: usize,
+    /// Share of all places of its kind that it decides about.
+    pub coverage: f64,
+    /// Probability that it is right in another building: the mean over the buildings, after Laplace.
+    pub confidence: f64,
+}
+
+impl Statistics {
+    /// Share of its places at which it is right.
+    pub fn precision(&self) -> f64 {
+        self.right as f64 / self.places.max(1) as f64
+    }
+}
 
 /// A rule: if its condition holds of a subject, its action is proposed.
 #[derive(Debug, Clone, Serialize)]
@@ -35,6 +58,12 @@ pub struct Rule {
     pub range: BTreeMap<String, [f64; 2]>,
     /// Ids of rules that it replaces wherever it fires within its range.
     pub supersedes: Vec<String>,
+    /// What studies say of it, if it was learned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub statistics: Option<Statistics>,
+    /// Places at which it was wrong, `study:place`; the first few.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub counter_examples: Vec<String>,
     /// Where it is written.
     #[serde(skip)]
     pub place: Place,

@@ -111,4 +111,21 @@ impl Subject {
         self.features.insert(name.to_string(), value.into());
         self
     }
+
+    /// The value of a number, if it is known.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match self.features.get(name) {
+            Some(Value::Number(number)) => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// Adds a number, if it is known.
+    #[must_use]
+    pub fn with_known(self, name: &str, value: Option<f64>) -> Self {
+        match value {
+            Some(value) => self.with(name, value),
+            None => self,
+        }
+    }
 }

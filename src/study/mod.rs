@@ -4,6 +4,7 @@
 //! (0.25 1/s there). The rate is that of the net strain over an output interval, so that elastic vibration
 //! within it does not count.
 
+pub mod floors;
 pub mod plan;
 pub mod record;
 mod rotation;

@@ -45,7 +45,10 @@ pub fn turned(run: &FeRun, dead: &[bool], end: &MemberEnd, until_s: f64) -> Opti
     }
     let mut turned = Turned { until_rad: 0.0, rad: 0.0 };
     for frame in &run.frames {
-        let of = |set: &[usize]| rotation(set.iter().map(|n| (first.nodes_m[*n], frame.nodes_m[*n])));
+        let point = |p: [f32; 3]| Vector3::from(p.map(f64::from));
+        let of = |set: &[usize]| {
+            rotation(set.iter().map(|n| (point(first.nodes_m[*n]), point(frame.nodes_m[*n]))))
+        };
         let against = if is_held { Matrix3::identity() } else { of(&around) };
         let relative = of(&own) * against.transpose();
         let angle = (0.5 * (relative.trace() - 1.0)).clamp(-1.0, 1.0).acos();
@@ -75,15 +78,11 @@ fn nodes(run: &FeRun, elements: impl Iterator<Item = usize>) -> Vec<usize> {
 }
 
 /// The rotation that brings the first of each pair of points nearest to the second.
-fn rotation(pairs: impl Iterator<Item = ([f32; 3], [f32; 3])> + Clone) -> Matrix3<f64> {
-    let point = |p: [f32; 3]| Vector3::from(p.map(f64::from));
+pub(super) fn rotation(pairs: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + Clone) -> Matrix3<f64> {
     let count = pairs.clone().count() as f64;
-    let (a, b) = pairs
-        .clone()
-        .fold((Vector3::zeros(), Vector3::zeros()), |(a, b), (p, q)| (a + point(p), b + point(q)));
+    let (a, b) = pairs.clone().fold((Vector3::zeros(), Vector3::zeros()), |(a, b), (p, q)| (a + p, b + q));
     let (a, b) = (a / count, b / count);
-    let covariance =
-        pairs.fold(Matrix3::zeros(), |sum, (p, q)| sum + (point(q) - b) * (point(p) - a).transpose());
+    let covariance = pairs.fold(Matrix3::zeros(), |sum, (p, q)| sum + (q - b) * (p - a).transpose());
     let svd = covariance.svd(true, true);
     let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
     let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v).determinant().signum()));
@@ -97,13 +96,11 @@ mod tests {
 
     #[test]
     fn the_rotation_of_moved_points_is_found() {
-        let points = [[0.0f32, 0.0, 0.0], [0.4, 0.0, 0.0], [0.0, 0.4, 0.1], [0.4, 0.4, 0.9], [0.1, 0.7, 0.9]];
+        let points = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [0.0, 0.4, 0.1], [0.4, 0.4, 0.9], [0.1, 0.7, 0.9]];
+        let points = points.map(Vector3::from);
         let turn = Rotation3::from_scaled_axis(Vector3::new(0.3, -0.5, 0.8));
-        let moved = points.map(|p| {
-            let q = turn * Vector3::from(p.map(f64::from)) + Vector3::new(2.0, -1.0, 3.0);
-            [q.x as f32, q.y as f32, q.z as f32]
-        });
+        let moved = points.map(|p| turn * p + Vector3::new(2.0, -1.0, 3.0));
         let found = rotation(points.into_iter().zip(moved));
-        assert!((found - turn.matrix()).norm() < 1e-6);
+        assert!((found - turn.matrix()).norm() < 1e-12);
     }
 }

@@ -30,6 +30,7 @@ pub const MODULES: &[Module] = &[
         ],
     },
     Module { name: "validate", uses: &["base", "building", "curve", "fe", "mbs", "study"] },
+    Module { name: "learn", uses: &["base", "building", "graph", "study", "rules", "generate", "validate"] },
     Module { name: "verify", uses: &["base", "building", "material", "fe", "mbs", "rc"] },
     Module {
         name: "bench",
@@ -44,7 +45,7 @@ pub const MODULES: &[Module] = &[
         name: "cli",
         uses: &[
             "base", "building", "material", "curve", "graph", "fe", "mbs", "rc", "library", "study", "rules",
-            "generate", "validate", "verify", "bench", "export", "report",
+            "generate", "validate", "learn", "verify", "bench", "export", "report",
         ],
     },
 ];

@@ -1,12 +1,14 @@
 //! The generated model of the reference building: what is in it, and that every part says why.
 
+mod known;
+
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;
 use fallwerk::building::{Building, EXAMPLE, parse};
 use fallwerk::generate::{Accuracy, Derive, GenerateError, Generated, Wishes, generate};
 use fallwerk::library::Store;
 use fallwerk::mbs::model::Bending;
-use fallwerk::rules::RuleBase;
+use fallwerk::rules::{Action, RuleBase};
 use std::path::Path;
 
 fn reference(change: impl Fn(String) -> String) -> Building {
@@ -129,7 +131,9 @@ fn floors_of_a_building_that_stands_bend_about_its_columns() {
     let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
     assert!((mass / (2500.0 * volume) - 1.0).abs() < 1e-12);
     let spring = model.bushings.iter().find(|b| b.id == "S1/1-1|S1/2-1").expect("between the front columns");
-    assert_eq!(spring.origin.rules, ["seed/floor-bends"]);
+    let (rules, ..) = knowledge();
+    let elastic = |id: &String| rules.rule(id).is_some_and(|r| r.action == Action::MergeElastic);
+    assert!(!spring.origin.rules.is_empty() && spring.origin.rules.iter().all(elastic));
     // a beam of 0.3 x 0.5 m with its flange, over the clear span: stiffer than its web, less than three times so
     let span = model.bodies.iter().find(|b| b.id == "C1-B1").unwrap().position_m[0]
         - model.bodies.iter().find(|b| b.id == "C1-A1").unwrap().position_m[0];

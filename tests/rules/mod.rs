@@ -3,6 +3,7 @@
 mod commands;
 mod engine;
 mod facts;
+mod learn;
 mod malformed;
 mod seed;
 

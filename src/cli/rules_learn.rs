@@ -1,0 +1,124 @@
+//! `fallwerk rules learn` and `fallwerk rules diff`: rules out of study records, and what changed between two rule folders.
+
+use super::study_run::Task;
+use super::{Failure, study};
+use crate::base::output::write_atomic;
+use crate::learn::{Case, Learned, file_names, learn};
+use crate::rules::diff::{Change, changes};
+use crate::rules::{Problems, RuleBase};
+use rayon::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Where records and buildings are found, and where the rules go.
+#[derive(Debug, Clone, clap::Args)]
+pub struct LearnArgs {
+    /// Folder of the study records
+    #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+    pub kb: PathBuf,
+    /// Folders of the building files of the studies
+    #[arg(long, value_name = "DIR", default_values = ["kb/plan", "buildings"])]
+    pub plan: Vec<PathBuf>,
+    /// Folder for the rules, the review list and the report
+    #[arg(short, long, value_name = "DIR", default_value = "rules/learned")]
+    pub output: PathBuf,
+}
+
+/// Learns and writes; returns what there is to say.
+///
+/// # Errors
+/// If a record cannot be read, its building is not found or has changed, or the files cannot be written.
+pub fn learned(arguments: &LearnArgs) -> Result<String, Failure> {
+    let cases = cases(&arguments.kb, &arguments.plan)?;
+    let seed = RuleBase::seed().map_err(told)?;
+    let Learned { files } = learn(&cases, &seed).map_err(told)?;
+    let failed =
+        |path: &Path, e: std::io::Error| Failure::input(format!("cannot write {}: {e}", path.display()));
+    fs::create_dir_all(&arguments.output).map_err(|e| failed(&arguments.output, e))?;
+    for name in file_names() {
+        let path = arguments.output.join(&name);
+        match files.iter().find(|(file, _)| *file == name) {
+            Some((_, text)) => write_atomic(&path, text.as_bytes()).map_err(|e| failed(&path, e))?,
+            // of a question that has no rules any more
+            None if path.is_file() => fs::remove_file(&path).map_err(|e| failed(&path, e))?,
+            None => {}
+        }
+    }
+    let rules = files.iter().filter(|(name, _)| name.ends_with(".toml"));
+    let count: usize = rules.map(|(_, text)| text.matches("[[rule]]").count()).sum();
+    Ok(format!("{} studies, {count} rules in {}\n", cases.len(), arguments.output.display()))
+}
+
+fn told(problems: Problems) -> Failure {
+    Failure::input(problems.to_string())
+}
+
+/// The studies of a folder with the features of their buildings, by name.
+///
+/// # Errors
+/// If there is none, a record cannot be read, or its building is not found or has changed.
+pub fn cases(kb: &Path, plans: &[PathBuf]) -> Result<Vec<Case>, Failure> {
+    let failed = |e: std::io::Error| Failure::input(format!("cannot read {}: {e}", kb.display()));
+    let mut records = Vec::new();
+    for entry in fs::read_dir(kb).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.extension().is_some_and(|x| x == "json") {
+            records.push(path);
+        }
+    }
+    records.sort();
+    if records.is_empty() {
+        return Err(Failure::input(format!("{} has no study records (*.json)", kb.display())));
+    }
+    records.par_iter().map(|record| case(record, kb, plans)).collect()
+}
+
+fn case(record: &Path, kb: &Path, plans: &[PathBuf]) -> Result<Case, Failure> {
+    let name = study::read(record)?.building;
+    let folders = || plans.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ");
+    let file = plans.iter().map(|plan| plan.join(format!("{name}.toml"))).find(|file| file.is_file());
+    let file = file.ok_or_else(|| {
+        let message = format!("no {name}.toml, of which {} is, in {}", record.display(), folders());
+        Failure::input(format!("{message}; name its folder with --plan"))
+    })?;
+    let task = Task::of(file.clone(), kb)?;
+    let study = task.study()?.ok_or_else(|| {
+        let message = format!("{} is of another input than {}", record.display(), file.display());
+        Failure::input(format!("{message}; run `fallwerk study run` again or remove the record"))
+    })?;
+    task.building.without_skew("no features can be computed").map_err(Failure::input)?;
+    Ok(Case::of(study, &task.building))
+}
+
+/// What changed between the rules of two folders, in words.
+pub fn difference(old: &RuleBase, new: &RuleBase) -> (Vec<Change>, String) {
+    let list = changes(old, new);
+    let mut text = String::new();
+    for change in &list {
+        text += &match change {
+            Change::Added { rule, when, action } => format!("+ {rule}: {action} when {when}\n"),
+            Change::Removed { rule, when, action } => format!("- {rule}: {action} when {when}\n"),
+            Change::Changed { rule, fields } => {
+                let of = |f: &crate::rules::diff::FieldChange| match f.field.as_str() {
+                    list @ ("evidence" | "counter_examples") => {
+                        format!("    {list}{}{}\n", signed(" without ", &f.old), signed(" with ", &f.new))
+                    }
+                    field => format!("    {field}\n      - {}\n      + {}\n", f.old, f.new),
+                };
+                format!("~ {rule}\n{}", fields.iter().map(of).collect::<String>())
+            }
+        };
+    }
+    let count = |of: fn(&Change) -> bool| list.iter().filter(|c| of(c)).count();
+    text += &format!(
+        "{} added, {} removed, {} changed\n",
+        count(|c| matches!(c, Change::Added { .. })),
+        count(|c| matches!(c, Change::Removed { .. })),
+        count(|c| matches!(c, Change::Changed { .. }))
+    );
+    (list, text)
+}
+
+fn signed(word: &str, list: &str) -> String {
+    if list.is_empty() { String::new() } else { format!("{word}{list}") }
+}
