@@ -91,14 +91,14 @@ fn one(
 
 fn as_text(compared: &Compared) -> String {
     let mut text = String::from(
-        "building              e to contact  e total  without debris  difference [m]  contact FE, MBS [s]  collapse FE, MBS  hinges F1  bodies   CPU [ms]  energy\n",
+        "building              e to contact  e total  without debris  difference [m]  contact FE, MBS [s]  collapse FE, MBS  F1 of zones, turning to contact, turning  bodies   CPU [ms]  energy\n",
     );
     let time = |t: Option<f64>| t.map_or("-".to_string(), |t| format!("{t:.2}"));
     let falls = |c: bool| if c { "falls" } else { "stands" };
     for r in &compared.runs {
         let _ = writeln!(
             text,
-            "{:<22}{:>12.3}{:>9.3}{:>16.3}{:>16.3}{:>12}{:>9}{:>11}{:>7}{:>11.2}{:>8}{:>11.2}{:>8.0e}",
+            "{:<22}{:>12.3}{:>9.3}{:>16.3}{:>16.3}{:>12}{:>9}{:>11}{:>7}{:>13.2}{:>20.2}{:>9.2}{:>8}{:>11.2}{:>8.0e}",
             r.building,
             r.e_to_contact,
             r.e_total,
@@ -109,6 +109,8 @@ fn as_text(compared: &Compared) -> String {
             falls(r.collapsed.fe),
             falls(r.collapsed.mbs),
             r.hinges.f1,
+            r.turning_before_contact.f1,
+            r.turning.f1,
             r.bodies,
             1e3 * r.cpu_s,
             r.energy_error
@@ -117,8 +119,16 @@ fn as_text(compared: &Compared) -> String {
     let t = &compared.together;
     let _ = writeln!(
         text,
-        "{} buildings: e to contact median {:.3}, 90th percentile {:.3}; e total {:.3}, {:.3}; hinges F1 {:.2}; collapse right in {}",
-        t.buildings, t.e_to_contact[0], t.e_to_contact[1], t.e_total[0], t.e_total[1], t.f1, t.collapse_right
+        "{} buildings: e to contact median {:.3}, 90th percentile {:.3}; e total {:.3}, {:.3}; F1 of zones {:.2}, of turning to contact {:.2}, of turning {:.2}; collapse right in {}",
+        t.buildings,
+        t.e_to_contact[0],
+        t.e_to_contact[1],
+        t.e_total[0],
+        t.e_total[1],
+        t.f1[0],
+        t.f1[1],
+        t.f1[2],
+        t.collapse_right
     );
     for m in &compared.missed {
         let _ = writeln!(text, "no comparison of {}: {}", m.building, m.why);

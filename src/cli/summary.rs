@@ -95,7 +95,7 @@ fn comparison_text(c: &Comparison) -> String {
          against FE error e up to the first contact of the FE run, over the whole run, over points that do not become debris\n\
          {}\
          {}  \
-         hinges     precision {:.2}, recall {:.2}, F1 {:.2} ({} FE zones, {} active hinges, {} common)\n  \
+         hinges     precision {:.2}, recall {:.2}, F1 {:.2} ({} FE zones, {} active hinges, {} common); of ends that turn by {} rad F1 {:.2} before the first contact, {:.2} in the whole run\n  \
          speed      MBS {:.0} times faster (processor time)\n  \
          verdict    {}\n",
         collapse_words(v.collapsed.fe),
@@ -112,6 +112,9 @@ fn comparison_text(c: &Comparison) -> String {
         v.hinges.expected,
         v.hinges.found,
         v.hinges.common,
+        crate::study::TURNED_RAD,
+        v.turning_before_contact.f1,
+        v.turning.f1,
         v.speed_ratio,
         words.headline,
     )
@@ -132,6 +135,8 @@ pub fn as_json(s: &Summary) -> Value {
             "first_contact_s": v.first_contact_s,
             "collapsed": v.collapsed,
             "hinges": v.hinges,
+            "turning_before_contact": v.turning_before_contact,
+            "turning": v.turning,
             "missed_column_ends": v.missed_column_ends,
             "energy_error": v.energy_error,
             "footprint_overlap": v.footprint_overlap,

@@ -3,7 +3,7 @@
 use super::Case;
 use crate::rules::{Subject, SubjectKind};
 use crate::study::{EndZone, MemberFacts};
-use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT};
+use crate::validate::LIMIT_TO_CONTACT;
 
 /// What a rule decides if it says yes, or no.
 #[derive(Debug)]
@@ -59,7 +59,6 @@ const OF_END: &[&str] = &[
     "building.law_demand_ratio",
     "building.mechanism",
     "building.charged_share",
-    "building.ignition_span",
     "member.axial_ratio",
     "member.axial_ratio_after",
     "member.storey",
@@ -85,7 +84,6 @@ const OF_MEMBER: &[&str] = &[
     "member.slenderness",
     "member.span_over_depth",
     "member.weakened",
-    "building.ignition_span",
 ];
 
 /// What mechanics asks for: with a larger value of the feature turning, yielding and falling become more (true) or less likely.
@@ -257,27 +255,14 @@ pub const QUESTIONS: &[Question] = &[
     },
 ];
 
-/// Whether an end has turned before the first contact; `None`: not known.
-///
-/// The label is the rotation, not the strain rate: it is what a hinge does, and what a generated model is compared by. Of ends that turned slowly
-/// (0.02 rad in half a second are some 0.1 1/s in a zone two depths long) the rate knows nothing. Where too little is left of an end for a
-/// rotation, the time at which it exceeded the critical rate stands for it.
+/// Whether an end turns before the first contact.
 fn before_contact(end: &EndZone, contact_s: Option<f64>) -> Option<bool> {
-    match end.rotation_before_contact_rad {
-        Some(rotation) => Some(rotation > ACTIVE_ROTATION_RAD),
-        None if end.eroded > 0.0 => {
-            Some(end.first_s.is_some_and(|time| contact_s.is_none_or(|contact| time < contact)))
-        }
-        None => None,
-    }
+    end.turns_before(contact_s)
 }
 
-/// The same over the whole run; an end of which too little is left has broken.
+/// Whether it turns in the whole run, or breaks.
 fn whole_run(end: &EndZone, _contact_s: Option<f64>) -> Option<bool> {
-    match end.rotation_rad {
-        Some(rotation) => Some(rotation > ACTIVE_ROTATION_RAD),
-        None => (end.eroded > 0.0).then_some(true),
-    }
+    end.turns()
 }
 
 fn ends<'a>(

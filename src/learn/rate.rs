@@ -2,7 +2,7 @@
 
 use super::Case;
 use super::tree::MISS_COST;
-use crate::validate::ACTIVE_ROTATION_RAD;
+use crate::study::TURNED_RAD;
 
 /// A threshold of the strain rate at one kind of ends.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ fn rate(cases: &[Case], kind: &'static str) -> Option<Rate> {
             let subject = case.known.ends.iter().find(|s| s.id == zone.id);
             let of_kind = subject.is_some_and(|s| s.features.get("member.kind") == Some(&kind.into()));
             if let Some(rotation) = zone.rotation_rad.filter(|_| of_kind) {
-                points.push((building, zone.peak_rate_1_s, rotation > ACTIVE_ROTATION_RAD));
+                points.push((building, zone.peak_rate_1_s, rotation > TURNED_RAD));
             }
         }
     }

@@ -46,6 +46,34 @@ pub struct EndZone {
     pub rotation_rad: Option<f64>,
 }
 
+/// Rotation from which an end counts as a hinge \[rad\]; the same order as the rotation capacity of reinforced
+/// concrete in EN 1992-1-1, figure 5.6N.
+pub const TURNED_RAD: f64 = 0.02;
+
+impl EndZone {
+    /// Whether the end has turned before the first contact; `None`: not known.
+    ///
+    /// A hinge is what turns. Of ends that turn slowly (0.02 rad in half a second are some 0.1 1/s in a zone two depths long) the strain rate knows nothing. Where too little is left of an end for a
+    /// rotation, the time at which it exceeded the critical rate stands for it.
+    pub fn turns_before(&self, contact_s: Option<f64>) -> Option<bool> {
+        match self.rotation_before_contact_rad {
+            Some(rotation) => Some(rotation > TURNED_RAD),
+            None if self.eroded > 0.0 => {
+                Some(self.first_s.is_some_and(|time| contact_s.is_none_or(|contact| time < contact)))
+            }
+            None => None,
+        }
+    }
+
+    /// The same over the whole run; an end of which too little is left has broken.
+    pub fn turns(&self) -> Option<bool> {
+        match self.rotation_rad {
+            Some(rotation) => Some(rotation > TURNED_RAD),
+            None => (self.eroded > 0.0).then_some(true),
+        }
+    }
+}
+
 /// What the FE run shows in a member away from its ends.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MemberFacts {

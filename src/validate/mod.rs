@@ -13,16 +13,15 @@ use crate::fe::dynamics::Death;
 use crate::fe::result::FeRun;
 use crate::mbs::Model;
 use crate::mbs::result::{EventKind, RunResult};
-use crate::study::{COLLAPSE_DROP_M, Facts};
+use crate::study::{COLLAPSE_DROP_M, Facts, TURNED_RAD};
 use measure::{Footprint, Sites};
 use points::PointErrors;
 use serde::{Deserialize, Serialize};
 
 /// Version of `validation.json`.
 pub const VALIDATION_SCHEMA: u32 = 1;
-/// Plastic rotation from which a hinge counts as a found site \[rad\]; the same order as the rotation capacity of reinforced
-/// concrete in EN 1992-1-1, figure 5.6N.
-pub const ACTIVE_ROTATION_RAD: f64 = 0.02;
+/// Plastic rotation from which a hinge counts as a found site \[rad\].
+pub const ACTIVE_ROTATION_RAD: f64 = TURNED_RAD;
 /// Largest error up to the first contact at which the model counts as agreeing.
 pub const LIMIT_TO_CONTACT: f64 = 0.10;
 /// Largest distance of both runs' displacements at which the model of a structure that stands in both counts as agreeing whatever its relative error: a twentieth of the fall that
@@ -56,6 +55,10 @@ pub struct SiteComparison {
     pub id: String,
     /// Whether the FE run shows a zone above the critical strain rate.
     pub fe_zone: bool,
+    /// Whether the end turns by more than [`TURNED_RAD`] before the first contact of the FE run, in FE and in the MBS; `None`: FE does not tell.
+    pub turns_before_contact: Option<Both<bool>>,
+    /// The same over the whole run.
+    pub turns: Option<Both<bool>>,
     /// Whether the MBS model has a hinge there.
     pub hinge: bool,
     /// Largest plastic rotation of that hinge \[rad\].
@@ -89,6 +92,10 @@ pub struct Validation {
     pub first_contact_s: Both<Option<f64>>,
     /// Hinges that turned plastically by more than [`ACTIVE_ROTATION_RAD`] against FE zones, whole run.
     pub hinges: Sites,
+    /// Ends that turn by more than [`TURNED_RAD`] before the first contact, MBS against FE.
+    pub turning_before_contact: Sites,
+    /// The same over the whole run.
+    pub turning: Sites,
     /// Column ends with an FE zone where the MBS has no hinge, or one that did not turn plastically.
     pub missed_column_ends: Vec<String>,
     /// Whether the structure collapsed.
@@ -151,6 +158,8 @@ impl Validation {
             hinges: Sites::of(
                 sites.iter().map(|s| (s.fe_zone, s.plastic_rotation_rad > ACTIVE_ROTATION_RAD)),
             ),
+            turning_before_contact: turning(&sites, |s| s.turns_before_contact),
+            turning: turning(&sites, |s| s.turns),
             missed_column_ends: missed_column_ends(building, facts, &sites),
             collapsed: Both { fe: facts.collapsed, mbs: mbs.tracked.iter().any(|t| fell(&t.displacement_m)) },
             energy_error: Both { fe: fe.summary.energy_error, mbs: mbs.energy_error },
@@ -236,12 +245,21 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
             _ => None,
         })
     };
+    let contact_s = facts.first_contact_s.unwrap_or(f64::INFINITY);
     facts
         .ends
         .iter()
         .map(|zone| {
             let turned = mbs.hinges.iter().find(|h| h.joint == zone.id);
+            let turns = |until_s: f64| {
+                let outputs = mbs.times_s.partition_point(|t| *t <= until_s);
+                let rotations = turned.into_iter().flat_map(|h| h.rotation_rad.iter().take(outputs));
+                rotations.map(|[a, b]| a.hypot(*b)).fold(0.0, f64::max) > TURNED_RAD
+            };
+            let both = |fe: Option<bool>, until_s: f64| Some(Both { fe: fe?, mbs: turns(until_s) });
             SiteComparison {
+                turns_before_contact: both(zone.turns_before(facts.first_contact_s), contact_s),
+                turns: both(zone.turns(), f64::INFINITY),
                 id: zone.id.clone(),
                 fe_zone: zone.first_s.is_some(),
                 hinge: model.bushings.iter().any(|j| j.id == zone.id),
@@ -252,6 +270,11 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
             }
         })
         .collect()
+}
+
+/// Ends that turn in the MBS against those that turn in FE, where FE tells.
+fn turning(sites: &[SiteComparison], of: impl Fn(&SiteComparison) -> Option<Both<bool>>) -> Sites {
+    Sites::of(sites.iter().filter_map(of).map(|both| (both.fe, both.mbs)))
 }
 
 /// Plan projection of the elements that are left at the end.

@@ -2,7 +2,7 @@
 
 use super::measure::Sites;
 use super::points::PointErrors;
-use super::{ACTIVE_ROTATION_RAD, Both, compare_sites, fell};
+use super::{ACTIVE_ROTATION_RAD, Both, compare_sites, fell, turning};
 use crate::mbs::Model;
 use crate::mbs::result::RunResult;
 use crate::study::Study;
@@ -27,6 +27,10 @@ pub struct Agreement {
     pub collapsed: Both<bool>,
     /// Active hinges against FE zones at member ends.
     pub hinges: Sites,
+    /// Ends that turn before the first contact, MBS against FE.
+    pub turning_before_contact: Sites,
+    /// The same over the whole run.
+    pub turning: Sites,
     /// Energy error of the MBS run.
     pub energy_error: f64,
     /// Bodies and steps of the MBS run.
@@ -73,6 +77,8 @@ impl Agreement {
             hinges: Sites::of(
                 sites.iter().map(|s| (s.fe_zone, s.plastic_rotation_rad > ACTIVE_ROTATION_RAD)),
             ),
+            turning_before_contact: turning(&sites, |s| s.turns_before_contact),
+            turning: turning(&sites, |s| s.turns),
             energy_error: run.energy_error,
             bodies: model.bodies.len(),
             steps: run.steps,
@@ -90,8 +96,8 @@ pub struct Together {
     pub e_to_contact: [f64; 2],
     /// The same of the error over the whole run.
     pub e_total: [f64; 2],
-    /// Hinges of all buildings.
-    pub f1: f64,
+    /// F1 of the hinges of all buildings: against zones, of turning before the first contact, and of turning in the whole run.
+    pub f1: [f64; 3],
     /// Buildings that collapse in both runs or in neither.
     pub collapse_right: usize,
 }
@@ -106,13 +112,16 @@ impl Together {
             values.get(at).copied().unwrap_or(f64::NAN)
         };
         let both = |of: &dyn Fn(&Agreement) -> f64| [share(of, 0.5), share(of, 0.9)];
-        let sum = |of: &dyn Fn(&Sites) -> usize| list.iter().map(|a| of(&a.hinges)).sum::<usize>() as f64;
-        let all = sum(&|s| s.expected) + sum(&|s| s.found);
+        let f1 = |of: fn(&Agreement) -> Sites| {
+            let sum = |count: fn(&Sites) -> usize| list.iter().map(|a| count(&of(a))).sum::<usize>() as f64;
+            let all = sum(|s| s.expected) + sum(|s| s.found);
+            if all > 0.0 { 2.0 * sum(|s| s.common) / all } else { 1.0 }
+        };
         Self {
             buildings: list.len(),
             e_to_contact: both(&|a| a.e_to_contact),
             e_total: both(&|a| a.e_total),
-            f1: if all > 0.0 { 2.0 * sum(&|s| s.common) / all } else { 1.0 },
+            f1: [f1(|a| a.hinges), f1(|a| a.turning_before_contact), f1(|a| a.turning)],
             collapse_right: list.iter().filter(|a| a.collapsed.fe == a.collapsed.mbs).count(),
         }
     }

@@ -17,6 +17,8 @@ fn good() -> Validation {
         largest_difference_m: 0.2,
         first_contact_s: Both { fe: Some(1.0), mbs: Some(1.02) },
         hinges: Sites::default(),
+        turning_before_contact: Sites::default(),
+        turning: Sites::default(),
         missed_column_ends: Vec::new(),
         collapsed: Both { fe: true, mbs: true },
         energy_error: Both { fe: 0.01, mbs: 0.001 },
