@@ -7,7 +7,7 @@ use crate::generate::{Derive, generate};
 use crate::library::Store;
 use crate::mbs::model::Model;
 use crate::mbs::result::RunResult;
-use crate::mbs::simulate;
+use crate::mbs::simulate_carefully;
 use crate::rules::RuleBase;
 use crate::study::plan::{Beams, Scene};
 use crate::validate::fell;
@@ -146,7 +146,7 @@ fn settled(mut model: Model, scene: &Scene) -> Result<Settled, String> {
     let mut found = None;
     for settle_s in SETTLE_S {
         model.settings.end_time_s = last_s + settle_s;
-        let result = simulate(&model).map_err(|e| e.to_string())?;
+        let result = simulate_carefully(&model).map_err(|e| e.to_string())?;
         let settled = Settled::of(&model, &result);
         let ended = settled.end != End::Moves;
         found = Some(settled);

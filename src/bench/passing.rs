@@ -237,7 +237,7 @@ impl Allowed {
         // what came apart since the last output did so at some overlap in between
         let allowed = if may && could { before } else { overlap.max(before) };
         self.now.insert(pair, (allowed.min(overlap), may));
-        overlap - allowed
+        (overlap - allowed).max(0.0)
     }
 
     /// Longest way of a point since the last output \[m\].

@@ -72,7 +72,8 @@ pub fn measure(
     for accuracy in Accuracy::ALL {
         note(&format!("MBS, {}", accuracy.name()));
         let model = generated(accuracy).map_err(|e| e.to_string())?.model;
-        let result = crate::mbs::simulate(&model).map_err(|e| format!("MBS, {}: {e}", accuracy.name()))?;
+        let result =
+            crate::mbs::simulate_carefully(&model).map_err(|e| format!("MBS, {}: {e}", accuracy.name()))?;
         candidates.push(Candidate {
             kind: Kind::Mbs,
             level: accuracy.name().into(),

@@ -175,7 +175,7 @@ fn run_mbs(generated: &Generated) -> Result<(RunResult, f64), Failure> {
     let (mut cpu_s, mut wall_s, mut first) = (Vec::new(), Vec::new(), None);
     for _ in 0..MBS_RUNS {
         let began = Instant::now();
-        let result = crate::mbs::simulate(&generated.model)
+        let result = crate::mbs::simulate_carefully(&generated.model)
             .map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
         wall_s.push(began.elapsed().as_secs_f64());
         cpu_s.push(result.cpu_s);

@@ -5,9 +5,11 @@ use super::progress::Progress;
 use super::study_run::{Task, files};
 use super::{Failure, Outcome, print};
 use crate::generate::generate;
+use crate::learn::ablation;
 use crate::library::Store;
 use crate::rules::RuleBase;
 use crate::validate::record::{Agreement, Together};
+use crate::validate::{LIMIT_STANDING_M, LIMIT_TO_CONTACT};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -23,6 +25,9 @@ pub struct Arguments {
     kb: PathBuf,
     #[command(flatten)]
     curves: CurveArgs,
+    /// Compare with models of other rules as well: the seed rules alone, hinges everywhere and nowhere, floors rigid and bending; only the figures of all buildings together
+    #[arg(long)]
+    ablation: bool,
     /// Print as JSON
     #[arg(long)]
     json: bool,
@@ -48,26 +53,82 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let files = files(&arguments.buildings)?;
     let (rules, mut store) = arguments.curves.open()?;
     let progress = Progress::on_stderr();
-    progress.stage("models");
+    let sets = if arguments.ablation {
+        ablation::sets(&rules).map_err(|problems| Failure::input(problems.to_string()))?
+    } else {
+        vec![("", rules)]
+    };
+    let mut results: Vec<(&str, Compared)> = Vec::new();
+    for (name, rules) in &sets {
+        progress.stage(if name.is_empty() { "models" } else { name });
+        results.push((name, compared(arguments, &files, rules, &mut store, &progress)));
+    }
+    progress.finish();
+    let is_whole = results.iter().all(|(_, compared)| compared.missed.is_empty());
+    let text = match &results[..] {
+        [(_, one)] if arguments.json => json(one)?,
+        [(_, one)] => as_text(one),
+        many if arguments.json => json(&common(many))?,
+        many => as_table(&common(many)),
+    };
+    print(&text);
+    Ok(if is_whole { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+/// All buildings with one set of rules.
+fn compared(
+    arguments: &Arguments,
+    files: &[PathBuf],
+    rules: &RuleBase,
+    store: &mut Store,
+    progress: &Progress,
+) -> Compared {
     let (mut runs, mut missed) = (Vec::new(), Vec::new());
-    let count = files.len();
-    for (done, file) in files.into_iter().enumerate() {
+    for (done, file) in files.iter().enumerate() {
         let name = file.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        progress.advance(done as f64 / count as f64, &name);
-        match one(arguments, file, &rules, &mut store, &progress) {
+        progress.advance(done as f64 / files.len() as f64, &name);
+        match one(arguments, file.clone(), rules, store, progress) {
             Ok(agreement) => runs.push(agreement),
             Err(failure) => missed.push(Missed { building: name, why: failure.message }),
         }
     }
-    progress.finish();
-    let compared = Compared { together: Together::of(&runs), runs, missed };
-    if arguments.json {
-        let text = serde_json::to_string_pretty(&compared).map_err(|e| Failure::stopped(e.to_string()))?;
-        print(&(text + "\n"));
-    } else {
-        print(&as_text(&compared));
+    Compared { together: Together::of(&runs), runs, missed }
+}
+
+/// Figures of each set of rules over the buildings that all of them have a model of.
+fn common(results: &[(&str, Compared)]) -> Vec<(String, Together)> {
+    let has = |compared: &Compared, name: &str| compared.runs.iter().any(|r| r.building == name);
+    let of = |(name, compared): &(&str, Compared)| {
+        let all = |r: &&Agreement| results.iter().all(|(_, c)| has(c, &r.building));
+        let runs: Vec<Agreement> = compared.runs.iter().filter(all).cloned().collect();
+        ((*name).to_string(), Together::of(&runs))
+    };
+    results.iter().map(of).collect()
+}
+
+fn as_table(sets: &[(String, Together)]) -> String {
+    let mut text = String::from(
+        "| rules | buildings | e to contact: median, 90 % | of those that fall | e total: median, 90 % | of those that fall | F1 of zones, turning to contact, turning | outcome right | agree |\n\
+         |---|---:|---|---|---|---|---|---:|---:|\n",
+    );
+    let pair = |[median, most]: [f64; 2]| format!("{median:.3}, {most:.3}");
+    for (name, t) in sets {
+        let _ = writeln!(
+            text,
+            "| {name} | {} | {} | {} | {} | {} | {:.2}, {:.2}, {:.2} | {} | {} |",
+            t.buildings,
+            pair(t.e_to_contact),
+            pair(t.e_to_contact_falling),
+            pair(t.e_total),
+            pair(t.e_total_falling),
+            t.f1[0],
+            t.f1[1],
+            t.f1[2],
+            t.collapse_right,
+            t.agree
+        );
     }
-    Ok(if compared.missed.is_empty() { Outcome::Done } else { Outcome::CheckFailed })
+    text
 }
 
 fn one(
@@ -84,9 +145,14 @@ fn one(
     let generated =
         generate(&task.building, rules, store, arguments.curves.wishes(), &|text| progress.note(text))
             .map_err(|e| Failure::input(e.to_string()))?;
-    let run =
-        crate::mbs::simulate(&generated.model).map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
+    let run = crate::mbs::simulate_carefully(&generated.model)
+        .map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
     Ok(Agreement::of(&study, &generated.model, &run))
+}
+
+fn json(value: &impl Serialize) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| Failure::stopped(e.to_string()))?;
+    Ok(text + "\n")
 }
 
 fn as_text(compared: &Compared) -> String {
@@ -129,6 +195,16 @@ fn as_text(compared: &Compared) -> String {
         t.f1[1],
         t.f1[2],
         t.collapse_right
+    );
+    let _ = writeln!(
+        text,
+        "of them {} fall: e to contact {:.3}, {:.3}; e total {:.3}, {:.3}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
+        t.falling,
+        t.e_to_contact_falling[0],
+        t.e_to_contact_falling[1],
+        t.e_total_falling[0],
+        t.e_total_falling[1],
+        t.agree
     );
     for m in &compared.missed {
         let _ = writeln!(text, "no comparison of {}: {}", m.building, m.why);

@@ -7,7 +7,7 @@ use crate::building::ends::MemberEnd;
 use crate::mbs::Model;
 use crate::rules::{Action, Aspect, RuleBase, Subject, Trace};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// One reason: a rule that fired for a part of the building.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,6 +40,8 @@ pub struct Decision {
     bends: Vec<bool>,
     /// Hinged member ends with the ids of the rules that put hinge and springs there.
     pub hinges: BTreeMap<String, Vec<String>>,
+    /// Those of them that stay elastic.
+    pub elastic: BTreeSet<String>,
     /// Beam ends at which floors may fold, with the ids of the rules that say so.
     pub latent: BTreeMap<String, Vec<String>>,
     /// What the rules said, by subject.
@@ -76,6 +78,10 @@ impl Decision {
             match answer {
                 Some(Action::Hinge) if column => {
                     this.hinges.insert(end.id.clone(), this.fired(&end.id));
+                }
+                Some(Action::ElasticConnection) if column => {
+                    this.hinges.insert(end.id.clone(), this.fired(&end.id));
+                    this.elastic.insert(end.id.clone());
                 }
                 Some(Action::LatentHinge) if !column => {
                     this.latent.insert(end.id.clone(), this.fired(&end.id));

@@ -197,7 +197,13 @@ pub fn hinges(
             .get(key)
             .ok_or_else(|| StoreError::NotFound { key: key.clone(), hint: String::new() })?;
         let hinge = entry.hinge()?;
-        let bending = [0, 1].map(|axis| Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 });
+        let is_elastic = decision.elastic.contains(&end.id);
+        let bending = [0, 1].map(|axis| match entry.axes[axis].curve.stiffness_nm_rad {
+            stiffness_nm_rad if is_elastic => Bending::Elastic { stiffness_nm_rad },
+            _ => Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 },
+        });
+        // what does not yield neither breaks nor crushes
+        let capacity = |capacity: Option<f64>| capacity.filter(|_| !is_elastic);
         joints.push(Bushing {
             id: end.id.clone(),
             body_a: other.map(|o| place.bodies.list[o].id.clone()),
@@ -210,9 +216,9 @@ pub fn hinges(
             bending,
             joint: None,
             latent: None,
-            tensile_capacity_n: entry.tensile_capacity_n,
-            tensile_elongation_m: entry.tensile_elongation_m,
-            compressive_capacity_n: entry.compressive_capacity_n,
+            tensile_capacity_n: capacity(entry.tensile_capacity_n),
+            tensile_elongation_m: capacity(entry.tensile_elongation_m),
+            compressive_capacity_n: capacity(entry.compressive_capacity_n),
             origin: Origin {
                 members: vec![end.id.clone()],
                 rules: decision.hinges[&end.id].clone(),

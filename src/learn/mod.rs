@@ -6,6 +6,7 @@
 //! | file | owns |
 //! |---|---|
 //! | this one | studies with the features of their buildings; all questions, one after the other |
+//! | [`ablation`] | sets of rules that are compared with each other |
 //! | [`questions`] | what is asked, what the record answers, what a rule then decides; what mechanics asks for |
 //! | [`tree`] | a decision tree with costs |
 //! | [`prune`] | how far it is cut back, and what it is worth in other buildings |
@@ -13,6 +14,7 @@
 //! | [`rate`] | the strain rate that tells ends that turn |
 //! | `report` | what was learned, and what was not, in words |
 
+pub mod ablation;
 mod draft;
 pub mod prune;
 pub mod questions;
@@ -49,6 +51,10 @@ impl Case {
         Self { known: Known::of_building(building), floors: floors(&study, building), study }
     }
 }
+
+/// Least confidence of a rule that is used. What costs of misses and false alarms make of a leaf is a place worth a look; a rule that is wrong more often than right is no evidence to decide by.
+const LEAST_CONFIDENCE: f64 = 0.5;
+const DOUBTFUL: &str = "it says yes because a miss costs more than a false alarm, and is wrong more often than right: places to look at, no rule to decide by";
 
 /// Text files, by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -117,10 +123,12 @@ fn answer(question: &'static Question, cases: &[Case], held: &RuleBase) -> Found
     );
     let drafts = draft::drafts(question, &found.table, &validated.tree, cases);
     for draft in drafts {
-        match (draft.refused, worse) {
-            (Some(reason), _) => found.review.push((draft, reason.to_string())),
-            (None, true) => found.review.push((draft, why.clone())),
-            (None, false) => found.used.push(draft),
+        let doubtful = draft.statistics.confidence < LEAST_CONFIDENCE;
+        match draft.refused {
+            Some(reason) => found.review.push((draft, reason.to_string())),
+            None if worse => found.review.push((draft, why.clone())),
+            None if doubtful => found.review.push((draft, DOUBTFUL.to_string())),
+            None => found.used.push(draft),
         }
     }
     let against = draft::refused(question, &found.table, &validated, cases);

@@ -16,6 +16,8 @@ pub struct Balance {
     made_j: f64,
     /// Largest error of the sum over the energy turned over.
     pub error: f64,
+    /// Largest growth of the sum over the energy turned over.
+    pub growth: f64,
 }
 
 impl Balance {
@@ -36,9 +38,10 @@ impl Balance {
         self.taken_j = self.taken_j.max(taken_j);
         self.made_j = self.made_j.max(self.taken_j - taken_j);
         self.turnover_j = self.turnover_j.max(turned_j).max(taken_j);
-        let error = (total_j - self.start_j).abs() / self.turnover_j;
-        self.error = self.error.max(error);
-        error
+        let grown = (total_j - self.start_j) / self.turnover_j;
+        self.growth = self.growth.max(grown);
+        self.error = self.error.max(grown.abs());
+        grown.abs()
     }
 
     /// Energy that contacts made, as a share of that turned over. Contacts with friction and rebound only take energy; impulses that

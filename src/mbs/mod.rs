@@ -47,4 +47,4 @@ pub use check::ModelError;
 pub use error::SolveError;
 pub use model::Model;
 pub use result::RunResult;
-pub use run::{SolverOptions, simulate, simulate_with};
+pub use run::{SolverOptions, simulate, simulate_carefully, simulate_with};

@@ -106,6 +106,8 @@ pub enum Action {
     Hinge,
     /// A section that resists elastically until its demand reaches its resistance.
     LatentHinge,
+    /// Springs that do not yield.
+    ElasticConnection,
     /// No relative rotation.
     RigidConnection,
     /// Axial and shear springs.
@@ -198,6 +200,14 @@ pub static CATALOGUE: &[ActionSpec] = &[
         subjects: &[MemberEnd, Section],
         parameters: &[optional("demand_share", ParameterType::Positive("1"))],
         meaning: "a section that becomes a hinge when its demand reaches (a share of) its resistance",
+    },
+    ActionSpec {
+        action: Action::ElasticConnection,
+        name: "elastic_connection",
+        aspect: Aspect::Rotation,
+        subjects: &[MemberEnd],
+        parameters: &[],
+        meaning: "the elastic springs of the hinge that would stand there; it does not yield",
     },
     ActionSpec {
         action: Action::RigidConnection,

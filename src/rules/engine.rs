@@ -169,6 +169,11 @@ impl RuleBase {
         Ok(Self { rules })
     }
 
+    /// Those of these rules whose ids begin with a word.
+    pub fn only(&self, prefix: &str) -> Self {
+        Self { rules: self.rules.iter().filter(|rule| rule.id.starts_with(prefix)).cloned().collect() }
+    }
+
     /// The rules in the order of evaluation.
     pub fn rules(&self) -> &[Rule] {
         &self.rules

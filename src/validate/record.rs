@@ -2,7 +2,7 @@
 
 use super::measure::Sites;
 use super::points::PointErrors;
-use super::{ACTIVE_ROTATION_RAD, Both, compare_sites, fell, turning};
+use super::{ACTIVE_ROTATION_RAD, Both, LIMIT_STANDING_M, LIMIT_TO_CONTACT, compare_sites, fell, turning};
 use crate::mbs::Model;
 use crate::mbs::result::RunResult;
 use crate::study::Study;
@@ -87,6 +87,16 @@ impl Agreement {
     }
 }
 
+impl Agreement {
+    /// Whether the displacements agree, as [`super::Validation::displacements_agree`] says, and the outcome.
+    pub fn agrees(&self) -> bool {
+        let stands = !self.collapsed.fe && !self.collapsed.mbs;
+        self.collapsed.fe == self.collapsed.mbs
+            && (self.e_to_contact <= LIMIT_TO_CONTACT
+                || stands && self.largest_difference_m <= LIMIT_STANDING_M)
+    }
+}
+
 /// Figures of many comparisons together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Together {
@@ -96,6 +106,14 @@ pub struct Together {
     pub e_to_contact: [f64; 2],
     /// The same of the error over the whole run.
     pub e_total: [f64; 2],
+    /// How many collapse in FE, and both errors of these alone.
+    pub falling: usize,
+    /// Error up to the first contact of those that collapse in FE.
+    pub e_to_contact_falling: [f64; 2],
+    /// The same of the error over the whole run.
+    pub e_total_falling: [f64; 2],
+    /// Buildings that agree ([`Agreement::agrees`]).
+    pub agree: usize,
     /// F1 of the hinges of all buildings: against zones, of turning before the first contact, and of turning in the whole run.
     pub f1: [f64; 3],
     /// Buildings that collapse in both runs or in neither.
@@ -105,13 +123,14 @@ pub struct Together {
 impl Together {
     /// Of some comparisons.
     pub fn of(list: &[Agreement]) -> Self {
-        let share = |of: &dyn Fn(&Agreement) -> f64, share: f64| {
-            let mut values: Vec<f64> = list.iter().map(of).collect();
+        let falls = |a: &&Agreement| a.collapsed.fe;
+        let share = |of: &dyn Fn(&Agreement) -> f64, all: bool, share: f64| {
+            let mut values: Vec<f64> = list.iter().filter(|a| all || falls(a)).map(of).collect();
             values.sort_by(f64::total_cmp);
             let at = (share * (values.len().max(1) - 1) as f64).round() as usize;
             values.get(at).copied().unwrap_or(f64::NAN)
         };
-        let both = |of: &dyn Fn(&Agreement) -> f64| [share(of, 0.5), share(of, 0.9)];
+        let both = |of: &dyn Fn(&Agreement) -> f64, all: bool| [share(of, all, 0.5), share(of, all, 0.9)];
         let f1 = |of: fn(&Agreement) -> Sites| {
             let sum = |count: fn(&Sites) -> usize| list.iter().map(|a| count(&of(a))).sum::<usize>() as f64;
             let all = sum(|s| s.expected) + sum(|s| s.found);
@@ -119,8 +138,12 @@ impl Together {
         };
         Self {
             buildings: list.len(),
-            e_to_contact: both(&|a| a.e_to_contact),
-            e_total: both(&|a| a.e_total),
+            e_to_contact: both(&|a| a.e_to_contact, true),
+            e_total: both(&|a| a.e_total, true),
+            falling: list.iter().filter(falls).count(),
+            e_to_contact_falling: both(&|a| a.e_to_contact, false),
+            e_total_falling: both(&|a| a.e_total, false),
+            agree: list.iter().filter(|a| a.agrees()).count(),
             f1: [f1(|a| a.hinges), f1(|a| a.turning_before_contact), f1(|a| a.turning)],
             collapse_right: list.iter().filter(|a| a.collapsed.fe == a.collapsed.mbs).count(),
         }
