@@ -55,7 +55,7 @@ pub struct SiteComparison {
     pub id: String,
     /// Whether the FE run shows a zone above the critical strain rate.
     pub fe_zone: bool,
-    /// Whether the end turns by more than [`TURNED_RAD`] before the first contact of the FE run, in FE and in the MBS; `None`: FE does not tell.
+    /// Whether the end turns by more than [`TURNED_RAD`] before the first contact, in FE and in the MBS, each before its own; `None`: FE does not tell.
     pub turns_before_contact: Option<Both<bool>>,
     /// The same over the whole run.
     pub turns: Option<Both<bool>>,
@@ -245,7 +245,7 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
             _ => None,
         })
     };
-    let contact_s = facts.first_contact_s.unwrap_or(f64::INFINITY);
+    let contact_s = mbs.first_ground_contact_s.unwrap_or(f64::INFINITY);
     facts
         .ends
         .iter()
