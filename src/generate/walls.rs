@@ -105,7 +105,7 @@ impl<'a> Half<'a> {
         let rotation = |strain: f64| 2.0 * strain * self.mesh_m / self.thickness_m;
         let critical = self.law.critical_plastic_strain;
         let points = || self.law.hardening.iter().filter(|p| p.plastic_strain < critical);
-        let last = points().last().map_or(first, |p| p.stress_pa);
+        let last = points().next_back().map_or(first, |p| p.stress_pa);
         let level = |share: f64| {
             let axial_force_n = share * capacity.plastic_force_n;
             let moment = |stress_pa: f64| capacity.moment_nm(axial_force_n) * stress_pa / first;

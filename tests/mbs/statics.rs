@@ -85,7 +85,11 @@ fn removing_two_columns_brings_the_slab_down_on_their_side() {
         result.energy_error,
         result.events.len()
     );
-    assert!(last[2] < -3.0 && last[0].abs() < 0.05);
+    assert!(last[2] < -3.0);
+    // symmetric until the first contact; what impacts make of round-off afterwards is another matter
+    let contact = result.times_s.partition_point(|t| Some(*t) < result.first_ground_contact_s);
+    let aside = u[..contact].iter().fold(0.0_f64, |most, u| most.max(u[0].abs()));
+    assert!(contact > 50 && aside < 1e-4, "{aside} m aside before the contact");
     let removal = result.events.iter().find(|e| matches!(e.kind, EventKind::Removal { .. })).unwrap();
     assert!((removal.time_s - 0.1234).abs() < 1e-12);
     assert!(result.energy_error < 0.03);
