@@ -156,7 +156,6 @@ fn derive(
     json: bool,
     out: &mut dyn Write,
 ) -> Result<u8, Failure> {
-    store.writable()?;
     let progress = Progress::on_stderr();
     progress.stage("curves");
     let watch = Watch {

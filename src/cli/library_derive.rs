@@ -110,8 +110,8 @@ pub fn derive_for(
     again: bool,
     watch: &Watch,
 ) -> Result<Derived, LibraryDeriveError> {
-    store.writable()?;
     building.without_skew("no curves can be derived").map_err(LibraryDeriveError::Skew)?;
+    store.writable()?;
     let mut derived = Derived::default();
     let mut missing = Vec::new();
     for (key, (end, wanted)) in wanted(building)? {

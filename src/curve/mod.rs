@@ -8,6 +8,7 @@
 //!
 //! Sign conventions: axial force `N` is positive in **compression**. Units: rad, N m, N.
 
+pub mod beam;
 pub mod between;
 pub mod capacity;
 pub mod cyclic;
@@ -17,6 +18,7 @@ pub mod hinge;
 mod limits;
 pub mod loops;
 
+pub use beam::{BeamEnds, MiddleSprings};
 pub use capacity::{Capacity, CapacityHint, CapacityTable};
 pub use cyclic::{Backbone, CyclicFit, CyclicRule, LevelBackbone};
 pub use cyclic_fit::MeasuredExcursion;

@@ -6,6 +6,7 @@ use crate::building::partition::merged;
 use crate::building::{Building, MemberKind};
 use crate::graph::{MassProperties, Structure};
 use crate::mbs::model::{Body, Origin, Shape};
+use std::collections::BTreeSet;
 
 /// The bodies of a model, and which of them a place belongs to.
 #[derive(Debug, Default)]
@@ -16,6 +17,8 @@ pub struct Bodies {
     owner: Vec<Option<usize>>,
     /// Floors in pieces: their first body, and the pieces in the order of the bodies.
     floors: Vec<(usize, Vec<Piece>)>,
+    /// Which bodies are pieces of floors that bend.
+    bending: BTreeSet<usize>,
 }
 
 impl Bodies {
@@ -37,6 +40,16 @@ impl Bodies {
         self.list.extend(bodies);
         self.floors.push((first, pieces));
         first
+    }
+
+    /// Says that a floor in pieces bends.
+    pub fn bends(&mut self, first: usize, pieces: usize) {
+        self.bending.extend(first..first + pieces);
+    }
+
+    /// Whether a body is a piece of a floor that bends.
+    pub fn is_bending(&self, body: usize) -> bool {
+        self.bending.contains(&body)
     }
 
     /// The body of a member at a place.

@@ -199,6 +199,7 @@ impl Line {
             shear_stiffness_n_m: stiffness.shear_n_m,
             torsional_stiffness_nm_rad: stiffness.torsion_nm_rad,
             bending: if axis == 0 { [folds, stiff] } else { [stiff, folds] },
+            beam: None,
             joint: None,
             latent: Some(self.section.clone()),
             tensile_capacity_n: entry.tensile_capacity_n,

@@ -1,10 +1,11 @@
-//! Floors that bend: a piece about each column, and elastic springs between neighbouring pieces in the middle of the span between their columns.
+//! Floors that bend: a piece about each column, and springs between neighbouring pieces in the middle of the span between their columns.
 //!
 //! A beam of length `L` that is cut in the middle has there, for a moment `M` and a shear force `V`, the rotation `M L / (E I)` and the displacement `V (L³ / (12 E I) + L / (G A_s))`, which is all that its ends
 //! can do to each other in a plane (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116, written for the middle): springs of these stiffnesses between rigid halves
-//! are the beam. The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. A
-//! panel whose corner gives way is twisted, and nearly all that holds it is the slab. In its own plane a floor is as stiff as its whole section. Left out: the sag of a floor between its columns, and all that yields.
+//! are the beam. Its ends yield ([`crate::curve::beam`]) with the resistance of the row of elements beside the column ([`crate::rc::layers`]). The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. A
+//! panel whose corner gives way is twisted, and nearly all that holds it is the slab. In its own plane a floor is as stiff as its whole section. Left out: the sag of a floor between its columns, yield in its plane and by torsion.
 
+use super::beam_ends::{BeamCut, YieldingEnds};
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, neighbours};
 use super::joints::axes;
@@ -77,8 +78,8 @@ impl Grillage {
         building: &Building,
         frame: &Frame,
         pieces: &[Piece],
-        bodies: &Bodies,
-        first: usize,
+        (bodies, first): (&Bodies, usize),
+        yielding: &mut YieldingEnds,
     ) -> Vec<Bushing> {
         let kinds: BTreeMap<&str, MemberKind> = self
             .cells
@@ -89,7 +90,7 @@ impl Grillage {
             .collect();
         let beams: Vec<(&Element, MemberKind)> =
             frame.elements.iter().filter_map(|e| Some((e, *kinds.get(e.member.as_str())?))).collect();
-        let between = |(axis, a, b): (usize, usize, usize)| {
+        let mut between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
             let [own, next] = [0, 1].map(|k| self.axes[axis][pieces[a].cell[axis] + k]);
             let clear_m = next[0] - own[0] - 0.5 * (own[1] + next[1]);
@@ -98,13 +99,21 @@ impl Grillage {
             let [across, level] = sum.place.map(|p| p / sum.bending);
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
-            let vertical = Bending::Elastic { stiffness_nm_rad: turn };
+            let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
+            let id = format!("{}|{}", of_a.id, of_b.id);
+            let cut = BeamCut {
+                axis,
+                faces_m: [own[0] + 0.5 * own[1], next[0] - 0.5 * next[1]],
+                across_m: plane.edges,
+                pieces: [&pieces[a], &pieces[b]],
+            };
+            let ends = yielding.of(building, &id, &cut, turn);
+            let vertical = ends.bending;
             let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
             let mut point_m = [at_m, at_m, level];
             point_m[1 - axis] = across;
-            let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             Some(Bushing {
-                id: format!("{}|{}", of_a.id, of_b.id),
+                id,
                 body_a: Some(of_a.id.clone()),
                 body_b: of_b.id.clone(),
                 point_m,
@@ -113,15 +122,16 @@ impl Grillage {
                 shear_stiffness_n_m: if axis == 0 { [sideways, shear] } else { [shear, sideways] },
                 torsional_stiffness_nm_rad: sum.torsion / clear_m,
                 bending: if axis == 0 { [vertical, level_one] } else { [level_one, vertical] },
+                beam: ends.beam,
                 joint: None,
                 latent: None,
-                tensile_capacity_n: None,
-                tensile_elongation_m: None,
-                compressive_capacity_n: None,
+                tensile_capacity_n: ends.squash_n,
+                tensile_elongation_m: ends.elongation_m,
+                compressive_capacity_n: ends.squash_n,
                 origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
             })
         };
-        neighbours(pieces).into_iter().filter_map(between).collect()
+        neighbours(pieces).into_iter().filter_map(&mut between).collect()
     }
 }
 

@@ -214,6 +214,7 @@ pub fn hinges(
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
+            beam: None,
             joint: None,
             latent: None,
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
@@ -227,6 +228,46 @@ pub fn hinges(
         });
     }
     Ok(joints)
+}
+
+/// Takes the flexibility of a floor that bends out of the hinges of the columns at it: its own springs have that already. What is left is the column up to the middle of its clear length, under a force there:
+/// `k = (l - o)² / (l³ / (3 E I) + l / (G A_s))` for a hinge that stands `o` from the end.
+pub fn without_joint(
+    place: &Place,
+    ends: &[&MemberEnd],
+    hinges: &mut [Bushing],
+    curves: &mut BTreeMap<String, ResistanceCurve>,
+) {
+    let ends: BTreeMap<&str, &MemberEnd> = ends.iter().map(|e| (e.id.as_str(), *e)).collect();
+    for hinge in hinges {
+        let Some(end) = ends.get(hinge.id.as_str()) else { continue };
+        let other = beyond(place.partition, end).and_then(|m| place.bodies.of(m, end.point_m));
+        if !other.is_some_and(|o| place.bodies.is_bending(o)) {
+            continue;
+        }
+        let member = &place.building.members[end.member];
+        let law = place.building.law_of(member);
+        let length_m = 0.5 * end.clear_m;
+        let arm_m = length_m - (hinge.point_m[end.axis] - end.point_m[end.axis]).abs();
+        for k in 0..2 {
+            let [width, depth] =
+                [(end.axis + 1 + k) % 3, (end.axis + 2 - k) % 3].map(|i| member.solid.size()[i]);
+            let bending = law.youngs_modulus_pa * width * depth.powi(3) / 12.0;
+            let shear = 5.0 / 6.0 * law.shear_modulus_pa() * width * depth;
+            let alone = arm_m * arm_m / (length_m.powi(3) / (3.0 * bending) + length_m / shear);
+            match &mut hinge.bending[k] {
+                Bending::Elastic { stiffness_nm_rad } => *stiffness_nm_rad = alone,
+                Bending::Curve { curve, .. } => {
+                    let id = format!("{curve}/{alone:.6e}");
+                    if let Some(own) = curves.get(curve) {
+                        let own = ResistanceCurve { stiffness_nm_rad: alone, ..own.clone() };
+                        curves.insert(id.clone(), own);
+                        *curve = id;
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// The hinge stands inside the member, where the library found its pole \[m\].

@@ -4,7 +4,8 @@
 //! member ends for which a rule asks for a hinge, and each hinge carries the curves of the library entry computed from exactly
 //! this member end. Where no rule decides or no entry exists, generation stops and says so: there is no default curve.
 
-pub mod bodies;
+pub mod beam_ends;
+mod bodies;
 mod cells;
 mod decide;
 mod floors;
@@ -29,10 +30,11 @@ use crate::graph::{Demands, Structure, demands};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    BodyContact, Bushing, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RESTITUTION,
-    RunSettings, TOLERANCE, TrackedPoint,
+    Bending, BodyContact, Bushing, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin,
+    RESTITUTION, RunSettings, TOLERANCE, TrackedPoint,
 };
 use crate::rules::RuleBase;
+use beam_ends::YieldingEnds;
 use bodies::Bodies;
 use cells::Piece;
 use floors::{Grid, Line};
@@ -140,7 +142,6 @@ pub fn generate(
     asked.extend(lines.iter().map(|(_, line)| (line.id.clone(), Query::Strip(line.wanted.clone()))));
     let found = joints::entries(asked, store, &known, progress)?;
     notes.extend(found.notes.iter().cloned());
-    notes.extend(overloaded_rigid_ends(&demands, &decision));
     if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
         notes.push(format!(
             "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",
@@ -158,9 +159,16 @@ pub fn generate(
     }
     hinges.extend(walls);
     let mut curves = found.curves();
+    joints::without_joint(&place, &hinged, &mut hinges, &mut curves);
     curves.extend(wall_curves);
     let mut contact = contact(building);
-    elastic_floors(building, &structure, &floors, &bodies, &mut hinges, &mut contact);
+    let mut yielding = YieldingEnds::new(&mesh, &ends);
+    bending_floors(building, &structure, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
+    curves.extend(yielding.into_curves());
+    let used: BTreeSet<&String> = hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
+    curves.retain(|id, _| used.contains(id));
+    let live: BTreeSet<&str> = hinges.iter().flat_map(Bushing::hinges).collect();
+    notes.extend(overloaded_rigid_ends(&demands, &live));
     let model = Model {
         schema: MODEL_SCHEMA.to_string(),
         name: building.name.clone(),
@@ -188,11 +196,11 @@ pub fn generate(
 }
 
 /// Ends without a hinge whose reinforced section would yield in linear theory after the removal, worst first.
-fn overloaded_rigid_ends(demands: &Demands, decision: &Decision) -> Vec<String> {
+fn overloaded_rigid_ends(demands: &Demands, live: &BTreeSet<&str>) -> Vec<String> {
     let mut ends: Vec<(f64, &str)> = demands
         .ends
         .iter()
-        .filter(|e| !decision.hinges.contains_key(&e.id) && !decision.latent.contains_key(&e.id))
+        .filter(|e| !live.contains(e.id.as_str()))
         .filter_map(|e| Some((e.after.as_ref()?.section.ratio, e.id.as_str())))
         .filter(|(ratio, _)| *ratio > 1.0)
         .collect();
@@ -235,7 +243,7 @@ fn contact(building: &Building) -> Contact {
 enum Floor {
     /// At lines at which it may fold.
     Folds(Grid),
-    /// About its columns, with elastic springs in between.
+    /// About its columns, with springs in between.
     Bends(Grillage),
 }
 
@@ -297,6 +305,9 @@ impl Parts<'_> {
             };
             let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
             let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
+            if matches!(floor, Floor::Bends(_)) {
+                bodies.bends(first, pieces.len());
+            }
             floors.push(Divided { floor, first, pieces });
         }
         let place = joints::Place { building, partition: &structure.partition, mesh, bodies: &bodies };
@@ -327,12 +338,12 @@ impl Division {
 }
 
 /// Springs of the floors that bend, and their pieces that pass through each other.
-fn elastic_floors(
+fn bending_floors(
     building: &Building,
     structure: &Structure,
     floors: &[Divided],
     bodies: &Bodies,
-    springs: &mut Vec<Bushing>,
+    (springs, yielding): (&mut Vec<Bushing>, &mut YieldingEnds),
     contact: &mut Contact,
 ) {
     if !floors.iter().any(|f| matches!(f.floor, Floor::Bends(_))) {
@@ -342,7 +353,7 @@ fn elastic_floors(
     let frame = idealise(structure, building, &cut.collect()).frame;
     for Divided { floor, first, pieces } in floors {
         if let Floor::Bends(grillage) = floor {
-            springs.extend(grillage.springs(building, &frame, pieces, bodies, *first));
+            springs.extend(grillage.springs(building, &frame, pieces, (bodies, *first), yielding));
             contact.pairs.extend(grillage::corners(pieces, bodies, *first));
         }
     }

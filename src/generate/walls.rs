@@ -175,6 +175,7 @@ fn spring(
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: torsion,
         bending: if along == 0 { [out_of_plane, in_plane] } else { [in_plane, out_of_plane] },
+        beam: None,
         joint: None,
         latent: None,
         tensile_capacity_n: Some(squash_n),

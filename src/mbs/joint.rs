@@ -9,10 +9,10 @@
 //! the axial spring may flow at a constant force (crushing); its work is booked by the trapezoidal rule like the hinge's.
 
 use super::math::{self, M3, Q, V3};
-use super::model::Bushing;
+use super::model::{Bending, Bushing};
 use super::system::BodyState;
 use crate::curve::hinge::AxisLaw;
-use crate::curve::{CapacityTable, Hinge2};
+use crate::curve::{BeamEnds, CapacityTable, Hinge2, MiddleSprings};
 
 /// Marks an axis without a curve.
 const NO_TABLE: u32 = u32::MAX;
@@ -65,6 +65,39 @@ pub struct JointData {
     pub(super) is_held: bool,
     /// Gap and rotation that it had when its bodies parted ([`Self::strain`]).
     strained: [V3; 2],
+    /// The beam in whose middle it stands.
+    pub(super) beam: Option<Box<MidBeam>>,
+}
+
+/// A beam with hinges at its ends: the curve of its bending axis is theirs.
+#[derive(Debug, Clone)]
+pub(super) struct MidBeam {
+    /// Bending axis (1 or 2).
+    pub axis: usize,
+    /// Half its length, by the sense in which a rotation about the axis moves it along the other one \[m\].
+    lever_m: f64,
+    /// The hinges.
+    pub ends: BeamEnds,
+}
+
+impl MidBeam {
+    fn of(joint: &Bushing) -> Option<Box<Self>> {
+        let half = joint.beam.as_ref()?.half_length_m;
+        let axis = 1 + joint.bending.iter().position(|b| matches!(b, Bending::Curve { .. }))?;
+        // a rotation about axis 1 moves what lies on positive axis 0 along negative axis 2, one about axis 2 along positive axis 1
+        let lever_m = if axis == 1 { half } else { -half };
+        Some(Box::new(Self { axis, lever_m, ends: BeamEnds::default() }))
+    }
+
+    /// The other axis across, along which it bears shear.
+    fn across(&self) -> usize {
+        3 - self.axis
+    }
+
+    /// What is plastic of the rotation \[rad\] and of the gap across \[m\].
+    fn plastic(&self) -> [f64; 2] {
+        self.ends.plastic(self.lever_m)
+    }
 }
 
 impl JointData {
@@ -103,6 +136,7 @@ impl JointData {
             flowing: false,
             is_held: joint.joint.is_some(),
             strained: [[0.0; 3]; 2],
+            beam: MidBeam::of(joint),
         }
     }
 
@@ -116,6 +150,14 @@ impl JointData {
     pub fn set_curve(&mut self, k: usize, table: u32, tables: &[CapacityTable]) {
         self.rotation[k + 1] = tables[table as usize].stiffness_nm_rad();
         self.table[k] = table;
+    }
+
+    /// Its hinges: accumulated plastic rotation \[rad\], and whether it broke; both ends of a beam, else its own first.
+    pub(super) fn flowed(&self) -> [(f64, bool); 2] {
+        match &self.beam {
+            Some(beam) => beam.ends.ends.map(|e| (e.alpha_rad, e.damage >= 1.0)),
+            None => [(self.hinge.alpha_rad, self.hinge.fractured), (0.0, false)],
+        }
     }
 
     /// Takes the joint away; returns the elastic energy that it had \[J\].
@@ -158,7 +200,12 @@ impl JointData {
         let at = self.stance(bodies);
         let (theta, c) = bend(at.turn);
         let k = self.translation;
-        let local = [k[0] * (at.gap[0] - self.crushed), k[1] * at.gap[1], k[2] * at.gap[2]];
+        let mut gap = at.gap;
+        gap[0] -= self.crushed;
+        if let Some(beam) = &self.beam {
+            gap[beam.across()] -= beam.plastic()[1];
+        }
+        let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
         let [m1, m2] = self.hinge.moment_nm;
         loads(&at.frame, at.arms, theta, local, [self.rotation[0] * theta[0], m1, m2], c)
     }
@@ -237,10 +284,37 @@ impl JointData {
             self.elongated += (-flow).max(0.0);
             gap[0] += self.outward * flow;
         }
+        let bent = self.bend_beam(theta, &mut gap, tables);
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
-        let moment = self.moments(theta, tables);
+        let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
         [local, moment]
+    }
+
+    /// Moments about the joint axes of a beam with hinges at its ends; takes what is plastic off the gap and sets the bending part of the elastic energy.
+    fn bend_beam(&mut self, theta: V3, gap: &mut V3, tables: &[CapacityTable]) -> Option<V3> {
+        let beam = self.beam.as_mut()?;
+        let (axis, across) = (beam.axis, beam.across());
+        let springs = MiddleSprings {
+            turn_nm_rad: self.rotation[axis],
+            shear_n_m: self.translation[across],
+            lever_m: beam.lever_m,
+        };
+        let table = &tables[self.table[axis - 1] as usize];
+        let step = beam.ends.step(table, &springs, [theta[axis], gap[across]], self.axial_force);
+        let [turn, shift] = beam.plastic();
+        let mut elastic = theta;
+        elastic[axis] -= turn;
+        gap[across] -= shift;
+        self.flowing = step.flowing;
+        self.hinge.dissipated_j += step.dissipated_j;
+        self.hinge.alpha_rad = beam.ends.ends.iter().map(|e| e.alpha_rad).fold(0.0, f64::max);
+        self.hinge.fractured |= beam.ends.is_broken();
+        self.hinge.out_of_range |= step.out_of_range;
+        let moment: V3 = std::array::from_fn(|i| self.rotation[i] * elastic[i]);
+        self.hinge.moment_nm = [moment[1], moment[2]];
+        self.elastic_j = 0.5 * (moment[1] * elastic[1] + moment[2] * elastic[2]);
+        Some(moment)
     }
 
     /// The laws of the bending axes.
@@ -254,6 +328,9 @@ impl JointData {
 
     /// Range of axial forces \[N\] and `1/C²` about both bending axes \[1/(N m)²\] within which nothing flows or breaks ([`Hinge2::elastic_range`]); none if it is not known.
     pub(super) fn elastic_range(&self, tables: &[CapacityTable]) -> Option<([f64; 2], [f64; 2])> {
+        if self.beam.is_some() {
+            return None;
+        }
         let (force, ease) = self.hinge.elastic_range(self.laws(tables), self.axial_force)?;
         let range = [force[0].max(-self.tensile_capacity), force[1].min(self.compressive_capacity)];
         (!self.is_pulled_apart()).then_some((range, ease))

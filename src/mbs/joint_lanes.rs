@@ -301,6 +301,7 @@ mod tests {
                 shear_stiffness_n_m: [1e8; 2],
                 torsional_stiffness_nm_rad: 1e5,
                 bending: [if i % 3 == 0 { soft } else { curve.clone() }, curve],
+                beam: None,
                 joint: None,
                 latent: None,
                 tensile_capacity_n: Some(2e5),

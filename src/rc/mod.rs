@@ -21,6 +21,7 @@ pub mod elastic;
 pub mod events;
 pub mod gauge;
 pub mod hysteresis;
+pub mod layers;
 pub mod member;
 pub mod piece;
 mod plate;

@@ -164,7 +164,7 @@ pub static CATALOGUE: &[ActionSpec] = &[
         aspect: Aspect::Body,
         subjects: &[Member],
         parameters: &[required("with", ParameterType::Names(&["storey_floor"]))],
-        meaning: "the member and those named are one floor, in pieces about its columns with elastic springs in between",
+        meaning: "the member and those named are one floor, in pieces about its columns with springs in between, which yield at the ends of beams and strips",
     },
     ActionSpec {
         action: Action::Subdivide,

@@ -1,6 +1,7 @@
 //! The MBS solver against closed forms and converged references.
 
 mod batch;
+mod beam;
 mod contact;
 mod export;
 mod frame;

@@ -54,6 +54,7 @@ pub fn joint(
         shear_stiffness_n_m: [translation; 2],
         torsional_stiffness_nm_rad: torsion,
         bending,
+        beam: None,
         joint: None,
         latent: None,
         tensile_capacity_n: None,

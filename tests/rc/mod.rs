@@ -2,6 +2,7 @@
 
 mod anchorage;
 mod cyclic;
+mod layers;
 mod section;
 mod series;
 mod springs;

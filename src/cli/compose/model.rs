@@ -53,7 +53,12 @@ fn joint(joint: &Bushing) -> JointRow {
     JointRow {
         id: joint.id.clone(),
         joins: format!("{} – {}", joint.body_a.as_deref().unwrap_or("ground"), joint.body_b),
-        kind: if curves.is_empty() { "elastic" } else { "hinge" }.into(),
+        kind: match &joint.beam {
+            _ if curves.is_empty() => "elastic",
+            Some(_) => "beam",
+            None => "hinge",
+        }
+        .into(),
         curves,
     }
 }

@@ -6,6 +6,7 @@
 use super::Writer;
 use super::joint::frame_with_z;
 use super::statement::number;
+use crate::export::BEAM_STAYS_ELASTIC;
 use crate::export::backbone::{of_curve, of_hinge};
 use crate::export::number::{list, plain};
 use crate::mbs::math::{M3, norm, sub};
@@ -190,6 +191,10 @@ impl Writer<'_> {
         for k in 0..2 {
             match &bushing.bending[k] {
                 Bending::Elastic { stiffness_nm_rad } => turning[k + 1] = *stiffness_nm_rad,
+                Bending::Curve { curve, .. } if bushing.beam.is_some() => {
+                    turning[k + 1] = self.model.curves.get(curve).map_or(0.0, |c| c.stiffness_nm_rad);
+                    self.notes.add(&bushing.id, BEAM_STAYS_ELASTIC);
+                }
                 Bending::Curve { curve, strength_factor } => {
                     if let Some(curve) = self.model.curves.get(curve) {
                         let name = format!("{}_{}", bushing.id, k + 1);

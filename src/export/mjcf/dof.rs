@@ -2,7 +2,7 @@
 
 use super::tree::{Edge, Via, parallel};
 use crate::export::backbone::{of_curve, of_hinge, peak_nm};
-use crate::export::{Notes, number::plain};
+use crate::export::{BEAM_STAYS_ELASTIC, Notes, number::plain};
 use crate::mbs::math::V3;
 use crate::mbs::model::{Bending, Bushing, Force, Joint, JointKind, Model};
 
@@ -127,6 +127,10 @@ fn of_bushing(model: &Model, bushing: &Bushing, notes: &mut Notes) -> Vec<Dof> {
         let mut own = dof(part, Kind::Hinge, k + 1, 0.0);
         match &bushing.bending[k] {
             Bending::Elastic { stiffness_nm_rad } => own.stiffness = *stiffness_nm_rad,
+            Bending::Curve { curve, .. } if bushing.beam.is_some() => {
+                own.stiffness = model.curves.get(curve).map_or(0.0, |c| c.stiffness_nm_rad);
+                notes.add(&bushing.id, BEAM_STAYS_ELASTIC);
+            }
             Bending::Curve { curve, strength_factor } => {
                 if let Some(curve) = model.curves.get(curve) {
                     let peak = peak_nm(&of_curve(curve, *strength_factor));

@@ -97,6 +97,9 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
             }
         }
     }
+    if joint.beam.is_some() {
+        check_beam(model, joint, path, list);
+    }
     list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
     if let Some(t) = joint.tensile_elongation_m {
         list.not_negative(&format!("{path}.tensile_elongation_m"), t);
@@ -239,6 +242,40 @@ impl List {
         let length = math::norm(v);
         self.require(length > 0.0 && length.is_finite(), path, || {
             format!("is {v:?}, expected a vector with a direction")
+        });
+    }
+}
+
+/// A beam needs one axis with a curve, shear stiffness along the other, and names of its own.
+fn check_beam(model: &Model, bushing: &Bushing, path: &str, list: &mut List) {
+    let Some(beam) = &bushing.beam else { return };
+    let path = format!("{path}.beam");
+    list.positive(&format!("{path}.half_length_m"), beam.half_length_m);
+    let curves: Vec<usize> =
+        (0..2).filter(|k| matches!(bushing.bending[*k], Bending::Curve { .. })).collect();
+    list.require(curves.len() == 1, &path, || {
+        format!(
+            "has {} bending axes with a curve, expected one: that in whose plane its ends are hinges",
+            curves.len()
+        )
+    });
+    // bending about axis 1 goes with shear along axis 2
+    if let [k] = curves[..] {
+        list.require(bushing.shear_stiffness_n_m[1 - k] > 0.0, &path, || {
+            format!("needs shear_stiffness_n_m[{}] > 0: the ends take their moments from it as well", 1 - k)
+        });
+    }
+    list.require(bushing.latent.is_none() && bushing.joint.is_none(), &path, || {
+        "stands in a bushing that is latent or on a joint: leave out one of them".into()
+    });
+    list.require(model.joints.is_empty() && model.forces.is_empty(), &path, || {
+        "needs a model without ideal joints and forces: leave it out, the curve then stands at the bushing's point".into()
+    });
+    for (k, name) in beam.ends.iter().enumerate() {
+        let twins = model.bushings.iter().flat_map(Bushing::hinges).filter(|n| n == name).count();
+        let is_bushing = model.bushings.iter().any(|b| b.id == *name);
+        list.require(twins == 1 && !is_bushing, &format!("{path}.ends[{k}]"), || {
+            format!("\"{name}\" is the name of another hinge or bushing, expected one of its own")
         });
     }
 }

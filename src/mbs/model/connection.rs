@@ -199,6 +199,10 @@ pub struct Bushing {
     pub torsional_stiffness_nm_rad: f64,
     /// Bending about axes 1 and 2.
     pub bending: [Bending; 2],
+    /// The beam in whose middle it stands: its curve is then the resistance of both ends of the beam, in place of that at its point. One bending axis has a curve, whose shear stiffness is not zero; it
+    /// is neither latent nor on a joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beam: Option<Beam>,
     /// Ideal joint between the same bodies that holds its point: the bushing is a hinge on it, and opens it when it breaks. The axial force is that of the joint at the end of the step
     /// before; the axial and shear stiffnesses are zero.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -223,6 +227,16 @@ pub struct Bushing {
     pub origin: Origin,
 }
 
+/// A beam between two rigid bodies that meet in its middle. With a rotation spring `E I / L` and a shear spring `1 / (L³ / (12 E I) + L / (G A_s))` they are the beam exactly ([`crate::curve::beam`]).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Beam {
+    /// Half its length: how far the ends are from the point of the bushing along axis 0 \[m\].
+    pub half_length_m: f64,
+    /// Under which names results tell of the hinges at its ends, the one towards negative axis 0 first. Unique among the bushings.
+    pub ends: [String; 2],
+}
+
 /// Rotational resistance about one bending axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -242,6 +256,28 @@ pub enum Bending {
     },
 }
 
+impl Bending {
+    /// Id of its curve, if it has one.
+    pub fn curve(&self) -> Option<&String> {
+        match self {
+            Self::Curve { curve, .. } => Some(curve),
+            Self::Elastic { .. } => None,
+        }
+    }
+}
+
 fn one() -> f64 {
     1.0
+}
+
+impl Bushing {
+    /// Names of its hinges in results: its own, or those of the ends of its beam; none if it is elastic.
+    pub fn hinges(&self) -> Vec<&str> {
+        let has_curve = self.bending.iter().any(|b| matches!(b, Bending::Curve { .. }));
+        match &self.beam {
+            _ if !has_curve => Vec::new(),
+            Some(beam) => beam.ends.iter().map(String::as_str).collect(),
+            None => vec![&self.id],
+        }
+    }
 }

@@ -12,12 +12,13 @@ impl Run<'_> {
     #[cold]
     pub(super) fn note_yield(&mut self, i: usize) {
         let id = &self.model.bushings[i].id;
-        if !std::mem::replace(&mut self.yielded[i], true) {
-            self.result
-                .events
-                .push(RunEvent { time_s: self.time, kind: EventKind::Yield { joint: id.clone() } });
-        }
         let joint = &self.system.joints[i];
+        for (k, hinge) in self.model.bushings[i].hinges().into_iter().enumerate() {
+            if joint.flowed()[k].0 > 0.0 && !std::mem::replace(&mut self.yielded[i][k], true) {
+                let kind = EventKind::Yield { joint: hinge.to_string() };
+                self.result.events.push(RunEvent { time_s: self.time, kind });
+            }
+        }
         if joint.hinge.out_of_range && !std::mem::replace(&mut self.range_warned[i], true) {
             self.result.warnings.push(format!(
                 "joint \"{id}\": at t = {:.4} s the axial force {:.4e} N lies outside the levels of its curve; the nearest level is used",
@@ -28,10 +29,10 @@ impl Run<'_> {
 
     pub(super) fn note_preload_yield(&mut self) {
         for i in 0..self.system.joints.len() {
-            if self.preloading && self.yielded[i] {
-                let id = &self.model.bushings[i].id;
-                self.result.warnings.push(format!("joint \"{id}\" flows under dead load already"));
-                let kind = EventKind::Yield { joint: id.clone() };
+            let flows = |(k, _): &(usize, &str)| self.preloading && self.yielded[i][*k];
+            for (_, hinge) in self.model.bushings[i].hinges().into_iter().enumerate().filter(flows) {
+                self.result.warnings.push(format!("joint \"{hinge}\" flows under dead load already"));
+                let kind = EventKind::Yield { joint: hinge.to_string() };
                 self.result.events.push(RunEvent { time_s: 0.0, kind });
             }
         }
@@ -43,10 +44,13 @@ impl Run<'_> {
             let joint = &mut self.system.joints[i];
             let tension = joint.is_pulled_apart();
             if joint.alive && (joint.hinge.fractured || tension) {
+                let broken = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
                 let cause =
                     if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
-                let kind = EventKind::Fracture { joint: self.model.bushings[i].id.clone(), cause };
+                let bushing = &self.model.bushings[i];
+                let name = bushing.hinges().get(broken).map_or(bushing.id.as_str(), |name| name).to_string();
+                let kind = EventKind::Fracture { joint: name, cause };
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
         }

@@ -24,7 +24,7 @@ use super::error::SolveError;
 use super::ideal;
 use super::latent::Latent;
 use super::math;
-use super::model::{Bending, Model};
+use super::model::Model;
 use super::preload;
 use super::result::RunResult;
 use super::sleep::Sleep;
@@ -192,11 +192,12 @@ struct Run<'a> {
     origin: Vec<math::V3>,
     /// Bodies of the file and the tracked points in them \[m\].
     tracked: Vec<(usize, math::V3)>,
-    /// Bushings of the file that have a curve.
-    hinges: Vec<usize>,
+    /// The hinges: bushings of the file that have a curve, and the place among their own.
+    hinges: Vec<(usize, usize)>,
     /// What events have made of the strength of each bushing of the file.
     strength: Vec<f64>,
-    yielded: Vec<bool>,
+    /// Of each joint its hinges ([`super::model::Bushing::hinges`]).
+    yielded: Vec<[bool; 2]>,
     range_warned: Vec<bool>,
     plastic_start: f64,
     released: f64,
@@ -226,14 +227,14 @@ impl<'a> Run<'a> {
         let step_limit = choose_step(&model, frequency, share)?;
         let mut contacts = ContactSet::new(&model, options.contact);
         connect(&mut contacts, &system, &latent);
-        let curved = |b: usize| file.bushings[b].bending.iter().any(|k| matches!(k, Bending::Curve { .. }));
-        let hinges: Vec<usize> = (0..file.bushings.len()).filter(|b| curved(*b)).collect();
+        let of = |b: usize| (0..file.bushings[b].hinges().len()).map(move |k| (b, k));
+        let hinges: Vec<(usize, usize)> = (0..file.bushings.len()).flat_map(of).collect();
         let n = system.count();
         let mut run = Self {
             start: Vec::new(),
             origin: system.bodies[..n].iter().map(|b| b.x).collect(),
             strength: vec![1.0; file.bushings.len()],
-            yielded: system.joints.iter().map(|j| j.hinge.alpha_rad > 0.0).collect(),
+            yielded: system.joints.iter().map(|j| j.flowed().map(|(alpha, _)| alpha > 0.0)).collect(),
             range_warned: vec![false; system.joints.len()],
             plastic_start: system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum(),
             result: empty_result(file, &hinges, step_limit, frequency, preload_iterations),
@@ -405,7 +406,8 @@ impl<'a> Run<'a> {
         for i in 0..self.system.joints.len() {
             let joint = &self.system.joints[i];
             broken |= joint.alive && (joint.hinge.fractured || joint.is_pulled_apart());
-            if joint.flowing && (!self.yielded[i] || joint.hinge.out_of_range) {
+            let is_known = self.yielded[i][0] && (joint.beam.is_none() || self.yielded[i][1]);
+            if joint.flowing && (!is_known || joint.hinge.out_of_range) {
                 self.note_yield(i);
             }
         }

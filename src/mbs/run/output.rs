@@ -30,7 +30,7 @@ impl Run<'_> {
             history.displacement_m.push(math::sub(point, history.origin_m));
         }
         self.latent.weigh(&self.system);
-        for (history, bushing) in self.result.hinges.iter_mut().zip(&self.hinges) {
+        for (history, (bushing, hinge)) in self.result.hinges.iter_mut().zip(&self.hinges) {
             let Some(running) = self.latent.bushings[*bushing] else {
                 let [_, moment] = self.latent.borne(*bushing).unwrap_or_default();
                 history.rotation_rad.push([0.0; 2]);
@@ -40,6 +40,15 @@ impl Run<'_> {
                 continue;
             };
             let joint = &self.system.joints[running];
+            if let Some(beam) = &joint.beam {
+                let end = &beam.ends.ends[*hinge];
+                let about = |value: f64| if beam.axis == 1 { [value, 0.0] } else { [0.0, value] };
+                history.rotation_rad.push(about(end.plastic_rad));
+                history.moment_nm.push(about(if joint.alive { end.moment_nm } else { 0.0 }));
+                history.plastic_rotation_rad.push(end.alpha_rad);
+                history.axial_force_n.push(if joint.alive { joint.axial_force } else { 0.0 });
+                continue;
+            }
             let moment = if joint.alive { joint.hinge.moment_nm } else { [0.0; 2] };
             history.rotation_rad.push([joint.theta[1], joint.theta[2]]);
             history.moment_nm.push(moment);

@@ -117,7 +117,7 @@ impl Run<'_> {
 
     /// Which hinges have yielded, in the order of the joints that run now.
     fn keep_marks(&mut self, was: &[Option<usize>], count: usize) {
-        let (mut yielded, mut warned) = (vec![false; count], vec![false; count]);
+        let (mut yielded, mut warned) = (vec![[false; 2]; count], vec![false; count]);
         for (old, new) in was.iter().zip(&self.latent.bushings) {
             if let (Some(old), Some(new)) = (old, new) {
                 (yielded[*new], warned[*new]) = (self.yielded[*old], self.range_warned[*old]);

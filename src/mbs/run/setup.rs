@@ -71,7 +71,7 @@ pub(super) fn joints_of(model: &Model, body: usize) -> String {
 
 pub(super) fn empty_result(
     model: &Model,
-    hinges: &[usize],
+    hinges: &[(usize, usize)],
     step_limit: f64,
     frequency: f64,
     preload_iterations: Option<usize>,
@@ -86,8 +86,8 @@ pub(super) fn empty_result(
         largest_share: 0.0,
         live_s: None,
     });
-    let hinge_histories = hinges.iter().map(|i| HingeHistory {
-        joint: model.bushings[*i].id.clone(),
+    let hinge_histories = hinges.iter().map(|(i, k)| HingeHistory {
+        joint: model.bushings[*i].hinges()[*k].to_string(),
         rotation_rad: Vec::new(),
         moment_nm: Vec::new(),
         plastic_rotation_rad: Vec::new(),

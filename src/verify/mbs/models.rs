@@ -302,6 +302,7 @@ fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> B
         shear_stiffness_n_m: [1e8, 8e7],
         torsional_stiffness_nm_rad: 3e6,
         bending: [Bending::Elastic { stiffness_nm_rad: 4e6 }, Bending::Elastic { stiffness_nm_rad: 5e6 }],
+        beam: None,
         joint: None,
         latent: None,
         tensile_capacity_n: None,

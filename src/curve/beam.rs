@@ -1,0 +1,275 @@
+//! The plastic hinges at both ends of a beam, as the springs in its middle see them.
+//!
+//! A beam of length `2 l` between rigid bodies that meet in its middle has there a rotation spring `K` and a shear spring `k`. With the rotations `α_0` and `α_1` of hinges at `-l` and `+l` along its axis, what
+//! is plastic of the rotation and of the displacement across in the middle is `α_0 + α_1` and `s (α_1 - α_0)`, where `s = ±l` by the sense of the axes; the elastic energy of the rest has the derivatives
+//! `M_1 = M + s V` and `M_0 = M - s V`: the moments at the ends, each bounded by a capacity. This is the one-component model of a beam (Giberson, Bull. Seismol. Soc. Am. 59 (1969) 1885), with hinges that soften and break.
+//!
+//! Both ends depend on each other by `∂M_i/∂α_i = -(K + l² k)` and `∂M_i/∂α_j = -(K - l² k)`; where both flow, their returns are repeated in turn, which converges with the square of the ratio of these (1/4 in a
+//! slender beam). Energy: as in [`super::hinge`], what the trapezoidal work leaves beside the change of elastic energy is `½ (M_old + M_new) Δα` at each end, exactly.
+
+use super::capacity::{AxialLevel, CapacityHint, CapacityTable};
+
+/// Relative accuracy of a return, in terms of the moment.
+const TOLERANCE: f64 = 1e-13;
+/// Most repetitions of the returns of both ends.
+const SWEEPS: usize = 200;
+/// Most steps of the search for one return.
+const SEARCHES: usize = 100;
+
+/// The springs in the middle of a beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MiddleSprings {
+    /// Stiffness against rotation \[N m/rad\].
+    pub turn_nm_rad: f64,
+    /// Stiffness against displacement across \[N/m\].
+    pub shear_n_m: f64,
+    /// Half the length of the beam, negative where a rotation moves the far end against the displacement across \[m\].
+    pub lever_m: f64,
+}
+
+/// A hinge at an end.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BeamEnd {
+    /// Plastic rotation \[rad\].
+    pub plastic_rad: f64,
+    /// Its sum without regard to the sense \[rad\].
+    pub alpha_rad: f64,
+    /// Share of the rotation to fracture that is used up ([`super::Hinge2::damage`]).
+    pub damage: f64,
+    /// Moment of the last step \[N m\].
+    pub moment_nm: f64,
+    hint: CapacityHint,
+}
+
+/// State of both hinges: at `-l` and `+l`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BeamEnds {
+    /// The ends.
+    pub ends: [BeamEnd; 2],
+}
+
+/// What one step did.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BeamStep {
+    /// Whether a plastic rotation grew.
+    pub flowing: bool,
+    /// Energy dissipated in it \[J\].
+    pub dissipated_j: f64,
+    /// Whether an end flowed under an axial force outside the levels of the curve.
+    pub out_of_range: bool,
+}
+
+impl BeamEnds {
+    /// What is plastic of the rotation \[rad\] and of the displacement across \[m\] in the middle.
+    pub fn plastic(&self, lever_m: f64) -> [f64; 2] {
+        let [start, end] = self.ends.map(|e| e.plastic_rad);
+        [start + end, lever_m * (end - start)]
+    }
+
+    /// Whether an end has broken.
+    pub fn is_broken(&self) -> bool {
+        self.ends.iter().any(|e| e.damage >= 1.0)
+    }
+
+    /// Advances to a rotation and a displacement across in the middle, under an axial force (compression positive).
+    pub fn step(
+        &mut self,
+        table: &CapacityTable,
+        springs: &MiddleSprings,
+        [turn_rad, across_m]: [f64; 2],
+        axial_force_n: f64,
+    ) -> BeamStep {
+        let old = self.ends;
+        let trial = self.moments(springs, [turn_rad, across_m]);
+        let mut step = BeamStep::default();
+        let levels: [AxialLevel; 2] =
+            std::array::from_fn(|i| table.level(axial_force_n, &mut self.ends[i].hint));
+        let bears: [bool; 2] = std::array::from_fn(|i| {
+            let end = &mut self.ends[i];
+            let capacity = table.capacity_at(end.alpha_rad, levels[i], &mut end.hint);
+            step.out_of_range |= capacity.out_of_range && trial[i].abs() > capacity.moment_nm;
+            trial[i].abs() <= capacity.moment_nm
+        });
+        let mut moments = trial;
+        if bears != [true; 2] {
+            let flow = self.settle(table, springs, trial, levels);
+            for (end, flow) in self.ends.iter_mut().zip(flow).filter(|(_, flow)| *flow != 0.0) {
+                end.plastic_rad += flow;
+                end.alpha_rad += flow.abs();
+                end.damage += flow.abs() / table.fracture_rotation_rad(axial_force_n, &mut end.hint);
+                step.flowing = true;
+            }
+            moments = self.moments(springs, [turn_rad, across_m]);
+        }
+        for i in 0..2 {
+            self.ends[i].moment_nm = moments[i];
+            let flow = self.ends[i].plastic_rad - old[i].plastic_rad;
+            step.dissipated_j += 0.5 * (old[i].moment_nm + moments[i]) * flow;
+        }
+        step
+    }
+
+    /// Moments at the ends \[N m\].
+    fn moments(&self, springs: &MiddleSprings, [turn_rad, across_m]: [f64; 2]) -> [f64; 2] {
+        let [turn, across] = self.plastic(springs.lever_m);
+        let moment = springs.turn_nm_rad * (turn_rad - turn);
+        let of_shear = springs.lever_m * springs.shear_n_m * (across_m - across);
+        [moment - of_shear, moment + of_shear]
+    }
+
+    /// The plastic rotations of a step, from the moments without them.
+    fn settle(
+        &mut self,
+        table: &CapacityTable,
+        springs: &MiddleSprings,
+        trial: [f64; 2],
+        levels: [AxialLevel; 2],
+    ) -> [f64; 2] {
+        let of_shear = springs.lever_m * springs.lever_m * springs.shear_n_m;
+        let (own, other) = (springs.turn_nm_rad + of_shear, springs.turn_nm_rad - of_shear);
+        let mut flow = [0.0; 2];
+        for _ in 0..SWEEPS {
+            let mut change = 0.0_f64;
+            for i in 0..2 {
+                let moment = trial[i] - other * flow[1 - i];
+                let new = self.ends[i].back(table, own, moment, levels[i]);
+                change = change.max(own * (new - flow[i]).abs());
+                flow[i] = new;
+            }
+            if change <= TOLERANCE * table.peak_nm() {
+                break;
+            }
+        }
+        flow
+    }
+}
+
+impl BeamEnd {
+    /// The plastic rotation that brings a moment back to the capacity, for a stiffness: the zero of `|M| - k x - C(α + x)`, by Newton inside a shrinking bracket; nothing if the moment is inside.
+    fn back(&mut self, table: &CapacityTable, stiffness: f64, moment: f64, level: AxialLevel) -> f64 {
+        let size = moment.abs();
+        let mut excess = |x: f64| {
+            let capacity = table.capacity_at(self.alpha_rad + x, level, &mut self.hint);
+            (size - stiffness * x - capacity.moment_nm, -stiffness - capacity.slope_nm_rad)
+        };
+        let (mut low, mut high, mut x) = (0.0, size / stiffness, 0.0);
+        for _ in 0..SEARCHES {
+            let (g, slope) = excess(x);
+            if x == 0.0 && g <= 0.0 {
+                return 0.0;
+            }
+            if g.abs() <= TOLERANCE * table.peak_nm() || high - low <= 1e-15 * high {
+                break;
+            }
+            if g > 0.0 {
+                low = x;
+            } else {
+                high = x;
+            }
+            let newton = x - g / slope;
+            x = if slope < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        }
+        x.copysign(moment)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::{CapacityLevel, ResistanceCurve};
+
+    const LENGTH_M: f64 = 5.0;
+    const BENDING_NM2: f64 = 4e7;
+
+    fn springs() -> MiddleSprings {
+        MiddleSprings {
+            turn_nm_rad: BENDING_NM2 / LENGTH_M,
+            shear_n_m: 12.0 * BENDING_NM2 / LENGTH_M.powi(3),
+            lever_m: 0.5 * LENGTH_M,
+        }
+    }
+
+    fn table(capacity: Vec<[f64; 2]>, fracture_rotation_rad: f64) -> CapacityTable {
+        let levels = vec![CapacityLevel { axial_force_n: 0.0, capacity, fracture_rotation_rad }];
+        let curve = ResistanceCurve { stiffness_nm_rad: BENDING_NM2 / LENGTH_M, levels, cyclic: None };
+        CapacityTable::new(&curve, 1.0).unwrap()
+    }
+
+    /// In the middle of a beam that is clamped at its start and moved across at its end, which does not turn.
+    fn sway(end_m: f64) -> [f64; 2] {
+        [0.0, end_m]
+    }
+
+    #[test]
+    fn a_clamped_beam_yields_at_both_ends_and_bears_their_shear() {
+        let table = table(vec![[0.0, 1e5], [1.0, 1e5]], 2.0);
+        let mut beam = BeamEnds::default();
+        // elastic: 6 E I w / L² at both ends
+        let w = 0.005;
+        beam.step(&table, &springs(), sway(w), 0.0);
+        let elastic = 6.0 * BENDING_NM2 * w / LENGTH_M.powi(2);
+        assert!((beam.ends[1].moment_nm / elastic - 1.0).abs() < 1e-12);
+        assert!((beam.ends[0].moment_nm / elastic + 1.0).abs() < 1e-12);
+        // plastic: a mechanism, turned by w / L less the elastic part at both ends
+        let w = 0.2;
+        beam.step(&table, &springs(), sway(w), 0.0);
+        assert!((beam.ends[1].moment_nm - 1e5).abs() < 1e-6 && (beam.ends[0].moment_nm + 1e5).abs() < 1e-6);
+        let flow = w / LENGTH_M - 1e5 * LENGTH_M / (6.0 * BENDING_NM2);
+        assert!((beam.ends[1].plastic_rad - flow).abs() < 1e-12, "{} {flow}", beam.ends[1].plastic_rad);
+        assert!((beam.ends[0].plastic_rad + flow).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_propped_beam_has_a_hinge_at_its_clamped_end_only() {
+        // the far end turns by -1.5 w / L, and in the middle that is a displacement as well; the near end bears 3 E I w / L²
+        let table = table(vec![[0.0, 1e5], [1.0, 1e5]], 2.0);
+        let at = |w: f64| {
+            let turn = -1.5 * w / LENGTH_M;
+            [turn, w + 0.5 * LENGTH_M * turn]
+        };
+        let mut beam = BeamEnds::default();
+        beam.step(&table, &springs(), at(0.01), 0.0);
+        let clamped = 3.0 * BENDING_NM2 * 0.01 / LENGTH_M.powi(2);
+        let [start, end] = beam.ends.map(|e| e.moment_nm);
+        assert!((start / clamped + 1.0).abs() < 1e-12 && end.abs() < 1e-9 * clamped, "{start} {end}");
+        // past yield of the near end the far one bears what that turns: 2 E I / L α
+        beam.step(&table, &springs(), at(0.03), 0.0);
+        let [near, far] = beam.ends;
+        assert!((near.moment_nm + 1e5).abs() < 1e-6 && near.plastic_rad < 0.0 && far.plastic_rad == 0.0);
+        let turned = (1e5 - 3.0 * clamped) * LENGTH_M / (4.0 * BENDING_NM2);
+        assert!((near.plastic_rad / turned - 1.0).abs() < 1e-9, "{} {turned}", near.plastic_rad);
+        let carried = 2.0 * BENDING_NM2 / LENGTH_M * turned;
+        assert!((far.moment_nm / carried - 1.0).abs() < 1e-9, "{} {carried}", far.moment_nm);
+    }
+
+    #[test]
+    fn work_is_elastic_energy_and_dissipation() {
+        let table = table(vec![[0.0, 1e5], [0.01, 1.2e5], [0.05, 2e4], [0.2, 1e3]], 0.5);
+        let springs = springs();
+        let mut beam = BeamEnds::default();
+        let (mut work, mut dissipated, mut least) = (0.0, 0.0, f64::INFINITY);
+        let (mut last, mut forces) = ([0.0_f64; 2], [0.0_f64; 2]);
+        let energy = |beam: &BeamEnds, at: [f64; 2]| {
+            let [turn, across] = beam.plastic(springs.lever_m);
+            0.5 * springs.turn_nm_rad * (at[0] - turn).powi(2)
+                + 0.5 * springs.shear_n_m * (at[1] - across).powi(2)
+        };
+        for i in 1..=4000 {
+            let t = f64::from(i) * 1e-3;
+            let at = [0.02 * (3.0 * t).sin() * t, 0.06 * (1.0 - (5.0 * t).cos())];
+            let step = beam.step(&table, &springs, at, 0.0);
+            let [turn, across] = beam.plastic(springs.lever_m);
+            let now = [springs.turn_nm_rad * (at[0] - turn), springs.shear_n_m * (at[1] - across)];
+            for k in 0..2 {
+                work += 0.5 * (forces[k] + now[k]) * (at[k] - last[k]);
+            }
+            dissipated += step.dissipated_j;
+            least = least.min(step.dissipated_j);
+            (last, forces) = (at, now);
+        }
+        let sum = energy(&beam, last) + dissipated;
+        assert!((sum - work).abs() < 1e-9 * work, "{sum} {work}");
+        assert!(dissipated > 0.1 * work && least > -1e-6 * dissipated, "{least} {dissipated}");
+        assert!(beam.ends.iter().all(|e| e.alpha_rad > 0.05));
+    }
+}

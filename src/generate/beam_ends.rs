@@ -1,0 +1,159 @@
+//! The ends of the beams and strips of a floor that bends: what they bear before they yield, and how they are called.
+
+use super::cells::Piece;
+use crate::base::geom::Aabb;
+use crate::building::Building;
+use crate::building::ends::MemberEnd;
+use crate::curve::ResistanceCurve;
+use crate::fe::mesh::{Mesh, strength_factor};
+use crate::mbs::model::{Beam, Bending};
+use crate::rc::layers::{Layer, Layers};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How far the end of a beam may be from the face of the columns on its axis \[m\].
+const AT_FACE_M: f64 = 0.4;
+/// Planes of a mesh nearer to each other than this are one \[m\].
+const SAME_PLANE_M: f64 = 1e-6;
+
+/// A cut through a floor between two rows of columns.
+pub struct BeamCut<'a> {
+    /// Direction of the span.
+    pub axis: usize,
+    /// Faces of the columns on both sides \[m\].
+    pub faces_m: [f64; 2],
+    /// Edges across the span \[m\].
+    pub across_m: [f64; 2],
+    /// The pieces of the floor on both sides.
+    pub pieces: [&'a Piece; 2],
+}
+
+/// What the springs in the middle of a cut have of the ends of its beams.
+pub struct Ends {
+    /// Bending in the vertical plane.
+    pub bending: Bending,
+    /// The beam, unless it stays elastic.
+    pub beam: Option<Beam>,
+    /// Force at which the section flows along the span \[N\], and the elongation that it bears then \[m\].
+    pub squash_n: Option<f64>,
+    /// See `squash_n`.
+    pub elongation_m: Option<f64>,
+}
+
+/// The beams of all floors that bend, and their curves.
+pub struct YieldingEnds<'a> {
+    /// Planes of the mesh along x, y and z \[m\].
+    planes: [Vec<f64>; 3],
+    /// Ends by member.
+    ends: BTreeMap<usize, Vec<&'a MemberEnd>>,
+    /// Curves by id, and their ids by the numbers that they follow from, as text.
+    curves: BTreeMap<String, ResistanceCurve>,
+    known: BTreeMap<String, String>,
+    names: BTreeSet<String>,
+}
+
+impl<'a> YieldingEnds<'a> {
+    /// For a mesh and the ends of its members.
+    pub fn new(mesh: &Mesh, ends: &'a [MemberEnd]) -> Self {
+        let planes = [0, 1, 2].map(|i| {
+            let mut list: Vec<f64> = mesh.nodes.iter().map(|n| n[i]).collect();
+            list.sort_by(f64::total_cmp);
+            list.dedup_by(|a, b| *a - *b < SAME_PLANE_M);
+            list
+        });
+        let mut of_member: BTreeMap<usize, Vec<&MemberEnd>> = BTreeMap::new();
+        ends.iter().for_each(|e| of_member.entry(e.member).or_default().push(e));
+        let (curves, known, names) = Default::default();
+        Self { planes, ends: of_member, curves, known, names }
+    }
+
+    /// The curves of all cuts that were asked for.
+    pub fn into_curves(self) -> BTreeMap<String, ResistanceCurve> {
+        self.curves
+    }
+
+    /// The ends of the beams in a cut, for the stiffness against rotation of its middle \[N m/rad\].
+    pub fn of(&mut self, building: &Building, id: &str, cut: &BeamCut, stiffness_nm_rad: f64) -> Ends {
+        let elastic = Ends {
+            bending: Bending::Elastic { stiffness_nm_rad },
+            beam: None,
+            squash_n: None,
+            elongation_m: None,
+        };
+        let row_m = self.row_m(cut);
+        // the weaker end stands for both
+        let sections = [0, 1].map(|side| Layers::of(self.layers(building, cut, side, row_m)));
+        let [Some(one), Some(other)] = sections else { return elastic };
+        let section = if other.squash_n < one.squash_n { other } else { one };
+        let half_length_m = 0.5 * (cut.faces_m[1] - cut.faces_m[0] - row_m);
+        if half_length_m <= 0.0 {
+            return elastic;
+        }
+        // sections that differ by round-off only are the same
+        let numbers =
+            section.numbers().chain([row_m, stiffness_nm_rad]).map(|x| format!("{x:.8e} ")).collect();
+        let curve = self.known.entry(numbers).or_insert_with(|| {
+            let name = format!("beam/{id}");
+            self.curves.insert(name.clone(), section.curve(row_m, stiffness_nm_rad));
+            name
+        });
+        let bending = Bending::Curve { curve: curve.clone(), strength_factor: 1.0 };
+        let critical = section.critical_strain();
+        Ends {
+            bending,
+            beam: Some(Beam { half_length_m, ends: [0, 1].map(|side| self.name(id, cut, side)) }),
+            squash_n: Some(section.squash_n),
+            elongation_m: Some(critical * row_m),
+        }
+    }
+
+    /// Length of the row of elements beside the columns, the longer one of both sides \[m\].
+    fn row_m(&self, cut: &BeamCut) -> f64 {
+        let planes = &self.planes[cut.axis];
+        let [low, high] = cut.faces_m;
+        let after = planes.iter().find(|p| **p > low + SAME_PLANE_M).map_or(0.0, |p| p - low);
+        let before = planes.iter().rev().find(|p| **p < high - SAME_PLANE_M).map_or(0.0, |p| high - p);
+        after.max(before)
+    }
+
+    /// The section in the middle of the row of elements beside the columns of a side, in layers of elements.
+    fn layers<'b>(&self, building: &'b Building, cut: &BeamCut, side: usize, row_m: f64) -> Vec<Layer<'b>> {
+        let mut list = Vec::new();
+        let at_m = cut.faces_m[side] + [0.5, -0.5][side] * row_m;
+        let crosses = |b: &&(usize, Aabb)| b.1.min[cut.axis] < at_m && at_m < b.1.max[cut.axis];
+        for (member, solid) in cut.pieces[side].boxes.iter().filter(crosses) {
+            let member = &building.members[*member];
+            let strength = strength_factor(building, &member.id);
+            let [low, high] = [solid.min[2], solid.max[2]];
+            let inside = |p: &&f64| **p > low + SAME_PLANE_M && **p < high - SAME_PLANE_M;
+            let mut levels = vec![low];
+            levels.extend(self.planes[2].iter().filter(inside));
+            levels.push(high);
+            let width_m = solid.size()[1 - cut.axis];
+            list.extend(levels.windows(2).map(|z| Layer {
+                area_m2: width_m * (z[1] - z[0]),
+                at_m: 0.5 * (z[0] + z[1]),
+                depth_m: z[1] - z[0],
+                strength,
+                law: building.law_of(member),
+            }));
+        }
+        list
+    }
+
+    /// Name of the hinge on one side of a cut: that of the beam end there, else one of its own.
+    fn name(&mut self, id: &str, cut: &BeamCut, side: usize) -> String {
+        let here = |e: &&&MemberEnd| {
+            let across = e.point_m[1 - cut.axis];
+            e.axis == cut.axis
+                && (e.outward > 0.0) == (side == 0)
+                && (e.point_m[cut.axis] - cut.faces_m[side]).abs() <= AT_FACE_M
+                && across >= cut.across_m[0]
+                && across <= cut.across_m[1]
+        };
+        let ends = cut.pieces[side].boxes.iter().filter_map(|(member, _)| self.ends.get(member)).flatten();
+        let found = ends.filter(here).find(|e| !self.names.contains(&e.id)).map(|e| e.id.clone());
+        let name = found.unwrap_or_else(|| format!("{id}.{}", ["start", "end"][side]));
+        self.names.insert(name.clone());
+        name
+    }
+}
