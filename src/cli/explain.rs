@@ -125,12 +125,16 @@ enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The body or joint with this id, else the body that a member is part of.
+    /// The body or joint with this id, else the body that a member is part of, or the member of an end without a joint.
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
             .or_else(|| model.bushings.iter().find(|j| j.id == id).map(Self::Joint))
             .or_else(|| body(&|b| b.origin.members.iter().any(|m| m == id)))
+            .or_else(|| {
+                let (member, _) = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end))?;
+                body(&|b| b.origin.members.iter().any(|m| m == member))
+            })
     }
 
     fn id(&self) -> &'a str {
@@ -161,6 +165,9 @@ impl<'a> Part<'a> {
         }
     }
 }
+
+/// Names of the ends of columns and beams.
+const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
@@ -230,6 +237,7 @@ fn looked_up(part: &Part, arguments: &Arguments) -> Result<Found, Failure> {
             in_range: true,
             confidence: None,
             entries: origin.entries.clone(),
+            instead_of: Vec::new(),
         })
         .collect();
     if origin.entries.is_empty() {
@@ -248,7 +256,10 @@ fn text(
 ) -> String {
     let mut text = String::new();
     if asked != part.id() {
-        text += &format!("{asked} is part of {}\n", part.id());
+        let members = &part.origin().members;
+        let end = !members.iter().any(|m| m == asked);
+        let words = if end { "has no joint; it lies in" } else { "is part of" };
+        text += &format!("{asked} {words} {}\n", part.id());
     }
     text += &format!("{}: {}\n  stands for {}\n", part.id(), part.words(), part.origin().members.join(", "));
     for (r, subjects) in grouped(reasons) {
@@ -257,8 +268,11 @@ fn text(
         let sure = r
             .confidence
             .map_or(String::new(), |c| format!(" (right in {:.0} % of cases by its studies)", 100.0 * c));
-        text +=
-            &format!("  {}: rule {}{what}{sure}{outside}\n    {}\n", subjects.join(", "), r.rule, r.words);
+        let who = match r.is_of_analyst() {
+            true => format!("analyst's override{what} ({})", r.instead_words()),
+            false => format!("rule {}{what}{sure}{outside}", r.rule),
+        };
+        text += &format!("  {}: {who}\n    {}\n", subjects.join(", "), r.words);
     }
     for (key, facts) in entries {
         text += &format!("  entry {key}\n");
@@ -274,7 +288,10 @@ fn text(
 fn grouped(reasons: &[Reason]) -> Vec<(&Reason, Vec<&str>)> {
     let mut groups: Vec<(&Reason, Vec<&str>)> = Vec::new();
     for r in reasons {
-        let same = |g: &Reason| (&g.rule, &g.action, g.in_range) == (&r.rule, &r.action, r.in_range);
+        let same = |g: &Reason| {
+            (&g.rule, &g.action, g.in_range) == (&r.rule, &r.action, r.in_range)
+                && (&g.words, &g.instead_of) == (&r.words, &r.instead_of)
+        };
         match groups.iter_mut().find(|(g, _)| same(g)) {
             Some((_, subjects)) => subjects.push(&r.subject),
             None => groups.push((r, vec![&r.subject])),

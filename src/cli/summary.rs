@@ -53,6 +53,9 @@ pub fn as_text(s: &Summary) -> String {
         s.generated.entries.len(),
         fired.join(", "),
     );
+    for decided in s.generated.overrides() {
+        text += &format!("  override   {decided}\n");
+    }
     if !s.generated.derived.is_empty() {
         text += &format!("  derived    {}\n", s.generated.derived.join("\n             "));
     }
@@ -173,6 +176,7 @@ pub fn as_json(s: &Summary) -> Value {
         "entries": s.generated.entries.keys().collect::<Vec<_>>(),
         "derived": s.generated.derived,
         "rules": s.rules(),
+        "overrides": s.generated.overrides(),
         "notes": s.generated.notes,
         "mbs": {
             "collapsed": s.mbs_collapsed(),

@@ -8,7 +8,7 @@ use crate::building::partition::Partition;
 use crate::building::{Building, Face};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
-use crate::library::derive::{DeriveError, Wanted, beyond};
+use crate::library::derive::{DeriveError, Wanted};
 use crate::library::derive_strip::WantedStrip;
 use crate::library::entry::AxisRecord;
 use crate::library::similar::{Candidates, Similar};
@@ -185,7 +185,7 @@ pub fn hinges(
     let mut joints = Vec::new();
     for end in ends {
         let Some(own) = place.bodies.of(end.member, end.point_m) else { continue };
-        let other = beyond(place.partition, end).and_then(|m| place.bodies.of(m, end.point_m));
+        let other = end.beyond(place.partition).and_then(|m| place.bodies.of(m, end.point_m));
         let stands = end.axis == 2 && on_support(place.building, end.member, end.point_m[2]);
         if other.is_none() && !stands {
             notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));

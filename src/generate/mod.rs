@@ -4,6 +4,7 @@
 //! member ends for which a rule asks for a hinge, and each hinge carries the curves of the library entry computed from exactly
 //! this member end. Where no rule decides or no entry exists, generation stops and says so: there is no default curve.
 
+mod analyst;
 pub mod bodies;
 mod cells;
 mod decide;
@@ -16,7 +17,8 @@ mod stretch;
 mod walls;
 mod wish;
 
-pub use decide::{Decision, Reason};
+pub use analyst::ANALYST;
+pub use decide::{Decision, Reason, Superseded};
 pub use wish::{Accuracy, Derive, Wishes};
 
 use crate::building::ends::{MemberEnd, member_ends};
@@ -25,7 +27,7 @@ use crate::building::tracked::{Tracked, tracked_points};
 use crate::building::{Building, Charge, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::graph::idealise::idealise;
-use crate::graph::{Demands, Structure, demands};
+use crate::graph::{Connection, Demands, Structure, demands};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
@@ -33,6 +35,7 @@ use crate::mbs::model::{
     RunSettings, TOLERANCE, TrackedPoint,
 };
 use crate::rules::RuleBase;
+use analyst::Answers;
 use bodies::Bodies;
 use cells::Piece;
 use floors::{Grid, Line};
@@ -54,6 +57,33 @@ pub struct Generated {
     pub derived: Vec<String>,
     /// The entries used, by key.
     pub entries: BTreeMap<String, Entry>,
+}
+
+impl Generated {
+    /// What the analyst decided in place of the rules, in words; what is the same of many members or ends, once.
+    pub fn overrides(&self) -> Vec<String> {
+        let mut groups: Vec<(&Reason, BTreeSet<&str>)> = Vec::new();
+        for reason in self.trace.iter().filter(|r| r.is_of_analyst()) {
+            let same = |g: &Reason| {
+                (&g.action, &g.words, &g.instead_of) == (&reason.action, &reason.words, &reason.instead_of)
+            };
+            match groups.iter_mut().find(|(g, _)| same(g)) {
+                Some((_, subjects)) => _ = subjects.insert(&reason.subject),
+                None => groups.push((reason, BTreeSet::from([reason.subject.as_str()]))),
+            }
+        }
+        let words = |(reason, subjects): (&Reason, BTreeSet<&str>)| {
+            let subjects: Vec<&str> = subjects.into_iter().collect();
+            format!(
+                "{} -> {}: {} ({})",
+                subjects.join(", "),
+                reason.action,
+                reason.words,
+                reason.instead_words()
+            )
+        };
+        groups.into_iter().map(words).collect()
+    }
 }
 
 /// A model that cannot be generated.
@@ -79,6 +109,9 @@ pub enum GenerateError {
     /// A member is turned out of the axes.
     #[error("{0}")]
     Skew(String),
+    /// A decision of the analyst cannot be carried out.
+    #[error("the override of {0} cannot be carried out: {1}")]
+    Override(String, String),
     /// A column ends in the air.
     #[error("member end {0} touches nothing")]
     Loose(String),
@@ -105,13 +138,14 @@ pub fn generate(
     let ends = member_ends(building, partition);
     let demands = demands(&structure, building);
     let known = Known::of(building, &structure, &ends, &demands);
-    let decision = Decision::of(building, &ends, &known, accuracy, rules)?;
+    let answers = Answers::of(building, &structure, &ends);
+    let decision = Decision::of(building, &ends, &known, accuracy, rules, &answers)?;
     if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
         return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
     }
     let present: Vec<bool> = building.members.iter().map(|m| !building.is_cut(&m.id)).collect();
     let clusters: Vec<Vec<usize>> = structure
-        .clusters(|c| c.members.iter().all(|m| present[*m] && decision.merges[*m]))
+        .clusters(|c| c.members.iter().all(|m| present[*m]) && decision.joined(c))
         .into_iter()
         .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
         .collect();
@@ -126,10 +160,10 @@ pub fn generate(
         ends: &ends,
         decision: &decision,
     };
-    let mut division = parts.divided(&BTreeSet::new());
+    let mut division = parts.divided(&BTreeSet::new())?;
     let without = division.without_curves(&known)?;
     if !without.is_empty() {
-        division = parts.divided(&without);
+        division = parts.divided(&without)?;
     }
     let Division { bodies, floors, lines, notes: told } = division;
     notes.extend(told);
@@ -199,8 +233,9 @@ fn overloaded_rigid_ends(demands: &Demands, decision: &Decision) -> Vec<String> 
     ends.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
     ends.iter()
         .map(|(ratio, id)| {
+            let by = if decision.is_of_analyst(id) { "the analyst's decision" } else { "rule" };
             format!(
-                "{id} stays rigid by rule, though its reinforced section would yield after the removal \
+                "{id} stays rigid by {by}, though its reinforced section would yield after the removal \
                  (elastic demand over capacity {ratio:.1})"
             )
         })
@@ -266,35 +301,23 @@ struct Division {
 
 impl Parts<'_> {
     /// One body a cluster, or the pieces of a floor that bends or may fold; `without` are floors for whose lines there are no curves: they stay in one piece.
-    fn divided(&self, without: &BTreeSet<String>) -> Division {
+    fn divided(&self, without: &BTreeSet<String>) -> Result<Division, GenerateError> {
         let Self { building, structure, mesh, clusters, ends, decision } = *self;
         let (mut bodies, mut floors, mut notes) =
             (Bodies::new(building.members.len()), Vec::new(), Vec::new());
         for cluster in clusters {
             let rules = decision.rules_of(building, cluster);
             let name = bodies::name(building, cluster);
-            let bends = decision.bends(cluster).then(|| Grillage::of(building, structure, cluster)).flatten();
-            let mut folds = || {
-                if without.contains(&name) {
-                    notes.push(format!("{name} stays in one piece: the library has no curves for the lines at which it may fold, nor similar ones"));
-                    return None;
-                }
-                Grid::of(building, structure, cluster, ends, decision).unwrap_or_else(|pieces| {
-                    notes.push(format!(
-                        "{name} stays in one piece: the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
-                    ));
-                    None
-                })
-            };
-            let floor = bends.map(Floor::Bends).or_else(|| folds().map(Floor::Folds));
-            let Some(floor) = floor else {
+            let Some(floor) = self.division(cluster, &name, without, &mut notes)? else {
                 bodies.add(cluster, bodies::body(building, structure, cluster, rules));
                 continue;
             };
-            let pieces = match &floor {
-                Floor::Folds(grid) => grid.cells().pieces(structure),
-                Floor::Bends(grillage) => grillage.cells.pieces(structure),
+            let cells = match &floor {
+                Floor::Folds(grid) => grid.cells(),
+                Floor::Bends(grillage) => grillage.cells.clone(),
             };
+            let whole = cells.members.len() == cluster.len();
+            let pieces = if whole { cells } else { cells.with(cluster) }.pieces(structure);
             let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
             let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
             floors.push(Divided { floor, first, pieces });
@@ -308,7 +331,77 @@ impl Parts<'_> {
             let own = grid.lines(&place, pieces, ends, &names, decision);
             lines.extend(own.into_iter().map(|line| (*first, line)));
         }
-        Division { bodies, floors, lines, notes }
+        Ok(Division { bodies, floors, lines, notes })
+    }
+
+    /// How a cluster is divided, if it is. What the rules ask for and cannot be had is noted.
+    ///
+    /// # Errors
+    /// If the analyst asks for a division that cannot be had.
+    fn division(
+        &self,
+        cluster: &[usize],
+        name: &str,
+        without: &BTreeSet<String>,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<Floor>, GenerateError> {
+        let Self { building, structure, ends, decision, .. } = *self;
+        let in_cluster = |e: &&MemberEnd| cluster.contains(&e.member);
+        let members = cluster.iter().map(|m| &building.members[*m].id);
+        let asked = decision.division_asked(members.chain(ends.iter().filter(in_cluster).map(|e| &e.id)));
+        let bends = decision.bends(cluster);
+        let Some(floor) = self.floor_of(cluster) else {
+            let folds = ends.iter().filter(in_cluster).any(|e| decision.latent.contains_key(&e.id));
+            let why = format!(
+                "{name} stays in one piece: by the analyst's decision it is one body with more than its floor"
+            );
+            return match asked {
+                Some((target, _)) => Err(GenerateError::Override(target, why)),
+                None => {
+                    notes.extend((bends || folds).then_some(why));
+                    Ok(None)
+                }
+            };
+        };
+        let grillage = bends.then(|| Grillage::of(building, structure, &floor)).flatten();
+        if let (None, Some((target, true))) = (&grillage, &asked) {
+            let why = format!("{name} has columns on less than two axes, between which it could bend");
+            return Err(GenerateError::Override(target.clone(), why));
+        }
+        if let Some(grillage) = grillage {
+            return Ok(Some(Floor::Bends(grillage)));
+        }
+        let why = if without.contains(name) {
+            "the library has no curves for the lines at which it may fold, nor similar ones".to_string()
+        } else {
+            match Grid::of(building, structure, &floor, ends, decision) {
+                Ok(grid) => return Ok(grid.map(Floor::Folds)),
+                Err(pieces) => format!(
+                    "the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
+                ),
+            }
+        };
+        let why = format!("{name} stays in one piece: {why}");
+        match asked {
+            Some((target, _)) => Err(GenerateError::Override(target, why)),
+            None => {
+                notes.push(why);
+                Ok(None)
+            }
+        }
+    }
+
+    /// The slabs and beams of a cluster, if they are one floor that may be divided: with no more than columns that do not turn in it.
+    fn floor_of(&self, cluster: &[usize]) -> Option<Vec<usize>> {
+        let kind = |m: usize| self.building.members[m].kind;
+        let in_floor = |m: usize| matches!(kind(m), MemberKind::Slab | MemberKind::Beam);
+        let floor: Vec<usize> = cluster.iter().copied().filter(|m| in_floor(*m)).collect();
+        let columns = || cluster.iter().all(|m| in_floor(*m) || kind(*m) == MemberKind::Column);
+        let together = || {
+            let shared = |c: &Connection| c.members.iter().all(|m| floor.contains(m));
+            self.structure.clusters(shared).iter().any(|c| c.len() == floor.len() && floor.contains(&c[0]))
+        };
+        (floor.len() == cluster.len() || (!floor.is_empty() && columns() && together())).then_some(floor)
     }
 }
 

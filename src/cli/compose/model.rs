@@ -37,7 +37,16 @@ pub fn summary(generated: &Generated) -> ModelSummary {
             .map(|t| TraceRow {
                 part: t.part.clone(),
                 rule: t.rule.clone(),
-                words: format!("{} → {}: {}", t.subject, t.action, t.words),
+                words: match t.is_of_analyst() {
+                    true => {
+                        let instead = t.instead_words();
+                        format!(
+                            "{} → {}: the analyst's override, {}; {instead}",
+                            t.subject, t.action, t.words
+                        )
+                    }
+                    false => format!("{} → {}: {}", t.subject, t.action, t.words),
+                },
                 entries: t.entries.clone(),
             })
             .collect(),
@@ -63,7 +72,13 @@ fn rules(generated: &Generated) -> Vec<RuleRow> {
     for t in &generated.trace {
         let row = rules.entry(&t.rule).or_insert_with(|| RuleRow {
             id: t.rule.clone(),
-            text: t.words.clone(),
+            text: match t.is_of_analyst() {
+                true => {
+                    "Decisions of the analyst in place of the rules; their reasons stand beside the parts."
+                        .into()
+                }
+                false => t.words.clone(),
+            },
             ..RuleRow::default()
         });
         row.fired += 1;
