@@ -55,7 +55,7 @@ impl Wanted {
     /// Describes a column end; `None` for one without own volume.
     pub fn of(building: &Building, partition: &Partition, mesh: &Mesh, end: &MemberEnd) -> Option<Self> {
         let member = &building.members[end.member];
-        let model = EndModel::cut(building, mesh, &member.id, end.end)?;
+        let model = EndModel::cut_from(building, partition, mesh, end.member, end.end)?;
         let section = building.sections[&member.section].clone();
         let law = building.law_of(member).clone();
         let strength = model.mesh.elements[model.section_elements[0]].strength;
