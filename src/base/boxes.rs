@@ -17,7 +17,7 @@ pub struct Boxes {
 impl Boxes {
     /// Of some boxes, numbered in their order.
     pub fn of(boxes: impl Iterator<Item = Aabb>) -> Self {
-        Self::numbered(boxes.enumerate().map(|(number, solid)| (number, solid)))
+        Self::numbered(boxes.enumerate())
     }
 
     /// Of some boxes with numbers of their own.

@@ -10,6 +10,7 @@ use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
 use crate::mbs::model::{Body, Bushing, Origin};
+use crate::review::{Item, REVIEW_SCHEMA, Review};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -178,8 +179,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Some(trace) => known(&part, trace),
         None => looked_up(&part, arguments)?,
     };
+    let review = reviewed(&arguments.model, &arguments.part, &part)?;
     if arguments.json {
         let value = json!({
+            "review": review,
             "part": part.id(),
             "what": part.words(),
             "members": part.origin().members,
@@ -188,9 +191,39 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         });
         print(&format!("{value:#}\n"));
     } else {
-        print(&text(&arguments.part, &part, &reasons, &entries));
+        print(&(text(&arguments.part, &part, &reasons, &entries) + &review_text(&review)));
     }
     Ok(Outcome::Done)
+}
+
+/// The decisions about a part in the review list beside a model, with their number in all.
+fn reviewed(model: &Path, asked: &str, part: &Part) -> Result<Vec<(usize, Item)>, Failure> {
+    let path = model.with_file_name("review.json");
+    let Ok(text) = std::fs::read_to_string(&path) else { return Ok(Vec::new()) };
+    let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
+    let review: Review = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    if review.schema != REVIEW_SCHEMA {
+        return Err(wrong(format!("schema {}, this program reads schema {REVIEW_SCHEMA}", review.schema)));
+    }
+    let count = review.items.len();
+    // asked for a member or end, only what is about it; asked for a body, what is about any of its members
+    let about = |id: &String| id == asked || (asked == part.id() && (part.origin().members.contains(id)));
+    let own = review.items.into_iter().filter(|item| item.subjects.iter().any(about));
+    Ok(own.map(|item| (count, item)).collect())
+}
+
+fn review_text(items: &[(usize, Item)]) -> String {
+    let line = |(count, item): &(usize, Item)| {
+        let (why, changes) = (item.why.join("; "), item.change_words());
+        format!(
+            "  review: number {} of {count} decisions worth a look: {} of {}\n    {why}\n    otherwise {}: {changes}\n",
+            item.rank,
+            item.decision,
+            item.subject_words(),
+            item.otherwise
+        )
+    };
+    items.iter().map(line).collect()
 }
 
 fn unknown(model: &Model, id: &str) -> Failure {

@@ -20,6 +20,8 @@ pub struct Answer {
     pub action: Action,
     /// Why.
     pub reason: String,
+    /// The target of the override.
+    pub target: String,
     /// Whether it follows from what is decided about something else.
     pub follows: bool,
 }
@@ -29,14 +31,19 @@ pub struct Answer {
 pub struct Answers(BTreeMap<String, Answer>);
 
 impl Answers {
-    /// Of a building.
-    pub fn of(building: &Building, structure: &Structure, ends: &[MemberEnd]) -> Self {
+    /// Those that some overrides make in a building.
+    pub fn of(
+        building: &Building,
+        overrides: &[Override],
+        structure: &Structure,
+        ends: &[MemberEnd],
+    ) -> Self {
         let mut this = Self::default();
-        if building.overrides.is_empty() {
+        if overrides.is_empty() {
             return this;
         }
         let spread = Spread { building, floors: structure.storey_bodies(), ends };
-        for decided in &building.overrides {
+        for decided in overrides {
             spread.of(decided, &mut this);
         }
         this
@@ -54,7 +61,7 @@ impl Answers {
         } else {
             decided.reason.clone()
         };
-        let answer = Answer { action: spec.action, reason, follows };
+        let answer = Answer { action: spec.action, reason, target: decided.target.clone(), follows };
         if follows {
             self.0.entry(subject.to_string()).or_insert(answer);
         } else {

@@ -71,6 +71,8 @@ struct Overruled {
     aspect: Aspect,
     action: Action,
     reason: String,
+    /// The target of the override, if it does not just follow from one.
+    target: Option<String>,
 }
 
 /// What rules and analyst decided.
@@ -168,7 +170,8 @@ impl Decision {
         }
         self.traces.insert(subject.id.clone(), trace);
         let Some(answer) = answer else { return Ok(ruled) };
-        let overruled = Overruled { aspect, action: answer.action, reason: answer.reason.clone() };
+        let target = Some(answer.target.clone()).filter(|_| !answer.follows);
+        let overruled = Overruled { aspect, action: answer.action, reason: answer.reason.clone(), target };
         self.overruled.insert(subject.id.clone(), overruled);
         Ok(Some(answer.action))
     }
@@ -195,6 +198,23 @@ impl Decision {
             self.rigid.contains(&(a, end)) || self.rigid.contains(&(b, other))
         };
         (self.merges[a] && self.merges[b]) || connection.end.is_some_and(rigid)
+    }
+
+    /// What the rules said about a subject.
+    pub fn trace(&self, id: &str) -> Option<&Trace> {
+        self.traces.get(id)
+    }
+
+    /// The answer to a question about a subject, by the analyst or the rules.
+    pub fn answer(&self, id: &str, aspect: Aspect) -> Option<Action> {
+        let ruled = || self.traces.get(id)?.decision(aspect).map(|f| f.action);
+        self.overruled.get(id).filter(|o| o.aspect == aspect).map(|o| o.action).or_else(ruled)
+    }
+
+    /// Where the analyst has decided about a subject: the target of the override, unless it just follows from one, and what the rules would have said.
+    pub fn instead(&self, id: &str) -> Option<(Option<&str>, String)> {
+        let target = self.overruled.get(id)?.target.as_deref();
+        self.of_analyst(id, "", &[]).map(|reason| (target, reason.instead_words()))
     }
 
     /// Whether the analyst has decided about a subject.

@@ -8,7 +8,9 @@ mod analyst;
 pub mod bodies;
 mod cells;
 mod decide;
+mod doubts;
 mod floors;
+mod generator;
 mod grillage;
 mod joints;
 pub mod known;
@@ -19,29 +21,28 @@ mod wish;
 
 pub use analyst::ANALYST;
 pub use decide::{Decision, Reason, Superseded};
+pub use doubts::{Alternative, Doubt, Why};
+pub use generator::Generator;
 pub use wish::{Accuracy, Derive, Wishes};
 
-use crate::building::ends::{MemberEnd, member_ends};
+use crate::building::ends::MemberEnd;
 use crate::building::partition::Partition;
 use crate::building::tracked::{Tracked, tracked_points};
 use crate::building::{Building, Charge, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::graph::idealise::idealise;
-use crate::graph::{Connection, Demands, Structure, demands};
+use crate::graph::{Connection, Structure};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    BodyContact, Bushing, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin, RESTITUTION,
-    RunSettings, TOLERANCE, TrackedPoint,
+    BodyContact, Bushing, Contact, Event, GroundPlane, Model, ObstacleBox, Origin, RESTITUTION, TrackedPoint,
 };
 use crate::rules::RuleBase;
-use analyst::Answers;
 use bodies::Bodies;
 use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
 use joints::Query;
-use known::Known;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A generated model with its reasons.
@@ -53,10 +54,14 @@ pub struct Generated {
     pub trace: Vec<Reason>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
+    /// Decisions of which an analyst might doubt.
+    pub doubts: Vec<Doubt>,
     /// Keys of entries that were computed on the way.
     pub derived: Vec<String>,
     /// The entries used, by key.
     pub entries: BTreeMap<String, Entry>,
+    /// Time of each stage \[s\], in their order; `curves` is what it takes to scale or compute those that the library lacks.
+    pub stages: Vec<(&'static str, f64)>,
 }
 
 impl Generated {
@@ -131,115 +136,7 @@ pub fn generate(
     wishes: impl Into<Wishes>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Generated, GenerateError> {
-    let Wishes { derive, accuracy } = wishes.into();
-    building.without_skew("no MBS model can be generated").map_err(GenerateError::Skew)?;
-    let structure = Structure::of(building);
-    let partition = &structure.partition;
-    let ends = member_ends(building, partition);
-    let demands = demands(&structure, building);
-    let known = Known::of(building, &structure, &ends, &demands);
-    let answers = Answers::of(building, &structure, &ends);
-    let decision = Decision::of(building, &ends, &known, accuracy, rules, &answers)?;
-    if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
-        return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
-    }
-    let present: Vec<bool> = building.members.iter().map(|m| !building.is_cut(&m.id)).collect();
-    let clusters: Vec<Vec<usize>> = structure
-        .clusters(|c| c.members.iter().all(|m| present[*m]) && decision.joined(c))
-        .into_iter()
-        .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
-        .collect();
-    let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-    let mut notes = decision.notes.clone();
-    let known = joints::Known::of(store, derive)?;
-    let parts = Parts {
-        building,
-        structure: &structure,
-        mesh: &mesh,
-        clusters: &clusters,
-        ends: &ends,
-        decision: &decision,
-    };
-    let mut division = parts.divided(&BTreeSet::new())?;
-    let without = division.without_curves(&known)?;
-    if !without.is_empty() {
-        division = parts.divided(&without)?;
-    }
-    let Division { bodies, floors, lines, notes: told } = division;
-    notes.extend(told);
-    let place = joints::Place { building, partition, mesh: &mesh, bodies: &bodies };
-    let hinged: Vec<&MemberEnd> =
-        ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
-    let mut asked = joints::queries(&place, &hinged)?;
-    asked.extend(lines.iter().map(|(_, line)| (line.id.clone(), Query::Strip(line.wanted.clone()))));
-    let found = joints::entries(asked, store, &known, progress)?;
-    notes.extend(found.notes.iter().cloned());
-    notes.extend(overloaded_rigid_ends(&demands, &decision));
-    if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
-        notes.push(format!(
-            "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",
-            building.settings.removal_duration_s
-        ));
-    }
-    let mut hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
-    for (first, line) in &lines {
-        let entry = &found.entries[&found.of_end[&line.id]];
-        hinges.push(line.bushing(&bodies.list, *first, entry, joints::curve_id(&entry.key, 0), building)?);
-    }
-    let (walls, wall_curves) = walls::springs(building, &structure, &bodies);
-    if !walls.is_empty() {
-        notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
-    }
-    hinges.extend(walls);
-    let mut curves = found.curves();
-    curves.extend(wall_curves);
-    let mut contact = contact(building);
-    elastic_floors(building, &structure, &floors, &bodies, &mut hinges, &mut contact);
-    let model = Model {
-        schema: MODEL_SCHEMA.to_string(),
-        name: building.name.clone(),
-        gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
-        curves,
-        joints: Vec::new(),
-        bushings: hinges,
-        forces: Vec::new(),
-        contact,
-        events: events(building, &bodies),
-        tracked: tracked(building, partition, &bodies),
-        settings: RunSettings {
-            end_time_s: building.settings.end_time_s,
-            output_interval_s: building.settings.output_interval_s,
-            preload: true,
-            time_step_s: None,
-            tolerance: TOLERANCE,
-            reactions: false,
-            sleep_speed_m_s: None,
-        },
-        bodies: bodies.list,
-    };
-    let trace = decision.reasons(rules, &model);
-    Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries })
-}
-
-/// Ends without a hinge whose reinforced section would yield in linear theory after the removal, worst first.
-fn overloaded_rigid_ends(demands: &Demands, decision: &Decision) -> Vec<String> {
-    let mut ends: Vec<(f64, &str)> = demands
-        .ends
-        .iter()
-        .filter(|e| !decision.hinges.contains_key(&e.id) && !decision.latent.contains_key(&e.id))
-        .filter_map(|e| Some((e.after.as_ref()?.section.ratio, e.id.as_str())))
-        .filter(|(ratio, _)| *ratio > 1.0)
-        .collect();
-    ends.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
-    ends.iter()
-        .map(|(ratio, id)| {
-            let by = if decision.is_of_analyst(id) { "the analyst's decision" } else { "rule" };
-            format!(
-                "{id} stays rigid by {by}, though its reinforced section would yield after the removal \
-                 (elastic demand over capacity {ratio:.1})"
-            )
-        })
-        .collect()
+    Generator::of(building, rules, store, wishes)?.model(&building.overrides, progress)
 }
 
 fn contact(building: &Building) -> Contact {
@@ -302,7 +199,7 @@ struct Division {
 impl Parts<'_> {
     /// One body a cluster, or the pieces of a floor that bends or may fold; `without` are floors for whose lines there are no curves: they stay in one piece.
     fn divided(&self, without: &BTreeSet<String>) -> Result<Division, GenerateError> {
-        let Self { building, structure, mesh, clusters, ends, decision } = *self;
+        let Self { building, structure, mesh, clusters, decision, .. } = *self;
         let (mut bodies, mut floors, mut notes) =
             (Bodies::new(building.members.len()), Vec::new(), Vec::new());
         for cluster in clusters {
@@ -328,7 +225,7 @@ impl Parts<'_> {
             let Floor::Folds(grid) = floor else { continue };
             let names: Vec<String> =
                 bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
-            let own = grid.lines(&place, pieces, ends, &names, decision);
+            let own = grid.lines(&place, pieces, &self.ends_of(&grid.members), &names, decision);
             lines.extend(own.into_iter().map(|line| (*first, line)));
         }
         Ok(Division { bodies, floors, lines, notes })
@@ -345,13 +242,13 @@ impl Parts<'_> {
         without: &BTreeSet<String>,
         notes: &mut Vec<String>,
     ) -> Result<Option<Floor>, GenerateError> {
-        let Self { building, structure, ends, decision, .. } = *self;
-        let in_cluster = |e: &&MemberEnd| cluster.contains(&e.member);
+        let Self { building, structure, decision, .. } = *self;
+        let ends = self.ends_of(cluster);
+        let folds = ends.iter().any(|e| decision.latent.contains_key(&e.id));
         let members = cluster.iter().map(|m| &building.members[*m].id);
-        let asked = decision.division_asked(members.chain(ends.iter().filter(in_cluster).map(|e| &e.id)));
+        let asked = decision.division_asked(members.chain(ends.iter().map(|e| &e.id)));
         let bends = decision.bends(cluster);
         let Some(floor) = self.floor_of(cluster) else {
-            let folds = ends.iter().filter(in_cluster).any(|e| decision.latent.contains_key(&e.id));
             let why = format!(
                 "{name} stays in one piece: by the analyst's decision it is one body with more than its floor"
             );
@@ -371,10 +268,13 @@ impl Parts<'_> {
         if let Some(grillage) = grillage {
             return Ok(Some(Floor::Bends(grillage)));
         }
+        if !folds {
+            return Ok(None);
+        }
         let why = if without.contains(name) {
             "the library has no curves for the lines at which it may fold, nor similar ones".to_string()
         } else {
-            match Grid::of(building, structure, &floor, ends, decision) {
+            match Grid::of(building, structure, &floor, &ends, decision) {
                 Ok(grid) => return Ok(grid.map(Floor::Folds)),
                 Err(pieces) => format!(
                     "the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
@@ -389,6 +289,15 @@ impl Parts<'_> {
                 Ok(None)
             }
         }
+    }
+
+    /// Ends of some members; those of all members stand in the order of the members.
+    fn ends_of(&self, members: &[usize]) -> Vec<MemberEnd> {
+        let own = |m: usize| {
+            let [first, after] = [m, m + 1].map(|m| self.ends.partition_point(|e| e.member < m));
+            &self.ends[first..after]
+        };
+        members.iter().flat_map(|m| own(*m)).cloned().collect()
     }
 
     /// The slabs and beams of a cluster, if they are one floor that may be divided: with no more than columns that do not turn in it.

@@ -2,6 +2,7 @@
 
 mod known;
 mod overrides;
+mod review;
 
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;

@@ -244,6 +244,13 @@ fn decisions_of_the_analyst_are_told_with_their_reasons() {
             && foot.contains("cased feet"),
         "{foot}"
     );
+    assert!(foot.contains("review: number"), "{foot}");
+    let review: Value =
+        serde_json::from_str(&fs::read_to_string(room.path().join("run/review.json")).unwrap()).unwrap();
+    assert!(
+        out.contains(&format!("review     {} decisions", review["items"].as_array().unwrap().len())),
+        "{out}"
+    );
     let top = explain("C2-A1.top");
     assert!(top.starts_with("C2-A1.top has no joint; it lies in S2\n"), "{top}");
     assert!(

@@ -3,7 +3,11 @@
 use crate::generate::Generated;
 use crate::library::Entry;
 use crate::mbs::model::{Bending, Bushing};
-use crate::report::{BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, RuleRow, TraceRow};
+use crate::report::{
+    BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, ReviewRow, ReviewSummary, RuleRow,
+    TraceRow,
+};
+use crate::review::{Item, NEGLIGIBLE_M, Review};
 use std::collections::BTreeMap;
 
 /// An entry in words, such as `column 0.40 x 0.40 m, top at a beam, 1.71 m to the point of zero moment`.
@@ -85,6 +89,27 @@ fn rules(generated: &Generated) -> Vec<RuleRow> {
         row.out_of_range |= !t.in_range;
     }
     rules.into_values().collect()
+}
+
+/// The decisions worth a look.
+pub fn review(review: &Review) -> ReviewSummary {
+    let row = |item: &Item| ReviewRow {
+        about: item.subjects.clone(),
+        decision: format!("{} ({})", item.decision, item.by),
+        why: item.why.join("; "),
+        otherwise: item.otherwise.clone(),
+        change: if item.change.is_none() && item.untried.is_none() {
+            String::new()
+        } else {
+            item.change_words()
+        },
+        counts: item.change.as_ref().map(|c| c.turns_outcome() || c.difference_to_contact_m > NEGLIGIBLE_M),
+    };
+    ReviewSummary {
+        runs: review.runs,
+        most_runs: review.most_runs,
+        rows: review.items.iter().map(row).collect(),
+    }
 }
 
 /// The computed envelopes of the entries used.
