@@ -22,6 +22,7 @@
 //! | [`rules`] | the rule files and the engine that fires them |
 //! | [`generate`] | graph + rules + library -> MBS model, with a reason for each part |
 //! | [`validate`] | error measures between an MBS run and an FE run |
+//! | [`review`] | decisions of a generated model worth a look, in order of what they could change |
 //! | [`learn`] | rules learned from studies |
 //! | [`verify`] | the verification manual: cases with known answers, run live |
 //! | [`bench`] | measurements of the solvers: throughput, error over run time, stability |
@@ -44,6 +45,7 @@ pub mod material;
 pub mod mbs;
 pub mod rc;
 pub mod report;
+pub mod review;
 pub mod rules;
 pub mod study;
 pub mod validate;

@@ -1,6 +1,7 @@
-//! What every module may use and none owns: axis-aligned boxes, units, source files as trees with
+//! What every module may use and none owns: axis-aligned boxes and which of them are near one, units, source files as trees with
 //! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, sparse equations, instruction sets, random numbers, time measurement.
 
+pub mod boxes;
 pub mod cpu;
 pub mod diagnostic;
 pub mod geom;

@@ -7,6 +7,7 @@
 //! | `bandwidth` | that bandwidth |
 //! | `fe_error` | error of a building's run over mesh size and run time |
 //! | `fe_stability` | runs at and beyond the limits of the method |
+//! | `generate` | time of generation over the number of members |
 //! | `mbs` | error over run time of mechanisms whose motion is known |
 //! | `mbs_stability` | multibody runs at and beyond the limits (`mbs_trials`: what they are) |
 //! | `passing` | whether bodies passed through each other, from the frames of a run |
@@ -19,6 +20,7 @@ pub mod buildings;
 pub mod fe;
 pub mod fe_error;
 pub mod fe_stability;
+pub mod generate;
 pub mod mbs;
 pub mod mbs_stability;
 pub mod mbs_trials;

@@ -5,6 +5,7 @@ use super::clear::Clear;
 use super::connect::unsupported_groups;
 use super::fields::Placed;
 use super::model::{Member, MemberKind, Preparation};
+use super::overrides;
 use super::partition::{COORDINATE_TOLERANCE_M, Partition};
 use super::plan::prepared;
 use super::read::Draft;
@@ -35,7 +36,9 @@ pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
         support(root, draft, found);
         volumes(draft, found);
     }
+    overrides::of_removed(draft, found);
     if found.iter().all(|d| d.severity == Severity::Warning) {
+        overrides::together(draft, found);
         unused(draft, found);
     }
 }

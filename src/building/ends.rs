@@ -3,6 +3,7 @@
 use super::model::{Building, MemberKind};
 use super::partition::Partition;
 use super::tracked::clear_range;
+use crate::base::boxes::Boxes;
 use serde::{Deserialize, Serialize};
 
 /// Which end of a member, along its axis.
@@ -36,20 +37,45 @@ pub struct MemberEnd {
     pub clear_m: f64,
 }
 
+/// Ends of beams along one axis whose coordinates differ by less than this lie on one line \[m\].
+pub const SAME_LINE_M: f64 = 0.05;
+
+impl MemberEnd {
+    /// The member just beyond the end.
+    pub fn beyond(&self, partition: &Partition) -> Option<usize> {
+        let mut probe = self.point_m;
+        probe[self.axis] -= 1e-4 * self.outward;
+        partition.member_at(probe)
+    }
+
+    /// Whether a floor that folds at one of two beam ends folds at the other as well: both lie on a line across it.
+    pub fn on_line_of(&self, other: &Self) -> bool {
+        let near = (self.point_m[self.axis] - other.point_m[self.axis]).abs() < SAME_LINE_M;
+        near && self.axis == other.axis && self.outward == other.outward
+    }
+}
+
+/// The names of the lower and the upper end of a bar; none if members of this kind have no ends.
+pub fn end_names(kind: MemberKind) -> Option<[&'static str; 2]> {
+    match kind {
+        MemberKind::Column => Some(["bottom", "top"]),
+        MemberKind::Beam => Some(["start", "end"]),
+        _ => None,
+    }
+}
+
 /// All ends of columns and beams, in member order, lower end first.
 ///
 /// The clear span of a beam lies between the columns it frames into; where no column meets it, it is the beam's own extent.
 pub fn member_ends(building: &Building, partition: &Partition) -> Vec<MemberEnd> {
+    let columns = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Column);
+    let columns = Boxes::numbered(columns.map(|(index, column)| (index, column.solid)));
     let mut ends = Vec::new();
     for (index, member) in building.members.iter().enumerate() {
-        let names = match member.kind {
-            MemberKind::Column => ["bottom", "top"],
-            MemberKind::Beam => ["start", "end"],
-            _ => continue,
-        };
+        let Some(names) = end_names(member.kind) else { continue };
         let Some(mut range) = clear_range(partition, index, member.axis) else { continue };
         if member.kind == MemberKind::Beam {
-            range = clear_span(building, index, range);
+            range = clear_span(building, &columns, index, range);
         }
         let depth_m =
             (0..3).filter(|i| *i != member.axis).map(|i| member.solid.size()[i]).fold(0.0, f64::max);
@@ -74,12 +100,12 @@ pub fn member_ends(building: &Building, partition: &Partition) -> Vec<MemberEnd>
 }
 
 /// A beam's range without the joint blocks over the columns at its two ends \[m\].
-fn clear_span(building: &Building, beam: usize, range: [f64; 2]) -> [f64; 2] {
+fn clear_span(building: &Building, columns: &Boxes, beam: usize, range: [f64; 2]) -> [f64; 2] {
     let member = &building.members[beam];
     let axis = member.axis;
     let middle = 0.5 * (range[0] + range[1]);
     let mut clear = range;
-    for column in building.members.iter().filter(|m| m.kind == MemberKind::Column) {
+    for column in columns.near(&member.solid, 1e-9).into_iter().map(|c| &building.members[c]) {
         if column.solid.intersection(&member.solid, 1e-9).is_none() {
             continue;
         }

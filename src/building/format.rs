@@ -3,6 +3,7 @@
 //! The reader's structure check ([`super::structure`]) and the JSON Schema ([`super::schema`]) both
 //! walk these tables, so that they cannot say different things.
 
+use super::overrides::{ACTIONS, ACTIONS_OF_RULES};
 use crate::base::units::Dimension;
 
 /// Version of the file format.
@@ -542,6 +543,34 @@ pub const EVENT: Table = Table {
     ],
 };
 
+/// Override.
+pub const OVERRIDE: Table = Table {
+    noun: "an override",
+    doc: "A decision of the analyst in place of the rules, in the generated multibody model; FE runs know nothing of it.",
+    keys: &[
+        must(
+            "targets",
+            Kind::List(&Kind::MemberPattern, 1, 1000),
+            "[\"C1-A2.top\"]",
+            "Ends of columns (`.bottom`, `.top`) and beams (`.start`, `.end`), walls, or floors, each named by any of its slabs or \
+             beams; `*` stands for any characters.",
+        ),
+        must(
+            "action",
+            Kind::Choice(&ACTIONS, ACTIONS_OF_RULES),
+            "\"elastic_connection\"",
+            "Column end: hinge, elastic_connection, rigid_connection. Beam end: latent_hinge (the floor may fold there), \
+             rigid_connection. Floor: merge_rigid, merge_elastic (it bends). Wall: rigid_body, merge_rigid (one body with its floors).",
+        ),
+        must(
+            "reason",
+            Kind::Text(1000),
+            "\"tested joint, see report 12\"",
+            "Why; shown wherever the decision is.",
+        ),
+    ],
+};
+
 /// Settings.
 pub const SETTINGS: Table = Table {
     noun: "[settings]",
@@ -652,6 +681,12 @@ pub const FILE: Table = Table {
         may("obstacles", Kind::List(&Kind::Table(&OBSTACLE), 0, 1000), "", "Obstacles."),
         may("preparation", Kind::List(&PREPARATION, 0, 1000), "", "Work done before ignition."),
         may("events", Kind::List(&Kind::Table(&EVENT), 0, 1000), "", "Charges."),
+        may(
+            "overrides",
+            Kind::List(&Kind::Table(&OVERRIDE), 0, 1000),
+            "",
+            "Decisions of the analyst in place of the rules.",
+        ),
         may("settings", Kind::Table(&SETTINGS), "", "Simulation settings."),
         may("mesh", Kind::Table(&MESHING), "", "Exceptions of the FE mesh."),
     ],

@@ -26,6 +26,7 @@ mod materials;
 mod members;
 pub mod model;
 mod openings;
+mod overrides;
 pub mod partition;
 mod plan;
 mod read;

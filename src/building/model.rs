@@ -35,6 +35,10 @@ pub struct Building {
     pub events: Vec<Charge>,
     /// Simulation settings.
     pub settings: Settings,
+    /// What the analyst decides in place of the rules. Not part of a building as it is written and hashed: FE runs know nothing of it, so that their
+    /// records are still those of this building.
+    #[serde(skip)]
+    pub overrides: Vec<Override>,
 }
 
 impl Building {
@@ -387,6 +391,62 @@ pub struct Charge {
     pub stretch_m: Option<[f64; 2]>,
     /// Ignition time \[s\].
     pub time_s: f64,
+}
+
+/// A decision of the analyst in place of the rules.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Override {
+    /// Member end (`C1-A1.top`), wall, or a slab or beam that stands for its floor.
+    pub target: String,
+    /// What is decided.
+    pub action: OverrideAction,
+    /// Why.
+    pub reason: String,
+}
+
+/// What an analyst may decide; the names are those of the actions of rules.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OverrideAction {
+    /// A column end is a hinge.
+    Hinge,
+    /// A column end does not yield.
+    ElasticConnection,
+    /// A column end does not turn in its joint; no line at which a floor may fold runs through a beam end.
+    RigidConnection,
+    /// The floor may fold at the line through a beam end.
+    LatentHinge,
+    /// A floor is one rigid body; a wall is one with the floors that it touches.
+    MergeRigid,
+    /// A floor bends.
+    MergeElastic,
+    /// A wall is a body of its own.
+    RigidBody,
+}
+
+impl OverrideAction {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Hinge,
+        Self::ElasticConnection,
+        Self::RigidConnection,
+        Self::LatentHinge,
+        Self::MergeRigid,
+        Self::MergeElastic,
+        Self::RigidBody,
+    ];
+
+    /// Its name in building files, and that of the same action in rule files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hinge => "hinge",
+            Self::ElasticConnection => "elastic_connection",
+            Self::RigidConnection => "rigid_connection",
+            Self::LatentHinge => "latent_hinge",
+            Self::MergeRigid => "merge_rigid",
+            Self::MergeElastic => "merge_elastic",
+            Self::RigidBody => "rigid_body",
+        }
+    }
 }
 
 /// Simulation settings.

@@ -9,6 +9,7 @@
 
 use super::clear::Clear;
 use super::model::{Building, Member, MemberKind};
+use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 
 /// Coordinates closer than this are the same plane \[m\]. Formwork tolerances are millimetres.
@@ -23,6 +24,8 @@ pub struct Partition {
     pub owner: Vec<Option<usize>>,
     /// Turned members with the volume that their neighbours leave them \[m³\].
     turned_m3: Vec<(usize, f64)>,
+    /// Cells of each member, x fastest.
+    own: Vec<Vec<usize>>,
 }
 
 /// The rank that decides who owns a common volume; higher wins.
@@ -55,6 +58,10 @@ impl Partition {
     pub fn on_planes(building: &Building, planes: [Vec<f64>; 3]) -> Self {
         let mut partition = Self::with_planes(planes, building);
         partition.give_joints_to_beams(building);
+        partition.own = vec![Vec::new(); building.members.len()];
+        for (index, owner) in partition.owner.iter().enumerate() {
+            owner.iter().for_each(|member| partition.own[*member].push(index));
+        }
         partition
     }
 
@@ -64,8 +71,10 @@ impl Partition {
         let n = self.count();
         let of_kind =
             |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew());
+        let beams = Boxes::numbered(of_kind(MemberKind::Beam).map(|(index, beam)| (index, beam.solid)));
         for (column_index, column) in of_kind(MemberKind::Column) {
-            for (beam_index, beam) in of_kind(MemberKind::Beam) {
+            for beam_index in beams.near(&column.solid, COORDINATE_TOLERANCE_M) {
+                let beam = &building.members[beam_index];
                 let Some(common) = column.solid.intersection(&beam.solid, COORDINATE_TOLERANCE_M) else {
                     continue;
                 };
@@ -110,7 +119,7 @@ impl Partition {
                 }
             }
         }
-        Self { planes, owner, turned_m3: Vec::new() }
+        Self { planes, owner, turned_m3: Vec::new(), own: Vec::new() }
     }
 
     /// Number of cells in x, y and z.
@@ -134,11 +143,36 @@ impl Partition {
 
     /// All owned cells with their owner, x fastest.
     pub fn cells(&self) -> impl Iterator<Item = ([usize; 3], usize)> + '_ {
+        let owned = self.owner.iter().enumerate();
+        owned.filter_map(|(index, owner)| owner.map(|owner| (self.cell(index), owner)))
+    }
+
+    /// The cells of a member, x fastest.
+    pub fn cells_of(&self, member: usize) -> impl Iterator<Item = [usize; 3]> + '_ {
+        self.own[member].iter().map(|index| self.cell(*index))
+    }
+
+    /// The cells between two levels along an axis whose centres a solid contains along the others, with their owners.
+    pub fn layer_within(&self, axis: usize, layer: usize, solid: &Aabb) -> Vec<([usize; 3], usize)> {
+        let [x, y, z] = [0, 1, 2].map(|i| match i == axis {
+            true => layer..(layer + 1).min(self.count()[i]),
+            false => {
+                let first = self.planes[i].partition_point(|p| *p <= solid.min[i]).saturating_sub(1);
+                first..self.planes[i].partition_point(|p| *p < solid.max[i]).min(self.count()[i])
+            }
+        });
+        let cells = z.flat_map(|k| y.clone().map(move |j| (j, k)));
+        let cells = cells.flat_map(|(j, k)| x.clone().map(move |i| [i, j, k]));
+        let inside = |cell: &[usize; 3]| {
+            let center = self.cell_box(*cell).center();
+            (0..3).all(|i| i == axis || (solid.min[i] < center[i] && center[i] < solid.max[i]))
+        };
+        cells.filter(inside).filter_map(|cell| Some((cell, self.owner_at(cell)?))).collect()
+    }
+
+    fn cell(&self, index: usize) -> [usize; 3] {
         let n = self.count();
-        self.owner.iter().enumerate().filter_map(move |(index, owner)| {
-            let cell = [index % n[0], (index / n[0]) % n[1], index / (n[0] * n[1])];
-            owner.map(|o| (cell, o))
-        })
+        [index % n[0], (index / n[0]) % n[1], index / (n[0] * n[1])]
     }
 
     /// The member that owns a place.
@@ -177,8 +211,7 @@ impl Partition {
 
     /// The boxes that make up one member's own volume, merged along x, then y, then z.
     pub fn boxes_of(&self, member: usize) -> Vec<Aabb> {
-        let cells: Vec<Aabb> =
-            self.cells().filter(|(_, o)| *o == member).map(|(c, _)| self.cell_box(c)).collect();
+        let cells: Vec<Aabb> = self.cells_of(member).map(|cell| self.cell_box(cell)).collect();
         merged(&cells)
     }
 }

@@ -3,8 +3,10 @@
 use super::fields::Placed;
 use super::materials::{Defined, materials, sections};
 use super::members::{Members, members};
-use super::model::{Building, Charge, Ground, Material, Obstacle, Preparation, Section, Settings, Support};
-use super::{check, plan, structure};
+use super::model::{
+    Building, Charge, Ground, Material, Obstacle, Override, Preparation, Section, Settings, Support,
+};
+use super::{check, overrides, plan, structure};
 use crate::base::diagnostic::{Diagnostic, Diagnostics};
 use crate::base::source::{Source, Unreadable};
 use crate::base::tree::{self, Format, Node};
@@ -95,6 +97,7 @@ pub struct Draft {
     pub preparation: Vec<Placed<Preparation>>,
     pub events: Vec<Placed<Charge>>,
     pub settings: Settings,
+    pub overrides: Vec<Placed<Override>>,
 }
 
 fn draft(root: &Node, found: &mut Vec<Diagnostic>) -> Draft {
@@ -117,6 +120,7 @@ fn draft(root: &Node, found: &mut Vec<Diagnostic>) -> Draft {
         obstacles: plan::obstacles(root, found),
         preparation: plan::preparation(root, &members, found),
         events: plan::events(root, &members, settings.end_time_s, found),
+        overrides: overrides::read(root, &members, found),
         materials,
         sections,
         members,
@@ -148,6 +152,7 @@ impl Draft {
             preparation: items(&self.preparation),
             events: items(&self.events),
             settings: self.settings.clone(),
+            overrides: items(&self.overrides),
         })
     }
 }

@@ -66,11 +66,8 @@ pub fn is_taken_away(building: &Building, member: &str) -> bool {
 
 /// The extent of a member's own volume along an axis \[m\]; `None` where other members own all of it.
 pub fn clear_range(partition: &Partition, member: usize, axis: usize) -> Option<[f64; 2]> {
-    partition.cells().filter(|(_, owner)| *owner == member).fold(
-        None,
-        |range: Option<[f64; 2]>, (cell, _)| {
-            let b = partition.cell_box(cell);
-            Some(range.map_or([b.min[axis], b.max[axis]], |r| [r[0].min(b.min[axis]), r[1].max(b.max[axis])]))
-        },
-    )
+    partition.cells_of(member).map(|cell| partition.cell_box(cell)).fold(None, |range, own| {
+        let [low, high]: [f64; 2] = range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
+        Some([low.min(own.min[axis]), high.max(own.max[axis])])
+    })
 }

@@ -1,7 +1,9 @@
 //! `fallwerk bench`: measurements of the solvers.
 
 use super::progress::Progress;
-use super::{Failure, Outcome, bench_buildings, bench_tradeoff, print, read_building, thread_pool};
+use super::{
+    Failure, Outcome, bench_buildings, bench_generate, bench_tradeoff, print, read_building, thread_pool,
+};
 use crate::base::output::write_atomic;
 use crate::bench::{fe, fe_error, fe_stability, mbs, mbs_stability};
 use crate::report::loglog;
@@ -31,6 +33,8 @@ enum What {
     MbsStability(MbsStability),
     /// Generated models of random small buildings, run to rest; exit code 1 if one does not hold
     Buildings(bench_buildings::Arguments),
+    /// Time of generation over the number of members, stage by stage
+    Generate(bench_generate::Arguments),
     /// Run time against error: MBS at each level of detail, hybrid and FE at several meshes, against the finest FE run of each building
     Tradeoff(bench_tradeoff::Arguments),
 }
@@ -124,6 +128,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         What::Mbs(options) => mechanisms(options),
         What::MbsStability(options) => mbs_stability_runs(options),
         What::Buildings(options) => bench_buildings::run(options),
+        What::Generate(options) => bench_generate::run(options),
         What::Tradeoff(options) => bench_tradeoff::run(options),
     }
 }

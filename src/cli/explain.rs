@@ -10,6 +10,7 @@ use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
 use crate::mbs::model::{Body, Bushing, Origin};
+use crate::review::{Item, REVIEW_SCHEMA, Review};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -125,12 +126,16 @@ enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The body or joint with this id, else the body that a member is part of.
+    /// The body or joint with this id, else the body that a member is part of, or the member of an end without a joint.
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
             .or_else(|| model.bushings.iter().find(|j| j.id == id).map(Self::Joint))
             .or_else(|| body(&|b| b.origin.members.iter().any(|m| m == id)))
+            .or_else(|| {
+                let (member, _) = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end))?;
+                body(&|b| b.origin.members.iter().any(|m| m == member))
+            })
     }
 
     fn id(&self) -> &'a str {
@@ -162,6 +167,9 @@ impl<'a> Part<'a> {
     }
 }
 
+/// Names of the ends of columns and beams.
+const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
@@ -171,8 +179,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Some(trace) => known(&part, trace),
         None => looked_up(&part, arguments)?,
     };
+    let review = reviewed(&arguments.model, &arguments.part, &part)?;
     if arguments.json {
         let value = json!({
+            "review": review,
             "part": part.id(),
             "what": part.words(),
             "members": part.origin().members,
@@ -181,9 +191,39 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         });
         print(&format!("{value:#}\n"));
     } else {
-        print(&text(&arguments.part, &part, &reasons, &entries));
+        print(&(text(&arguments.part, &part, &reasons, &entries) + &review_text(&review)));
     }
     Ok(Outcome::Done)
+}
+
+/// The decisions about a part in the review list beside a model, with their number in all.
+fn reviewed(model: &Path, asked: &str, part: &Part) -> Result<Vec<(usize, Item)>, Failure> {
+    let path = model.with_file_name("review.json");
+    let Ok(text) = std::fs::read_to_string(&path) else { return Ok(Vec::new()) };
+    let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
+    let review: Review = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    if review.schema != REVIEW_SCHEMA {
+        return Err(wrong(format!("schema {}, this program reads schema {REVIEW_SCHEMA}", review.schema)));
+    }
+    let count = review.items.len();
+    // asked for a member or end, only what is about it; asked for a body, what is about any of its members
+    let about = |id: &String| id == asked || (asked == part.id() && (part.origin().members.contains(id)));
+    let own = review.items.into_iter().filter(|item| item.subjects.iter().any(about));
+    Ok(own.map(|item| (count, item)).collect())
+}
+
+fn review_text(items: &[(usize, Item)]) -> String {
+    let line = |(count, item): &(usize, Item)| {
+        let (why, changes) = (item.why.join("; "), item.change_words());
+        format!(
+            "  review: number {} of {count} decisions worth a look: {} of {}\n    {why}\n    otherwise {}: {changes}\n",
+            item.rank,
+            item.decision,
+            item.subject_words(),
+            item.otherwise
+        )
+    };
+    items.iter().map(line).collect()
 }
 
 fn unknown(model: &Model, id: &str) -> Failure {
@@ -230,6 +270,7 @@ fn looked_up(part: &Part, arguments: &Arguments) -> Result<Found, Failure> {
             in_range: true,
             confidence: None,
             entries: origin.entries.clone(),
+            instead_of: Vec::new(),
         })
         .collect();
     if origin.entries.is_empty() {
@@ -248,7 +289,10 @@ fn text(
 ) -> String {
     let mut text = String::new();
     if asked != part.id() {
-        text += &format!("{asked} is part of {}\n", part.id());
+        let members = &part.origin().members;
+        let end = !members.iter().any(|m| m == asked);
+        let words = if end { "has no joint; it lies in" } else { "is part of" };
+        text += &format!("{asked} {words} {}\n", part.id());
     }
     text += &format!("{}: {}\n  stands for {}\n", part.id(), part.words(), part.origin().members.join(", "));
     for (r, subjects) in grouped(reasons) {
@@ -257,8 +301,11 @@ fn text(
         let sure = r
             .confidence
             .map_or(String::new(), |c| format!(" (right in {:.0} % of cases by its studies)", 100.0 * c));
-        text +=
-            &format!("  {}: rule {}{what}{sure}{outside}\n    {}\n", subjects.join(", "), r.rule, r.words);
+        let who = match r.is_of_analyst() {
+            true => format!("analyst's override{what} ({})", r.instead_words()),
+            false => format!("rule {}{what}{sure}{outside}", r.rule),
+        };
+        text += &format!("  {}: {who}\n    {}\n", subjects.join(", "), r.words);
     }
     for (key, facts) in entries {
         text += &format!("  entry {key}\n");
@@ -274,7 +321,10 @@ fn text(
 fn grouped(reasons: &[Reason]) -> Vec<(&Reason, Vec<&str>)> {
     let mut groups: Vec<(&Reason, Vec<&str>)> = Vec::new();
     for r in reasons {
-        let same = |g: &Reason| (&g.rule, &g.action, g.in_range) == (&r.rule, &r.action, r.in_range);
+        let same = |g: &Reason| {
+            (&g.rule, &g.action, g.in_range) == (&r.rule, &r.action, r.in_range)
+                && (&g.words, &g.instead_of) == (&r.words, &r.instead_of)
+        };
         match groups.iter_mut().find(|(g, _)| same(g)) {
             Some((_, subjects)) => subjects.push(&r.subject),
             None => groups.push((r, vec![&r.subject])),

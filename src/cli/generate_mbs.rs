@@ -12,8 +12,9 @@ use crate::building::Building;
 use crate::fe::hybrid::HybridSettings;
 use crate::fe::result::FeRun;
 use crate::fe::run::{Attached, FeOptions};
-use crate::generate::{Generated, generate};
+use crate::generate::{GenerateError, Generated, Generator};
 use crate::mbs::RunResult;
+use crate::review::{self, Review};
 use crate::study::{Facts, Study, facts};
 use crate::validate::{HybridValidation, Validation};
 use std::path::{Path, PathBuf};
@@ -27,7 +28,7 @@ const VALIDATION_FILE: &str = "validation.json";
 /// Generate the MBS model of a building, run it and compare it with FE
 ///
 /// Rules decide which members become rigid bodies and where hinges stand; the library holds the hinges' resistance curves.
-/// Writes model.json, trace.json, mbs.json and histories as CSV into a result folder; with --validate also fe.json,
+/// Writes model.json, trace.json, review.json (decisions worth a look), mbs.json and histories as CSV into a result folder; with --validate also fe.json,
 /// study.json, validation.json and report.html; with --validate --hybrid the FE run with rigid parts as well, hybrid.json,
 /// and the report compares all three. Run times are in validation.json and report.html only: all other files
 /// are the same for the same input, whatever the number of threads.
@@ -47,6 +48,9 @@ pub struct Arguments {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Turn decisions worth a look round, one in each of at most N further runs, and sort them by what that changes [default: 40]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "40", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    review: Option<u32>,
     #[command(flatten)]
     curves: CurveArgs,
     /// Print the summary as JSON
@@ -90,6 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let summary = Summary {
         building: &building,
         generated: &computed.generated,
+        review: &computed.review,
         mbs: &computed.mbs,
         comparison: computed.comparison.as_ref(),
         folder: &folder,
@@ -112,6 +117,7 @@ fn keep_validation(arguments: &Arguments, target: &Path) -> Result<(), Failure> 
 
 struct Computed {
     generated: Generated,
+    review: Review,
     mbs: RunResult,
     comparison: Option<Comparison>,
 }
@@ -124,14 +130,27 @@ fn compute(
     output: &OutputFolder,
     progress: &Progress,
 ) -> Result<Computed, Failure> {
-    let generated = generated(arguments, building, progress)?;
+    let (rules, mut store) = arguments.curves.open()?;
+    progress.stage("generating the model");
+    let failed = |e: GenerateError| Failure::input(e.to_string());
+    let mut generator =
+        Generator::of(building, &rules, &mut store, arguments.curves.wishes()).map_err(failed)?;
+    let generated = generator.model(&building.overrides, &|text| progress.note(text)).map_err(failed)?;
     let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
     write_json(output, "model.json", &generated.model)?;
     write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;
     let (mbs, wall_s) = run_mbs(&generated)?;
     write_mbs(output, &mbs)?;
+    let review = match arguments.review {
+        None => review::listed(building, &generated),
+        Some(runs) => {
+            progress.stage("turning decisions round");
+            review::measured(building, &mut generator, &generated, &mbs, runs as usize)
+        }
+    };
+    write_json(output, "review.json", &review)?;
     if !arguments.validate {
-        return Ok(Computed { generated, mbs, comparison: None });
+        return Ok(Computed { generated, review, mbs, comparison: None });
     }
     let fe_run = |hybrid: Option<HybridSettings>, name: &str| {
         let options = FeOptions { keep_frames: true, hybrid, ..FeOptions::default() };
@@ -149,6 +168,7 @@ fn compute(
     let pieces = Pieces {
         building,
         generated: &generated,
+        review: &review,
         fe: &fe,
         hybrid: hybrid.as_ref(),
         facts: &facts,
@@ -160,14 +180,7 @@ fn compute(
     let page = crate::report::render(&compose::report_input(&pieces))
         .map_err(|e| Failure::stopped(e.to_string()))?;
     write(output, "report.html", &page)?;
-    Ok(Computed { generated, mbs, comparison: Some(Comparison { fe, hybrid, facts, validation }) })
-}
-
-fn generated(arguments: &Arguments, building: &Building, progress: &Progress) -> Result<Generated, Failure> {
-    let (rules, mut store) = arguments.curves.open()?;
-    progress.stage("generating the model");
-    generate(building, &rules, &mut store, arguments.curves.wishes(), &|text| progress.note(text))
-        .map_err(|e| Failure::input(e.to_string()))
+    Ok(Computed { generated, review, mbs, comparison: Some(Comparison { fe, hybrid, facts, validation }) })
 }
 
 /// Runs the model [`MBS_RUNS`] times; the result carries the median processor time. Also returns the median wall time \[s\].

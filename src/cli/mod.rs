@@ -5,6 +5,7 @@
 mod batch;
 mod bench;
 mod bench_buildings;
+mod bench_generate;
 mod bench_tradeoff;
 mod check;
 pub mod compose;

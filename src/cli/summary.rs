@@ -6,10 +6,14 @@ use super::verdict::{collapse_words, percent, seconds, verdict};
 use crate::building::Building;
 use crate::generate::Generated;
 use crate::mbs::RunResult;
+use crate::review::Review;
 use crate::study::COLLAPSE_DROP_M;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Decisions worth a look that are shown.
+const REVIEW_SHOWN: usize = 5;
 
 /// What a summary is made of.
 pub struct Summary<'a> {
@@ -17,6 +21,8 @@ pub struct Summary<'a> {
     pub building: &'a Building,
     /// Its model.
     pub generated: &'a Generated,
+    /// Its decisions worth a look.
+    pub review: &'a Review,
     /// The MBS run.
     pub mbs: &'a RunResult,
     /// The FE run and the comparison, if there was one.
@@ -53,6 +59,9 @@ pub fn as_text(s: &Summary) -> String {
         s.generated.entries.len(),
         fired.join(", "),
     );
+    for decided in s.generated.overrides() {
+        text += &format!("  override   {decided}\n");
+    }
     if !s.generated.derived.is_empty() {
         text += &format!("  derived    {}\n", s.generated.derived.join("\n             "));
     }
@@ -70,6 +79,7 @@ pub fn as_text(s: &Summary) -> String {
                 &format!("  contact    first ground contact at {}\n", seconds(s.mbs.first_ground_contact_s))
         }
     }
+    text += &review_text(s.review);
     for note in &s.generated.notes {
         text += &format!("  note       {note}\n");
     }
@@ -83,6 +93,33 @@ pub fn as_text(s: &Summary) -> String {
     text += &format!("  results    {}\n", s.folder.display());
     if s.comparison.is_some() {
         text += &format!("  report     {}\n", s.folder.join("report.html").display());
+    }
+    text
+}
+
+/// The first of the decisions worth a look.
+fn review_text(review: &Review) -> String {
+    let count = review.items.len();
+    if count == 0 {
+        return String::new();
+    }
+    let tried = match (review.runs, review.most_runs) {
+        (0, 0) => "none turned round (--review)".to_string(),
+        (0, _) => "none of which can be turned round".to_string(),
+        (runs, _) => format!("{runs} turned round in a run of its own"),
+    };
+    let mut text = format!("  review     {count} decisions worth a look, {tried}; all in review.json\n");
+    for item in review.items.iter().take(REVIEW_SHOWN) {
+        text += &format!(
+            "             {}. {}: {} ({}), {}; otherwise {}: {}\n",
+            item.rank,
+            item.subject_words(),
+            item.decision,
+            item.by,
+            item.why.join("; "),
+            item.otherwise,
+            item.change_words()
+        );
     }
     text
 }
@@ -173,6 +210,8 @@ pub fn as_json(s: &Summary) -> Value {
         "entries": s.generated.entries.keys().collect::<Vec<_>>(),
         "derived": s.generated.derived,
         "rules": s.rules(),
+        "overrides": s.generated.overrides(),
+        "review": s.review.items.iter().take(REVIEW_SHOWN).collect::<Vec<_>>(),
         "notes": s.generated.notes,
         "mbs": {
             "collapsed": s.mbs_collapsed(),

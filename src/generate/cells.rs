@@ -44,6 +44,17 @@ impl Cells {
         pieces
     }
 
+    /// The same cells of some members more than those of the floor, columns for instance: none of them ends at an edge of the floor.
+    #[must_use]
+    pub fn with(mut self, members: &[usize]) -> Self {
+        self.members = members.to_vec();
+        for own in &mut self.bounds {
+            own.first_mut().into_iter().for_each(|b| b[0] = f64::NEG_INFINITY);
+            own.last_mut().into_iter().for_each(|b| b[1] = f64::INFINITY);
+        }
+        self
+    }
+
     /// Lower and upper edge of some members along x and y \[m\].
     pub fn edges(structure: &Structure, members: &[usize]) -> [[f64; 2]; 2] {
         let boxes = || members.iter().flat_map(|m| structure.boxes(*m));

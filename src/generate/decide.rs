@@ -1,26 +1,28 @@
 //! Asks the rules about every member and member end, and keeps their answers.
 
+use super::analyst::{ANALYST, Answers};
 use super::known::Known;
 use super::{Accuracy, GenerateError, is_column};
 use crate::building::Building;
-use crate::building::ends::MemberEnd;
+use crate::building::ends::{self, MemberEnd};
+use crate::graph::{Connection, End};
 use crate::mbs::Model;
-use crate::rules::{Action, Aspect, RuleBase, Subject, Trace};
+use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, Trace};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// One reason: a rule that fired for a part of the building.
+/// One reason: a rule that fired for a part of the building, or a decision of the analyst in place of one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reason {
     /// Body or joint of the model.
     pub part: String,
     /// Member or member end that the rule decided about.
     pub subject: String,
-    /// Rule id.
+    /// Rule id, or [`ANALYST`].
     pub rule: String,
-    /// What the rule decided.
+    /// What is decided.
     pub action: String,
-    /// The rule in words.
+    /// The rule in words, or the analyst's reason.
     pub words: String,
     /// Whether the subject lies in the rule's range of evidence.
     pub in_range: bool,
@@ -29,9 +31,51 @@ pub struct Reason {
     pub confidence: Option<f64>,
     /// Library entries of the part.
     pub entries: Vec<String>,
+    /// What rules would have decided in place of the analyst.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub instead_of: Vec<Superseded>,
 }
 
-/// What the rules decided.
+impl Reason {
+    /// Whether the analyst has decided.
+    pub fn is_of_analyst(&self) -> bool {
+        self.rule == ANALYST
+    }
+
+    /// What the rules would have said, in words: `hinge (seed/column-end-hinge)`; nothing where rules have decided.
+    pub fn instead_words(&self) -> String {
+        let rules: Vec<String> =
+            self.instead_of.iter().map(|s| format!("{} ({})", s.action, s.rule)).collect();
+        match rules.as_slice() {
+            [] if self.is_of_analyst() => "no rule decides".to_string(),
+            [] => String::new(),
+            _ => format!("the rules would have said {}", rules.join(", ")),
+        }
+    }
+}
+
+/// What a rule would have decided.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Superseded {
+    /// Rule id.
+    pub rule: String,
+    /// What it says.
+    pub action: String,
+    /// Whether the subject lies in its range of evidence.
+    pub in_range: bool,
+}
+
+/// A decision of the analyst about a subject.
+#[derive(Debug, Clone)]
+struct Overruled {
+    aspect: Aspect,
+    action: Action,
+    reason: String,
+    /// The target of the override, if it does not just follow from one.
+    target: Option<String>,
+}
+
+/// What rules and analyst decided.
 #[derive(Debug, Clone, Default)]
 pub struct Decision {
     /// Members that may be one rigid body with neighbours of which the same is true.
@@ -44,8 +88,12 @@ pub struct Decision {
     pub elastic: BTreeSet<String>,
     /// Beam ends at which floors may fold, with the ids of the rules that say so.
     pub latent: BTreeMap<String, Vec<String>>,
+    /// Column ends that do not turn in their joints, by member.
+    rigid: BTreeSet<(usize, End)>,
     /// What the rules said, by subject.
     traces: BTreeMap<String, Trace>,
+    /// What the analyst decided otherwise, by subject.
+    overruled: BTreeMap<String, Overruled>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
 }
@@ -54,17 +102,18 @@ impl Decision {
     /// Asks the rules. An end of a member that merges with its neighbours needs no decision of its own.
     pub fn of(
         building: &Building,
-        ends: &[MemberEnd],
+        places: &[MemberEnd],
         known: &Known,
         accuracy: Accuracy,
         rules: &RuleBase,
+        answers: &Answers,
     ) -> Result<Self, GenerateError> {
         let none = vec![false; building.members.len()];
         let mut this = Self { merges: none.clone(), bends: none, ..Self::default() };
         let mut gaps = Vec::new();
         let wished = |subject: &Subject| subject.clone().with("wish.accuracy", accuracy.name());
         for (index, subject) in known.members.iter().enumerate() {
-            match this.ask(rules, &wished(subject), Aspect::Body)? {
+            match this.ask(rules, answers, &wished(subject), Aspect::Body)? {
                 Some(Action::MergeRigid) => this.merges[index] = true,
                 Some(Action::MergeElastic) => (this.merges[index], this.bends[index]) = (true, true),
                 Some(Action::RigidBody) => {}
@@ -72,9 +121,9 @@ impl Decision {
                 None => gaps.push(subject.id.clone()),
             }
         }
-        for (end, subject) in ends.iter().zip(&known.ends) {
+        for (end, subject) in places.iter().zip(&known.ends) {
             let column = is_column(building, end.member);
-            let answer = this.ask(rules, &wished(subject), Aspect::Rotation)?;
+            let answer = this.ask(rules, answers, &wished(subject), Aspect::Rotation)?;
             match answer {
                 Some(Action::Hinge) if column => {
                     this.hinges.insert(end.id.clone(), this.fired(&end.id));
@@ -87,6 +136,10 @@ impl Decision {
                     this.latent.insert(end.id.clone(), this.fired(&end.id));
                 }
                 Some(Action::RigidConnection) if !column => {}
+                Some(Action::RigidConnection) if this.overruled.contains_key(&end.id) => {
+                    let upper = end.end == ends::End::Upper;
+                    this.rigid.insert((end.member, if upper { End::High } else { End::Low }));
+                }
                 Some(other) => return Err(unsupported(subject, other)),
                 None => gaps.push(end.id.clone()),
             }
@@ -94,15 +147,19 @@ impl Decision {
         if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
     }
 
-    /// Asks the rules about a subject; the answer to one question.
+    /// Asks the analyst and the rules about a subject; the answer to one question.
     fn ask(
         &mut self,
         rules: &RuleBase,
+        answers: &Answers,
         subject: &Subject,
         aspect: Aspect,
     ) -> Result<Option<Action>, GenerateError> {
         let trace = rules.trace(subject)?;
-        for firing in trace.standing().filter(|f| !f.in_range) {
+        let ruled = trace.decision(aspect).map(|f| f.action);
+        let answer = answers.about(&subject.id, ruled);
+        let overruled = |f: &&Firing| answer.is_some() && f.action.spec().aspect == aspect;
+        for firing in trace.standing().filter(|f| !f.in_range && !overruled(f)) {
             let why: Vec<&str> = firing.outside.iter().chain(&firing.missing).map(String::as_str).collect();
             self.notes.push(format!(
                 "rule `{}` is used outside its range of evidence for {} ({})",
@@ -111,55 +168,143 @@ impl Decision {
                 why.join(", ")
             ));
         }
-        let answer = trace.decision(aspect).map(|f| f.action);
         self.traces.insert(subject.id.clone(), trace);
-        Ok(answer)
+        let Some(answer) = answer else { return Ok(ruled) };
+        let target = Some(answer.target.clone()).filter(|_| !answer.follows);
+        let overruled = Overruled { aspect, action: answer.action, reason: answer.reason.clone(), target };
+        self.overruled.insert(subject.id.clone(), overruled);
+        Ok(Some(answer.action))
     }
 
-    /// The rules that decided about a subject.
+    /// The firings of rules about a subject that count.
+    fn standing(&self, id: &str) -> impl Iterator<Item = &Firing> {
+        let overruled = self.overruled.get(id).map(|o| o.aspect);
+        let firings = self.traces.get(id).into_iter().flat_map(Trace::standing);
+        firings.filter(move |f| Some(f.action.spec().aspect) != overruled)
+    }
+
+    /// The rules that decided about a subject, or the analyst.
     fn fired(&self, id: &str) -> Vec<String> {
-        self.traces[id].standing().map(|f| f.rule.clone()).collect()
+        let analyst = self.overruled.get(id).map(|_| ANALYST.to_string());
+        analyst.into_iter().chain(self.standing(id).map(|f| f.rule.clone())).collect()
     }
 
-    /// Whether the floor of some members bends: if a rule says so of any of them.
+    /// Whether what two members share makes them one body.
+    pub fn joined(&self, connection: &Connection) -> bool {
+        let [a, b] = connection.members;
+        let rigid = |end: End| {
+            let other = if end == End::Low { End::High } else { End::Low };
+            // the end is one of the first member; of two columns the second one meets it with its other end
+            self.rigid.contains(&(a, end)) || self.rigid.contains(&(b, other))
+        };
+        (self.merges[a] && self.merges[b]) || connection.end.is_some_and(rigid)
+    }
+
+    /// What the rules said about a subject.
+    pub fn trace(&self, id: &str) -> Option<&Trace> {
+        self.traces.get(id)
+    }
+
+    /// The answer to a question about a subject, by the analyst or the rules.
+    pub fn answer(&self, id: &str, aspect: Aspect) -> Option<Action> {
+        let ruled = || self.traces.get(id)?.decision(aspect).map(|f| f.action);
+        self.overruled.get(id).filter(|o| o.aspect == aspect).map(|o| o.action).or_else(ruled)
+    }
+
+    /// Where the analyst has decided about a subject: the target of the override, unless it just follows from one, and what the rules would have said.
+    pub fn instead(&self, id: &str) -> Option<(Option<&str>, String)> {
+        let target = self.overruled.get(id)?.target.as_deref();
+        self.of_analyst(id, "", &[]).map(|reason| (target, reason.instead_words()))
+    }
+
+    /// Whether the analyst has decided about a subject.
+    pub fn is_of_analyst(&self, id: &str) -> bool {
+        self.overruled.contains_key(id)
+    }
+
+    /// The first of some subjects of which the analyst asks that its floor is divided, and whether it is to bend.
+    pub fn division_asked<'a>(&self, mut ids: impl Iterator<Item = &'a String>) -> Option<(String, bool)> {
+        ids.find_map(|id| match self.overruled.get(id)?.action {
+            Action::MergeElastic => Some((id.clone(), true)),
+            Action::LatentHinge => Some((id.clone(), false)),
+            _ => None,
+        })
+    }
+
+    /// Whether the floor of some members bends: if that is decided about any of them.
     pub fn bends(&self, members: &[usize]) -> bool {
         members.iter().any(|m| self.bends[*m])
     }
 
     /// Rules that made some members one body.
     pub fn rules_of(&self, building: &Building, members: &[usize]) -> Vec<String> {
-        let mut rules: Vec<String> = members
-            .iter()
+        let by_analyst = |m: &usize| {
+            let rigid = [End::Low, End::High].iter().any(|end| self.rigid.contains(&(*m, *end)));
+            rigid || self.overruled.contains_key(&building.members[*m].id)
+        };
+        let ruled = members.iter().filter(|m| !self.overruled.contains_key(&building.members[**m].id));
+        let mut rules: Vec<String> = ruled
             .filter_map(|m| self.traces.get(&building.members[*m].id)?.decision(Aspect::Body))
             .map(|f| f.rule.clone())
             .collect();
+        rules.extend(members.iter().any(by_analyst).then(|| ANALYST.to_string()));
         rules.sort();
         rules.dedup();
         rules
     }
 
-    /// The reasons of each part, in the order of the model.
+    /// The reasons of each part, in the order of the model; then decisions of the analyst about ends where there is no joint.
     pub fn reasons(&self, rules: &RuleBase, model: &Model) -> Vec<Reason> {
         let bodies = model.bodies.iter().map(|b| (&b.id, &b.origin));
         let joints = model.bushings.iter().map(|j| (&j.id, &j.origin));
-        let mut reasons = Vec::new();
+        let (mut reasons, mut told) = (Vec::new(), BTreeSet::new());
         for (part, origin) in bodies.chain(joints) {
-            for trace in origin.members.iter().filter_map(|subject| self.traces.get(subject)) {
-                for firing in trace.standing() {
+            for subject in origin.members.iter().filter(|id| self.traces.contains_key(*id)) {
+                told.insert(subject.as_str());
+                reasons.extend(self.of_analyst(subject, part, &origin.entries));
+                for firing in self.standing(subject) {
                     reasons.push(Reason {
                         part: part.clone(),
-                        subject: trace.subject.clone(),
+                        subject: subject.clone(),
                         rule: firing.rule.clone(),
                         action: firing.action.spec().name.to_string(),
                         words: rules.rule(&firing.rule).map(|r| r.words.clone()).unwrap_or_default(),
                         in_range: firing.in_range,
                         confidence: firing.confidence,
                         entries: origin.entries.clone(),
+                        instead_of: Vec::new(),
                     });
                 }
             }
         }
+        for subject in self.overruled.keys().filter(|id| !told.contains(id.as_str())) {
+            let member = subject.rsplit_once('.').map_or(subject.as_str(), |(member, _)| member);
+            let body = model.bodies.iter().find(|b| b.origin.members.iter().any(|m| m == member));
+            reasons.extend(body.and_then(|body| self.of_analyst(subject, &body.id, &[])));
+        }
         reasons
+    }
+
+    /// The analyst's decision about a subject as the reason of a part.
+    fn of_analyst(&self, subject: &str, part: &str, entries: &[String]) -> Option<Reason> {
+        let overruled = self.overruled.get(subject)?;
+        let firings = self.traces.get(subject).into_iter().flat_map(Trace::standing);
+        let superseded = firings.filter(|f| f.action.spec().aspect == overruled.aspect).map(|f| Superseded {
+            rule: f.rule.clone(),
+            action: f.action.spec().name.to_string(),
+            in_range: f.in_range,
+        });
+        Some(Reason {
+            part: part.to_string(),
+            subject: subject.to_string(),
+            rule: ANALYST.to_string(),
+            action: overruled.action.spec().name.to_string(),
+            words: overruled.reason.clone(),
+            in_range: true,
+            confidence: None,
+            entries: entries.to_vec(),
+            instead_of: superseded.collect(),
+        })
     }
 }
 

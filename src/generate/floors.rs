@@ -8,7 +8,7 @@ use super::GenerateError;
 use super::cells::{Cells, Piece, neighbours};
 use super::decide::Decision;
 use super::joints::{Place, axes};
-use crate::building::ends::MemberEnd;
+use crate::building::ends::{MemberEnd, SAME_LINE_M};
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::library::Entry;
@@ -17,8 +17,6 @@ use crate::mbs::model::{Bending, Body, Bushing, Origin};
 use crate::rc::StripPlace;
 use std::collections::BTreeSet;
 
-/// Lines nearer to each other than this are one \[m\].
-const SAME_LINE_M: f64 = 0.05;
 /// Most pieces of a floor: what latent hinges bear is found with a dense matrix.
 const MOST_PIECES: usize = 64;
 /// Largest distance from a line at which its pieces meet, of the clear span of the beam.

@@ -3,18 +3,21 @@
 use super::bodies::Bodies;
 use super::decide::Decision;
 use super::{Derive, GenerateError};
+use crate::base::hash::ContentHash;
 use crate::building::ends::MemberEnd;
 use crate::building::partition::Partition;
 use crate::building::{Building, Face};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
-use crate::library::derive::{DeriveError, Wanted, beyond};
+use crate::library::derive::{DeriveError, Wanted};
 use crate::library::derive_strip::WantedStrip;
 use crate::library::entry::AxisRecord;
 use crate::library::similar::{Candidates, Similar};
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{Bending, Bushing, Origin};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// What the joints are placed in.
 pub struct Place<'a> {
@@ -56,8 +59,30 @@ pub struct Entries {
     /// Key of each member end's entry.
     pub of_end: BTreeMap<String, String>,
     pub derived: Vec<String>,
-    /// What an analyst should look at.
-    pub notes: Vec<String>,
+    /// Those that are scaled from others.
+    pub scaled: Vec<Scaled>,
+    /// Time for entries that the library lacks \[s\].
+    pub curves_s: f64,
+}
+
+/// An entry scaled from a similar one.
+#[derive(Debug, Clone)]
+pub struct Scaled {
+    /// The first of its ends.
+    pub end: String,
+    /// Its key.
+    pub key: String,
+    /// From which entry, in words.
+    pub words: String,
+    /// How far that is, see [`Similar`].
+    pub distance: f64,
+}
+
+impl Scaled {
+    /// What an analyst should know.
+    pub fn note(&self) -> String {
+        format!("{}: no entry of its own, curves scaled from {}", self.end, self.words)
+    }
 }
 
 impl Entries {
@@ -77,17 +102,21 @@ pub fn curve_id(key: &str, axis: usize) -> String {
     format!("{key}/axis-{}", axis + 1)
 }
 
-/// What the entries of member ends are asked for.
+/// What the entry of a column end is asked for.
 ///
 /// # Errors
-/// If an end touches nothing.
-pub fn queries(place: &Place, ends: &[&MemberEnd]) -> Result<Vec<(String, Query)>, GenerateError> {
-    let of = |end: &&MemberEnd| {
-        let query = Wanted::of(place.building, place.partition, place.mesh, end);
-        let query = query.ok_or_else(|| GenerateError::Loose(end.id.clone()))?;
-        Ok((end.id.clone(), Query::End(query)))
-    };
-    ends.iter().map(of).collect()
+/// If it touches nothing.
+pub fn query(place: &Place, end: &MemberEnd) -> Result<Query, GenerateError> {
+    let wanted = Wanted::of(place.building, place.partition, place.mesh, end);
+    wanted.map(Query::End).ok_or_else(|| GenerateError::Loose(end.id.clone()))
+}
+
+/// A place whose entry is asked for.
+pub struct Asked {
+    id: String,
+    key: String,
+    /// Left out where the entry is at hand.
+    query: Option<Query>,
 }
 
 /// What the library knows, and what is done about the rest.
@@ -96,6 +125,14 @@ pub struct Known {
     derive: Derive,
     keys: Vec<String>,
     candidates: Candidates,
+    /// Entries that are not in the library.
+    further: BTreeMap<String, Entry>,
+    /// Keys of the entries of places asked for before.
+    keys_of: RefCell<BTreeMap<String, String>>,
+    /// Keys of the entries of ends with the same surroundings.
+    keys_by: RefCell<BTreeMap<ContentHash, String>>,
+    /// Entries scaled before, by the keys asked for.
+    scaled: RefCell<BTreeMap<String, Option<Similar>>>,
 }
 
 impl Known {
@@ -106,56 +143,120 @@ impl Known {
     pub fn of(store: &Store, derive: Derive) -> Result<Self, StoreError> {
         let candidates =
             if derive == Derive::Similar { Candidates::of(store)? } else { Candidates::default() };
-        Ok(Self { derive, keys: store.keys(), candidates })
+        Ok(Self {
+            derive,
+            keys: store.keys(),
+            candidates,
+            further: BTreeMap::new(),
+            keys_of: RefCell::default(),
+            keys_by: RefCell::default(),
+            scaled: RefCell::default(),
+        })
+    }
+
+    /// From now on nothing is computed, but some entries are at hand.
+    pub fn compute_no_more(&mut self, entries: &BTreeMap<String, Entry>) {
+        self.derive = if self.derive == Derive::Similar { Derive::Similar } else { Derive::Never };
+        self.further.extend(entries.iter().map(|(key, entry)| (key.clone(), entry.clone())));
+    }
+
+    /// Forgets which places have the same surroundings: the first of them is asked anew, so that its curves can be computed.
+    pub fn begin(&self) {
+        self.keys_by.borrow_mut().clear();
     }
 
     /// Whether there is an entry of this key.
     fn has(&self, key: &str) -> bool {
+        self.further.contains_key(key) || self.is_in_library(key)
+    }
+
+    fn is_in_library(&self, key: &str) -> bool {
         self.keys.binary_search_by(|k| k.as_str().cmp(key)).is_ok()
     }
 
-    /// A similar entry, if such are asked for.
-    fn similar(&self, query: &Query) -> Result<Option<Similar>, DeriveError> {
-        Ok(match query {
-            Query::End(wanted) => self.candidates.scaled(wanted)?,
-            Query::Strip(_) => None,
-        })
+    /// What is asked of the library about a place; the query is made only where its answer is not known.
+    pub fn asked(
+        &self,
+        id: &str,
+        signature: impl FnOnce() -> Option<ContentHash>,
+        query: impl FnOnce() -> Result<Query, GenerateError>,
+    ) -> Result<Asked, GenerateError> {
+        let known = self.keys_of.borrow().get(id).cloned();
+        let scaled = |key: &String| self.scaled.borrow().get(key).is_some_and(Option::is_some);
+        let at_hand = |key: &String| self.has(key) || scaled(key);
+        if let Some(key) = known.filter(at_hand) {
+            return Ok(Asked { id: id.to_string(), key, query: None });
+        }
+        let signature = signature();
+        let alike = signature.and_then(|s| self.keys_by.borrow().get(&s).cloned());
+        if let Some(key) = alike {
+            self.keys_of.borrow_mut().insert(id.to_string(), key.clone());
+            return Ok(Asked { id: id.to_string(), key, query: None });
+        }
+        let query = query()?;
+        let key = query.key()?;
+        self.keys_of.borrow_mut().insert(id.to_string(), key.clone());
+        signature.map(|s| self.keys_by.borrow_mut().insert(s, key.clone()));
+        Ok(Asked { id: id.to_string(), query: Some(query).filter(|_| !at_hand(&key)), key })
+    }
+
+    /// A similar entry, if such are asked for and one is near enough.
+    fn similar(&self, key: &str, query: Option<&Query>) -> Result<Option<Similar>, DeriveError> {
+        if let Some(known) = self.scaled.borrow().get(key) {
+            return Ok(known.clone());
+        }
+        let found = match query {
+            Some(Query::End(wanted)) => self.candidates.scaled(wanted)?,
+            _ => None,
+        };
+        self.scaled.borrow_mut().insert(key.to_string(), found.clone());
+        Ok(found)
     }
 
     /// Whether there is neither an entry nor a similar one, and none is to be computed, and the model can do without.
     pub fn lacks(&self, query: &Query) -> Result<bool, DeriveError> {
-        Ok(self.derive == Derive::Similar && !self.has(&query.key()?) && self.similar(query)?.is_none())
+        if self.derive != Derive::Similar {
+            return Ok(false);
+        }
+        let key = query.key()?;
+        Ok(!self.has(&key) && self.similar(&key, Some(query))?.is_none())
     }
 }
 
 /// Finds, or computes, the entry for each of some places. Places that are mirror images of each other share one.
 pub fn entries(
-    places: Vec<(String, Query)>,
+    places: impl Iterator<Item = Result<Asked, GenerateError>>,
     store: &mut Store,
     at_hand: &Known,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Entries, GenerateError> {
     let mut found = Entries::default();
-    let mut wanted: BTreeMap<String, (String, Query)> = BTreeMap::new();
-    for (id, query) in places {
-        let key = query.key()?;
+    let mut wanted: BTreeMap<String, (String, Option<Query>)> = BTreeMap::new();
+    for place in places {
+        let Asked { id, key, query } = place?;
         found.of_end.insert(id.clone(), key.clone());
         wanted.entry(key).or_insert((id, query));
     }
     let derive = at_hand.derive;
+    let began = Instant::now();
     let mut missing = Vec::new();
     for (key, (end, query)) in wanted {
-        if at_hand.has(&key) {
+        if at_hand.is_in_library(&key) {
             found.entries.insert(key.clone(), store.get(&key)?);
             continue;
         }
-        if let Some(similar) = at_hand.similar(&query)? {
-            found.notes.push(format!("{end}: no entry of its own, curves scaled from {}", similar.words));
+        if let Some(entry) = at_hand.further.get(&key) {
+            found.entries.insert(key, entry.clone());
+            continue;
+        }
+        if let Some(similar) = at_hand.similar(&key, query.as_ref())? {
+            let Similar { words, distance, .. } = similar;
+            found.scaled.push(Scaled { end, key: similar.entry.key.clone(), words, distance });
             found.of_end.values_mut().filter(|k| **k == key).for_each(|k| k.clone_from(&similar.entry.key));
             found.entries.insert(similar.entry.key.clone(), similar.entry);
             continue;
         }
-        missing.push((key, end, query));
+        missing.extend(query.map(|query| (key, end, query)));
     }
     if matches!(derive, Derive::Never | Derive::Similar) && !missing.is_empty() {
         return Err(GenerateError::Missing(missing.into_iter().map(|(_, end, _)| end).collect()));
@@ -171,6 +272,7 @@ pub fn entries(
         found.derived.push(key.clone());
         found.entries.insert(key, entry);
     }
+    found.curves_s = began.elapsed().as_secs_f64();
     Ok(found)
 }
 
@@ -185,7 +287,7 @@ pub fn hinges(
     let mut joints = Vec::new();
     for end in ends {
         let Some(own) = place.bodies.of(end.member, end.point_m) else { continue };
-        let other = beyond(place.partition, end).and_then(|m| place.bodies.of(m, end.point_m));
+        let other = end.beyond(place.partition).and_then(|m| place.bodies.of(m, end.point_m));
         let stands = end.axis == 2 && on_support(place.building, end.member, end.point_m[2]);
         if other.is_none() && !stands {
             notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
@@ -241,7 +343,7 @@ pub fn without_joint(
     let ends: BTreeMap<&str, &MemberEnd> = ends.iter().map(|e| (e.id.as_str(), *e)).collect();
     for hinge in hinges {
         let Some(end) = ends.get(hinge.id.as_str()) else { continue };
-        let other = beyond(place.partition, end).and_then(|m| place.bodies.of(m, end.point_m));
+        let other = end.beyond(place.partition).and_then(|m| place.bodies.of(m, end.point_m));
         if !other.is_some_and(|o| place.bodies.is_bending(o)) {
             continue;
         }

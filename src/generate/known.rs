@@ -12,7 +12,6 @@ use crate::building::partition::Partition;
 use crate::building::{Building, Member, MemberKind, Preparation};
 use crate::graph::demand::StateSummary;
 use crate::graph::{Demands, EndDemand, EndState, Structure, demands};
-use crate::library::derive::beyond;
 use crate::rules::{Subject, SubjectKind, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -218,7 +217,7 @@ impl<'a> Site<'a> {
         let mut subject = members[end.member].clone();
         let of_members = |name: &str| name == "member.charge_distance" || name == "floor.slenderness";
         subject.features.retain(|name, _| !of_members(name));
-        let adjoining = beyond(partition, end).map(|m| building.members[m].kind.name());
+        let adjoining = end.beyond(partition).map(|m| building.members[m].kind.name());
         let position = match (is_column(building, end.member), end.end) {
             (true, End::Lower) => "bottom",
             (true, End::Upper) => "top",

@@ -4,11 +4,14 @@
 //! member ends for which a rule asks for a hinge, and each hinge carries the curves of the library entry computed from exactly
 //! this member end. Where no rule decides or no entry exists, generation stops and says so: there is no default curve.
 
-pub mod beam_ends;
-mod bodies;
+mod analyst;
+mod beam_ends;
+pub mod bodies;
 mod cells;
 mod decide;
+mod doubts;
 mod floors;
+mod generator;
 mod grillage;
 mod joints;
 pub mod known;
@@ -17,21 +20,23 @@ mod stretch;
 mod walls;
 mod wish;
 
-pub use decide::{Decision, Reason};
+pub use analyst::ANALYST;
+pub use decide::{Decision, Reason, Superseded};
+pub use doubts::{Alternative, Doubt, Why};
+pub use generator::Generator;
 pub use wish::{Accuracy, Derive, Wishes};
 
-use crate::building::ends::{MemberEnd, member_ends};
+use crate::building::ends::MemberEnd;
 use crate::building::partition::Partition;
 use crate::building::tracked::{Tracked, tracked_points};
 use crate::building::{Building, Charge, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::graph::idealise::idealise;
-use crate::graph::{Demands, Structure, demands};
+use crate::graph::{Connection, Structure};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    Bending, BodyContact, Bushing, Contact, Event, GroundPlane, MODEL_SCHEMA, Model, ObstacleBox, Origin,
-    RESTITUTION, RunSettings, TOLERANCE, TrackedPoint,
+    BodyContact, Bushing, Contact, Event, GroundPlane, Model, ObstacleBox, Origin, RESTITUTION, TrackedPoint,
 };
 use crate::rules::RuleBase;
 use beam_ends::YieldingEnds;
@@ -40,7 +45,6 @@ use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
 use joints::Query;
-use known::Known;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A generated model with its reasons.
@@ -52,10 +56,41 @@ pub struct Generated {
     pub trace: Vec<Reason>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
+    /// Decisions of which an analyst might doubt.
+    pub doubts: Vec<Doubt>,
     /// Keys of entries that were computed on the way.
     pub derived: Vec<String>,
     /// The entries used, by key.
     pub entries: BTreeMap<String, Entry>,
+    /// Time of each stage \[s\], in their order; `curves` is what it takes to scale or compute those that the library lacks.
+    pub stages: Vec<(&'static str, f64)>,
+}
+
+impl Generated {
+    /// What the analyst decided in place of the rules, in words; what is the same of many members or ends, once.
+    pub fn overrides(&self) -> Vec<String> {
+        let mut groups: Vec<(&Reason, BTreeSet<&str>)> = Vec::new();
+        for reason in self.trace.iter().filter(|r| r.is_of_analyst()) {
+            let same = |g: &Reason| {
+                (&g.action, &g.words, &g.instead_of) == (&reason.action, &reason.words, &reason.instead_of)
+            };
+            match groups.iter_mut().find(|(g, _)| same(g)) {
+                Some((_, subjects)) => _ = subjects.insert(&reason.subject),
+                None => groups.push((reason, BTreeSet::from([reason.subject.as_str()]))),
+            }
+        }
+        let words = |(reason, subjects): (&Reason, BTreeSet<&str>)| {
+            let subjects: Vec<&str> = subjects.into_iter().collect();
+            format!(
+                "{} -> {}: {} ({})",
+                subjects.join(", "),
+                reason.action,
+                reason.words,
+                reason.instead_words()
+            )
+        };
+        groups.into_iter().map(words).collect()
+    }
 }
 
 /// A model that cannot be generated.
@@ -81,6 +116,9 @@ pub enum GenerateError {
     /// A member is turned out of the axes.
     #[error("{0}")]
     Skew(String),
+    /// A decision of the analyst cannot be carried out.
+    #[error("the override of {0} cannot be carried out: {1}")]
+    Override(String, String),
     /// A column ends in the air.
     #[error("member end {0} touches nothing")]
     Loose(String),
@@ -100,119 +138,7 @@ pub fn generate(
     wishes: impl Into<Wishes>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Generated, GenerateError> {
-    let Wishes { derive, accuracy } = wishes.into();
-    building.without_skew("no MBS model can be generated").map_err(GenerateError::Skew)?;
-    let structure = Structure::of(building);
-    let partition = &structure.partition;
-    let ends = member_ends(building, partition);
-    let demands = demands(&structure, building);
-    let known = Known::of(building, &structure, &ends, &demands);
-    let decision = Decision::of(building, &ends, &known, accuracy, rules)?;
-    if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
-        return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
-    }
-    let present: Vec<bool> = building.members.iter().map(|m| !building.is_cut(&m.id)).collect();
-    let clusters: Vec<Vec<usize>> = structure
-        .clusters(|c| c.members.iter().all(|m| present[*m] && decision.merges[*m]))
-        .into_iter()
-        .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
-        .collect();
-    let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-    let mut notes = decision.notes.clone();
-    let known = joints::Known::of(store, derive)?;
-    let parts = Parts {
-        building,
-        structure: &structure,
-        mesh: &mesh,
-        clusters: &clusters,
-        ends: &ends,
-        decision: &decision,
-    };
-    let mut division = parts.divided(&BTreeSet::new());
-    let without = division.without_curves(&known)?;
-    if !without.is_empty() {
-        division = parts.divided(&without);
-    }
-    let Division { bodies, floors, lines, notes: told } = division;
-    notes.extend(told);
-    let place = joints::Place { building, partition, mesh: &mesh, bodies: &bodies };
-    let hinged: Vec<&MemberEnd> =
-        ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
-    let mut asked = joints::queries(&place, &hinged)?;
-    asked.extend(lines.iter().map(|(_, line)| (line.id.clone(), Query::Strip(line.wanted.clone()))));
-    let found = joints::entries(asked, store, &known, progress)?;
-    notes.extend(found.notes.iter().cloned());
-    if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
-        notes.push(format!(
-            "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",
-            building.settings.removal_duration_s
-        ));
-    }
-    let mut hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
-    for (first, line) in &lines {
-        let entry = &found.entries[&found.of_end[&line.id]];
-        hinges.push(line.bushing(&bodies.list, *first, entry, joints::curve_id(&entry.key, 0), building)?);
-    }
-    let (walls, wall_curves) = walls::springs(building, &structure, &bodies);
-    if !walls.is_empty() {
-        notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
-    }
-    hinges.extend(walls);
-    let mut curves = found.curves();
-    joints::without_joint(&place, &hinged, &mut hinges, &mut curves);
-    curves.extend(wall_curves);
-    let mut contact = contact(building);
-    let mut yielding = YieldingEnds::new(&mesh, &ends);
-    bending_floors(building, &structure, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
-    curves.extend(yielding.into_curves());
-    let used: BTreeSet<&String> = hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
-    curves.retain(|id, _| used.contains(id));
-    let live: BTreeSet<&str> = hinges.iter().flat_map(Bushing::hinges).collect();
-    notes.extend(overloaded_rigid_ends(&demands, &live));
-    let model = Model {
-        schema: MODEL_SCHEMA.to_string(),
-        name: building.name.clone(),
-        gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
-        curves,
-        joints: Vec::new(),
-        bushings: hinges,
-        forces: Vec::new(),
-        contact,
-        events: events(building, &bodies),
-        tracked: tracked(building, partition, &bodies),
-        settings: RunSettings {
-            end_time_s: building.settings.end_time_s,
-            output_interval_s: building.settings.output_interval_s,
-            preload: true,
-            time_step_s: None,
-            tolerance: TOLERANCE,
-            reactions: false,
-            sleep_speed_m_s: None,
-        },
-        bodies: bodies.list,
-    };
-    let trace = decision.reasons(rules, &model);
-    Ok(Generated { model, trace, notes, derived: found.derived, entries: found.entries })
-}
-
-/// Ends without a hinge whose reinforced section would yield in linear theory after the removal, worst first.
-fn overloaded_rigid_ends(demands: &Demands, live: &BTreeSet<&str>) -> Vec<String> {
-    let mut ends: Vec<(f64, &str)> = demands
-        .ends
-        .iter()
-        .filter(|e| !live.contains(e.id.as_str()))
-        .filter_map(|e| Some((e.after.as_ref()?.section.ratio, e.id.as_str())))
-        .filter(|(ratio, _)| *ratio > 1.0)
-        .collect();
-    ends.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
-    ends.iter()
-        .map(|(ratio, id)| {
-            format!(
-                "{id} stays rigid by rule, though its reinforced section would yield after the removal \
-                 (elastic demand over capacity {ratio:.1})"
-            )
-        })
-        .collect()
+    Generator::of(building, rules, store, wishes)?.model(&building.overrides, progress)
 }
 
 fn contact(building: &Building) -> Contact {
@@ -274,35 +200,23 @@ struct Division {
 
 impl Parts<'_> {
     /// One body a cluster, or the pieces of a floor that bends or may fold; `without` are floors for whose lines there are no curves: they stay in one piece.
-    fn divided(&self, without: &BTreeSet<String>) -> Division {
-        let Self { building, structure, mesh, clusters, ends, decision } = *self;
+    fn divided(&self, without: &BTreeSet<String>) -> Result<Division, GenerateError> {
+        let Self { building, structure, mesh, clusters, decision, .. } = *self;
         let (mut bodies, mut floors, mut notes) =
             (Bodies::new(building.members.len()), Vec::new(), Vec::new());
         for cluster in clusters {
             let rules = decision.rules_of(building, cluster);
             let name = bodies::name(building, cluster);
-            let bends = decision.bends(cluster).then(|| Grillage::of(building, structure, cluster)).flatten();
-            let mut folds = || {
-                if without.contains(&name) {
-                    notes.push(format!("{name} stays in one piece: the library has no curves for the lines at which it may fold, nor similar ones"));
-                    return None;
-                }
-                Grid::of(building, structure, cluster, ends, decision).unwrap_or_else(|pieces| {
-                    notes.push(format!(
-                        "{name} stays in one piece: the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
-                    ));
-                    None
-                })
-            };
-            let floor = bends.map(Floor::Bends).or_else(|| folds().map(Floor::Folds));
-            let Some(floor) = floor else {
+            let Some(floor) = self.division(cluster, &name, without, &mut notes)? else {
                 bodies.add(cluster, bodies::body(building, structure, cluster, rules));
                 continue;
             };
-            let pieces = match &floor {
-                Floor::Folds(grid) => grid.cells().pieces(structure),
-                Floor::Bends(grillage) => grillage.cells.pieces(structure),
+            let cells = match &floor {
+                Floor::Folds(grid) => grid.cells(),
+                Floor::Bends(grillage) => grillage.cells.clone(),
             };
+            let whole = cells.members.len() == cluster.len();
+            let pieces = if whole { cells } else { cells.with(cluster) }.pieces(structure);
             let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
             let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
             if matches!(floor, Floor::Bends(_)) {
@@ -316,10 +230,92 @@ impl Parts<'_> {
             let Floor::Folds(grid) = floor else { continue };
             let names: Vec<String> =
                 bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
-            let own = grid.lines(&place, pieces, ends, &names, decision);
+            let own = grid.lines(&place, pieces, &self.ends_of(&grid.members), &names, decision);
             lines.extend(own.into_iter().map(|line| (*first, line)));
         }
-        Division { bodies, floors, lines, notes }
+        Ok(Division { bodies, floors, lines, notes })
+    }
+
+    /// How a cluster is divided, if it is. What the rules ask for and cannot be had is noted.
+    ///
+    /// # Errors
+    /// If the analyst asks for a division that cannot be had.
+    fn division(
+        &self,
+        cluster: &[usize],
+        name: &str,
+        without: &BTreeSet<String>,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<Floor>, GenerateError> {
+        let Self { building, structure, decision, .. } = *self;
+        let ends = self.ends_of(cluster);
+        let folds = ends.iter().any(|e| decision.latent.contains_key(&e.id));
+        let members = cluster.iter().map(|m| &building.members[*m].id);
+        let asked = decision.division_asked(members.chain(ends.iter().map(|e| &e.id)));
+        let bends = decision.bends(cluster);
+        let Some(floor) = self.floor_of(cluster) else {
+            let why = format!(
+                "{name} stays in one piece: by the analyst's decision it is one body with more than its floor"
+            );
+            return match asked {
+                Some((target, _)) => Err(GenerateError::Override(target, why)),
+                None => {
+                    notes.extend((bends || folds).then_some(why));
+                    Ok(None)
+                }
+            };
+        };
+        let grillage = bends.then(|| Grillage::of(building, structure, &floor)).flatten();
+        if let (None, Some((target, true))) = (&grillage, &asked) {
+            let why = format!("{name} has columns on less than two axes, between which it could bend");
+            return Err(GenerateError::Override(target.clone(), why));
+        }
+        if let Some(grillage) = grillage {
+            return Ok(Some(Floor::Bends(grillage)));
+        }
+        if !folds {
+            return Ok(None);
+        }
+        let why = if without.contains(name) {
+            "the library has no curves for the lines at which it may fold, nor similar ones".to_string()
+        } else {
+            match Grid::of(building, structure, &floor, &ends, decision) {
+                Ok(grid) => return Ok(grid.map(Floor::Folds)),
+                Err(pieces) => format!(
+                    "the lines at which it may fold would make {pieces} of it, more than a model can watch in one floor"
+                ),
+            }
+        };
+        let why = format!("{name} stays in one piece: {why}");
+        match asked {
+            Some((target, _)) => Err(GenerateError::Override(target, why)),
+            None => {
+                notes.push(why);
+                Ok(None)
+            }
+        }
+    }
+
+    /// Ends of some members; those of all members stand in the order of the members.
+    fn ends_of(&self, members: &[usize]) -> Vec<MemberEnd> {
+        let own = |m: usize| {
+            let [first, after] = [m, m + 1].map(|m| self.ends.partition_point(|e| e.member < m));
+            &self.ends[first..after]
+        };
+        members.iter().flat_map(|m| own(*m)).cloned().collect()
+    }
+
+    /// The slabs and beams of a cluster, if they are one floor that may be divided: with no more than columns that do not turn in it.
+    fn floor_of(&self, cluster: &[usize]) -> Option<Vec<usize>> {
+        let kind = |m: usize| self.building.members[m].kind;
+        let in_floor = |m: usize| matches!(kind(m), MemberKind::Slab | MemberKind::Beam);
+        let floor: Vec<usize> = cluster.iter().copied().filter(|m| in_floor(*m)).collect();
+        let columns = || cluster.iter().all(|m| in_floor(*m) || kind(*m) == MemberKind::Column);
+        let together = || {
+            let shared = |c: &Connection| c.members.iter().all(|m| floor.contains(m));
+            self.structure.clusters(shared).iter().any(|c| c.len() == floor.len() && floor.contains(&c[0]))
+        };
+        (floor.len() == cluster.len() || (!floor.is_empty() && columns() && together())).then_some(floor)
     }
 }
 

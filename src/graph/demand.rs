@@ -173,7 +173,7 @@ fn compressed_edge(about: usize, moment_nm: f64) -> CompressedEdge {
 /// Against the reinforced section: uniaxial capacities at the axial force, combined as in EN 1992-1-1, 5.8.9
 /// (4), eq. 5.39. `None` if the section's materials are not concrete and steel.
 pub fn against_section(building: &Building, end: &MemberEnd, forces: &SectionForces) -> Option<Utilisation> {
-    let member = building.member(&end.member_id)?;
+    let member = &building.members[end.member];
     let section = building.sections.get(&member.section)?;
     let (Some(Material::Concrete(concrete)), Some(Material::Steel(steel))) =
         (building.materials.get(&section.concrete), building.materials.get(&section.steel))
@@ -211,9 +211,7 @@ fn biaxial_exponent(axial_ratio: f64) -> f64 {
 /// Against the homogenised law: rectangle, biaxial exponent `1.73 + 1.8 n³` (ENV 1993-1-1:1992, 5.4.8.1 (11),
 /// solid rectangles).
 pub fn against_law(building: &Building, end: &MemberEnd, forces: &SectionForces) -> Utilisation {
-    let Some(member) = building.member(&end.member_id) else {
-        return Utilisation { capacity_nm: [0.0; 2], ratio: 0.0 };
-    };
+    let member = &building.members[end.member];
     let law = building.law_of(member);
     let factor = strength_factor(building, &member.id);
     let [width, depth] = end.size_m;

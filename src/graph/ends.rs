@@ -4,6 +4,8 @@
 //! soffit of the deepest beam (the cells that it owns over at least half of its section), a beam's from
 //! column face to column face. A beam that runs through over a column has several clear spans.
 
+use crate::base::boxes::Boxes;
+use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Member, MemberKind};
 use serde::Serialize;
@@ -101,7 +103,12 @@ pub fn section_size_m(member: &Member) -> [f64; 2] {
 }
 
 /// The clear spans of a bar along its axis \[m\], ascending; empty if other members own all of it.
-pub fn clear_spans_m(building: &Building, partition: &Partition, index: usize) -> Vec<[f64; 2]> {
+pub fn clear_spans_m(
+    building: &Building,
+    uprights: &Boxes,
+    partition: &Partition,
+    index: usize,
+) -> Vec<[f64; 2]> {
     let member = &building.members[index];
     let Some(axis) = bar_axis(member) else { return Vec::new() };
     let planes = &partition.planes[axis];
@@ -109,22 +116,22 @@ pub fn clear_spans_m(building: &Building, partition: &Partition, index: usize) -
     let size = member.solid.size();
     let needed = if is_upright(member) { 0.5 * size[others[0]] * size[others[1]] } else { 0.0 };
     let mut owned = vec![0.0; planes.len().saturating_sub(1)];
-    for (cell, owner) in partition.cells() {
-        if owner == index {
-            let cell_size = partition.cell_box(cell).size();
-            owned[cell[axis]] += cell_size[others[0]] * cell_size[others[1]];
-        }
+    for cell in partition.cells_of(index) {
+        let cell_size = partition.cell_box(cell).size();
+        owned[cell[axis]] += cell_size[others[0]] * cell_size[others[1]];
     }
+    let is_beam = member.kind == MemberKind::Beam;
+    let near = if is_beam { uprights.near(&member.solid, COORDINATE_TOLERANCE_M) } else { Vec::new() };
     let mut spans: Vec<[f64; 2]> = Vec::new();
-    for (layer, area) in owned.iter().enumerate() {
+    for (layer, area) in owned.iter().enumerate().filter(|(_, area)| **area > 0.0) {
         let mut slice = member.solid;
         slice.min[axis] = planes[layer];
         slice.max[axis] = planes[layer + 1];
-        let in_column = member.kind == MemberKind::Beam
-            && building.members.iter().any(|other| {
-                is_upright(other) && other.solid.intersection(&slice, COORDINATE_TOLERANCE_M).is_some()
-            });
-        if *area <= 0.0 || *area < needed - COORDINATE_TOLERANCE_M || in_column {
+        let meets = |other: &usize| {
+            building.members[*other].solid.intersection(&slice, COORDINATE_TOLERANCE_M).is_some()
+        };
+        let in_column = near.iter().any(meets);
+        if *area < needed - COORDINATE_TOLERANCE_M || in_column {
             continue;
         }
         match spans.last_mut() {
@@ -142,16 +149,18 @@ pub fn member_ends(
     partition: &Partition,
     supported: &dyn Fn(usize, End) -> bool,
 ) -> Vec<MemberEnd> {
+    let uprights = building.members.iter().enumerate().filter(|(_, m)| is_upright(m));
+    let uprights = Boxes::numbered(uprights.map(|(index, upright)| (index, upright.solid)));
     let mut ends = Vec::new();
     for (index, member) in building.members.iter().enumerate() {
         let Some(axis) = bar_axis(member) else { continue };
-        let spans = clear_spans_m(building, partition, index);
+        let spans = clear_spans_m(building, &uprights, partition, index);
         for (span, &range) in spans.iter().enumerate() {
             for end in [End::Low, End::High] {
                 let coordinate = if end == End::Low { range[0] } else { range[1] };
                 let mut point_m = member.solid.center();
                 point_m[axis] = coordinate;
-                let beyond = members_beyond(building, partition, index, axis, coordinate, end);
+                let beyond = members_beyond(building, &uprights, partition, index, (axis, coordinate, end));
                 let outermost = span == if end == End::Low { 0 } else { spans.len() - 1 };
                 let opposite =
                     |i: &usize| building.members[*i].kind == MemberKind::Footing && supported(*i, End::Low);
@@ -181,27 +190,21 @@ pub fn member_ends(
 /// Members whose cells, or (for a beam) columns whose gross solids, lie just beyond an end section.
 fn members_beyond(
     building: &Building,
+    uprights: &Boxes,
     partition: &Partition,
     index: usize,
-    axis: usize,
-    coordinate: f64,
-    end: End,
+    (axis, coordinate, end): (usize, f64, End),
 ) -> Vec<usize> {
     let solid = &building.members[index].solid;
     let plane = partition.planes[axis].partition_point(|p| *p < coordinate - COORDINATE_TOLERANCE_M);
     let layer = if end == End::Low { plane.checked_sub(1) } else { Some(plane) };
     let mut beyond: Vec<usize> = Vec::new();
-    for (cell, owner) in partition.cells().filter(|(cell, _)| Some(cell[axis]) == layer) {
+    for (cell, owner) in layer.map_or(Vec::new(), |layer| partition.layer_within(axis, layer, solid)) {
         let center = partition.cell_box(cell).center();
-        if !(0..3).all(|i| i == axis || (solid.min[i] < center[i] && center[i] < solid.max[i])) {
-            continue;
-        }
         beyond.push(owner);
         if !is_upright(&building.members[index]) {
-            let columns = building.members.iter().enumerate();
-            beyond.extend(
-                columns.filter(|(_, m)| is_upright(m) && m.solid.contains(center, 0.0)).map(|(i, _)| i),
-            );
+            let columns = uprights.near(&Aabb { min: center, max: center }, COORDINATE_TOLERANCE_M);
+            beyond.extend(columns.into_iter().filter(|i| building.members[*i].solid.contains(center, 0.0)));
         }
     }
     beyond.sort_unstable();

@@ -1,8 +1,9 @@
 //! The graph itself: members and the ground as nodes, contact faces and supports as edges.
 
-use super::contact::{ContactFace, NearMiss, Touching, are_near, near_miss, touching_pairs};
+use super::contact::{ContactFace, NEAR_MISS_M, NearMiss, Touching, are_near, near_miss, touching_pairs};
 use super::ends::{End, MemberEnd, bar_axis, is_upright, member_ends};
 use super::mass::MassProperties;
+use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Face, MemberKind};
@@ -331,8 +332,10 @@ fn near_misses(
     touching: &BTreeSet<(usize, usize)>,
 ) -> Vec<NearMiss> {
     let mut misses = Vec::new();
+    let solids = Boxes::of(building.members.iter().map(|m| m.solid));
     for (i, a) in building.members.iter().enumerate() {
-        for (j, b) in building.members.iter().enumerate().skip(i + 1) {
+        for j in solids.near(&a.solid, NEAR_MISS_M).into_iter().filter(|j| *j > i) {
+            let b = &building.members[j];
             if touching.contains(&(i, j)) || !are_near(&a.solid, &b.solid) {
                 continue;
             }
@@ -357,7 +360,7 @@ fn notes(
             notes.push(format!("{}: lies wholly inside other members and owns no volume", member.id));
         } else if graph.neighbors(NodeIndex::new(index)).next().is_none() {
             notes.push(format!("{}: touches no other member and no support", member.id));
-        } else if bar_axis(member).is_some() && !ends.iter().any(|e| e.member == index) {
+        } else if bar_axis(member).is_some() && ends.binary_search_by(|e| e.member.cmp(&index)).is_err() {
             notes.push(format!("{}: has no clear length outside the joints", member.id));
         }
     }

@@ -55,7 +55,7 @@ impl Wanted {
     /// Describes a column end; `None` for one without own volume.
     pub fn of(building: &Building, partition: &Partition, mesh: &Mesh, end: &MemberEnd) -> Option<Self> {
         let member = &building.members[end.member];
-        let model = EndModel::cut(building, mesh, &member.id, end.end)?;
+        let model = EndModel::cut_from(building, partition, mesh, end.member, end.end)?;
         let section = building.sections[&member.section].clone();
         let law = building.law_of(member).clone();
         let strength = model.mesh.elements[model.section_elements[0]].strength;
@@ -165,18 +165,11 @@ fn micrometres(length_m: f64) -> f64 {
 /// What lies beyond an end.
 fn adjoining(building: &Building, partition: &Partition, end: &MemberEnd) -> Adjoining {
     use crate::building::MemberKind;
-    match beyond(partition, end).map(|m| building.members[m].kind) {
+    match end.beyond(partition).map(|m| building.members[m].kind) {
         Some(MemberKind::Beam) => Adjoining::Beam,
         Some(_) => Adjoining::Slab,
         None => Adjoining::Ground,
     }
-}
-
-/// The member just beyond an end.
-pub fn beyond(partition: &Partition, end: &MemberEnd) -> Option<usize> {
-    let mut probe = end.point_m;
-    probe[end.axis] -= 1e-4 * end.outward;
-    partition.member_at(probe)
 }
 
 fn axis_record(curves: &EndCurves, axis: usize, end: &str) -> Result<AxisRecord, DeriveError> {

@@ -58,6 +58,8 @@ pub struct Similar {
     pub entry: Entry,
     /// In words, from which one and by how much.
     pub words: String,
+    /// How far that is: logarithms of the ratios of depths, of slenderness and of strength, the latter halved, together.
+    pub distance: f64,
 }
 
 /// The entries that can be scaled.
@@ -94,7 +96,7 @@ impl Candidates {
         };
         let near = self.list.iter().filter(|(_, e)| same_place(e));
         let near = near.map(|(own, e)| (own.distance(&size), own, e)).filter(|(d, ..)| *d <= FARTHEST);
-        let Some((_, own, entry)) =
+        let Some((distance, own, entry)) =
             near.min_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.2.key.cmp(&b.2.key)))
         else {
             return Ok(None);
@@ -116,7 +118,7 @@ impl Candidates {
             "{} (depth {depth:.2}, strength {strength:.2}, slenderness {slenderness:.2} of its own)",
             entry.key
         );
-        Ok(Some(Similar { entry: scaled, words }))
+        Ok(Some(Similar { entry: scaled, words, distance }))
     }
 }
 

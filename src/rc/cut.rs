@@ -47,9 +47,20 @@ impl EndModel {
     /// double curvature and their moment vanishes near the middle.
     pub fn cut(building: &Building, mesh: &Mesh, member: &str, end: End) -> Option<Self> {
         let part = building.members.iter().position(|m| m.id == member)?;
+        Self::cut_from(building, &Partition::of(building), mesh, part, end)
+    }
+
+    /// The same of a member with a number, where the building's partition is at hand.
+    pub fn cut_from(
+        building: &Building,
+        partition: &Partition,
+        mesh: &Mesh,
+        part: usize,
+        end: End,
+    ) -> Option<Self> {
         let owner = &building.members[part];
         let axis = owner.axis;
-        let [low, high] = clear_range(&Partition::of(building), part, axis)?;
+        let [low, high] = clear_range(partition, part, axis)?;
         let (at, outward) = match end {
             End::Lower => (low, 1.0),
             End::Upper => (high, -1.0),

@@ -10,6 +10,7 @@
 //! member end, with the global model's own law and element size, is clamped where it was cut and bent to failure.
 
 pub mod anchorage;
+pub mod around;
 pub mod axial;
 mod bar_bending;
 pub mod bend;

@@ -47,6 +47,8 @@ pub struct ReportInput {
     pub hybrid_run: Option<RunCost>,
     /// Cost of the MBS run.
     pub mbs_run: Option<RunCost>,
+    /// Decisions of the model worth a look.
+    pub review: ReviewSummary,
     /// The generated model.
     pub model: ModelSummary,
     /// Resistance curves used by the hinges.
@@ -282,6 +284,34 @@ pub struct ModelSummary {
     pub rules: Vec<RuleRow>,
     /// Which rule made which part, and why.
     pub trace: Vec<TraceRow>,
+}
+
+/// Decisions worth a look, in their order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReviewSummary {
+    /// Runs with a decision turned round.
+    pub runs: usize,
+    /// Most such runs that were allowed; zero: none was asked for.
+    pub most_runs: usize,
+    /// The decisions.
+    pub rows: Vec<ReviewRow>,
+}
+
+/// A decision worth a look.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReviewRow {
+    /// Member ends or members; empty: the model as a whole.
+    pub about: Vec<String>,
+    /// What is decided, and by what.
+    pub decision: String,
+    /// Why it is worth a look.
+    pub why: String,
+    /// What could be decided otherwise.
+    pub otherwise: String,
+    /// What that changes, or why it was not tried.
+    pub change: String,
+    /// Whether the change counts; `None`: not tried.
+    pub counts: Option<bool>,
 }
 
 /// One body.

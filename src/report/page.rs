@@ -3,7 +3,9 @@
 use super::ReportError;
 use super::chart::seconds;
 use super::codec::base64;
-use super::input::{ComparedRun, HingeSite, History, ReportInput, RunCost, Severity, Status};
+use super::input::{
+    ComparedRun, HingeSite, History, ReportInput, ReviewRow, ReviewSummary, RunCost, Severity, Status,
+};
 use super::number::{MISSING, count, duration, fixed, significant};
 use super::{partition, plots, scene};
 use minijinja::{AutoEscape, Environment, syntax::SyntaxConfig};
@@ -14,6 +16,26 @@ const PAGE: &str = include_str!("templates/page.html");
 const STYLE: &str = include_str!("templates/style.css");
 const CHARTS: &str = include_str!("templates/charts.js");
 const VIEWER: &str = include_str!("templates/viewer.js");
+
+/// Most subjects of a decision that are shown.
+const SUBJECTS_SHOWN: usize = 4;
+
+/// Decisions worth a look.
+fn review(review: &ReviewSummary) -> serde_json::Value {
+    let about = |row: &ReviewRow| match row.about.len() {
+        0 => "the model".to_string(),
+        n if n > SUBJECTS_SHOWN => {
+            format!("{} and {} more", row.about[..SUBJECTS_SHOWN].join(", "), n - SUBJECTS_SHOWN)
+        }
+        _ => row.about.join(", "),
+    };
+    let rows: Vec<_> = review
+        .rows
+        .iter()
+        .map(|r| (about(r), &r.decision, &r.why, &r.otherwise, &r.change, r.counts == Some(true)))
+        .collect();
+    json!({ "runs": review.runs, "asked": review.most_runs > 0, "rows": rows })
+}
 
 /// The page.
 pub fn render(input: &ReportInput) -> Result<String, ReportError> {
@@ -56,6 +78,7 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "sites": input.hinge_sites.iter().map(site).collect::<Vec<_>>(),
         "agreement": agreement(&input.hinge_sites),
         "energy": json!({ "fe": energy.fe, "mbs": energy.mbs, "residuals": energy.residuals }),
+        "review": review(&input.review),
         "run_columns": run_columns(input),
         "runs": runs(input),
         "model": model(input),

@@ -30,6 +30,7 @@ pub const MODULES: &[Module] = &[
         ],
     },
     Module { name: "validate", uses: &["base", "building", "curve", "fe", "mbs", "study"] },
+    Module { name: "review", uses: &["base", "building", "mbs", "generate", "validate"] },
     Module { name: "learn", uses: &["base", "building", "graph", "study", "rules", "generate", "validate"] },
     Module { name: "verify", uses: &["base", "building", "material", "fe", "mbs", "rc"] },
     Module {
@@ -45,7 +46,7 @@ pub const MODULES: &[Module] = &[
         name: "cli",
         uses: &[
             "base", "building", "material", "curve", "graph", "fe", "mbs", "rc", "library", "study", "rules",
-            "generate", "validate", "learn", "verify", "bench", "export", "report",
+            "generate", "validate", "review", "learn", "verify", "bench", "export", "report",
         ],
     },
 ];

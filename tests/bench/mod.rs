@@ -40,3 +40,24 @@ fn random_small_buildings_hold() {
         "{page}"
     );
 }
+
+#[test]
+fn generation_is_timed_stage_by_stage() {
+    use fallwerk::bench::generate::{exponent, frame, markdown, measure};
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let cache = tempfile::tempdir().unwrap();
+    let rules = fallwerk::rules::RuleBase::load(&root.join("rules")).unwrap();
+    let mut store = fallwerk::library::Store::open_with_cache(&root.join("library"), cache.path()).unwrap();
+    assert_eq!(frame([13, 8]).unwrap().members.len(), 4488);
+    let rows = measure(100, &rules, &mut store, &|_| ()).unwrap();
+    assert_eq!(rows.iter().map(|r| r.members).collect::<Vec<_>>(), [27, 110]);
+    // a body for each column and floor, a hinge for each end of a column
+    assert_eq!(rows[0].parts, [12 + 3, 24]);
+    assert!(rows.iter().all(|r| r.total_s() > 0.0 && r.stages.iter().all(|(_, s)| *s >= 0.0)));
+    let table = markdown(&rows);
+    assert!(
+        table.starts_with("| stage [s] | 27 | 110 | exponent |") && table.contains("| keys |"),
+        "{table}"
+    );
+    assert!((exponent([10, 1000], [0.1, 100.0]) - 1.5).abs() < 1e-12);
+}

@@ -1,6 +1,8 @@
 //! The generated model of the reference building: what is in it, and that every part says why.
 
 mod known;
+mod overrides;
+mod review;
 
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;

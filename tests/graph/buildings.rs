@@ -66,6 +66,7 @@ pub fn empty() -> Building {
         preparation: Vec::new(),
         events: Vec::new(),
         settings: Settings::default(),
+        overrides: Vec::new(),
     }
 }
 

@@ -223,3 +223,38 @@ fn explain_names_members_rules_and_the_likely_meaning() {
     assert_eq!(code, 2);
     assert!(err.contains("trace.json"), "{err}");
 }
+
+#[test]
+fn decisions_of_the_analyst_are_told_with_their_reasons() {
+    let chapter = "[[overrides]]\ntargets = [\"C1-A2.bottom\"]\naction = \"elastic_connection\"\nreason = \"cased feet\"\n\n\
+                   [[overrides]]\ntargets = [\"C2-A1.top\"]\naction = \"rigid_connection\"\nreason = \"haunched\"\n\n\
+                   [settings]\nend_time = 0.1";
+    let room = room(|text| text.replace("[settings]\nend_time = \"2.5 s\"", chapter));
+    let (code, out, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "-o", "run"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("override   C1-A2.bottom -> elastic_connection: cased feet (the rules would have said hinge (seed/clamped-foot-hinge)"), "{out}");
+    let explain = |part: &str| {
+        let (code, out, err) = fallwerk(room.path(), &["explain", "run/model.json", part]);
+        assert_eq!(code, 0, "{err}");
+        out
+    };
+    let foot = explain("C1-A2.bottom");
+    assert!(
+        foot.contains("analyst's override -> elastic_connection (the rules would have said")
+            && foot.contains("cased feet"),
+        "{foot}"
+    );
+    assert!(foot.contains("review: number"), "{foot}");
+    let review: Value =
+        serde_json::from_str(&fs::read_to_string(room.path().join("run/review.json")).unwrap()).unwrap();
+    assert!(
+        out.contains(&format!("review     {} decisions", review["items"].as_array().unwrap().len())),
+        "{out}"
+    );
+    let top = explain("C2-A1.top");
+    assert!(top.starts_with("C2-A1.top has no joint; it lies in S2\n"), "{top}");
+    assert!(
+        top.contains("C2-A1.top: analyst's override -> rigid_connection") && top.contains("haunched"),
+        "{top}"
+    );
+}

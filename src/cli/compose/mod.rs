@@ -19,6 +19,7 @@ use crate::report::{
     ErrorMeasure, FeEnergy, FirstContact, HingeSite, History, MbsEnergy, Note, ReportInput, RunCost, Setting,
     Severity,
 };
+use crate::review::Review;
 use crate::study::Facts;
 use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, Validation};
 
@@ -28,6 +29,8 @@ pub struct Pieces<'a> {
     pub building: &'a Building,
     /// The generated model with its reasons.
     pub generated: &'a Generated,
+    /// Its decisions worth a look.
+    pub review: &'a Review,
     /// The FE run.
     pub fe: &'a FeRun,
     /// The FE run with rigid parts, if there was one.
@@ -90,6 +93,7 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         fe_run: Some(fe_cost(p.fe, p.threads)),
         hybrid_run: p.hybrid.map(|run| fe_cost(run, p.threads)),
         mbs_run: Some(mbs_cost(p)),
+        review: model::review(p.review),
         model: model::summary(p.generated),
         curves: model::curves(p.generated),
         notes: notes(p),

@@ -3,7 +3,11 @@
 use crate::generate::Generated;
 use crate::library::Entry;
 use crate::mbs::model::{Bending, Bushing};
-use crate::report::{BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, RuleRow, TraceRow};
+use crate::report::{
+    BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, ReviewRow, ReviewSummary, RuleRow,
+    TraceRow,
+};
+use crate::review::{Item, NEGLIGIBLE_M, Review};
 use std::collections::BTreeMap;
 
 /// An entry in words, such as `column 0.40 x 0.40 m, top at a beam, 1.71 m to the point of zero moment`.
@@ -37,7 +41,16 @@ pub fn summary(generated: &Generated) -> ModelSummary {
             .map(|t| TraceRow {
                 part: t.part.clone(),
                 rule: t.rule.clone(),
-                words: format!("{} → {}: {}", t.subject, t.action, t.words),
+                words: match t.is_of_analyst() {
+                    true => {
+                        let instead = t.instead_words();
+                        format!(
+                            "{} → {}: the analyst's override, {}; {instead}",
+                            t.subject, t.action, t.words
+                        )
+                    }
+                    false => format!("{} → {}: {}", t.subject, t.action, t.words),
+                },
                 entries: t.entries.clone(),
             })
             .collect(),
@@ -68,13 +81,40 @@ fn rules(generated: &Generated) -> Vec<RuleRow> {
     for t in &generated.trace {
         let row = rules.entry(&t.rule).or_insert_with(|| RuleRow {
             id: t.rule.clone(),
-            text: t.words.clone(),
+            text: match t.is_of_analyst() {
+                true => {
+                    "Decisions of the analyst in place of the rules; their reasons stand beside the parts."
+                        .into()
+                }
+                false => t.words.clone(),
+            },
             ..RuleRow::default()
         });
         row.fired += 1;
         row.out_of_range |= !t.in_range;
     }
     rules.into_values().collect()
+}
+
+/// The decisions worth a look.
+pub fn review(review: &Review) -> ReviewSummary {
+    let row = |item: &Item| ReviewRow {
+        about: item.subjects.clone(),
+        decision: format!("{} ({})", item.decision, item.by),
+        why: item.why.join("; "),
+        otherwise: item.otherwise.clone(),
+        change: if item.change.is_none() && item.untried.is_none() {
+            String::new()
+        } else {
+            item.change_words()
+        },
+        counts: item.change.as_ref().map(|c| c.turns_outcome() || c.difference_to_contact_m > NEGLIGIBLE_M),
+    };
+    ReviewSummary {
+        runs: review.runs,
+        most_runs: review.most_runs,
+        rows: review.items.iter().map(row).collect(),
+    }
 }
 
 /// The computed envelopes of the entries used.

@@ -1,0 +1,238 @@
+//! One building, its rules and the library: what is found once, and the models that come of it, whatever is decided otherwise.
+
+use super::analyst::Answers;
+use super::beam_ends::YieldingEnds;
+use super::decide::Decision;
+use super::doubts::{self, Doubt};
+use super::floors::Line;
+use super::joints::{self, Query};
+use super::known::Known;
+use super::{
+    Accuracy, Division, GenerateError, Generated, Parts, Wishes, bending_floors, contact, events, tracked,
+    walls,
+};
+use crate::building::ends::{MemberEnd, member_ends};
+use crate::building::{Building, Override};
+use crate::fe::mesh::Mesh;
+use crate::graph::{Demands, Structure, demands};
+use crate::library::{Entry, Store};
+use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
+use crate::rc::around::Surroundings;
+use crate::rules::RuleBase;
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Instant;
+
+/// What models of a building are generated from.
+pub struct Generator<'a> {
+    building: &'a Building,
+    rules: &'a RuleBase,
+    store: &'a mut Store,
+    accuracy: Accuracy,
+    structure: Structure,
+    ends: Vec<MemberEnd>,
+    demands: Demands,
+    known: Known,
+    mesh: Mesh,
+    around: Surroundings,
+    library: joints::Known,
+    stages: Stages,
+}
+
+/// Times of stages.
+#[derive(Clone)]
+struct Stages {
+    list: Vec<(&'static str, f64)>,
+    began: Instant,
+}
+
+impl Stages {
+    fn begin() -> Self {
+        Self { list: Vec::new(), began: Instant::now() }
+    }
+
+    /// What went by since the last stage ended was this one; `aside` of it belongs to another \[s\].
+    fn end(&mut self, name: &'static str, aside_s: f64) {
+        self.list.push((name, self.began.elapsed().as_secs_f64() - aside_s));
+        self.began = Instant::now();
+    }
+}
+
+impl<'a> Generator<'a> {
+    /// Of a building.
+    ///
+    /// # Errors
+    /// If the building has what no model can have, or an entry of the library cannot be read.
+    pub fn of(
+        building: &'a Building,
+        rules: &'a RuleBase,
+        store: &'a mut Store,
+        wishes: impl Into<Wishes>,
+    ) -> Result<Self, GenerateError> {
+        let Wishes { derive, accuracy } = wishes.into();
+        building.without_skew("no MBS model can be generated").map_err(GenerateError::Skew)?;
+        if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
+            return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
+        }
+        let mut stages = Stages::begin();
+        let structure = Structure::of(building);
+        stages.end("graph", 0.0);
+        let ends = member_ends(building, &structure.partition);
+        stages.end("ends", 0.0);
+        let demands = demands(&structure, building);
+        stages.end("demands", 0.0);
+        let known = Known::of(building, &structure, &ends, &demands);
+        stages.end("features", 0.0);
+        let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
+        let around = Surroundings::of(&mesh);
+        stages.end("mesh", 0.0);
+        let library = joints::Known::of(store, derive)?;
+        stages.end("library", 0.0);
+        Ok(Self {
+            building,
+            rules,
+            store,
+            accuracy,
+            structure,
+            ends,
+            demands,
+            known,
+            mesh,
+            around,
+            library,
+            stages,
+        })
+    }
+
+    /// From now on no curves are computed; those of some entries are at hand, beside what the library has.
+    pub fn compute_no_more(&mut self, entries: &BTreeMap<String, Entry>) {
+        self.library.compute_no_more(entries);
+    }
+
+    /// The model with some decisions of the analyst. `progress` hears what is being derived.
+    ///
+    /// # Errors
+    /// If rules or library do not suffice, or a decision cannot be carried out.
+    pub fn model(
+        &mut self,
+        overrides: &[Override],
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Result<Generated, GenerateError> {
+        let Self { building, rules, accuracy, structure, ends, demands, mesh, around, library, .. } = self;
+        let (building, rules, partition) = (*building, *rules, &structure.partition);
+        let mut stages = Stages { began: Instant::now(), ..self.stages.clone() };
+        let answers = Answers::of(building, overrides, structure, ends);
+        let decision = Decision::of(building, ends, &self.known, *accuracy, rules, &answers)?;
+        stages.end("decisions", 0.0);
+        let present: Vec<bool> = building.members.iter().map(|m| !building.is_cut(&m.id)).collect();
+        let clusters: Vec<Vec<usize>> = structure
+            .clusters(|c| c.members.iter().all(|m| present[*m]) && decision.joined(c))
+            .into_iter()
+            .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
+            .collect();
+        let mut notes = decision.notes.clone();
+        let parts = Parts { building, structure, mesh, clusters: &clusters, ends, decision: &decision };
+        let mut division = parts.divided(&BTreeSet::new())?;
+        let without = division.without_curves(library)?;
+        if !without.is_empty() {
+            division = parts.divided(&without)?;
+        }
+        let Division { bodies, floors, lines, notes: mut remarks } = division;
+        notes.extend(remarks.iter().cloned());
+        stages.end("bodies", 0.0);
+        let place = joints::Place { building, partition, mesh, bodies: &bodies };
+        let hinged: Vec<&MemberEnd> =
+            ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
+        library.begin();
+        let of_ends = hinged.iter().map(|end| {
+            let signature = || {
+                let beyond = end.beyond(partition).map(|m| building.members[m].kind);
+                around.signature(building, mesh, end, beyond)
+            };
+            library.asked(&end.id, signature, || joints::query(&place, end))
+        });
+        let strip = |line: &Line| Ok(Query::Strip(line.wanted.clone()));
+        let of_lines = lines.iter().map(|(_, line)| library.asked(&line.id, || None, || strip(line)));
+        let found = joints::entries(of_ends.chain(of_lines), self.store, library, progress)?;
+        stages.end("keys", found.curves_s);
+        notes.extend(found.scaled.iter().map(joints::Scaled::note));
+        let so_far = notes.len();
+        if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
+            notes.push(format!(
+                "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",
+                building.settings.removal_duration_s
+            ));
+        }
+        let mut hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
+        for (first, line) in &lines {
+            let entry = &found.entries[&found.of_end[&line.id]];
+            hinges.push(line.bushing(
+                &bodies.list,
+                *first,
+                entry,
+                joints::curve_id(&entry.key, 0),
+                building,
+            )?);
+        }
+        let (walls, wall_curves) = walls::springs(building, structure, &bodies);
+        if !walls.is_empty() {
+            notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
+        }
+        remarks.extend(notes[so_far..].iter().cloned());
+        hinges.extend(walls);
+        let mut curves = found.curves();
+        joints::without_joint(&place, &hinged, &mut hinges, &mut curves);
+        curves.extend(wall_curves);
+        let mut contact = contact(building);
+        let mut yielding = YieldingEnds::new(mesh, ends);
+        bending_floors(building, structure, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
+        curves.extend(yielding.into_curves());
+        let used: BTreeSet<&String> =
+            hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
+        curves.retain(|id, _| used.contains(id));
+        let live: BTreeSet<&str> = hinges.iter().flat_map(Bushing::hinges).collect();
+        let overloaded = doubts::overloaded(demands, &live);
+        notes.extend(overloaded.iter().map(|(end, ratio)| doubts::overloaded_words(end, *ratio, &decision)));
+        let model = Model {
+            schema: MODEL_SCHEMA.to_string(),
+            name: building.name.clone(),
+            gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
+            curves,
+            joints: Vec::new(),
+            bushings: hinges,
+            forces: Vec::new(),
+            contact,
+            events: events(building, &bodies),
+            tracked: tracked(building, partition, &bodies),
+            settings: settings(building),
+            bodies: bodies.list,
+        };
+        stages.end("joints", 0.0);
+        let trace = decision.reasons(rules, &model);
+        let sources = doubts::Sources {
+            building,
+            structure,
+            ends,
+            decision: &decision,
+            overloaded: &overloaded,
+            found: &found,
+            known: &self.known,
+        };
+        let doubts = Doubt::all(&sources, remarks);
+        stages.end("reasons", 0.0);
+        stages.list.push(("curves", found.curves_s));
+        let (derived, entries, stages) = (found.derived, found.entries, stages.list);
+        Ok(Generated { model, trace, notes, doubts, derived, entries, stages })
+    }
+}
+
+fn settings(building: &Building) -> RunSettings {
+    RunSettings {
+        end_time_s: building.settings.end_time_s,
+        output_interval_s: building.settings.output_interval_s,
+        preload: true,
+        time_step_s: None,
+        tolerance: TOLERANCE,
+        reactions: false,
+        sleep_speed_m_s: None,
+    }
+}

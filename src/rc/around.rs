@@ -1,0 +1,97 @@
+//! What is around a member end in the mesh of a building: two ends with the same surroundings have the same submodel.
+
+use super::cut::REACH_DEPTHS;
+use crate::base::boxes::Boxes;
+use crate::base::geom::Aabb;
+use crate::base::hash::ContentHash;
+use crate::building::ends::MemberEnd;
+use crate::building::{Building, MemberKind};
+use crate::fe::mesh::Mesh;
+
+/// Where the elements of a mesh lie.
+#[derive(Debug, Clone, Default)]
+pub struct Surroundings {
+    /// Centres of the elements.
+    centres: Boxes,
+    /// Bounds of each member's elements.
+    bounds: Vec<Option<Aabb>>,
+    /// Longest edge of an element \[m\].
+    edge_m: f64,
+}
+
+impl Surroundings {
+    /// Of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let mut this = Self { bounds: vec![None; mesh.parts.len()], ..Self::default() };
+        for element in &mesh.elements {
+            let own = bounds(mesh, &element.nodes);
+            this.edge_m = own.size().into_iter().fold(this.edge_m, f64::max);
+            let held = this.bounds[element.part].get_or_insert(own);
+            *held = Aabb {
+                min: std::array::from_fn(|i| held.min[i].min(own.min[i])),
+                max: std::array::from_fn(|i| held.max[i].max(own.max[i])),
+            };
+        }
+        let centre = |e: usize| Aabb { min: mesh.center(e), max: mesh.center(e) };
+        this.centres = Boxes::of((0..mesh.elements.len()).map(centre));
+        this
+    }
+
+    /// A hash of all on which the submodel of a column end depends: the elements of the member and those within reach, one element farther than they are kept, relative to the end, with their
+    /// strength and whether they are the member's own or another column's; and section, end and what adjoins. `None`: such ends cannot be told by it.
+    pub fn signature(
+        &self,
+        building: &Building,
+        mesh: &Mesh,
+        end: &MemberEnd,
+        adjoining: Option<MemberKind>,
+    ) -> Option<ContentHash> {
+        if !mesh.ties.is_empty() || !mesh.trusses.is_empty() {
+            return None;
+        }
+        let member = &building.members[end.member];
+        let (reach, own) = (REACH_DEPTHS * end.depth_m, self.bounds[end.member]?);
+        let region = Aabb {
+            min: std::array::from_fn(|i| own.min[i].min(end.point_m[i] - reach)),
+            max: std::array::from_fn(|i| own.max[i].max(end.point_m[i] + reach)),
+        };
+        let mut bytes = format!(
+            "{} {:?} {} {} {:?}",
+            member.section,
+            end.end,
+            end.axis,
+            micrometres(end.clear_m),
+            adjoining
+        )
+        .into_bytes();
+        for index in self.centres.near(&region, 1.01 * self.edge_m) {
+            let element = &mesh.elements[index];
+            let solid = bounds(mesh, &element.nodes);
+            let kind = match building.members[element.part].kind {
+                _ if element.part == end.member => 0,
+                MemberKind::Column => 1,
+                _ => 2,
+            };
+            let relative = |of: &[f64; 3], i: usize| micrometres(of[i] - end.point_m[i]);
+            let places = (0..3).flat_map(|i| [relative(&solid.min, i), relative(&solid.max, i)]);
+            let more = [kind, element.law as i64, micrometres(element.smear), micrometres(element.strength)];
+            places.chain(more).for_each(|number| bytes.extend(number.to_le_bytes()));
+        }
+        Some(ContentHash::of_bytes(&bytes))
+    }
+}
+
+fn micrometres(value: f64) -> i64 {
+    (1e6 * value).round() as i64
+}
+
+/// The box around some nodes.
+fn bounds(mesh: &Mesh, nodes: &[usize]) -> Aabb {
+    let of = |i: usize, pick: fn(f64, f64) -> f64, start: f64| {
+        nodes.iter().map(|n| mesh.nodes[*n][i]).fold(start, pick)
+    };
+    Aabb {
+        min: std::array::from_fn(|i| of(i, f64::min, f64::INFINITY)),
+        max: std::array::from_fn(|i| of(i, f64::max, f64::NEG_INFINITY)),
+    }
+}
