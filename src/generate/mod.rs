@@ -252,7 +252,8 @@ impl Parts<'_> {
         let folds = ends.iter().any(|e| decision.latent.contains_key(&e.id));
         let members = cluster.iter().map(|m| &building.members[*m].id);
         let asked = decision.division_asked(members.chain(ends.iter().map(|e| &e.id)));
-        let bends = decision.bends(cluster);
+        // who asks for a line at which a floor may fold gets it, whatever the rules say of bending
+        let bends = decision.bends(cluster) && !matches!(asked, Some((_, false)));
         let Some(floor) = self.floor_of(cluster) else {
             let why = format!(
                 "{name} stays in one piece: by the analyst's decision it is one body with more than its floor"

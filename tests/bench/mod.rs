@@ -49,10 +49,10 @@ fn generation_is_timed_stage_by_stage() {
     let rules = fallwerk::rules::RuleBase::load(&root.join("rules")).unwrap();
     let mut store = fallwerk::library::Store::open_with_cache(&root.join("library"), cache.path()).unwrap();
     assert_eq!(frame([13, 8]).unwrap().members.len(), 4488);
-    let rows = measure(100, &rules, &mut store, &|_| ()).unwrap();
+    let rows = measure(110, &rules, &mut store, &|_| ()).unwrap();
     assert_eq!(rows.iter().map(|r| r.members).collect::<Vec<_>>(), [27, 110]);
-    // a body for each column and floor, a hinge for each end of a column
-    assert_eq!(rows[0].parts, [12 + 3, 24]);
+    // a body for each column and each piece of a floor, a hinge for each end of a column and a spring between pieces
+    assert_eq!(rows[0].parts, [12 + 3 * 4, 24 + 3 * 4]);
     assert!(rows.iter().all(|r| r.total_s() > 0.0 && r.stages.iter().all(|(_, s)| *s >= 0.0)));
     let table = markdown(&rows);
     assert!(

@@ -4,7 +4,7 @@ use super::{generated, knowledge, reference, standing};
 use fallwerk::base::hash::ContentHash;
 use fallwerk::base::tree::Format;
 use fallwerk::building::{Building, Override, OverrideAction, parse};
-use fallwerk::generate::{ANALYST, Derive, GenerateError, Generated, generate};
+use fallwerk::generate::{ANALYST, Accuracy, Derive, GenerateError, Generated, Wishes, generate};
 use fallwerk::mbs::model::{Bending, Model};
 use fallwerk::study::plan::Scene;
 
@@ -21,6 +21,13 @@ fn decided(overrides: &[(&str, OverrideAction)]) -> Generated {
     let generated = generated(&with(reference(|t| t), overrides)).expect("the library holds all entries");
     generated.model.check().expect("a sound model");
     generated
+}
+
+/// With floors in one piece.
+fn whole_floors(building: &Building) -> Generated {
+    let (rules, mut store, _cache) = knowledge();
+    let wishes = Wishes { derive: Derive::Never, accuracy: Accuracy::Fast };
+    generate(building, &rules, &mut store, wishes, &|_| {}).expect("the library holds all entries")
 }
 
 fn body_of<'a>(model: &'a Model, member: &str) -> &'a str {
@@ -95,7 +102,8 @@ fn records_of_fe_runs_are_those_of_the_building_with_and_without_overrides() {
 
 #[test]
 fn a_column_that_is_rigid_at_an_end_is_one_body_with_what_is_beside_it() {
-    let plain = generated(&reference(|t| t)).unwrap().model;
+    let plain = whole_floors(&reference(|t| t)).model;
+    let decided = |overrides: &[(&str, OverrideAction)]| whole_floors(&with(reference(|t| t), overrides));
     let generated = decided(&[("C2-A1.top", OverrideAction::RigidConnection)]);
     let model = &generated.model;
     assert!(model.bushings.iter().all(|b| b.id != "C2-A1.top"));
@@ -117,7 +125,7 @@ fn a_column_that_is_rigid_at_an_end_is_one_body_with_what_is_beside_it() {
 
 #[test]
 fn floors_bend_or_are_whole_as_the_analyst_says() {
-    let falling = decided(&[("B1-A1-B1", OverrideAction::MergeElastic)]).model;
+    let falling = whole_floors(&with(reference(|t| t), &[("B1-A1-B1", OverrideAction::MergeElastic)])).model;
     assert_eq!([pieces(&falling, "S1"), pieces(&falling, "S2")], [4, 1]);
     let whole = generated(&with(standing(), &[("S1", OverrideAction::MergeRigid)])).unwrap();
     assert_eq!([pieces(&whole.model, "S1"), pieces(&whole.model, "S2")], [1, 4]);
@@ -145,7 +153,8 @@ fn a_line_is_there_or_not_for_all_beam_ends_on_it() {
     let scene = |overrides: &[(&str, OverrideAction)]| {
         let building = parse(&Scene::of(1, 26).toml(), Format::Toml, "scene").expect("a sound building");
         let (rules, mut store, _cache) = knowledge();
-        generate(&with(building, overrides), &rules, &mut store, Derive::Similar, &|_| {})
+        let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fine };
+        generate(&with(building, overrides), &rules, &mut store, wishes, &|_| {})
     };
     let told = |notes: &[String]| notes.iter().filter(|n| n.contains("stays in one piece")).count();
     assert_eq!(told(&scene(&[]).unwrap().notes), 1);

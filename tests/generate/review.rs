@@ -2,9 +2,12 @@
 
 use super::{knowledge, reference};
 use fallwerk::building::{Building, Override, OverrideAction};
-use fallwerk::generate::{Derive, Generated, Generator};
+use fallwerk::generate::{Accuracy, Derive, Generated, Generator, Wishes};
 use fallwerk::mbs::{RunResult, simulate_carefully};
 use fallwerk::review::{Review, listed, measured};
+
+/// With floors in one piece.
+const WISHES: Wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fast };
 
 /// The reference with rear feet that do not yield, by the analyst.
 fn building() -> Building {
@@ -21,7 +24,7 @@ fn building() -> Building {
 
 fn reviewed(building: &Building, most_runs: usize) -> (Generated, RunResult, Review) {
     let (rules, mut store, _cache) = knowledge();
-    let mut generator = Generator::of(building, &rules, &mut store, Derive::Similar).unwrap();
+    let mut generator = Generator::of(building, &rules, &mut store, WISHES).unwrap();
     let generated = generator.model(&building.overrides, &|_| {}).unwrap();
     let run = simulate_carefully(&generated.model).unwrap();
     let review = measured(building, &mut generator, &generated, &run, most_runs);
@@ -41,7 +44,7 @@ fn decisions_are_sorted_by_what_they_change_and_what_was_not_tried_says_why() {
     let change = foot.change.as_ref().unwrap();
     let (rules, mut store, _cache) = knowledge();
     let other = Building { overrides: building.overrides[1..].to_vec(), ..building.clone() };
-    let other = fallwerk::generate::generate(&other, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    let other = fallwerk::generate::generate(&other, &rules, &mut store, WISHES, &|_| {}).unwrap();
     let other = simulate_carefully(&other.model).unwrap();
     let pairs = run.tracked.iter().zip(&other.tracked);
     let apart = pairs.flat_map(|(a, b)| a.displacement_m.iter().zip(&b.displacement_m)).map(|(u, v)| {

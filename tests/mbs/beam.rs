@@ -82,7 +82,8 @@ fn an_end_that_breaks_is_named_and_opens_the_beam() {
 fn a_beam_needs_one_curve_shear_and_names_of_its_own() {
     let sound = cantilever(&[[0.0, 1e4], [0.02, 1e4]], 0.02);
     assert!(sound.check().is_ok());
-    let faults: [(&str, fn(&mut Bushing)); 4] = [
+    type Fault = fn(&mut Bushing);
+    let faults: [(&str, Fault); 4] = [
         ("has 2 bending axes with a curve, expected one", |b| b.bending[1] = b.bending[0].clone()),
         ("needs shear_stiffness_n_m[1] > 0", |b| b.shear_stiffness_n_m[1] = 0.0),
         ("\"tip\" is the name of another hinge or bushing", |b| {

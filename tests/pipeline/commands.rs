@@ -230,7 +230,8 @@ fn decisions_of_the_analyst_are_told_with_their_reasons() {
                    [[overrides]]\ntargets = [\"C2-A1.top\"]\naction = \"rigid_connection\"\nreason = \"haunched\"\n\n\
                    [settings]\nend_time = 0.1";
     let room = room(|text| text.replace("[settings]\nend_time = \"2.5 s\"", chapter));
-    let (code, out, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "-o", "run"]);
+    let (code, out, err) =
+        fallwerk(room.path(), &["generate-mbs", "building.toml", "--accuracy", "fast", "-o", "run"]);
     assert_eq!(code, 0, "{err}");
     assert!(out.contains("override   C1-A2.bottom -> elastic_connection: cased feet (the rules would have said hinge (seed/clamped-foot-hinge)"), "{out}");
     let explain = |part: &str| {
