@@ -189,7 +189,9 @@ impl<'a> Generator<'a> {
         let used: BTreeSet<&String> =
             hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
         curves.retain(|id, _| used.contains(id));
-        let live: BTreeSet<&str> = hinges.iter().flat_map(Bushing::hinges).collect();
+        // an end that the analyst wants elastic has no hinge in the model either, and is not rigid
+        let decided = decision.hinges.keys().map(String::as_str);
+        let live: BTreeSet<&str> = hinges.iter().flat_map(Bushing::hinges).chain(decided).collect();
         let overloaded = doubts::overloaded(demands, &live);
         notes.extend(overloaded.iter().map(|(end, ratio)| doubts::overloaded_words(end, *ratio, &decision)));
         let model = Model {
