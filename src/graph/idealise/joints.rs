@@ -1,6 +1,8 @@
 //! Joints: where uprights meet each other and the beams, and the nodes that stand for them.
 
-use super::{Builder, Span};
+use super::Builder;
+use crate::base::boxes::Boxes;
+use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, MemberKind};
 use crate::graph::ends::{End, is_upright};
@@ -8,7 +10,7 @@ use crate::graph::frame::FrameNode;
 use crate::graph::paths::plan_overlap;
 use crate::graph::structure::Structure;
 use petgraph::unionfind::UnionFind;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A joint block over and under uprights.
 pub(super) struct Joint {
@@ -30,12 +32,16 @@ pub(super) fn find(structure: &Structure, building: &Building) -> Vec<Joint> {
         .collect();
     let level = |e: usize| structure.ends[e].point_m[2];
     let solid = |e: usize| &building.members[structure.ends[e].member].solid;
+    let bottoms = upright.iter().copied().filter(|e| structure.ends[*e].end == End::Low);
+    let bottoms = Boxes::numbered(bottoms.map(|e| (e, *solid(e))));
     let mut sets = UnionFind::new(structure.ends.len());
     for &top in upright.iter().filter(|e| structure.ends[**e].end == End::High) {
-        let above: Vec<usize> = upright
-            .iter()
-            .copied()
-            .filter(|&e| structure.ends[e].end == End::Low && level(e) > level(top) - COORDINATE_TOLERANCE_M)
+        let mut stack = *solid(top);
+        stack.max[2] = f64::INFINITY;
+        let above: Vec<usize> = bottoms
+            .near(&stack, COORDINATE_TOLERANCE_M)
+            .into_iter()
+            .filter(|&e| level(e) > level(top) - COORDINATE_TOLERANCE_M)
             .filter(|&e| {
                 plan_overlap(solid(e), solid(top))
                     .is_some_and(|p| structure.is_solid_between(p, level(top), level(e)))
@@ -75,15 +81,21 @@ pub(super) fn find(structure: &Structure, building: &Building) -> Vec<Joint> {
 impl Builder<'_> {
     /// One node for each joint: on the mean axis of its uprights, at the mean level of its beams.
     pub(super) fn place_joints(&mut self) {
+        let structure = self.structure;
+        let ends_of = |member: usize| {
+            let [first, after] =
+                [member, member + 1].map(|m| structure.ends.partition_point(|e| e.member < m));
+            &structure.ends[first..after]
+        };
         for index in 0..self.joints.len() {
             let joint = &self.joints[index];
             let count = joint.ends.len() as f64;
             let mean =
                 |i: usize| joint.ends.iter().map(|e| self.structure.ends[*e].point_m[i]).sum::<f64>() / count;
-            let beams: Vec<f64> = self
-                .structure
-                .ends
-                .iter()
+            let near = self.beams.near(&self.block(joint), COORDINATE_TOLERANCE_M);
+            let beams: Vec<f64> = near
+                .into_iter()
+                .flat_map(ends_of)
                 .filter(|e| {
                     !self.upright(e.member) && self.frames_into(joint, e.member, e.axis, e.point_m[e.axis])
                 })
@@ -97,6 +109,20 @@ impl Builder<'_> {
             self.joints[index].node = self.nodes.len();
             self.nodes.push(node);
         }
+    }
+
+    /// The box around a joint, as far as its uprights reach in plan.
+    fn block(&self, joint: &Joint) -> Aabb {
+        let solids = joint.uprights.iter().map(|u| &self.member(*u).solid);
+        let mut block = Aabb { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
+        for solid in solids {
+            for i in 0..2 {
+                block.min[i] = block.min[i].min(solid.min[i]);
+                block.max[i] = block.max[i].max(solid.max[i]);
+            }
+        }
+        (block.min[2], block.max[2]) = (joint.range_m[0], joint.range_m[1]);
+        block
     }
 
     /// Whether a beam's end section at `coordinate` lies in a joint.
@@ -115,10 +141,14 @@ impl Builder<'_> {
 
     /// Ties the ends of all bars to nodes: a clamp, a joint, another beam, or nothing.
     pub(super) fn tie_bars(&mut self) {
+        let blocks = Boxes::of(self.joints.iter().map(|joint| self.block(joint)));
+        let ends =
+            self.joints.iter().enumerate().flat_map(|(j, joint)| joint.ends.iter().map(move |e| (*e, j)));
+        let joint_of: BTreeMap<usize, usize> = ends.collect();
         for span in 0..self.spans.len() {
             let Some(ends) = self.spans[span].ends else { continue };
             for end in ends {
-                let node = self.node_of_end(end, span);
+                let node = self.node_of_end(end, span, &blocks, &joint_of);
                 let coordinate = self.structure.ends[end].point_m[self.spans[span].axis];
                 self.spans[span].nodes.push((coordinate, node));
             }
@@ -129,21 +159,28 @@ impl Builder<'_> {
         }
     }
 
-    fn node_of_end(&mut self, index: usize, span: usize) -> usize {
+    fn node_of_end(
+        &mut self,
+        index: usize,
+        span: usize,
+        blocks: &Boxes,
+        joint_of: &BTreeMap<usize, usize>,
+    ) -> usize {
         let end = &self.structure.ends[index];
         if end.supported {
             self.nodes.push(FrameNode::clamped(end.id.clone(), end.point_m));
             return self.nodes.len() - 1;
         }
-        let joint = self.joints.iter().find(|joint| {
-            if self.upright(end.member) {
-                joint.ends.contains(&index)
-            } else {
-                self.frames_into(joint, end.member, end.axis, end.point_m[end.axis])
-            }
-        });
+        let joint = if self.upright(end.member) {
+            joint_of.get(&index).copied()
+        } else {
+            let near = blocks.near(&self.member(end.member).solid, COORDINATE_TOLERANCE_M).into_iter();
+            let into =
+                |j: &usize| self.frames_into(&self.joints[*j], end.member, end.axis, end.point_m[end.axis]);
+            near.into_iter().find(into)
+        };
         if let Some(joint) = joint {
-            return joint.node;
+            return self.joints[joint].node;
         }
         if let Some((other, coordinate)) = self.beam_at(end.point_m, span) {
             return self.node_on(other, coordinate);
@@ -180,11 +217,12 @@ impl Builder<'_> {
 
     /// A joint into which no beam ends but through which one passes (a column under or on a beam's span).
     fn seat_lone_joints(&mut self) {
+        let bars = self.spans.iter().filter(|span| !self.upright(span.member));
+        let seated: BTreeSet<usize> =
+            bars.flat_map(|span| span.nodes.iter().map(|(_, node)| *node)).collect();
         for index in 0..self.joints.len() {
             let (node, range) = (self.joints[index].node, self.joints[index].range_m);
-            let is_end =
-                |span: &Span| !self.upright(span.member) && span.nodes.iter().any(|(_, n)| *n == node);
-            if self.spans.iter().any(is_end) {
+            if seated.contains(&node) {
                 continue;
             }
             let [x, y, _] = self.nodes[node].point_m;

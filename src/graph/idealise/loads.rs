@@ -1,6 +1,7 @@
 //! Dead load: where each cell's weight goes.
 
 use super::{Builder, LOAD_BIN_M, LOAD_SAMPLE_M, Span};
+use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
@@ -23,6 +24,10 @@ pub(super) fn on_stretch(loads: &[([f64; 2], f64)], from: f64, to: f64) -> Vec<L
 impl Builder<'_> {
     /// Places the weight of all members that are left.
     pub(super) fn place_loads(&mut self) {
+        let mut spans_of = vec![Vec::new(); self.building.members.len()];
+        for (index, span) in self.spans.iter().enumerate().filter(|(_, span)| span.ends.is_some()) {
+            spans_of[span.member].push(index);
+        }
         for member in 0..self.building.members.len() {
             if !self.left(member) || self.structure.boxes(member).is_empty() {
                 continue;
@@ -30,7 +35,7 @@ impl Builder<'_> {
             let placed = match self.member(member).kind {
                 MemberKind::Slab => self.place_slab(member),
                 MemberKind::Footing => self.place_footing(member),
-                _ => self.place_bar(member),
+                _ => self.place_bar(member, &spans_of[member]),
             };
             if !placed {
                 self.unplaced.push(self.member(member).id.clone());
@@ -44,10 +49,7 @@ impl Builder<'_> {
     }
 
     /// A bar: cells along its spans as line loads, the rest at the nearest end node.
-    fn place_bar(&mut self, member: usize) -> bool {
-        let spans: Vec<usize> = (0..self.spans.len())
-            .filter(|s| self.spans[*s].member == member && self.spans[*s].ends.is_some())
-            .collect();
+    fn place_bar(&mut self, member: usize, spans: &[usize]) -> bool {
         let Some(&first) = spans.first() else { return false };
         let (axis, weight) = (self.spans[first].axis, self.specific_weight(member));
         for cell in self.structure.boxes(member) {
@@ -84,6 +86,25 @@ impl Builder<'_> {
         !nodes.is_empty()
     }
 
+    /// Those of some spans, by their places in a list, that may be the nearest to a point of a cell: one that is nearest to a point is no farther from it than the
+    /// nearest to the centre, and half a diagonal.
+    fn nearest_to(&self, cell: &Aabb, carriers: &[usize], places: &Boxes) -> Vec<usize> {
+        let (mut flat, center, size) = (*cell, cell.center(), cell.size());
+        (flat.min[2], flat.max[2]) = (0.0, 0.0);
+        let half = 0.5 * size[0].hypot(size[1]);
+        let mut reach = half + LOAD_BIN_M;
+        loop {
+            let found = places.near(&flat, reach);
+            let distance = |i: &usize| project(&self.spans[carriers[*i]], [center[0], center[1]]).0;
+            let least = found.iter().map(distance).fold(f64::INFINITY, f64::min);
+            let needed = least + half + 2.0 * TIE_M;
+            if reach >= needed {
+                return found;
+            }
+            reach = if needed.is_finite() { needed } else { 2.0 * reach };
+        }
+    }
+
     /// A slab: sample points of equal volume in each cell, each to the nearest carriers.
     fn place_slab(&mut self, slab: usize) -> bool {
         let (carriers, weight) = (self.carriers(slab), self.specific_weight(slab));
@@ -92,18 +113,23 @@ impl Builder<'_> {
         }
         let mut bins: Vec<Vec<f64>> =
             carriers.iter().map(|c| vec![0.0; bin_count(&self.spans[*c])]).collect();
+        let places = Boxes::of(carriers.iter().map(|c| in_plan(&self.spans[*c])));
         for cell in self.structure.boxes(slab) {
+            let candidates = self.nearest_to(cell, &carriers, &places);
             for (point, force) in samples(cell, weight) {
-                let projected: Vec<(f64, f64)> =
-                    carriers.iter().map(|c| project(&self.spans[*c], point)).collect();
-                let least = projected.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
-                let near: Vec<usize> =
-                    (0..carriers.len()).filter(|i| projected[*i].0 < least + TIE_M).collect();
-                for &i in &near {
+                let projected: Vec<(usize, f64, f64)> = candidates
+                    .iter()
+                    .map(|i| (*i, project(&self.spans[carriers[*i]], point)))
+                    .map(|(i, (distance, along))| (i, distance, along))
+                    .collect();
+                let least = projected.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+                let near: Vec<(usize, f64, f64)> =
+                    projected.into_iter().filter(|p| p.1 < least + TIE_M).collect();
+                for &(i, _, along) in &near {
                     let share = force / near.len() as f64;
                     let span = &self.spans[carriers[i]];
                     let [low, high] = span.range;
-                    let place = (projected[i].1 - low) / (high - low);
+                    let place = (along - low) / (high - low);
                     if place <= 0.0 || place >= 1.0 {
                         let node = if place <= 0.0 { span.nodes.first() } else { span.nodes.last() };
                         node.into_iter().for_each(|(_, n)| self.nodes[*n].load[2] -= share);
@@ -149,6 +175,14 @@ impl Builder<'_> {
         }
         !nodes.is_empty()
     }
+}
+
+/// A horizontal span as a box without height.
+fn in_plan(span: &Span) -> Aabb {
+    let (mut low, mut high) = (span.line, span.line);
+    (low[span.axis], high[span.axis]) = (span.range[0], span.range[1]);
+    (low[2], high[2]) = (0.0, 0.0);
+    Aabb { min: low, max: high }
 }
 
 fn bin_count(span: &Span) -> usize {

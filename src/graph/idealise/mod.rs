@@ -19,6 +19,7 @@ mod strips;
 use super::ends::{MemberEnd, is_upright};
 use super::frame::{BeamSection, Diaphragm, Element, Frame, FrameNode};
 use super::structure::Structure;
+use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Member, MemberKind};
@@ -83,11 +84,20 @@ struct Builder<'a> {
     joints: Vec<Joint>,
     nodes: Vec<FrameNode>,
     unplaced: Vec<String>,
+    /// Solids of the slabs, and of the beams.
+    slabs: Boxes,
+    beams: Boxes,
 }
 
 /// The building without the `removed` members as a frame.
 pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<usize>) -> Idealised {
+    let of_kind = |kind: MemberKind| {
+        let members = building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind);
+        Boxes::numbered(members.map(|(index, m)| (index, m.solid)))
+    };
     let mut builder = Builder {
+        slabs: of_kind(MemberKind::Slab),
+        beams: of_kind(MemberKind::Beam),
         structure,
         building,
         removed,
@@ -170,8 +180,9 @@ impl Builder<'_> {
         let across = 1 - end.axis;
         let reference = 0.7 * end.clear_length_m;
         let mut found: Option<(f64, f64, f64)> = None;
-        for (index, slab) in self.building.members.iter().enumerate() {
-            if slab.kind != MemberKind::Slab || !self.left(index) || !meet(&slab.solid, &beam.solid) {
+        for index in self.slabs.near(&beam.solid, COORDINATE_TOLERANCE_M) {
+            let slab = self.member(index);
+            if !self.left(index) || !meet(&slab.solid, &beam.solid) {
                 continue;
             }
             let width: f64 = [-1.0, 1.0]
@@ -198,9 +209,8 @@ impl Builder<'_> {
         } else {
             (beam.solid.max[across], slab.solid.max[across])
         };
-        let neighbour = self.building.members.iter().filter(|other| {
-            other.kind == MemberKind::Beam && other.axis == beam.axis && meet(&other.solid, &slab.solid)
-        });
+        let beams = self.beams.near(&slab.solid, COORDINATE_TOLERANCE_M).into_iter().map(|b| self.member(b));
+        let neighbour = beams.filter(|other| other.axis == beam.axis && meet(&other.solid, &slab.solid));
         let gaps = neighbour
             .map(|o| if side < 0.0 { -o.solid.max[across] } else { o.solid.min[across] } - face)
             .filter(|gap| *gap > COORDINATE_TOLERANCE_M);

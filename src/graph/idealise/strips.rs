@@ -5,6 +5,7 @@ use crate::base::geom::Aabb;
 use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::graph::frame::BeamSection;
+use std::collections::BTreeMap;
 
 impl Builder<'_> {
     /// Adds the strips of all slabs.
@@ -14,10 +15,16 @@ impl Builder<'_> {
                 continue;
             }
             let joints = self.joints_in_slab(slab);
+            let mut bars_at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+            for (index, span) in self.spans.iter().enumerate() {
+                if !self.upright(span.member) && span.member != slab {
+                    span.nodes.iter().for_each(|(_, node)| bars_at.entry(*node).or_default().push(index));
+                }
+            }
             for axis in [0, 1] {
                 for &from in &joints {
                     if let Some(to) = self.next_aligned(&joints, from, axis) {
-                        let strip = self.strip(slab, &joints, [from, to], axis);
+                        let strip = self.strip(slab, &joints, [from, to], (axis, &bars_at));
                         self.spans.extend(strip);
                     }
                 }
@@ -52,13 +59,16 @@ impl Builder<'_> {
     }
 
     /// A strip between two joints unless a beam joins them.
-    fn strip(&self, slab: usize, joints: &[usize], [from, to]: [usize; 2], axis: usize) -> Option<Span> {
+    fn strip(
+        &self,
+        slab: usize,
+        joints: &[usize],
+        [from, to]: [usize; 2],
+        (axis, bars_at): (usize, &BTreeMap<usize, Vec<usize>>),
+    ) -> Option<Span> {
         let nodes = [from, to].map(|j| self.joints[j].node);
-        let joined = self.spans.iter().any(|s| {
-            !self.upright(s.member)
-                && s.member != slab
-                && nodes.iter().all(|n| s.nodes.iter().any(|(_, m)| m == n))
-        });
+        let [at_from, at_to] = nodes.map(|n| bars_at.get(&n));
+        let joined = at_from.zip(at_to).is_some_and(|(a, b)| a.iter().any(|span| b.contains(span)));
         if joined {
             return None;
         }
