@@ -20,10 +20,7 @@ impl Run<'_> {
             }
         }
         if joint.hinge.out_of_range && !std::mem::replace(&mut self.range_warned[i], true) {
-            self.result.warnings.push(format!(
-                "joint \"{id}\": at t = {:.4} s the axial force {:.4e} N lies outside the levels of its curve; the nearest level is used",
-                self.time, joint.axial_force
-            ));
+            self.beyond_levels.push((id.clone(), self.time, joint.axial_force));
         }
     }
 

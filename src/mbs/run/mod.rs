@@ -100,6 +100,7 @@ fn once(model: &Model, options: &SolverOptions, share: f64) -> Outcome {
     let mut run = Run::new(model, options, share)?;
     run.go()?;
     let remarks = closing_remarks(&run.books, Some(run.contacts.work));
+    run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
     run.result.warnings.extend(remarks);
     run.close_latent();
     Ok((run.result, run.books.growth))
@@ -163,6 +164,24 @@ pub(super) fn closing_remarks(books: &Balance, contacts: Option<Work>) -> Vec<St
     list
 }
 
+/// Joints named in a remark.
+const NAMED: usize = 5;
+
+/// One remark on all joints outside the levels of their curves, however many.
+fn remark_on_levels(joints: &[(String, f64, f64)]) -> Option<String> {
+    let (first, time_s, force_n) = joints.first()?;
+    let named: Vec<&str> = joints.iter().skip(1).take(NAMED).map(|(id, ..)| id.as_str()).collect();
+    let more = joints.len() - 1 - named.len();
+    let others = match (named.is_empty(), more) {
+        (true, _) => String::new(),
+        (false, 0) => format!("; so do later {}", named.join(", ")),
+        (false, more) => format!("; so do later {} and {more} more", named.join(", ")),
+    };
+    Some(format!(
+        "joint \"{first}\" flows from t = {time_s:.4} s under an axial force ({force_n:.4e} N) outside the levels of its curve, where the nearest level is used{others}"
+    ))
+}
+
 struct Run<'a> {
     /// The model as it was given.
     file: &'a Model,
@@ -199,6 +218,8 @@ struct Run<'a> {
     /// Of each joint its hinges ([`super::model::Bushing::hinges`]).
     yielded: Vec<[bool; 2]>,
     range_warned: Vec<bool>,
+    /// Joints that flowed under axial forces \[N\] outside the levels of their curves, with the first time of it \[s\].
+    beyond_levels: Vec<(String, f64, f64)>,
     plastic_start: f64,
     released: f64,
     books: Balance,
@@ -236,6 +257,7 @@ impl<'a> Run<'a> {
             strength: vec![1.0; file.bushings.len()],
             yielded: system.joints.iter().map(|j| j.flowed().map(|(alpha, _)| alpha > 0.0)).collect(),
             range_warned: vec![false; system.joints.len()],
+            beyond_levels: Vec::new(),
             plastic_start: system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum(),
             result: empty_result(file, &hinges, step_limit, frequency, preload_iterations),
             file,
