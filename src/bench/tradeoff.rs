@@ -152,7 +152,7 @@ impl Kind {
 pub fn markdown(rows: &[Row], machine: &str) -> String {
     let mut text = format!(
         "# Run time against error\n\nDisplacements of the tracked points against the finest FE run of each building, and against the FE run with the mesh size of its \
-         file, which the homogenised law belongs to;\n{machine}. Levels of the MBS are those of `generate-mbs --accuracy`.\n\n![error over processor time](tradeoff.svg)\n\n\
+         file, which the homogenised law belongs to;\n{machine}. Levels of the MBS are those of `generate-mbs --accuracy`. The finest FE run has no error and no point in the plots.\n\n![error over processor time](tradeoff.svg)\n\n\
          | building | model | level | bodies or elements | processor time \\[s\\] | e to contact | e total | to contact, own mesh | total, own mesh |\n\
          |---|---|---|---:|---:|---:|---:|---:|---:|\n"
     );

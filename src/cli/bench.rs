@@ -6,7 +6,7 @@ use super::{
 };
 use crate::base::output::write_atomic;
 use crate::bench::{fe, fe_error, fe_stability, mbs, mbs_stability};
-use crate::report::loglog;
+use crate::report::loglog::{self, Line, Panel};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -231,12 +231,15 @@ fn error_runs(options: &ErrorRuns) -> Result<Outcome, Failure> {
     let rows =
         pool.install(|| fe_error::measure(&building, &options.sizes, &note)).map_err(Failure::stopped)?;
     let page = fe_error::markdown(&building.name, &rows, &fe::machine());
-    let line = |name: &str, value: fn(&fe_error::Row) -> f64| {
-        (name.to_string(), rows.iter().map(|r| [r.cpu_s, value(r)]).collect::<Vec<_>>())
+    let line = |colour: usize, name: &str, value: fn(&fe_error::Row) -> f64| {
+        let points = rows.iter().map(|r| [r.cpu_s, value(r)]).collect();
+        Line { name: name.into(), points, colour, dashed: false }
     };
-    let lines = [line("up to the first contact", |r| r.e_to_contact), line("whole run", |r| r.e_total)];
+    let lines =
+        vec![line(0, "up to the first contact", |r| r.e_to_contact), line(1, "whole run", |r| r.e_total)];
     let title = format!("{}: error against the finest mesh", building.name);
-    let plot = loglog::svg(&title, ["processor time [s]", "relative error of displacements"], &lines);
+    let plot =
+        loglog::svg(["processor time [s]", "relative error of displacements"], &[Panel { title, lines }]);
     save(options.output.as_deref(), &[("fe-error.md", &page), ("fe-error.svg", &plot)])?;
     print(&page);
     Ok(Outcome::Done)

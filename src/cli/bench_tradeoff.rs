@@ -3,9 +3,10 @@
 use super::bench::{check_sizes, save};
 use super::knowledge::CurveArgs;
 use super::{Failure, Outcome, print, read_building, thread_pool};
-use crate::bench::{fe, tradeoff};
+use crate::bench::fe;
+use crate::bench::tradeoff::{self, Kind, Row};
 use crate::generate::{Wishes, generate};
-use crate::report::loglog;
+use crate::report::loglog::{self, Line, Panel};
 use std::path::PathBuf;
 
 /// Which buildings, and how.
@@ -44,14 +45,30 @@ pub fn run(options: &Arguments) -> Result<Outcome, Failure> {
         rows.extend(measured.map_err(|e| Failure::stopped(format!("{}: {e}", building.name)))?);
     }
     let page = tradeoff::markdown(&rows, &fe::machine());
-    let line = |kind: tradeoff::Kind| {
-        let own = rows.iter().filter(|r| r.kind == kind);
-        (kind.name().to_string(), own.map(|r| [r.cpu_s, r.e_to_contact]).collect::<Vec<_>>())
-    };
-    let lines = [tradeoff::Kind::Mbs, tradeoff::Kind::Hybrid, tradeoff::Kind::Fe].map(line);
-    let axes = ["processor time [s]", "error of displacements up to the first contact"];
-    let plot = loglog::svg("Run time against error, against the finest FE run", axes, &lines);
+    let plot = plot(&rows);
     save(options.output.as_deref(), &[("tradeoff.md", &page), ("tradeoff.svg", &plot)])?;
     print(&page);
     Ok(Outcome::Done)
+}
+
+/// Error over processor time, a plot for each building: up to the first contact, and of the whole run (dashed). The finest FE run has no error and no point.
+fn plot(rows: &[Row]) -> String {
+    let mut buildings: Vec<&str> = rows.iter().map(|r| r.building.as_str()).collect();
+    buildings.dedup();
+    let panel = |name: &&str| {
+        let kinds = [Kind::Mbs, Kind::Hybrid, Kind::Fe].into_iter().enumerate();
+        let lines = kinds.flat_map(|(colour, kind)| {
+            [false, true].map(|dashed| {
+                let own = rows.iter().filter(|r| r.building == **name && r.kind == kind);
+                let mut points: Vec<[f64; 2]> =
+                    own.map(|r| [r.cpu_s, if dashed { r.e_total } else { r.e_to_contact }]).collect();
+                points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+                let name = if dashed { String::new() } else { kind.name().to_string() };
+                Line { name, points, colour, dashed }
+            })
+        });
+        Panel { title: name.to_string(), lines: lines.collect() }
+    };
+    let panels: Vec<Panel> = buildings.iter().map(panel).collect();
+    loglog::svg(["processor time [s]", "error of displacements, of the whole run dashed"], &panels)
 }

@@ -1,104 +1,174 @@
-//! A plot of points joined by lines on two logarithmic axes, as an SVG file of its own.
+//! Plots of points joined by lines on two logarithmic axes, as an SVG file of its own.
 
 use super::chart::escape;
 use std::fmt::Write;
 
-/// One line: name and points, all coordinates positive (others are left out).
-pub type Line = (String, Vec<[f64; 2]>);
+/// A line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// Its name; lines without one are not in the legend.
+    pub name: String,
+    /// Points whose coordinates are positive; others are left out.
+    pub points: Vec<[f64; 2]>,
+    /// Number of its colour.
+    pub colour: usize,
+    /// Whether it is dashed and its points are hollow.
+    pub dashed: bool,
+}
+
+/// A plot with a title.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Title.
+    pub title: String,
+    /// Lines.
+    pub lines: Vec<Line>,
+}
 
 const SIZE: [f64; 2] = [640.0, 420.0];
 const AREA: [f64; 4] = [70.0, 620.0, 30.0, 360.0];
 const COLOURS: [&str; 4] = ["#1f6fb4", "#c0482c", "#3a8a4d", "#7a5aa6"];
 
-/// The plot with a title and the names of its axes (with units).
-pub fn svg(title: &str, axes: [&str; 2], lines: &[Line]) -> String {
-    let valid = |p: &&[f64; 2]| p.iter().all(|c| c.is_finite() && *c > 0.0);
-    let decades = |k: usize| {
-        let logs = lines.iter().flat_map(|l| l.1.iter().filter(valid)).map(|p| p[k].log10());
-        let (low, high) =
-            logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v.floor()), b.max(v.ceil())));
-        if low <= high { (low, high.max(low + 1.0)) } else { (0.0, 1.0) }
-    };
-    let ranges = [decades(0), decades(1)];
-    let [left, right, top, bottom] = AREA;
-    let place = |k: usize, log: f64| {
-        let share = (log - ranges[k].0) / (ranges[k].1 - ranges[k].0);
-        if k == 0 { left + share * (right - left) } else { bottom - share * (bottom - top) }
-    };
+/// One or several plots, two side by side, with the names of their axes (with units); all have the same ranges.
+pub fn svg(axes: [&str; 2], panels: &[Panel]) -> String {
+    let columns = panels.len().clamp(1, 2);
+    let rows = panels.len().div_ceil(columns).max(1);
+    let [width, height] = [SIZE[0] * columns as f64, SIZE[1] * rows as f64];
     let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"13\">\
-         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/><text x=\"{left}\" y=\"18\">{}</text>\n",
-        SIZE[0],
-        SIZE[1],
-        escape(title)
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"13\">\
+         <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
     );
-    for k in 0..2 {
-        for decade in ranges[k].0 as i32..=ranges[k].1 as i32 {
-            let at = place(k, f64::from(decade));
-            let label = format!("10<tspan dy=\"-5\" font-size=\"10\">{decade}</tspan>");
-            let _ = if k == 0 {
-                writeln!(
-                    out,
-                    "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>\
-                     <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
-                    bottom + 20.0
-                )
-            } else {
-                writeln!(
-                    out,
-                    "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#ddd\"/>\
-                     <text x=\"{}\" y=\"{at:.1}\" text-anchor=\"end\" dy=\"4\">{label}</text>",
-                    left - 8.0
-                )
-            };
+    let scale = Scale::of(panels.iter().flat_map(|p| &p.lines));
+    for (i, panel) in panels.iter().enumerate() {
+        let at = [SIZE[0] * (i % columns) as f64, SIZE[1] * (i / columns) as f64];
+        let _ = writeln!(out, "<g transform=\"translate({} {})\">", at[0], at[1]);
+        scale.grid(&mut out, axes, &panel.title);
+        let named = panel.lines.iter().filter(|line| !line.name.is_empty());
+        for (row, line) in named.enumerate() {
+            let _ = writeln!(
+                out,
+                "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" fill=\"{}\">{}</text>",
+                AREA[1] - 8.0,
+                AREA[2] + 18.0 * (row as f64 + 1.0),
+                colour(line),
+                escape(&line.name)
+            );
         }
+        panel.lines.iter().for_each(|line| scale.line(&mut out, line));
+        out += "</g>\n";
     }
-    for (i, (name, points)) in lines.iter().enumerate() {
-        let colour = COLOURS[i % COLOURS.len()];
-        let at: Vec<[f64; 2]> =
-            points.iter().filter(valid).map(|p| [place(0, p[0].log10()), place(1, p[1].log10())]).collect();
+    out + "</svg>\n"
+}
+
+fn colour(line: &Line) -> &'static str {
+    COLOURS[line.colour % COLOURS.len()]
+}
+
+fn valid(point: &&[f64; 2]) -> bool {
+    point.iter().all(|c| c.is_finite() && *c > 0.0)
+}
+
+/// Ranges of both axes in decades.
+struct Scale([[f64; 2]; 2]);
+
+impl Scale {
+    /// Whole decades around all points.
+    fn of<'a>(lines: impl Iterator<Item = &'a Line> + Clone) -> Self {
+        Self([0, 1].map(|k| {
+            let logs = lines.clone().flat_map(|l| l.points.iter().filter(valid)).map(|p| p[k].log10());
+            let around = |r: [f64; 2], v: f64| [r[0].min(v.floor()), r[1].max(v.ceil())];
+            let [low, high] = logs.fold([f64::INFINITY, f64::NEG_INFINITY], around);
+            if low <= high { [low, high.max(low + 1.0)] } else { [0.0, 1.0] }
+        }))
+    }
+
+    fn place(&self, k: usize, log: f64) -> f64 {
+        let [low, high] = self.0[k];
+        let (share, [left, right, top, bottom]) = ((log - low) / (high - low), AREA);
+        if k == 0 { left + share * (right - left) } else { bottom - share * (bottom - top) }
+    }
+
+    /// Title, names of the axes, and a line and a number at each decade.
+    fn grid(&self, out: &mut String, axes: [&str; 2], title: &str) {
+        let [left, right, top, bottom] = AREA;
+        let _ = writeln!(out, "<text x=\"{left}\" y=\"18\">{}</text>", escape(title));
+        for k in 0..2 {
+            for decade in self.0[k][0] as i32..=self.0[k][1] as i32 {
+                let at = self.place(k, f64::from(decade));
+                let label = format!("10<tspan dy=\"-5\" font-size=\"10\">{decade}</tspan>");
+                let _ = if k == 0 {
+                    writeln!(
+                        out,
+                        "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>\
+                         <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
+                        bottom + 20.0
+                    )
+                } else {
+                    writeln!(
+                        out,
+                        "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#ddd\"/>\
+                         <text x=\"{}\" y=\"{at:.1}\" text-anchor=\"end\" dy=\"4\">{label}</text>",
+                        left - 8.0
+                    )
+                };
+            }
+        }
+        let _ = writeln!(
+            out,
+            "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
+             <text transform=\"translate(20 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            0.5 * (left + right),
+            bottom + 44.0,
+            escape(axes[0]),
+            0.5 * (top + bottom),
+            escape(axes[1])
+        );
+    }
+
+    fn line(&self, out: &mut String, line: &Line) {
+        let colour = colour(line);
+        let (dashes, fill) = if line.dashed { (" stroke-dasharray=\"5 4\"", "#fff") } else { ("", colour) };
+        let at = |p: &[f64; 2]| [0, 1].map(|k| self.place(k, p[k].log10()));
+        let at: Vec<[f64; 2]> = line.points.iter().filter(valid).map(at).collect();
         let path: Vec<String> = at.iter().map(|p| format!("{:.1} {:.1}", p[0], p[1])).collect();
         if !path.is_empty() {
             let _ = writeln!(
                 out,
-                "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>",
+                "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"{dashes}/>",
                 path.join("L")
             );
         }
-        for p in at {
-            let _ =
-                writeln!(out, "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"{colour}\"/>", p[0], p[1]);
+        for [x, y] in at {
+            let _ = writeln!(
+                out,
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\" stroke=\"{colour}\"/>"
+            );
         }
-        let y = top + 18.0 * (i as f64 + 1.0);
-        let _ = writeln!(
-            out,
-            "<text x=\"{}\" y=\"{y}\" text-anchor=\"end\" fill=\"{colour}\">{}</text>",
-            right - 8.0,
-            escape(name)
-        );
     }
-    let _ = writeln!(
-        out,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
-         <text transform=\"translate(20 {}) rotate(-90)\" text-anchor=\"middle\">{}</text></svg>",
-        0.5 * (left + right),
-        bottom + 44.0,
-        escape(axes[0]),
-        0.5 * (top + bottom),
-        escape(axes[1])
-    );
-    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn panel(title: &str, points: Vec<[f64; 2]>) -> Panel {
+        let line = Line { name: "x".into(), points, colour: 0, dashed: false };
+        Panel { title: title.into(), lines: vec![line] }
+    }
+
     #[test]
     fn points_without_a_logarithm_are_left_out() {
-        let text = svg("a<b", ["t [s]", "e"], &[("x".into(), vec![[1.0, 0.1], [10.0, 0.0], [20.0, 0.01]])]);
+        let text = svg(["t [s]", "e"], &[panel("a<b", vec![[1.0, 0.1], [10.0, 0.0], [20.0, 0.01]])]);
         assert_eq!(text.matches("<circle").count(), 2);
         assert!(text.contains("a&lt;b") && !text.contains("NaN") && !text.contains("inf"));
-        assert!(svg("t", ["x", "y"], &[]).ends_with("</svg>\n"));
+        assert!(svg(["x", "y"], &[]).ends_with("</svg>\n"));
+    }
+
+    #[test]
+    fn panels_stand_two_in_a_row_with_the_same_decades() {
+        let panels = [panel("a", vec![[1.0, 0.1]]), panel("b", vec![[1e3, 0.1]]), panel("c", Vec::new())];
+        let text = svg(["x", "y"], &panels);
+        assert!(text.contains("viewBox=\"0 0 1280 840\"") && text.contains("translate(640 0)"));
+        assert_eq!(text.matches(">3</tspan>").count(), 3);
     }
 }
