@@ -87,7 +87,7 @@ impl Boxes {
 }
 
 /// The box around two.
-fn around(a: Aabb, b: Aabb) -> Aabb {
+pub fn around(a: Aabb, b: Aabb) -> Aabb {
     Aabb {
         min: std::array::from_fn(|i| a.min[i].min(b.min[i])),
         max: std::array::from_fn(|i| a.max[i].max(b.max[i])),

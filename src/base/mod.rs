@@ -1,5 +1,5 @@
 //! What every module may use and none owns: axis-aligned boxes and which of them are near one, units, source files as trees with
-//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, sparse equations, instruction sets, random numbers, time measurement.
+//! places, diagnostics, hashes, atomic output, grids for viewers, lines through points, roots, sparse equations, instruction sets, random numbers, time measurement.
 
 pub mod boxes;
 pub mod cpu;
@@ -11,6 +11,7 @@ pub mod output;
 pub mod piecewise;
 pub mod prefetch;
 pub mod random;
+pub mod root;
 pub mod source;
 pub mod sparse;
 pub mod tree;

@@ -3,6 +3,7 @@
 use super::model::Member;
 use super::partition::COORDINATE_TOLERANCE_M;
 use super::turned::TurnedBox;
+use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use petgraph::unionfind::UnionFind;
 
@@ -13,6 +14,15 @@ pub fn touch(a: &Member, b: &Member) -> bool {
         return p.touches(&q);
     }
     touch_box(&a.solid, &b.solid)
+}
+
+/// A box beyond which a member touches nothing.
+fn reach(member: &Member) -> Aabb {
+    let slack = member.inclined.map_or(0.0, |i| i.slack_m());
+    match member.is_skew() {
+        true => TurnedBox::of(member).longer(member.axis, slack).bounds(),
+        false => member.solid,
+    }
 }
 
 /// Whether two boxes overlap or share a face with an area.
@@ -31,8 +41,11 @@ pub fn touch_box(a: &Aabb, b: &Aabb) -> bool {
 /// Groups of members that touch and contain no supported one; `present` leaves members out.
 pub fn unsupported_groups(members: &[&Member], present: &[bool], supported: &[bool]) -> Vec<Vec<usize>> {
     let mut sets = UnionFind::<usize>::new(members.len());
+    let bounds: Vec<Aabb> = members.iter().map(|m| reach(m)).collect();
+    let boxes = Boxes::of(bounds.iter().copied());
     for i in (0..members.len()).filter(|&i| present[i]) {
-        for j in (i + 1..members.len()).filter(|&j| present[j]) {
+        let near = boxes.near(&bounds[i], 2.0 * COORDINATE_TOLERANCE_M);
+        for j in near.into_iter().filter(|&j| j > i && present[j]) {
             if touch(members[i], members[j]) {
                 sets.union(i, j);
             }

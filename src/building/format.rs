@@ -3,6 +3,7 @@
 //! The reader's structure check ([`super::structure`]) and the JSON Schema ([`super::schema`]) both
 //! walk these tables, so that they cannot say different things.
 
+use super::grid::MAX_MEMBERS;
 use super::overrides::{ACTIONS, ACTIONS_OF_RULES};
 use crate::base::units::Dimension;
 
@@ -675,7 +676,7 @@ pub const FILE: Table = Table {
         must("materials", Kind::Map(&MATERIAL), "", "Materials by id."),
         must("sections", Kind::Map(&SECTION), "", "Reinforced sections by id."),
         may("grid", Kind::Table(&GRID), "", "A regular frame."),
-        may("members", Kind::List(&Kind::Table(&MEMBER), 0, 5000), "", "Single members."),
+        may("members", Kind::List(&Kind::Table(&MEMBER), 0, MAX_MEMBERS), "", "Single members."),
         may("supports", Kind::List(&Kind::Table(&SUPPORT), 0, 1000), "", "Supports."),
         must("ground", Kind::Table(&GROUND), "", "The rigid ground, with `level` and `friction`."),
         may("obstacles", Kind::List(&Kind::Table(&OBSTACLE), 0, 1000), "", "Obstacles."),

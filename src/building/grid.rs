@@ -11,8 +11,8 @@ use crate::base::diagnostic::Diagnostic;
 use crate::base::geom::Aabb;
 use crate::base::units::{Dimension, show};
 
-/// Most members of a grid.
-pub const MAX_MEMBERS: usize = 5000;
+/// Most members of a building, and of a grid.
+pub const MAX_MEMBERS: usize = 20_000;
 
 /// A grid in numbers, m.
 pub struct Grid<'a> {

@@ -46,7 +46,7 @@ enum AccuracyArgument {
 enum DeriveArgument {
     /// Stop and name them
     Never,
-    /// Scale the curves of similar columns by the laws of similarity; a floor without curves for a line at which it may fold stays in one piece
+    /// Scale the curves of similar columns by the laws of similarity, or take those of the section where none is similar; a floor without curves for a line at which it may fold stays in one piece
     Similar,
     /// Compute the curves for this run
     Run,

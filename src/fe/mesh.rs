@@ -4,11 +4,12 @@ use super::apart;
 use super::grid::MeshGrid;
 use super::law::Law;
 use super::merge;
+use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Face, Preparation};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A mesh of eight-node hexahedra. Node order of an element: bottom face counter-clockwise seen from +z, then top face.
 #[derive(Debug, Clone, Default)]
@@ -129,29 +130,30 @@ impl Mesh {
         let count = cells.count();
         let stride = [1, count[0] + 1, (count[0] + 1) * (count[1] + 1)];
         let (laws, law_of) = Self::law_indices(building);
-        let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
+        const NONE: u32 = u32::MAX;
+        let mut numbers = vec![NONE; stride[2] * (count[2] + 1)];
         let mut nodes = Vec::new();
         let mut elements = Vec::new();
-        for (cell, owner) in cells.cells() {
-            if building.is_cut(&building.members[owner].id) {
-                continue;
-            }
+        let is_cut: Vec<bool> = building.members.iter().map(|m| building.is_cut(&m.id)).collect();
+        let strength: Vec<f64> = building.members.iter().map(|m| strength_factor(building, &m.id)).collect();
+        for (cell, owner) in cells.cells().filter(|(_, owner)| !is_cut[*owner]) {
             const CORNERS: [[usize; 3]; 8] =
                 [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
             let ids = CORNERS.map(|c| {
                 let at: [usize; 3] = std::array::from_fn(|i| cell[i] + c[i]);
                 let key = at[0] * stride[0] + at[1] * stride[1] + at[2] * stride[2];
-                *numbers.entry(key).or_insert_with(|| {
+                if numbers[key] == NONE {
+                    numbers[key] = nodes.len() as u32;
                     nodes.push(std::array::from_fn(|i| cells.planes[i][at[i]]));
-                    nodes.len() - 1
-                })
+                }
+                numbers[key] as usize
             });
             elements.push(Element {
                 nodes: ids,
                 part: owner,
                 law: law_of[owner],
                 smear: real[owner] / meshed[owner],
-                strength: strength_factor(building, &building.members[owner].id),
+                strength: strength[owner],
             });
         }
         elements.sort_by_key(|e| e.law);
@@ -211,6 +213,27 @@ impl Mesh {
         (Self { nodes, elements, laws, trusses, ties, fixed, parts }, old)
     }
 
+    /// The mesh of some hexahedra, ascending, where there are neither bars nor ties; its held nodes are in the order of this mesh. Costs no more than these elements, whatever there is besides.
+    pub fn around(&self, elements: &[usize]) -> Self {
+        let mut new_of = BTreeMap::new();
+        let mut nodes = Vec::new();
+        let elements = elements.iter().map(|index| {
+            let element = &self.elements[*index];
+            let own = element.nodes.map(|n| {
+                *new_of.entry(n).or_insert_with(|| {
+                    nodes.push(self.nodes[n]);
+                    nodes.len() - 1
+                })
+            });
+            Element { nodes: own, ..*element }
+        });
+        let elements = elements.collect();
+        let held = new_of.iter().filter(|(old, _)| self.fixed.binary_search(old).is_ok());
+        let fixed = held.map(|(_, new)| *new).collect();
+        let (laws, parts) = (self.laws.clone(), self.parts.clone());
+        Self { nodes, elements, laws, fixed, parts, ..Self::default() }
+    }
+
     /// Members of a building that should have elements and have none; at most those that could not be meshed at all ([`merge`]).
     pub fn unmeshed(&self, building: &Building) -> Vec<String> {
         let mut meshed = vec![false; building.members.len()];
@@ -241,11 +264,13 @@ pub fn strength_factor(building: &Building, member: &str) -> f64 {
 
 /// Nodes on the supported faces.
 fn supported_nodes(building: &Building, solids: &[Aabb], nodes: &[[f64; 3]]) -> Vec<usize> {
-    let faces: Vec<([f64; 3], [f64; 3])> = building
+    let numbers: BTreeMap<&str, usize> =
+        building.members.iter().enumerate().map(|(i, m)| (m.id.as_str(), i)).collect();
+    let faces: Vec<Aabb> = building
         .supports
         .iter()
         .filter_map(|s| {
-            let member = building.members.iter().position(|m| m.id == s.member)?;
+            let member = *numbers.get(s.member.as_str())?;
             let solid = solids[member];
             if building.members[member].is_skew() {
                 return None; // [`apart::held_nodes`]
@@ -254,11 +279,15 @@ fn supported_nodes(building: &Building, solids: &[Aabb], nodes: &[[f64; 3]]) -> 
                 Face::Bottom => solid.min[2],
                 Face::Top => solid.max[2],
             };
-            Some(([solid.min[0], solid.min[1], z], [solid.max[0], solid.max[1], z]))
+            Some(Aabb { min: [solid.min[0], solid.min[1], z], max: [solid.max[0], solid.max[1], z] })
         })
         .collect();
-    let on = |p: &[f64; 3], (low, high): &([f64; 3], [f64; 3])| {
-        (0..3).all(|i| p[i] > low[i] - COORDINATE_TOLERANCE_M && p[i] < high[i] + COORDINATE_TOLERANCE_M)
+    let levels: BTreeSet<u64> = faces.iter().map(|f| f.min[2].to_bits()).collect();
+    let levels: Vec<f64> = levels.into_iter().map(f64::from_bits).collect();
+    let faces = Boxes::of(faces.into_iter());
+    let on_face = |p: &[f64; 3]| {
+        levels.iter().any(|z| (p[2] - z).abs() < COORDINATE_TOLERANCE_M)
+            && !faces.near(&Aabb { min: *p, max: *p }, COORDINATE_TOLERANCE_M).is_empty()
     };
-    (0..nodes.len()).filter(|n| faces.iter().any(|f| on(&nodes[*n], f))).collect()
+    (0..nodes.len()).filter(|n| on_face(&nodes[*n])).collect()
 }

@@ -7,9 +7,11 @@ use crate::building::ends::MemberEnd;
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::{Mesh, strength_factor};
 use crate::mbs::model::{Beam, Bending};
-use crate::rc::layers::{Layer, Layers};
+use crate::rc::layers::{Layer, Layers, POLE};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// How the names of curves of beams begin.
+pub const BEAM_CURVES: &str = "beam/";
 /// How far the end of a beam may be from the face of the columns on its axis \[m\].
 const AT_FACE_M: f64 = 0.4;
 /// Planes of a mesh nearer to each other than this are one \[m\].
@@ -84,7 +86,7 @@ impl<'a> YieldingEnds<'a> {
         let sections = [0, 1].map(|side| Layers::of(self.layers(building, cut, side, row_m)));
         let [Some(one), Some(other)] = sections else { return elastic };
         let section = if other.squash_n < one.squash_n { other } else { one };
-        let half_length_m = 0.5 * (cut.faces_m[1] - cut.faces_m[0] - row_m);
+        let half_length_m = 0.5 * (cut.faces_m[1] - cut.faces_m[0]) - POLE * row_m;
         if half_length_m <= 0.0 {
             return elastic;
         }
@@ -92,8 +94,8 @@ impl<'a> YieldingEnds<'a> {
         let numbers =
             section.numbers().chain([row_m, stiffness_nm_rad]).map(|x| format!("{x:.8e} ")).collect();
         let curve = self.known.entry(numbers).or_insert_with(|| {
-            let name = format!("beam/{id}");
-            self.curves.insert(name.clone(), section.curve(row_m, stiffness_nm_rad));
+            let name = format!("{BEAM_CURVES}{id}");
+            self.curves.insert(name.clone(), section.curve_at_joint(row_m, stiffness_nm_rad));
             name
         });
         let bending = Bending::Curve { curve: curve.clone(), strength_factor: 1.0 };

@@ -1,12 +1,48 @@
 //! Rigid bodies from sets of members.
 
 use super::cells::Piece;
+use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::partition::merged;
 use crate::building::{Building, MemberKind};
 use crate::graph::{MassProperties, Structure};
 use crate::mbs::model::{Body, Origin, Shape};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Distance within which the piece of a floor at a place is looked for first, and beyond which no building reaches \[m\].
+const NEAR_M: f64 = 0.5;
+/// See [`NEAR_M`].
+const FAR_M: f64 = 1e5;
+
+/// The pieces of a floor in the order of their bodies, and where they are.
+#[derive(Debug)]
+struct Floor {
+    pieces: Vec<Piece>,
+    places: Boxes,
+}
+
+impl Floor {
+    fn of(pieces: Vec<Piece>) -> Self {
+        let boxes = pieces.iter().enumerate().flat_map(|(i, p)| p.boxes.iter().map(move |(_, b)| (i, *b)));
+        Self { places: Boxes::numbered(boxes), pieces }
+    }
+
+    /// The piece nearest to a place, the first of equals.
+    fn nearest(&self, point_m: [f64; 3]) -> Option<usize> {
+        let (at, mut reach_m) = (Aabb { min: point_m, max: point_m }, NEAR_M);
+        loop {
+            let near = self.places.near(&at, reach_m).into_iter();
+            let found = near.map(|i| (self.pieces[i].distance2(point_m), i));
+            let nearest = found.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            // whatever is not among them is farther than this along some axis
+            match nearest {
+                Some((distance2, piece)) if distance2 <= reach_m * reach_m => return Some(piece),
+                _ if reach_m > FAR_M => return nearest.map(|(_, piece)| piece),
+                _ => reach_m *= 4.0,
+            }
+        }
+    }
+}
 
 /// The bodies of a model, and which of them a place belongs to.
 #[derive(Debug, Default)]
@@ -15,8 +51,8 @@ pub struct Bodies {
     pub list: Vec<Body>,
     /// For each member its body, or the first piece of its floor.
     owner: Vec<Option<usize>>,
-    /// Floors in pieces: their first body, and the pieces in the order of the bodies.
-    floors: Vec<(usize, Vec<Piece>)>,
+    /// Floors in pieces, by their first body.
+    floors: BTreeMap<usize, Floor>,
     /// Which bodies are pieces of floors that bend.
     bending: BTreeSet<usize>,
 }
@@ -38,7 +74,7 @@ impl Bodies {
         let first = self.list.len();
         members.iter().for_each(|m| self.owner[*m] = Some(first));
         self.list.extend(bodies);
-        self.floors.push((first, pieces));
+        self.floors.insert(first, Floor::of(pieces));
         first
     }
 
@@ -55,19 +91,17 @@ impl Bodies {
     /// The body of a member at a place.
     pub fn of(&self, member: usize, point_m: [f64; 3]) -> Option<usize> {
         let first = self.owner[member]?;
-        let Some((_, pieces)) = self.floors.iter().find(|(floor, _)| *floor == first) else {
-            return Some(first);
-        };
-        let distance = |i: &usize| pieces[*i].distance2(point_m);
-        let nearest = (0..pieces.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        nearest.map(|i| first + i)
+        match self.floors.get(&first) {
+            Some(floor) => floor.nearest(point_m).map(|i| first + i),
+            None => Some(first),
+        }
     }
 
     /// All bodies of a member.
     pub fn all_of(&self, member: usize) -> Vec<usize> {
         let Some(first) = self.owner[member] else { return Vec::new() };
-        let floor = self.floors.iter().find(|(floor, _)| *floor == first);
-        (first..first + floor.map_or(1, |(_, pieces)| pieces.len())).collect()
+        let pieces = self.floors.get(&first).map_or(1, |floor| floor.pieces.len());
+        (first..first + pieces).collect()
     }
 }
 

@@ -81,7 +81,7 @@ impl Why {
             }
             Self::OutOfRange(what) => format!("outside the rule's range of evidence ({what})"),
             Self::Unsure(sure) => format!("the rule is right in {:.0} % of cases by its studies", 1e2 * sure),
-            Self::Scaled(_, words) => format!("curves scaled from {words}"),
+            Self::Scaled(_, words) => format!("curves {words}"),
             Self::Override(instead) => format!("the analyst's override; {instead}"),
             Self::Remark(remark) => remark.clone(),
         }

@@ -14,11 +14,14 @@ use super::{
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::{Building, Override};
 use crate::fe::mesh::Mesh;
-use crate::graph::{Demands, Structure, demands};
+use crate::graph::demand::Solved;
+use crate::graph::frame::Frame;
+use crate::graph::{Demands, Structure};
 use crate::library::{Entry, Store};
 use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
-use crate::rc::around::Surroundings;
+use crate::rc::around::{self, Surroundings};
 use crate::rules::RuleBase;
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
@@ -31,6 +34,8 @@ pub struct Generator<'a> {
     structure: Structure,
     ends: Vec<MemberEnd>,
     demands: Demands,
+    /// The building without what is cut away in preparation.
+    frame: Frame,
     known: Known,
     mesh: Mesh,
     around: Surroundings,
@@ -78,14 +83,14 @@ impl<'a> Generator<'a> {
         stages.end("graph", 0.0);
         let ends = member_ends(building, &structure.partition);
         stages.end("ends", 0.0);
-        let demands = demands(&structure, building);
+        let Solved { demands, frame } = Solved::of(&structure, building);
         stages.end("demands", 0.0);
         let known = Known::of(building, &structure, &ends, &demands);
         stages.end("features", 0.0);
         let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
         let around = Surroundings::of(&mesh);
         stages.end("mesh", 0.0);
-        let library = joints::Known::of(store, derive)?;
+        let library = joints::Known::of(store, derive);
         stages.end("library", 0.0);
         Ok(Self {
             building,
@@ -95,6 +100,7 @@ impl<'a> Generator<'a> {
             structure,
             ends,
             demands,
+            frame,
             known,
             mesh,
             around,
@@ -117,7 +123,9 @@ impl<'a> Generator<'a> {
         overrides: &[Override],
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Generated, GenerateError> {
-        let Self { building, rules, accuracy, structure, ends, demands, mesh, around, library, .. } = self;
+        let Self {
+            building, rules, accuracy, structure, ends, demands, frame, mesh, around, library, ..
+        } = self;
         let (building, rules, partition) = (*building, *rules, &structure.partition);
         let mut stages = Stages { began: Instant::now(), ..self.stages.clone() };
         let answers = Answers::of(building, overrides, structure, ends);
@@ -144,11 +152,17 @@ impl<'a> Generator<'a> {
             ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
         library.begin();
         let of_ends = hinged.iter().map(|end| {
+            let near = OnceCell::new();
+            let near = || near.get_or_init(|| around.near(mesh, end)).as_deref();
             let signature = || {
                 let beyond = end.beyond(partition).map(|m| building.members[m].kind);
-                around.signature(building, mesh, end, beyond)
+                Some(around::signature(building, mesh, end, beyond, near()?))
             };
-            library.asked(&end.id, signature, || joints::query(&place, end))
+            let query = || match near() {
+                Some(near) => joints::query(&place, &mesh.around(near), end),
+                None => joints::query(&place, mesh, end),
+            };
+            library.asked(&end.id, signature, query)
         });
         let strip = |line: &Line| Ok(Query::Strip(line.wanted.clone()));
         let of_lines = lines.iter().map(|(_, line)| library.asked(&line.id, || None, || strip(line)));
@@ -184,7 +198,7 @@ impl<'a> Generator<'a> {
         curves.extend(wall_curves);
         let mut contact = contact(building);
         let mut yielding = YieldingEnds::new(mesh, ends);
-        bending_floors(building, structure, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
+        bending_floors(building, frame, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
         curves.extend(yielding.into_curves());
         let used: BTreeSet<&String> =
             hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();

@@ -65,14 +65,14 @@ pub struct Entries {
     pub curves_s: f64,
 }
 
-/// An entry scaled from a similar one.
+/// An entry made without a run: scaled from a similar one, or from its section.
 #[derive(Debug, Clone)]
 pub struct Scaled {
     /// The first of its ends.
     pub end: String,
     /// Its key.
     pub key: String,
-    /// From which entry, in words.
+    /// Where its curves are from, in words.
     pub words: String,
     /// How far that is, see [`Similar`].
     pub distance: f64,
@@ -81,7 +81,7 @@ pub struct Scaled {
 impl Scaled {
     /// What an analyst should know.
     pub fn note(&self) -> String {
-        format!("{}: no entry of its own, curves scaled from {}", self.end, self.words)
+        format!("{}: no entry of its own, curves {}", self.end, self.words)
     }
 }
 
@@ -102,12 +102,12 @@ pub fn curve_id(key: &str, axis: usize) -> String {
     format!("{key}/axis-{}", axis + 1)
 }
 
-/// What the entry of a column end is asked for.
+/// What the entry of a column end is asked for, from a mesh around it.
 ///
 /// # Errors
 /// If it touches nothing.
-pub fn query(place: &Place, end: &MemberEnd) -> Result<Query, GenerateError> {
-    let wanted = Wanted::of(place.building, place.partition, place.mesh, end);
+pub fn query(place: &Place, mesh: &Mesh, end: &MemberEnd) -> Result<Query, GenerateError> {
+    let wanted = Wanted::of(place.building, place.partition, mesh, end);
     wanted.map(Query::End).ok_or_else(|| GenerateError::Loose(end.id.clone()))
 }
 
@@ -137,13 +137,10 @@ pub struct Known {
 
 impl Known {
     /// Of a library.
-    ///
-    /// # Errors
-    /// If an entry that may be scaled cannot be read.
-    pub fn of(store: &Store, derive: Derive) -> Result<Self, StoreError> {
+    pub fn of(store: &Store, derive: Derive) -> Self {
         let candidates =
-            if derive == Derive::Similar { Candidates::of(store)? } else { Candidates::default() };
-        Ok(Self {
+            if derive == Derive::Similar { Candidates::of(store) } else { Candidates::default() };
+        Self {
             derive,
             keys: store.keys(),
             candidates,
@@ -151,7 +148,7 @@ impl Known {
             keys_of: RefCell::default(),
             keys_by: RefCell::default(),
             scaled: RefCell::default(),
-        })
+        }
     }
 
     /// From now on nothing is computed, but some entries are at hand.
@@ -201,25 +198,28 @@ impl Known {
     }
 
     /// A similar entry, if such are asked for and one is near enough.
-    fn similar(&self, key: &str, query: Option<&Query>) -> Result<Option<Similar>, DeriveError> {
+    fn similar(
+        &self,
+        store: &Store,
+        key: &str,
+        query: Option<&Query>,
+    ) -> Result<Option<Similar>, DeriveError> {
         if let Some(known) = self.scaled.borrow().get(key) {
             return Ok(known.clone());
         }
         let found = match query {
-            Some(Query::End(wanted)) => self.candidates.scaled(wanted)?,
+            Some(Query::End(wanted)) if self.derive == Derive::Similar => {
+                self.candidates.scaled(store, wanted)?
+            }
             _ => None,
         };
         self.scaled.borrow_mut().insert(key.to_string(), found.clone());
         Ok(found)
     }
 
-    /// Whether there is neither an entry nor a similar one, and none is to be computed, and the model can do without.
-    pub fn lacks(&self, query: &Query) -> Result<bool, DeriveError> {
-        if self.derive != Derive::Similar {
-            return Ok(false);
-        }
-        let key = query.key()?;
-        Ok(!self.has(&key) && self.similar(&key, Some(query))?.is_none())
+    /// Whether there is no entry of a line, and none is to be computed, and the model can do without. Lines have no laws of similarity.
+    pub fn lacks(&self, line: &WantedStrip) -> Result<bool, DeriveError> {
+        Ok(self.derive == Derive::Similar && !self.has(&line.key()?))
     }
 }
 
@@ -249,7 +249,7 @@ pub fn entries(
             found.entries.insert(key, entry.clone());
             continue;
         }
-        if let Some(similar) = at_hand.similar(&key, query.as_ref())? {
+        if let Some(similar) = at_hand.similar(store, &key, query.as_ref())? {
             let Similar { words, distance, .. } = similar;
             found.scaled.push(Scaled { end, key: similar.entry.key.clone(), words, distance });
             found.of_end.values_mut().filter(|k| **k == key).for_each(|k| k.clone_from(&similar.entry.key));

@@ -21,6 +21,7 @@ mod walls;
 mod wish;
 
 pub use analyst::ANALYST;
+pub use beam_ends::BEAM_CURVES;
 pub use decide::{Decision, Reason, Superseded};
 pub use doubts::{Alternative, Doubt, Why};
 pub use generator::Generator;
@@ -31,7 +32,7 @@ use crate::building::partition::Partition;
 use crate::building::tracked::{Tracked, tracked_points};
 use crate::building::{Building, Charge, MemberKind};
 use crate::fe::mesh::Mesh;
-use crate::graph::idealise::idealise;
+use crate::graph::frame::Frame;
 use crate::graph::{Connection, Structure};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
@@ -44,7 +45,6 @@ use bodies::Bodies;
 use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
-use joints::Query;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A generated model with its reasons.
@@ -106,7 +106,7 @@ pub enum GenerateError {
     #[error(transparent)]
     Subject(#[from] crate::rules::SubjectError),
     /// The library lacks entries.
-    #[error("the library has no entry for {}; run with `--derive` to compute what is missing, or for columns with `--derive=similar` to scale the curves of similar ones", .0.join(", "))]
+    #[error("the library has no entry for {}; run with `--derive` to compute what is missing, or for columns with `--derive=similar` to scale the curves of similar ones or take those of their sections", .0.join(", "))]
     Missing(Vec<String>),
     /// A stretch of a member cannot be removed from a rigid body.
     #[error(
@@ -325,7 +325,7 @@ impl Division {
     fn without_curves(&self, known: &joints::Known) -> Result<BTreeSet<String>, GenerateError> {
         let mut floors = BTreeSet::new();
         for (first, line) in &self.lines {
-            if known.lacks(&Query::Strip(line.wanted.clone()))? {
+            if known.lacks(&line.wanted)? {
                 let piece = &self.bodies.list[*first].id;
                 floors.insert(piece.split('/').next().unwrap_or(piece).to_string());
             }
@@ -337,20 +337,15 @@ impl Division {
 /// Springs of the floors that bend, and their pieces that pass through each other.
 fn bending_floors(
     building: &Building,
-    structure: &Structure,
+    frame: &Frame,
     floors: &[Divided],
     bodies: &Bodies,
     (springs, yielding): (&mut Vec<Bushing>, &mut YieldingEnds),
     contact: &mut Contact,
 ) {
-    if !floors.iter().any(|f| matches!(f.floor, Floor::Bends(_))) {
-        return;
-    }
-    let cut = building.members.iter().enumerate().filter(|(_, m)| building.is_cut(&m.id)).map(|(i, _)| i);
-    let frame = idealise(structure, building, &cut.collect()).frame;
     for Divided { floor, first, pieces } in floors {
         if let Floor::Bends(grillage) = floor {
-            springs.extend(grillage.springs(building, &frame, pieces, (bodies, *first), yielding));
+            springs.extend(grillage.springs(building, frame, pieces, (bodies, *first), yielding));
             contact.pairs.extend(grillage::corners(pieces, bodies, *first));
         }
     }

@@ -6,8 +6,8 @@
 //! first, not that it collapses, and says nothing about the dynamic increase after a sudden removal.
 
 use super::ends::MemberEnd;
-use super::frame::{FrameError, Mechanism, SectionForces};
-use super::idealise::idealise;
+use super::frame::{Frame, FrameError, Mechanism, SectionForces};
+use super::idealise::{Idealised, idealise};
 use super::paths::{charged_members, cut_members};
 use super::structure::Structure;
 use crate::building::{Building, Material, MemberKind, Preparation};
@@ -88,21 +88,41 @@ pub struct Demands {
 
 /// Solves the frame before and after the charges and compares with the capacities.
 pub fn demands(structure: &Structure, building: &Building) -> Demands {
-    let cut = cut_members(building);
-    let gone: BTreeSet<usize> = charged_members(building).union(&cut).copied().collect();
-    let (before, before_ends) = state(structure, building, &cut);
-    let after = (gone != cut).then(|| state(structure, building, &gone));
-    let (after, after_ends) = match after {
-        Some((summary, ends)) => (Some(summary), ends),
-        None => (None, vec![None; structure.ends.len()]),
-    };
-    let ends = structure
-        .ends
-        .iter()
-        .zip(before_ends.into_iter().zip(after_ends))
-        .map(|(end, (before, after))| EndDemand { id: end.id.clone(), before, after })
-        .collect();
-    Demands { before, after, ends }
+    Solved::of(structure, building).demands
+}
+
+/// Demands with the frame that they come from.
+pub struct Solved {
+    /// Demands before and after the charges.
+    pub demands: Demands,
+    /// The frame before the charges.
+    pub frame: Frame,
+}
+
+impl Solved {
+    /// Solves the frame before and after the charges, side by side.
+    pub fn of(structure: &Structure, building: &Building) -> Self {
+        let cut = cut_members(building);
+        let gone: BTreeSet<usize> = charged_members(building).union(&cut).copied().collect();
+        let solved = |removed: &BTreeSet<usize>| {
+            let ideal = idealise(structure, building, removed);
+            (state(structure, building, &ideal), ideal.frame)
+        };
+        let charged = gone != cut;
+        let (((before, before_ends), frame), after) =
+            rayon::join(|| solved(&cut), || charged.then(|| solved(&gone).0));
+        let (after, after_ends) = match after {
+            Some((summary, ends)) => (Some(summary), ends),
+            None => (None, vec![None; structure.ends.len()]),
+        };
+        let ends = structure
+            .ends
+            .iter()
+            .zip(before_ends.into_iter().zip(after_ends))
+            .map(|(end, (before, after))| EndDemand { id: end.id.clone(), before, after })
+            .collect();
+        Self { demands: Demands { before, after, ends }, frame }
+    }
 }
 
 impl Demands {
@@ -118,13 +138,12 @@ impl Demands {
 }
 
 /// One state: its summary and the state of each end.
-pub fn state(
+fn state(
     structure: &Structure,
     building: &Building,
-    removed: &BTreeSet<usize>,
+    ideal: &Idealised,
 ) -> (StateSummary, Vec<Option<EndState>>) {
     let none = vec![None; structure.ends.len()];
-    let ideal = idealise(structure, building, removed);
     let solution = match ideal.frame.solve() {
         Ok(solution) => solution,
         Err(FrameError::Mechanism(mechanism)) => return (StateSummary::Mechanism(mechanism), none),

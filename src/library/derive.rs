@@ -4,6 +4,7 @@ use super::entry::{
     Adjoining, AxisRecord, ColumnEnd, Computed, Entry, EntryKind, EnvelopeLevel, Features, Inputs,
     LawFeatures, Origin, Quality, Stiffness, Validity,
 };
+use super::error::StoreError;
 use super::key::key_of;
 use super::thin::thinned;
 use crate::base::hash::ContentHash;
@@ -46,6 +47,9 @@ pub enum DeriveError {
         /// Why.
         source: CurveError,
     },
+    /// An entry that is to be scaled cannot be read.
+    #[error(transparent)]
+    Store(#[from] StoreError),
     /// The entry cannot be written as text.
     #[error("the entry cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),

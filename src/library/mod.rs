@@ -33,6 +33,7 @@ mod history;
 mod interpolate;
 pub mod journal;
 mod key;
+pub mod layered;
 mod lock;
 pub mod mesh_check;
 pub mod meta;

@@ -15,13 +15,18 @@
 //! fails. Measured by leaving out one of 26 derived entries in turn: moments within 9 % (half of them within 1 %), rotations at fracture within 30 % in four of five levels, ends at walls and at slabs that give way first left aside; scaled stiffnesses would be off by factors
 //! of 0.6 to 1.7 (docs/library.md).
 
-use super::derive::Wanted;
+use super::derive::{DeriveError, Wanted};
 use super::entry::{
-    AxisRecord, Branch, Computed, Entry, EntryKind, Features, Inputs, Origin, Stiffness, Validity,
+    Adjoining, AxisRecord, Branch, ColumnEnd, Computed, Entry, EntryKind, Features, Inputs, Origin,
+    Stiffness, Validity,
 };
+use super::layered::layered;
+use super::store::Indexed;
 use super::{Store, StoreError};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::rc::elastic::elastic;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 /// Farthest entry that is scaled: the logarithm of the ratio of depths, and half of those of slenderness and of strength.
 const FARTHEST: f64 = 1.0;
@@ -51,56 +56,89 @@ struct Factors {
     length: f64,
 }
 
-/// An entry scaled to an end.
+/// An entry made for an end without a run.
 #[derive(Debug, Clone)]
 pub struct Similar {
     /// The entry.
     pub entry: Entry,
-    /// In words, from which one and by how much.
+    /// In words, where its curves are from.
     pub words: String,
-    /// How far that is: logarithms of the ratios of depths, of slenderness and of strength, the latter halved, together.
+    /// How far that is: logarithms of the ratios of depths, of slenderness and of strength, the latter halved, together; farther than any of these where it is not from another entry.
     pub distance: f64,
 }
 
-/// The entries that can be scaled.
+/// The entries that may be scaled. Only those are read that are nearest to something asked for.
 #[derive(Debug, Default)]
 pub struct Candidates {
-    list: Vec<(Size, Entry)>,
+    list: Vec<Candidate>,
+    /// Entries read so far; none for those that are not of the whole section.
+    read: RefCell<BTreeMap<String, Option<Entry>>>,
 }
+
+/// An entry that may be scaled.
+#[derive(Debug)]
+struct Candidate {
+    key: String,
+    size: Size,
+    /// Which end of a column, and what adjoins it.
+    place: Place,
+}
+
+type Place = (Option<ColumnEnd>, Option<Adjoining>);
 
 impl Candidates {
     /// Those of a library.
-    ///
-    /// # Errors
-    /// If one cannot be read.
-    pub fn of(store: &Store) -> Result<Self, StoreError> {
-        let mut list = Vec::new();
-        let prefix = format!("{}/", EntryKind::ColumnHinge.name());
-        for key in store.keys().iter().filter(|key| key.starts_with(&prefix)) {
-            let entry = store.get(key)?;
-            let submodel = entry.origin == Origin::Submodel && entry.deprecated.is_none();
-            let size = Size::of(&entry.features).filter(|size| submodel && size.is_whole(&entry));
-            list.extend(size.map(|size| (size, entry)));
-        }
-        Ok(Self { list })
+    pub fn of(store: &Store) -> Self {
+        let submodel =
+            |e: &Indexed| e.kind == EntryKind::ColumnHinge && e.origin == Origin::Submodel && !e.deprecated;
+        let candidate = |(key, e): (&String, &Indexed)| {
+            let place = (e.features.end, e.features.adjoining);
+            Size::of(&e.features).map(|size| Candidate { key: key.clone(), size, place })
+        };
+        let list = store.index.iter().filter(|(_, e)| submodel(e)).filter_map(candidate).collect();
+        Self { list, read: RefCell::default() }
     }
 
-    /// The nearest entry scaled to a column end; `None` if there is none near enough for the same kind of end.
+    /// An entry of the library, if it is of a whole section.
+    fn read(&self, store: &Store, candidate: &Candidate) -> Result<Option<Entry>, StoreError> {
+        if let Some(known) = self.read.borrow().get(&candidate.key) {
+            return Ok(known.clone());
+        }
+        let entry = Some(store.get(&candidate.key)?).filter(|entry| candidate.size.is_whole(entry));
+        self.read.borrow_mut().insert(candidate.key.clone(), entry.clone());
+        Ok(entry)
+    }
+
+    /// The nearest entry scaled to a column end; the one of its section ([`layered`]) if there is none near enough for the same kind of end, `None` if there is none of that either.
     ///
     /// # Errors
-    /// If it cannot be written as JSON.
-    pub fn scaled(&self, wanted: &Wanted) -> Result<Option<Similar>, serde_json::Error> {
+    /// If an entry cannot be read, or it cannot be written as JSON.
+    pub fn scaled(&self, store: &Store, wanted: &Wanted) -> Result<Option<Similar>, DeriveError> {
         let Some(size) = Size::of(&wanted.features) else { return Ok(None) };
-        let same_place = |e: &Entry| {
-            (e.features.end, e.features.adjoining) == (wanted.features.end, wanted.features.adjoining)
-        };
-        let near = self.list.iter().filter(|(_, e)| same_place(e));
-        let near = near.map(|(own, e)| (own.distance(&size), own, e)).filter(|(d, ..)| *d <= FARTHEST);
-        let Some((distance, own, entry)) =
-            near.min_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.2.key.cmp(&b.2.key)))
-        else {
-            return Ok(None);
-        };
+        let place = (wanted.features.end, wanted.features.adjoining);
+        let of_place = self.list.iter().filter(|c| c.place == place);
+        let mut near: Vec<(f64, &Candidate)> =
+            of_place.map(|c| (c.size.distance(&size), c)).filter(|(d, _)| *d <= FARTHEST).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.key.cmp(&b.1.key)));
+        for (distance, candidate) in near {
+            if let Some(entry) = self.read(store, candidate)? {
+                return Ok(Some(Similar::of(wanted, [candidate.size, size], &entry, distance)?));
+            }
+        }
+        let words =
+            "of its section, layer of elements by layer: no entry is similar enough to be scaled".to_string();
+        Ok(layered(wanted)?.map(|entry| Similar { entry, words, distance: 2.0 * FARTHEST }))
+    }
+}
+
+impl Similar {
+    /// An entry of one size scaled to what is wanted, of another.
+    fn of(
+        wanted: &Wanted,
+        [own, size]: [Size; 2],
+        entry: &Entry,
+        distance: f64,
+    ) -> Result<Self, serde_json::Error> {
         let mut inputs: Inputs = wanted.inputs.clone();
         inputs.settings.insert("scaled_from".into(), entry.key.clone().into());
         let mut computed = own.to(&size).applied(entry);
@@ -115,10 +153,10 @@ impl Candidates {
         let [depth, strength] = [size.depth_m / own.depth_m, size.strength_pa / own.strength_pa];
         let slenderness = (size.length_m / size.depth_m) / (own.length_m / own.depth_m);
         let words = format!(
-            "{} (depth {depth:.2}, strength {strength:.2}, slenderness {slenderness:.2} of its own)",
+            "scaled from {} (depth {depth:.2}, strength {strength:.2}, slenderness {slenderness:.2} of its own)",
             entry.key
         );
-        Ok(Some(Similar { entry: scaled, words, distance }))
+        Ok(Self { entry: scaled, words, distance })
     }
 }
 

@@ -9,6 +9,7 @@
 
 use super::fibre_concrete::{ConcreteCurve, ConcreteLaw, Confinement, TieInput, area_m2};
 use super::rebar::{RebarLaw, RebarState};
+use crate::base::root::{Close, root};
 use crate::building::{Bar, Concrete, Section, SectionShape};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,9 @@ use serde::{Deserialize, Serialize};
 const STRIPS: usize = 600;
 /// Cells along each side of the core in a skew direction.
 const CELLS: usize = 80;
+
+/// When the axial force is in balance \[N\], or the strain at the centre is known.
+const CLOSE: Close = Close { value: 1e-3, width: 1e-13 };
 
 /// A reinforced rectangle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -277,7 +281,7 @@ impl<'a> Cut<'a> {
                 return None;
             }
         };
-        Some(root(excess, bracket))
+        Some(root(excess, bracket, CLOSE))
     }
 
     /// Keeps a profile and gives its point.
@@ -308,29 +312,6 @@ impl<'a> Cut<'a> {
             bar_strain,
         }
     }
-}
-
-/// Root in a bracket of (place, value \[N\]) pairs of opposite signs: regula falsi (Illinois) with bisections; ends at a jump if there is one.
-fn root(f: impl Fn(f64) -> f64, [mut a, mut b]: [[f64; 2]; 2]) -> f64 {
-    let mut kept = 0;
-    for round in 0..200 {
-        let linear = (a[0] * b[1] - b[0] * a[1]) / (b[1] - a[1]);
-        let at = if round % 4 == 3 || !linear.is_finite() { 0.5 * (a[0] + b[0]) } else { linear };
-        let value = f(at);
-        if value.abs() < 1e-3 || (b[0] - a[0]).abs() < 1e-13 {
-            return at;
-        }
-        if (value > 0.0) == (b[1] > 0.0) {
-            b = [at, value];
-            a[1] *= if kept == 1 { 0.5 } else { 1.0 };
-            kept = 1;
-        } else {
-            a = [at, value];
-            b[1] *= if kept == 2 { 0.5 } else { 1.0 };
-            kept = 2;
-        }
-    }
-    0.5 * (a[0] + b[0])
 }
 
 /// Strips of a rectangle of `height` x `breadth` \[m\] with its core.

@@ -11,6 +11,7 @@
 //! in **compression**; moments are about the centre of the gross rectangle. Uniaxial bending; no
 //! confinement, no bar buckling. For the homogenised (J2) law see [`HomogenisedCapacity`].
 
+use crate::base::root::{self, Close};
 use crate::building::{Bar, Concrete, Homogenised, Section, SectionShape, Steel};
 use serde::Serialize;
 
@@ -19,8 +20,8 @@ pub const STRAIN_C2: f64 = 0.002;
 /// Ultimate strain of concrete in bending, EN 1992-1-1 table 3.1, f_ck <= 50 MPa.
 pub const STRAIN_CU2: f64 = 0.0035;
 
-/// Bisections of a search over strain profiles: enough to exhaust double precision.
-const BISECTIONS: usize = 100;
+/// Width of the bracket, of the one that it starts with, at which a search over strain profiles ends.
+const EXACT: f64 = 1e-15;
 
 /// Stress-strain line of reinforcing steel, equal in tension and compression.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -247,7 +248,8 @@ impl FibreSection {
         if !(tension..=compression).contains(&axial_force_n) {
             return None;
         }
-        let t = bisect(0.0, 3.0, |t| self.resultants(self.ultimate_profile(t)).axial_force_n - axial_force_n);
+        let t =
+            increasing(0.0, 3.0, |t| self.resultants(self.ultimate_profile(t)).axial_force_n - axial_force_n);
         Some(self.resultants(self.ultimate_profile(t)))
     }
 
@@ -268,7 +270,7 @@ impl FibreSection {
     /// First yield at an axial force \[N\]: the far bar reaches its yield strain or the compressed edge
     /// `ε_c2`, whichever comes at the smaller curvature. `None` if no such profile carries the force.
     pub fn first_yield(&self, axial_force_n: f64) -> Option<SectionState> {
-        let curvature = bisect(0.0, STRAIN_CU2 * 20.0 / self.height_m, |curvature| {
+        let curvature = increasing(0.0, STRAIN_CU2 * 20.0 / self.height_m, |curvature| {
             let Some(state) = self.at_curvature(axial_force_n, curvature) else { return 1.0 };
             let far = self.bars.last().map_or(0.0, |bar| bar.0);
             let far_strain = state.profile.edge_strain - curvature * far;
@@ -290,21 +292,13 @@ impl FibreSection {
         if state(low).axial_force_n > axial_force_n || state(high).axial_force_n < axial_force_n {
             return None;
         }
-        Some(state(bisect(low, high, |strain| state(strain).axial_force_n - axial_force_n)))
+        Some(state(increasing(low, high, |strain| state(strain).axial_force_n - axial_force_n)))
     }
 }
 
 /// The root of an increasing function between two arguments.
-fn bisect(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..BISECTIONS {
-        let mid = 0.5 * (low + high);
-        if function(mid) < 0.0 {
-            low = mid;
-        } else {
-            high = mid;
-        }
-    }
-    0.5 * (low + high)
+fn increasing(low: f64, high: f64, function: impl Fn(f64) -> f64) -> f64 {
+    root::increasing([low, high], function, Close { value: 0.0, width: EXACT * (high - low) })
 }
 
 /// Plastic capacity of a rectangle made of the homogenised law: `M_p = σ_y b h²/4`, `N_p = σ_y b h` and

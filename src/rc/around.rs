@@ -37,48 +37,47 @@ impl Surroundings {
         this
     }
 
-    /// A hash of all on which the submodel of a column end depends: the elements of the member and those within reach, one element farther than they are kept, relative to the end, with their
-    /// strength and whether they are the member's own or another column's; and section, end and what adjoins. `None`: such ends cannot be told by it.
-    pub fn signature(
-        &self,
-        building: &Building,
-        mesh: &Mesh,
-        end: &MemberEnd,
-        adjoining: Option<MemberKind>,
-    ) -> Option<ContentHash> {
+    /// Elements on which the submodel of a column end depends: those of the member and those within reach, one element farther than they are kept. `None`: the mesh has parts of its own whose
+    /// elements it does not hold in place by their nodes.
+    pub fn near(&self, mesh: &Mesh, end: &MemberEnd) -> Option<Vec<usize>> {
         if !mesh.ties.is_empty() || !mesh.trusses.is_empty() {
             return None;
         }
-        let member = &building.members[end.member];
         let (reach, own) = (REACH_DEPTHS * end.depth_m, self.bounds[end.member]?);
         let region = Aabb {
             min: std::array::from_fn(|i| own.min[i].min(end.point_m[i] - reach)),
             max: std::array::from_fn(|i| own.max[i].max(end.point_m[i] + reach)),
         };
-        let mut bytes = format!(
-            "{} {:?} {} {} {:?}",
-            member.section,
-            end.end,
-            end.axis,
-            micrometres(end.clear_m),
-            adjoining
-        )
-        .into_bytes();
-        for index in self.centres.near(&region, 1.01 * self.edge_m) {
-            let element = &mesh.elements[index];
-            let solid = bounds(mesh, &element.nodes);
-            let kind = match building.members[element.part].kind {
-                _ if element.part == end.member => 0,
-                MemberKind::Column => 1,
-                _ => 2,
-            };
-            let relative = |of: &[f64; 3], i: usize| micrometres(of[i] - end.point_m[i]);
-            let places = (0..3).flat_map(|i| [relative(&solid.min, i), relative(&solid.max, i)]);
-            let more = [kind, element.law as i64, micrometres(element.smear), micrometres(element.strength)];
-            places.chain(more).for_each(|number| bytes.extend(number.to_le_bytes()));
-        }
-        Some(ContentHash::of_bytes(&bytes))
+        Some(self.centres.near(&region, 1.01 * self.edge_m))
     }
+}
+
+/// A hash of all on which the submodel of a column end depends: the elements near it, relative to the end, with their strength and whether they are the member's own or another column's; and section,
+/// end and what adjoins.
+pub fn signature(
+    building: &Building,
+    mesh: &Mesh,
+    end: &MemberEnd,
+    adjoining: Option<MemberKind>,
+    near: &[usize],
+) -> ContentHash {
+    let section = &building.members[end.member].section;
+    let clear = micrometres(end.clear_m);
+    let mut bytes = format!("{section} {:?} {} {clear} {adjoining:?}", end.end, end.axis).into_bytes();
+    for index in near {
+        let element = &mesh.elements[*index];
+        let solid = bounds(mesh, &element.nodes);
+        let kind = match building.members[element.part].kind {
+            _ if element.part == end.member => 0,
+            MemberKind::Column => 1,
+            _ => 2,
+        };
+        let relative = |of: &[f64; 3], i: usize| micrometres(of[i] - end.point_m[i]);
+        let places = (0..3).flat_map(|i| [relative(&solid.min, i), relative(&solid.max, i)]);
+        let more = [kind, element.law as i64, micrometres(element.smear), micrometres(element.strength)];
+        places.chain(more).for_each(|number| bytes.extend(number.to_le_bytes()));
+    }
+    ContentHash::of_bytes(&bytes)
 }
 
 fn micrometres(value: f64) -> i64 {

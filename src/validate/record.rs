@@ -127,8 +127,10 @@ impl Together {
         let share = |of: &dyn Fn(&Agreement) -> f64, all: bool, share: f64| {
             let mut values: Vec<f64> = list.iter().filter(|a| all || falls(a)).map(of).collect();
             values.sort_by(f64::total_cmp);
-            let at = (share * (values.len().max(1) - 1) as f64).round() as usize;
-            values.get(at).copied().unwrap_or(f64::NAN)
+            // between the closest ranks: definition 7 of Hyndman and Fan, The American Statistician 50 (1996) 361
+            let at = share * (values.len().max(1) - 1) as f64;
+            let [low, high] = [at.floor(), at.ceil()].map(|i| values.get(i as usize).copied());
+            low.zip(high).map_or(f64::NAN, |(low, high)| low + at.fract() * (high - low))
         };
         let both = |of: &dyn Fn(&Agreement) -> f64, all: bool| [share(of, all, 0.5), share(of, all, 0.9)];
         let f1 = |of: fn(&Agreement) -> Sites| {

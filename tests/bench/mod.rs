@@ -55,9 +55,6 @@ fn generation_is_timed_stage_by_stage() {
     assert_eq!(rows[0].parts, [12 + 3 * 4, 24 + 3 * 4]);
     assert!(rows.iter().all(|r| r.total_s() > 0.0 && r.stages.iter().all(|(_, s)| *s >= 0.0)));
     let table = markdown(&rows);
-    assert!(
-        table.starts_with("| stage [s] | 27 | 110 | exponent |") && table.contains("| keys |"),
-        "{table}"
-    );
+    assert!(table.contains("\n| stage [s] | 27 | 110 | exponent |") && table.contains("| keys |"), "{table}");
     assert!((exponent([10, 1000], [0.1, 100.0]) - 1.5).abs() < 1e-12);
 }

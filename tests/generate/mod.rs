@@ -7,7 +7,7 @@ mod review;
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;
 use fallwerk::building::{Building, EXAMPLE, parse};
-use fallwerk::generate::{Accuracy, Derive, GenerateError, Generated, Wishes, generate};
+use fallwerk::generate::{Accuracy, Derive, GenerateError, Generated, Why, Wishes, generate};
 use fallwerk::library::Store;
 use fallwerk::mbs::model::Bending;
 use fallwerk::rules::{Action, RuleBase};
@@ -202,6 +202,28 @@ fn curves_of_a_smaller_column_are_scaled_from_a_similar_one() {
         assert!((y.fracture_rotation_rad / x.fracture_rotation_rad * ratio - 1.0).abs() < 1e-9);
     }
     scaled.model.check().expect("a sound model");
+}
+
+#[test]
+fn without_any_entry_the_curves_are_those_of_the_sections() {
+    let building = reference(|text| text);
+    let (rules, mut full, _cache) = knowledge();
+    let empty = tempfile::tempdir().unwrap();
+    let mut store = Store::open(empty.path()).unwrap();
+    let of_sections = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    assert!(
+        of_sections.notes.iter().any(|n| n.contains("layer of elements by layer")),
+        "{:?}",
+        of_sections.notes
+    );
+    assert!(of_sections.doubts.iter().any(|d| d.why.iter().any(|w| matches!(w, Why::Scaled(..)))));
+    let derived = generate(&building, &rules, &mut full, Derive::Never, &|_| {}).unwrap();
+    let contact = |generated: &Generated| {
+        let run = fallwerk::mbs::simulate_carefully(&generated.model).unwrap();
+        run.first_ground_contact_s.expect("it falls")
+    };
+    let [own, other] = [contact(&of_sections), contact(&derived)];
+    assert!((own / other - 1.0).abs() < 0.05, "{own} {other}");
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod exchange;
 mod grids;
 mod interpolation;
 mod journal;
+mod layered;
 mod queries;
 mod records;
 mod torture;

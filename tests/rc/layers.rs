@@ -1,48 +1,67 @@
 //! Section of the mesh without a run, against the submodel of column ends that stands in the library.
 
-use fallwerk::base::tree::Format;
-use fallwerk::building::{EXAMPLE, parse};
-use fallwerk::curve::CapacityLevel;
-use fallwerk::rc::layers::{Layer, Layers};
+use fallwerk::library::{Entry, EntryKind, Origin, Store};
+use fallwerk::rc::layers::{AT_JOINT, Layer, Layers, POLE};
+use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Two elements across a column of 400 mm, against pushes of the piece of mesh around its ends.
+/// The entries of column ends of the homogenised submodel, each with its section: two elements across.
+fn ends() -> Vec<Entry> {
+    let library = Path::new(env!("CARGO_MANIFEST_DIR")).join("library");
+    let cache = tempfile::tempdir().unwrap();
+    let store = Store::open_with_cache(&library, cache.path()).unwrap();
+    let own = |e: &Entry| {
+        e.kind == EntryKind::ColumnHinge && e.origin == Origin::Submodel && e.features.mesh_size_m.is_some()
+    };
+    let all = store.keys().into_iter().filter(|k| k.starts_with("column_hinge/"));
+    all.map(|key| store.get(&key).unwrap()).filter(own).collect()
+}
+
+fn percentile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[((values.len() - 1) as f64 * share).round() as usize]
+}
+
 #[test]
-fn two_layers_bear_what_column_ends_bear() {
-    let building = parse(EXAMPLE, Format::Toml, "example.toml").unwrap();
-    let column = building.members.iter().find(|m| m.id == "C1-A1").unwrap();
-    let law = building.law_of(column);
-    let half = |at_m: f64| Layer { area_m2: 0.08, at_m, depth_m: 0.2, strength: 1.0, law };
-    let section = Layers::of(vec![half(-0.1), half(0.1)]).unwrap();
-    let row_m = 0.43;
-    let curve = section.curve(row_m, 1e7);
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("library/column_hinge");
-    // the moments of the submodel are those at the end, half a row from the middle of the row that yields
-    let ends = [
-        (1.286, "l1286-bottom-ground-m400@dc3a09f4c564b7b6"),
-        (1.714, "l1714-top-beam-m400@2b79a3a23da00716"),
-    ];
-    for (length_m, name) in ends {
-        let text = std::fs::read_to_string(root.join(format!("400x400-{name}.json"))).unwrap();
-        let record: serde_json::Value = serde_json::from_str(&text).unwrap();
-        let levels: Vec<CapacityLevel> =
-            serde_json::from_value(record["axes"][0]["curve"]["levels"].clone()).unwrap();
-        for level in levels.iter().filter(|l| l.axial_force_n >= 0.0) {
-            let share = level.axial_force_n / section.squash_n;
-            let near = |w: &&[CapacityLevel]| {
-                w[0].axial_force_n <= level.axial_force_n && level.axial_force_n < w[1].axial_force_n
+fn a_joint_lends_the_row_at_it_what_is_said_of_it() {
+    let mut ratios: BTreeMap<i64, Vec<f64>> = BTreeMap::new();
+    let mut poles = Vec::new();
+    let ends = ends();
+    for entry in &ends {
+        let Some(law) = &entry.provenance.inputs.law else { continue };
+        let (width, depth) = (entry.features.width_m, entry.features.depth_m);
+        let strength = entry.features.further.get("strength_factor").copied().unwrap_or(1.0);
+        let half = |side: f64| Layer {
+            area_m2: 0.5 * width * depth,
+            at_m: 0.25 * side * depth,
+            depth_m: 0.5 * depth,
+            strength,
+            law,
+        };
+        let section = Layers::of(vec![half(-1.0), half(1.0)]).unwrap();
+        let (length, size) =
+            (entry.features.length_to_inflection_m.unwrap(), entry.features.mesh_size_m.unwrap());
+        let row = length / (length / size).round().max(1.0);
+        poles.push(entry.hinge_offset_m.unwrap() / row);
+        let curve = &entry.axes[0].curve;
+        let free = section.curve(row, curve.stiffness_nm_rad);
+        for [share, _] in AT_JOINT {
+            let at = |c: &fallwerk::curve::ResistanceCurve| {
+                let peaks: Vec<[f64; 2]> = c.levels.iter().map(|l| [l.axial_force_n, l.peak_nm()]).collect();
+                fallwerk::base::piecewise::interpolate(&peaks, share * section.squash_n)
             };
-            let pair = curve.levels.windows(2).find(near).unwrap();
-            let weight = (level.axial_force_n - pair[0].axial_force_n)
-                / (pair[1].axial_force_n - pair[0].axial_force_n);
-            let peak = pair[0].peak_nm() + weight * (pair[1].peak_nm() - pair[0].peak_nm());
-            let ratio = peak * length_m / (length_m - 0.5 * row_m) / level.peak_nm();
-            println!(
-                "{name} n = {share:.2}: {:.1} kN m, submodel {:.1}, {ratio:.3}",
-                peak / 1e3,
-                level.peak_nm() / 1e3
-            );
-            assert!((ratio - 1.0).abs() < 0.08, "{name}, n = {share:.2}: {ratio:.3}");
+            ratios.entry((1e3 * share) as i64).or_default().push(at(curve) / at(&free));
         }
     }
+    assert!(poles.len() >= 40, "{}", poles.len());
+    let mut found = Vec::new();
+    for ([share, lent], (_, own)) in AT_JOINT.into_iter().zip(&mut ratios) {
+        let [low, middle, high] = [0.1, 0.5, 0.9].map(|p| percentile(own, p));
+        println!("{share}: {low:.3} {middle:.3} {high:.3}, said {lent}");
+        found.push((middle / lent - 1.0).abs());
+    }
+    let pole = percentile(&mut poles, 0.5);
+    println!("pole {pole:.3}, said {POLE}");
+    assert!(found.iter().all(|off| *off < 0.06), "{found:?}");
+    assert!((pole - POLE).abs() < 0.1, "{pole}");
 }

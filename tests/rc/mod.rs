@@ -1,6 +1,7 @@
 //! The submodel of a member end against beam theory and plastic theory, and that in concrete and steel with its section files.
 
 mod anchorage;
+mod around;
 mod cyclic;
 mod layers;
 mod section;

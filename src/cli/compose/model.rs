@@ -1,7 +1,9 @@
 //! The generated model in tables, and the resistance curves it uses.
 
-use crate::generate::Generated;
+use crate::curve::{CapacityLevel, ResistanceCurve};
+use crate::generate::{BEAM_CURVES, Generated};
 use crate::library::Entry;
+use crate::library::entry::AxisRecord;
 use crate::mbs::model::{Bending, Bushing};
 use crate::report::{
     BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, ReviewRow, ReviewSummary, RuleRow,
@@ -117,20 +119,44 @@ pub fn review(review: &Review) -> ReviewSummary {
     }
 }
 
-/// The computed envelopes of the entries used.
+/// The computed envelopes of the entries used; the curves of those that were made without a run, and of the beams of floors that bend.
 pub fn curves(generated: &Generated) -> Vec<CurveFamily> {
-    let family = |key: &str, entry: &Entry, axis: usize| CurveFamily {
-        id: format!("{key}/axis-{}", axis + 1),
-        description: format!("{}, bending about axis {}", entry_words(entry), axis + 1),
-        levels: entry.axes[axis]
-            .envelopes
-            .iter()
-            .map(|level| CurveLevel {
-                axial_force_n: level.axial_force_n,
-                points: level.points.clone(),
-                fracture_rotation_rad: level.fracture_rotation_rad,
-            })
-            .collect(),
+    let family = |key: &str, entry: &Entry, axis: usize| {
+        let AxisRecord { envelopes, curve, .. } = &entry.axes[axis];
+        let computed = envelopes.iter().map(|level| CurveLevel {
+            axial_force_n: level.axial_force_n,
+            points: level.points.clone(),
+            fracture_rotation_rad: level.fracture_rotation_rad,
+        });
+        CurveFamily {
+            id: format!("{key}/axis-{}", axis + 1),
+            description: format!("{}, bending about axis {}", entry_words(entry), axis + 1),
+            levels: if envelopes.is_empty() { capacities(curve) } else { computed.collect() },
+        }
     };
-    generated.entries.iter().flat_map(|(key, entry)| [family(key, entry, 0), family(key, entry, 1)]).collect()
+    let of_entry = |(key, entry): (&String, &Entry)| -> Vec<CurveFamily> {
+        (0..entry.axes.len()).map(|axis| family(key, entry, axis)).collect()
+    };
+    let of_beam = |(id, curve): (&String, &ResistanceCurve)| {
+        id.starts_with(BEAM_CURVES).then(|| CurveFamily {
+            id: id.clone(),
+            description: "both ends of a beam or strip of a floor, from its section".into(),
+            levels: capacities(curve),
+        })
+    };
+    let beams = generated.model.curves.iter().filter_map(of_beam);
+    generated.entries.iter().flat_map(of_entry).chain(beams).collect()
+}
+
+/// A curve of capacities over plastic rotation as moments over rotation.
+fn capacities(curve: &ResistanceCurve) -> Vec<CurveLevel> {
+    let level = |level: &CapacityLevel| {
+        let whole = level.capacity.iter().map(|[x, m]| [x + m / curve.stiffness_nm_rad, *m]);
+        CurveLevel {
+            axial_force_n: level.axial_force_n,
+            points: std::iter::once([0.0; 2]).chain(whole).collect(),
+            fracture_rotation_rad: Some(level.fracture_rotation_rad),
+        }
+    };
+    curve.levels.iter().map(level).collect()
 }

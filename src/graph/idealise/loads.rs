@@ -9,6 +9,8 @@ use crate::graph::frame::LineLoad;
 
 /// Carriers as near as this share a sample point's load \[m\]: the diagonals of a symmetric panel.
 const TIE_M: f64 = 1e-9;
+/// Sample points along each side of a block of them.
+const BLOCK: usize = 8;
 
 /// The loads of a span that fall on a stretch of it.
 pub(super) fn on_stretch(loads: &[([f64; 2], f64)], from: f64, to: f64) -> Vec<LineLoad> {
@@ -105,6 +107,16 @@ impl Builder<'_> {
         }
     }
 
+    /// Those of some spans that may be the nearest to a point of a small box.
+    fn nearest_among(&self, candidates: &[usize], carriers: &[usize], block: &Aabb) -> Vec<usize> {
+        let (center, size) = (block.center(), block.size());
+        let distance = |i: usize| project(&self.spans[carriers[i]], [center[0], center[1]]).0;
+        let least = candidates.iter().map(|i| distance(*i)).fold(f64::INFINITY, f64::min);
+        // of a point half a diagonal away no span is nearer by more than that, and none farther
+        let most = least + size[0].hypot(size[1]) + 2.0 * TIE_M;
+        candidates.iter().copied().filter(|i| distance(*i) <= most).collect()
+    }
+
     /// A slab: sample points of equal volume in each cell, each to the nearest carriers.
     fn place_slab(&mut self, slab: usize) -> bool {
         let (carriers, weight) = (self.carriers(slab), self.specific_weight(slab));
@@ -116,15 +128,19 @@ impl Builder<'_> {
         let places = Boxes::of(carriers.iter().map(|c| in_plan(&self.spans[*c])));
         for cell in self.structure.boxes(slab) {
             let candidates = self.nearest_to(cell, &carriers, &places);
-            for (point, force) in samples(cell, weight) {
-                let projected: Vec<(usize, f64, f64)> = candidates
-                    .iter()
-                    .map(|i| (*i, project(&self.spans[carriers[*i]], point)))
-                    .map(|(i, (distance, along))| (i, distance, along))
-                    .collect();
-                let least = projected.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-                let near: Vec<(usize, f64, f64)> =
-                    projected.into_iter().filter(|p| p.1 < least + TIE_M).collect();
+            let samples = Samples::of(cell, weight);
+            let of_block: Vec<Vec<usize>> = (0..samples.blocks())
+                .map(|block| self.nearest_among(&candidates, &carriers, &samples.block(block)))
+                .collect();
+            let mut near: Vec<(usize, f64, f64)> = Vec::with_capacity(candidates.len());
+            for (point, force, block) in samples.each() {
+                near.clear();
+                near.extend(of_block[block].iter().map(|i| {
+                    let (distance, along) = project(&self.spans[carriers[*i]], point);
+                    (*i, distance, along)
+                }));
+                let least = near.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+                near.retain(|p| p.1 < least + TIE_M);
                 for &(i, _, along) in &near {
                     let share = force / near.len() as f64;
                     let span = &self.spans[carriers[i]];
@@ -162,7 +178,7 @@ impl Builder<'_> {
         let joints = self.joints_in_slab(slab);
         let nodes: Vec<usize> = joints.iter().map(|j| self.joints[*j].node).collect();
         for cell in self.structure.boxes(slab) {
-            for (point, force) in samples(cell, weight) {
+            for (point, force, _) in Samples::of(cell, weight).each() {
                 let distance = |n: usize| {
                     let at = self.nodes[n].point_m;
                     (at[0] - point[0]).hypot(at[1] - point[1])
@@ -189,20 +205,56 @@ fn bin_count(span: &Span) -> usize {
     ((span.range[1] - span.range[0]) / LOAD_BIN_M).ceil().max(1.0) as usize
 }
 
-/// Points of a cell in plan, each with its share of the weight \[N\].
-fn samples(cell: &Aabb, specific_weight: f64) -> impl Iterator<Item = ([f64; 2], f64)> {
-    let (size, min) = (cell.size(), cell.min);
-    let count = [0, 1].map(|i| (size[i] / LOAD_SAMPLE_M - COORDINATE_TOLERANCE_M).ceil().clamp(1.0, 400.0));
-    let force = specific_weight * cell.volume() / (count[0] * count[1]);
-    (0..count[0] as usize * count[1] as usize).map(move |index| {
-        let place = [index % count[0] as usize, index / count[0] as usize];
-        ([0, 1].map(|i| min[i] + size[i] * (place[i] as f64 + 0.5) / count[i]), force)
-    })
+/// Points of equal weight in a cell, along x first, in square blocks of [`BLOCK`] points a side.
+struct Samples<'a> {
+    cell: &'a Aabb,
+    count: [usize; 2],
+    force: f64,
+}
+
+impl<'a> Samples<'a> {
+    fn of(cell: &'a Aabb, specific_weight: f64) -> Self {
+        let along = |size: f64| (size / LOAD_SAMPLE_M - COORDINATE_TOLERANCE_M).ceil().clamp(1.0, 400.0);
+        let [x, y, _] = cell.size().map(along);
+        let force = specific_weight * cell.volume() / (x * y);
+        Self { cell, count: [x as usize, y as usize], force }
+    }
+
+    /// Points with the force on each \[N\] and the number of its block.
+    fn each(&self) -> impl Iterator<Item = ([f64; 2], f64, usize)> {
+        let wide = self.count[0].div_ceil(BLOCK);
+        (0..self.count[0] * self.count[1]).map(move |index| {
+            let place = [index % self.count[0], index / self.count[0]];
+            let point = [0, 1].map(|i| self.at(i, place[i] as f64 + 0.5));
+            (point, self.force, place[0] / BLOCK + wide * (place[1] / BLOCK))
+        })
+    }
+
+    /// Number of blocks.
+    fn blocks(&self) -> usize {
+        self.count[0].div_ceil(BLOCK) * self.count[1].div_ceil(BLOCK)
+    }
+
+    /// The box of a block.
+    fn block(&self, number: usize) -> Aabb {
+        let wide = self.count[0].div_ceil(BLOCK);
+        let first = [number % wide * BLOCK, number / wide * BLOCK];
+        let mut solid = *self.cell;
+        for i in 0..2 {
+            solid.min[i] = self.at(i, first[i] as f64);
+            solid.max[i] = self.at(i, (first[i] + BLOCK).min(self.count[i]) as f64);
+        }
+        solid
+    }
+
+    fn at(&self, axis: usize, place: f64) -> f64 {
+        self.cell.min[axis] + self.cell.size()[axis] * place / self.count[axis] as f64
+    }
 }
 
 /// Distance of a point in plan from a horizontal span, and its coordinate along it (not clamped) \[m\].
 fn project(span: &Span, point: [f64; 2]) -> (f64, f64) {
     let (along, across) = (point[span.axis], point[1 - span.axis] - span.line[1 - span.axis]);
     let beyond = (span.range[0] - along).max(along - span.range[1]).max(0.0);
-    (beyond.hypot(across), along)
+    (if beyond > 0.0 { beyond.hypot(across) } else { across.abs() }, along)
 }

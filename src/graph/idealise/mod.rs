@@ -187,7 +187,8 @@ impl Builder<'_> {
             }
             let width: f64 = [-1.0, 1.0]
                 .map(|side| {
-                    let outstand = self.outstand_m(beam, slab, across, side);
+                    // from half of the reference length on the outstand does not count
+                    let outstand = self.outstand_m(beam, slab, across, side, 0.5 * reference);
                     (0.2 * outstand + 0.1 * reference).min(0.2 * reference).min(outstand)
                 })
                 .iter()
@@ -202,14 +203,18 @@ impl Builder<'_> {
         found
     }
 
-    /// Slab beside a beam, to its edge or to halfway to the next parallel beam \[m\].
-    fn outstand_m(&self, beam: &Member, slab: &Member, across: usize, side: f64) -> f64 {
+    /// Slab beside a beam, to its edge or to halfway to the next parallel beam \[m\]; what is beyond `most_m` may be left out.
+    fn outstand_m(&self, beam: &Member, slab: &Member, across: usize, side: f64, most_m: f64) -> f64 {
         let (face, edge) = if side < 0.0 {
             (-beam.solid.min[across], -slab.solid.min[across])
         } else {
             (beam.solid.max[across], slab.solid.max[across])
         };
-        let beams = self.beams.near(&slab.solid, COORDINATE_TOLERANCE_M).into_iter().map(|b| self.member(b));
+        // the slab over which a beam may be as far away as it can matter
+        let mut strip = slab.solid;
+        strip.min[across] = strip.min[across].max(beam.solid.min[across] - 2.0 * most_m);
+        strip.max[across] = strip.max[across].min(beam.solid.max[across] + 2.0 * most_m);
+        let beams = self.beams.near(&strip, COORDINATE_TOLERANCE_M).into_iter().map(|b| self.member(b));
         let neighbour = beams.filter(|other| other.axis == beam.axis && meet(&other.solid, &slab.solid));
         let gaps = neighbour
             .map(|o| if side < 0.0 { -o.solid.max[across] } else { o.solid.min[across] } - face)

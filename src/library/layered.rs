@@ -1,0 +1,101 @@
+//! Entries of column ends whose capacity is that of their section, layer of elements by layer ([`crate::rc::layers`]): for ends that the library has no entry for, nor one that could be scaled to them.
+//!
+//! The plastic rotation is in the row of elements at the joint, to which the joint lends strength; the elastic stiffness is computed for the end itself ([`elastic`]), shear and torsion are those of the prism.
+//! Where a joint gives way before its column, that is not seen.
+
+use super::derive::Wanted;
+use super::entry::{AxisRecord, Computed, Entry, EntryKind, Origin, Stiffness, Validity};
+use crate::base::geom::Aabb;
+use crate::building::Homogenised;
+use crate::curve::ResistanceCurve;
+use crate::material::j2::HardeningTable;
+use crate::rc::EndModel;
+use crate::rc::elastic::elastic;
+use crate::rc::layers::{Layer, Layers, POLE};
+
+/// Shear area of a rectangle over its area.
+const SHEAR_SHARE: f64 = 5.0 / 6.0;
+
+/// The entry of a column end from its section; `None` where the end has none, or its submodel is a mechanism.
+///
+/// # Errors
+/// If it cannot be written as JSON.
+pub fn layered(wanted: &Wanted) -> Result<Option<Entry>, serde_json::Error> {
+    let (model, Some(law)) = (&wanted.model, &wanted.inputs.law) else { return Ok(None) };
+    let rows: Vec<(Aabb, f64, f64)> = model.section_elements.iter().map(|e| element(model, *e)).collect();
+    let row_m = rows.iter().map(|(solid, ..)| solid.size()[model.axis]).fold(0.0, f64::max);
+    let offset_m = POLE * row_m;
+    let Ok(stiffness) = elastic(model, offset_m) else { return Ok(None) };
+    // a rotation about the first axis of the section bends across the second one, and the other way round
+    let sections = [2, 1].map(|depth| section(&rows, [3 - depth, depth].map(|i| (model.axis + i) % 3), law));
+    let [Some(first), Some(second)] = sections else { return Ok(None) };
+    let [k, l] = stiffness.bending_nm_rad;
+    let curves = [first.curve_at_joint(row_m, k), second.curve_at_joint(row_m, l)];
+    // as the submodel has it: what the law bears when it breaks
+    let table = HardeningTable::new(&law.hardening);
+    let rupture = law.critical_plastic_strain.min(law.critical_principal_strain.unwrap_or(f64::INFINITY));
+    let force_n = first.squash_n * table.at(rupture).0 / table.at(0.0).0;
+    let prism = law.shear_modulus_pa() / model.length_m;
+    let mut inputs = wanted.inputs.clone();
+    inputs.settings.insert("capacity".into(), "layers of the section".into());
+    let computed = Computed {
+        stiffness: Some(Stiffness {
+            axial_n_m: stiffness.axial_n_m,
+            shear_n_m: [SHEAR_SHARE * prism * model.area_m2; 2],
+            torsion_nm_rad: prism * model.torsion_m4,
+        }),
+        tensile_capacity_n: Some(force_n),
+        tensile_elongation_m: Some(rupture * model.length_m),
+        compressive_capacity_n: Some(force_n),
+        hinge_offset_m: Some(offset_m),
+        validity: validity(&curves),
+        axes: curves.map(|curve| AxisRecord { envelopes: Vec::new(), curve, reverse: None }).to_vec(),
+        ..Computed::default()
+    };
+    let features = wanted.features.clone();
+    Entry::unthinned(EntryKind::ColumnHinge, Origin::Submodel, features, inputs, computed).map(Some)
+}
+
+/// An element at the end section: its box, and its factors on area and on strength.
+fn element(model: &EndModel, index: usize) -> (Aabb, f64, f64) {
+    let (mesh, element) = (&model.mesh, &model.mesh.elements[index]);
+    let bound = |i: usize, pick: fn(f64, f64) -> f64, start: f64| {
+        element.nodes.iter().map(|n| mesh.nodes[*n][i]).fold(start, pick)
+    };
+    let solid = Aabb {
+        min: std::array::from_fn(|i| bound(i, f64::min, f64::INFINITY)),
+        max: std::array::from_fn(|i| bound(i, f64::max, f64::NEG_INFINITY)),
+    };
+    (solid, element.smear, element.strength)
+}
+
+/// The elements of a row as layers across the member, in the directions of its width and its depth.
+fn section<'a>(
+    rows: &[(Aabb, f64, f64)],
+    [width, depth]: [usize; 2],
+    law: &'a Homogenised,
+) -> Option<Layers<'a>> {
+    let layer = |(solid, smear, strength): &(Aabb, f64, f64)| {
+        let size = solid.size();
+        Layer {
+            area_m2: smear * size[width] * size[depth],
+            at_m: solid.center()[depth],
+            depth_m: size[depth],
+            strength: *strength,
+            law,
+        }
+    };
+    Layers::of(rows.iter().map(layer).collect())
+}
+
+/// Range of axial forces and of rotations that the curves were computed for.
+fn validity(curves: &[ResistanceCurve; 2]) -> Validity {
+    let levels = || curves.iter().flat_map(|c| &c.levels);
+    let forces = || levels().map(|l| l.axial_force_n);
+    let rotation = levels().map(|l| l.fracture_rotation_rad).fold(f64::INFINITY, f64::min);
+    Validity {
+        axial_force_n: [forces().fold(f64::INFINITY, f64::min), forces().fold(f64::NEG_INFINITY, f64::max)],
+        rotation_rad: Some([0.0, rotation]),
+        displacement_m: None,
+    }
+}
