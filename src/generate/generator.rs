@@ -11,6 +11,7 @@ use super::{
     Accuracy, Division, GenerateError, Generated, Parts, Wishes, bending_floors, contact, events, tracked,
     walls,
 };
+use crate::base::hash::ContentHash;
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::{Building, Override};
 use crate::fe::mesh::Mesh;
@@ -21,7 +22,7 @@ use crate::library::{Entry, Store};
 use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
 use crate::rc::around::{self, Surroundings};
 use crate::rules::RuleBase;
-use std::cell::OnceCell;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
@@ -83,13 +84,16 @@ impl<'a> Generator<'a> {
         stages.end("graph", 0.0);
         let ends = member_ends(building, &structure.partition);
         stages.end("ends", 0.0);
-        let Solved { demands, frame } = Solved::of(&structure, building);
-        stages.end("demands", 0.0);
-        let known = Known::of(building, &structure, &ends, &demands);
-        stages.end("features", 0.0);
-        let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-        let around = Surroundings::of(&mesh);
-        stages.end("mesh", 0.0);
+        let solved = || {
+            let Solved { demands, frame } = Solved::of(&structure, building);
+            (Known::of(building, &structure, &ends, &demands), demands, frame)
+        };
+        let meshed = || {
+            let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
+            (Surroundings::of(&mesh), mesh)
+        };
+        let ((known, demands, frame), (around, mesh)) = rayon::join(solved, meshed);
+        stages.end("demands, mesh", 0.0);
         let library = joints::Known::of(store, derive);
         stages.end("library", 0.0);
         Ok(Self {
@@ -151,21 +155,23 @@ impl<'a> Generator<'a> {
         let hinged: Vec<&MemberEnd> =
             ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
         library.begin();
-        let of_ends = hinged.iter().map(|end| {
-            let near = OnceCell::new();
-            let near = || near.get_or_init(|| around.near(mesh, end)).as_deref();
-            let signature = || {
-                let beyond = end.beyond(partition).map(|m| building.members[m].kind);
-                Some(around::signature(building, mesh, end, beyond, near()?))
-            };
-            let query = || match near() {
-                Some(near) => joints::query(&place, &mesh.around(near), end),
+        let asked: Vec<(&MemberEnd, bool)> =
+            hinged.iter().map(|end| (*end, library.is_at_hand(&end.id))).collect();
+        let signature = |(end, at_hand): &(&MemberEnd, bool)| {
+            let near = if *at_hand { None } else { around.near(mesh, end) }?;
+            let beyond = end.beyond(partition).map(|m| building.members[m].kind);
+            Some(around::signature(building, mesh, end, beyond, &near))
+        };
+        let signatures: Vec<Option<ContentHash>> = asked.par_iter().map(signature).collect();
+        let of_ends = hinged.iter().zip(signatures).map(|(end, signature)| {
+            let query = || match around.near(mesh, end) {
+                Some(near) => joints::query(&place, &mesh.around(&near), end),
                 None => joints::query(&place, mesh, end),
             };
             library.asked(&end.id, signature, query)
         });
         let strip = |line: &Line| Ok(Query::Strip(line.wanted.clone()));
-        let of_lines = lines.iter().map(|(_, line)| library.asked(&line.id, || None, || strip(line)));
+        let of_lines = lines.iter().map(|(_, line)| library.asked(&line.id, None, || strip(line)));
         let found = joints::entries(of_ends.chain(of_lines), self.store, library, progress)?;
         stages.end("keys", found.curves_s);
         notes.extend(found.scaled.iter().map(joints::Scaled::note));

@@ -171,20 +171,26 @@ impl Known {
         self.keys.binary_search_by(|k| k.as_str().cmp(key)).is_ok()
     }
 
+    /// Whether the entry of a place was asked for before and is there.
+    pub fn is_at_hand(&self, id: &str) -> bool {
+        self.keys_of.borrow().get(id).is_some_and(|key| self.has_or_scaled(key))
+    }
+
+    fn has_or_scaled(&self, key: &str) -> bool {
+        self.has(key) || self.scaled.borrow().get(key).is_some_and(Option::is_some)
+    }
+
     /// What is asked of the library about a place; the query is made only where its answer is not known.
     pub fn asked(
         &self,
         id: &str,
-        signature: impl FnOnce() -> Option<ContentHash>,
+        signature: Option<ContentHash>,
         query: impl FnOnce() -> Result<Query, GenerateError>,
     ) -> Result<Asked, GenerateError> {
         let known = self.keys_of.borrow().get(id).cloned();
-        let scaled = |key: &String| self.scaled.borrow().get(key).is_some_and(Option::is_some);
-        let at_hand = |key: &String| self.has(key) || scaled(key);
-        if let Some(key) = known.filter(at_hand) {
+        if let Some(key) = known.filter(|key| self.has_or_scaled(key)) {
             return Ok(Asked { id: id.to_string(), key, query: None });
         }
-        let signature = signature();
         let alike = signature.and_then(|s| self.keys_by.borrow().get(&s).cloned());
         if let Some(key) = alike {
             self.keys_of.borrow_mut().insert(id.to_string(), key.clone());
@@ -194,7 +200,7 @@ impl Known {
         let key = query.key()?;
         self.keys_of.borrow_mut().insert(id.to_string(), key.clone());
         signature.map(|s| self.keys_by.borrow_mut().insert(s, key.clone()));
-        Ok(Asked { id: id.to_string(), query: Some(query).filter(|_| !at_hand(&key)), key })
+        Ok(Asked { id: id.to_string(), query: Some(query).filter(|_| !self.has_or_scaled(&key)), key })
     }
 
     /// A similar entry, if such are asked for and one is near enough.

@@ -5,7 +5,7 @@
 pub enum Derive {
     /// Stop with an error that names them.
     Never,
-    /// Scale the curves of similar columns; stop where there are none. A floor stays in one piece where there are none for a line at which it may fold.
+    /// Scale the curves of similar columns, or take those of the section where none is similar. A floor stays in one piece where there are none for a line at which it may fold.
     Similar,
     /// Compute the curves for this model, do not store them.
     #[default]
