@@ -31,7 +31,7 @@ impl Boxes {
 
     fn split(&mut self, range: std::ops::Range<usize>) {
         let own = &mut self.list[range.clone()];
-        let Some(bounds) = own.iter().map(|(solid, _)| *solid).reduce(around) else { return };
+        let Some(bounds) = own.iter().map(|(solid, _)| *solid).reduce(Aabb::around) else { return };
         let here = self.bounds.len();
         self.bounds.push((bounds, here + 1));
         if own.len() <= LEAF {
@@ -83,14 +83,6 @@ impl Boxes {
         let middle = range.start + count / 2;
         self.search(range.start..middle, node, solid, distance_m, found);
         self.search(middle..range.end, node, solid, distance_m, found);
-    }
-}
-
-/// The box around two.
-pub fn around(a: Aabb, b: Aabb) -> Aabb {
-    Aabb {
-        min: std::array::from_fn(|i| a.min[i].min(b.min[i])),
-        max: std::array::from_fn(|i| a.max[i].max(b.max[i])),
     }
 }
 

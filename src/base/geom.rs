@@ -41,6 +41,15 @@ impl Aabb {
         (0..3).all(|i| cut.max[i] - cut.min[i] > tolerance).then_some(cut)
     }
 
+    /// The box around it and another.
+    #[must_use]
+    pub fn around(self, other: Self) -> Self {
+        Self {
+            min: std::array::from_fn(|i| self.min[i].min(other.min[i])),
+            max: std::array::from_fn(|i| self.max[i].max(other.max[i])),
+        }
+    }
+
     /// Whether a point lies inside or within `tolerance` of the box \[m\].
     pub fn contains(&self, point: [f64; 3], tolerance: f64) -> bool {
         (0..3).all(|i| point[i] >= self.min[i] - tolerance && point[i] <= self.max[i] + tolerance)

@@ -72,6 +72,15 @@ impl Building {
         self.preparation.iter().any(|p| matches!(p, Preparation::Cut { member: m } if m == member))
     }
 
+    /// The share of its strength that preparatory weakening leaves a member: the product of its weakenings.
+    pub fn strength_factor(&self, member: &str) -> f64 {
+        let factors = self.preparation.iter().filter_map(|p| match p {
+            Preparation::Weaken { member: m, strength_factor } if m == member => Some(*strength_factor),
+            _ => None,
+        });
+        factors.product()
+    }
+
     /// The homogenised law a member is made of.
     ///
     /// # Panics

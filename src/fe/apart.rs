@@ -9,7 +9,7 @@
 
 use super::grid::{ELEMENTS_ACROSS, clear_height};
 use super::hexahedron::volume_m3;
-use super::mesh::{Element, Mesh, Tie, strength_factor};
+use super::mesh::{Element, Mesh, Tie};
 use crate::building::clear::Clear;
 use crate::building::{Building, Face, Member, MemberKind};
 use std::collections::BTreeMap;
@@ -169,7 +169,7 @@ pub(super) fn join(mesh: &mut Mesh, building: &Building, blocks: &[Block], real_
             part: block.member,
             law: law_of[block.member],
             smear: real_m3[block.member] / block.volume_m3(),
-            strength: strength_factor(building, &member.id),
+            strength: building.strength_factor(&member.id),
         };
         mesh.nodes.extend(&block.nodes);
         let elements = block.elements();

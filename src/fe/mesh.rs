@@ -7,7 +7,7 @@ use super::merge;
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
-use crate::building::{Building, Face, Preparation};
+use crate::building::{Building, Face};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -135,7 +135,7 @@ impl Mesh {
         let mut nodes = Vec::new();
         let mut elements = Vec::new();
         let is_cut: Vec<bool> = building.members.iter().map(|m| building.is_cut(&m.id)).collect();
-        let strength: Vec<f64> = building.members.iter().map(|m| strength_factor(building, &m.id)).collect();
+        let strength: Vec<f64> = building.members.iter().map(|m| building.strength_factor(&m.id)).collect();
         for (cell, owner) in cells.cells().filter(|(_, owner)| !is_cut[*owner]) {
             const CORNERS: [[usize; 3]; 8] =
                 [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
@@ -161,77 +161,48 @@ impl Mesh {
         Self { nodes, elements, laws, parts, ..Self::default() }
     }
 
-    /// The mesh of some of the hexahedra, with nodes renumbered; also returns the old index of each new node. Ties stay between hexahedra that
-    /// are kept, bars where both their nodes belong to such hexahedra or are tied into them.
+    /// The mesh of the hexahedra to keep; see [`Self::piece`].
     pub fn cut_out(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
-        let mut new_of = vec![usize::MAX; self.nodes.len()];
-        let mut old = Vec::new();
-        let mut elements = Vec::new();
-        let mut place = vec![None; self.elements.len()];
-        for index in (0..self.elements.len()).filter(|i| keep(*i)) {
-            let element = &self.elements[index];
-            place[index] = Some(elements.len());
-            let nodes = element.nodes.map(|n| {
-                if new_of[n] == usize::MAX {
-                    new_of[n] = old.len();
-                    old.push(n);
-                }
-                new_of[n]
-            });
-            elements.push(Element { nodes, ..*element });
-        }
-        let mut tie_of = vec![None; self.nodes.len()];
-        for tie in &self.ties {
-            let held = tie.masters.iter().all(|(m, _)| new_of[*m] != usize::MAX);
-            tie_of[tie.node] = place[tie.element].filter(|_| held).map(|element| (tie, element));
-        }
+        let kept: Vec<usize> = (0..self.elements.len()).filter(|i| keep(*i)).collect();
+        self.piece(&kept)
+    }
+
+    /// The mesh of some of the hexahedra, ascending, with nodes renumbered; also returns the old index of each new node. Ties stay between hexahedra that
+    /// are kept, bars where both their nodes belong to such hexahedra or are tied into them.
+    pub fn piece(&self, kept: &[usize]) -> (Self, Vec<usize>) {
+        let mut numbers = Numbers { new_of: BTreeMap::new(), old: Vec::new() };
+        let renumbered = |index: &usize| {
+            let element = &self.elements[*index];
+            Element { nodes: element.nodes.map(|n| numbers.of(n)), ..*element }
+        };
+        let elements: Vec<Element> = kept.iter().map(renumbered).collect();
+        let tie_of = |tie: &Tie| {
+            let held = tie.masters.iter().all(|(m, _)| numbers.new_of.contains_key(m));
+            Some((tie.node, kept.binary_search(&tie.element).ok().filter(|_| held)?))
+        };
+        let tied: BTreeMap<usize, (&Tie, usize)> = self
+            .ties
+            .iter()
+            .filter_map(|tie| tie_of(tie).map(|(node, element)| (node, (tie, element))))
+            .collect();
         let mut trusses = Vec::new();
         for truss in &self.trusses {
-            if truss.nodes.iter().any(|n| new_of[*n] == usize::MAX && tie_of[*n].is_none()) {
-                continue;
+            if truss.nodes.iter().all(|n| numbers.new_of.contains_key(n) || tied.contains_key(n)) {
+                trusses.push(Truss { nodes: truss.nodes.map(|n| numbers.of(n)), ..*truss });
             }
-            let nodes = truss.nodes.map(|n| {
-                if new_of[n] == usize::MAX {
-                    new_of[n] = old.len();
-                    old.push(n);
-                }
-                new_of[n]
-            });
-            trusses.push(Truss { nodes, ..*truss });
         }
-        let kept = tie_of.iter().flatten().filter(|(tie, _)| new_of[tie.node] != usize::MAX);
-        let ties = kept
-            .map(|(tie, element)| Tie {
-                node: new_of[tie.node],
-                masters: tie.masters.iter().map(|(m, w)| (new_of[*m], *w)).collect(),
-                element: *element,
+        let Numbers { new_of, old } = numbers;
+        let ties = tied
+            .values()
+            .filter_map(|(tie, element)| {
+                let masters = tie.masters.iter().map(|(m, w)| (new_of[m], *w)).collect();
+                Some(Tie { node: *new_of.get(&tie.node)?, masters, element: *element })
             })
             .collect();
-        let fixed = self.fixed.iter().filter(|n| new_of[**n] != usize::MAX).map(|n| new_of[*n]).collect();
+        let fixed = self.fixed.iter().filter_map(|n| new_of.get(n).copied()).collect();
         let nodes = old.iter().map(|n| self.nodes[*n]).collect();
         let (laws, parts) = (self.laws.clone(), self.parts.clone());
         (Self { nodes, elements, laws, trusses, ties, fixed, parts }, old)
-    }
-
-    /// The mesh of some hexahedra, ascending, where there are neither bars nor ties; its held nodes are in the order of this mesh. Costs no more than these elements, whatever there is besides.
-    pub fn around(&self, elements: &[usize]) -> Self {
-        let mut new_of = BTreeMap::new();
-        let mut nodes = Vec::new();
-        let elements = elements.iter().map(|index| {
-            let element = &self.elements[*index];
-            let own = element.nodes.map(|n| {
-                *new_of.entry(n).or_insert_with(|| {
-                    nodes.push(self.nodes[n]);
-                    nodes.len() - 1
-                })
-            });
-            Element { nodes: own, ..*element }
-        });
-        let elements = elements.collect();
-        let held = new_of.iter().filter(|(old, _)| self.fixed.binary_search(old).is_ok());
-        let fixed = held.map(|(_, new)| *new).collect();
-        let (laws, parts) = (self.laws.clone(), self.parts.clone());
-        Self { nodes, elements, laws, fixed, parts, ..Self::default() }
     }
 
     /// Members of a building that should have elements and have none; at most those that could not be meshed at all ([`merge`]).
@@ -243,6 +214,12 @@ impl Mesh {
         lost.map(|(m, _)| m.id.clone()).collect()
     }
 
+    /// The box around an element of it in the undeformed mesh \[m\].
+    pub fn bounds(&self, element: &Element) -> Aabb {
+        let corners = element.nodes.map(|n| Aabb { min: self.nodes[n], max: self.nodes[n] });
+        corners[1..].iter().fold(corners[0], |all, corner| all.around(*corner))
+    }
+
     /// Centre of an element in the undeformed mesh \[m\].
     pub fn center(&self, element: usize) -> [f64; 3] {
         let nodes = self.elements[element].nodes;
@@ -250,16 +227,19 @@ impl Mesh {
     }
 }
 
-/// Product of the weakenings of a member.
-pub fn strength_factor(building: &Building, member: &str) -> f64 {
-    building
-        .preparation
-        .iter()
-        .map(|p| match p {
-            Preparation::Weaken { member: m, strength_factor } if m == member => *strength_factor,
-            _ => 1.0,
+/// New numbers of nodes in the order in which they are asked for.
+struct Numbers {
+    new_of: BTreeMap<usize, usize>,
+    old: Vec<usize>,
+}
+
+impl Numbers {
+    fn of(&mut self, node: usize) -> usize {
+        *self.new_of.entry(node).or_insert_with(|| {
+            self.old.push(node);
+            self.old.len() - 1
         })
-        .product()
+    }
 }
 
 /// Nodes on the supported faces.

@@ -5,8 +5,8 @@ use crate::base::geom::Aabb;
 use crate::building::Building;
 use crate::building::ends::MemberEnd;
 use crate::curve::ResistanceCurve;
-use crate::fe::mesh::{Mesh, strength_factor};
 use crate::mbs::model::{Beam, Bending};
+use crate::rc::around::SAME_PLANE_M;
 use crate::rc::layers::{Layer, Layers, POLE};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,8 +14,6 @@ use std::collections::{BTreeMap, BTreeSet};
 pub const BEAM_CURVES: &str = "beam/";
 /// How far the end of a beam may be from the face of the columns on its axis \[m\].
 const AT_FACE_M: f64 = 0.4;
-/// Planes of a mesh nearer to each other than this are one \[m\].
-const SAME_PLANE_M: f64 = 1e-6;
 
 /// A cut through a floor between two rows of columns.
 pub struct BeamCut<'a> {
@@ -44,7 +42,7 @@ pub struct Ends {
 /// The beams of all floors that bend, and their curves.
 pub struct YieldingEnds<'a> {
     /// Planes of the mesh along x, y and z \[m\].
-    planes: [Vec<f64>; 3],
+    planes: &'a [Vec<f64>; 3],
     /// Ends by member.
     ends: BTreeMap<usize, Vec<&'a MemberEnd>>,
     /// Curves by id, and their ids by the numbers that they follow from, as text.
@@ -54,14 +52,8 @@ pub struct YieldingEnds<'a> {
 }
 
 impl<'a> YieldingEnds<'a> {
-    /// For a mesh and the ends of its members.
-    pub fn new(mesh: &Mesh, ends: &'a [MemberEnd]) -> Self {
-        let planes = [0, 1, 2].map(|i| {
-            let mut list: Vec<f64> = mesh.nodes.iter().map(|n| n[i]).collect();
-            list.sort_by(f64::total_cmp);
-            list.dedup_by(|a, b| *a - *b < SAME_PLANE_M);
-            list
-        });
+    /// For the planes of a mesh and the ends of its members.
+    pub fn new(planes: &'a [Vec<f64>; 3], ends: &'a [MemberEnd]) -> Self {
         let mut of_member: BTreeMap<usize, Vec<&MemberEnd>> = BTreeMap::new();
         ends.iter().for_each(|e| of_member.entry(e.member).or_default().push(e));
         let (curves, known, names) = Default::default();
@@ -124,7 +116,7 @@ impl<'a> YieldingEnds<'a> {
         let crosses = |b: &&(usize, Aabb)| b.1.min[cut.axis] < at_m && at_m < b.1.max[cut.axis];
         for (member, solid) in cut.pieces[side].boxes.iter().filter(crosses) {
             let member = &building.members[*member];
-            let strength = strength_factor(building, &member.id);
+            let strength = building.strength_factor(&member.id);
             let [low, high] = [solid.min[2], solid.max[2]];
             let inside = |p: &&f64| **p > low + SAME_PLANE_M && **p < high - SAME_PLANE_M;
             let mut levels = vec![low];

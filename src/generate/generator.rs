@@ -165,7 +165,7 @@ impl<'a> Generator<'a> {
         let signatures: Vec<Option<ContentHash>> = asked.par_iter().map(signature).collect();
         let of_ends = hinged.iter().zip(signatures).map(|(end, signature)| {
             let query = || match around.near(mesh, end) {
-                Some(near) => joints::query(&place, &mesh.around(&near), end),
+                Some(near) => joints::query(&place, &mesh.piece(&near).0, end),
                 None => joints::query(&place, mesh, end),
             };
             library.asked(&end.id, signature, query)
@@ -203,7 +203,7 @@ impl<'a> Generator<'a> {
         joints::without_joint(&place, &hinged, &mut hinges, &mut curves);
         curves.extend(wall_curves);
         let mut contact = contact(building);
-        let mut yielding = YieldingEnds::new(mesh, ends);
+        let mut yielding = YieldingEnds::new(&around.planes, ends);
         bending_floors(building, frame, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
         curves.extend(yielding.into_curves());
         let used: BTreeSet<&String> =

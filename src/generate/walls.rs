@@ -9,7 +9,7 @@
 use super::bodies::Bodies;
 use super::joints::{axes, on_support};
 use crate::base::geom::Aabb;
-use crate::building::{Building, Homogenised, MemberKind, Preparation};
+use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::graph::Structure;
 use crate::material::section_capacity::HomogenisedCapacity;
@@ -31,7 +31,7 @@ pub fn springs(
     let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
     let (mut springs, mut curves) = (Vec::new(), BTreeMap::new());
     for (wall, member) in walls {
-        let solid = structure.boxes(wall).iter().copied().reduce(around);
+        let solid = structure.boxes(wall).iter().copied().reduce(Aabb::around);
         let Some(half) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
         let own = of_wall(building, structure, bodies, &half);
         if !own.is_empty() {
@@ -66,16 +66,10 @@ impl<'a> Half<'a> {
         let member = &building.members[wall];
         let size = solid.size();
         let along = usize::from(size[1] > size[0]);
-        let weakened = building.preparation.iter().filter_map(|p| match p {
-            Preparation::Weaken { member: weak, strength_factor } if *weak == member.id => {
-                Some(*strength_factor)
-            }
-            _ => None,
-        });
         Self {
             wall,
             law: building.law_of(member),
-            strength: weakened.product(),
+            strength: building.strength_factor(&member.id),
             solid,
             along,
             length_m: 0.5 * size[along],
@@ -186,13 +180,5 @@ fn spring(
             rules: bodies.list.iter().find(|b| b.id == own).map_or(Vec::new(), |b| b.origin.rules.clone()),
             entries: Vec::new(),
         },
-    }
-}
-
-/// The box around two.
-fn around(a: Aabb, b: Aabb) -> Aabb {
-    Aabb {
-        min: std::array::from_fn(|i| a.min[i].min(b.min[i])),
-        max: std::array::from_fn(|i| a.max[i].max(b.max[i])),
     }
 }

@@ -1,6 +1,5 @@
 //! Contact faces between the cells of two members, and gaps that look like a slip of the pen.
 
-use crate::base::boxes::around;
 use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use serde::Serialize;
@@ -98,7 +97,7 @@ pub struct NearMiss {
 /// area \[m²\] of the narrowest gap. What lies inside another member (a column's head under a slab) does not
 /// count, which is why gross solids will not do.
 pub fn near_miss(a: &[Aabb], b: &[Aabb]) -> Option<(usize, f64, f64)> {
-    let [of_a, of_b] = [a, b].map(|boxes| boxes.iter().copied().reduce(around));
+    let [of_a, of_b] = [a, b].map(|boxes| boxes.iter().copied().reduce(Aabb::around));
     let near = |own: &Aabb, other: Option<Aabb>| other.is_some_and(|other| are_near(own, &other));
     let b: Vec<&Aabb> = b.iter().filter(|y| near(y, of_a)).collect();
     let mut found: Option<(usize, f64, f64)> = None;

@@ -10,7 +10,7 @@ use super::frame::{Frame, FrameError, Mechanism, SectionForces};
 use super::idealise::{Idealised, idealise};
 use super::paths::{charged_members, cut_members};
 use super::structure::Structure;
-use crate::building::{Building, Material, MemberKind, Preparation};
+use crate::building::{Building, Material, MemberKind};
 use crate::material::section_capacity::{CompressedEdge, FibreSection, HomogenisedCapacity};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -170,15 +170,6 @@ fn state(
     (summary, ends.collect())
 }
 
-/// The share of its strength that preparatory weakening leaves a member.
-fn strength_factor(building: &Building, member_id: &str) -> f64 {
-    let factors = building.preparation.iter().filter_map(|p| match p {
-        Preparation::Weaken { member, strength_factor } if member == member_id => Some(*strength_factor),
-        _ => None,
-    });
-    factors.product()
-}
-
 /// The compressed edge for a moment about axis 1 or 2 (see [`SectionForces::moment_nm`]).
 fn compressed_edge(about: usize, moment_nm: f64) -> CompressedEdge {
     match (about, moment_nm >= 0.0) {
@@ -200,7 +191,7 @@ pub fn against_section(building: &Building, end: &MemberEnd, forces: &SectionFor
         return None;
     };
     // Strength and force scaled alike: M(N) of the weakened section is f M(N / f).
-    let factor = strength_factor(building, &member.id);
+    let factor = building.strength_factor(&member.id);
     let axial = forces.axial_n / factor;
     let fibres: [FibreSection; 2] = std::array::from_fn(|i| {
         FibreSection::of_section(
@@ -232,7 +223,7 @@ fn biaxial_exponent(axial_ratio: f64) -> f64 {
 pub fn against_law(building: &Building, end: &MemberEnd, forces: &SectionForces) -> Utilisation {
     let member = &building.members[end.member];
     let law = building.law_of(member);
-    let factor = strength_factor(building, &member.id);
+    let factor = building.strength_factor(&member.id);
     let [width, depth] = end.size_m;
     let axial = forces.axial_n / factor;
     let capacities = [

@@ -58,15 +58,8 @@ pub fn layered(wanted: &Wanted) -> Result<Option<Entry>, serde_json::Error> {
 
 /// An element at the end section: its box, and its factors on area and on strength.
 fn element(model: &EndModel, index: usize) -> (Aabb, f64, f64) {
-    let (mesh, element) = (&model.mesh, &model.mesh.elements[index]);
-    let bound = |i: usize, pick: fn(f64, f64) -> f64, start: f64| {
-        element.nodes.iter().map(|n| mesh.nodes[*n][i]).fold(start, pick)
-    };
-    let solid = Aabb {
-        min: std::array::from_fn(|i| bound(i, f64::min, f64::INFINITY)),
-        max: std::array::from_fn(|i| bound(i, f64::max, f64::NEG_INFINITY)),
-    };
-    (solid, element.smear, element.strength)
+    let element = &model.mesh.elements[index];
+    (model.mesh.bounds(element), element.smear, element.strength)
 }
 
 /// The elements of a row as layers across the member, in the directions of its width and its depth.

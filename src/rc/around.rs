@@ -8,6 +8,9 @@ use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind};
 use crate::fe::mesh::Mesh;
 
+/// Planes of a mesh nearer to each other than this are one \[m\].
+pub const SAME_PLANE_M: f64 = 1e-6;
+
 /// Where the elements of a mesh lie.
 #[derive(Debug, Clone, Default)]
 pub struct Surroundings {
@@ -17,6 +20,8 @@ pub struct Surroundings {
     bounds: Vec<Option<Aabb>>,
     /// Longest edge of an element \[m\].
     edge_m: f64,
+    /// Planes along x, y and z in which nodes lie \[m\].
+    pub planes: [Vec<f64>; 3],
 }
 
 impl Surroundings {
@@ -24,15 +29,18 @@ impl Surroundings {
     pub fn of(mesh: &Mesh) -> Self {
         let mut this = Self { bounds: vec![None; mesh.parts.len()], ..Self::default() };
         for element in &mesh.elements {
-            let own = bounds(mesh, &element.nodes);
+            let own = mesh.bounds(element);
             this.edge_m = own.size().into_iter().fold(this.edge_m, f64::max);
             let held = this.bounds[element.part].get_or_insert(own);
-            *held = Aabb {
-                min: std::array::from_fn(|i| held.min[i].min(own.min[i])),
-                max: std::array::from_fn(|i| held.max[i].max(own.max[i])),
-            };
+            *held = held.around(own);
         }
         let centre = |e: usize| Aabb { min: mesh.center(e), max: mesh.center(e) };
+        this.planes = [0, 1, 2].map(|i| {
+            let mut list: Vec<f64> = mesh.nodes.iter().map(|n| n[i]).collect();
+            list.sort_by(f64::total_cmp);
+            list.dedup_by(|a, b| *a - *b < SAME_PLANE_M);
+            list
+        });
         this.centres = Boxes::of((0..mesh.elements.len()).map(centre));
         this
     }
@@ -66,7 +74,7 @@ pub fn signature(
     let mut bytes = format!("{section} {:?} {} {clear} {adjoining:?}", end.end, end.axis).into_bytes();
     for index in near {
         let element = &mesh.elements[*index];
-        let solid = bounds(mesh, &element.nodes);
+        let solid = mesh.bounds(element);
         let kind = match building.members[element.part].kind {
             _ if element.part == end.member => 0,
             MemberKind::Column => 1,
@@ -82,15 +90,4 @@ pub fn signature(
 
 fn micrometres(value: f64) -> i64 {
     (1e6 * value).round() as i64
-}
-
-/// The box around some nodes.
-fn bounds(mesh: &Mesh, nodes: &[usize]) -> Aabb {
-    let of = |i: usize, pick: fn(f64, f64) -> f64, start: f64| {
-        nodes.iter().map(|n| mesh.nodes[*n][i]).fold(start, pick)
-    };
-    Aabb {
-        min: std::array::from_fn(|i| of(i, f64::min, f64::INFINITY)),
-        max: std::array::from_fn(|i| of(i, f64::max, f64::NEG_INFINITY)),
-    }
 }

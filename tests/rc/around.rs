@@ -30,7 +30,7 @@ fn a_column_end_asks_for_the_same_entry_from_the_mesh_around_it() {
         assert!(columns.len() > 10);
         for end in columns {
             let near = around.near(&mesh, end).unwrap();
-            let local = mesh.around(&near);
+            let local = mesh.piece(&near).0;
             assert!(local.elements.len() < mesh.elements.len() && !local.elements.is_empty());
             let whole = Wanted::of(&building, &partition, &mesh, end).unwrap();
             let own = Wanted::of(&building, &partition, &local, end).unwrap();

@@ -35,12 +35,7 @@ impl Builder<'_> {
     /// Bounding box of a joint's uprights.
     fn footprint(&self, joint: usize) -> Aabb {
         let solids = self.joints[joint].uprights.iter().map(|u| self.member(*u).solid);
-        solids
-            .reduce(|a, b| Aabb {
-                min: std::array::from_fn(|i| a.min[i].min(b.min[i])),
-                max: std::array::from_fn(|i| a.max[i].max(b.max[i])),
-            })
-            .unwrap_or(Aabb { min: [0.0; 3], max: [0.0; 3] })
+        solids.reduce(Aabb::around).unwrap_or(Aabb { min: [0.0; 3], max: [0.0; 3] })
     }
 
     /// The nearest joint further along an axis whose footprint overlaps across it.

@@ -2,8 +2,8 @@
 
 use super::{List, ORTHONORMAL_TOLERANCE, closest, orthonormality_error};
 use crate::mbs::math;
-use crate::mbs::model::{Bending, Bushing, Force, Joint, JointKind, Model};
-use std::collections::BTreeSet;
+use crate::mbs::model::{Beam, Bending, Bushing, Force, Joint, JointKind, Model};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Ids of bodies.
 type Known<'a> = BTreeSet<&'a str>;
@@ -12,8 +12,16 @@ pub(super) fn check(model: &Model, known: &Known<'_>, list: &mut List) {
     for (i, joint) in model.joints.iter().enumerate() {
         check_joint(joint, &format!("joints[{i}]"), known, list);
     }
+    let mut hinges: BTreeMap<&str, usize> = BTreeMap::new();
+    model.bushings.iter().flat_map(Bushing::hinges).for_each(|name| *hinges.entry(name).or_default() += 1);
+    let bushings: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).collect();
+    let is_own = |name: &str| hinges.get(name) == Some(&1) && !bushings.contains(name);
     for (i, bushing) in model.bushings.iter().enumerate() {
-        check_bushing(model, bushing, &format!("bushings[{i}]"), known, list);
+        let path = format!("bushings[{i}]");
+        check_bushing(model, bushing, &path, known, list);
+        if let Some(beam) = &bushing.beam {
+            check_beam(model, bushing, beam, &format!("{path}.beam"), &is_own, list);
+        }
     }
     for (i, force) in model.forces.iter().enumerate() {
         check_force(model, force, &format!("forces[{i}]"), known, list);
@@ -96,9 +104,6 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
                 list.positive(&format!("{at}.strength_factor"), *strength_factor);
             }
         }
-    }
-    if joint.beam.is_some() {
-        check_beam(model, joint, path, list);
     }
     list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
     if let Some(t) = joint.tensile_elongation_m {
@@ -247,13 +252,17 @@ impl List {
 }
 
 /// A beam needs one axis with a curve, shear stiffness along the other, and names of its own.
-fn check_beam(model: &Model, bushing: &Bushing, path: &str, list: &mut List) {
-    let Some(beam) = &bushing.beam else { return };
-    let path = format!("{path}.beam");
+fn check_beam(
+    model: &Model,
+    bushing: &Bushing,
+    beam: &Beam,
+    path: &str,
+    is_own: &dyn Fn(&str) -> bool,
+    list: &mut List,
+) {
     list.positive(&format!("{path}.half_length_m"), beam.half_length_m);
-    let curves: Vec<usize> =
-        (0..2).filter(|k| matches!(bushing.bending[*k], Bending::Curve { .. })).collect();
-    list.require(curves.len() == 1, &path, || {
+    let curves: Vec<usize> = (0..2).filter(|k| bushing.bending[*k].curve().is_some()).collect();
+    list.require(curves.len() == 1, path, || {
         format!(
             "has {} bending axes with a curve, expected one: that in whose plane its ends are hinges",
             curves.len()
@@ -261,20 +270,18 @@ fn check_beam(model: &Model, bushing: &Bushing, path: &str, list: &mut List) {
     });
     // bending about axis 1 goes with shear along axis 2
     if let [k] = curves[..] {
-        list.require(bushing.shear_stiffness_n_m[1 - k] > 0.0, &path, || {
+        list.require(bushing.shear_stiffness_n_m[1 - k] > 0.0, path, || {
             format!("needs shear_stiffness_n_m[{}] > 0: the ends take their moments from it as well", 1 - k)
         });
     }
-    list.require(bushing.latent.is_none() && bushing.joint.is_none(), &path, || {
+    list.require(bushing.latent.is_none() && bushing.joint.is_none(), path, || {
         "stands in a bushing that is latent or on a joint: leave out one of them".into()
     });
-    list.require(model.joints.is_empty() && model.forces.is_empty(), &path, || {
+    list.require(model.joints.is_empty() && model.forces.is_empty(), path, || {
         "needs a model without ideal joints and forces: leave it out, the curve then stands at the bushing's point".into()
     });
     for (k, name) in beam.ends.iter().enumerate() {
-        let twins = model.bushings.iter().flat_map(Bushing::hinges).filter(|n| n == name).count();
-        let is_bushing = model.bushings.iter().any(|b| b.id == *name);
-        list.require(twins == 1 && !is_bushing, &format!("{path}.ends[{k}]"), || {
+        list.require(is_own(name), &format!("{path}.ends[{k}]"), || {
             format!("\"{name}\" is the name of another hinge or bushing, expected one of its own")
         });
     }

@@ -273,7 +273,7 @@ fn one() -> f64 {
 impl Bushing {
     /// Names of its hinges in results: its own, or those of the ends of its beam; none if it is elastic.
     pub fn hinges(&self) -> Vec<&str> {
-        let has_curve = self.bending.iter().any(|b| matches!(b, Bending::Curve { .. }));
+        let has_curve = self.bending.iter().any(|b| b.curve().is_some());
         match &self.beam {
             _ if !has_curve => Vec::new(),
             Some(beam) => beam.ends.iter().map(String::as_str).collect(),
