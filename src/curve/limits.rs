@@ -1,25 +1,60 @@
-//! A curve up to the axial force that crushes the section.
+//! What pushes under a constant axial force leave open of a curve that works in a structure.
 
 use super::{CapacityLevel, ResistanceCurve};
+use crate::base::piecewise::interpolate;
 
 /// Share of its capacity that the level at crushing keeps: a level must have some.
 const LEFT: f64 = 1e-3;
+/// Places of the levels between the last one and crushing, as shares of the way.
+const BETWEEN: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// Share of the rotation at the end of a push from which on it is falling to its end.
+const FALLING: f64 = 0.98;
 
 impl ResistanceCurve {
-    /// The curve with a level at the compressive capacity of the section \[N\], at which nothing is left for a moment: beyond the last level computed the capacity falls on a straight line to there, which
-    /// is on the safe side of the concave interaction; without that level it would not fall at all. A capacity within the levels adds nothing.
+    /// The curve past the loss of an axial force, and up to the compressive capacity of the section \[N\].
     #[must_use]
-    pub fn up_to_crushing(&self, compressive_capacity_n: Option<f64>) -> Self {
+    pub fn in_a_structure(&self, compressive_capacity_n: Option<f64>) -> Self {
+        self.past_compression().up_to_crushing(compressive_capacity_n)
+    }
+
+    /// A push under a compressive force ends when what is left of the section no longer bears that force, which goes on pressing. In a structure the force goes elsewhere then, and the parts hang together
+    /// as long as without it: behind its end, a compressed level is that without axial force, as much larger or smaller as its peak is.
+    fn past_compression(&self) -> Self {
         let mut curve = self.clone();
-        let bare = |level: &CapacityLevel, axial_force_n: f64| CapacityLevel {
-            axial_force_n,
-            capacity: level.capacity.iter().map(|[rotation, moment]| [*rotation, LEFT * moment]).collect(),
-            fracture_rotation_rad: level.fracture_rotation_rad,
+        let nearest = |a: &&CapacityLevel, b: &&CapacityLevel| {
+            a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs())
         };
-        let last = self.levels.last().zip(compressive_capacity_n);
-        let beyond = last.filter(|(level, n)| level.axial_force_n < *n);
-        curve.levels.extend(beyond.map(|(level, n)| bare(level, n)));
+        let Some(free) = self.levels.iter().min_by(nearest) else { return curve };
+        for level in &mut curve.levels {
+            let end = level.fracture_rotation_rad;
+            if level.axial_force_n <= free.axial_force_n || end >= free.fracture_rotation_rad {
+                continue;
+            }
+            let factor = level.peak_nm() / free.peak_nm();
+            level.capacity.retain(|p| p[0] < FALLING * end);
+            level.capacity.push([end, factor * interpolate(&free.capacity, end)]);
+            level
+                .capacity
+                .extend(free.capacity.iter().filter(|p| p[0] > end).map(|[x, y]| [*x, factor * y]));
+            level.fracture_rotation_rad = free.fracture_rotation_rad;
+        }
         curve
+    }
+
+    /// The curve with a level at the compressive capacity, at which nothing is left for a moment, and levels on the way there from the last one computed: `1 - n²` of the plastic moment, that of a rectangle of an ideally plastic
+    /// material. Without them the capacity would not fall at all. A capacity within the levels adds nothing.
+    fn up_to_crushing(mut self, compressive_capacity_n: Option<f64>) -> Self {
+        let last = self.levels.last().cloned().zip(compressive_capacity_n);
+        let Some((last, crushing_n)) = last.filter(|(level, n)| level.axial_force_n < *n) else { return self };
+        let share = last.axial_force_n.max(0.0) / crushing_n;
+        let left = |n: f64| ((1.0 - n * n) / (1.0 - share * share)).max(LEFT);
+        let at = |way: f64| {
+            let n = share + way * (1.0 - share);
+            let capacity = last.capacity.iter().map(|[x, y]| [*x, left(n) * y]).collect();
+            CapacityLevel { axial_force_n: n * crushing_n, capacity, ..last.clone() }
+        };
+        self.levels.extend(BETWEEN.iter().chain(&[1.0]).map(|way| at(*way)));
+        self
     }
 }
 
@@ -27,26 +62,47 @@ impl ResistanceCurve {
 mod tests {
     use super::*;
 
+    fn level(axial_force_n: f64, capacity: Vec<[f64; 2]>, fracture_rotation_rad: f64) -> CapacityLevel {
+        CapacityLevel { axial_force_n, capacity, fracture_rotation_rad }
+    }
+
+    fn curve(levels: Vec<CapacityLevel>) -> ResistanceCurve {
+        ResistanceCurve { stiffness_nm_rad: 1e8, levels, cyclic: None }
+    }
+
     #[test]
     fn capacity_falls_to_nothing_at_crushing() {
-        let level = |axial_force_n: f64, moment: f64| CapacityLevel {
-            axial_force_n,
-            capacity: vec![[0.0, moment], [0.1, 0.5 * moment]],
-            fracture_rotation_rad: 0.2,
-        };
-        let curve = ResistanceCurve {
-            stiffness_nm_rad: 1e8,
-            levels: vec![level(-1e5, 80e3), level(6e5, 50e3)],
-            cyclic: None,
-        };
-        let whole = curve.up_to_crushing(Some(1e6));
+        let at = |n: f64, moment: f64| level(n, vec![[0.0, moment], [0.1, 0.5 * moment]], 0.2);
+        let curve = curve(vec![at(-1e5, 80e3), at(6e5, 50e3)]);
+        let whole = curve.in_a_structure(Some(1e6));
         assert!(whole.check().is_ok());
         for n in [-1e6, -1e5, 2e5, 6e5] {
             assert_eq!(whole.capacity_nm(0.05, n), curve.capacity_nm(0.05, n));
         }
-        assert!((whole.capacity_nm(0.0, 8e5) / (0.5 * 1.001 * 50e3) - 1.0).abs() < 1e-12);
+        // 1 - n² at a third and two thirds of the way, chords between
+        for way in BETWEEN {
+            let n = 0.6 + 0.4 * way;
+            let wanted = 50e3 * (1.0 - n * n) / (1.0 - 0.36);
+            assert!((whole.capacity_nm(0.0, n * 1e6) / wanted - 1.0).abs() < 1e-12);
+        }
         assert!(whole.capacity_nm(0.0, 1e6) < 51.0);
-        assert_eq!(curve.up_to_crushing(Some(5e5)), curve);
-        assert_eq!(curve.up_to_crushing(None), curve);
+        assert_eq!(curve.in_a_structure(Some(5e5)), curve);
+        assert_eq!(curve.in_a_structure(None), curve);
+    }
+
+    #[test]
+    fn a_compressed_end_goes_on_as_without_its_force() {
+        let free = level(0.0, vec![[0.0, 60e3], [0.5, 60e3], [0.6, 20e3], [1.5, 10e3]], 1.5);
+        let pressed = level(2e5, vec![[0.0, 80e3], [0.3, 90e3], [0.39, 30e3], [0.3999, 1e3]], 0.4);
+        let pulled = level(-1e5, vec![[0.0, 40e3], [0.7, 30e3]], 0.7);
+        let whole = curve(vec![pulled.clone(), free.clone(), pressed]).in_a_structure(None);
+        assert!(whole.check().is_ok());
+        assert_eq!(whole.levels[..2], [pulled, free]);
+        assert_eq!(whole.levels[2].fracture_rotation_rad, 1.5);
+        let at = |x: f64| whole.capacity_nm(x, 2e5);
+        assert_eq!(at(0.39), 30e3);
+        for (x, wanted) in [(0.45, 90e3), (0.6, 30e3), (1.5, 15e3)] {
+            assert!((at(x) / wanted - 1.0).abs() < 1e-12, "{x}: {}", at(x));
+        }
     }
 }

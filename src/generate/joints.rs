@@ -86,12 +86,12 @@ impl Scaled {
 }
 
 impl Entries {
-    /// The curves of all entries up to crushing, `KEY/axis-1` and `KEY/axis-2`.
+    /// The curves of all entries as they work in a structure, `KEY/axis-1` and `KEY/axis-2`.
     pub fn curves(&self) -> BTreeMap<String, ResistanceCurve> {
         self.entries
             .iter()
             .flat_map(|(key, e)| {
-                let whole = |axis: &AxisRecord| axis.curve.up_to_crushing(e.compressive_capacity_n);
+                let whole = |axis: &AxisRecord| axis.curve.in_a_structure(e.compressive_capacity_n);
                 e.axes.iter().enumerate().map(move |(i, a)| (curve_id(key, i), whole(a)))
             })
             .collect()
