@@ -21,9 +21,8 @@ impl ResistanceCurve {
     /// as long as without it: behind its end, a compressed level is that without axial force, as much larger or smaller as its peak is.
     fn past_compression(&self) -> Self {
         let mut curve = self.clone();
-        let nearest = |a: &&CapacityLevel, b: &&CapacityLevel| {
-            a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs())
-        };
+        let nearest =
+            |a: &&CapacityLevel, b: &&CapacityLevel| a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs());
         let Some(free) = self.levels.iter().min_by(nearest) else { return curve };
         for level in &mut curve.levels {
             let end = level.fracture_rotation_rad;
@@ -33,9 +32,7 @@ impl ResistanceCurve {
             let factor = level.peak_nm() / free.peak_nm();
             level.capacity.retain(|p| p[0] < FALLING * end);
             level.capacity.push([end, factor * interpolate(&free.capacity, end)]);
-            level
-                .capacity
-                .extend(free.capacity.iter().filter(|p| p[0] > end).map(|[x, y]| [*x, factor * y]));
+            level.capacity.extend(free.capacity.iter().filter(|p| p[0] > end).map(|[x, y]| [*x, factor * y]));
             level.fracture_rotation_rad = free.fracture_rotation_rad;
         }
         curve
@@ -45,7 +42,9 @@ impl ResistanceCurve {
     /// material. Without them the capacity would not fall at all. A capacity within the levels adds nothing.
     fn up_to_crushing(mut self, compressive_capacity_n: Option<f64>) -> Self {
         let last = self.levels.last().cloned().zip(compressive_capacity_n);
-        let Some((last, crushing_n)) = last.filter(|(level, n)| level.axial_force_n < *n) else { return self };
+        let Some((last, crushing_n)) = last.filter(|(level, n)| level.axial_force_n < *n) else {
+            return self;
+        };
         let share = last.axial_force_n.max(0.0) / crushing_n;
         let left = |n: f64| ((1.0 - n * n) / (1.0 - share * share)).max(LEFT);
         let at = |way: f64| {

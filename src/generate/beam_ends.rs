@@ -23,6 +23,8 @@ pub struct BeamCut<'a> {
     pub faces_m: [f64; 2],
     /// Edges across the span \[m\].
     pub across_m: [f64; 2],
+    /// Whether the columns lend strength to the rows of elements beside them: to beams, and to strips of slab that are one with them. Of a plate most is beside its columns.
+    pub at_joint: bool,
     /// The pieces of the floor on both sides.
     pub pieces: [&'a Piece; 2],
 }
@@ -83,11 +85,19 @@ impl<'a> YieldingEnds<'a> {
             return elastic;
         }
         // sections that differ by round-off only are the same
-        let numbers =
-            section.numbers().chain([row_m, stiffness_nm_rad]).map(|x| format!("{x:.8e} ")).collect();
+        let numbers = section
+            .numbers()
+            .chain([row_m, stiffness_nm_rad, f64::from(u8::from(cut.at_joint))])
+            .map(|x| format!("{x:.8e} "))
+            .collect();
         let curve = self.known.entry(numbers).or_insert_with(|| {
             let name = format!("{BEAM_CURVES}{id}");
-            self.curves.insert(name.clone(), section.curve_at_joint(row_m, stiffness_nm_rad));
+            let curve = if cut.at_joint {
+                section.curve_at_joint(row_m, stiffness_nm_rad)
+            } else {
+                section.curve(row_m, stiffness_nm_rad)
+            };
+            self.curves.insert(name.clone(), curve);
             name
         });
         let bending = Bending::Curve { curve: curve.clone(), strength_factor: 1.0 };

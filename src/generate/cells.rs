@@ -5,6 +5,7 @@ use crate::base::geom::Aabb;
 use crate::building::Building;
 use crate::graph::Structure;
 use crate::mbs::model::Body;
+use std::collections::BTreeMap;
 
 /// Cells of a floor.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,10 +90,11 @@ impl Piece {
 
 /// Pieces beside each other along x or y: `(axis, the lower one, the upper one)`.
 pub fn neighbours(pieces: &[Piece]) -> Vec<(usize, usize, usize)> {
+    let places: BTreeMap<[usize; 2], usize> = pieces.iter().enumerate().map(|(i, p)| (p.cell, i)).collect();
     let next = |a: usize, axis: usize| {
         let mut cell = pieces[a].cell;
         cell[axis] += 1;
-        pieces.iter().position(|p| p.cell == cell)
+        places.get(&cell).copied()
     };
     let of = |a: usize| [0, 1].into_iter().filter_map(move |axis| Some((axis, a, next(a, axis)?)));
     (0..pieces.len()).flat_map(of).collect()

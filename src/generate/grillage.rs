@@ -3,8 +3,12 @@
 //! A beam of length `L` that is cut in the middle has there, for a moment `M` and a shear force `V`, the rotation `M L / (E I)` and the displacement `V (L³ / (12 E I) + L / (G A_s))`, which is all that its ends
 //! can do to each other in a plane (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116, written for the middle): springs of these stiffnesses between rigid halves
 //! are the beam. Its ends yield ([`crate::curve::beam`]) with the resistance of the row of elements beside the column ([`crate::rc::layers`]). The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. A
-//! panel whose corner gives way is twisted, and nearly all that holds it is the slab. In its own plane a floor is as stiff as its whole section. Left out: the sag of a floor between its columns, yield in its plane and by torsion.
+//! panel whose corner gives way is twisted, and nearly all that holds it is the slab. In its own plane a floor is as stiff as its whole section.
+//!
+//! Where columns are neighbours without a beam between them, the slab bends both ways: then there are pieces in the middle of the spans as well ([`super::axes`]), all of the slab is a plate, and the springs are at its height: the flanges of beams at the edges
+//! are in their stiffness already. Left out: the sag of a floor between its beams, yield in its plane and by torsion.
 
+use super::axes::{FloorAxes, MEETS_M};
 use super::beam_ends::{BeamCut, YieldingEnds};
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, neighbours};
@@ -15,18 +19,13 @@ use crate::graph::frame::{BeamSection, Element, Frame};
 use crate::mbs::model::{Bending, Bushing, Origin, PairRule};
 use std::collections::BTreeMap;
 
-/// Columns nearer to each other than this along x or y stand on one axis \[m\].
-const SAME_AXIS_M: f64 = 0.75;
-/// How far a column may be above or below a floor that it bears or stands on \[m\].
-const MEETS_M: f64 = 1e-3;
 /// Share of the torsion constant of a rectangle that a strip of a plate has in either direction (Hambly, Bridge Deck Behaviour, 1976, section 3.4).
 const PLATE_TORSION: f64 = 0.5;
 
 /// A floor in pieces about its columns.
 #[derive(Debug, Clone)]
 pub struct Grillage {
-    /// Axes of columns along x and y: place, and mean width of the columns there \[m\].
-    axes: [Vec<[f64; 2]>; 2],
+    axes: FloorAxes,
     /// The cells about them.
     pub cells: Cells,
 }
@@ -42,28 +41,23 @@ struct Crossing {
     shear: f64,
     /// Places of the beams across the span and in height, times their bending stiffness \[N m³\].
     place: [f64; 2],
+    /// How many beams and strips cross it.
+    beams: usize,
 }
 
 impl Grillage {
     /// The pieces of a floor about its columns, removed ones included; none if they are fewer than two.
     pub fn of(building: &Building, structure: &Structure, members: &[usize]) -> Option<Self> {
         let solids = || members.iter().map(|m| &building.members[*m].solid);
-        let low = solids().map(|s| s.min[2]).fold(f64::INFINITY, f64::min) - MEETS_M;
-        let high = solids().map(|s| s.max[2]).fold(f64::NEG_INFINITY, f64::max) + MEETS_M;
+        let low = solids().map(|s| s.min[2]).fold(f64::INFINITY, f64::min);
+        let high = solids().map(|s| s.max[2]).fold(f64::NEG_INFINITY, f64::max);
         let edges = Cells::edges(structure, members);
-        let columns = building.members.iter().filter(|m| m.kind == MemberKind::Column).filter(|m| {
-            let center = m.solid.center();
-            let inside = (0..2).all(|i| (edges[i][0]..=edges[i][1]).contains(&center[i]));
-            inside && m.solid.min[2] <= high && m.solid.max[2] >= low
-        });
-        let places: Vec<[[f64; 2]; 2]> =
-            columns.map(|m| [0, 1].map(|i| [m.solid.center()[i], m.solid.size()[i]])).collect();
-        let axes = [0, 1].map(|i| on_axes(places.iter().map(|p| p[i]).collect()));
-        if axes[0].len() * axes[1].len() < 2 {
+        let axes = FloorAxes::of(building, &edges, [low, high]);
+        if axes.list[0].len() * axes.list[1].len() < 2 {
             return None;
         }
         let bounds = [0, 1].map(|i| {
-            let middles = axes[i].windows(2).map(|w| 0.5 * (w[0][0] + w[1][0]));
+            let middles = axes.list[i].windows(2).map(|w| 0.5 * (w[0].at_m + w[1].at_m));
             let mut lines = vec![edges[i][0]];
             lines.extend(middles);
             lines.push(edges[i][1]);
@@ -88,23 +82,35 @@ impl Grillage {
             .map(|m| &building.members[*m])
             .map(|m| (m.id.as_str(), m.kind))
             .collect();
-        let beams: Vec<(&Element, MemberKind)> =
-            frame.elements.iter().filter_map(|e| Some((e, *kinds.get(e.member.as_str())?))).collect();
+        let is_plate = |kind: MemberKind| self.axes.has_middles && kind == MemberKind::Slab;
+        let beams: Vec<(&Element, MemberKind)> = frame
+            .elements
+            .iter()
+            .filter_map(|e| Some((e, *kinds.get(e.member.as_str())?)))
+            .filter(|(_, kind)| !is_plate(*kind))
+            .collect();
         let mut between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
-            let [own, next] = [0, 1].map(|k| self.axes[axis][pieces[a].cell[axis] + k]);
-            let clear_m = next[0] - own[0] - 0.5 * (own[1] + next[1]);
+            let [own, next] = [0, 1].map(|k| self.axes.list[axis][pieces[a].cell[axis] + k]);
+            // only where columns stand the floor is as stiff as a joint
+            let has_columns = self.axes.list[1 - axis][pieces[a].cell[1 - axis]].width_m > 0.0;
+            let half = |width_m: f64| if has_columns { 0.5 * width_m } else { 0.0 };
+            let faces_m = [own.at_m + half(own.width_m), next.at_m - half(next.width_m)];
+            let clear_m = faces_m[1] - faces_m[0];
             let plane = InPlane::of(building, &pieces[a], axis);
             let sum = Crossing::of(&beams, axis, at_m, &plane)?;
-            let [across, level] = sum.place.map(|p| p / sum.bending);
+            let [across, bends_at_m] = sum.place.map(|p| p / sum.bending);
+            let level =
+                if self.axes.has_middles { plane.slab_level_m().unwrap_or(bends_at_m) } else { bends_at_m };
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             let id = format!("{}|{}", of_a.id, of_b.id);
             let cut = BeamCut {
                 axis,
-                faces_m: [own[0] + 0.5 * own[1], next[0] - 0.5 * next[1]],
+                faces_m,
                 across_m: plane.edges,
+                at_joint: sum.beams > 0 || !self.axes.has_middles,
                 pieces: [&pieces[a], &pieces[b]],
             };
             let ends = yielding.of(building, &id, &cut, turn);
@@ -159,6 +165,7 @@ impl Crossing {
             let torsion = share * g * element.section.torsion_m4;
             let bending = e * element.section.inertia_m4[0];
             sum.add(bending, torsion, g * element.section.shear_area_m2[1], [p[1 - axis], p[2]]);
+            sum.beams += 1;
         }
         for plate in &section.plates {
             let share = plate.width_m / section.slab_m;
@@ -251,6 +258,12 @@ impl InPlane {
         this.bending = this.axial * width * width / 12.0;
         this
     }
+
+    /// Mean height of the middle of its slabs \[m\]; none without slabs.
+    fn slab_level_m(&self) -> Option<f64> {
+        let sum: f64 = self.plates.iter().map(|p| p.width_m * p.place_m[1]).sum();
+        (self.slab_m > 0.0).then_some(sum / self.slab_m)
+    }
 }
 
 /// Pieces that touch at a corner only pass through each other: as the floor bends they would be pressed together there.
@@ -262,20 +275,6 @@ pub fn corners(pieces: &[Piece], bodies: &Bodies, first: usize) -> Vec<PairRule>
         .flat_map(with)
         .map(|(a, b)| PairRule { a: id(a), b: id(b), ignore: true, friction: None, restitution: None })
         .collect()
-}
-
-/// Places and widths gathered on axes, in order.
-pub(super) fn on_axes(mut places: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    places.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut groups: Vec<Vec<[f64; 2]>> = Vec::new();
-    for place in places {
-        match groups.last_mut().filter(|g| place[0] - g[0][0] < SAME_AXIS_M) {
-            Some(group) => group.push(place),
-            None => groups.push(vec![place]),
-        }
-    }
-    let mean = |g: &Vec<[f64; 2]>, i: usize| g.iter().map(|p| p[i]).sum::<f64>() / g.len() as f64;
-    groups.iter().map(|g| [mean(g, 0), mean(g, 1)]).collect()
 }
 
 #[cfg(test)]
@@ -348,12 +347,5 @@ mod tests {
         assert!((both.torsion / torsion - 1.0).abs() < 1e-9, "{} {torsion}", both.torsion);
         let bending = 16.5e9 * (own.inertia_m4[0] + 1.6 * thickness.powi(3) / 12.0);
         assert!((both.bending / bending - 1.0).abs() < 1e-9, "{} {bending}", both.bending);
-    }
-
-    #[test]
-    fn columns_out_of_line_stand_on_one_axis() {
-        let axes = on_axes(vec![[5.0, 0.4], [0.0, 0.4], [0.2, 0.6], [5.0, 0.4]]);
-        assert_eq!(axes.len(), 2);
-        assert!((axes[0][0] - 0.1).abs() < 1e-12 && (axes[0][1] - 0.5).abs() < 1e-12, "{axes:?}");
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! Each feature is found by sorting or by looking up in a tree, so that the cost grows as `n log n` with the number of members.
 
-use super::grillage::on_axes;
+use super::axes::on_axes;
 use super::is_column;
 use super::nearest::Nearest;
 use super::stretch::stretches;
@@ -74,7 +74,7 @@ impl<'a> Site<'a> {
         let columns = || building.members.iter().filter(|m| m.kind == MemberKind::Column);
         let span = |axis: usize| {
             let axes = on_axes(columns().map(|m| [m.solid.center()[axis], 0.0]).collect());
-            axes.windows(2).map(|w| w[1][0] - w[0][0]).fold(0.0, f64::max)
+            axes.windows(2).map(|w| w[1].at_m - w[0].at_m).fold(0.0, f64::max)
         };
         let depths = |kind: MemberKind| {
             let mut depths = BTreeMap::<Option<u32>, f64>::new();

@@ -5,6 +5,7 @@
 //! this member end. Where no rule decides or no entry exists, generation stops and says so: there is no default curve.
 
 mod analyst;
+mod axes;
 mod beam_ends;
 pub mod bodies;
 mod cells;

@@ -285,6 +285,46 @@ fn the_wish_for_speed_leaves_floors_in_one_body() {
     assert_eq!(Accuracy::default(), Accuracy::Balanced);
 }
 
+/// A patch test: in pure bending and in pure twist of the whole slab its springs store what the plate stores, `E t³ / 12 κ²` and `G t³ / 6 κ²` for each area and direction.
+#[test]
+fn a_slab_without_beams_is_a_plate_of_pieces_in_both_directions() {
+    let building = reference(|t| t.replace("beams = \"all\"", "beams = \"none\""));
+    let (rules, mut store, _cache) = knowledge();
+    let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Balanced };
+    let model = generate(&building, &rules, &mut store, wishes, &|_| {}).unwrap().model;
+    let pieces = model.bodies.iter().filter(|b| b.id.starts_with("S1/")).count();
+    assert_eq!(pieces, 9, "a piece to a column, to the middle of a span and to the middle of the panel");
+    let slab = building.members.iter().find(|m| m.id == "S1").unwrap();
+    let (size, law) = (slab.solid.size(), building.law_of(slab));
+    let cubed = size[2].powi(3);
+    for (first, across) in [("x", 1), ("y", 0)] {
+        let cut: Vec<_> = model
+            .bushings
+            .iter()
+            .filter(|b| b.id.starts_with("S1/") && (b.axes[0][0].abs() > 0.5) == (first == "x"))
+            .filter(|b| (b.point_m[1 - across] - 1.25).abs() < 0.2)
+            .collect();
+        assert_eq!(cut.len(), 3, "{first}");
+        let (mut bending, mut torsion) = (0.0, 0.0);
+        for spring in cut {
+            let middle = if across == 1 { spring.id.contains("-2|") } else { spring.id.contains("/2-") };
+            // from the axis or the face of a column to the middle of the span
+            let length = if middle { 2.5 } else { 2.3 };
+            let of = |b: &Bending| match b {
+                Bending::Curve { curve, .. } => Some(model.curves[curve].stiffness_nm_rad),
+                Bending::Elastic { .. } => None,
+            };
+            bending += length * spring.bending.iter().find_map(of).unwrap();
+            torsion += length * spring.torsional_stiffness_nm_rad;
+        }
+        let [plate, twist] =
+            [law.youngs_modulus_pa / 12.0, law.shear_modulus_pa() / 6.0].map(|m| m * cubed * size[across]);
+        assert!((bending / plate - 1.0).abs() < 1e-9, "{first}: {}", bending / plate);
+        assert!((torsion / twist - 1.0).abs() < 1e-9, "{first}: {}", torsion / twist);
+    }
+    model.check().expect("a sound model");
+}
+
 #[test]
 fn elastic_stiffness_of_an_end_is_that_of_its_curves() {
     let building = reference(|t| t);

@@ -1,0 +1,162 @@
+//! Axes on which the columns of a floor stand, and axes in the middle of the spans that a slab bridges by itself.
+//!
+//! A slab without beams bends across its spans as well as along them: what is far from a column does not turn with it, yields later than what is near, and has its own weight to bear. A piece about a column as wide as half of the spans beside it is too stiff and
+//! too strong for that (ARCHITECTURE.md has the figures). With a piece in the middle of each span and of each panel the floor is a coarse grillage (Hambly, Bridge Deck Behaviour, 1976, chapter 3) with its yield lines.
+
+use crate::base::geom::Aabb;
+use crate::building::{Building, MemberKind};
+
+/// Columns nearer to each other than this along x or y stand on one axis \[m\].
+const SAME_AXIS_M: f64 = 0.75;
+/// How far a member may be above or below a floor that it meets \[m\].
+pub const MEETS_M: f64 = 1e-3;
+
+/// An axis of columns, or of none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axis {
+    /// Its place \[m\].
+    pub at_m: f64,
+    /// Mean width of the columns on it; none: zero \[m\].
+    pub width_m: f64,
+}
+
+/// The axes of a floor along x and y.
+#[derive(Debug, Clone)]
+pub struct FloorAxes {
+    /// In order.
+    pub list: [Vec<Axis>; 2],
+    /// Whether there are axes in the middle of spans.
+    pub has_middles: bool,
+}
+
+impl FloorAxes {
+    /// Of the columns that meet a floor between two heights and its edges, removed ones included.
+    pub fn of(building: &Building, edges: &[[f64; 2]; 2], [low, high]: [f64; 2]) -> Self {
+        let meets = |s: &Aabb| s.min[2] <= high + MEETS_M && s.max[2] >= low - MEETS_M;
+        let of_kind = |kind: MemberKind| -> Vec<Aabb> {
+            let members = building.members.iter().filter(|m| m.kind == kind && meets(&m.solid));
+            members.map(|m| m.solid).collect()
+        };
+        let inside = |s: &Aabb| (0..2).all(|i| (edges[i][0]..=edges[i][1]).contains(&s.center()[i]));
+        let columns: Vec<Aabb> = of_kind(MemberKind::Column).into_iter().filter(inside).collect();
+        let along = |i: usize| on_axes(columns.iter().map(|s| [s.center()[i], s.size()[i]]).collect());
+        let list = [along(0), along(1)];
+        let floor = Spans {
+            columns,
+            beams: of_kind(MemberKind::Beam),
+            walls: of_kind(MemberKind::Wall),
+            list: &list,
+        };
+        if !floor.any_without_beam() {
+            return Self { list, has_middles: false };
+        }
+        Self { list: [0, 1].map(|i| floor.with_middles(i)), has_middles: true }
+    }
+}
+
+/// What stands on and between the axes of a floor.
+struct Spans<'a> {
+    columns: Vec<Aabb>,
+    beams: Vec<Aabb>,
+    walls: Vec<Aabb>,
+    list: &'a [Vec<Axis>; 2],
+}
+
+impl Spans<'_> {
+    /// Whether two columns are neighbours without a beam between them.
+    fn any_without_beam(&self) -> bool {
+        let without = |i: usize| {
+            self.list[i].windows(2).any(|span| {
+                let middle = 0.5 * (span[0].at_m + span[1].at_m);
+                self.list[1 - i].iter().any(|line| {
+                    let has_columns = span.iter().all(|end| self.has_column(i, end.at_m, line.at_m));
+                    has_columns
+                        && !self.beams.iter().any(|b| crosses(b, i, middle) && is_on(b, 1 - i, line.at_m))
+                })
+            })
+        };
+        without(0) || without(1)
+    }
+
+    fn has_column(&self, i: usize, at_m: f64, line_m: f64) -> bool {
+        self.columns.iter().any(|c| is_on(c, i, at_m) && is_on(c, 1 - i, line_m))
+    }
+
+    /// The axes along x or y, and those in the middles between them; none where a wall in the span holds the floor.
+    fn with_middles(&self, i: usize) -> Vec<Axis> {
+        let own = &self.list[i];
+        let mut all = own.clone();
+        let middles = own.windows(2).map(|span| 0.5 * (span[0].at_m + span[1].at_m));
+        let is_held =
+            |at_m: &f64| self.walls.iter().any(|w| w.size()[i] > w.size()[1 - i] && crosses(w, i, *at_m));
+        all.extend(middles.filter(|m| !is_held(m)).map(|at_m| Axis { at_m, width_m: 0.0 }));
+        all.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
+        all
+    }
+}
+
+/// Whether a member extends to both sides of a place along x or y.
+fn crosses(solid: &Aabb, i: usize, at_m: f64) -> bool {
+    solid.min[i] < at_m && solid.max[i] > at_m
+}
+
+/// Whether a member stands on an axis.
+fn is_on(solid: &Aabb, i: usize, at_m: f64) -> bool {
+    (solid.center()[i] - at_m).abs() < SAME_AXIS_M
+}
+
+/// Places and widths gathered on axes, in order.
+pub fn on_axes(mut places: Vec<[f64; 2]>) -> Vec<Axis> {
+    places.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut groups: Vec<Vec<[f64; 2]>> = Vec::new();
+    for place in places {
+        match groups.last_mut().filter(|g| place[0] - g[0][0] < SAME_AXIS_M) {
+            Some(group) => group.push(place),
+            None => groups.push(vec![place]),
+        }
+    }
+    let mean = |g: &[[f64; 2]], i: usize| g.iter().map(|p| p[i]).sum::<f64>() / g.len() as f64;
+    groups.iter().map(|g| Axis { at_m: mean(g, 0), width_m: mean(g, 1) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_out_of_line_stand_on_one_axis() {
+        let axes = on_axes(vec![[5.0, 0.4], [0.0, 0.4], [0.2, 0.6], [5.0, 0.4]]);
+        assert_eq!(axes.len(), 2);
+        assert!((axes[0].at_m - 0.1).abs() < 1e-12 && (axes[0].width_m - 0.5).abs() < 1e-12, "{axes:?}");
+    }
+
+    fn column(x: f64, y: f64) -> Aabb {
+        Aabb { min: [x - 0.2, y - 0.2, 0.0], max: [x + 0.2, y + 0.2, 3.0] }
+    }
+
+    fn beam(from: [f64; 2], to: [f64; 2]) -> Aabb {
+        Aabb { min: [from[0] - 0.1, from[1] - 0.1, 2.5], max: [to[0] + 0.1, to[1] + 0.1, 3.0] }
+    }
+
+    #[test]
+    fn spans_without_a_beam_get_middles_but_over_walls() {
+        let columns: Vec<Aabb> =
+            [0.0, 6.0, 12.0].iter().flat_map(|x| [column(*x, 0.0), column(*x, 5.0)]).collect();
+        let along = |i: usize| on_axes(columns.iter().map(|s| [s.center()[i], s.size()[i]]).collect());
+        let list = [along(0), along(1)];
+        let perimeter = vec![
+            beam([0.0, 0.0], [12.0, 0.0]),
+            beam([0.0, 5.0], [12.0, 5.0]),
+            beam([0.0, 0.0], [0.0, 5.0]),
+            beam([12.0, 0.0], [12.0, 5.0]),
+        ];
+        let wall = Aabb { min: [6.2, -0.1, 0.0], max: [11.8, 0.1, 3.0] };
+        let mut spans = Spans { columns: columns.clone(), beams: perimeter, walls: vec![wall], list: &list };
+        // the span in the middle, across, has none
+        assert!(spans.any_without_beam());
+        assert_eq!(spans.with_middles(0).iter().map(|a| a.at_m).collect::<Vec<_>>(), [0.0, 3.0, 6.0, 12.0]);
+        assert_eq!(spans.with_middles(1).iter().map(|a| a.at_m).collect::<Vec<_>>(), [0.0, 2.5, 5.0]);
+        spans.beams.push(beam([6.0, 0.0], [6.0, 5.0]));
+        assert!(!spans.any_without_beam());
+    }
+}
