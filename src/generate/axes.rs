@@ -27,11 +27,13 @@ pub struct FloorAxes {
     pub list: [Vec<Axis>; 2],
     /// Whether there are axes in the middle of spans.
     pub has_middles: bool,
+    /// Whether columns are neighbours without a beam between them.
+    pub has_open_spans: bool,
 }
 
 impl FloorAxes {
-    /// Of the columns that meet a floor between two heights and its edges, removed ones included.
-    pub fn of(building: &Building, edges: &[[f64; 2]; 2], [low, high]: [f64; 2]) -> Self {
+    /// Of the columns that meet a floor between two heights and its edges, removed ones included; with middles of spans where a slab bridges one by itself, or if they are wanted `everywhere`.
+    pub fn of(building: &Building, edges: &[[f64; 2]; 2], [low, high]: [f64; 2], everywhere: bool) -> Self {
         let meets = |s: &Aabb| s.min[2] <= high + MEETS_M && s.max[2] >= low - MEETS_M;
         let of_kind = |kind: MemberKind| -> Vec<Aabb> {
             let members = building.members.iter().filter(|m| m.kind == kind && meets(&m.solid));
@@ -47,10 +49,11 @@ impl FloorAxes {
             walls: of_kind(MemberKind::Wall),
             list: &list,
         };
-        if !floor.any_without_beam() {
-            return Self { list, has_middles: false };
+        let has_open_spans = floor.any_without_beam();
+        if !has_open_spans && !everywhere {
+            return Self { list, has_middles: false, has_open_spans };
         }
-        Self { list: [0, 1].map(|i| floor.with_middles(i)), has_middles: true }
+        Self { list: [0, 1].map(|i| floor.with_middles(i)), has_middles: true, has_open_spans }
     }
 }
 

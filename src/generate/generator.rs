@@ -142,7 +142,15 @@ impl<'a> Generator<'a> {
             .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
             .collect();
         let mut notes = decision.notes.clone();
-        let parts = Parts { building, structure, mesh, clusters: &clusters, ends, decision: &decision };
+        let parts = Parts {
+            building,
+            structure,
+            mesh,
+            clusters: &clusters,
+            ends,
+            decision: &decision,
+            accuracy: *accuracy,
+        };
         let mut division = parts.divided(&BTreeSet::new())?;
         let without = division.without_curves(library)?;
         if !without.is_empty() {

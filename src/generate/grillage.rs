@@ -6,13 +6,14 @@
 //! panel whose corner gives way is twisted, and nearly all that holds it is the slab. In its own plane a floor is as stiff as its whole section.
 //!
 //! Where columns are neighbours without a beam between them, the slab bends both ways: then there are pieces in the middle of the spans as well ([`super::axes`]), all of the slab is a plate, and the springs are at its height: the flanges of beams at the edges
-//! are in their stiffness already. Left out: the sag of a floor between its beams, yield in its plane and by torsion.
+//! are in their stiffness already. At the finest level of detail all floors have such pieces, those with beams in all spans with springs in the centres of their sections. Left out: yield in the plane of a floor and by torsion.
 
 use super::axes::{FloorAxes, MEETS_M};
 use super::beam_ends::{BeamCut, YieldingEnds};
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, neighbours};
 use super::joints::axes;
+use super::wish::Accuracy;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::graph::frame::{BeamSection, Element, Frame};
@@ -47,12 +48,17 @@ struct Crossing {
 
 impl Grillage {
     /// The pieces of a floor about its columns, removed ones included; none if they are fewer than two.
-    pub fn of(building: &Building, structure: &Structure, members: &[usize]) -> Option<Self> {
+    pub fn of(
+        building: &Building,
+        structure: &Structure,
+        members: &[usize],
+        accuracy: Accuracy,
+    ) -> Option<Self> {
         let solids = || members.iter().map(|m| &building.members[*m].solid);
         let low = solids().map(|s| s.min[2]).fold(f64::INFINITY, f64::min);
         let high = solids().map(|s| s.max[2]).fold(f64::NEG_INFINITY, f64::max);
         let edges = Cells::edges(structure, members);
-        let axes = FloorAxes::of(building, &edges, [low, high]);
+        let axes = FloorAxes::of(building, &edges, [low, high], accuracy == Accuracy::Fine);
         if axes.list[0].len() * axes.list[1].len() < 2 {
             return None;
         }
@@ -82,7 +88,7 @@ impl Grillage {
             .map(|m| &building.members[*m])
             .map(|m| (m.id.as_str(), m.kind))
             .collect();
-        let is_plate = |kind: MemberKind| self.axes.has_middles && kind == MemberKind::Slab;
+        let is_plate = |kind: MemberKind| self.axes.has_open_spans && kind == MemberKind::Slab;
         let beams: Vec<(&Element, MemberKind)> = frame
             .elements
             .iter()
@@ -100,8 +106,11 @@ impl Grillage {
             let plane = InPlane::of(building, &pieces[a], axis);
             let sum = Crossing::of(&beams, axis, at_m, &plane)?;
             let [across, bends_at_m] = sum.place.map(|p| p / sum.bending);
-            let level =
-                if self.axes.has_middles { plane.slab_level_m().unwrap_or(bends_at_m) } else { bends_at_m };
+            let level = match (self.axes.has_middles, self.axes.has_open_spans) {
+                (false, _) => bends_at_m,
+                (true, true) => plane.slab_level_m().unwrap_or(bends_at_m),
+                (true, false) => plane.level_m,
+            };
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
@@ -110,7 +119,7 @@ impl Grillage {
                 axis,
                 faces_m,
                 across_m: plane.edges,
-                at_joint: sum.beams > 0 || !self.axes.has_middles,
+                at_joint: sum.beams > 0 || !self.axes.has_open_spans,
                 pieces: [&pieces[a], &pieces[b]],
             };
             let ends = yielding.of(building, &id, &cut, turn);
@@ -205,6 +214,8 @@ struct InPlane {
     axial: f64,
     shear: f64,
     bending: f64,
+    /// Height of its centre, by axial stiffness \[m\].
+    level_m: f64,
     /// Its slabs, their width together and the greatest thickness \[m\].
     plates: Vec<Plate>,
     slab_m: f64,
@@ -230,6 +241,7 @@ impl InPlane {
             axial: 0.0,
             shear: 0.0,
             bending: 0.0,
+            level_m: 0.0,
             plates: Vec::new(),
             slab_m: 0.0,
             thickness_m: 0.0,
@@ -241,6 +253,7 @@ impl InPlane {
             this.edges[0] = this.edges[0].min(solid.min[across]);
             this.edges[1] = this.edges[1].max(solid.max[across]);
             this.axial += law.youngs_modulus_pa * area;
+            this.level_m += law.youngs_modulus_pa * area * solid.center()[2];
             this.shear += 5.0 / 6.0 * area * law.shear_modulus_pa();
             if building.members[*member].kind == MemberKind::Slab {
                 let center = solid.center();
@@ -254,6 +267,7 @@ impl InPlane {
                 });
             }
         }
+        this.level_m /= this.axial;
         let width = (this.edges[1] - this.edges[0]).max(0.0);
         this.bending = this.axial * width * width / 12.0;
         this
@@ -322,6 +336,7 @@ mod tests {
             axial: 0.0,
             shear: 0.0,
             bending: 0.0,
+            level_m: 3.0,
             plates: vec![plate],
             slab_m: width,
             thickness_m: thickness,

@@ -189,6 +189,7 @@ struct Parts<'a> {
     clusters: &'a [Vec<usize>],
     ends: &'a [MemberEnd],
     decision: &'a Decision,
+    accuracy: Accuracy,
 }
 
 /// The bodies of clusters of members, and the lines at which floors may fold with the first body of their floor.
@@ -267,7 +268,7 @@ impl Parts<'_> {
                 }
             };
         };
-        let grillage = bends.then(|| Grillage::of(building, structure, &floor)).flatten();
+        let grillage = bends.then(|| Grillage::of(building, structure, &floor, self.accuracy)).flatten();
         if let (None, Some((target, true))) = (&grillage, &asked) {
             let why = format!("{name} has columns on less than two axes, between which it could bend");
             return Err(GenerateError::Override(target.clone(), why));

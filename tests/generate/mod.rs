@@ -26,6 +26,33 @@ fn knowledge() -> (RuleBase, Store, tempfile::TempDir) {
     (rules, store, cache)
 }
 
+/// The shipped rules, but for floors that fold where their beams may yield and do not bend.
+fn folding() -> RuleBase {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut sources = RuleBase::sources(&root.join("rules")).expect("the shipped rules can be read");
+    for source in &mut sources {
+        source.text =
+            source.text.replace("wish.accuracy in ['balanced', 'fine']", "wish.accuracy == 'balanced'");
+    }
+    sources.push(fallwerk::rules::Source {
+        name: "folds.toml".into(),
+        text: r#"
+schema = 1
+
+[[rule]]
+id = "seed/test-floor-may-fold"
+words = "A floor may fold wherever a beam may yield."
+applies_to = "member_end"
+when = "member.kind == 'beam' and wish.accuracy == 'fine' and end.demand_ratio > 0.5"
+action = "latent_hinge"
+priority = 14
+source = "assumption: of this test"
+"#
+        .into(),
+    });
+    RuleBase::from_sources(sources).expect("sound rules")
+}
+
 fn generated(building: &Building) -> Result<Generated, GenerateError> {
     let (rules, mut store, _cache) = knowledge();
     generate(building, &rules, &mut store, Derive::Never, &|_| {})
@@ -48,6 +75,19 @@ fn the_reference_needs_no_curve_that_is_not_shipped() {
     let alone = arm * arm / (1.5_f64.powi(3) / (3.0 * bending) + 1.5 / shear);
     assert!((model.curves[curve].stiffness_nm_rad / alone - 1.0).abs() < 1e-9);
     assert_eq!(model.events.len(), 2);
+    model.check().expect("a sound model");
+}
+
+#[test]
+fn the_wish_for_accuracy_divides_spans_and_panels() {
+    let (rules, mut store, _cache) = knowledge();
+    let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fine };
+    let model = generate(&reference(|t| t), &rules, &mut store, wishes, &|_| {}).unwrap().model;
+    assert_eq!(model.bodies.len(), 12 + 3 * 9);
+    assert_eq!(model.bushings.len(), 24 + 3 * 12);
+    let mass = |m: &fallwerk::mbs::model::Model| m.bodies.iter().map(|b| b.mass_kg).sum::<f64>();
+    let balanced = generated(&reference(|t| t)).unwrap().model;
+    assert!((mass(&model) / mass(&balanced) - 1.0).abs() < 1e-12);
     model.check().expect("a sound model");
 }
 
@@ -282,6 +322,7 @@ fn the_wish_for_speed_leaves_floors_in_one_body() {
     // the building stands, so that its floor bends unless few bodies count more
     assert_eq!(floors(Accuracy::Fast), 1);
     assert!(floors(Accuracy::Balanced) > 1);
+    assert!(floors(Accuracy::Fine) >= floors(Accuracy::Balanced));
     assert_eq!(Accuracy::default(), Accuracy::Balanced);
 }
 
@@ -350,7 +391,7 @@ fn elastic_stiffness_of_an_end_is_that_of_its_curves() {
 fn a_floor_without_curves_for_its_lines_stays_in_one_piece_where_curves_are_scaled() {
     let scene = fallwerk::study::plan::Scene::of(1, 26);
     let building = parse(&scene.toml(), Format::Toml, "scene").expect("a sound building");
-    let (rules, mut store, _cache) = knowledge();
+    let (rules, (_, mut store, _cache)) = (folding(), knowledge());
     let mut fine = |derive| {
         let wishes = Wishes { derive, accuracy: Accuracy::Fine };
         generate(&building, &rules, &mut store, wishes, &|_| {})

@@ -1,6 +1,6 @@
 //! What the analyst decides in the building file: the model that comes of it, and who is named as its reason.
 
-use super::{generated, knowledge, reference, standing};
+use super::{folding, generated, knowledge, reference, standing};
 use fallwerk::base::hash::ContentHash;
 use fallwerk::base::tree::Format;
 use fallwerk::building::{Building, Override, OverrideAction, parse};
@@ -152,7 +152,7 @@ fn a_line_is_there_or_not_for_all_beam_ends_on_it() {
     // the rules ask for lines for which there are no curves: S1 stays in one piece, and says so
     let scene = |overrides: &[(&str, OverrideAction)]| {
         let building = parse(&Scene::of(1, 26).toml(), Format::Toml, "scene").expect("a sound building");
-        let (rules, mut store, _cache) = knowledge();
+        let (rules, (_, mut store, _cache)) = (folding(), knowledge());
         let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fine };
         generate(&with(building, overrides), &rules, &mut store, wishes, &|_| {})
     };
