@@ -37,7 +37,7 @@ enum AccuracyArgument {
     Fast,
     /// What the rules think necessary
     Balanced,
-    /// Floors may fold wherever beams might yield
+    /// The spans and panels of all floors are divided
     Fine,
 }
 

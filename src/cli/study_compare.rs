@@ -11,6 +11,7 @@ use crate::rules::RuleBase;
 use crate::validate::record::{Agreement, Together};
 use crate::validate::{LIMIT_STANDING_M, LIMIT_TO_CONTACT};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -139,6 +140,10 @@ fn one(
     progress: &Progress,
 ) -> Result<Agreement, Failure> {
     let task = Task::of(file, &arguments.kb)?;
+    if !task.record.exists() {
+        let kb = arguments.kb.display();
+        return Err(Failure::input(format!("no record in {kb}; `fallwerk study run` makes it")));
+    }
     let study = task.study()?.ok_or_else(|| {
         Failure::input("its record is of another input; run `fallwerk study run` again".into())
     })?;
@@ -156,12 +161,23 @@ fn json(value: &impl Serialize) -> Result<String, Failure> {
 }
 
 fn as_text(compared: &Compared) -> String {
+    let mut text = if compared.runs.is_empty() { String::new() } else { one_by_one(&compared.runs) };
+    let mut missed: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    compared.missed.iter().for_each(|m| missed.entry(&m.why).or_default().push(&m.building));
+    for (why, buildings) in missed {
+        let _ = writeln!(text, "no comparison of {}: {why}", buildings.join(", "));
+    }
+    text
+}
+
+/// Figures of each building, and of all together.
+fn one_by_one(runs: &[Agreement]) -> String {
     let mut text = String::from(
         "building              e to contact  e total  without debris  difference [m]  contact FE, MBS [s]  collapse FE, MBS  F1 of zones, turning to contact, turning  bodies   CPU [ms]  energy\n",
     );
     let time = |t: Option<f64>| t.map_or("-".to_string(), |t| format!("{t:.2}"));
     let falls = |c: bool| if c { "falls" } else { "stands" };
-    for r in &compared.runs {
+    for r in runs {
         let _ = writeln!(
             text,
             "{:<22}{:>12.3}{:>9.3}{:>16.3}{:>16.3}{:>12}{:>9}{:>11}{:>7}{:>13.2}{:>20.2}{:>9.2}{:>8}{:>11.2}{:>8.0e}",
@@ -182,7 +198,12 @@ fn as_text(compared: &Compared) -> String {
             r.energy_error
         );
     }
-    let t = &compared.together;
+    text + &all_together(&Together::of(runs))
+}
+
+/// Figures of all buildings, in two lines.
+fn all_together(t: &Together) -> String {
+    let mut text = String::new();
     let _ = writeln!(
         text,
         "{} buildings: e to contact median {:.3}, 90th percentile {:.3}; e total {:.3}, {:.3}; F1 of zones {:.2}, of turning to contact {:.2}, of turning {:.2}; collapse right in {}",
@@ -206,8 +227,5 @@ fn as_text(compared: &Compared) -> String {
         t.e_total_falling[1],
         t.agree
     );
-    for m in &compared.missed {
-        let _ = writeln!(text, "no comparison of {}: {}", m.building, m.why);
-    }
     text
 }

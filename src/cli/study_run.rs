@@ -17,7 +17,7 @@ pub(super) struct Task {
     file: PathBuf,
     pub(super) building: Building,
     hash: String,
-    record: PathBuf,
+    pub(super) record: PathBuf,
 }
 
 /// Runs what has no record yet.

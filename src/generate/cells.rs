@@ -88,9 +88,14 @@ impl Piece {
     }
 }
 
+/// Pieces by their cells.
+fn by_cell(pieces: &[Piece]) -> BTreeMap<[usize; 2], usize> {
+    pieces.iter().enumerate().map(|(i, p)| (p.cell, i)).collect()
+}
+
 /// Pieces beside each other along x or y: `(axis, the lower one, the upper one)`.
 pub fn neighbours(pieces: &[Piece]) -> Vec<(usize, usize, usize)> {
-    let places: BTreeMap<[usize; 2], usize> = pieces.iter().enumerate().map(|(i, p)| (p.cell, i)).collect();
+    let places = by_cell(pieces);
     let next = |a: usize, axis: usize| {
         let mut cell = pieces[a].cell;
         cell[axis] += 1;
@@ -98,4 +103,15 @@ pub fn neighbours(pieces: &[Piece]) -> Vec<(usize, usize, usize)> {
     };
     let of = |a: usize| [0, 1].into_iter().filter_map(move |axis| Some((axis, a, next(a, axis)?)));
     (0..pieces.len()).flat_map(of).collect()
+}
+
+/// Pieces that touch at a corner only.
+pub fn diagonals(pieces: &[Piece]) -> Vec<[usize; 2]> {
+    let places = by_cell(pieces);
+    let across = |a: usize| {
+        let [i, j] = pieces[a].cell;
+        let cells = [j.checked_sub(1), Some(j + 1)].map(|k| k.map(|k| [i + 1, k]));
+        cells.into_iter().flatten().filter_map(|cell| places.get(&cell)).map(|b| [a, *b]).collect::<Vec<_>>()
+    };
+    (0..pieces.len()).flat_map(across).collect()
 }

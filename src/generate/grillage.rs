@@ -11,7 +11,7 @@
 use super::axes::{FloorAxes, MEETS_M};
 use super::beam_ends::{BeamCut, YieldingEnds};
 use super::bodies::Bodies;
-use super::cells::{Cells, Piece, neighbours};
+use super::cells::{Cells, Piece, diagonals, neighbours};
 use super::joints::axes;
 use super::wish::Accuracy;
 use crate::building::{Building, MemberKind};
@@ -283,11 +283,9 @@ impl InPlane {
 /// Pieces that touch at a corner only pass through each other: as the floor bends they would be pressed together there.
 pub fn corners(pieces: &[Piece], bodies: &Bodies, first: usize) -> Vec<PairRule> {
     let id = |p: usize| bodies.list[first + p].id.clone();
-    let touch = |a: usize, b: usize| (0..2).all(|i| pieces[a].cell[i].abs_diff(pieces[b].cell[i]) == 1);
-    let with = |a: usize| (a + 1..pieces.len()).filter(move |b| touch(a, *b)).map(move |b| (a, b));
-    (0..pieces.len())
-        .flat_map(with)
-        .map(|(a, b)| PairRule { a: id(a), b: id(b), ignore: true, friction: None, restitution: None })
+    diagonals(pieces)
+        .into_iter()
+        .map(|[a, b]| PairRule { a: id(a), b: id(b), ignore: true, friction: None, restitution: None })
         .collect()
 }
 

@@ -93,3 +93,15 @@ fn folders_without_buildings_and_buildings_of_one_name_are_refused() {
     assert_eq!(fallwerk(room.path(), &["study", "run", "plan/a.toml", "--threads", "0"]).0, 2);
     assert_eq!(names(room.path()), ["plan"]);
 }
+
+#[test]
+fn buildings_without_a_record_are_named_together() {
+    let room = tempfile::tempdir().unwrap();
+    short_plan(room.path(), 2);
+    let (code, out, err) = fallwerk(room.path(), &["study", "compare", "plan", "--kb", "none"]);
+    assert_eq!(code, 1, "{err}");
+    let plan: Vec<String> = names(&room.path().join("plan")).iter().map(|n| n.replace(".toml", "")).collect();
+    let wanted =
+        format!("no comparison of {}: no record in none; `fallwerk study run` makes it\n", plan.join(", "));
+    assert_eq!(out, wanted);
+}
