@@ -15,6 +15,17 @@ pub const BEAM_CURVES: &str = "beam/";
 /// How far the end of a beam may be from the face of the columns on its axis \[m\].
 const AT_FACE_M: f64 = 0.4;
 
+/// What holds the rows of elements that yield at the ends of a cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Row {
+    /// The joint that a beam, or a strip that is one with it, ends at.
+    AtJoint,
+    /// Nothing: a plate over columns, where it bends both ways in the same sense. Of it most is beside the columns.
+    OverColumns,
+    /// The plate across, between columns, where it bends one way.
+    BetweenColumns,
+}
+
 /// A cut through a floor between two rows of columns.
 pub struct BeamCut<'a> {
     /// Direction of the span.
@@ -23,8 +34,8 @@ pub struct BeamCut<'a> {
     pub faces_m: [f64; 2],
     /// Edges across the span \[m\].
     pub across_m: [f64; 2],
-    /// Whether the columns lend strength to the rows of elements beside them: to beams, and to strips of slab that are one with them. Of a plate most is beside its columns.
-    pub at_joint: bool,
+    /// What holds the rows of elements at its ends.
+    pub row: Row,
     /// The pieces of the floor on both sides.
     pub pieces: [&'a Piece; 2],
 }
@@ -87,15 +98,15 @@ impl<'a> YieldingEnds<'a> {
         // sections that differ by round-off only are the same
         let numbers = section
             .numbers()
-            .chain([row_m, stiffness_nm_rad, f64::from(u8::from(cut.at_joint))])
+            .chain([row_m, stiffness_nm_rad, f64::from(cut.row as u8)])
             .map(|x| format!("{x:.8e} "))
             .collect();
         let curve = self.known.entry(numbers).or_insert_with(|| {
             let name = format!("{BEAM_CURVES}{id}");
-            let curve = if cut.at_joint {
-                section.curve_at_joint(row_m, stiffness_nm_rad)
-            } else {
-                section.curve(row_m, stiffness_nm_rad)
+            let curve = match cut.row {
+                Row::AtJoint => section.curve_at_joint(row_m, stiffness_nm_rad),
+                Row::OverColumns => section.curve(row_m, stiffness_nm_rad),
+                Row::BetweenColumns => section.curve_one_way(row_m, stiffness_nm_rad),
             };
             self.curves.insert(name.clone(), curve);
             name

@@ -9,7 +9,7 @@
 //! are in their stiffness already. At the finest level of detail all floors have such pieces, those with beams in all spans with springs in the centres of their sections. Left out: yield in the plane of a floor and by torsion.
 
 use super::axes::{FloorAxes, MEETS_M};
-use super::beam_ends::{BeamCut, YieldingEnds};
+use super::beam_ends::{BeamCut, Row, YieldingEnds};
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, diagonals, neighbours};
 use super::joints::axes;
@@ -115,13 +115,12 @@ impl Grillage {
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             let id = format!("{}|{}", of_a.id, of_b.id);
-            let cut = BeamCut {
-                axis,
-                faces_m,
-                across_m: plane.edges,
-                at_joint: sum.beams > 0 || !self.axes.has_open_spans,
-                pieces: [&pieces[a], &pieces[b]],
+            let row = match (sum.beams > 0 || !self.axes.has_open_spans, has_columns) {
+                (true, _) => Row::AtJoint,
+                (false, true) => Row::OverColumns,
+                (false, false) => Row::BetweenColumns,
             };
+            let cut = BeamCut { axis, faces_m, across_m: plane.edges, row, pieces: [&pieces[a], &pieces[b]] };
             let ends = yielding.of(building, &id, &cut, turn);
             let vertical = ends.bending;
             let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
