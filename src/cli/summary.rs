@@ -2,7 +2,7 @@
 
 use super::compose::compared;
 use super::generate_mbs::{Comparison, MBS_RUNS};
-use super::verdict::{collapse_words, percent, seconds, verdict};
+use super::verdict::{collapse_words, percent, verdict};
 use crate::building::Building;
 use crate::generate::Generated;
 use crate::mbs::RunResult;
@@ -74,10 +74,10 @@ pub fn as_text(s: &Summary) -> String {
     );
     match s.comparison {
         Some(c) => text += &comparison_text(c),
-        None => {
-            text +=
-                &format!("  contact    first ground contact at {}\n", seconds(s.mbs.first_ground_contact_s))
-        }
+        None => match s.mbs.first_ground_contact_s {
+            Some(t) => text += &format!("  contact    first ground contact at {t:.3} s\n"),
+            None => text += "  contact    nothing reaches the ground\n",
+        },
     }
     text += &review_text(s.review);
     for note in &s.generated.notes {

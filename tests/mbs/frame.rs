@@ -137,18 +137,11 @@ fn frame_on_its_middle_row_does_not_move() {
 }
 
 #[test]
-fn a_run_of_thirteen_bodies_and_twenty_hinges_is_cheap() {
+fn a_run_of_thirteen_bodies_and_twenty_hinges_takes_few_steps() {
     let mut m = frame(&[0.0, 5.0], [6.4, 5.4, 0.25], 2.7e9, 2.5, 1.0);
     m.settings.preload = true;
     m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: RESTITUTION });
-    let mut best: Option<fallwerk::mbs::RunResult> = None;
-    for _ in 0..5 {
-        let result = simulate(&m).unwrap();
-        if best.as_ref().is_none_or(|b| result.cpu_s < b.cpu_s) {
-            best = Some(result);
-        }
-    }
-    let result = best.unwrap();
+    let result = simulate(&m).unwrap();
     println!(
         "13 bodies, 20 hinges, 2.5 s: {:.2} ms, {} steps of {:.4} ms, {:.3} us a step, contact {:?} s, energy error {:.1e}",
         1e3 * result.cpu_s,
@@ -159,6 +152,6 @@ fn a_run_of_thirteen_bodies_and_twenty_hinges_is_cheap() {
         result.energy_error
     );
     assert!(result.energy_error < 0.05);
-    // Ten times the aim: a slow machine is no error, a wrong algorithm is.
-    assert!(result.cpu_s < 0.1, "{}", result.cpu_s);
+    // of the longest that its stiffness bears; what a step costs is for `benches/`
+    assert!(result.steps < 4400, "{}", result.steps);
 }
