@@ -140,6 +140,7 @@ impl<'a> Generator<'a> {
             .clusters(|c| c.members.iter().all(|m| present[*m]) && decision.joined(c))
             .into_iter()
             .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
+            .filter(|members| !members.iter().all(|m| joints::is_ground(building, *m)))
             .collect();
         let mut notes = decision.notes.clone();
         let parts = Parts {
@@ -184,6 +185,12 @@ impl<'a> Generator<'a> {
         stages.end("keys", found.curves_s);
         notes.extend(found.scaled.iter().map(joints::Scaled::note));
         let so_far = notes.len();
+        if (0..building.members.len()).any(|m| joints::is_ground(building, m)) {
+            notes.push(
+                "footings that are held are ground in this model, and nothing comes into contact with them"
+                    .into(),
+            );
+        }
         if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
             notes.push(format!(
                 "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",

@@ -6,7 +6,7 @@ use super::{Derive, GenerateError};
 use crate::base::hash::ContentHash;
 use crate::building::ends::MemberEnd;
 use crate::building::partition::Partition;
-use crate::building::{Building, Face};
+use crate::building::{Building, Face, MemberKind};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted};
@@ -293,8 +293,10 @@ pub fn hinges(
     let mut joints = Vec::new();
     for end in ends {
         let Some(own) = place.bodies.of(end.member, end.point_m) else { continue };
-        let other = end.beyond(place.partition).and_then(|m| place.bodies.of(m, end.point_m));
-        let stands = end.axis == 2 && on_support(place.building, end.member, end.point_m[2]);
+        let beyond = end.beyond(place.partition);
+        let other = beyond.and_then(|m| place.bodies.of(m, end.point_m));
+        let stands = end.axis == 2 && on_support(place.building, end.member, end.point_m[2])
+            || beyond.is_some_and(|m| is_ground(place.building, m));
         if other.is_none() && !stands {
             notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
             continue;
@@ -394,6 +396,12 @@ pub fn axes(axis: usize, outward: f64) -> [[f64; 3]; 3] {
         e
     };
     [unit(axis, outward), unit((axis + 1) % 3, 1.0), unit((axis + 2) % 3, outward)]
+}
+
+/// Whether a member is a footing that is held: it does not move, and what stands on it stands on the ground.
+pub fn is_ground(building: &Building, member: usize) -> bool {
+    let member = &building.members[member];
+    member.kind == MemberKind::Footing && building.supports.iter().any(|s| s.member == member.id)
 }
 
 /// Whether a member stands on, or hangs from, a supported face at a level.

@@ -79,6 +79,27 @@ fn the_reference_needs_no_curve_that_is_not_shipped() {
 }
 
 #[test]
+fn columns_and_walls_on_held_footings_stand_on_the_ground() {
+    let text = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("buildings").join("six-storey.toml"),
+    );
+    let building = parse(&text.unwrap(), Format::Toml, "six-storey").expect("a sound building");
+    let (rules, mut store, _cache) = knowledge();
+    let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fast };
+    let generated = generate(&building, &rules, &mut store, wishes, &|_| {}).unwrap();
+    assert!(generated.model.bodies.iter().all(|b| !b.id.starts_with("F-")));
+    for foot in ["C1-E3.bottom", "W1-b.bottom-1"] {
+        let joint = generated.model.bushings.iter().find(|b| b.id == foot).unwrap();
+        assert_eq!(joint.body_a, None, "{foot}");
+    }
+    assert!(generated.notes.iter().any(|n| n.starts_with("footings that are held")));
+    // as long as they were bodies of their own there was no static equilibrium
+    let mut still = generated.model;
+    (still.events, still.settings.end_time_s) = (Vec::new(), 0.02);
+    fallwerk::mbs::simulate(&still).expect("it stands before the charges");
+}
+
+#[test]
 fn the_wish_for_accuracy_divides_spans_and_panels() {
     let (rules, mut store, _cache) = knowledge();
     let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fine };
