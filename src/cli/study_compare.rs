@@ -140,7 +140,7 @@ fn one(
     progress: &Progress,
 ) -> Result<Agreement, Failure> {
     let task = Task::of(file, &arguments.kb)?;
-    if !task.record.exists() {
+    if !task.has_record() {
         let kb = arguments.kb.display();
         return Err(Failure::input(format!("no record in {kb}; `fallwerk study run` makes it")));
     }
@@ -161,7 +161,7 @@ fn json(value: &impl Serialize) -> Result<String, Failure> {
 }
 
 fn as_text(compared: &Compared) -> String {
-    let mut text = if compared.runs.is_empty() { String::new() } else { one_by_one(&compared.runs) };
+    let mut text = if compared.runs.is_empty() { String::new() } else { figures(compared) };
     let mut missed: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     compared.missed.iter().for_each(|m| missed.entry(&m.why).or_default().push(&m.building));
     for (why, buildings) in missed {
@@ -171,13 +171,13 @@ fn as_text(compared: &Compared) -> String {
 }
 
 /// Figures of each building, and of all together.
-fn one_by_one(runs: &[Agreement]) -> String {
+fn figures(compared: &Compared) -> String {
     let mut text = String::from(
         "building              e to contact  e total  without debris  difference [m]  contact FE, MBS [s]  collapse FE, MBS  F1 of zones, turning to contact, turning  bodies   CPU [ms]  energy\n",
     );
     let time = |t: Option<f64>| t.map_or("-".to_string(), |t| format!("{t:.2}"));
     let falls = |c: bool| if c { "falls" } else { "stands" };
-    for r in runs {
+    for r in &compared.runs {
         let _ = writeln!(
             text,
             "{:<22}{:>12.3}{:>9.3}{:>16.3}{:>16.3}{:>12}{:>9}{:>11}{:>7}{:>13.2}{:>20.2}{:>9.2}{:>8}{:>11.2}{:>8.0e}",
@@ -198,7 +198,7 @@ fn one_by_one(runs: &[Agreement]) -> String {
             r.energy_error
         );
     }
-    text + &all_together(&Together::of(runs))
+    text + &all_together(&compared.together)
 }
 
 /// Figures of all buildings, in two lines.

@@ -17,7 +17,7 @@ pub(super) struct Task {
     file: PathBuf,
     pub(super) building: Building,
     hash: String,
-    pub(super) record: PathBuf,
+    record: PathBuf,
 }
 
 /// Runs what has no record yet.
@@ -117,6 +117,10 @@ impl Task {
         let hash = ContentHash::of_value(&building).map_err(|e| Failure::stopped(e.to_string()))?;
         let record = kb.join(format!("{}.json", building.name));
         Ok(Self { file, building, hash: hash.to_string(), record })
+    }
+
+    pub(super) fn has_record(&self) -> bool {
+        self.record.exists()
     }
 
     /// Its record; none if that is of another input.

@@ -49,8 +49,9 @@ impl ResistanceCurve {
         let left = |n: f64| ((1.0 - n * n) / (1.0 - share * share)).max(LEFT);
         let at = |way: f64| {
             let n = share + way * (1.0 - share);
-            let capacity = last.capacity.iter().map(|[x, y]| [*x, left(n) * y]).collect();
-            CapacityLevel { axial_force_n: n * crushing_n, capacity, ..last.clone() }
+            let mut level = CapacityLevel { axial_force_n: n * crushing_n, ..last.clone() };
+            level.scale(left(n));
+            level
         };
         self.levels.extend(BETWEEN.iter().chain(&[1.0]).map(|way| at(*way)));
         self

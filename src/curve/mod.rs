@@ -144,6 +144,11 @@ impl ResistanceCurve {
 }
 
 impl CapacityLevel {
+    /// Multiplies its capacity.
+    pub fn scale(&mut self, factor: f64) {
+        self.capacity.iter_mut().for_each(|point| point[1] *= factor);
+    }
+
     /// Largest capacity \[N m\].
     pub fn peak_nm(&self) -> f64 {
         self.capacity.iter().map(|point| point[1]).fold(0.0, f64::max)

@@ -5,6 +5,7 @@
 
 use crate::base::geom::Aabb;
 use crate::building::{Building, MemberKind};
+use std::collections::BTreeSet;
 
 /// Columns nearer to each other than this along x or y stand on one axis \[m\].
 const SAME_AXIS_M: f64 = 0.75;
@@ -25,35 +26,61 @@ pub struct Axis {
 pub struct FloorAxes {
     /// In order.
     pub list: [Vec<Axis>; 2],
-    /// Whether there are axes in the middle of spans.
-    pub has_middles: bool,
-    /// Whether columns are neighbours without a beam between them.
-    pub has_open_spans: bool,
+    /// What they are.
+    pub kind: Kind,
+}
+
+/// What the axes of a floor are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Those of columns, with beams in all spans.
+    Columns,
+    /// Also those in the middle of spans, with beams in all of them.
+    Middles,
+    /// Also those in the middle of spans, of which a slab bridges one by itself.
+    OpenSpans,
+}
+
+/// What lies between two axes beside each other.
+#[derive(Debug, Clone, Copy)]
+pub struct Gap {
+    /// Where the joints at the axes end, or the axes themselves where no columns stand \[m\].
+    pub faces_m: [f64; 2],
+    /// Whether columns stand on the axis along it.
+    pub has_columns: bool,
 }
 
 impl FloorAxes {
     /// Of the columns that meet a floor between two heights and its edges, removed ones included; with middles of spans where a slab bridges one by itself, or if they are wanted `everywhere`.
     pub fn of(building: &Building, edges: &[[f64; 2]; 2], [low, high]: [f64; 2], everywhere: bool) -> Self {
         let meets = |s: &Aabb| s.min[2] <= high + MEETS_M && s.max[2] >= low - MEETS_M;
-        let of_kind = |kind: MemberKind| -> Vec<Aabb> {
-            let members = building.members.iter().filter(|m| m.kind == kind && meets(&m.solid));
-            members.map(|m| m.solid).collect()
-        };
         let inside = |s: &Aabb| (0..2).all(|i| (edges[i][0]..=edges[i][1]).contains(&s.center()[i]));
-        let columns: Vec<Aabb> = of_kind(MemberKind::Column).into_iter().filter(inside).collect();
+        let (mut columns, mut beams, mut walls) = (Vec::new(), Vec::new(), Vec::new());
+        for member in building.members.iter().filter(|m| meets(&m.solid)) {
+            match member.kind {
+                MemberKind::Column if inside(&member.solid) => columns.push(member.solid),
+                MemberKind::Beam => beams.push(member.solid),
+                MemberKind::Wall => walls.push(member.solid),
+                _ => {}
+            }
+        }
         let along = |i: usize| on_axes(columns.iter().map(|s| [s.center()[i], s.size()[i]]).collect());
         let list = [along(0), along(1)];
-        let floor = Spans {
-            columns,
-            beams: of_kind(MemberKind::Beam),
-            walls: of_kind(MemberKind::Wall),
-            list: &list,
+        let floor = Spans { columns, beams, walls, list: &list };
+        let kind = match (floor.any_without_beam(), everywhere) {
+            (true, _) => Kind::OpenSpans,
+            (false, true) => Kind::Middles,
+            (false, false) => return Self { list, kind: Kind::Columns },
         };
-        let has_open_spans = floor.any_without_beam();
-        if !has_open_spans && !everywhere {
-            return Self { list, has_middles: false, has_open_spans };
-        }
-        Self { list: [0, 1].map(|i| floor.with_middles(i)), has_middles: true, has_open_spans }
+        Self { list: [0, 1].map(|i| floor.with_middles(i)), kind }
+    }
+
+    /// From a cell to the next one along x or y. Only where columns stand the floor is as stiff as a joint.
+    pub fn gap(&self, cell: [usize; 2], i: usize) -> Gap {
+        let [own, next] = [0, 1].map(|k| self.list[i][cell[i] + k]);
+        let has_columns = self.list[1 - i][cell[1 - i]].width_m > 0.0;
+        let half = |axis: Axis| if has_columns { 0.5 * axis.width_m } else { 0.0 };
+        Gap { faces_m: [own.at_m + half(own), next.at_m - half(next)], has_columns }
     }
 }
 
@@ -68,31 +95,44 @@ struct Spans<'a> {
 impl Spans<'_> {
     /// Whether two columns are neighbours without a beam between them.
     fn any_without_beam(&self) -> bool {
-        let without = |i: usize| {
-            self.list[i].windows(2).any(|span| {
-                let middle = 0.5 * (span[0].at_m + span[1].at_m);
-                self.list[1 - i].iter().any(|line| {
-                    let has_columns = span.iter().all(|end| self.has_column(i, end.at_m, line.at_m));
-                    has_columns
-                        && !self.beams.iter().any(|b| crosses(b, i, middle) && is_on(b, 1 - i, line.at_m))
-                })
-            })
+        let pairs = |a: Vec<usize>, b: Vec<usize>| -> Vec<[usize; 2]> {
+            a.iter().flat_map(|a| b.iter().map(|b| [*a, *b])).collect()
         };
-        without(0) || without(1)
+        let columns = self.columns.iter().flat_map(|c| pairs(self.near(0, c), self.near(1, c)));
+        let columns: BTreeSet<[usize; 2]> = columns.collect();
+        (0..2).any(|i| {
+            let bridged = self.beams.iter().flat_map(|b| pairs(self.crossed(i, b), self.near(1 - i, b)));
+            let bridged: BTreeSet<[usize; 2]> = bridged.collect();
+            columns.iter().any(|column| {
+                let mut next = *column;
+                next[i] += 1;
+                columns.contains(&next) && !bridged.contains(&[column[i], column[1 - i]])
+            })
+        })
     }
 
-    fn has_column(&self, i: usize, at_m: f64, line_m: f64) -> bool {
-        self.columns.iter().any(|c| is_on(c, i, at_m) && is_on(c, 1 - i, line_m))
+    /// The axes along x or y that a member stands on.
+    fn near(&self, i: usize, solid: &Aabb) -> Vec<usize> {
+        let is_on = |axis: &Axis| (solid.center()[i] - axis.at_m).abs() < SAME_AXIS_M;
+        (0..self.list[i].len()).filter(|k| is_on(&self.list[i][*k])).collect()
+    }
+
+    /// The spans along x or y, by the axes that they begin at, whose middles a member crosses.
+    fn crossed(&self, i: usize, solid: &Aabb) -> Vec<usize> {
+        self.middles(i).enumerate().filter(|(_, at_m)| crosses(solid, i, *at_m)).map(|(k, _)| k).collect()
+    }
+
+    /// The middles of the spans along x or y \[m\].
+    fn middles(&self, i: usize) -> impl Iterator<Item = f64> {
+        self.list[i].windows(2).map(|span| 0.5 * (span[0].at_m + span[1].at_m))
     }
 
     /// The axes along x or y, and those in the middles between them; none where a wall in the span holds the floor.
     fn with_middles(&self, i: usize) -> Vec<Axis> {
-        let own = &self.list[i];
-        let mut all = own.clone();
-        let middles = own.windows(2).map(|span| 0.5 * (span[0].at_m + span[1].at_m));
+        let mut all = self.list[i].clone();
         let is_held =
             |at_m: &f64| self.walls.iter().any(|w| w.size()[i] > w.size()[1 - i] && crosses(w, i, *at_m));
-        all.extend(middles.filter(|m| !is_held(m)).map(|at_m| Axis { at_m, width_m: 0.0 }));
+        all.extend(self.middles(i).filter(|m| !is_held(m)).map(|at_m| Axis { at_m, width_m: 0.0 }));
         all.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         all
     }
@@ -101,11 +141,6 @@ impl Spans<'_> {
 /// Whether a member extends to both sides of a place along x or y.
 fn crosses(solid: &Aabb, i: usize, at_m: f64) -> bool {
     solid.min[i] < at_m && solid.max[i] > at_m
-}
-
-/// Whether a member stands on an axis.
-fn is_on(solid: &Aabb, i: usize, at_m: f64) -> bool {
-    (solid.center()[i] - at_m).abs() < SAME_AXIS_M
 }
 
 /// Places and widths gathered on axes, in order.

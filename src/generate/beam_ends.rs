@@ -96,12 +96,9 @@ impl<'a> YieldingEnds<'a> {
             return elastic;
         }
         // sections that differ by round-off only are the same
-        let numbers = section
-            .numbers()
-            .chain([row_m, stiffness_nm_rad, f64::from(cut.row as u8)])
-            .map(|x| format!("{x:.8e} "))
-            .collect();
-        let curve = self.known.entry(numbers).or_insert_with(|| {
+        let numbers = section.numbers().chain([row_m, stiffness_nm_rad]);
+        let words = [format!("{:?} ", cut.row)].into_iter().chain(numbers.map(|x| format!("{x:.8e} ")));
+        let curve = self.known.entry(words.collect()).or_insert_with(|| {
             let name = format!("{BEAM_CURVES}{id}");
             let curve = match cut.row {
                 Row::AtJoint => section.curve_at_joint(row_m, stiffness_nm_rad),

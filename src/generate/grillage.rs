@@ -8,7 +8,7 @@
 //! Where columns are neighbours without a beam between them, the slab bends both ways: then there are pieces in the middle of the spans as well ([`super::axes`]), all of the slab is a plate, and the springs are at its height: the flanges of beams at the edges
 //! are in their stiffness already. At the finest level of detail all floors have such pieces, those with beams in all spans with springs in the centres of their sections. Left out: yield in the plane of a floor and by torsion.
 
-use super::axes::{FloorAxes, MEETS_M};
+use super::axes::{FloorAxes, Gap, Kind, MEETS_M};
 use super::beam_ends::{BeamCut, Row, YieldingEnds};
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, diagonals, neighbours};
@@ -42,8 +42,8 @@ struct Crossing {
     shear: f64,
     /// Places of the beams across the span and in height, times their bending stiffness \[N m³\].
     place: [f64; 2],
-    /// How many beams and strips cross it.
-    beams: usize,
+    /// Whether a beam crosses it.
+    has_beam: bool,
 }
 
 impl Grillage {
@@ -88,7 +88,7 @@ impl Grillage {
             .map(|m| &building.members[*m])
             .map(|m| (m.id.as_str(), m.kind))
             .collect();
-        let is_plate = |kind: MemberKind| self.axes.has_open_spans && kind == MemberKind::Slab;
+        let is_plate = |kind: MemberKind| self.axes.kind == Kind::OpenSpans && kind == MemberKind::Slab;
         let beams: Vec<(&Element, MemberKind)> = frame
             .elements
             .iter()
@@ -97,29 +97,20 @@ impl Grillage {
             .collect();
         let mut between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
-            let [own, next] = [0, 1].map(|k| self.axes.list[axis][pieces[a].cell[axis] + k]);
-            // only where columns stand the floor is as stiff as a joint
-            let has_columns = self.axes.list[1 - axis][pieces[a].cell[1 - axis]].width_m > 0.0;
-            let half = |width_m: f64| if has_columns { 0.5 * width_m } else { 0.0 };
-            let faces_m = [own.at_m + half(own.width_m), next.at_m - half(next.width_m)];
+            let Gap { faces_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
             let clear_m = faces_m[1] - faces_m[0];
             let plane = InPlane::of(building, &pieces[a], axis);
             let sum = Crossing::of(&beams, axis, at_m, &plane)?;
             let [across, bends_at_m] = sum.place.map(|p| p / sum.bending);
-            let level = match (self.axes.has_middles, self.axes.has_open_spans) {
-                (false, _) => bends_at_m,
-                (true, true) => plane.slab_level_m().unwrap_or(bends_at_m),
-                (true, false) => plane.level_m,
+            let (level, row) = match self.axes.kind {
+                Kind::Columns => (bends_at_m, Row::AtJoint),
+                Kind::Middles => (plane.level_m, Row::AtJoint),
+                Kind::OpenSpans => (plane.slab_level_m().unwrap_or(bends_at_m), sum.row(has_columns)),
             };
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             let id = format!("{}|{}", of_a.id, of_b.id);
-            let row = match (sum.beams > 0 || !self.axes.has_open_spans, has_columns) {
-                (true, _) => Row::AtJoint,
-                (false, true) => Row::OverColumns,
-                (false, false) => Row::BetweenColumns,
-            };
             let cut = BeamCut { axis, faces_m, across_m: plane.edges, row, pieces: [&pieces[a], &pieces[b]] };
             let ends = yielding.of(building, &id, &cut, turn);
             let vertical = ends.bending;
@@ -173,7 +164,7 @@ impl Crossing {
             let torsion = share * g * element.section.torsion_m4;
             let bending = e * element.section.inertia_m4[0];
             sum.add(bending, torsion, g * element.section.shear_area_m2[1], [p[1 - axis], p[2]]);
-            sum.beams += 1;
+            sum.has_beam = true;
         }
         for plate in &section.plates {
             let share = plate.width_m / section.slab_m;
@@ -188,6 +179,15 @@ impl Crossing {
             );
         }
         (sum.bending > 0.0).then_some(sum)
+    }
+
+    /// What holds the rows of elements at the ends of a cut through a floor with spans that a slab bridges by itself.
+    fn row(&self, has_columns: bool) -> Row {
+        match (self.has_beam, has_columns) {
+            (true, _) => Row::AtJoint,
+            (false, true) => Row::OverColumns,
+            (false, false) => Row::BetweenColumns,
+        }
     }
 
     /// Adds a beam or a plate at a place across the span and in height.

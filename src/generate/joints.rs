@@ -295,9 +295,7 @@ pub fn hinges(
         let Some(own) = place.bodies.of(end.member, end.point_m) else { continue };
         let beyond = end.beyond(place.partition);
         let other = beyond.and_then(|m| place.bodies.of(m, end.point_m));
-        let stands = end.axis == 2 && on_support(place.building, end.member, end.point_m[2])
-            || beyond.is_some_and(|m| is_ground(place.building, m));
-        if other.is_none() && !stands {
+        if other.is_none() && !stands(place.building, end.member, (end.axis, end.point_m), beyond) {
             notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
             continue;
         }
@@ -404,8 +402,18 @@ pub fn is_ground(building: &Building, member: usize) -> bool {
     member.kind == MemberKind::Footing && building.supports.iter().any(|s| s.member == member.id)
 }
 
+/// Whether a member stands at its end, along an axis at a place, on the ground: on a support of its own, or on a footing that is held.
+pub fn stands(
+    building: &Building,
+    member: usize,
+    (axis, point_m): (usize, [f64; 3]),
+    beyond: Option<usize>,
+) -> bool {
+    axis == 2 && on_support(building, member, point_m[2]) || beyond.is_some_and(|m| is_ground(building, m))
+}
+
 /// Whether a member stands on, or hangs from, a supported face at a level.
-pub fn on_support(building: &Building, member: usize, level_m: f64) -> bool {
+fn on_support(building: &Building, member: usize, level_m: f64) -> bool {
     let member = &building.members[member];
     building.supports.iter().filter(|s| s.member == member.id).any(|s| {
         let z = match s.face {

@@ -7,7 +7,7 @@
 //! outer fibres is spread over one element of the mesh of height `s`, `ε = θ t / (2 s)`: the same localisation as in the FE model. In shear a wall stays elastic.
 
 use super::bodies::Bodies;
-use super::joints::{axes, is_ground, on_support};
+use super::joints::{axes, stands};
 use crate::base::geom::Aabb;
 use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
@@ -130,9 +130,7 @@ fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, half: &H
             let next = structure.partition.member_at(outside);
             let other = next.and_then(|member| bodies.of(member, outside));
             let Some(body) = bodies.of(wall, point_m) else { continue };
-            let stands =
-                on_support(building, wall, point_m[2]) || next.is_some_and(|m| is_ground(building, m));
-            if other.is_none() && !stands || other == Some(body) {
+            if other.is_none() && !stands(building, wall, (2, point_m), next) || other == Some(body) {
                 continue;
             }
             let id = format!("{}.{name}-{}", building.members[wall].id, side + 1);

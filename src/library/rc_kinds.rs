@@ -82,6 +82,6 @@ fn scale(envelopes: &mut [EnvelopeLevel], curve: &mut ResistanceCurve, factor: f
     curve.stiffness_nm_rad *= factor;
     for level in &mut curve.levels {
         level.axial_force_n *= factor;
-        level.capacity.iter_mut().for_each(|p| p[1] *= factor);
+        level.scale(factor);
     }
 }

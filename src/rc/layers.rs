@@ -109,7 +109,7 @@ impl<'a> Layers<'a> {
         let mut curve = self.curve(row_m, stiffness_nm_rad);
         for level in &mut curve.levels {
             let lent = interpolate(&AT_JOINT, level.axial_force_n / self.squash_n);
-            level.capacity.iter_mut().for_each(|point| point[1] *= lent);
+            level.scale(lent);
         }
         curve
     }
@@ -117,8 +117,7 @@ impl<'a> Layers<'a> {
     /// Resistance of a row of a plate that bends one way, [`ONE_WAY`] times that of a free row.
     pub fn curve_one_way(&self, row_m: f64, stiffness_nm_rad: f64) -> ResistanceCurve {
         let mut curve = self.curve(row_m, stiffness_nm_rad);
-        let points = curve.levels.iter_mut().flat_map(|level| &mut level.capacity);
-        points.for_each(|point| point[1] *= ONE_WAY);
+        curve.levels.iter_mut().for_each(|level| level.scale(ONE_WAY));
         curve
     }
 
