@@ -5,7 +5,12 @@
 //! `M_1 = M + s V` and `M_0 = M - s V`: the moments at the ends, each bounded by a capacity. This is the one-component model of a beam (Giberson, Bull. Seismol. Soc. Am. 59 (1969) 1885), with hinges that soften and break.
 //!
 //! Both ends depend on each other by `∂M_i/∂α_i = -(K + l² k)` and `∂M_i/∂α_j = -(K - l² k)`; where both flow, their returns are repeated in turn, which converges with the square of the ratio of these (1/4 in a
-//! slender beam). Energy: as in [`super::hinge`], what the trapezoidal work leaves beside the change of elastic energy is `½ (M_old + M_new) Δα` at each end, exactly.
+//! slender beam).
+//!
+//! A load `p` along a span of length `L` between clamped faces leaves there the moments `-p L²/12`, and `p L²/24` in its middle (positive where the span sags), which halves that bear it rigidly do not have: the parabola from
+//! `p L²/24` in the middle to `p l²/2` less at the hinges is added to the moments. The potential of that is `p L²/24` times the elastic rotation in the middle and `p l²/2` times `α_0 + α_1`: what sags between the faces.
+//!
+//! Energy: as in [`super::hinge`], what the trapezoidal work leaves beside the change of elastic energy is `½ (M_old + M_new) Δα` at each end, exactly.
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable};
 
@@ -25,6 +30,25 @@ pub struct MiddleSprings {
     pub shear_n_m: f64,
     /// Half the length of the beam, negative where a rotation moves the far end against the displacement across \[m\].
     pub lever_m: f64,
+    /// What a load on the span adds.
+    pub load: SpanLoad,
+}
+
+/// Moments of a load on a span whose faces are clamped \[N m\].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SpanLoad {
+    /// In its middle.
+    pub middle_nm: f64,
+    /// How much less it is at the hinges.
+    pub drop_nm: f64,
+}
+
+impl SpanLoad {
+    /// For a load \[N/m\] in the sense of the displacement across, on a length between faces \[m\], with the lever of [`MiddleSprings`].
+    pub fn uniform(load_n_m: f64, length_m: f64, lever_m: f64) -> Self {
+        let load_n_m = load_n_m.copysign(load_n_m * lever_m);
+        Self { middle_nm: load_n_m * length_m.powi(2) / 24.0, drop_nm: load_n_m * lever_m.powi(2) / 2.0 }
+    }
 }
 
 /// A hinge at an end.
@@ -109,10 +133,20 @@ impl BeamEnds {
         step
     }
 
+    /// Moment in the middle \[N m\] and elastic energy of the rotation there \[J\], with the potential of the load.
+    pub fn in_the_middle(&self, springs: &MiddleSprings, turn_rad: f64) -> [f64; 2] {
+        let MiddleSprings { turn_nm_rad: stiffness, load, .. } = *springs;
+        let plastic_rad: f64 = self.ends.iter().map(|e| e.plastic_rad).sum();
+        let elastic_rad = turn_rad - plastic_rad;
+        let energy_j =
+            (0.5 * stiffness * elastic_rad + load.middle_nm) * elastic_rad + load.drop_nm * plastic_rad;
+        [stiffness * elastic_rad + load.middle_nm, energy_j]
+    }
+
     /// Moments at the ends \[N m\].
     fn moments(&self, springs: &MiddleSprings, [turn_rad, across_m]: [f64; 2]) -> [f64; 2] {
-        let [turn, across] = self.plastic(springs.lever_m);
-        let moment = springs.turn_nm_rad * (turn_rad - turn);
+        let [_, across] = self.plastic(springs.lever_m);
+        let moment = self.in_the_middle(springs, turn_rad)[0] - springs.load.drop_nm;
         let of_shear = springs.lever_m * springs.shear_n_m * (across_m - across);
         [moment - of_shear, moment + of_shear]
     }
@@ -186,6 +220,7 @@ mod tests {
             turn_nm_rad: BENDING_NM2 / LENGTH_M,
             shear_n_m: 12.0 * BENDING_NM2 / LENGTH_M.powi(3),
             lever_m: 0.5 * LENGTH_M,
+            load: SpanLoad::default(),
         }
     }
 
@@ -243,23 +278,52 @@ mod tests {
     }
 
     #[test]
+    fn a_clamped_beam_under_a_load_has_its_moments_and_yields_at_its_ends_first() {
+        let table = table(vec![[0.0, 1e5], [1.0, 1e5]], 2.0);
+        let load = |p: f64| SpanLoad::uniform(p, LENGTH_M, springs().lever_m);
+        let mut beam = BeamEnds::default();
+        // clamped: p L² / 12 at the ends, p L² / 24 in the middle
+        let p = 4e4;
+        let springs_under = MiddleSprings { load: load(p), ..springs() };
+        beam.step(&table, &springs_under, [0.0; 2], 0.0);
+        let [middle, _] = beam.in_the_middle(&springs_under, 0.0);
+        assert!((24.0 * middle / (p * LENGTH_M.powi(2)) - 1.0).abs() < 1e-12);
+        for end in beam.ends {
+            assert!((-12.0 * end.moment_nm / (p * LENGTH_M.powi(2)) - 1.0).abs() < 1e-12);
+        }
+        // past 12 M_p / L² the ends turn, as far as a beam with M_p at its ends does: (p L² / 12 - M_p) L / (2 E I)
+        let p = 6e4;
+        let springs_over = MiddleSprings { load: load(p), ..springs() };
+        beam.step(&table, &springs_over, [0.0; 2], 0.0);
+        let turned = (p * LENGTH_M.powi(2) / 12.0 - 1e5) * LENGTH_M / (2.0 * BENDING_NM2);
+        for end in beam.ends {
+            assert!((end.moment_nm + 1e5).abs() < 1e-6, "{}", end.moment_nm);
+            assert!((end.plastic_rad / turned + 1.0).abs() < 1e-9, "{} {turned}", end.plastic_rad);
+        }
+        // the same beam seen from the other side
+        let other = SpanLoad::uniform(-p, LENGTH_M, -springs().lever_m);
+        assert_eq!(other, load(p));
+    }
+
+    #[test]
     fn work_is_elastic_energy_and_dissipation() {
         let table = table(vec![[0.0, 1e5], [0.01, 1.2e5], [0.05, 2e4], [0.2, 1e3]], 0.5);
-        let springs = springs();
+        let springs =
+            MiddleSprings { load: SpanLoad::uniform(1e4, 1.1 * LENGTH_M, 0.5 * LENGTH_M), ..springs() };
         let mut beam = BeamEnds::default();
+        beam.step(&table, &springs, [0.0; 2], 0.0);
         let (mut work, mut dissipated, mut least) = (0.0, 0.0, f64::INFINITY);
-        let (mut last, mut forces) = ([0.0_f64; 2], [0.0_f64; 2]);
+        let (mut last, mut forces) = ([0.0_f64; 2], [springs.load.middle_nm, 0.0]);
         let energy = |beam: &BeamEnds, at: [f64; 2]| {
-            let [turn, across] = beam.plastic(springs.lever_m);
-            0.5 * springs.turn_nm_rad * (at[0] - turn).powi(2)
-                + 0.5 * springs.shear_n_m * (at[1] - across).powi(2)
+            let [_, across] = beam.plastic(springs.lever_m);
+            beam.in_the_middle(&springs, at[0])[1] + 0.5 * springs.shear_n_m * (at[1] - across).powi(2)
         };
         for i in 1..=4000 {
             let t = f64::from(i) * 1e-3;
             let at = [0.02 * (3.0 * t).sin() * t, 0.06 * (1.0 - (5.0 * t).cos())];
             let step = beam.step(&table, &springs, at, 0.0);
-            let [turn, across] = beam.plastic(springs.lever_m);
-            let now = [springs.turn_nm_rad * (at[0] - turn), springs.shear_n_m * (at[1] - across)];
+            let [_, across] = beam.plastic(springs.lever_m);
+            let now = [beam.in_the_middle(&springs, at[0])[0], springs.shear_n_m * (at[1] - across)];
             for k in 0..2 {
                 work += 0.5 * (forces[k] + now[k]) * (at[k] - last[k]);
             }

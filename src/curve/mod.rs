@@ -18,7 +18,7 @@ pub mod hinge;
 mod limits;
 pub mod loops;
 
-pub use beam::{BeamEnds, MiddleSprings};
+pub use beam::{BeamEnds, MiddleSprings, SpanLoad};
 pub use capacity::{Capacity, CapacityHint, CapacityTable};
 pub use cyclic::{Backbone, CyclicFit, CyclicRule, LevelBackbone};
 pub use cyclic_fit::MeasuredExcursion;

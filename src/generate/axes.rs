@@ -44,6 +44,8 @@ pub enum Kind {
 /// What lies between two axes beside each other.
 #[derive(Debug, Clone, Copy)]
 pub struct Gap {
+    /// The axes \[m\].
+    pub axes_m: [f64; 2],
     /// Where the joints at the axes end, or the axes themselves where no columns stand \[m\].
     pub faces_m: [f64; 2],
     /// Whether columns stand on the axis along it.
@@ -80,7 +82,8 @@ impl FloorAxes {
         let [own, next] = [0, 1].map(|k| self.list[i][cell[i] + k]);
         let has_columns = self.list[1 - i][cell[1 - i]].width_m > 0.0;
         let half = |axis: Axis| if has_columns { 0.5 * axis.width_m } else { 0.0 };
-        Gap { faces_m: [own.at_m + half(own), next.at_m - half(next)], has_columns }
+        let faces_m = [own.at_m + half(own), next.at_m - half(next)];
+        Gap { axes_m: [own.at_m, next.at_m], faces_m, has_columns }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::base::geom::Aabb;
 use crate::building::Building;
 use crate::building::ends::MemberEnd;
 use crate::curve::ResistanceCurve;
-use crate::mbs::model::{Beam, Bending};
+use crate::mbs::model::{Beam, Bending, Span};
 use crate::rc::around::SAME_PLANE_M;
 use crate::rc::layers::{Layer, Layers, POLE};
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,12 +32,16 @@ pub struct BeamCut<'a> {
     pub axis: usize,
     /// Faces of the columns on both sides \[m\].
     pub faces_m: [f64; 2],
+    /// Length that bends \[m\].
+    pub length_m: f64,
     /// Edges across the span \[m\].
     pub across_m: [f64; 2],
     /// What holds the rows of elements at its ends.
     pub row: Row,
     /// The pieces of the floor on both sides.
     pub pieces: [&'a Piece; 2],
+    /// Mass per length of the span \[kg/m\].
+    pub mass_kg_m: f64,
 }
 
 /// What the springs in the middle of a cut have of the ends of its beams.
@@ -112,7 +116,11 @@ impl<'a> YieldingEnds<'a> {
         let critical = section.critical_strain();
         Ends {
             bending,
-            beam: Some(Beam { half_length_m, ends: [0, 1].map(|side| self.name(id, cut, side)) }),
+            beam: Some(Beam {
+                half_length_m,
+                ends: [0, 1].map(|side| self.name(id, cut, side)),
+                span: Some(Span { length_m: cut.length_m, mass_kg_m: cut.mass_kg_m }),
+            }),
             squash_n: Some(section.squash_n),
             elongation_m: Some(critical * row_m),
         }

@@ -2,8 +2,8 @@
 //!
 //! A beam of length `L` that is cut in the middle has there, for a moment `M` and a shear force `V`, the rotation `M L / (E I)` and the displacement `V (L³ / (12 E I) + L / (G A_s))`, which is all that its ends
 //! can do to each other in a plane (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116, written for the middle): springs of these stiffnesses between rigid halves
-//! are the beam. Its ends yield ([`crate::curve::beam`]) with the resistance of the row of elements beside the column ([`crate::rc::layers`]). The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. A
-//! panel whose corner gives way is twisted, and nearly all that holds it is the slab. In its own plane a floor is as stiff as its whole section.
+//! are the beam, under its weight as well. Its ends yield ([`crate::curve::beam`]) with the resistance of the row of elements beside the column ([`crate::rc::layers`]). The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. A
+//! panel whose corner gives way is twisted, and nearly all that holds it is the slab: the springs are on the axes, so that pieces on the axes of a twisted floor meet without a gap. In its own plane a floor is as stiff as its whole section.
 //!
 //! Where columns are neighbours without a beam between them, the slab bends both ways: then there are pieces in the middle of the spans as well ([`super::axes`]), all of the slab is a plate, and the springs are at its height: the flanges of beams at the edges
 //! are in their stiffness already. At the finest level of detail all floors have such pieces, those with beams in all spans with springs in the centres of their sections. Left out: yield in the plane of a floor and by torsion.
@@ -40,8 +40,8 @@ struct Crossing {
     torsion: f64,
     /// Shear stiffness in vertical direction \[N\].
     shear: f64,
-    /// Places of the beams across the span and in height, times their bending stiffness \[N m³\].
-    place: [f64; 2],
+    /// Heights of the beams, times their bending stiffness \[N m³\].
+    level: f64,
     /// Whether a beam crosses it.
     has_beam: bool,
 }
@@ -97,35 +97,40 @@ impl Grillage {
             .collect();
         let mut between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
-            let Gap { faces_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
-            let clear_m = faces_m[1] - faces_m[0];
+            let Gap { axes_m, faces_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
             let plane = InPlane::of(building, &pieces[a], axis);
             let sum = Crossing::of(&beams, axis, at_m, &plane)?;
-            let [across, bends_at_m] = sum.place.map(|p| p / sum.bending);
+            let bends_at_m = sum.level / sum.bending;
             let (level, row) = match self.axes.kind {
                 Kind::Columns => (bends_at_m, Row::AtJoint),
                 Kind::Middles => (plane.level_m, Row::AtJoint),
                 Kind::OpenSpans => (plane.slab_level_m().unwrap_or(bends_at_m), sum.row(has_columns)),
             };
-            let [turn, shear] = in_the_middle(sum.bending, sum.shear, clear_m);
-            let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, clear_m);
+            // a plate is far wider than the columns that it ends at
+            let [start, end] = if row == Row::AtJoint { faces_m } else { axes_m };
+            let length_m = end - start;
+            let [turn, shear] = in_the_middle(sum.bending, sum.shear, length_m);
+            let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, length_m);
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             let id = format!("{}|{}", of_a.id, of_b.id);
-            let cut = BeamCut { axis, faces_m, across_m: plane.edges, row, pieces: [&pieces[a], &pieces[b]] };
+            let pieces = [a, b].map(|p| &pieces[p]);
+            let mass_kg_m = plane.mass_kg_m;
+            let cut = BeamCut { axis, faces_m, length_m, across_m: plane.edges, row, pieces, mass_kg_m };
             let ends = yielding.of(building, &id, &cut, turn);
             let vertical = ends.bending;
             let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
             let mut point_m = [at_m, at_m, level];
-            point_m[1 - axis] = across;
+            // on the axis, also where the edge of the floor is: pieces turn about the axes, and only there a twisted floor has no gaps
+            point_m[1 - axis] = self.axes.list[1 - axis][pieces[0].cell[1 - axis]].at_m;
             Some(Bushing {
                 id,
                 body_a: Some(of_a.id.clone()),
                 body_b: of_b.id.clone(),
                 point_m,
                 axes: axes(axis, 1.0),
-                axial_stiffness_n_m: plane.axial / clear_m,
+                axial_stiffness_n_m: plane.axial / length_m,
                 shear_stiffness_n_m: if axis == 0 { [sideways, shear] } else { [shear, sideways] },
-                torsional_stiffness_nm_rad: sum.torsion / clear_m,
+                torsional_stiffness_nm_rad: sum.torsion / length_m,
                 bending: if axis == 0 { [vertical, level_one] } else { [level_one, vertical] },
                 beam: ends.beam,
                 joint: None,
@@ -163,7 +168,7 @@ impl Crossing {
             let share = if is_strip { PLATE_TORSION } else { 1.0 };
             let torsion = share * g * element.section.torsion_m4;
             let bending = e * element.section.inertia_m4[0];
-            sum.add(bending, torsion, g * element.section.shear_area_m2[1], [p[1 - axis], p[2]]);
+            sum.add(bending, torsion, g * element.section.shear_area_m2[1], p[2]);
             sum.has_beam = true;
         }
         for plate in &section.plates {
@@ -175,7 +180,7 @@ impl Crossing {
                 e * left(bent_m) * cubed / 12.0,
                 PLATE_TORSION * g * left(twisted_m) * cubed / 3.0,
                 5.0 / 6.0 * g * left(bent_m) * plate.thickness_m,
-                plate.place_m,
+                plate.level_m,
             );
         }
         (sum.bending > 0.0).then_some(sum)
@@ -190,13 +195,12 @@ impl Crossing {
         }
     }
 
-    /// Adds a beam or a plate at a place across the span and in height.
-    fn add(&mut self, bending: f64, torsion: f64, shear: f64, place_m: [f64; 2]) {
+    /// Adds a beam or a plate at a height.
+    fn add(&mut self, bending: f64, torsion: f64, shear: f64, level_m: f64) {
         self.bending += bending;
         self.torsion += torsion;
         self.shear += shear;
-        self.place[0] += bending * place_m[0];
-        self.place[1] += bending * place_m[1];
+        self.level += bending * level_m;
     }
 }
 
@@ -215,6 +219,8 @@ struct InPlane {
     bending: f64,
     /// Height of its centre, by axial stiffness \[m\].
     level_m: f64,
+    /// Mass per length along the span \[kg/m\].
+    mass_kg_m: f64,
     /// Its slabs, their width together and the greatest thickness \[m\].
     plates: Vec<Plate>,
     slab_m: f64,
@@ -225,8 +231,8 @@ struct InPlane {
 struct Plate {
     width_m: f64,
     thickness_m: f64,
-    /// Its middle across the span and in height \[m\].
-    place_m: [f64; 2],
+    /// Height of its middle \[m\].
+    level_m: f64,
     /// Young's and shear modulus \[Pa\].
     moduli_pa: [f64; 2],
 }
@@ -241,6 +247,7 @@ impl InPlane {
             shear: 0.0,
             bending: 0.0,
             level_m: 0.0,
+            mass_kg_m: 0.0,
             plates: Vec::new(),
             slab_m: 0.0,
             thickness_m: 0.0,
@@ -251,17 +258,17 @@ impl InPlane {
             let area = size[across] * size[2];
             this.edges[0] = this.edges[0].min(solid.min[across]);
             this.edges[1] = this.edges[1].max(solid.max[across]);
+            this.mass_kg_m += law.density_kg_m3 * area;
             this.axial += law.youngs_modulus_pa * area;
             this.level_m += law.youngs_modulus_pa * area * solid.center()[2];
             this.shear += 5.0 / 6.0 * area * law.shear_modulus_pa();
             if building.members[*member].kind == MemberKind::Slab {
-                let center = solid.center();
                 this.slab_m += size[across];
                 this.thickness_m = this.thickness_m.max(size[2]);
                 this.plates.push(Plate {
                     width_m: size[across],
                     thickness_m: size[2],
-                    place_m: [center[across], center[2]],
+                    level_m: solid.center()[2],
                     moduli_pa: [law.youngs_modulus_pa, law.shear_modulus_pa()],
                 });
             }
@@ -274,7 +281,7 @@ impl InPlane {
 
     /// Mean height of the middle of its slabs \[m\]; none without slabs.
     fn slab_level_m(&self) -> Option<f64> {
-        let sum: f64 = self.plates.iter().map(|p| p.width_m * p.place_m[1]).sum();
+        let sum: f64 = self.plates.iter().map(|p| p.width_m * p.level_m).sum();
         (self.slab_m > 0.0).then_some(sum / self.slab_m)
     }
 }
@@ -326,14 +333,14 @@ mod tests {
     #[test]
     fn a_slab_twists_as_a_plate_also_beside_beams() {
         let [width, thickness] = [3.0, 0.2];
-        let plate =
-            Plate { width_m: width, thickness_m: thickness, place_m: [1.5, 3.0], moduli_pa: [16.5e9, 7e9] };
+        let plate = Plate { width_m: width, thickness_m: thickness, level_m: 3.0, moduli_pa: [16.5e9, 7e9] };
         let section = InPlane {
             edges: [0.0, width],
             axial: 0.0,
             shear: 0.0,
             bending: 0.0,
             level_m: 3.0,
+            mass_kg_m: 0.0,
             plates: vec![plate],
             slab_m: width,
             thickness_m: thickness,
@@ -342,7 +349,7 @@ mod tests {
         let alone = Crossing::of(&[], 0, 2.5, &section).unwrap();
         assert!((alone.torsion / (width * per_width) - 1.0).abs() < 1e-12);
         assert!((alone.bending / (16.5e9 * width * thickness.powi(3) / 12.0) - 1.0).abs() < 1e-12);
-        assert_eq!(alone.place.map(|p| p / alone.bending), [1.5, 3.0]);
+        assert_eq!(alone.level / alone.bending, 3.0);
         // a beam of 0.4 m with a flange of 1 m: 2.6 m of slab twist, 1.6 m bend for themselves
         let mut own = BeamSection::rectangle(16.5e9, 0.2, [0.4, 0.6]);
         own.area_m2 += thickness;

@@ -318,7 +318,7 @@ pub fn hinges(
             body_b: place.bodies.list[own].id.clone(),
             point_m: hinge_point(end, hinge.offset_m),
             axes: axes(end.axis, end.outward),
-            axial_stiffness_n_m: hinge.stiffness.axial_n_m,
+            axial_stiffness_n_m: half_prism(place.building, end).axial_n(),
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
@@ -338,8 +338,41 @@ pub fn hinges(
     Ok(joints)
 }
 
-/// Takes the flexibility of a floor that bends out of the hinges of the columns at it: its own springs have that already. What is left is the column up to the middle of its clear length, under a force there:
-/// `k = (l - o)² / (l³ / (3 E I) + l / (G A_s))` for a hinge that stands `o` from the end.
+/// A member up to the middle of its clear length.
+struct HalfPrism {
+    length_m: f64,
+    /// Across axes 1 and 2 of its joints \[m\].
+    section_m: [f64; 2],
+    /// Young's and shear modulus \[Pa\].
+    moduli_pa: [f64; 2],
+}
+
+fn half_prism(building: &Building, end: &MemberEnd) -> HalfPrism {
+    let member = &building.members[end.member];
+    let law = building.law_of(member);
+    HalfPrism {
+        length_m: 0.5 * end.clear_m,
+        section_m: [1, 2].map(|i| member.solid.size()[(end.axis + i) % 3]),
+        moduli_pa: [law.youngs_modulus_pa, law.shear_modulus_pa()],
+    }
+}
+
+impl HalfPrism {
+    /// Axial stiffness `E A / l` \[N/m\]. The submodel of an end has less, since its force goes into the floor around it: in a building it goes on to the next column, and what bends is the floor.
+    fn axial_n(&self) -> f64 {
+        self.moduli_pa[0] * self.section_m[0] * self.section_m[1] / self.length_m
+    }
+
+    /// Stiffness against rotation \[N m/rad\] about joint axis `k` under a force across in the middle, at a hinge so far from there \[m\]: `k = a² / (l³ / (3 E I) + l / (G A_s))`.
+    fn turn_nm_rad(&self, k: usize, arm_m: f64) -> f64 {
+        let [width, depth] = [self.section_m[k], self.section_m[1 - k]];
+        let bending = self.moduli_pa[0] * width * depth.powi(3) / 12.0;
+        let shear = 5.0 / 6.0 * self.moduli_pa[1] * width * depth;
+        arm_m * arm_m / (self.length_m.powi(3) / (3.0 * bending) + self.length_m / shear)
+    }
+}
+
+/// Takes the flexibility of a floor that bends out of the hinges of the columns at it: its own springs have that already. What is left is the column up to the middle of its clear length.
 pub fn without_joint(
     place: &Place,
     ends: &[&MemberEnd],
@@ -353,16 +386,10 @@ pub fn without_joint(
         if !other.is_some_and(|o| place.bodies.is_bending(o)) {
             continue;
         }
-        let member = &place.building.members[end.member];
-        let law = place.building.law_of(member);
-        let length_m = 0.5 * end.clear_m;
-        let arm_m = length_m - (hinge.point_m[end.axis] - end.point_m[end.axis]).abs();
+        let half = half_prism(place.building, end);
+        let arm_m = half.length_m - (hinge.point_m[end.axis] - end.point_m[end.axis]).abs();
         for k in 0..2 {
-            let [width, depth] =
-                [(end.axis + 1 + k) % 3, (end.axis + 2 - k) % 3].map(|i| member.solid.size()[i]);
-            let bending = law.youngs_modulus_pa * width * depth.powi(3) / 12.0;
-            let shear = 5.0 / 6.0 * law.shear_modulus_pa() * width * depth;
-            let alone = arm_m * arm_m / (length_m.powi(3) / (3.0 * bending) + length_m / shear);
+            let alone = half.turn_nm_rad(k, arm_m);
             match &mut hinge.bending[k] {
                 Bending::Elastic { stiffness_nm_rad } => *stiffness_nm_rad = alone,
                 Bending::Curve { curve, .. } => {

@@ -12,7 +12,7 @@ use super::math::{self, M3, Q, V3};
 use super::model::{Bending, Bushing};
 use super::system::BodyState;
 use crate::curve::hinge::AxisLaw;
-use crate::curve::{BeamEnds, CapacityTable, Hinge2, MiddleSprings};
+use crate::curve::{BeamEnds, CapacityTable, Hinge2, MiddleSprings, SpanLoad};
 
 /// Marks an axis without a curve.
 const NO_TABLE: u32 = u32::MAX;
@@ -76,17 +76,24 @@ pub(super) struct MidBeam {
     pub axis: usize,
     /// Half its length, by the sense in which a rotation about the axis moves it along the other one \[m\].
     lever_m: f64,
+    /// What its weight adds.
+    load: SpanLoad,
     /// The hinges.
     pub ends: BeamEnds,
 }
 
 impl MidBeam {
-    fn of(joint: &Bushing) -> Option<Box<Self>> {
-        let half = joint.beam.as_ref()?.half_length_m;
+    /// Of a joint whose axis 0 points from A's side to B's with a sense of `outward`.
+    fn of(joint: &Bushing, outward: f64, gravity: V3) -> Option<Box<Self>> {
+        let beam = joint.beam.as_ref()?;
+        let half = beam.half_length_m;
         let axis = 1 + joint.bending.iter().position(|b| matches!(b, Bending::Curve { .. }))?;
         // a rotation about axis 1 moves what lies on positive axis 0 along negative axis 2, one about axis 2 along positive axis 1
         let lever_m = if axis == 1 { half } else { -half };
-        Some(Box::new(Self { axis, lever_m, ends: BeamEnds::default() }))
+        // displacements and rotations are those of B against A
+        let across = outward * math::dot(joint.axes[3 - axis], gravity);
+        let load = beam.span.map(|s| SpanLoad::uniform(s.mass_kg_m * across, s.length_m, lever_m));
+        Some(Box::new(Self { axis, lever_m, load: load.unwrap_or_default(), ends: BeamEnds::default() }))
     }
 
     /// The other axis across, along which it bears shear.
@@ -101,8 +108,8 @@ impl MidBeam {
 }
 
 impl JointData {
-    /// Compiles a joint; it is stress-free in the given poses.
-    pub fn new(joint: &Bushing, a: usize, b: usize, bodies: &[BodyState]) -> Self {
+    /// Compiles a joint between two bodies; it is stress-free in their poses, but for what gravity \[m/s²\] does to a beam.
+    pub fn new(joint: &Bushing, [a, b]: [usize; 2], bodies: &[BodyState], gravity: V3) -> Self {
         let frame = math::mat_to_q(&math::transpose(&joint.axes));
         let local = |i: usize| {
             let body = &bodies[i];
@@ -112,6 +119,7 @@ impl JointData {
         let [s1, s2] = joint.shear_stiffness_n_m;
         let center_a = if a + 1 == bodies.len() { joint.point_m } else { bodies[a].x };
         let towards_b = math::dot(joint.axes[0], math::sub(bodies[b].x, center_a));
+        let outward = if towards_b < 0.0 { -1.0 } else { 1.0 };
         Self {
             a,
             b,
@@ -122,7 +130,7 @@ impl JointData {
             translation: [joint.axial_stiffness_n_m, s1, s2],
             rotation: [joint.torsional_stiffness_nm_rad, 0.0, 0.0],
             table: [NO_TABLE; 2],
-            outward: if towards_b < 0.0 { -1.0 } else { 1.0 },
+            outward,
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
             elongated: 0.0,
@@ -136,7 +144,7 @@ impl JointData {
             flowing: false,
             is_held: joint.joint.is_some(),
             strained: [[0.0; 3]; 2],
-            beam: MidBeam::of(joint),
+            beam: MidBeam::of(joint, outward, gravity),
         }
     }
 
@@ -299,21 +307,22 @@ impl JointData {
             turn_nm_rad: self.rotation[axis],
             shear_n_m: self.translation[across],
             lever_m: beam.lever_m,
+            load: beam.load,
         };
         let table = &tables[self.table[axis - 1] as usize];
         let step = beam.ends.step(table, &springs, [theta[axis], gap[across]], self.axial_force);
-        let [turn, shift] = beam.plastic();
-        let mut elastic = theta;
-        elastic[axis] -= turn;
-        gap[across] -= shift;
+        gap[across] -= beam.plastic()[1];
         self.flowing = step.flowing;
         self.hinge.dissipated_j += step.dissipated_j;
         self.hinge.alpha_rad = beam.ends.ends.iter().map(|e| e.alpha_rad).fold(0.0, f64::max);
         self.hinge.fractured |= beam.ends.is_broken();
         self.hinge.out_of_range |= step.out_of_range;
-        let moment: V3 = std::array::from_fn(|i| self.rotation[i] * elastic[i]);
+        let mut moment: V3 = std::array::from_fn(|i| self.rotation[i] * theta[i]);
+        let of_other_j = 0.5 * moment[across] * theta[across];
+        let [in_the_middle, energy_j] = beam.ends.in_the_middle(&springs, theta[axis]);
+        moment[axis] = in_the_middle;
         self.hinge.moment_nm = [moment[1], moment[2]];
-        self.elastic_j = 0.5 * (moment[1] * elastic[1] + moment[2] * elastic[2]);
+        self.elastic_j = energy_j + of_other_j;
         Some(moment)
     }
 

@@ -91,7 +91,7 @@ impl System {
         for joint in &model.bushings {
             let a = joint.body_a.as_deref().and_then(|id| index.get(id).copied()).unwrap_or(ground);
             let b = index.get(joint.body_b.as_str()).copied().unwrap_or(ground);
-            let mut compiled = JointData::new(joint, a, b, &bodies);
+            let mut compiled = JointData::new(joint, [a, b], &bodies, model.gravity_m_s2);
             for k in 0..2 {
                 match &joint.bending[k] {
                     Bending::Elastic { stiffness_nm_rad } => compiled.set_elastic(k, *stiffness_nm_rad),

@@ -367,12 +367,9 @@ fn a_slab_without_beams_is_a_plate_of_pieces_in_both_directions() {
         let at_m = columns[0].center()[axis] + 0.5 * half_span;
         let (mut count, mut bending, mut torsion) = (0, 0.0, 0.0);
         for spring in model.bushings.iter().filter(own).filter(|b| (b.point_m[axis] - at_m).abs() < 0.2) {
-            // from the face of a column to the middle of the span, in the middle of the panel from its axis
-            let cell = spring.id["S1/".len()..].split('|').next().unwrap().split('-').nth(across).unwrap();
-            let length = if cell == "2" { half_span } else { half_span - 0.5 * columns[0].size()[axis] };
             let of = |b: &Bending| b.curve().map(|curve| model.curves[curve].stiffness_nm_rad);
-            bending += length * spring.bending.iter().find_map(of).unwrap();
-            torsion += length * spring.torsional_stiffness_nm_rad;
+            bending += half_span * spring.bending.iter().find_map(of).unwrap();
+            torsion += half_span * spring.torsional_stiffness_nm_rad;
             count += 1;
         }
         let [plate, twist] =
@@ -382,6 +379,37 @@ fn a_slab_without_beams_is_a_plate_of_pieces_in_both_directions() {
         assert!((torsion / twist - 1.0).abs() < 1e-9, "{axis}: {}", torsion / twist);
     }
     model.check().expect("a sound model");
+}
+
+/// Pieces in the tangent planes of `w = c x y` at the axes, as in a panel whose corner gives way, meet without gaps, also at the edges, whose pieces lie on one side of their axis; so a floor is as stiff against
+/// twist as [`a_slab_without_beams_is_a_plate_of_pieces_in_both_directions`] finds its springs.
+#[test]
+fn a_twisted_floor_has_no_gaps_between_its_pieces() {
+    let (rules, mut store, _cache) = knowledge();
+    let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Balanced };
+    for beams in ["none", "perimeter"] {
+        let building = reference(|t| t.replace("beams = \"perimeter\"", &format!("beams = \"{beams}\"")));
+        let model = generate(&building, &rules, &mut store, wishes, &|_| {}).unwrap().model;
+        let columns =
+            ["C1-A1", "C1-B2"].map(|id| building.members.iter().find(|m| m.id == id).unwrap().solid.center());
+        let pieces = model.bodies.iter().filter(|b| b.id.starts_with("S1/")).count();
+        let divisions = if pieces == 4 { 1.0 } else { 2.0 };
+        let node = |id: &str| -> [f64; 2] {
+            let cell: Vec<f64> =
+                id["S1/".len()..].split('-').map(|k| k.parse::<f64>().unwrap() - 1.0).collect();
+            std::array::from_fn(|i| columns[0][i] + (columns[1][i] - columns[0][i]) * cell[i] / divisions)
+        };
+        let mut count = 0;
+        for spring in model.bushings.iter().filter(|b| b.id.starts_with("S1/")) {
+            let sides = [spring.body_a.as_deref().unwrap(), spring.body_b.as_str()].map(|id| {
+                let [x, y] = node(id);
+                x * spring.point_m[1] + y * spring.point_m[0] - x * y
+            });
+            assert!((sides[0] - sides[1]).abs() < 1e-9, "{beams} {}: {sides:?}", spring.id);
+            count += 1;
+        }
+        assert_eq!(count, if pieces == 4 { 4 } else { 12 }, "{beams}");
+    }
 }
 
 #[test]

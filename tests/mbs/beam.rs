@@ -21,7 +21,7 @@ fn cantilever(capacity: &[[f64; 2]], fracture_rad: f64) -> Model {
     m.bushings.push(Bushing {
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         shear_stiffness_n_m: [shear; 2],
-        beam: Some(Beam { half_length_m: 0.5 * LENGTH_M, ends: ["clamp".into(), "tip".into()] }),
+        beam: Some(Beam { half_length_m: 0.5 * LENGTH_M, ends: ["clamp".into(), "tip".into()], span: None }),
         ..joint(
             "beam",
             None,
@@ -78,18 +78,86 @@ fn an_end_that_breaks_is_named_and_opens_the_beam() {
     assert!(result.energy_error < 1e-3, "{}", result.energy_error);
 }
 
+/// Two spans between clamps under their own weight, with nothing under their middle: a beam of length `2 L` with `w (2 L)² / 12` at its clamps and half of that in its middle (Roark's Formulas for Stress and Strain, 7th ed., table 8.1, case 2d),
+/// whichever side the bodies are on and however the beam lies.
+#[test]
+fn two_spans_under_their_weight_are_a_clamped_beam() {
+    let mass_kg_m = 500.0;
+    let stiffness_nm_rad = 1e7;
+    let shear = 12.0 * stiffness_nm_rad / LENGTH_M.powi(2);
+    for (along, across) in [(0, 2), (1, 2)] {
+        let mut m = model("two spans", 0.01, 0.01);
+        m.settings.preload = true;
+        m.curves.insert(
+            "end".into(),
+            ResistanceCurve { stiffness_nm_rad, ..curve(&[[0.0, 1e9], [1.0, 1e9]], 2.0) },
+        );
+        let middle = solid("middle", [0.0; 3], [0.2, 0.2, 10.0]);
+        m.bodies.push(Body {
+            mass_kg: mass_kg_m * LENGTH_M,
+            inertia_kg_m2: box_inertia(mass_kg_m * LENGTH_M, [LENGTH_M, LENGTH_M, 0.2]),
+            ..middle
+        });
+        for side in [-1.0, 1.0] {
+            let name = |place: &str| format!("{place} {side}");
+            let mut point = [0.0; 3];
+            point[along] = side * 0.5 * LENGTH_M;
+            let mut axes = [[0.0; 3]; 3];
+            axes[0][along] = 1.0;
+            axes[1][(along + 1) % 3] = 1.0;
+            axes[2][(along + 2) % 3] = 1.0;
+            let bends_first = (along + 2) % 3 == across;
+            let [bent, level] = [hinge("end"), elastic(1e9)];
+            m.bushings.push(Bushing {
+                axes,
+                shear_stiffness_n_m: [shear; 2],
+                beam: Some(Beam {
+                    half_length_m: 0.5 * LENGTH_M,
+                    ends: if side < 0.0 { ["clamp", "middle"] } else { ["middle", "clamp"] }.map(name),
+                    span: Some(Span { length_m: LENGTH_M, mass_kg_m }),
+                }),
+                ..joint(
+                    &name("span"),
+                    None,
+                    "middle",
+                    point,
+                    1e9,
+                    1e9,
+                    if bends_first { [bent, level] } else { [level, bent] },
+                )
+            });
+        }
+        let result = simulate(&m).unwrap();
+        let clamped = mass_kg_m * G * (2.0 * LENGTH_M).powi(2) / 12.0;
+        for hinge in &result.hinges {
+            let moment = hinge.moment_nm[0].map(f64::abs).into_iter().fold(0.0, f64::max);
+            let wanted = if hinge.joint.starts_with("clamp") { clamped } else { 0.5 * clamped };
+            assert!((moment / wanted - 1.0).abs() < 1e-6, "{along} {}: {moment} {wanted}", hinge.joint);
+        }
+        // hogging at the clamps, sagging in the middle
+        let senses: Vec<f64> =
+            result.hinges.iter().map(|h| h.moment_nm[0].iter().sum::<f64>().signum()).collect();
+        assert_eq!((senses[0], senses[3]), (-senses[1], -senses[2]), "{senses:?}");
+        assert!(result.energy_error < 1e-9, "{}", result.energy_error);
+    }
+}
+
 #[test]
 fn a_beam_needs_one_curve_shear_and_names_of_its_own() {
     let sound = cantilever(&[[0.0, 1e4], [0.02, 1e4]], 0.02);
     assert!(sound.check().is_ok());
     type Fault = fn(&mut Bushing);
-    let faults: [(&str, Fault); 4] = [
+    let faults: [(&str, Fault); 6] = [
         ("has 2 bending axes with a curve, expected one", |b| b.bending[1] = b.bending[0].clone()),
         ("needs shear_stiffness_n_m[1] > 0", |b| b.shear_stiffness_n_m[1] = 0.0),
         ("\"tip\" is the name of another hinge or bushing", |b| {
             b.beam.as_mut().unwrap().ends[0] = "tip".into()
         }),
         ("half_length_m", |b| b.beam.as_mut().unwrap().half_length_m = -1.0),
+        ("is 3 m, expected at least 4 m", |b| {
+            b.beam.as_mut().unwrap().span = Some(Span { length_m: 3.0, mass_kg_m: 1.0 })
+        }),
+        ("span.mass_kg_m", |b| b.beam.as_mut().unwrap().span = Some(Span { length_m: 4.0, mass_kg_m: -1.0 })),
     ];
     for (words, fault) in faults {
         let mut m = sound.clone();

@@ -274,6 +274,16 @@ fn check_beam(
             format!("needs shear_stiffness_n_m[{}] > 0: the ends take their moments from it as well", 1 - k)
         });
     }
+    if let Some(span) = &beam.span {
+        list.not_negative(&format!("{path}.span.mass_kg_m"), span.mass_kg_m);
+        list.require(span.length_m >= 2.0 * beam.half_length_m, &format!("{path}.span.length_m"), || {
+            format!(
+                "is {} m, expected at least {} m, which is between the hinges",
+                span.length_m,
+                2.0 * beam.half_length_m
+            )
+        });
+    }
     list.require(bushing.latent.is_none() && bushing.joint.is_none(), path, || {
         "stands in a bushing that is latent or on a joint: leave out one of them".into()
     });

@@ -56,7 +56,7 @@ impl Held {
     pub fn of(given: &Given, poses: &[Pose]) -> Result<Self, CurveError> {
         let states = states(given.bodies, poses);
         let place = |side: usize| if is_ground(given.bodies[side]) { 2 } else { side };
-        let committed = JointData::new(&given.bushing, place(0), place(1), &states);
+        let committed = JointData::new(&given.bushing, [place(0), place(1)], &states, [0.0; 3]);
         let trial = committed.clone();
         let mut held = Self {
             bodies: given.bodies,

@@ -176,7 +176,7 @@ impl Force {
 ///
 /// In the frame of the connection, carried by `a`, axis 0 is the member axis: translation 0 is axial, 1 and 2
 /// are shear; rotation 0 is torsion, 1 and 2 are bending about the axes 1 and 2. It is stress-free
-/// in the initial poses of the file. Bodies moving apart along axis 0 are in tension: apart means along the
+/// in the initial poses of the file, but for the weight of a beam. Bodies moving apart along axis 0 are in tension: apart means along the
 /// sense of axis 0 that points from the centre of mass of `a` (from the joint point, if `a` is the ground) to that of `b`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -235,6 +235,20 @@ pub struct Beam {
     pub half_length_m: f64,
     /// Under which names results tell of the hinges at its ends, the one towards negative axis 0 first. Unique among the bushings.
     pub ends: [String; 2],
+    /// What its weight bends; `None`: nothing, its bodies are heavy only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub span: Option<Span>,
+}
+
+/// A span under its own weight, which is part of that of the bodies: they bear it rigidly, and a beam between clamped faces sags. The moments of that are added in the middle and at the hinges
+/// ([`crate::curve::beam`]), for gravity as it acts in the initial poses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Span {
+    /// Its length between the faces that it is clamped in, not shorter than the beam between its hinges \[m\].
+    pub length_m: f64,
+    /// Its mass per length \[kg/m\].
+    pub mass_kg_m: f64,
 }
 
 /// Rotational resistance about one bending axis.
