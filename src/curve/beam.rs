@@ -81,6 +81,8 @@ pub struct BeamStep {
     pub dissipated_j: f64,
     /// Whether an end flowed under an axial force outside the levels of the curve.
     pub out_of_range: bool,
+    /// How much shorter it made the beam by normality ([`CapacityTable::shortening_m`]) \[m\].
+    pub shortened_m: f64,
 }
 
 impl BeamEnds {
@@ -122,6 +124,7 @@ impl BeamEnds {
                 end.alpha_rad += flow.abs();
                 end.damage += flow.abs() / table.fracture_rotation_rad(axial_force_n, &mut end.hint);
                 step.flowing = true;
+                step.shortened_m += flow.abs() * table.shortening_m(levels[0]);
             }
             moments = self.moments(springs, [turn_rad, across_m]);
         }

@@ -17,7 +17,12 @@ pub struct CapacityTable {
     value: Vec<f64>,
     fracture: Vec<f64>,
     peak: f64,
+    /// Plastic shortening for each radian of plastic rotation, at the levels \[m\].
+    shortening: Vec<f64>,
 }
+
+/// Plastic rotation over whose mean the resistance of a hinge depends on its axial force, for [`CapacityTable::shortening_m`] \[rad\]: further on, the points of single pushes say more of their ends than of that.
+const EARLY_RAD: f64 = 0.05;
 
 /// The segments used last; a search starts there.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -66,7 +71,10 @@ impl CapacityTable {
         for &a in &alpha {
             value.extend(lines.iter().map(|line| factor * interpolate(line, a)));
         }
+        let means: Vec<f64> = lines.iter().map(|line| factor * mean(line, EARLY_RAD)).collect();
+        let forces: Vec<f64> = curve.levels.iter().map(|l| l.axial_force_n).collect();
         Ok(Self {
+            shortening: slopes(&forces, &means).iter().map(|slope| -slope).collect(),
             stiffness_nm_rad: curve.stiffness_nm_rad,
             alpha,
             force: curve.levels.iter().map(|l| l.axial_force_n).collect(),
@@ -188,11 +196,74 @@ impl CapacityTable {
         Capacity { moment_nm: c0 + slope * (alpha - self.alpha[i]), slope_nm_rad: slope, out_of_range }
     }
 
+    /// Plastic shortening for each radian of plastic rotation \[m\] by normality to the surface `|M| = C(N)`, `-dC/dN`: a section that turns under compression turns about an axis beside its centre (Jirásek and Bažant, Inelastic Analysis of Structures, 2002, chapter 7).
+    #[inline]
+    pub fn shortening_m(&self, at: AxialLevel) -> f64 {
+        let low = self.shortening[at.below];
+        if at.weight > 0.0 { low + at.weight * (self.shortening[at.below + 1] - low) } else { low }
+    }
+
     /// Accumulated plastic rotation at which the section separates \[rad\].
     #[inline]
     pub fn fracture_rotation_rad(&self, axial_force_n: f64, hint: &mut CapacityHint) -> f64 {
         let AxialLevel { below: level, weight, .. } = self.level(axial_force_n, hint);
         let low = self.fracture[level];
         if weight > 0.0 { low + weight * (self.fracture[level + 1] - low) } else { low }
+    }
+}
+
+/// Mean of a piecewise linear function from zero to some place.
+fn mean(line: &[[f64; 2]], end: f64) -> f64 {
+    let inside = line.iter().copied().filter(|p| p[0] > 0.0 && p[0] < end);
+    let all: Vec<[f64; 2]> = std::iter::once([0.0, interpolate(line, 0.0)])
+        .chain(inside)
+        .chain([[end, interpolate(line, end)]])
+        .collect();
+    all.windows(2).map(|w| 0.5 * (w[0][1] + w[1][1]) * (w[1][0] - w[0][0])).sum::<f64>() / end
+}
+
+/// Slopes at points: of the parabola through each and its neighbours, of the line at both ends; none of a single one.
+fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let of: Vec<f64> = (1..x.len()).map(|i| (y[i] - y[i - 1]) / (x[i] - x[i - 1])).collect();
+    (0..x.len())
+        .map(|i| match (i.checked_sub(1).and_then(|k| of.get(k)), of.get(i)) {
+            (Some(before), Some(after)) => {
+                (before * (x[i + 1] - x[i]) + after * (x[i] - x[i - 1])) / (x[i + 1] - x[i - 1])
+            }
+            (Some(slope), None) | (None, Some(slope)) => *slope,
+            (None, None) => 0.0,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::CapacityLevel;
+
+    /// A rectangle of one strength: `M = M_p (1 - n²)`, which turns about an axis `2 n M_p / N_p = n h / 2` beside its centre.
+    #[test]
+    fn a_plastic_rectangle_turns_about_its_neutral_axis() {
+        let (squash_n, depth_m) = (1e6, 0.4);
+        let plastic_nm = 0.25 * squash_n * depth_m;
+        let level = |k: i32| {
+            let share = f64::from(k) / 10.0;
+            let moment = plastic_nm * (1.0 - share * share);
+            let capacity = vec![[0.0, moment], [0.02, moment], [1.0, 0.5 * moment]];
+            CapacityLevel { axial_force_n: share * squash_n, capacity, fracture_rotation_rad: 1.0 }
+        };
+        let levels: Vec<CapacityLevel> = (-8..=8).map(level).collect();
+        let curve = ResistanceCurve { stiffness_nm_rad: 1e7, levels, cyclic: None };
+        let table = CapacityTable::new(&curve, 1.0).unwrap();
+        // the mean of the first 0.05 rad, of which 0.03 are on the way down
+        let early = 1.0 - 0.5 * 0.03 * 0.5 * 0.03 / 0.98 / EARLY_RAD;
+        for share in [-0.7, -0.25, 0.0, 0.3, 0.55] {
+            let at = table.level(share * squash_n, &mut CapacityHint::default());
+            let axis_m = table.shortening_m(at) / early;
+            assert!((axis_m - 0.5 * share * depth_m).abs() < 1e-9, "{share}: {axis_m}");
+        }
+        let single = ResistanceCurve { levels: curve.levels[..1].to_vec(), ..curve };
+        let table = CapacityTable::new(&single, 1.0).unwrap();
+        assert_eq!(table.shortening_m(table.level(1e5, &mut CapacityHint::default())), 0.0);
     }
 }

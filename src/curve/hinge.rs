@@ -64,6 +64,8 @@ pub struct HingeStep {
     pub elastic_j: f64,
     /// Whether plastic rotation grew.
     pub flowing: bool,
+    /// How much shorter it made the member by normality ([`CapacityTable::shortening_m`]) \[m\].
+    pub shortened_m: f64,
 }
 
 /// Relative accuracy of the return to the yield surface, in terms of the moment.
@@ -83,11 +85,14 @@ impl Hinge2 {
         let k = [laws[0].stiffness_nm_rad(), laws[1].stiffness_nm_rad()];
         let mut e = [theta_rad[0] - self.plastic_rad[0], theta_rad[1] - self.plastic_rad[1]];
         let old = self.moment_nm;
-        let mut flowing = false;
+        let (mut flowing, mut shortened_m) = (false, 0.0);
         let trial = [k[0] * e[0], k[1] * e[1]];
         if self.is_well_inside(laws, trial, axial_force_n) {
             self.moment_nm = trial;
-            return HingeStep { elastic_j: 0.5 * (trial[0] * e[0] + trial[1] * e[1]), flowing };
+            return HingeStep {
+                elastic_j: 0.5 * (trial[0] * e[0] + trial[1] * e[1]),
+                ..HingeStep::default()
+            };
         }
         let levels = self.levels(laws, axial_force_n);
         let first = self.trial(laws, trial, 0.0, levels);
@@ -104,11 +109,20 @@ impl Hinge2 {
             }
             self.alpha_rad += x;
             flowing = true;
+            for i in 0..2 {
+                if let AxisLaw::Plastic(table) = laws[i] {
+                    let capacity = table.capacity_at(self.alpha_rad, levels[i], &mut self.hint[i]);
+                    let used = (k[i] * e[i] / capacity.moment_nm.max(CAPACITY_FLOOR * table.peak_nm())).abs();
+                    let flow = (active[i] * (x / length)).abs();
+                    shortened_m += used.min(1.0) * flow * table.shortening_m(levels[i]);
+                }
+            }
             self.damage += x / self.fracture_rotation_rad(laws, axial_force_n);
             self.fractured |= self.damage >= 1.0;
         }
         self.moment_nm = [k[0] * e[0], k[1] * e[1]];
-        HingeStep { elastic_j: 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]), flowing }
+        let elastic_j = 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]);
+        HingeStep { elastic_j, flowing, shortened_m }
     }
 
     /// Whether a bound without interpolation shows that the moment is inside.

@@ -138,6 +138,7 @@ impl Grillage {
                 tensile_capacity_n: ends.squash_n,
                 tensile_elongation_m: ends.elongation_m,
                 compressive_capacity_n: ends.squash_n,
+                associated_flow: true,
                 origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
             })
         };

@@ -175,6 +175,7 @@ fn spring(
         tensile_capacity_n: Some(squash_n),
         tensile_elongation_m: Some(law.critical_plastic_strain * half.mesh_m),
         compressive_capacity_n: Some(squash_n),
+        associated_flow: true,
         origin: Origin {
             members: vec![building.members[wall].id.clone()],
             rules: bodies.list.iter().find(|b| b.id == own).map_or(Vec::new(), |b| b.origin.rules.clone()),

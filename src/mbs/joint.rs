@@ -51,6 +51,9 @@ pub struct JointData {
     pub crushed: f64,
     /// Energy dissipated by crushing and stretching \[J\].
     pub crush_j: f64,
+    /// Whether its hinge shortens it as it turns, and by how much it did in the last evaluation \[m\].
+    is_associated: bool,
+    shortened: f64,
     /// Hinge about the axes 1 and 2.
     pub hinge: Hinge2,
     /// Rotation vector in the joint frame \[rad\].
@@ -137,6 +140,8 @@ impl JointData {
             compressive_capacity: joint.compressive_capacity_n.unwrap_or(f64::INFINITY),
             crushed: 0.0,
             crush_j: 0.0,
+            is_associated: joint.associated_flow,
+            shortened: 0.0,
             hinge: Hinge2::default(),
             theta: [0.0; 3],
             axial_force: 0.0,
@@ -280,6 +285,9 @@ impl JointData {
         let mut gap = at.gap;
         let k = self.translation;
         let old = self.axial_force;
+        // by the flow of the last evaluation: the axial force is known before the moments
+        let mut shortened = std::mem::take(&mut self.shortened);
+        self.crushed -= self.outward * shortened;
         gap[0] -= self.crushed;
         self.axial_force = -self.outward * k[0] * gap[0];
         let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
@@ -287,11 +295,12 @@ impl JointData {
         if admissible != self.axial_force {
             let flow = (self.axial_force - admissible) / k[0];
             self.axial_force = admissible;
-            self.crush_j += 0.5 * (old + admissible) * flow;
+            shortened += flow;
             self.crushed -= self.outward * flow;
             self.elongated += (-flow).max(0.0);
             gap[0] += self.outward * flow;
         }
+        self.crush_j += 0.5 * (old + self.axial_force) * shortened;
         let bent = self.bend_beam(theta, &mut gap, tables);
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
         let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
@@ -317,6 +326,7 @@ impl JointData {
         self.hinge.alpha_rad = beam.ends.ends.iter().map(|e| e.alpha_rad).fold(0.0, f64::max);
         self.hinge.fractured |= beam.ends.is_broken();
         self.hinge.out_of_range |= step.out_of_range;
+        self.shortened = if self.is_associated { step.shortened_m } else { 0.0 };
         let mut moment: V3 = std::array::from_fn(|i| self.rotation[i] * theta[i]);
         let of_other_j = 0.5 * moment[across] * theta[across];
         let [in_the_middle, energy_j] = beam.ends.in_the_middle(&springs, theta[axis]);
@@ -357,6 +367,7 @@ impl JointData {
         }
         let step = self.hinge.step(self.laws(tables), [theta[1], theta[2]], self.axial_force);
         self.flowing = step.flowing;
+        self.shortened = if self.is_associated { step.shortened_m } else { 0.0 };
         self.elastic_j = step.elastic_j;
         [torsion, self.hinge.moment_nm[0], self.hinge.moment_nm[1]]
     }

@@ -229,3 +229,40 @@ fn strong_column_only_vibrates() {
     assert!((largest / 4.780548e-4 - 1.0).abs() < 1e-3);
     assert_eq!(result.energies.plastic_j.last(), Some(&0.0));
 }
+
+/// A heavy body on a plastic hinge of a rectangular section falls over: as the section turns by `dθ` it shortens by `n h / 2 dθ` (normality to `M = M_p (1 - n²)`), and the energies add up as without.
+#[test]
+fn a_hinge_that_turns_under_compression_shortens_its_member() {
+    let (squash_n, depth_m) = (1e6, 0.4);
+    let level = |k: i32| {
+        let share = f64::from(k) / 10.0;
+        let moment = 0.25 * squash_n * depth_m * (1.0 - share * share);
+        let capacity = vec![[0.0, moment], [1.0, moment]];
+        CapacityLevel { axial_force_n: share * squash_n, capacity, fracture_rotation_rad: 5.0 }
+    };
+    let mut m = model("column", 1.0, 1e-3);
+    let levels = (-9..=9).map(level).collect();
+    m.curves.insert("c".into(), ResistanceCurve { stiffness_nm_rad: 5e7, levels, cyclic: None });
+    let body = solid("body", [0.5, 0.0, 4.0], [2.0; 3]);
+    m.bodies.push(body);
+    m.bodies[0].mass_kg *= 2.0;
+    let mut foot = joint("foot", None, "body", [0.0; 3], 1e9, 5e8, [hinge("c"), hinge("c")]);
+    foot.axes = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    m.bushings.push(foot);
+    track(&mut m, "body", [0.0; 3]);
+    m.settings.time_step_s = Some(1e-4);
+    let stiff = simulate(&m).unwrap();
+    m.bushings[0].associated_flow = true;
+    let result = simulate(&m).unwrap();
+    let hinge = &result.hinges[0];
+    let plastic = &hinge.plastic_rotation_rad;
+    let axis_m = |i: usize| 0.5 * depth_m * hinge.axial_force_n[i] / squash_n;
+    let flow: f64 =
+        (1..plastic.len()).map(|i| 0.5 * (axis_m(i) + axis_m(i - 1)) * (plastic[i] - plastic[i - 1])).sum();
+    let elastic = hinge.axial_force_n.last().unwrap() / 1e9;
+    let shorter = -result.tracked[0].displacement_m.last().unwrap()[2] - elastic;
+    assert!(flow > 5e-3 && (shorter / flow - 1.0).abs() < 0.01, "{shorter} {flow}");
+    let rigid = -stiff.tracked[0].displacement_m.last().unwrap()[2];
+    assert!(rigid < 1e-3, "{rigid}");
+    assert!(result.energy_error < 2.0 * stiff.energy_error, "{} {}", result.energy_error, stiff.energy_error);
+}

@@ -222,6 +222,9 @@ pub struct Bushing {
     /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
     #[serde(default)]
     pub compressive_capacity_n: Option<f64>,
+    /// Whether its hinge shortens it as it turns under an axial force, by normality to the surface of its capacities ([`crate::curve::CapacityTable::shortening_m`]).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub associated_flow: bool,
     /// Provenance.
     #[serde(default)]
     pub origin: Origin,
