@@ -155,6 +155,8 @@ pub struct Settings {
     pub most_sweeps: usize,
     /// Visits of points in conjugate directions where sweeps left velocities far from settled.
     pub search_visits: usize,
+    /// The same where masses are alike, after an impact that goes through many bodies.
+    pub struck_visits: usize,
     /// Sweeps that open gaps.
     pub gap_sweeps: usize,
     /// Share of a gap opened in a visit.
@@ -174,6 +176,7 @@ impl Default for Settings {
             visits: 600,
             most_sweeps: 400,
             search_visits: 40_000,
+            struck_visits: 10_000,
             gap_sweeps: 2,
             gap_rate: 0.2,
             slop_m: 1e-4,

@@ -1,4 +1,4 @@
-//! Conjugate directions over the sweeps, for impulses on which these alone settle slowly: a heavy body on a light one.
+//! Conjugate directions over the sweeps, for impulses on which these alone settle slowly: a heavy body on a light one, an impact that goes through many bodies.
 //!
 //! A sweep forwards and one backwards move the impulses `x` by `d`; with `β = |d|² / |d_last|²` (Fletcher and Reeves) the next point is `x + d + β p` and the next direction `p = d + β p`; a `β` above
 //! one starts anew (Silcowitz, Niebe, Erleben, A nonsmooth nonlinear conjugate gradient method for interactive contact force problems, The Visual Computer 26 (2010) 893). Sweeps afterwards bring the impulses
@@ -25,13 +25,18 @@ pub(super) struct Search {
 }
 
 impl Rows {
-    /// Whether bodies of very different masses press on each other. Where ideal joints link points the masses at these count, which is not looked at: false then.
+    /// Whether ideal joints link points: what counts there are masses that sweeps do not know.
+    pub fn are_linked(&self) -> bool {
+        self.blocks.iter().any(|block| block.linked != ALONE)
+    }
+
+    /// Whether bodies of very different masses press on each other.
     pub fn are_uneven(&self) -> bool {
         let uneven = |block: &Block| {
             let [a, b] = block.bodies.map(|i| self.inverse[i as usize].mass);
             !block.idle && a.min(b) > 0.0 && a.max(b) > UNEVEN * a.min(b)
         };
-        self.blocks.iter().all(|block| block.linked == ALONE) && self.blocks.iter().any(uneven)
+        self.blocks.iter().any(uneven)
     }
 
     /// Forgets the direction.

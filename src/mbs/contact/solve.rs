@@ -14,6 +14,8 @@ pub(super) const REBOUND_FROM: f64 = 4.0;
 const UNSTEADY: f64 = 0.45;
 /// Change of a velocity after the sweeps, over the same, from which conjugate directions go on, and the fewest of them that are worth it.
 const SEARCH_FROM: f64 = 0.1;
+/// The same where no body is much heavier than one that it presses on: an impact that goes through many bodies. There the directions go on until the change is that of `SEARCH_FROM` only.
+const STRUCK_FROM: f64 = 4.0;
 const FEWEST_MOVES: usize = 8;
 /// One sweep of so many visits points without impulses as well; so do the last one and the one that shows that velocities hold.
 const WHOLE_EVERY: usize = 3;
@@ -196,9 +198,14 @@ impl ContactSet {
             change = self.rows.sweep(done % 2 == 1, whole);
             done += 1;
         }
-        let moves = s.search_visits / (2 * self.rows.rows.len());
-        if change > SEARCH_FROM * scale && moves >= FEWEST_MOVES && self.rows.are_uneven() {
-            let (moved, left) = self.conjugate(moves, s.tolerance * scale);
+        let (visits, from, until) = if self.rows.are_uneven() {
+            (s.search_visits, SEARCH_FROM, s.tolerance)
+        } else {
+            (s.struck_visits, STRUCK_FROM, SEARCH_FROM)
+        };
+        let moves = visits / (2 * self.rows.rows.len());
+        if change > from * scale && moves >= FEWEST_MOVES && !self.rows.are_linked() {
+            let (moved, left) = self.conjugate(moves, until * scale);
             change = left;
             done += 2 * moved + 1;
         }

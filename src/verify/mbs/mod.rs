@@ -5,6 +5,7 @@ mod hinges;
 mod iftomm;
 mod impact;
 pub mod models;
+mod pancake;
 mod pendulums;
 pub mod pile;
 
@@ -21,6 +22,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(hinges::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());
+    all.extend(pancake::cases());
     all
 }
 

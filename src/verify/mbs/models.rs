@@ -290,6 +290,18 @@ fn portal() -> Model {
     m
 }
 
+/// A bushing whose first axis is up, of one stiffness \[N/m\], from which its body hangs as long as it weighs no more than a strength \[N\].
+pub(super) fn held(id: String, body: String, point_m: V3, stiffness_n_m: f64, strength_n: f64) -> Bushing {
+    Bushing {
+        axial_stiffness_n_m: stiffness_n_m,
+        shear_stiffness_n_m: [stiffness_n_m; 2],
+        torsional_stiffness_nm_rad: stiffness_n_m,
+        bending: [0; 2].map(|_| Bending::Elastic { stiffness_nm_rad: stiffness_n_m }),
+        tensile_capacity_n: Some(strength_n),
+        ..elastic(id, None, body, point_m)
+    }
+}
+
 /// A bushing whose first axis is up.
 fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> Bushing {
     Bushing {
