@@ -6,7 +6,7 @@
 
 use crate::mbs::math::{V3, add, cross, dot, mul, norm, qmat, sub, transpose};
 use crate::mbs::model::{Model, Shape};
-use crate::mbs::result::{EventKind, Frame, RunResult};
+use crate::mbs::result::{EventKind, FractureCause, Frame, RunResult};
 use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -94,6 +94,7 @@ pub fn passing(model: &Model, result: &RunResult) -> Passing {
         for (i, j) in near(&solids) {
             let (Some(a), Some(b)) = (&solids[i], &solids[j]) else { continue };
             let may = match (a.body, b.body) {
+                (Some(x), Some(y)) if [x, y].iter().any(|i| ties.crushed.contains(i)) => false,
                 (Some(x), Some(y)) => !apart.contains(&key(x, y)) && !joined.pairs.contains(&key(x, y)),
                 _ => true,
             };
@@ -257,8 +258,9 @@ impl Allowed {
 struct Ties {
     /// Connections that are there: id, bodies (none: the ground), and whether both are pieces of one body at the start.
     list: Vec<(String, [Option<usize>; 2], bool)>,
-    /// Bodies that are there.
+    /// Bodies that are there, and those that are crushed, which touch no other bodies.
     alive: Vec<bool>,
+    crushed: BTreeSet<usize>,
     /// Ends of connections and bodies in order of time \[s\].
     ends: Vec<(f64, End)>,
 }
@@ -266,6 +268,8 @@ struct Ties {
 enum End {
     /// Of a connection; it counts at an output at the same time.
     Of(String),
+    /// The same, with the second of its bodies.
+    Crushed(String),
     /// Of a body; an output at the same time comes first.
     Body(usize),
 }
@@ -290,11 +294,15 @@ impl Ties {
             ends.extend(bodies.map(|body| (event.time_s, End::Body(body))));
         }
         ends.extend(result.events.iter().filter_map(|e| match &e.kind {
+            EventKind::Fracture { joint, cause: FractureCause::Compression } => {
+                Some((e.time_s, End::Crushed(joint.clone())))
+            }
             EventKind::Fracture { joint, .. } => Some((e.time_s, End::Of(joint.clone()))),
             _ => None,
         }));
         ends.sort_by(|a, b| b.0.total_cmp(&a.0));
-        Self { list: joints.chain(bushings).collect(), alive: vec![true; model.bodies.len()], ends }
+        let alive = vec![true; model.bodies.len()];
+        Self { list: joints.chain(bushings).collect(), alive, crushed: BTreeSet::new(), ends }
     }
 
     /// Goes on to an output; whether anything has ended.
@@ -303,6 +311,11 @@ impl Ties {
         while let Some((end_s, end)) = self.ends.last() {
             match end {
                 End::Of(id) if *end_s <= time_s => self.list.retain(|(own, ..)| own != id),
+                End::Crushed(id) if *end_s <= time_s => {
+                    let crushed = self.list.iter().filter(|(own, ..)| own == id);
+                    self.crushed.extend(crushed.filter_map(|(_, bodies, _)| bodies[1]));
+                    self.list.retain(|(own, ..)| own != id);
+                }
                 End::Body(body) if *end_s < time_s - 1e-9 => {
                     self.alive[*body] = false;
                     self.list.retain(|(_, bodies, _)| !bodies.contains(&Some(*body)));

@@ -8,7 +8,7 @@
 //! slender beam).
 //!
 //! A load `p` along a span of length `L` between clamped faces leaves there the moments `-p L²/12`, and `p L²/24` in its middle (positive where the span sags), which halves that bear it rigidly do not have: the parabola from
-//! `p L²/24` in the middle to `p l²/2` less at the hinges is added to the moments. The potential of that is `p L²/24` times the elastic rotation in the middle and `p l²/2` times `α_0 + α_1`: what sags between the faces.
+//! `p L²/24` in the middle to `p l²/2` less at the hinges is added to the moments. What sags between the faces takes the work `p L²/24` times the elastic rotation in the middle and `p l²/2` times `α_0 + α_1`.
 //!
 //! Energy: as in [`super::hinge`], what the trapezoidal work leaves beside the change of elastic energy is `½ (M_old + M_new) Δα` at each end, exactly.
 
@@ -44,6 +44,11 @@ pub struct SpanLoad {
 }
 
 impl SpanLoad {
+    /// Those of a share of the load.
+    pub fn times(self, share: f64) -> Self {
+        Self { middle_nm: share * self.middle_nm, drop_nm: share * self.drop_nm }
+    }
+
     /// For a load \[N/m\] in the sense of the displacement across, on a length between faces \[m\], with the lever of [`MiddleSprings`].
     pub fn uniform(load_n_m: f64, length_m: f64, lever_m: f64) -> Self {
         let load_n_m = load_n_m.copysign(load_n_m * lever_m);
@@ -70,6 +75,8 @@ pub struct BeamEnd {
 pub struct BeamEnds {
     /// The ends.
     pub ends: [BeamEnd; 2],
+    /// Elastic rotation in the middle in the last step \[rad\], and the load then.
+    last: (f64, SpanLoad),
 }
 
 /// What one step did.
@@ -79,6 +86,8 @@ pub struct BeamStep {
     pub flowing: bool,
     /// Energy dissipated in it \[J\].
     pub dissipated_j: f64,
+    /// Work against the load \[J\].
+    pub against_load_j: f64,
     /// Whether an end flowed under an axial force outside the levels of the curve.
     pub out_of_range: bool,
     /// How much shorter it made the beam by normality ([`CapacityTable::shortening_m`]) \[m\].
@@ -124,26 +133,34 @@ impl BeamEnds {
                 end.alpha_rad += flow.abs();
                 end.damage += flow.abs() / table.fracture_rotation_rad(axial_force_n, &mut end.hint);
                 step.flowing = true;
-                step.shortened_m += flow.abs() * table.shortening_m(levels[0]);
+                let capacity = table.capacity_at(end.alpha_rad, levels[0], &mut end.hint);
+                let axis_m = table.shortening_m(levels[0], capacity.moment_nm, axial_force_n);
+                step.shortened_m += flow.abs() * axis_m;
             }
             moments = self.moments(springs, [turn_rad, across_m]);
         }
+        let (before_rad, before) = self.last;
+        let elastic_rad = turn_rad - self.plastic_rad();
+        step.against_load_j = 0.5 * (before.middle_nm + springs.load.middle_nm) * (elastic_rad - before_rad);
+        self.last = (elastic_rad, springs.load);
         for i in 0..2 {
             self.ends[i].moment_nm = moments[i];
             let flow = self.ends[i].plastic_rad - old[i].plastic_rad;
             step.dissipated_j += 0.5 * (old[i].moment_nm + moments[i]) * flow;
+            step.against_load_j += 0.5 * (before.drop_nm + springs.load.drop_nm) * flow;
         }
         step
     }
 
-    /// Moment in the middle \[N m\] and elastic energy of the rotation there \[J\], with the potential of the load.
+    /// Moment in the middle \[N m\] and elastic energy of the rotation there \[J\].
     pub fn in_the_middle(&self, springs: &MiddleSprings, turn_rad: f64) -> [f64; 2] {
         let MiddleSprings { turn_nm_rad: stiffness, load, .. } = *springs;
-        let plastic_rad: f64 = self.ends.iter().map(|e| e.plastic_rad).sum();
-        let elastic_rad = turn_rad - plastic_rad;
-        let energy_j =
-            (0.5 * stiffness * elastic_rad + load.middle_nm) * elastic_rad + load.drop_nm * plastic_rad;
-        [stiffness * elastic_rad + load.middle_nm, energy_j]
+        let elastic_rad = turn_rad - self.plastic_rad();
+        [stiffness * elastic_rad + load.middle_nm, 0.5 * stiffness * elastic_rad * elastic_rad]
+    }
+
+    fn plastic_rad(&self) -> f64 {
+        self.ends.iter().map(|e| e.plastic_rad).sum()
     }
 
     /// Moments at the ends \[N m\].
@@ -315,7 +332,7 @@ mod tests {
             MiddleSprings { load: SpanLoad::uniform(1e4, 1.1 * LENGTH_M, 0.5 * LENGTH_M), ..springs() };
         let mut beam = BeamEnds::default();
         beam.step(&table, &springs, [0.0; 2], 0.0);
-        let (mut work, mut dissipated, mut least) = (0.0, 0.0, f64::INFINITY);
+        let (mut work, mut dissipated, mut sagged, mut least) = (0.0, 0.0, 0.0, f64::INFINITY);
         let (mut last, mut forces) = ([0.0_f64; 2], [springs.load.middle_nm, 0.0]);
         let energy = |beam: &BeamEnds, at: [f64; 2]| {
             let [_, across] = beam.plastic(springs.lever_m);
@@ -331,10 +348,11 @@ mod tests {
                 work += 0.5 * (forces[k] + now[k]) * (at[k] - last[k]);
             }
             dissipated += step.dissipated_j;
+            sagged += step.against_load_j;
             least = least.min(step.dissipated_j);
             (last, forces) = (at, now);
         }
-        let sum = energy(&beam, last) + dissipated;
+        let sum = energy(&beam, last) + dissipated + sagged;
         assert!((sum - work).abs() < 1e-9 * work, "{sum} {work}");
         assert!(dissipated > 0.1 * work && least > -1e-6 * dissipated, "{least} {dissipated}");
         assert!(beam.ends.iter().all(|e| e.alpha_rad > 0.05));

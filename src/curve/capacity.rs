@@ -17,8 +17,8 @@ pub struct CapacityTable {
     value: Vec<f64>,
     fracture: Vec<f64>,
     peak: f64,
-    /// Plastic shortening for each radian of plastic rotation, at the levels \[m\].
-    shortening: Vec<f64>,
+    /// `-dC/dN` \[m\] and the capacity \[N m\] at the levels, means over [`EARLY_RAD`].
+    early: Vec<[f64; 2]>,
 }
 
 /// Plastic rotation over whose mean the resistance of a hinge depends on its axial force, for [`CapacityTable::shortening_m`] \[rad\]: further on, the points of single pushes say more of their ends than of that.
@@ -74,7 +74,7 @@ impl CapacityTable {
         let means: Vec<f64> = lines.iter().map(|line| factor * mean(line, EARLY_RAD)).collect();
         let forces: Vec<f64> = curve.levels.iter().map(|l| l.axial_force_n).collect();
         Ok(Self {
-            shortening: slopes(&forces, &means).iter().map(|slope| -slope).collect(),
+            early: slopes(&forces, &means).iter().zip(&means).map(|(slope, mean)| [-slope, *mean]).collect(),
             stiffness_nm_rad: curve.stiffness_nm_rad,
             alpha,
             force: curve.levels.iter().map(|l| l.axial_force_n).collect(),
@@ -196,11 +196,19 @@ impl CapacityTable {
         Capacity { moment_nm: c0 + slope * (alpha - self.alpha[i]), slope_nm_rad: slope, out_of_range }
     }
 
-    /// Plastic shortening for each radian of plastic rotation \[m\] by normality to the surface `|M| = C(N)`, `-dC/dN`: a section that turns under compression turns about an axis beside its centre (Jirásek and Bažant, Inelastic Analysis of Structures, 2002, chapter 7).
+    /// Plastic shortening for each radian of plastic rotation \[m\] by normality to the surface `|M| = C(N)`, `-dC/dN`, where the capacity is `capacity_nm`, under an axial force (compression positive); at most as much
+    /// as keeps the dissipation `C + N s` positive. A section that turns under compression turns about an axis beside its centre (Jirásek and Bažant, Inelastic Analysis of Structures, 2002, chapter 7).
     #[inline]
-    pub fn shortening_m(&self, at: AxialLevel) -> f64 {
-        let low = self.shortening[at.below];
-        if at.weight > 0.0 { low + at.weight * (self.shortening[at.below + 1] - low) } else { low }
+    pub fn shortening_m(&self, at: AxialLevel, capacity_nm: f64, axial_force_n: f64) -> f64 {
+        let [axis_m, mean_nm] = [0, 1].map(|k| {
+            let low = self.early[at.below][k];
+            if at.weight > 0.0 { low + at.weight * (self.early[at.below + 1][k] - low) } else { low }
+        });
+        if mean_nm <= 0.0 {
+            return 0.0;
+        }
+        let axis_m = axis_m * capacity_nm / mean_nm;
+        if axis_m * axial_force_n < -capacity_nm { -capacity_nm / axial_force_n } else { axis_m }
     }
 
     /// Accumulated plastic rotation at which the section separates \[rad\].
@@ -255,15 +263,14 @@ mod tests {
         let levels: Vec<CapacityLevel> = (-8..=8).map(level).collect();
         let curve = ResistanceCurve { stiffness_nm_rad: 1e7, levels, cyclic: None };
         let table = CapacityTable::new(&curve, 1.0).unwrap();
-        // the mean of the first 0.05 rad, of which 0.03 are on the way down
-        let early = 1.0 - 0.5 * 0.03 * 0.5 * 0.03 / 0.98 / EARLY_RAD;
-        for share in [-0.7, -0.25, 0.0, 0.3, 0.55] {
+        for share in [-0.7, -0.3, 0.0, 0.3, 0.5] {
             let at = table.level(share * squash_n, &mut CapacityHint::default());
-            let axis_m = table.shortening_m(at) / early;
+            let capacity_nm = plastic_nm * (1.0 - share * share);
+            let axis_m = table.shortening_m(at, capacity_nm, share * squash_n);
             assert!((axis_m - 0.5 * share * depth_m).abs() < 1e-9, "{share}: {axis_m}");
         }
         let single = ResistanceCurve { levels: curve.levels[..1].to_vec(), ..curve };
         let table = CapacityTable::new(&single, 1.0).unwrap();
-        assert_eq!(table.shortening_m(table.level(1e5, &mut CapacityHint::default())), 0.0);
+        assert_eq!(table.shortening_m(table.level(1e5, &mut CapacityHint::default()), plastic_nm, 1e5), 0.0);
     }
 }

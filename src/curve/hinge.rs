@@ -114,7 +114,8 @@ impl Hinge2 {
                     let capacity = table.capacity_at(self.alpha_rad, levels[i], &mut self.hint[i]);
                     let used = (k[i] * e[i] / capacity.moment_nm.max(CAPACITY_FLOOR * table.peak_nm())).abs();
                     let flow = (active[i] * (x / length)).abs();
-                    shortened_m += used.min(1.0) * flow * table.shortening_m(levels[i]);
+                    let axis_m = table.shortening_m(levels[i], capacity.moment_nm, axial_force_n);
+                    shortened_m += used.min(1.0) * flow * axis_m;
                 }
             }
             self.damage += x / self.fracture_rotation_rad(laws, axial_force_n);

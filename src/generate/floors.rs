@@ -203,6 +203,7 @@ impl Line {
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,
             compressive_capacity_n: entry.compressive_capacity_n,
+            crushing_shortening_m: None,
             associated_flow: false,
             origin: Origin {
                 members: model_members(building, model, &self.id),

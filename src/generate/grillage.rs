@@ -106,8 +106,9 @@ impl Grillage {
                 Kind::Middles => (plane.level_m, Row::AtJoint),
                 Kind::OpenSpans => (plane.slab_level_m().unwrap_or(bends_at_m), sum.row(has_columns)),
             };
-            // a plate is far wider than the columns that it ends at
-            let [start, end] = if row == Row::AtJoint { faces_m } else { axes_m };
+            // a plate is far wider than the columns that it ends at, and columns may be wider than their span
+            let at_faces = row == Row::AtJoint && faces_m[0] < faces_m[1];
+            let [start, end] = if at_faces { faces_m } else { axes_m };
             let length_m = end - start;
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, length_m);
             let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, length_m);
@@ -138,6 +139,7 @@ impl Grillage {
                 tensile_capacity_n: ends.squash_n,
                 tensile_elongation_m: ends.elongation_m,
                 compressive_capacity_n: ends.squash_n,
+                crushing_shortening_m: None,
                 associated_flow: true,
                 origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
             })

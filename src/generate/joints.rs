@@ -328,6 +328,7 @@ pub fn hinges(
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
+            crushing_shortening_m: capacity(entry.tensile_elongation_m),
             associated_flow: true,
             origin: Origin {
                 members: vec![end.id.clone()],

@@ -175,6 +175,7 @@ fn spring(
         tensile_capacity_n: Some(squash_n),
         tensile_elongation_m: Some(law.critical_plastic_strain * half.mesh_m),
         compressive_capacity_n: Some(squash_n),
+        crushing_shortening_m: None,
         associated_flow: true,
         origin: Origin {
             members: vec![building.members[wall].id.clone()],

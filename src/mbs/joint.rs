@@ -43,8 +43,11 @@ pub struct JointData {
     pub tensile_capacity: f64,
     /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
     tensile_elongation: f64,
-    /// Plastic elongation so far \[m\].
+    /// Plastic elongation so far, and shortening at the compressive capacity \[m\].
     elongated: f64,
+    pressed: f64,
+    /// Such shortening at which it is crushed \[m\].
+    crushing_shortening: f64,
     /// Compression at which the axial spring flows \[N\].
     pub(super) compressive_capacity: f64,
     /// Plastic shortening less elongation, in the sense of the gap along axis 0 \[m\].
@@ -79,8 +82,11 @@ pub(super) struct MidBeam {
     pub axis: usize,
     /// Half its length, by the sense in which a rotation about the axis moves it along the other one \[m\].
     lever_m: f64,
-    /// What its weight adds.
+    /// What its weight adds, and the share of it that is borne: none in free fall.
     load: SpanLoad,
+    pub borne: f64,
+    /// Work done against it \[J\].
+    pub against_load_j: f64,
     /// The hinges.
     pub ends: BeamEnds,
 }
@@ -96,12 +102,18 @@ impl MidBeam {
         // displacements and rotations are those of B against A
         let across = outward * math::dot(joint.axes[3 - axis], gravity);
         let load = beam.span.map(|s| SpanLoad::uniform(s.mass_kg_m * across, s.length_m, lever_m));
-        Some(Box::new(Self { axis, lever_m, load: load.unwrap_or_default(), ends: BeamEnds::default() }))
+        let (load, ends) = (load.unwrap_or_default(), BeamEnds::default());
+        Some(Box::new(Self { axis, lever_m, load, borne: 1.0, against_load_j: 0.0, ends }))
     }
 
     /// The other axis across, along which it bears shear.
     fn across(&self) -> usize {
         3 - self.axis
+    }
+
+    /// Whether its weight bends it.
+    pub fn is_loaded(&self) -> bool {
+        self.load != SpanLoad::default()
     }
 
     /// What is plastic of the rotation \[rad\] and of the gap across \[m\].
@@ -137,6 +149,8 @@ impl JointData {
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
             elongated: 0.0,
+            pressed: 0.0,
+            crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
             compressive_capacity: joint.compressive_capacity_n.unwrap_or(f64::INFINITY),
             crushed: 0.0,
             crush_j: 0.0,
@@ -186,6 +200,16 @@ impl JointData {
         } else {
             -self.axial_force > self.tensile_capacity
         }
+    }
+
+    /// Whether compression has crushed the joint.
+    pub fn is_crushed(&self) -> bool {
+        self.pressed >= self.crushing_shortening
+    }
+
+    /// Whether it separates now.
+    pub fn breaks(&self) -> bool {
+        self.alive && (self.hinge.fractured || self.is_pulled_apart() || self.is_crushed())
     }
 
     /// Whether any axis has a curve.
@@ -298,6 +322,7 @@ impl JointData {
             shortened += flow;
             self.crushed -= self.outward * flow;
             self.elongated += (-flow).max(0.0);
+            self.pressed += flow.max(0.0);
             gap[0] += self.outward * flow;
         }
         self.crush_j += 0.5 * (old + self.axial_force) * shortened;
@@ -316,10 +341,11 @@ impl JointData {
             turn_nm_rad: self.rotation[axis],
             shear_n_m: self.translation[across],
             lever_m: beam.lever_m,
-            load: beam.load,
+            load: beam.load.times(beam.borne),
         };
         let table = &tables[self.table[axis - 1] as usize];
         let step = beam.ends.step(table, &springs, [theta[axis], gap[across]], self.axial_force);
+        beam.against_load_j += step.against_load_j;
         gap[across] -= beam.plastic()[1];
         self.flowing = step.flowing;
         self.hinge.dissipated_j += step.dissipated_j;
@@ -352,7 +378,7 @@ impl JointData {
         }
         let (force, ease) = self.hinge.elastic_range(self.laws(tables), self.axial_force)?;
         let range = [force[0].max(-self.tensile_capacity), force[1].min(self.compressive_capacity)];
-        (!self.is_pulled_apart()).then_some((range, ease))
+        (!self.is_pulled_apart() && !self.is_crushed()).then_some((range, ease))
     }
 
     /// Moments about the joint axes; sets the bending part of the elastic energy.

@@ -306,6 +306,7 @@ mod tests {
                 latent: None,
                 tensile_capacity_n: Some(2e5),
                 compressive_capacity_n: Some(3e5),
+                crushing_shortening_m: None,
                 associated_flow: true,
                 tensile_elongation_m: Some(0.5),
                 origin: Origin::default(),

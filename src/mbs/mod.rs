@@ -42,6 +42,7 @@ pub mod run;
 pub mod sleep;
 pub mod step;
 pub mod system;
+mod weight;
 
 pub use check::ModelError;
 pub use error::SolveError;

@@ -218,4 +218,6 @@ pub enum FractureCause {
     Rotation,
     /// The axial force passed the tensile capacity.
     Tension,
+    /// It was shortened at its compressive capacity by as much as it bears.
+    Compression,
 }

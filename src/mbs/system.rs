@@ -8,6 +8,7 @@ use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
 use super::model::{Bending, Body, Bushing, Model};
 use super::step::{InverseBlock, Moved};
+use super::weight::Weight;
 use crate::base::isa::Isa;
 use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
 use std::collections::BTreeMap;
@@ -73,6 +74,7 @@ pub struct System {
     pub(super) inverses: Vec<InverseBlock>,
     pub(super) moved: Moved,
     act: Act,
+    weight: Weight,
 }
 
 impl System {
@@ -116,7 +118,13 @@ impl System {
         let inverses = InverseBlock::all(&data);
         let (gravity, isa) = (model.gravity_m_s2, Isa::best());
         let (moved, act) = (Moved::default(), Act::default());
-        Ok(Self { gravity, bodies, data, joints, tables, isa, blocks, inverses, moved, act })
+        let weight = Weight::new(&joints, &bodies);
+        Ok(Self { gravity, bodies, data, joints, tables, isa, blocks, inverses, moved, act, weight })
+    }
+
+    /// Finds out how much of their weight the spans of beams bear, after a step \[s\].
+    pub fn weigh(&mut self, h_s: f64) {
+        self.weight.follow(&mut self.joints, &self.bodies, &self.data, self.gravity, h_s);
     }
 
     /// Sets the strength of the curves of a joint to a share of that which its bushing gives.

@@ -142,6 +142,43 @@ fn two_spans_under_their_weight_are_a_clamped_beam() {
     }
 }
 
+/// Two halves of a beam that fall freely have no weight to bear: once that is known, no moments are left.
+#[test]
+fn a_beam_in_free_fall_bears_nothing() {
+    let (mass_kg_m, bending) = (500.0, 4e7);
+    let mut m = model("free fall", 1.0, 0.01);
+    m.curves.insert(
+        "end".into(),
+        ResistanceCurve { stiffness_nm_rad: bending / LENGTH_M, ..curve(&[[0.0, 1e6], [1.0, 1e6]], 2.0) },
+    );
+    for side in [-1.0, 1.0] {
+        let half =
+            solid(&format!("half {side}"), [0.25 * side * LENGTH_M, 0.0, 0.0], [0.5 * LENGTH_M, 0.2, 0.2]);
+        let mass_kg = 0.5 * mass_kg_m * LENGTH_M;
+        let inertia_kg_m2 = box_inertia(mass_kg, [0.5 * LENGTH_M, 0.2, 0.2]);
+        m.bodies.push(Body { mass_kg, inertia_kg_m2, ..half });
+    }
+    m.bushings.push(Bushing {
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        beam: Some(Beam {
+            half_length_m: 0.5 * LENGTH_M,
+            ends: ["start".into(), "end".into()],
+            span: Some(Span { length_m: LENGTH_M, mass_kg_m }),
+        }),
+        ..joint("middle", Some("half -1"), "half 1", [0.0; 3], 1e9, 1e8, [hinge("end"), elastic(1e8)])
+    });
+    let result = simulate(&m).unwrap();
+    let clamped = mass_kg_m * G * LENGTH_M.powi(2) / 12.0;
+    let largest = |from: usize| {
+        let moments = result.hinges.iter().flat_map(|h| &h.moment_nm[from..]).flatten();
+        moments.fold(0.0_f64, |most, moment| most.max(moment.abs()))
+    };
+    // it swings about that without damping: as a whole it was bent when it was let go
+    let mean: f64 = result.hinges[0].moment_nm[50..].iter().map(|m| m[0]).sum::<f64>() / 51.0;
+    assert!(mean.abs() < 0.02 * clamped && largest(0) > clamped, "{mean} of {clamped}");
+    assert!(result.energy_error < 1e-3, "{}", result.energy_error);
+}
+
 #[test]
 fn a_beam_needs_one_curve_shear_and_names_of_its_own() {
     let sound = cantilever(&[[0.0, 1e4], [0.02, 1e4]], 0.02);

@@ -2,7 +2,7 @@
 
 use super::support::*;
 use fallwerk::mbs::model::*;
-use fallwerk::mbs::result::EventKind;
+use fallwerk::mbs::result::{EventKind, FractureCause};
 use fallwerk::mbs::{SolveError, simulate};
 
 #[test]
@@ -132,4 +132,53 @@ fn tension_separates_a_joint() {
     assert!(result.frames.last().unwrap().position_m[0][2] < -1.2);
     // The joint breaks at full load within one step; the scale is that of half a millimetre of motion.
     assert!(result.energy_error < 0.05, "{}", result.energy_error);
+}
+
+/// A column that bears four fifths of what stands on it is pressed down by a fifth of gravity: `s = ½ (g - N/m) t²` until it is crushed.
+#[test]
+fn a_column_is_crushed_by_as_much_shortening_as_it_bears() {
+    let mut m = model("crushing", 1.0, 0.01);
+    let weight = solid("weight", [0.0, 0.0, 2.0], [1.0, 1.0, 4.0]);
+    let load_n = weight.mass_kg * G;
+    m.bodies.push(weight);
+    let mut foot = joint("foot", None, "weight", [0.0; 3], 1e12, 1e8, [elastic(1e8), elastic(1e8)]);
+    foot.axes = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    foot.compressive_capacity_n = Some(0.8 * load_n);
+    foot.crushing_shortening_m = Some(0.1);
+    m.bushings.push(foot);
+    track(&mut m, "weight", [0.0; 3]);
+    let result = simulate(&m).unwrap();
+    let [event] = &result.events[..] else { panic!("{:?}", result.events) };
+    assert!(matches!(event.kind, EventKind::Fracture { cause: FractureCause::Compression, .. }));
+    let wanted = (2.0 * 0.1 / (0.2 * G)).sqrt();
+    assert!((event.time_s / wanted - 1.0).abs() < 0.01, "{} {wanted}", event.time_s);
+    // free fall after that
+    let at = |i: usize| result.tracked[0].displacement_m[i][2];
+    let acceleration = (at(90) - 2.0 * at(80) + at(70)) / 0.01;
+    assert!((acceleration + G).abs() < 1e-6, "{acceleration}");
+    assert!(result.energy_error < 1e-3, "{}", result.energy_error);
+}
+
+/// A floor whose column is crushed goes down to the ground through it, the column stands there.
+#[test]
+fn what_is_crushed_props_nothing_up() {
+    let mut m = model("prop", 2.0, 0.01);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+    let shapes = |half: [f64; 3]| vec![Shape::cuboid([0.0; 3], half)];
+    let column = solid("column", [0.0, 0.0, 1.5], [0.4, 0.4, 3.0]);
+    m.bodies.push(Body { shapes: shapes([0.2, 0.2, 1.5]), ..column });
+    let floor = solid("floor", [0.0, 0.0, 3.2], [4.0, 4.0, 0.2]);
+    let load_n = floor.mass_kg * G;
+    m.bodies.push(Body { shapes: shapes([2.0, 2.0, 0.1]), ..floor });
+    let mut head =
+        joint("head", Some("floor"), "column", [0.0, 0.0, 3.0], 1e9, 1e8, [elastic(1e8), elastic(1e8)]);
+    head.axes = [[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]];
+    head.compressive_capacity_n = Some(0.5 * load_n);
+    m.bushings.push(head);
+    track(&mut m, "floor", [0.0, 0.0, 3.2]);
+    let end = |m: &Model| simulate(m).unwrap().tracked[0].displacement_m.last().unwrap()[2];
+    m.bushings[0].crushing_shortening_m = Some(0.1);
+    let crushed = end(&m);
+    assert!((crushed + 3.1).abs() < 0.01, "{crushed}");
 }

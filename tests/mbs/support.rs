@@ -59,6 +59,7 @@ pub fn joint(
         latent: None,
         tensile_capacity_n: None,
         compressive_capacity_n: None,
+        crushing_shortening_m: None,
         associated_flow: false,
         tensile_elongation_m: None,
         origin: Origin::default(),

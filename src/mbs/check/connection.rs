@@ -106,6 +106,9 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
         }
     }
     list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
+    if let Some(t) = joint.crushing_shortening_m {
+        list.positive(&format!("{path}.crushing_shortening_m"), t);
+    }
     if let Some(t) = joint.tensile_elongation_m {
         list.not_negative(&format!("{path}.tensile_elongation_m"), t);
     }
@@ -149,12 +152,16 @@ fn check_held(model: &Model, bushing: &Bushing, id: &str, path: &str, list: &mut
     let flows = [
         ("tensile_elongation_m", bushing.tensile_elongation_m),
         ("compressive_capacity_n", bushing.compressive_capacity_n),
+        ("crushing_shortening_m", bushing.crushing_shortening_m),
     ];
     for (name, value) in flows {
         list.require(value.is_none(), &format!("{path}.{name}"), || {
             format!("has no meaning: joint \"{id}\" neither stretches nor crushes; leave it out")
         });
     }
+    list.require(!bushing.associated_flow, &format!("{path}.associated_flow"), || {
+        format!("has no meaning: joint \"{id}\" does not shorten; leave it out")
+    });
 }
 
 fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list: &mut List) {

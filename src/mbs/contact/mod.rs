@@ -45,6 +45,7 @@ use collide::{Broad, Finder, Found, Placed, Solid};
 use impact::Impacts;
 use pair::{Entry, Pair, Point};
 use rows::{Motion, Rows};
+use std::collections::BTreeSet;
 use surface::Surfaces;
 
 /// A body as the contacts see it.
@@ -259,8 +260,10 @@ pub struct ContactSet {
     order: Vec<Entry>,
     plane_pairs: usize,
     free: Vec<u32>,
-    seen: std::collections::BTreeSet<(usize, Partner)>,
+    seen: BTreeSet<(usize, Partner)>,
     connected: Vec<(usize, usize)>,
+    /// Bodies that touch no others.
+    crushed: BTreeSet<usize>,
     /// Whether pairs that come to overlap now did so before they could be seen.
     first_look: bool,
     /// Sum of twice the largest path, and its value at which something must be looked at.
@@ -353,6 +356,7 @@ impl ContactSet {
             free: Vec::new(),
             seen: Default::default(),
             connected: Vec::new(),
+            crushed: BTreeSet::new(),
             first_look: true,
             clock: 0.0,
             alarm: 0.0,
@@ -395,12 +399,14 @@ impl ContactSet {
         }
     }
 
-    /// Says which bodies a joint connects (the ground is the number of bodies) and which are there. Connected bodies do not touch.
+    /// Says which bodies a joint connects (the ground is the number of bodies), which are there, and which are crushed. Connected bodies do not touch, and crushed ones no other bodies.
     pub fn connect(
         &mut self,
         connected: impl Iterator<Item = (usize, usize)>,
         alive: impl Fn(usize) -> bool,
+        crushed: BTreeSet<usize>,
     ) {
+        self.crushed = crushed;
         self.connected.clear();
         self.connected.extend(connected.map(|(a, b)| (a.min(b), a.max(b))));
         self.connected.sort_unstable();
@@ -428,7 +434,8 @@ impl ContactSet {
 
     fn is_blocked(&self, pair: &Pair, alive: impl Fn(usize) -> bool) -> bool {
         let [a, b] = self.bodies_of(pair);
-        if !alive(a) || b != self.ground && !alive(b) {
+        let is_one_crushed = self.crushed.contains(&a) || self.crushed.contains(&b);
+        if !alive(a) || b != self.ground && (!alive(b) || is_one_crushed) {
             return true;
         }
         let joined = self.connected.binary_search(&(a.min(b), a.max(b))).is_ok();

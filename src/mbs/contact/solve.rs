@@ -68,7 +68,10 @@ impl ContactSet {
             if linked {
                 self.temper(bodies);
             }
-            self.impulses(bodies, h, mechanism);
+            let is_settled = self.impulses(bodies, h, mechanism);
+            if !is_settled && !linked {
+                self.temper(bodies);
+            }
             if linked {
                 self.rebound_linked(bodies, h);
                 self.temper(bodies);
@@ -163,9 +166,9 @@ impl ContactSet {
         }
     }
 
-    /// Sweeps until the velocities hold, with the pairs that they bring near.
-    fn impulses(&mut self, bodies: &[Moving], h: f64, mut mechanism: Option<&mut (dyn Linked + '_)>) {
-        self.sweeps(bodies);
+    /// Sweeps until the velocities hold, with the pairs that they bring near; whether they nearly do.
+    fn impulses(&mut self, bodies: &[Moving], h: f64, mut mechanism: Option<&mut (dyn Linked + '_)>) -> bool {
+        let mut is_settled = self.sweeps(bodies);
         for _ in 0..MOST_EXTENSIONS {
             let first = self.rows.blocks.len();
             if !self.extend(bodies, h) {
@@ -176,12 +179,14 @@ impl ContactSet {
                     self.rows.link(first, m);
                 }
                 self.rows.warm_start(first);
-                self.sweeps(bodies);
+                is_settled = self.sweeps(bodies);
             }
         }
+        is_settled
     }
 
-    pub(super) fn sweeps(&mut self, bodies: &[Moving]) {
+    /// Sweeps, and conjugate directions after an impact; whether the last ones changed velocities by no more than what leaves them to the next step.
+    pub(super) fn sweeps(&mut self, bodies: &[Moving]) -> bool {
         let s = self.settings;
         let kick = bodies.iter().map(|b| math::dot(b.kick_v, b.kick_v)).fold(0.0, f64::max).sqrt();
         let scale = (2.0 * kick).max(LEAST_SCALE_M_S);
@@ -212,6 +217,7 @@ impl ContactSet {
         self.work.unfinished += u64::from(change > s.tolerance * scale);
         self.work.sweeps += done as u64;
         self.work.visits += (done * self.rows.rows.len()) as u64;
+        change <= from * scale
     }
 
     /// Conjugate directions until the velocities hold; how many moves, and the largest change of a velocity in the sweep after them \[m/s\].

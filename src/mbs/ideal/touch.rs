@@ -8,6 +8,7 @@ use super::method::{COARSE, LEAPFROG};
 use super::motion::{Motion, STATE};
 use crate::mbs::contact::{ContactSet, Moving, TooDeep, Touch};
 use crate::mbs::math::{self, V3, add, dot, norm, sub};
+use std::collections::BTreeSet;
 
 /// Longest step in contact \[s\], and that with a coarse tolerance.
 const STEP_S: [f64; 2] = [5e-4, 1e-3];
@@ -217,7 +218,7 @@ impl Marcher {
         if let Some(touching) = &mut self.touching {
             let ground = self.motion.bodies();
             let pairs = self.motion.connected(ground);
-            touching.set.connect(pairs.into_iter(), |b| !self.motion.is_gone(b));
+            touching.set.connect(pairs.into_iter(), |b| !self.motion.is_gone(b), BTreeSet::new());
         }
     }
 }

@@ -222,6 +222,9 @@ pub struct Bushing {
     /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
     #[serde(default)]
     pub compressive_capacity_n: Option<f64>,
+    /// Plastic shortening \[m\] that the member bears at its compressive capacity before it is crushed: the joint then separates, and body `b`, which is the member, touches no other body; `None`: any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crushing_shortening_m: Option<f64>,
     /// Whether its hinge shortens it as it turns under an axial force, by normality to the surface of its capacities ([`crate::curve::CapacityTable::shortening_m`]).
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub associated_flow: bool,

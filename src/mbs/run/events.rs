@@ -39,12 +39,14 @@ impl Run<'_> {
     pub(super) fn fracture(&mut self) {
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
-            let tension = joint.is_pulled_apart();
-            if joint.alive && (joint.hinge.fractured || tension) {
+            if joint.breaks() {
                 let broken = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
-                let cause =
-                    if joint.hinge.fractured { FractureCause::Rotation } else { FractureCause::Tension };
+                let cause = match (joint.hinge.fractured, joint.is_crushed()) {
+                    (true, _) => FractureCause::Rotation,
+                    (false, true) => FractureCause::Compression,
+                    (false, false) => FractureCause::Tension,
+                };
                 let bushing = &self.model.bushings[i];
                 let name = bushing.hinges().get(broken).map_or(bushing.id.as_str(), |name| name).to_string();
                 let kind = EventKind::Fracture { joint: name, cause };

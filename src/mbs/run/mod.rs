@@ -377,6 +377,7 @@ impl<'a> Run<'a> {
             }
             self.sleep.count(&mut self.system, &mut self.contacts, self.time, h);
             step::drift(&mut self.system, h);
+            self.system.weigh(h);
             self.result.steps += 1;
             self.last_step = h;
             self.time = begin + h * (i + 1) as f64;
@@ -427,7 +428,7 @@ impl<'a> Run<'a> {
         let mut broken = false;
         for i in 0..self.system.joints.len() {
             let joint = &self.system.joints[i];
-            broken |= joint.alive && (joint.hinge.fractured || joint.is_pulled_apart());
+            broken |= joint.breaks();
             let is_known = self.yielded[i][0] && (joint.beam.is_none() || self.yielded[i][1]);
             if joint.flowing && (!is_known || joint.hinge.out_of_range) {
                 self.note_yield(i);

@@ -12,12 +12,13 @@ use crate::mbs::system::System;
 use petgraph::unionfind::UnionFind;
 use std::collections::BTreeSet;
 
-/// Tells the contacts which bodies are there and which a joint connects. Pieces of what was one body count as that body as far as intact joints still connect them: a column
+/// Tells the contacts which bodies are there and which a joint connects, and what is crushed: what is left of such a member holds nothing up. Pieces of what was one body count as that body as far as intact joints still connect them: a column
 /// that did not touch its floor as a whole does not touch the pieces of it either.
 pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Latent) {
     let joined = || system.joints.iter().filter(|j| j.alive).map(|j| (j.a, j.b));
+    let crushed = system.joints.iter().filter(|j| j.is_crushed()).map(|j| j.b).collect();
     if !latent.has_parted() {
-        contacts.connect(joined(), |i| system.data[i].alive);
+        contacts.connect(joined(), |i| system.data[i].alive, crushed);
         return;
     }
     let mut sets = UnionFind::<usize>::new(system.bodies.len());
@@ -33,7 +34,7 @@ pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Laten
             pairs.extend(members[labels[b]].iter().filter(|y| x != *y).map(|y| (*x.min(y), *x.max(y))));
         }
     }
-    contacts.connect(pairs.into_iter(), |i| system.data[i].alive);
+    contacts.connect(pairs.into_iter(), |i| system.data[i].alive, crushed);
 }
 
 /// The step given, or a share of the automatic one.
