@@ -310,10 +310,10 @@ impl Ties {
         let count = self.ends.len();
         while let Some((end_s, end)) = self.ends.last() {
             match end {
-                End::Of(id) if *end_s <= time_s => self.list.retain(|(own, ..)| own != id),
-                End::Crushed(id) if *end_s <= time_s => {
-                    let crushed = self.list.iter().filter(|(own, ..)| own == id);
-                    self.crushed.extend(crushed.filter_map(|(_, bodies, _)| bodies[1]));
+                End::Of(id) | End::Crushed(id) if *end_s <= time_s => {
+                    let is_crushed = matches!(end, End::Crushed(_));
+                    let own = self.list.iter().filter(|(own, ..)| own == id && is_crushed);
+                    self.crushed.extend(own.filter_map(|(_, bodies, _)| bodies[1]));
                     self.list.retain(|(own, ..)| own != id);
                 }
                 End::Body(body) if *end_s < time_s - 1e-9 => {

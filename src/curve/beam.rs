@@ -90,8 +90,8 @@ pub struct BeamStep {
     pub against_load_j: f64,
     /// Whether an end flowed under an axial force outside the levels of the curve.
     pub out_of_range: bool,
-    /// How much shorter it made the beam by normality ([`CapacityTable::shortening_m`]) \[m\].
-    pub shortened_m: f64,
+    /// By how much both ends turned \[rad\].
+    pub flow_rad: [f64; 2],
 }
 
 impl BeamEnds {
@@ -127,15 +127,12 @@ impl BeamEnds {
         });
         let mut moments = trial;
         if bears != [true; 2] {
-            let flow = self.settle(table, springs, trial, levels);
-            for (end, flow) in self.ends.iter_mut().zip(flow).filter(|(_, flow)| *flow != 0.0) {
+            step.flow_rad = self.settle(table, springs, trial, levels);
+            for (end, flow) in self.ends.iter_mut().zip(step.flow_rad).filter(|(_, flow)| *flow != 0.0) {
                 end.plastic_rad += flow;
                 end.alpha_rad += flow.abs();
                 end.damage += flow.abs() / table.fracture_rotation_rad(axial_force_n, &mut end.hint);
                 step.flowing = true;
-                let capacity = table.capacity_at(end.alpha_rad, levels[0], &mut end.hint);
-                let axis_m = table.shortening_m(levels[0], capacity.moment_nm, axial_force_n);
-                step.shortened_m += flow.abs() * axis_m;
             }
             moments = self.moments(springs, [turn_rad, across_m]);
         }
@@ -150,6 +147,16 @@ impl BeamEnds {
             step.against_load_j += 0.5 * (before.drop_nm + springs.load.drop_nm) * flow;
         }
         step
+    }
+
+    /// How much shorter the flow of its last step made the beam by normality ([`CapacityTable::shortening_m`]) \[m\].
+    pub fn shortened_m(&mut self, table: &CapacityTable, flow_rad: [f64; 2], axial_force_n: f64) -> f64 {
+        let of_end = |(end, flow): (&mut BeamEnd, f64)| {
+            let level = table.level(axial_force_n, &mut end.hint);
+            let capacity = table.capacity_at(end.alpha_rad, level, &mut end.hint);
+            flow.abs() * table.shortening_m(level, capacity.moment_nm, axial_force_n)
+        };
+        self.ends.iter_mut().zip(flow_rad).map(of_end).sum()
     }
 
     /// Moment in the middle \[N m\] and elastic energy of the rotation there \[J\].

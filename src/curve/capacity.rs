@@ -39,6 +39,15 @@ pub struct AxialLevel {
     out_of_range: bool,
 }
 
+impl AxialLevel {
+    /// Between the values of something at the levels about it.
+    #[inline]
+    fn between(self, of: impl Fn(usize) -> f64) -> f64 {
+        let low = of(self.below);
+        if self.weight > 0.0 { low + self.weight * (of(self.below + 1) - low) } else { low }
+    }
+}
+
 /// A bound of the capacity between two levels of axial force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearby {
@@ -72,12 +81,12 @@ impl CapacityTable {
             value.extend(lines.iter().map(|line| factor * interpolate(line, a)));
         }
         let means: Vec<f64> = lines.iter().map(|line| factor * mean(line, EARLY_RAD)).collect();
-        let forces: Vec<f64> = curve.levels.iter().map(|l| l.axial_force_n).collect();
+        let force: Vec<f64> = curve.levels.iter().map(|l| l.axial_force_n).collect();
         Ok(Self {
-            early: slopes(&forces, &means).iter().zip(&means).map(|(slope, mean)| [-slope, *mean]).collect(),
+            early: slopes(&force, &means).iter().zip(&means).map(|(slope, mean)| [-slope, *mean]).collect(),
             stiffness_nm_rad: curve.stiffness_nm_rad,
             alpha,
-            force: curve.levels.iter().map(|l| l.axial_force_n).collect(),
+            force,
             value,
             fracture: curve.levels.iter().map(|l| l.fracture_rotation_rad).collect(),
             peak: factor * curve.peak_nm(),
@@ -172,14 +181,10 @@ impl CapacityTable {
     /// The same between known levels.
     #[inline]
     pub fn capacity_at(&self, alpha: f64, at: AxialLevel, hint: &mut CapacityHint) -> Capacity {
-        let AxialLevel { below: level, weight, out_of_range } = at;
+        let out_of_range = at.out_of_range;
         let levels = self.force.len();
         let last = self.alpha.len() - 1;
-        let at = |i: usize| {
-            let row = i * levels + level;
-            let low = self.value[row];
-            if weight > 0.0 { low + weight * (self.value[row + 1] - low) } else { low }
-        };
+        let at = |i: usize| at.between(|level| self.value[i * levels + level]);
         if alpha >= self.alpha[last] {
             return Capacity { moment_nm: at(last), slope_nm_rad: 0.0, out_of_range };
         }
@@ -200,10 +205,7 @@ impl CapacityTable {
     /// as keeps the dissipation `C + N s` positive. A section that turns under compression turns about an axis beside its centre (Jirásek and Bažant, Inelastic Analysis of Structures, 2002, chapter 7).
     #[inline]
     pub fn shortening_m(&self, at: AxialLevel, capacity_nm: f64, axial_force_n: f64) -> f64 {
-        let [axis_m, mean_nm] = [0, 1].map(|k| {
-            let low = self.early[at.below][k];
-            if at.weight > 0.0 { low + at.weight * (self.early[at.below + 1][k] - low) } else { low }
-        });
+        let [axis_m, mean_nm] = [0, 1].map(|k| at.between(|level| self.early[level][k]));
         if mean_nm <= 0.0 {
             return 0.0;
         }
@@ -214,9 +216,7 @@ impl CapacityTable {
     /// Accumulated plastic rotation at which the section separates \[rad\].
     #[inline]
     pub fn fracture_rotation_rad(&self, axial_force_n: f64, hint: &mut CapacityHint) -> f64 {
-        let AxialLevel { below: level, weight, .. } = self.level(axial_force_n, hint);
-        let low = self.fracture[level];
-        if weight > 0.0 { low + weight * (self.fracture[level + 1] - low) } else { low }
+        self.level(axial_force_n, hint).between(|level| self.fracture[level])
     }
 }
 

@@ -64,8 +64,8 @@ pub struct HingeStep {
     pub elastic_j: f64,
     /// Whether plastic rotation grew.
     pub flowing: bool,
-    /// How much shorter it made the member by normality ([`CapacityTable::shortening_m`]) \[m\].
-    pub shortened_m: f64,
+    /// By how much about both axes \[rad\].
+    pub flow_rad: [f64; 2],
 }
 
 /// Relative accuracy of the return to the yield surface, in terms of the moment.
@@ -85,7 +85,7 @@ impl Hinge2 {
         let k = [laws[0].stiffness_nm_rad(), laws[1].stiffness_nm_rad()];
         let mut e = [theta_rad[0] - self.plastic_rad[0], theta_rad[1] - self.plastic_rad[1]];
         let old = self.moment_nm;
-        let (mut flowing, mut shortened_m) = (false, 0.0);
+        let (mut flowing, mut flow_rad) = (false, [0.0; 2]);
         let trial = [k[0] * e[0], k[1] * e[1]];
         if self.is_well_inside(laws, trial, axial_force_n) {
             self.moment_nm = trial;
@@ -101,29 +101,36 @@ impl Hinge2 {
             let active = [if plastic[0] { e[0] } else { 0.0 }, if plastic[1] { e[1] } else { 0.0 }];
             let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
             let x = self.solve(laws, trial, length, levels, first);
-            for i in 0..2 {
-                let flow = active[i] * (x / length);
+            flow_rad = active.map(|e| e * (x / length));
+            for (i, flow) in flow_rad.into_iter().enumerate() {
                 self.plastic_rad[i] += flow;
                 e[i] -= flow;
                 self.dissipated_j += 0.5 * (old[i] + k[i] * e[i]) * flow;
             }
             self.alpha_rad += x;
             flowing = true;
-            for i in 0..2 {
-                if let AxisLaw::Plastic(table) = laws[i] {
-                    let capacity = table.capacity_at(self.alpha_rad, levels[i], &mut self.hint[i]);
-                    let used = (k[i] * e[i] / capacity.moment_nm.max(CAPACITY_FLOOR * table.peak_nm())).abs();
-                    let flow = (active[i] * (x / length)).abs();
-                    let axis_m = table.shortening_m(levels[i], capacity.moment_nm, axial_force_n);
-                    shortened_m += used.min(1.0) * flow * axis_m;
-                }
-            }
             self.damage += x / self.fracture_rotation_rad(laws, axial_force_n);
             self.fractured |= self.damage >= 1.0;
         }
         self.moment_nm = [k[0] * e[0], k[1] * e[1]];
         let elastic_j = 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]);
-        HingeStep { elastic_j, flowing, shortened_m }
+        HingeStep { elastic_j, flowing, flow_rad }
+    }
+
+    /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].
+    pub fn shortened_m(&mut self, laws: [AxisLaw<'_>; 2], flow_rad: [f64; 2], axial_force_n: f64) -> f64 {
+        let levels = self.levels(laws, axial_force_n);
+        let mut shortened_m = 0.0;
+        for i in 0..2 {
+            if let AxisLaw::Plastic(table) = laws[i] {
+                let capacity = table.capacity_at(self.alpha_rad, levels[i], &mut self.hint[i]);
+                let used =
+                    (self.moment_nm[i] / capacity.moment_nm.max(CAPACITY_FLOOR * table.peak_nm())).abs();
+                let axis_m = table.shortening_m(levels[i], capacity.moment_nm, axial_force_n);
+                shortened_m += used.min(1.0) * flow_rad[i].abs() * axis_m;
+            }
+        }
+        shortened_m
     }
 
     /// Whether a bound without interpolation shows that the moment is inside.

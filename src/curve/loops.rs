@@ -87,7 +87,7 @@ impl CyclicHinge {
         self.elastic_j =
             0.5 * self.moment_nm * self.moment_nm / (self.unloading * backbone.stiffness_nm_rad());
         self.dissipated_j = old.dissipated_j + work - (self.elastic_j - old.elastic_j);
-        HingeStep { elastic_j: self.elastic_j, flowing, shortened_m: 0.0 }
+        HingeStep { elastic_j: self.elastic_j, flowing, ..HingeStep::default() }
     }
 
     /// The moment passes zero at a rotation: an excursion ends.

@@ -32,16 +32,14 @@ pub struct BeamCut<'a> {
     pub axis: usize,
     /// Faces of the columns on both sides \[m\].
     pub faces_m: [f64; 2],
-    /// Length that bends \[m\].
-    pub length_m: f64,
+    /// What bends between them, with its weight.
+    pub span: Span,
     /// Edges across the span \[m\].
     pub across_m: [f64; 2],
     /// What holds the rows of elements at its ends.
     pub row: Row,
     /// The pieces of the floor on both sides.
     pub pieces: [&'a Piece; 2],
-    /// Mass per length of the span \[kg/m\].
-    pub mass_kg_m: f64,
 }
 
 /// What the springs in the middle of a cut have of the ends of its beams.
@@ -119,7 +117,7 @@ impl<'a> YieldingEnds<'a> {
             beam: Some(Beam {
                 half_length_m,
                 ends: [0, 1].map(|side| self.name(id, cut, side)),
-                span: Some(Span { length_m: cut.length_m, mass_kg_m: cut.mass_kg_m }),
+                span: Some(cut.span),
             }),
             squash_n: Some(section.squash_n),
             elongation_m: Some(critical * row_m),

@@ -17,7 +17,7 @@ use super::wish::Accuracy;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::graph::frame::{BeamSection, Element, Frame};
-use crate::mbs::model::{Bending, Bushing, Origin, PairRule};
+use crate::mbs::model::{Bending, Bushing, Origin, PairRule, Span};
 use std::collections::BTreeMap;
 
 /// Share of the torsion constant of a rectangle that a strip of a plate has in either direction (Hambly, Bridge Deck Behaviour, 1976, section 3.4).
@@ -115,8 +115,8 @@ impl Grillage {
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             let id = format!("{}|{}", of_a.id, of_b.id);
             let pieces = [a, b].map(|p| &pieces[p]);
-            let mass_kg_m = plane.mass_kg_m;
-            let cut = BeamCut { axis, faces_m, length_m, across_m: plane.edges, row, pieces, mass_kg_m };
+            let span = Span { length_m, mass_kg_m: plane.mass_kg_m };
+            let cut = BeamCut { axis, faces_m, span, across_m: plane.edges, row, pieces };
             let ends = yielding.of(building, &id, &cut, turn);
             let vertical = ends.bending;
             let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };

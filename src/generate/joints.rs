@@ -318,7 +318,7 @@ pub fn hinges(
             body_b: place.bodies.list[own].id.clone(),
             point_m: hinge_point(end, hinge.offset_m),
             axes: axes(end.axis, end.outward),
-            axial_stiffness_n_m: half_prism(place.building, end).axial_n(),
+            axial_stiffness_n_m: HalfPrism::of(place.building, end).axial_n_m(),
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
@@ -349,19 +349,20 @@ struct HalfPrism {
     moduli_pa: [f64; 2],
 }
 
-fn half_prism(building: &Building, end: &MemberEnd) -> HalfPrism {
-    let member = &building.members[end.member];
-    let law = building.law_of(member);
-    HalfPrism {
-        length_m: 0.5 * end.clear_m,
-        section_m: [1, 2].map(|i| member.solid.size()[(end.axis + i) % 3]),
-        moduli_pa: [law.youngs_modulus_pa, law.shear_modulus_pa()],
-    }
-}
-
 impl HalfPrism {
+    /// That at an end.
+    fn of(building: &Building, end: &MemberEnd) -> Self {
+        let member = &building.members[end.member];
+        let law = building.law_of(member);
+        Self {
+            length_m: 0.5 * end.clear_m,
+            section_m: [1, 2].map(|i| member.solid.size()[(end.axis + i) % 3]),
+            moduli_pa: [law.youngs_modulus_pa, law.shear_modulus_pa()],
+        }
+    }
+
     /// Axial stiffness `E A / l` \[N/m\]. The submodel of an end has less, since its force goes into the floor around it: in a building it goes on to the next column, and what bends is the floor.
-    fn axial_n(&self) -> f64 {
+    fn axial_n_m(&self) -> f64 {
         self.moduli_pa[0] * self.section_m[0] * self.section_m[1] / self.length_m
     }
 
@@ -388,7 +389,7 @@ pub fn without_joint(
         if !other.is_some_and(|o| place.bodies.is_bending(o)) {
             continue;
         }
-        let half = half_prism(place.building, end);
+        let half = HalfPrism::of(place.building, end);
         let arm_m = half.length_m - (hinge.point_m[end.axis] - end.point_m[end.axis]).abs();
         for k in 0..2 {
             let alone = half.turn_nm_rad(k, arm_m);

@@ -352,7 +352,9 @@ impl JointData {
         self.hinge.alpha_rad = beam.ends.ends.iter().map(|e| e.alpha_rad).fold(0.0, f64::max);
         self.hinge.fractured |= beam.ends.is_broken();
         self.hinge.out_of_range |= step.out_of_range;
-        self.shortened = if self.is_associated { step.shortened_m } else { 0.0 };
+        if self.is_associated && step.flowing {
+            self.shortened = beam.ends.shortened_m(table, step.flow_rad, self.axial_force);
+        }
         let mut moment: V3 = std::array::from_fn(|i| self.rotation[i] * theta[i]);
         let of_other_j = 0.5 * moment[across] * theta[across];
         let [in_the_middle, energy_j] = beam.ends.in_the_middle(&springs, theta[axis]);
@@ -391,9 +393,12 @@ impl JointData {
             self.hinge.moment_nm = m;
             return [torsion, m[0], m[1]];
         }
-        let step = self.hinge.step(self.laws(tables), [theta[1], theta[2]], self.axial_force);
+        let laws = self.laws(tables);
+        let step = self.hinge.step(laws, [theta[1], theta[2]], self.axial_force);
         self.flowing = step.flowing;
-        self.shortened = if self.is_associated { step.shortened_m } else { 0.0 };
+        if self.is_associated && step.flowing {
+            self.shortened = self.hinge.shortened_m(laws, step.flow_rad, self.axial_force);
+        }
         self.elastic_j = step.elastic_j;
         [torsion, self.hinge.moment_nm[0], self.hinge.moment_nm[1]]
     }

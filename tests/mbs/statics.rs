@@ -182,3 +182,26 @@ fn what_is_crushed_props_nothing_up() {
     let crushed = end(&m);
     assert!((crushed + 3.1).abs() < 0.01, "{crushed}");
 }
+
+#[test]
+fn crushing_and_ideal_joints_do_not_go_together() {
+    let mut m = model("crushing", 1.0, 0.01);
+    m.bodies.push(solid("weight", [0.0, 0.0, 2.0], [1.0, 1.0, 4.0]));
+    let mut foot = joint("foot", None, "weight", [0.0; 3], 1e9, 1e8, [elastic(1e8), elastic(1e8)]);
+    foot.crushing_shortening_m = Some(0.1);
+    m.bushings.push(foot);
+    assert!(m.check().is_ok());
+    m.joints.push(Joint {
+        id: "guide".into(),
+        kind: JointKind::Spherical,
+        body_a: None,
+        body_b: "weight".into(),
+        point_m: [0.0; 3],
+        point_b_m: None,
+        axis: None,
+        axis_b: None,
+        origin: Origin::default(),
+    });
+    let said = m.check().unwrap_err().to_string();
+    assert!(said.contains("bushings[0].crushing_shortening_m: needs a model without ideal joints"), "{said}");
+}

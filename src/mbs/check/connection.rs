@@ -107,7 +107,11 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     }
     list.not_negative(&format!("{path}.torsional_stiffness_nm_rad"), joint.torsional_stiffness_nm_rad);
     if let Some(t) = joint.crushing_shortening_m {
-        list.positive(&format!("{path}.crushing_shortening_m"), t);
+        let path = format!("{path}.crushing_shortening_m");
+        list.positive(&path, t);
+        list.require(model.joints.is_empty() && model.forces.is_empty(), &path, || {
+            "needs a model without ideal joints and forces: leave it out".into()
+        });
     }
     if let Some(t) = joint.tensile_elongation_m {
         list.not_negative(&format!("{path}.tensile_elongation_m"), t);

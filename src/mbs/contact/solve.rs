@@ -14,9 +14,9 @@ pub(super) const REBOUND_FROM: f64 = 4.0;
 const UNSTEADY: f64 = 0.45;
 /// Change of a velocity after the sweeps, over the same, from which conjugate directions go on, and the fewest of them that are worth it.
 const SEARCH_FROM: f64 = 0.1;
-/// The same where no body is much heavier than one that it presses on: an impact that goes through many bodies. There the directions go on until the change is that of `SEARCH_FROM` only.
-const STRUCK_FROM: f64 = 4.0;
 const FEWEST_MOVES: usize = 8;
+/// The same change where no body is much heavier than one that it presses on: an impact that goes through many bodies. There the directions go on until it is that of `SEARCH_FROM` only.
+const STRUCK_FROM: f64 = 4.0;
 /// One sweep of so many visits points without impulses as well; so do the last one and the one that shows that velocities hold.
 const WHOLE_EVERY: usize = 3;
 /// Least velocity that errors are compared with \[m/s\].
@@ -69,13 +69,13 @@ impl ContactSet {
                 self.temper(bodies);
             }
             let is_settled = self.impulses(bodies, h, mechanism);
-            if !is_settled && !linked {
-                self.temper(bodies);
-            }
             if linked {
                 self.rebound_linked(bodies, h);
                 self.temper(bodies);
             } else {
+                if !is_settled {
+                    self.temper(bodies);
+                }
                 self.rebound(bodies, h);
             }
             self.close(bodies, h)?;
@@ -203,21 +203,25 @@ impl ContactSet {
             change = self.rows.sweep(done % 2 == 1, whole);
             done += 1;
         }
-        let (visits, from, until) = if self.rows.are_uneven() {
-            (s.search_visits, SEARCH_FROM, s.tolerance)
-        } else {
-            (s.struck_visits, STRUCK_FROM, SEARCH_FROM)
-        };
-        let moves = visits / (2 * self.rows.rows.len());
-        if change > from * scale && moves >= FEWEST_MOVES && !self.rows.are_linked() {
-            let (moved, left) = self.conjugate(moves, until * scale);
-            change = left;
-            done += 2 * moved + 1;
+        let mut is_settled = change <= SEARCH_FROM * scale;
+        if !is_settled {
+            let (visits, from, until) = if self.rows.are_uneven() {
+                (s.search_visits, SEARCH_FROM, s.tolerance)
+            } else {
+                (s.struck_visits, STRUCK_FROM, SEARCH_FROM)
+            };
+            let moves = visits / (2 * self.rows.rows.len());
+            if change > from * scale && moves >= FEWEST_MOVES && !self.rows.are_linked() {
+                let (moved, left) = self.conjugate(moves, until * scale);
+                change = left;
+                done += 2 * moved + 1;
+            }
+            is_settled = change <= from * scale;
         }
         self.work.unfinished += u64::from(change > s.tolerance * scale);
         self.work.sweeps += done as u64;
         self.work.visits += (done * self.rows.rows.len()) as u64;
-        change <= from * scale
+        is_settled
     }
 
     /// Conjugate directions until the velocities hold; how many moves, and the largest change of a velocity in the sweep after them \[m/s\].

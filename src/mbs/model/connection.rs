@@ -222,7 +222,7 @@ pub struct Bushing {
     /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
     #[serde(default)]
     pub compressive_capacity_n: Option<f64>,
-    /// Plastic shortening \[m\] that the member bears at its compressive capacity before it is crushed: the joint then separates, and body `b`, which is the member, touches no other body; `None`: any.
+    /// Plastic shortening \[m\] that the member bears at its compressive capacity before it is crushed: the joint then separates, and body `b`, which is the member, touches no other body; not in models with ideal joints and forces; `None`: any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crushing_shortening_m: Option<f64>,
     /// Whether its hinge shortens it as it turns under an axial force, by normality to the surface of its capacities ([`crate::curve::CapacityTable::shortening_m`]).
@@ -247,7 +247,7 @@ pub struct Beam {
 }
 
 /// A span under its own weight, which is part of that of the bodies: they bear it rigidly, and a beam between clamped faces sags. The moments of that are added in the middle and at the hinges
-/// ([`crate::curve::beam`]), for gravity as it acts in the initial poses.
+/// ([`crate::curve::beam`]), for gravity as it acts in the initial poses, and less of them the nearer its bodies are to free fall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Span {

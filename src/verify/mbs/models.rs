@@ -76,7 +76,7 @@ fn body(id: &str, mass_kg: f64, principal_kg_m2: V3, position_m: V3) -> Body {
 }
 
 /// A solid box of some density \[kg/m³\]; no contact shape.
-fn solid(id: &str, density: f64, size_m: V3, position_m: V3) -> Body {
+pub(super) fn solid(id: &str, density: f64, size_m: V3, position_m: V3) -> Body {
     let [x, y, z] = size_m;
     let mass = density * x * y * z;
     let principal = [y * y + z * z, x * x + z * z, x * x + y * y].map(|s| mass * s / 12.0);

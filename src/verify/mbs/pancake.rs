@@ -1,16 +1,16 @@
 //! Progressive collapse of floors onto each other, without resistance.
 
 use super::contact::{energy, ground, model, run};
-use super::models::held;
+use super::models::{held, solid};
 use crate::mbs::model::{Body, BodyContact, Event, Origin, Shape};
 use crate::verify::{Case, Figure};
 
 const G: f64 = 9.81;
 /// Clear height of a storey \[m\].
 const STOREY_M: f64 = 3.5;
-/// Plan and thickness of a floor \[m\], and its mass \[kg\].
+/// Plan and thickness of a floor \[m\], and its density.
 const FLOOR_M: [f64; 3] = [4.0, 4.0, 0.2];
-const MASS_KG: f64 = 8000.0;
+const DENSITY_KG_M3: f64 = 2500.0;
 /// Stiffness of what holds a floor \[N/m\], and its strength over the weight: it lets go as soon as the floor is struck.
 const STIFFNESS_N_M: f64 = 1e6;
 const STRENGTH: f64 = 1.01;
@@ -47,34 +47,21 @@ fn pancake(floors: u32) -> Result<Vec<Figure>, String> {
     m.settings.time_step_s = Some(2e-4);
     let half = FLOOR_M.map(|s| 0.5 * s);
     // what holds a floor is stretched by its weight
-    let sag_m = MASS_KG * G / STIFFNESS_N_M;
+    let sag_m = DENSITY_KG_M3 * FLOOR_M.iter().product::<f64>() * G / STIFFNESS_N_M;
     for k in 0..floors {
         let id = format!("floor-{}", k + 1);
         let height = f64::from(k + 1) * STOREY_M + f64::from(k) * FLOOR_M[2] + half[2];
-        let inertia = std::array::from_fn(|i| {
-            let [a, b] = [FLOOR_M[(i + 1) % 3], FLOOR_M[(i + 2) % 3]];
-            let mut row = [0.0; 3];
-            row[i] = MASS_KG * (a * a + b * b) / 12.0;
-            row
-        });
         let position_m = [0.0, 0.0, height + sag_m];
-        m.bodies.push(Body {
-            id: id.clone(),
-            mass_kg: MASS_KG,
-            inertia_kg_m2: inertia,
-            position_m,
-            orientation: [1.0, 0.0, 0.0, 0.0],
-            velocity_m_s: [0.0; 3],
-            angular_velocity_rad_s: [0.0; 3],
-            shapes: vec![Shape::cuboid([0.0; 3], half)],
-            origin: Origin::default(),
-        });
+        let shapes = vec![Shape::cuboid([0.0; 3], half)];
+        let floor = Body { shapes, ..solid(&id, DENSITY_KG_M3, FLOOR_M, position_m) };
+        let strength_n = STRENGTH * floor.mass_kg * G;
+        m.bodies.push(floor);
         let hanger = held(
             format!("hanger-{}", k + 1),
             id,
             [0.0, 0.0, position_m[2] + half[2]],
             STIFFNESS_N_M,
-            STRENGTH * MASS_KG * G,
+            strength_n,
         );
         m.bushings.push(hanger);
     }
