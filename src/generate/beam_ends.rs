@@ -2,29 +2,18 @@
 
 use super::cells::Piece;
 use crate::base::geom::Aabb;
-use crate::building::Building;
 use crate::building::ends::MemberEnd;
+use crate::building::{Building, MemberKind};
 use crate::curve::ResistanceCurve;
 use crate::mbs::model::{Beam, Bending, Span};
 use crate::rc::around::SAME_PLANE_M;
-use crate::rc::layers::{Layer, Layers, POLE};
+use crate::rc::layers::{Held, Layer, Layers, POLE, Rows};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How the names of curves of beams begin.
 pub const BEAM_CURVES: &str = "beam/";
 /// How far the end of a beam may be from the face of the columns on its axis \[m\].
 const AT_FACE_M: f64 = 0.4;
-
-/// What holds the rows of elements that yield at the ends of a cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Row {
-    /// The joint that a beam, or a strip that is one with it, ends at.
-    AtJoint,
-    /// Nothing: a plate over columns, where it bends both ways in the same sense. Of it most is beside the columns.
-    OverColumns,
-    /// The plate across, between columns, where it bends one way.
-    BetweenColumns,
-}
 
 /// A cut through a floor between two rows of columns.
 pub struct BeamCut<'a> {
@@ -37,7 +26,7 @@ pub struct BeamCut<'a> {
     /// Edges across the span \[m\].
     pub across_m: [f64; 2],
     /// What holds the rows of elements at its ends.
-    pub row: Row,
+    pub held: Held,
     /// The pieces of the floor on both sides.
     pub pieces: [&'a Piece; 2],
 }
@@ -98,16 +87,13 @@ impl<'a> YieldingEnds<'a> {
             return elastic;
         }
         // sections that differ by round-off only are the same
-        let numbers = section.numbers().chain([row_m, stiffness_nm_rad]);
-        let words = [format!("{:?} ", cut.row)].into_iter().chain(numbers.map(|x| format!("{x:.8e} ")));
+        let numbers = section.numbers().chain([row_m, half_length_m, stiffness_nm_rad]);
+        let words = [format!("{:?} ", cut.held)].into_iter().chain(numbers.map(|x| format!("{x:.8e} ")));
         let curve = self.known.entry(words.collect()).or_insert_with(|| {
             let name = format!("{BEAM_CURVES}{id}");
-            let curve = match cut.row {
-                Row::AtJoint => section.curve_at_joint(row_m, stiffness_nm_rad),
-                Row::OverColumns => section.curve(row_m, stiffness_nm_rad),
-                Row::BetweenColumns => section.curve_one_way(row_m, stiffness_nm_rad),
-            };
-            self.curves.insert(name.clone(), curve);
+            // the moment is naught in the middle of the span, where the cut is
+            let rows = Rows { row_m, shear_span_m: half_length_m, held: cut.held };
+            self.curves.insert(name.clone(), section.curve(&rows, stiffness_nm_rad));
             name
         });
         let bending = Bending::Curve { curve: curve.clone(), strength_factor: 1.0 };
@@ -152,6 +138,7 @@ impl<'a> YieldingEnds<'a> {
                 at_m: 0.5 * (z[0] + z[1]),
                 depth_m: z[1] - z[0],
                 strength,
+                is_plate: member.kind == MemberKind::Slab,
                 law: building.law_of(member),
             }));
         }

@@ -9,7 +9,7 @@
 //! are in their stiffness already. At the finest level of detail all floors have such pieces, those with beams in all spans with springs in the centres of their sections. Left out: yield in the plane of a floor and by torsion.
 
 use super::axes::{FloorAxes, Gap, Kind, MEETS_M};
-use super::beam_ends::{BeamCut, Row, YieldingEnds};
+use super::beam_ends::{BeamCut, YieldingEnds};
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, diagonals, neighbours};
 use super::joints::axes;
@@ -18,6 +18,7 @@ use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::graph::frame::{BeamSection, Element, Frame};
 use crate::mbs::model::{Bending, Bushing, Origin, PairRule, Span};
+use crate::rc::layers::Held;
 use std::collections::BTreeMap;
 
 /// Share of the torsion constant of a rectangle that a strip of a plate has in either direction (Hambly, Bridge Deck Behaviour, 1976, section 3.4).
@@ -101,13 +102,13 @@ impl Grillage {
             let plane = InPlane::of(building, &pieces[a], axis);
             let sum = Crossing::of(&beams, axis, at_m, &plane)?;
             let bends_at_m = sum.level / sum.bending;
-            let (level, row) = match self.axes.kind {
-                Kind::Columns => (bends_at_m, Row::AtJoint),
-                Kind::Middles => (plane.level_m, Row::AtJoint),
-                Kind::OpenSpans => (plane.slab_level_m().unwrap_or(bends_at_m), sum.row(has_columns)),
+            let (level, held) = match self.axes.kind {
+                Kind::Columns => (bends_at_m, Held::AtJoint),
+                Kind::Middles => (plane.level_m, Held::AtJoint),
+                Kind::OpenSpans => (plane.slab_level_m().unwrap_or(bends_at_m), sum.held(has_columns)),
             };
             // a plate is far wider than the columns that it ends at, and columns may be wider than their span
-            let at_faces = row == Row::AtJoint && faces_m[0] < faces_m[1];
+            let at_faces = held == Held::AtJoint && faces_m[0] < faces_m[1];
             let [start, end] = if at_faces { faces_m } else { axes_m };
             let length_m = end - start;
             let [turn, shear] = in_the_middle(sum.bending, sum.shear, length_m);
@@ -116,7 +117,7 @@ impl Grillage {
             let id = format!("{}|{}", of_a.id, of_b.id);
             let pieces = [a, b].map(|p| &pieces[p]);
             let span = Span { length_m, mass_kg_m: plane.mass_kg_m };
-            let cut = BeamCut { axis, faces_m, span, across_m: plane.edges, row, pieces };
+            let cut = BeamCut { axis, faces_m, span, across_m: plane.edges, held, pieces };
             let ends = yielding.of(building, &id, &cut, turn);
             let vertical = ends.bending;
             let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
@@ -190,11 +191,11 @@ impl Crossing {
     }
 
     /// What holds the rows of elements at the ends of a cut through a floor with spans that a slab bridges by itself.
-    fn row(&self, has_columns: bool) -> Row {
+    fn held(&self, has_columns: bool) -> Held {
         match (self.has_beam, has_columns) {
-            (true, _) => Row::AtJoint,
-            (false, true) => Row::OverColumns,
-            (false, false) => Row::BetweenColumns,
+            (true, _) => Held::AtJoint,
+            (false, true) => Held::OverColumns,
+            (false, false) => Held::OneWay,
         }
     }
 

@@ -11,7 +11,7 @@ use crate::curve::ResistanceCurve;
 use crate::material::j2::HardeningTable;
 use crate::rc::EndModel;
 use crate::rc::elastic::elastic;
-use crate::rc::layers::{Layer, Layers, POLE};
+use crate::rc::layers::{Held, Layer, Layers, POLE, Rows};
 
 /// Shear area of a rectangle over its area.
 const SHEAR_SHARE: f64 = 5.0 / 6.0;
@@ -30,7 +30,10 @@ pub fn layered(wanted: &Wanted) -> Result<Option<Entry>, serde_json::Error> {
     let sections = [2, 1].map(|depth| section(&rows, [3 - depth, depth].map(|i| (model.axis + i) % 3), law));
     let [Some(first), Some(second)] = sections else { return Ok(None) };
     let [k, l] = stiffness.bending_nm_rad;
-    let curves = [first.curve_at_joint(row_m, k), second.curve_at_joint(row_m, l)];
+    // the moment is naught at the far end of the submodel
+    let shear_span_m = model.length_m - offset_m;
+    let rows = Rows { row_m, shear_span_m, held: Held::AtJoint };
+    let curves = [first.curve(&rows, k), second.curve(&rows, l)];
     // as the submodel has it: what the law bears when it breaks
     let table = HardeningTable::new(&law.hardening);
     let rupture = law.critical_plastic_strain.min(law.critical_principal_strain.unwrap_or(f64::INFINITY));
@@ -75,6 +78,7 @@ fn section<'a>(
             at_m: solid.center()[depth],
             depth_m: size[depth],
             strength: *strength,
+            is_plate: false,
             law,
         }
     };

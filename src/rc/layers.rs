@@ -3,7 +3,7 @@
 //! A row of elements across a member bends with plane sections: in the element whose centre lies at `z` the strain is `ε_0 + κ z` in the centre and `± κ d / 2` more at its faces, `d` its depth. The one-point
 //! hexahedron ([`crate::fe`], `kernel.rs`) has a stress in its centre and a hourglass stress `h` for the difference, which both count in its yield condition: `q² = σ² + 6 G U / V`, with `U / V = h² / (6 E)` for a
 //! stress that is linear across the element. A return scales both; in a flowing element the hourglass stress grows with the tangent modulus only, not below a floor. At the critical plastic strain the element is gone.
-//! All of the plastic rotation is in one row of elements. A joint lends strength to the row at it, since it holds the strain across the member, the more the more axial force there is, and the pole of the
+//! While a section hardens, as one layer after the other yields and by its law, plastic rotation spreads along the member ([`Rows`]); behind the peak it is in one row. A joint lends strength to the row at it, since it holds the strain across the member, the more the more axial force there is, and the pole of the
 //! rotation lies farther from the joint than the middle of the row. How much that is, was measured on the column ends of the library, each computed by pushes of the piece of mesh around it ([`AT_JOINT`], [`POLE`]; `tests/rc/layers.rs`).
 
 use crate::base::piecewise::interpolate;
@@ -29,6 +29,10 @@ const STRAIGHT: f64 = 5e-3;
 /// Resistance of the row at a joint over that of a free row, at axial forces over the squash load: medians of 42 column ends of the library; from the tenth to the ninetieth percentile 1.10 to 1.16, 1.09 to 1.16, 1.16 to 1.22, 1.19 to
 /// 1.36 and 1.29 to 1.55.
 pub const AT_JOINT: [[f64; 2]; 5] = [[-0.1, 1.12], [0.0, 1.11], [0.1, 1.18], [0.2, 1.27], [0.4, 1.375]];
+/// Resistance of the row at a joint over that of its section, against plastic rotation over the elastic rotation of the row under its largest moment (`row M / E I`): a joint gives way bit by bit before the whole section flows. Inverse medians of the same column ends; from the tenth to the
+/// ninetieth percentile 0.49 to 0.65, 0.76 to 0.84, 0.81 to 0.88, 0.84 to 0.93, 0.88 to 0.96, 0.93 to 1.0, 0.96 to 1.03.
+pub const KNEE: [[f64; 2]; 7] =
+    [[0.0, 0.51], [0.1, 0.79], [0.25, 0.84], [0.5, 0.885], [1.0, 0.92], [2.0, 0.98], [4.0, 1.0]];
 /// Distance of the pole of the plastic rotation from the joint over the length of the row: median of the same column ends (0.58 to 0.90).
 pub const POLE: f64 = 0.8;
 /// Resistance of a plate that bends one way over that of a beam: its curvature across is held, and in plane strain a material of von Mises flows at `2/√3` of its uniaxial strength (Hill, The Mathematical Theory of Plasticity, 1950, chapter IV).
@@ -47,6 +51,8 @@ pub struct Layer<'a> {
     pub depth_m: f64,
     /// Factor on the strength.
     pub strength: f64,
+    /// Whether it is a plate, far wider than a row of elements is long: what is beside the row holds its strain across.
+    pub is_plate: bool,
     /// Its law.
     pub law: &'a Homogenised,
 }
@@ -59,6 +65,64 @@ struct State {
     bending_pa: f64,
     plastic_strain: f64,
     gone: bool,
+}
+
+/// What holds the rows of elements that yield at an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// Nothing, neither a plate.
+    Free,
+    /// The joint that the member ends at lends the first one strength, [`AT_JOINT`] times that of a free row, and plates have that of plane strain in all of them, [`ONE_WAY`].
+    AtJoint,
+    /// The plate across: it bends one way, with [`ONE_WAY`] times the resistance of a free row.
+    OneWay,
+    /// The same of a plate over columns, where the line along which it yields runs across as well. It yields beside the columns first, for want of a better figure with the same knee as a joint ([`KNEE`]).
+    OverColumns,
+}
+
+impl Held {
+    /// Strength of a layer in the first row, or in the others, over that of a free one, at a share of the squash load.
+    fn lends(self, layer: &Layer, is_first: bool, share: f64) -> f64 {
+        match self {
+            Self::Free => 1.0,
+            Self::OneWay | Self::OverColumns => ONE_WAY,
+            Self::AtJoint if layer.is_plate => ONE_WAY,
+            Self::AtJoint if is_first => interpolate(&AT_JOINT, share),
+            Self::AtJoint => 1.0,
+        }
+    }
+}
+
+/// The rows of elements of an end, up to where the moment is naught.
+#[derive(Debug, Clone, Copy)]
+pub struct Rows {
+    /// Length of a row along the member \[m\].
+    pub row_m: f64,
+    /// From the pole of the first row to the point without moment \[m\].
+    pub shear_span_m: f64,
+    /// What holds them.
+    pub held: Held,
+}
+
+impl Rows {
+    /// Adds to the plastic rotations of a push of the first row those of the others, of whom there is a push too. They have the less of the moment the nearer they are to the point without moment: up to its peak a section hardens as one layer after the
+    /// other yields, and the rows beside the first one follow it; behind the peak they keep what they have.
+    fn spread(&self, first: &mut [[f64; 2]], other: &[[f64; 2]]) {
+        // plastic rotation of a row over moment
+        let mut rising: Vec<[f64; 2]> = vec![[0.0; 2]];
+        for [rotation, moment] in other.iter().copied() {
+            if moment > rising[rising.len() - 1][0] {
+                rising.push([moment, rotation]);
+            }
+        }
+        let mut most = 0.0_f64;
+        for [rotation, moment] in first {
+            most = most.max(*moment);
+            let share = |row: usize| 1.0 - (row as f64 + 0.5 - POLE) * self.row_m / self.shear_span_m;
+            let shares = (1..).map(share).take_while(|share| *share > 0.0);
+            *rotation += shares.map(|share| interpolate(&rising, most * share)).sum::<f64>();
+        }
+    }
 }
 
 /// A section bent about its horizontal axis.
@@ -84,7 +148,7 @@ impl<'a> Layers<'a> {
             layers.iter().map(|l| l.law.youngs_modulus_pa * l.area_m2 * l.at_m).sum::<f64>() / stiffness;
         let own = |l: &Layer| (l.at_m - middle_m).powi(2) + l.depth_m * l.depth_m / 12.0;
         let bending_nm2 = layers.iter().map(|l| l.law.youngs_modulus_pa * l.area_m2 * own(l)).sum();
-        let squash_n = layers.iter().zip(&tables).map(|(l, t)| l.strength * t.at(0.0).0 * l.area_m2).sum();
+        let squash_n = squash_n(&layers, &tables);
         (stiffness > 0.0).then_some(Self { layers, tables, middle_m, bending_nm2, squash_n })
     }
 
@@ -92,7 +156,7 @@ impl<'a> Layers<'a> {
     pub fn numbers(&self) -> impl Iterator<Item = f64> {
         self.layers.iter().flat_map(|l| {
             let law = l.law.hardening.iter().flat_map(|p| [p.plastic_strain, p.stress_pa]);
-            [l.area_m2, l.at_m - self.middle_m, l.depth_m, l.strength]
+            [l.area_m2, l.at_m - self.middle_m, l.depth_m, l.strength, f64::from(u8::from(l.is_plate))]
                 .into_iter()
                 .chain([l.law.youngs_modulus_pa, l.law.poisson_ratio, l.law.critical_plastic_strain])
                 .chain(law)
@@ -104,27 +168,10 @@ impl<'a> Layers<'a> {
         self.layers.iter().map(|l| l.law.critical_plastic_strain).fold(f64::INFINITY, f64::min)
     }
 
-    /// Resistance of the row of elements at a joint about its pole: that of a free row, times [`AT_JOINT`].
-    pub fn curve_at_joint(&self, row_m: f64, stiffness_nm_rad: f64) -> ResistanceCurve {
-        let mut curve = self.curve(row_m, stiffness_nm_rad);
-        for level in &mut curve.levels {
-            let lent = interpolate(&AT_JOINT, level.axial_force_n / self.squash_n);
-            level.scale(lent);
-        }
-        curve
-    }
-
-    /// Resistance of a row of a plate that bends one way, [`ONE_WAY`] times that of a free row.
-    pub fn curve_one_way(&self, row_m: f64, stiffness_nm_rad: f64) -> ResistanceCurve {
-        let mut curve = self.curve(row_m, stiffness_nm_rad);
-        curve.levels.iter_mut().for_each(|level| level.scale(ONE_WAY));
-        curve
-    }
-
-    /// Resistance of a free row of elements of some length \[m\], the smaller of both senses of bending, for a given elastic stiffness \[N m/rad\].
-    pub fn curve(&self, row_m: f64, stiffness_nm_rad: f64) -> ResistanceCurve {
+    /// Resistance of the rows of elements of an end, the smaller of both senses of bending, for a given elastic stiffness \[N m/rad\].
+    pub fn curve(&self, rows: &Rows, stiffness_nm_rad: f64) -> ResistanceCurve {
         let level = |share: f64| {
-            let of = |sense: f64| self.level(row_m, share * self.squash_n, sense);
+            let of = |sense: f64| self.level(rows, share * self.squash_n, sense);
             let (sagging, hogging) = rayon::join(|| of(1.0), || of(-1.0));
             if hogging.peak_nm() < sagging.peak_nm() { hogging } else { sagging }
         };
@@ -133,7 +180,33 @@ impl<'a> Layers<'a> {
     }
 
     /// Bending under an axial force \[N\] (compression positive) in one sense.
-    fn level(&self, row_m: f64, axial_force_n: f64, sense: f64) -> CapacityLevel {
+    fn level(&self, rows: &Rows, axial_force_n: f64, sense: f64) -> CapacityLevel {
+        let share = axial_force_n / self.squash_n;
+        let push = |is_first: bool| {
+            // the same share of its own squash load: what is lent was measured on moments
+            let lent = self.lent(|layer| rows.held.lends(layer, is_first, share));
+            lent.push(rows.row_m, share * lent.squash_n, sense)
+        };
+        let mut first = push(true);
+        let other = if rows.held == Held::AtJoint { push(false) } else { first.clone() };
+        rows.spread(&mut first, &other);
+        let mut level = finished(&first, axial_force_n);
+        if matches!(rows.held, Held::AtJoint | Held::OverColumns) {
+            let elastic_rad = rows.row_m * level.peak_nm() / self.bending_nm2;
+            round_off(&mut level, elastic_rad);
+        }
+        level
+    }
+
+    /// The same section with other strengths, by layer a factor.
+    fn lent(&self, factor: impl Fn(&Layer) -> f64) -> Self {
+        let mut layers = self.layers.clone();
+        layers.iter_mut().for_each(|layer| layer.strength *= factor(layer));
+        Self { squash_n: squash_n(&layers, &self.tables), layers, tables: self.tables.clone(), ..*self }
+    }
+
+    /// Plastic rotation of a row of some length and moment, increment by increment until the section has broken.
+    fn push(&self, row_m: f64, axial_force_n: f64, sense: f64) -> Vec<[f64; 2]> {
         let farthest = self.layers.iter().map(|l| (l.at_m - self.middle_m).abs() + 0.5 * l.depth_m);
         let farthest = farthest.fold(0.0, f64::max);
         let yields =
@@ -151,15 +224,13 @@ impl<'a> Layers<'a> {
                 (increment, strain) = (increment * GROWTH, strain * GROWTH);
             }
             let moment = sense * self.moment(&states);
-            let plastic = row_m * (curvature - moment / self.bending_nm2);
             peak = peak.max(moment);
+            points.push([row_m * (curvature - moment / self.bending_nm2), moment.max(0.0)]);
             if moment < BROKEN * peak {
-                points.push([plastic, moment.max(0.0)]);
                 break;
             }
-            points.push([plastic, moment]);
         }
-        finished(&points, peak, axial_force_n)
+        points
     }
 
     /// Strains the layers by an increment of curvature and by that of the strain in the middle which leaves the axial force as it is given, near a guess. Returns that strain.
@@ -188,6 +259,11 @@ impl<'a> Layers<'a> {
         };
         states.iter().zip(&self.layers).map(of).sum()
     }
+}
+
+/// Axial force at which all layers flow \[N\].
+fn squash_n(layers: &[Layer], tables: &[HardeningTable]) -> f64 {
+    layers.iter().zip(tables).map(|(l, t)| l.strength * t.at(0.0).0 * l.area_m2).sum()
 }
 
 impl State {
@@ -219,7 +295,8 @@ impl State {
 }
 
 /// Capacity over plastic rotation from the points of a push: from where it begins to flow, without points on straight stretches.
-fn finished(points: &[[f64; 2]], peak: f64, axial_force_n: f64) -> CapacityLevel {
+fn finished(points: &[[f64; 2]], axial_force_n: f64) -> CapacityLevel {
+    let peak = points.iter().map(|p| p[1]).fold(0.0, f64::max);
     let tiny = 1e-3 * points.last().map_or(1.0, |p| p[0]);
     let first = points.iter().take_while(|p| p[0] < tiny).map(|p| p[1]).fold(0.0, f64::max);
     let mut capacity = vec![[0.0, first]];
@@ -242,10 +319,24 @@ fn finished(points: &[[f64; 2]], peak: f64, axial_force_n: f64) -> CapacityLevel
     CapacityLevel { axial_force_n, capacity, fracture_rotation_rad }
 }
 
+/// Puts the knee of the row at a joint ([`KNEE`]) into a curve, for the elastic rotation of that row \[rad\].
+fn round_off(level: &mut CapacityLevel, elastic_rad: f64) {
+    let knee = KNEE.map(|[x, share]| [x * elastic_rad, share]);
+    let mut rotations: Vec<f64> = level.capacity.iter().chain(&knee).map(|p| p[0]).collect();
+    rotations.sort_by(f64::total_cmp);
+    rotations.dedup();
+    rotations.retain(|x| *x <= level.fracture_rotation_rad);
+    level.capacity =
+        rotations.iter().map(|x| [*x, interpolate(&knee, *x) * interpolate(&level.capacity, *x)]).collect();
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::building::HardeningPoint;
+
+    /// One row, as long as a member whose second row has no moment.
+    const FREE: Rows = Rows { row_m: 0.4, shear_span_m: 0.1, held: Held::Free };
 
     fn law() -> Homogenised {
         let point = |plastic_strain, stress_pa| HardeningPoint { plastic_strain, stress_pa };
@@ -267,6 +358,7 @@ mod tests {
             at_m: (i as f64 + 0.5) * d,
             depth_m: d,
             strength: 1.0,
+            is_plate: false,
             law,
         };
         Layers::of((0..count).map(layer).collect()).unwrap()
@@ -276,7 +368,7 @@ mod tests {
     fn many_layers_are_plastic_theory() {
         let law = law();
         let section = slices(&law, 0.4, 0.4, 100);
-        let curve = section.curve(0.4, 1e7);
+        let curve = section.curve(&FREE, 1e7);
         let plastic = 10e6 * 0.4 * 0.4 * 0.4 / 4.0;
         for level in &curve.levels {
             let share = level.axial_force_n / section.squash_n;
@@ -291,11 +383,11 @@ mod tests {
         let law = law();
         let plastic = 10e6 * 0.4 * 0.16 / 4.0;
         // one: h sqrt(G / E) = f, and M = h b d² / 6
-        let one = slices(&law, 0.4, 0.4, 1).curve(0.4, 1e7).levels[2].peak_nm();
+        let one = slices(&law, 0.4, 0.4, 1).curve(&FREE, 1e7).levels[2].peak_nm();
         let ratio = 4.0 / 6.0 / (1.0_f64 / 2.4).sqrt();
         assert!((one / plastic / ratio - 1.0).abs() < 0.01, "{}", one / plastic);
         // two: s² (1 + G / E) = f² in both, and M = (1/4 + 1/12) s b d²
-        let two = slices(&law, 0.4, 0.4, 2).curve(0.4, 1e7).levels[2].peak_nm();
+        let two = slices(&law, 0.4, 0.4, 2).curve(&FREE, 1e7).levels[2].peak_nm();
         let ratio = (4.0 / 3.0) / (1.0 + 1.0_f64 / 2.4).sqrt();
         assert!((two / plastic / ratio - 1.0).abs() < 0.02, "{} {ratio}", two / plastic);
     }
@@ -307,14 +399,49 @@ mod tests {
         let section = slices(&law, 1.0, 0.2, 100);
         // σ²(1 - 1/2 + 1/4) = f² with the stress across half of that along, as long as plastic strains rule
         let plastic = 10e6 * 0.2 * 0.2 / 4.0 / 0.75_f64.sqrt();
-        let peak = section.curve_one_way(0.4, 1e7).levels[2].peak_nm();
+        let peak = section.curve(&Rows { held: Held::OneWay, ..FREE }, 1e7).levels[2].peak_nm();
         assert!((peak / plastic - 1.0).abs() < 0.01, "{}", peak / plastic);
+    }
+
+    #[test]
+    fn plastic_rotation_spreads_while_a_section_hardens() {
+        // bilinear rows: with a moment that falls linearly to naught, ∫ κ_p dx = κ_p(M) L (1 - M_y / M) / 2
+        let (yields, moment, shear_span_m, row_m) = (100.0, 150.0, 4.0, 0.001);
+        let plastic = |m: f64| row_m * 1e-4 * (m - yields).max(0.0);
+        let push: Vec<[f64; 2]> =
+            [yields, moment, 0.9 * moment].into_iter().map(|m| [plastic(m), m]).collect();
+        let rows = Rows { row_m, shear_span_m, held: Held::Free };
+        let mut spread = push.clone();
+        rows.spread(&mut spread, &push);
+        let wanted = plastic(moment) / row_m * shear_span_m * (1.0 - yields / moment) / 2.0;
+        assert!((spread[1][0] / wanted - 1.0).abs() < 2e-3, "{} {wanted}", spread[1][0]);
+        // what softens keeps what has spread
+        let [kept, own] = [spread[2][0] - push[2][0], spread[1][0] - push[1][0]];
+        assert!((kept / own - 1.0).abs() < 1e-12);
+        assert_eq!(spread[0][0], 0.0);
+    }
+
+    #[test]
+    fn a_plate_at_a_joint_is_in_plane_strain_and_its_web_is_not() {
+        let law = law();
+        let peak = |is_plate: bool| {
+            let mut section = slices(&law, 0.4, 0.4, 100);
+            section.layers.iter_mut().for_each(|layer| layer.is_plate = is_plate);
+            section.curve(&Rows { held: Held::AtJoint, ..FREE }, 1e7).levels[2].peak_nm()
+        };
+        let lent = interpolate(&AT_JOINT, 0.0);
+        assert!(
+            (peak(true) / peak(false) * lent / ONE_WAY - 1.0).abs() < 5e-3,
+            "{} {}",
+            peak(true),
+            peak(false)
+        );
     }
 
     #[test]
     fn layers_are_lost_one_after_the_other() {
         let law = law();
-        let curve = slices(&law, 0.4, 0.4, 4).curve(0.4, 1e7);
+        let curve = slices(&law, 0.4, 0.4, 4).curve(&FREE, 1e7);
         let level = &curve.levels[2];
         // the outer layer, 0.15 m from the middle, is lost at a curvature of 0.1 / 0.15 m
         let lost = 0.4 * 0.1 / 0.15;

@@ -360,7 +360,7 @@ mod tests {
     #[test]
     fn every_scene_is_a_building_without_errors() {
         for seed in [1, 2] {
-            for number in 1..=120 {
+            for number in 1..=240 {
                 let scene = Scene::of(seed, number);
                 let text = scene.toml();
                 let read = parse(&text, Format::Toml, &scene.name());

@@ -140,18 +140,26 @@ critical_plastic_strain = {}
         let mut below = 0.0;
         for (storey, height) in self.heights_m.iter().enumerate() {
             let above = milli(below + height);
+            let top = milli(above - self.beam_over_wall_m());
             let _ = write!(
                 text,
                 "\n[[members]]\nid = \"W{}\"\nkind = \"wall\"\nsection = \"wall\"\nfrom = {}\nto = {}\n",
                 storey + 1,
                 point(ends[0], below),
-                point(ends[1], above)
+                point(ends[1], top)
             );
             below = above;
         }
     }
 
-    /// Thickness of its shear wall \[m\]: flush with small columns, else far enough from their faces that no elements are thin. A flush wall leaves nothing of the beams above it, and what stands on it
+    /// How far its shear wall ends below the top of the floor \[m\]: under a beam along y that a wall as wide would leave nothing of. Beams along x come before those along y over the columns,
+    /// and keep their ends.
+    fn beam_over_wall_m(&self) -> f64 {
+        let covers = self.fall.0 == 0 && self.beams != Beams::None && self.wall_m() >= self.sizes.column_m;
+        if covers { self.sizes.beam_m } else { 0.0 }
+    }
+
+    /// Thickness of its shear wall \[m\]: flush with small columns, else far enough from their faces that no elements are thin. What stands on a flush wall
     /// has no entry like it: small buildings, which are not meshed, have none.
     fn wall_m(&self) -> f64 {
         if self.sizes.column_m <= 0.3 && !self.small { self.sizes.column_m } else { 0.2 }
