@@ -22,6 +22,9 @@ use crate::mbs::Model;
 use crate::mbs::model::{Bending, Event, Force};
 use std::collections::BTreeSet;
 
+/// What both exports say of a member that bends between two bushings.
+const NOTHING_CARRIED_OVER: &str =
+    "what the ends of its member carry over to each other is left out: it is stiffer in pure bending";
 /// What both exports say of a bushing in the middle of a beam.
 const BEAM_STAYS_ELASTIC: &str = "the hinges at the ends of its beam are left out: it stays elastic";
 

@@ -205,6 +205,7 @@ impl Line {
             compressive_capacity_n: entry.compressive_capacity_n,
             crushing_shortening_m: None,
             associated_flow: false,
+            carry_over: None,
             origin: Origin {
                 members: model_members(building, model, &self.id),
                 rules: self.rules.clone(),

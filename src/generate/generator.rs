@@ -216,6 +216,7 @@ impl<'a> Generator<'a> {
         hinges.extend(walls);
         let mut curves = found.curves();
         joints::without_joint(&place, &hinged, &mut hinges, &mut curves);
+        joints::carry_over(&place, &hinged, &mut hinges);
         curves.extend(wall_curves);
         let mut contact = contact(building);
         let mut yielding = YieldingEnds::new(&around.planes, ends);

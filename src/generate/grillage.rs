@@ -142,6 +142,7 @@ impl Grillage {
                 compressive_capacity_n: ends.squash_n,
                 crushing_shortening_m: None,
                 associated_flow: true,
+                carry_over: None,
                 origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
             })
         };

@@ -14,7 +14,7 @@ use crate::library::derive_strip::WantedStrip;
 use crate::library::entry::AxisRecord;
 use crate::library::similar::{Candidates, Similar};
 use crate::library::{Entry, Store, StoreError};
-use crate::mbs::model::{Bending, Bushing, Origin};
+use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -330,6 +330,7 @@ pub fn hinges(
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
             crushing_shortening_m: capacity(entry.tensile_elongation_m),
             associated_flow: true,
+            carry_over: None,
             origin: Origin {
                 members: vec![end.id.clone()],
                 rules: decision.hinges[&end.id].clone(),
@@ -368,10 +369,18 @@ impl HalfPrism {
 
     /// Stiffness against rotation \[N m/rad\] about joint axis `k` under a force across in the middle, at a hinge so far from there \[m\]: `k = a² / (l³ / (3 E I) + l / (G A_s))`.
     fn turn_nm_rad(&self, k: usize, arm_m: f64) -> f64 {
-        let [width, depth] = [self.section_m[k], self.section_m[1 - k]];
-        let bending = self.moduli_pa[0] * width * depth.powi(3) / 12.0;
-        let shear = 5.0 / 6.0 * self.moduli_pa[1] * width * depth;
-        arm_m * arm_m / (self.length_m.powi(3) / (3.0 * bending) + self.length_m / shear)
+        let shear = 5.0 / 6.0 * self.moduli_pa[1] * self.section_m[0] * self.section_m[1];
+        arm_m * arm_m / (self.length_m.powi(3) / (3.0 * self.bending_nm2(k)) + self.length_m / shear)
+    }
+
+    /// Bending stiffness about joint axis `k` \[N m²\].
+    fn bending_nm2(&self, k: usize) -> f64 {
+        self.moduli_pa[0] * self.section_m[k] * self.section_m[1 - k].powi(3) / 12.0
+    }
+
+    /// From a hinge to the middle \[m\].
+    fn arm_m(&self, hinge: &Bushing, end: &MemberEnd) -> f64 {
+        self.length_m - (hinge.point_m[end.axis] - end.point_m[end.axis]).abs()
     }
 }
 
@@ -390,7 +399,7 @@ pub fn without_joint(
             continue;
         }
         let half = HalfPrism::of(place.building, end);
-        let arm_m = half.length_m - (hinge.point_m[end.axis] - end.point_m[end.axis]).abs();
+        let arm_m = half.arm_m(hinge, end);
         for k in 0..2 {
             let alone = half.turn_nm_rad(k, arm_m);
             match &mut hinge.bending[k] {
@@ -405,6 +414,30 @@ pub fn without_joint(
                 }
             }
         }
+    }
+}
+
+/// Lets columns bend between hinges at both of their ends: `d = (L / (2 E I) - 1 / k) / 2`, with which both ends turn by `M L / (2 E I)` in pure bending, and by `M / k` in sway as they did.
+pub fn carry_over(place: &Place, ends: &[&MemberEnd], hinges: &mut [Bushing]) {
+    let mut first: BTreeMap<usize, usize> = BTreeMap::new();
+    let ends: BTreeMap<&str, &MemberEnd> = ends.iter().map(|e| (e.id.as_str(), *e)).collect();
+    for i in 0..hinges.len() {
+        let Some(end) = ends.get(hinges[i].id.as_str()) else { continue };
+        let Some(other) = first.insert(end.member, i) else { continue };
+        if hinges[other].body_b != hinges[i].body_b {
+            continue;
+        }
+        let half = HalfPrism::of(place.building, end);
+        let arms_m = [(&hinges[i], *end), (&hinges[other], ends[hinges[other].id.as_str()])]
+            .map(|(hinge, end)| half.arm_m(hinge, end));
+        let flexibility_rad_nm = [0, 1].map(|k| {
+            let turns = |arm_m: f64| 1.0 / half.turn_nm_rad(k, arm_m);
+            let bent = half.length_m / half.bending_nm2(k) - 0.5 * (turns(arms_m[0]) + turns(arms_m[1]));
+            // a member so short that it shears more than it bends carries nothing over
+            (0.5 * bent).max(0.0)
+        });
+        let bushing = hinges[other].id.clone();
+        hinges[i].carry_over = Some(CarryOver { bushing, flexibility_rad_nm });
     }
 }
 

@@ -177,6 +177,7 @@ fn spring(
         compressive_capacity_n: Some(squash_n),
         crushing_shortening_m: None,
         associated_flow: true,
+        carry_over: None,
         origin: Origin {
             members: vec![building.members[wall].id.clone()],
             rules: bodies.list.iter().find(|b| b.id == own).map_or(Vec::new(), |b| b.origin.rules.clone()),

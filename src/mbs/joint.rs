@@ -57,6 +57,8 @@ pub struct JointData {
     /// Whether its hinge shortens it as it turns, and by how much it did in the last evaluation \[m\].
     is_associated: bool,
     shortened: f64,
+    /// What the other end of its member turns it by ([`super::carry`]) \[rad\].
+    pub(super) lean: [f64; 2],
     /// Hinge about the axes 1 and 2.
     pub hinge: Hinge2,
     /// Rotation vector in the joint frame \[rad\].
@@ -156,6 +158,7 @@ impl JointData {
             crush_j: 0.0,
             is_associated: joint.associated_flow,
             shortened: 0.0,
+            lean: [0.0; 2],
             hinge: Hinge2::default(),
             theta: [0.0; 3],
             axial_force: 0.0,
@@ -387,14 +390,15 @@ impl JointData {
     #[inline]
     fn moments(&mut self, theta: V3, tables: &[CapacityTable]) -> V3 {
         let torsion = self.rotation[0] * theta[0];
+        let own = [theta[1] - self.lean[0], theta[2] - self.lean[1]];
         if !self.has_curve() {
-            let m = [self.rotation[1] * theta[1], self.rotation[2] * theta[2]];
-            self.elastic_j = 0.5 * (m[0] * theta[1] + m[1] * theta[2]);
+            let m = [self.rotation[1] * own[0], self.rotation[2] * own[1]];
+            self.elastic_j = 0.5 * (m[0] * own[0] + m[1] * own[1]);
             self.hinge.moment_nm = m;
             return [torsion, m[0], m[1]];
         }
         let laws = self.laws(tables);
-        let step = self.hinge.step(laws, [theta[1], theta[2]], self.axial_force);
+        let step = self.hinge.step(laws, own, self.axial_force);
         self.flowing = step.flowing;
         if self.is_associated && step.flowing {
             self.shortened = self.hinge.shortened_m(laws, step.flow_rad, self.axial_force);

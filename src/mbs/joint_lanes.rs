@@ -26,6 +26,7 @@ pub(super) struct JointBlock {
     outward: Lane,
     crushed: Lane,
     plastic: [Lane; 2],
+    lean: [Lane; 2],
     /// Where the joint is elastic.
     force: [Lane; 2],
     ease: [Lane; 2],
@@ -57,6 +58,11 @@ impl JointBlock {
         intact.chunks(LANES).map(|own| Self::of(own, joints, tables)).collect()
     }
 
+    /// The joints in it, in the order of the lanes.
+    pub fn joints(&self) -> &[u32] {
+        &self.joints
+    }
+
     fn of(own: &[u32], joints: &[JointData], tables: &[CapacityTable]) -> Self {
         let mut block = Self {
             joints: own.to_vec(),
@@ -69,6 +75,7 @@ impl JointBlock {
             outward: [1.0; LANES],
             crushed: ZERO,
             plastic: [ZERO; 2],
+            lean: [ZERO; 2],
             force: [[f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]],
             ease: [ZERO; 2],
         };
@@ -93,11 +100,18 @@ impl JointBlock {
     fn learn(&mut self, l: usize, joint: &JointData, tables: &[CapacityTable]) {
         self.crushed[l] = joint.crushed;
         put(&mut self.plastic, l, joint.hinge.plastic_rad);
+        self.lean(l, joint);
         // No number lies between infinity and infinity; what flows will do so in the next step as well.
         let range = if joint.flowing { None } else { joint.elastic_range(tables) };
         let (force, ease) = range.unwrap_or(([f64::INFINITY; 2], [0.0; 2]));
         put(&mut self.force, l, force);
         put(&mut self.ease, l, ease);
+    }
+
+    /// Takes over what the other end of its member turns a joint by.
+    #[inline]
+    pub fn lean(&mut self, l: usize, joint: &JointData) {
+        put(&mut self.lean, l, joint.lean);
     }
 
     /// Kinematics and, where a joint is plain, its law.
@@ -118,7 +132,8 @@ impl JointBlock {
             let k = get(&self.translation, l);
             let axial = -self.outward[l] * k[0] * along;
             let local = [k[0] * along, k[1] * gap[1], k[2] * gap[2]];
-            let e = [theta[1] - self.plastic[0][l], theta[2] - self.plastic[1][l]];
+            let own = [theta[1] - self.lean[0][l], theta[2] - self.lean[1][l]];
+            let e = [own[0] - self.plastic[0][l], own[1] - self.plastic[1][l]];
             let bent = [self.rotation[1][l] * e[0], self.rotation[2][l] * e[1]];
             let moment = [self.rotation[0][l] * theta[0], bent[0], bent[1]];
             let used = bent[0] * bent[0] * self.ease[0][l] + bent[1] * bent[1] * self.ease[1][l];
@@ -308,6 +323,7 @@ mod tests {
                 compressive_capacity_n: Some(3e5),
                 crushing_shortening_m: None,
                 associated_flow: true,
+                carry_over: None,
                 tensile_elongation_m: Some(0.5),
                 origin: Origin::default(),
             });
@@ -319,6 +335,8 @@ mod tests {
     fn eight_at_a_time_is_one_after_the_other_byte_for_byte() {
         let h = 1e-3;
         let mut alone = System::new(&chain()).unwrap();
+        alone.joints.iter_mut().for_each(|joint| joint.lean = [1e-4, -2e-4]);
+        alone.pack();
         let mut together = vec![alone.clone(); Isa::available().count()];
         together.iter_mut().zip(Isa::available()).for_each(|(system, isa)| system.isa = isa);
         let (mut eventful, mut largest) = (0, 0.0_f64);

@@ -7,6 +7,7 @@
 //! | [`math`] | vectors, quaternions |
 //! | [`system`] | the compiled model: compact arrays of bodies and joints |
 //! | [`joint`] | forces and energy of a compliant joint with its hinge law |
+//! | `carry` | what the ends of a member carry over to each other |
 //! | `joint_lanes`, `lanes` | joints, eight at a time; numbers of eight of a kind |
 //! | [`frequency`] | the highest frequency, hence the time step |
 //! | [`preload`] | static equilibrium before `t = 0` |
@@ -24,6 +25,7 @@
 
 mod balance;
 pub mod batch;
+mod carry;
 pub mod check;
 pub mod contact;
 pub mod error;

@@ -6,6 +6,7 @@
 //! equilibrium that needs plastic rotation is found as well, if there is one.
 
 use super::frequency;
+use super::joint::{JointData, Row};
 use super::math;
 use super::system::System;
 use crate::base::sparse::{Positive, Unsolvable};
@@ -44,10 +45,12 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
     let virgin = system.joints.clone();
     let mut last = (0, f64::INFINITY);
     for iteration in 0..ITERATIONS {
-        system.joints.clone_from(&virgin);
-        system.pack();
-        system.reset_forces();
-        system.add_joint_forces();
+        // what members carry over follows the moments: their leans are those of the first pass
+        evaluate(system, &virgin);
+        let carried = system.settle_carries();
+        if carried > 0.0 {
+            evaluate(system, &virgin);
+        }
         let mut residual = vec![0.0; 6 * n];
         last = (0, 0.0);
         for i in 0..n {
@@ -63,7 +66,7 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
                 last = (i, size);
             }
         }
-        if last.1 <= TOLERANCE * weight {
+        if last.1 <= TOLERANCE * weight && carried <= TOLERANCE * weight * length {
             return Ok(iteration);
         }
         if !last.1.is_finite() {
@@ -81,6 +84,18 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
     Err(PreloadError::NoConvergence { body: last.0, residual: last.1 / weight })
 }
 
+/// Forces of virgin joints, which keep their leans.
+fn evaluate(system: &mut System, virgin: &[JointData]) {
+    for (joint, virgin) in system.joints.iter_mut().zip(virgin) {
+        let lean = joint.lean;
+        joint.clone_from(virgin);
+        joint.lean = lean;
+    }
+    system.pack();
+    system.reset_forces();
+    system.add_joint_forces();
+}
+
 /// A length that makes rotations and displacements comparable: the largest lever arm of a joint.
 fn characteristic_length(system: &System) -> f64 {
     let arms = frequency::rows(system).into_iter().filter(|r| r.force != [0.0; 3]);
@@ -94,23 +109,38 @@ fn characteristic_length(system: &System) -> f64 {
 fn assemble(system: &System, length: f64) -> Vec<(usize, usize, f64)> {
     let n = system.count();
     let mut entries = Vec::new();
-    for row in frequency::rows(system) {
-        let side = |force: [f64; 3], turn: [f64; 3], sign: f64| -> [f64; 6] {
-            std::array::from_fn(|i| sign * if i < 3 { force[i] } else { turn[i - 3] / length })
-        };
-        let parts = [(row.a, side(row.force, row.turn_a, -1.0)), (row.b, side(row.force, row.turn_b, 1.0))];
-        for (i, u) in parts.iter().filter(|(i, _)| *i < n) {
-            for (j, v) in parts.iter().filter(|(j, _)| j <= i) {
+    let mut add = |one: &Row, other: &Row, stiffness: f64| {
+        let parts = [one, other].map(|row| sides(row, length));
+        for (i, u) in parts[0].iter().filter(|(i, _)| *i < n) {
+            for (j, v) in parts[1].iter().filter(|(j, _)| j <= i) {
                 for (r, c) in (0..6).flat_map(|r| (0..6).map(move |c| (6 * i + r, 6 * j + c))) {
-                    let value = row.stiffness * u[r % 6] * v[c % 6];
+                    let value = stiffness * u[r % 6] * v[c % 6];
                     if r >= c && value != 0.0 {
                         entries.push((r, c, value));
                     }
                 }
             }
         }
+    };
+    frequency::rows(system).iter().for_each(|row| add(row, row, row.stiffness));
+    for carry in &system.carries {
+        let rows = carry.joints.map(|i| system.joints[i].rows(&system.bodies));
+        for k in 0..2 {
+            let change = carry.stiffness_change(&system.joints, k);
+            for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                add(&rows[i][4 + k], &rows[j][4 + k], change[i][j]);
+            }
+        }
     }
     entries
+}
+
+/// Both bodies of a spring, and what a unit of its stretch does to them; rotations scaled by `length`.
+fn sides(row: &Row, length: f64) -> [(usize, [f64; 6]); 2] {
+    let side = |force: [f64; 3], turn: [f64; 3], sign: f64| -> [f64; 6] {
+        std::array::from_fn(|i| sign * if i < 3 { force[i] } else { turn[i - 3] / length })
+    };
+    [(row.a, side(row.force, row.turn_a, -1.0)), (row.b, side(row.force, row.turn_b, 1.0))]
 }
 
 /// Place of the entry of greatest size.

@@ -3,6 +3,7 @@
 //! Index `bodies.len() - 1` is the ground, a body that never moves; so joints and contacts need no
 //! special case for it.
 
+use super::carry::CarryOver;
 use super::joint::JointData;
 use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
@@ -75,6 +76,9 @@ pub struct System {
     pub(super) moved: Moved,
     act: Act,
     weight: Weight,
+    /// Members that bend between two joints, and the blocks and lanes of these.
+    pub(super) carries: Vec<CarryOver>,
+    lanes: Vec<[usize; 2]>,
 }
 
 impl System {
@@ -119,7 +123,23 @@ impl System {
         let (gravity, isa) = (model.gravity_m_s2, Isa::best());
         let (moved, act) = (Moved::default(), Act::default());
         let weight = Weight::new(&joints, &bodies);
-        Ok(Self { gravity, bodies, data, joints, tables, isa, blocks, inverses, moved, act, weight })
+        let carries = CarryOver::all(&model.bushings, &joints);
+        let lanes = lanes(&blocks, joints.len());
+        Ok(Self {
+            gravity,
+            bodies,
+            data,
+            joints,
+            tables,
+            isa,
+            blocks,
+            inverses,
+            moved,
+            act,
+            weight,
+            carries,
+            lanes,
+        })
     }
 
     /// Finds out how much of their weight the spans of beams bear, after a step \[s\].
@@ -147,9 +167,29 @@ impl System {
         Ok(())
     }
 
+    /// Takes over the leans that fit the present moments, in equilibrium. Returns the largest moment that they change \[N m\].
+    pub(super) fn settle_carries(&mut self) -> f64 {
+        let Self { carries, joints, .. } = self;
+        let largest = carries.iter_mut().map(|c| c.settle(joints)).fold(0.0, f64::max);
+        self.pack();
+        largest
+    }
+
+    /// After joints have taken over histories: their leans go on from there.
+    pub(super) fn resume_carries(&mut self) {
+        let Self { carries, joints, .. } = self;
+        carries.iter_mut().for_each(|c| c.resume(joints));
+    }
+
+    /// Elastic energy between the ends of members \[J\].
+    pub(super) fn carried_j(&self) -> f64 {
+        self.carries.iter().map(CarryOver::elastic_j).sum()
+    }
+
     /// To be called when joints were changed, or joints or bodies taken away.
     pub fn pack(&mut self) {
         self.blocks = JointBlock::all(&self.joints, &self.tables);
+        self.lanes = lanes(&self.blocks, self.joints.len());
     }
 
     /// Number of moving bodies.
@@ -181,6 +221,29 @@ impl System {
             &mut self.act,
         )
     }
+
+    /// After the forces of a step: what the ends of members carry over to each other in the next one.
+    #[inline]
+    pub fn carry_over(&mut self) {
+        let Self { carries, joints, blocks, data, lanes, .. } = self;
+        for carry in carries {
+            if carry.go_on(joints, data) {
+                for i in carry.joints {
+                    let [block, lane] = lanes[i];
+                    blocks[block].lean(lane, &joints[i]);
+                }
+            }
+        }
+    }
+}
+
+/// Block and lane of each joint.
+fn lanes(blocks: &[JointBlock], joints: usize) -> Vec<[usize; 2]> {
+    let mut lanes = vec![[0; 2]; joints];
+    for (b, block) in blocks.iter().enumerate() {
+        block.joints().iter().enumerate().for_each(|(l, i)| lanes[*i as usize] = [b, l]);
+    }
+    lanes
 }
 
 impl BodyState {

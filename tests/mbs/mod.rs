@@ -2,6 +2,7 @@
 
 mod batch;
 mod beam;
+mod carry;
 mod contact;
 mod export;
 mod frame;

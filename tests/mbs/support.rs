@@ -61,6 +61,7 @@ pub fn joint(
         compressive_capacity_n: None,
         crushing_shortening_m: None,
         associated_flow: false,
+        carry_over: None,
         tensile_elongation_m: None,
         origin: Origin::default(),
     }

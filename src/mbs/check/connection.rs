@@ -2,7 +2,7 @@
 
 use super::{List, ORTHONORMAL_TOLERANCE, closest, orthonormality_error};
 use crate::mbs::math;
-use crate::mbs::model::{Beam, Bending, Bushing, Force, Joint, JointKind, Model};
+use crate::mbs::model::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Model};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Ids of bodies.
@@ -124,6 +124,66 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     }
     if let Some(id) = &joint.joint {
         check_held(model, joint, id, path, list);
+    }
+    if let Some(carry) = &joint.carry_over {
+        check_carry_over(model, joint, carry, &format!("{path}.carry_over"), list);
+    }
+}
+
+/// A member between two bushings is body `b` of both, and bends about the same axes at both.
+fn check_carry_over(model: &Model, bushing: &Bushing, carry: &CarryOver, path: &str, list: &mut List) {
+    list.require(model.joints.is_empty() && model.forces.is_empty(), path, || {
+        "needs a model without ideal joints and forces: leave it out".into()
+    });
+    let at = format!("{path}.bushing");
+    let all: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).collect();
+    list.among(&all, &carry.bushing, &at, "a bushing");
+    let Some(other) = model.bushings.iter().find(|b| b.id == carry.bushing) else { return };
+    list.require(other.id != bushing.id && other.body_b == bushing.body_b, &at, || {
+        format!(
+            "\"{}\" is not at the other end of \"{}\", expected a bushing with the same body_b",
+            other.id, bushing.body_b
+        )
+    });
+    let is_taken = |b: &&Bushing| {
+        let given = b.carry_over.as_ref().map(|c| c.bushing.as_str());
+        b.id != bushing.id && given.is_some_and(|id| id == other.id || id == bushing.id)
+    };
+    if let Some(third) = model.bushings.iter().find(is_taken) {
+        list.require(false, &at, || {
+            format!("\"{}\" carries over to one of both already: leave out one of them", third.id)
+        });
+    }
+    let plain = |b: &Bushing| b.beam.is_none() && b.joint.is_none() && b.latent.is_none();
+    list.require(plain(bushing) && plain(other), path, || {
+        "stands between bushings of which one is latent, on a joint or in the middle of a beam".into()
+    });
+    for k in [1, 2] {
+        let cosine = math::dot(bushing.axes[k], other.axes[k]);
+        list.require((cosine.abs() - 1.0).abs() <= ORTHONORMAL_TOLERANCE, &at, || {
+            format!(
+                "axis {k} of \"{}\" is not parallel to that of this bushing (cosine {cosine:.3})",
+                other.id
+            )
+        });
+    }
+    let stiffness = |b: &Bushing, k: usize| match &b.bending[k] {
+        Bending::Elastic { stiffness_nm_rad } => *stiffness_nm_rad,
+        Bending::Curve { curve, .. } => model.curves.get(curve).map_or(0.0, |c| c.stiffness_nm_rad),
+    };
+    for (k, d) in carry.flexibility_rad_nm.into_iter().enumerate() {
+        // the matrix of both ends is positive definite
+        let sum = stiffness(bushing, k) + stiffness(other, k);
+        list.require(
+            d.is_finite() && 1.0 + d * sum > 0.0,
+            &format!("{path}.flexibility_rad_nm[{k}]"),
+            || {
+                format!(
+                    "is {d}, expected more than {:e}, the inverse of the stiffness of both ends",
+                    -1.0 / sum
+                )
+            },
+        );
     }
 }
 

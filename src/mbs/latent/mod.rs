@@ -344,6 +344,7 @@ impl Latent {
         }
         next.tables = system.tables.iter().cloned().chain(std::mem::take(&mut next.tables)).collect();
         self.orient(&mut next);
+        next.resume_carries();
         next.pack();
         Ok((next, model))
     }

@@ -228,9 +228,22 @@ pub struct Bushing {
     /// Whether its hinge shortens it as it turns under an axial force, by normality to the surface of its capacities ([`crate::curve::CapacityTable::shortening_m`]).
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub associated_flow: bool,
+    /// The bushing at the other end of body `b`, if that is a member that bends between them; in one of both.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub carry_over: Option<CarryOver>,
     /// Provenance.
     #[serde(default)]
     pub origin: Origin,
+}
+
+/// What the ends of a member carry over to each other: a rigid member on rotation springs is a beam in sway only ([`crate::mbs`], `carry.rs`).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CarryOver {
+    /// The bushing at the other end: its body `b` is the same, and its axes are parallel to those of this one. Neither is latent, on a joint or in the middle of a beam, nor in a model with ideal joints and forces.
+    pub bushing: String,
+    /// Rotation that a moment at one end and none at the other takes off the one and adds to the other, about axes 1 and 2: `L / (6 E I)` for a beam of length `L` with springs `6 E I / L` \[rad/(N m)\].
+    pub flexibility_rad_nm: [f64; 2],
 }
 
 /// A beam between two rigid bodies that meet in its middle. With a rotation spring `E I / L` and a shear spring `1 / (L³ / (12 E I) + L / (G A_s))` they are the beam exactly ([`crate::curve::beam`]).

@@ -9,7 +9,7 @@
 mod connection;
 mod contact;
 
-pub use connection::{Beam, Bending, Bushing, Force, Joint, JointKind, Span};
+pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Span};
 pub use contact::{
     BodyContact, Contact, GroundPlane, ObstacleBox, ObstaclePlane, PairRule, RESTITUTION, Shape,
 };

@@ -422,6 +422,7 @@ impl<'a> Run<'a> {
         if self.system.add_joint_forces() {
             self.look_at_joints();
         }
+        self.system.carry_over();
     }
 
     fn look_at_joints(&mut self) {

@@ -73,7 +73,8 @@ impl Run<'_> {
         // what the spans of beams sag by themselves
         gravity +=
             self.system.joints.iter().filter_map(|j| j.beam.as_ref()).map(|b| b.against_load_j).sum::<f64>();
-        let joints: f64 = self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum();
+        let joints = self.system.carried_j()
+            + self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum::<f64>();
         let plastic: f64 = self.system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum::<f64>()
             - self.plastic_start;
         let contact = self.contacts.energy;

@@ -88,6 +88,8 @@ impl Run<'_> {
         let was: Vec<Option<usize>> = self.latent.bushings.clone();
         let (system, model) = self.latent.part(self.file, &self.system, parting)?;
         self.keep_marks(&was, system.joints.len());
+        // a member that parts between its ends
+        self.released += self.system.carried_j() - system.carried_j();
         (self.system, self.model) = (system, Cow::Owned(model));
         let taken_j = self.sleep.taken_j;
         self.sleep = Sleep::new(self.file.settings.sleep_speed_m_s, self.system.count());

@@ -322,6 +322,7 @@ fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> B
         compressive_capacity_n: None,
         crushing_shortening_m: None,
         associated_flow: false,
+        carry_over: None,
         origin: Origin::default(),
     }
 }

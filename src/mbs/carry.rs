@@ -1,0 +1,129 @@
+//! Members that bend between two bushings: what the moment at one end turns the other by.
+//!
+//! A rigid member with a rotation spring `6 E I / L` at either end is the beam in sway, where both ends bear the same moment. In pure bending it is three times too stiff, since
+//! the ends of a beam carry over half of their moment to each other. With a flexibility `d` between the ends
+//!
+//! ```text
+//! θ₁ = M₁ / k₁ + d (M₁ - M₂),    θ₂ = M₂ / k₂ - d (M₁ - M₂)
+//! ```
+//!
+//! (rotations against the chord and moments in the same sense) sway is as it was, and with `d = L / (6 E I)` the matrix is that of the beam, `L / (6 E I) [2 -1; -1 2]`
+//! (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116). The hinges at the ends follow their law for what is left of their rotation after the
+//! lean `q = d (M₁ - M₂)`.
+//!
+//! The lean of a step is extrapolated from those that fit the moments of the two steps before. For moments that are smooth in time this is second order in the step and takes a little energy from vibrations near the limit of stability;
+//! it shows in the energy balance.
+
+use super::joint::JointData;
+use super::math;
+use super::model::Bushing;
+use super::system::BodyData;
+
+/// Two joints at the ends of a member.
+#[derive(Debug, Clone)]
+pub struct CarryOver {
+    /// The joints, whose second body is the member.
+    pub joints: [usize; 2],
+    /// Flexibility about the bending axes \[rad/(N m)\].
+    flexibility: [f64; 2],
+    /// Whether the bending axes of the second joint have the sense of those of the first, 1, or the opposite one, -1.
+    sense: [f64; 2],
+    /// The leans that fitted the last moments \[rad\].
+    fitted: [f64; 2],
+    /// The leans under which the present forces were found \[rad\].
+    present: [f64; 2],
+}
+
+impl CarryOver {
+    /// Those of some bushings and of their joints. Where the member is no longer one body, its ends keep the leans that they have.
+    pub fn all(bushings: &[Bushing], joints: &[JointData]) -> Vec<Self> {
+        let of = |(second, bushing): (usize, &Bushing)| {
+            let carry = bushing.carry_over.as_ref()?;
+            let first = bushings.iter().position(|b| b.id == carry.bushing)?;
+            let sense = [1, 2].map(|k| math::dot(bushing.axes[k], bushings[first].axes[k]).signum());
+            let is_one = joints[first].b == joints[second].b;
+            is_one.then_some(Self {
+                joints: [first, second],
+                flexibility: carry.flexibility_rad_nm,
+                sense,
+                fitted: [0.0; 2],
+                present: [0.0; 2],
+            })
+        };
+        bushings.iter().enumerate().filter_map(of).collect()
+    }
+
+    /// Whether both joints are intact and the member is not at rest.
+    fn is_live(&self, joints: &[JointData], data: &[BodyData]) -> bool {
+        let [first, second] = self.joints.map(|i| &joints[i]);
+        first.alive && second.alive && !data[first.b].asleep
+    }
+
+    /// The leans that fit the present moments, by the elastic stiffness of both ends.
+    fn fit(&self, joints: &[JointData]) -> [f64; 2] {
+        let [first, second] = self.joints.map(|i| &joints[i]);
+        std::array::from_fn(|k| {
+            let d = self.flexibility[k];
+            let moments = first.hinge.moment_nm[k] - self.sense[k] * second.hinge.moment_nm[k];
+            let stiffness = first.rotation[k + 1] + second.rotation[k + 1];
+            first.lean[k] + (d * moments - first.lean[k]) / (1.0 + d * stiffness)
+        })
+    }
+
+    fn set(&self, joints: &mut [JointData], leans: [f64; 2]) {
+        for k in 0..2 {
+            joints[self.joints[0]].lean[k] = leans[k];
+            joints[self.joints[1]].lean[k] = -self.sense[k] * leans[k];
+        }
+    }
+
+    /// Takes over the leans that fit the present moments, in equilibrium. Returns the largest moment that they change \[N m\].
+    pub fn settle(&mut self, joints: &mut [JointData]) -> f64 {
+        let leans = self.fit(joints);
+        let [first, second] = self.joints.map(|i| joints[i].rotation);
+        let change =
+            |k: usize| (leans[k] - joints[self.joints[0]].lean[k]).abs() * first[k + 1].max(second[k + 1]);
+        let largest = change(0).max(change(1));
+        (self.fitted, self.present) = (leans, leans);
+        self.set(joints, leans);
+        largest
+    }
+
+    /// Goes on from the leans that its joints have.
+    pub fn resume(&mut self, joints: &[JointData]) {
+        let lean = joints[self.joints[0]].lean;
+        (self.fitted, self.present) = (lean, lean);
+    }
+
+    /// After the forces of a step: the leans of the next one. Returns whether there are new ones.
+    #[inline]
+    pub fn go_on(&mut self, joints: &mut [JointData], data: &[BodyData]) -> bool {
+        self.present = joints[self.joints[0]].lean;
+        if !self.is_live(joints, data) {
+            return false;
+        }
+        let leans = self.fit(joints);
+        let next = std::array::from_fn(|k| 2.0 * leans[k] - self.fitted[k]);
+        self.fitted = leans;
+        self.set(joints, next);
+        true
+    }
+
+    /// Elastic energy between the ends \[J\].
+    pub fn elastic_j(&self) -> f64 {
+        let of = |k: usize| 0.5 * self.present[k] * self.present[k] / self.flexibility[k];
+        (0..2).filter(|k| self.flexibility[*k] != 0.0).map(of).sum()
+    }
+
+    /// What the flexibility about a bending axis changes in the elastic stiffness of both ends, for rotations about the axes of either joint \[N m/rad\].
+    pub fn stiffness_change(&self, joints: &[JointData], k: usize) -> [[f64; 2]; 2] {
+        let [k1, k2] = self.joints.map(|i| joints[i].rotation[k + 1]);
+        let (d, s) = (self.flexibility[k], self.sense[k]);
+        if k1 <= 0.0 || k2 <= 0.0 {
+            return [[0.0; 2]; 2];
+        }
+        // inverse of [[1/k1 + d, -d], [-d, 1/k2 + d]], less diag(k1, k2)
+        let f = d / (1.0 + d * (k1 + k2));
+        [[-f * k1 * k1, s * f * k1 * k2], [s * f * k1 * k2, -f * k2 * k2]]
+    }
+}
