@@ -208,7 +208,7 @@ impl<'a> Generator<'a> {
                 building,
             )?);
         }
-        let (walls, wall_curves) = walls::springs(building, structure, &bodies);
+        let (walls, wall_curves) = walls::springs(building, structure, &bodies, &around.planes);
         if !walls.is_empty() {
             notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
         }

@@ -3,8 +3,10 @@
 //! A wall storey of height `h` is as stiff as half of its height at either end: `E A / (h/2)`, `G A_s / (h/2)` and, about its own plane, `E I / (h/2)`. Each end has two springs, in the middles of its halves, which bear the
 //! moment in its plane as a couple.
 //!
-//! They yield like the homogenised law over their half of the section: axially at the squash load `f A` either way, out of the plane at `M_p (1 - (N/N_p)²)` ([`HomogenisedCapacity`]). Hardening and fracture are those of the law where the strain of the
-//! outer fibres is spread over one element of the mesh of height `s`, `ε = θ t / (2 s)`: the same localisation as in the FE model. In shear a wall stays elastic.
+//! Out of its plane a wall is a beam between floors: springs `6 E I / h` that carry over to each other ([`CarryOver`]).
+//!
+//! Walls yield axially at the squash load `f A` of the homogenised law either way, and out of the plane by the elements across their thickness, in plane strain ([`crate::rc::layers`]), times `1 - (N/N_p)²`.
+//! In shear a wall stays elastic.
 
 use super::bodies::Bodies;
 use super::joints::{axes, stands};
@@ -12,8 +14,9 @@ use crate::base::geom::Aabb;
 use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::graph::Structure;
-use crate::material::section_capacity::HomogenisedCapacity;
-use crate::mbs::model::{Bending, Bushing, Origin};
+use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
+use crate::rc::around::SAME_PLANE_M;
+use crate::rc::layers::{Held, Layer, Layers, Rows};
 use std::collections::BTreeMap;
 
 /// How far beyond an end its neighbour is looked for \[m\].
@@ -22,11 +25,12 @@ const BEYOND_M: f64 = 1e-4;
 /// Axial forces of the levels of a curve over the squash load.
 const LEVELS: [f64; 7] = [-0.95, -0.75, -0.4, 0.0, 0.4, 0.75, 0.95];
 
-/// The springs of all walls that are bodies of their own, and their curves by id.
+/// The springs of all walls that are bodies of their own, and their curves by id, for the planes of a mesh along x, y and z \[m\].
 pub fn springs(
     building: &Building,
     structure: &Structure,
     bodies: &Bodies,
+    planes: &[Vec<f64>; 3],
 ) -> (Vec<Bushing>, BTreeMap<String, ResistanceCurve>) {
     let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
     let (mut springs, mut curves) = (Vec::new(), BTreeMap::new());
@@ -35,7 +39,7 @@ pub fn springs(
         let Some(half) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
         let own = of_wall(building, structure, bodies, &half);
         if !own.is_empty() {
-            curves.insert(curve_id(&member.id), half.curve());
+            curves.insert(curve_id(&member.id), half.curve(planes));
         }
         springs.extend(own);
     }
@@ -79,40 +83,57 @@ impl<'a> Half<'a> {
         }
     }
 
-    fn capacity(&self) -> HomogenisedCapacity {
-        let whole = HomogenisedCapacity::of_rectangle(self.law, self.length_m, self.thickness_m);
-        HomogenisedCapacity {
-            plastic_moment_nm: self.strength * whole.plastic_moment_nm,
-            plastic_force_n: self.strength * whole.plastic_force_n,
-        }
+    /// Force at which the section flows \[N\].
+    fn squash_n(&self) -> f64 {
+        let first = self.law.hardening.first().map_or(0.0, |p| p.stress_pa);
+        self.strength * first * self.length_m * self.thickness_m
     }
 
-    /// Elastic stiffness out of the plane \[N m/rad\].
+    /// Elastic stiffness out of the plane in sway, `6 E I / h` \[N m/rad\].
     fn out_of_plane(&self) -> f64 {
-        self.law.youngs_modulus_pa * self.length_m * self.thickness_m.powi(3) / 12.0 / self.height_m
+        3.0 * self.law.youngs_modulus_pa * self.length_m * self.thickness_m.powi(3) / 12.0 / self.height_m
     }
 
-    /// Bending out of the plane.
-    fn curve(&self) -> ResistanceCurve {
-        let capacity = self.capacity();
-        let first = self.law.hardening.first().map_or(1.0, |p| p.stress_pa);
-        let rotation = |strain: f64| 2.0 * strain * self.mesh_m / self.thickness_m;
-        let critical = self.law.critical_plastic_strain;
-        let points = || self.law.hardening.iter().filter(|p| p.plastic_strain < critical);
-        let last = points().next_back().map_or(first, |p| p.stress_pa);
-        let level = |share: f64| {
-            let axial_force_n = share * capacity.plastic_force_n;
-            let moment = |stress_pa: f64| capacity.moment_nm(axial_force_n) * stress_pa / first;
-            let mut table: Vec<[f64; 2]> =
-                points().map(|p| [rotation(p.plastic_strain), moment(p.stress_pa)]).collect();
-            table.push([rotation(critical), moment(last)]);
-            CapacityLevel { axial_force_n, capacity: table, fracture_rotation_rad: rotation(critical) }
-        };
-        ResistanceCurve {
-            stiffness_nm_rad: self.out_of_plane(),
-            levels: LEVELS.into_iter().map(level).collect(),
-            cyclic: None,
+    /// What the springs at foot and head carry over to each other: out of the plane they are a beam.
+    fn carry_over(&self, foot: String) -> CarryOver {
+        let flexibility = 1.0 / self.out_of_plane();
+        CarryOver {
+            bushing: foot,
+            flexibility_rad_nm: if self.along == 0 { [flexibility, 0.0] } else { [0.0, flexibility] },
         }
+    }
+
+    /// Bending out of the plane, by the elements across its thickness.
+    fn curve(&self, planes: &[Vec<f64>; 3]) -> ResistanceCurve {
+        let across = 1 - self.along;
+        let edges = |axis: usize| -> Vec<f64> {
+            let [low, high] = [self.solid.min[axis], self.solid.max[axis]];
+            let inside =
+                planes[axis].iter().filter(|p| **p > low + SAME_PLANE_M && **p < high - SAME_PLANE_M);
+            [low].into_iter().chain(inside.copied()).chain([high]).collect()
+        };
+        let layer = |z: &[f64]| Layer {
+            area_m2: self.length_m * (z[1] - z[0]),
+            at_m: 0.5 * (z[0] + z[1]),
+            depth_m: z[1] - z[0],
+            strength: self.strength,
+            is_plate: true,
+            law: self.law,
+        };
+        let levels = edges(2);
+        let row_m = levels.windows(2).map(|z| z[1] - z[0]).fold(0.0, f64::max);
+        let layers = Layers::of(edges(across).windows(2).map(layer).collect());
+        let rows = Rows { row_m, shear_span_m: self.height_m, held: Held::OneWay };
+        let stiffness_nm_rad = self.out_of_plane();
+        let free = layers.map_or_else(Vec::new, |layers| layers.curve(&rows, stiffness_nm_rad).levels);
+        let level = |share: f64| {
+            let without = free.iter().find(|l| l.axial_force_n == 0.0)?;
+            let mut level = CapacityLevel { axial_force_n: share * self.squash_n(), ..without.clone() };
+            level.scale(1.0 - share * share);
+            Some(level)
+        };
+        let levels = LEVELS.into_iter().filter_map(level).collect();
+        ResistanceCurve { stiffness_nm_rad, levels, cyclic: None }
     }
 }
 
@@ -135,6 +156,15 @@ fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, half: &H
             }
             let id = format!("{}.{name}-{}", building.members[wall].id, side + 1);
             list.push(spring(building, bodies, half, [other, Some(body)], (id, point_m)));
+            let foot = list
+                .iter()
+                .position(|b: &Bushing| b.id == format!("{}.bottom-{}", building.members[wall].id, side + 1));
+            if let (1, Some(foot)) = (end, foot) {
+                let carry = half.carry_over(list[foot].id.clone());
+                if let Some(head) = list.last_mut() {
+                    head.carry_over = Some(carry);
+                }
+            }
         }
     }
     list
@@ -155,7 +185,7 @@ fn spring(
         stiffness_nm_rad: law.youngs_modulus_pa * thickness * length.powi(3) / 12.0 / height,
     };
     let torsion = law.shear_modulus_pa() * length * thickness.powi(3) / 3.0 / height;
-    let squash_n = half.capacity().plastic_force_n;
+    let squash_n = half.squash_n();
     let name = |i: usize| bodies.list[i].id.clone();
     let own = own.map(name).unwrap_or_default();
     Bushing {
