@@ -11,10 +11,10 @@ const BETWEEN: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 const FALLING: f64 = 0.98;
 
 impl ResistanceCurve {
-    /// The curve past the loss of an axial force, and up to the compressive capacity of the section \[N\].
+    /// The curve past the loss of an axial force, and up to the force at which the section flows as a whole \[N\], over plastic rotation \[rad\] as it hardens; empty if that is not known.
     #[must_use]
-    pub fn in_a_structure(&self, compressive_capacity_n: Option<f64>) -> Self {
-        self.past_compression().up_to_crushing(compressive_capacity_n)
+    pub fn in_a_structure(&self, crushing: &[[f64; 2]]) -> Self {
+        self.past_compression().up_to_crushing(crushing)
     }
 
     /// A push under a compressive force ends when what is left of the section no longer bears that force, which goes on pressing. In a structure the force goes elsewhere then, and the parts hang together
@@ -38,22 +38,39 @@ impl ResistanceCurve {
         curve
     }
 
-    /// The curve with a level at the compressive capacity, at which nothing is left for a moment, and levels on the way there from the last one computed: `1 - n²` of the plastic moment, that of a rectangle of an ideally plastic
-    /// material. Without them the capacity would not fall at all. A capacity within the levels adds nothing.
-    fn up_to_crushing(mut self, compressive_capacity_n: Option<f64>) -> Self {
-        let last = self.levels.last().cloned().zip(compressive_capacity_n);
-        let Some((last, crushing_n)) = last.filter(|(level, n)| level.axial_force_n < *n) else {
+    /// The curve with levels between the last one computed and the force at which the section flows as a whole, at which nothing is left for a moment: `1 - n²` of the plastic moment, that of a rectangle of an ideally plastic
+    /// material. Without them the capacity would not fall at all. As the section hardens it bears more force, and at a force within the levels something for longer.
+    fn up_to_crushing(mut self, crushing: &[[f64; 2]]) -> Self {
+        let (Some(last), Some([_, first_n]), Some([_, most_n])) =
+            (self.levels.last().cloned(), crushing.first(), crushing.last())
+        else {
             return self;
         };
-        let share = last.axial_force_n.max(0.0) / crushing_n;
-        let left = |n: f64| ((1.0 - n * n) / (1.0 - share * share)).max(LEFT);
-        let at = |way: f64| {
-            let n = share + way * (1.0 - share);
-            let mut level = CapacityLevel { axial_force_n: n * crushing_n, ..last.clone() };
-            level.scale(left(n));
-            level
+        let from_n = last.axial_force_n.max(0.0);
+        let left = |axial_n: f64, rotation: f64| {
+            let share = |n: f64| 1.0 - (n / interpolate(crushing, rotation)).powi(2);
+            // the level that was computed bears something, whatever is said of crushing
+            (share(axial_n) / share(from_n).max(LEFT)).max(LEFT)
         };
-        self.levels.extend(BETWEEN.iter().chain(&[1.0]).map(|way| at(*way)));
+        let mut forces: Vec<f64> =
+            BETWEEN.iter().chain(&[1.0]).map(|way| from_n + way * (first_n - from_n)).collect();
+        forces.push(*most_n);
+        forces.retain(|n| *n > last.axial_force_n);
+        forces.dedup();
+        let mut rotations: Vec<f64> = last.capacity.iter().chain(crushing).map(|p| p[0]).collect();
+        rotations.retain(|x| *x < last.fracture_rotation_rad);
+        rotations.sort_by(f64::total_cmp);
+        rotations.dedup();
+        self.levels.extend(forces.into_iter().map(|axial_force_n| {
+            CapacityLevel {
+                axial_force_n,
+                capacity: rotations
+                    .iter()
+                    .map(|x| [*x, left(axial_force_n, *x) * interpolate(&last.capacity, *x)])
+                    .collect(),
+                ..last.clone()
+            }
+        }));
         self
     }
 }
@@ -74,7 +91,7 @@ mod tests {
     fn capacity_falls_to_nothing_at_crushing() {
         let at = |n: f64, moment: f64| level(n, vec![[0.0, moment], [0.1, 0.5 * moment]], 0.2);
         let curve = curve(vec![at(-1e5, 80e3), at(6e5, 50e3)]);
-        let whole = curve.in_a_structure(Some(1e6));
+        let whole = curve.in_a_structure(&[[0.0, 1e6]]);
         assert!(whole.check().is_ok());
         for n in [-1e6, -1e5, 2e5, 6e5] {
             assert_eq!(whole.capacity_nm(0.05, n), curve.capacity_nm(0.05, n));
@@ -86,8 +103,20 @@ mod tests {
             assert!((whole.capacity_nm(0.0, n * 1e6) / wanted - 1.0).abs() < 1e-12);
         }
         assert!(whole.capacity_nm(0.0, 1e6) < 51.0);
-        assert_eq!(curve.in_a_structure(Some(5e5)), curve);
-        assert_eq!(curve.in_a_structure(None), curve);
+        assert_eq!(curve.in_a_structure(&[[0.0, 5e5]]), curve);
+        assert_eq!(curve.in_a_structure(&[]), curve);
+    }
+
+    #[test]
+    fn a_section_that_hardens_bears_more_force() {
+        let at = |n: f64, moment: f64| level(n, vec![[0.0, moment], [0.4, moment]], 0.5);
+        let whole = curve(vec![at(0.0, 80e3)]).in_a_structure(&[[0.0, 1e6], [0.2, 1.2e6]]);
+        assert!(whole.check().is_ok());
+        for (rotation, n, crushing) in [(0.0, 1e6, 1e6), (0.2, 1e6, 1.2e6), (0.4, 1e6, 1.2e6_f64)] {
+            let wanted = (80e3 * (1.0 - (n / crushing).powi(2))).max(LEFT * 80e3);
+            assert!((whole.capacity_nm(rotation, n) / wanted - 1.0).abs() < 1e-12, "{rotation}");
+        }
+        assert!(whole.capacity_nm(0.4, 1.2e6) < 81.0);
     }
 
     #[test]
@@ -95,7 +124,7 @@ mod tests {
         let free = level(0.0, vec![[0.0, 60e3], [0.5, 60e3], [0.6, 20e3], [1.5, 10e3]], 1.5);
         let pressed = level(2e5, vec![[0.0, 80e3], [0.3, 90e3], [0.39, 30e3], [0.3999, 1e3]], 0.4);
         let pulled = level(-1e5, vec![[0.0, 40e3], [0.7, 30e3]], 0.7);
-        let whole = curve(vec![pulled.clone(), free.clone(), pressed]).in_a_structure(None);
+        let whole = curve(vec![pulled.clone(), free.clone(), pressed]).in_a_structure(&[]);
         assert!(whole.check().is_ok());
         assert_eq!(whole.levels[..2], [pulled, free]);
         assert_eq!(whole.levels[2].fracture_rotation_rad, 1.5);

@@ -203,6 +203,7 @@ impl Line {
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,
             compressive_capacity_n: entry.compressive_capacity_n,
+            compressive_hardening: Vec::new(),
             crushing_shortening_m: None,
             associated_flow: false,
             carry_over: None,

@@ -140,6 +140,7 @@ impl Grillage {
                 tensile_capacity_n: ends.squash_n,
                 tensile_elongation_m: ends.elongation_m,
                 compressive_capacity_n: ends.squash_n,
+                compressive_hardening: Vec::new(),
                 crushing_shortening_m: None,
                 associated_flow: true,
                 carry_over: None,

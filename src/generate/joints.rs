@@ -6,7 +6,7 @@ use super::{Derive, GenerateError};
 use crate::base::hash::ContentHash;
 use crate::building::ends::MemberEnd;
 use crate::building::partition::Partition;
-use crate::building::{Building, Face, MemberKind};
+use crate::building::{Building, Face, Homogenised, MemberKind};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted};
@@ -14,6 +14,7 @@ use crate::library::derive_strip::WantedStrip;
 use crate::library::entry::AxisRecord;
 use crate::library::similar::{Candidates, Similar};
 use crate::library::{Entry, Store, StoreError};
+use crate::material::j2::HardeningTable;
 use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -91,11 +92,36 @@ impl Entries {
         self.entries
             .iter()
             .flat_map(|(key, e)| {
-                let whole = |axis: &AxisRecord| axis.curve.in_a_structure(e.compressive_capacity_n);
+                let crushing = crushing(e);
+                let whole = move |axis: &AxisRecord| axis.curve.in_a_structure(&crushing);
                 e.axes.iter().enumerate().map(move |(i, a)| (curve_id(key, i), whole(a)))
             })
             .collect()
     }
+}
+
+/// Force at which the section of an entry flows as a whole \[N\] over plastic rotation \[rad\]: its law hardens with the strain of the outer fibres of a row of elements, `θ h / (2 s)`.
+fn crushing(entry: &Entry) -> Vec<[f64; 2]> {
+    let Some(most_n) = entry.compressive_capacity_n else { return Vec::new() };
+    let Some(law) = &entry.provenance.inputs.law else { return vec![[0.0, most_n]] };
+    let depths = entry.features.mesh_size_m.map_or(1.0, |size| entry.features.depth_m / size);
+    flow(law).into_iter().map(|[strain, share]| [2.0 * strain / depths, share * most_n]).collect()
+}
+
+/// Stress at which a law flows over that at which it breaks, against plastic strain up to there. A law that softens flows at the stress at which it breaks.
+fn flow(law: &Homogenised) -> Vec<[f64; 2]> {
+    let table = HardeningTable::new(&law.hardening);
+    let rupture = rupture_strain(law);
+    let before = law.hardening.iter().map(|p| p.plastic_strain).filter(|strain| *strain < rupture);
+    let share = |strain: f64| table.at(strain).0 / table.at(rupture).0;
+    let points: Vec<[f64; 2]> = before.chain([rupture]).map(|strain| [strain, share(strain)]).collect();
+    let hardens = points.windows(2).all(|p| p[1][1] >= p[0][1]);
+    if hardens { points } else { vec![[0.0, 1.0]] }
+}
+
+/// Plastic strain at which a law breaks.
+fn rupture_strain(law: &Homogenised) -> f64 {
+    law.critical_plastic_strain.min(law.critical_principal_strain.unwrap_or(f64::INFINITY))
 }
 
 pub fn curve_id(key: &str, axis: usize) -> String {
@@ -310,6 +336,8 @@ pub fn hinges(
             stiffness_nm_rad if is_elastic => Bending::Elastic { stiffness_nm_rad },
             _ => Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 },
         });
+        let half = HalfPrism::of(place.building, end);
+        let law = place.building.law_of(&place.building.members[end.member]);
         // what does not yield neither breaks nor crushes
         let capacity = |capacity: Option<f64>| capacity.filter(|_| !is_elastic);
         joints.push(Bushing {
@@ -318,7 +346,7 @@ pub fn hinges(
             body_b: place.bodies.list[own].id.clone(),
             point_m: hinge_point(end, hinge.offset_m),
             axes: axes(end.axis, end.outward),
-            axial_stiffness_n_m: HalfPrism::of(place.building, end).axial_n_m(),
+            axial_stiffness_n_m: half.axial_n_m(),
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
@@ -328,6 +356,7 @@ pub fn hinges(
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
+            compressive_hardening: if is_elastic { Vec::new() } else { half.hardening(law) },
             crushing_shortening_m: capacity(entry.tensile_elongation_m),
             associated_flow: true,
             carry_over: None,
@@ -365,6 +394,16 @@ impl HalfPrism {
     /// Axial stiffness `E A / l` \[N/m\]. The submodel of an end has less, since its force goes into the floor around it: in a building it goes on to the next column, and what bends is the floor.
     fn axial_n_m(&self) -> f64 {
         self.moduli_pa[0] * self.section_m[0] * self.section_m[1] / self.length_m
+    }
+
+    /// Stress at which its law flows over that at which it breaks, against plastic shortening \[m\].
+    fn hardening(&self, law: &Homogenised) -> Vec<[f64; 2]> {
+        let points = flow(law);
+        if points.len() > 1 {
+            points.into_iter().map(|[x, share]| [x * self.length_m, share]).collect()
+        } else {
+            Vec::new()
+        }
     }
 
     /// Stiffness against rotation \[N m/rad\] about joint axis `k` under a force across in the middle, at a hinge so far from there \[m\]: `k = a² / (l³ / (3 E I) + l / (G A_s))`.

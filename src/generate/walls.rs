@@ -205,6 +205,7 @@ fn spring(
         tensile_capacity_n: Some(squash_n),
         tensile_elongation_m: Some(law.critical_plastic_strain * half.mesh_m),
         compressive_capacity_n: Some(squash_n),
+        compressive_hardening: Vec::new(),
         crushing_shortening_m: None,
         associated_flow: true,
         carry_over: None,

@@ -48,8 +48,11 @@ pub struct JointData {
     pressed: f64,
     /// Such shortening at which it is crushed \[m\].
     crushing_shortening: f64,
-    /// Compression at which the axial spring flows \[N\].
+    /// Compression at which the axial spring flows \[N\], now and at most.
     pub(super) compressive_capacity: f64,
+    compressive_most: f64,
+    /// The same over plastic shortening \[m\] as it hardens; none: it does not.
+    hardening: Option<Box<[[f64; 2]]>>,
     /// Plastic shortening less elongation, in the sense of the gap along axis 0 \[m\].
     pub crushed: f64,
     /// Energy dissipated by crushing and stretching \[J\].
@@ -137,6 +140,7 @@ impl JointData {
         let center_a = if a + 1 == bodies.len() { joint.point_m } else { bodies[a].x };
         let towards_b = math::dot(joint.axes[0], math::sub(bodies[b].x, center_a));
         let outward = if towards_b < 0.0 { -1.0 } else { 1.0 };
+        let compressive_most = joint.compressive_capacity_n.unwrap_or(f64::INFINITY);
         Self {
             a,
             b,
@@ -153,7 +157,12 @@ impl JointData {
             elongated: 0.0,
             pressed: 0.0,
             crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
-            compressive_capacity: joint.compressive_capacity_n.unwrap_or(f64::INFINITY),
+            compressive_capacity: compressive_most
+                * joint.compressive_hardening.first().map_or(1.0, |p| p[1]),
+            compressive_most,
+            hardening: (!joint.compressive_hardening.is_empty()).then(|| {
+                joint.compressive_hardening.iter().map(|[x, f]| [*x, f * compressive_most]).collect()
+            }),
             crushed: 0.0,
             crush_j: 0.0,
             is_associated: joint.associated_flow,
@@ -296,7 +305,7 @@ impl JointData {
                 bending += (moment[k + 1] / capacity).powi(2);
             }
         }
-        bending.sqrt().max(axial / self.compressive_capacity).max(-axial / self.tensile_capacity)
+        bending.sqrt().max(axial / self.compressive_most).max(-axial / self.tensile_capacity)
     }
 
     /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.
@@ -317,6 +326,7 @@ impl JointData {
         self.crushed -= self.outward * shortened;
         gap[0] -= self.crushed;
         self.axial_force = -self.outward * k[0] * gap[0];
+        self.harden(k[0]);
         let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
         let admissible = self.axial_force.clamp(lowest, self.compressive_capacity);
         if admissible != self.axial_force {
@@ -334,6 +344,26 @@ impl JointData {
         let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
         [local, moment]
+    }
+
+    /// Finds the compression at which the axial spring flows in this step, for its stiffness \[N/m\]: where its elastic unloading meets the hardening curve.
+    #[inline]
+    fn harden(&mut self, stiffness: f64) {
+        if self.axial_force <= self.compressive_capacity {
+            return;
+        }
+        let Some(hardening) = &self.hardening else { return };
+        // capacity plus elastic unloading grows along the curve: the first point beyond the trial force ends the segment in which they meet
+        let trial = self.axial_force + stiffness * self.pressed;
+        let upper = hardening.partition_point(|[x, n]| n + stiffness * x <= trial);
+        self.compressive_capacity = match (upper.checked_sub(1).map(|i| hardening[i]), hardening.get(upper)) {
+            (Some([x0, n0]), Some([x1, n1])) => {
+                let share = (trial - n0 - stiffness * x0) / (n1 - n0 + stiffness * (x1 - x0));
+                n0 + share * (n1 - n0)
+            }
+            (Some([_, last]), None) => last,
+            (None, first) => first.map_or(self.compressive_most, |p| p[1]),
+        };
     }
 
     /// Moments about the joint axes of a beam with hinges at its ends; takes what is plastic off the gap and sets the bending part of the elastic energy.

@@ -321,6 +321,7 @@ mod tests {
                 latent: None,
                 tensile_capacity_n: Some(2e5),
                 compressive_capacity_n: Some(3e5),
+                compressive_hardening: Vec::new(),
                 crushing_shortening_m: None,
                 associated_flow: true,
                 carry_over: None,

@@ -205,3 +205,53 @@ fn crushing_and_ideal_joints_do_not_go_together() {
     let said = m.check().unwrap_err().to_string();
     assert!(said.contains("bushings[0].crushing_shortening_m: needs a model without ideal joints"), "{said}");
 }
+
+/// A sudden load `W` on a spring that flows from `N_0` on and hardens: it stops where `W u = ∫ N du`.
+#[test]
+fn a_member_that_hardens_stops_a_sudden_load() {
+    let (mass, elastic_n_m, last_m) = (40_000.0, 1e9, 0.1);
+    let weight = mass * G;
+    let (first, most) = (0.7 * weight, 1.4 * weight);
+    let mut m = model("hardening", 0.4, 0.0005);
+    m.settings.time_step_s = Some(5e-5);
+    let block = solid("block", [0.0, 0.0, 1.0], [1.0; 3]);
+    m.bodies.push(Body { mass_kg: mass, inertia_kg_m2: box_inertia(mass, [1.0; 3]), ..block });
+    let bending = [elastic(1e9), elastic(1e9)];
+    m.bushings.push(Bushing {
+        compressive_capacity_n: Some(most),
+        compressive_hardening: vec![[0.0, 0.5], [0.5 * last_m, 0.75], [last_m, 1.0]],
+        ..joint("column", None, "block", [0.0; 3], elastic_n_m, 1e9, bending)
+    });
+    track(&mut m, "block", [0.0, 0.0, 1.0]);
+    let result = simulate(&m).unwrap();
+    let down: Vec<f64> = result.tracked[0].displacement_m.iter().map(|u| -u[2]).collect();
+    let deepest = down.iter().copied().fold(0.0, f64::max);
+    // elastic up to u_0, then the slope of both in a row
+    let slope = 1.0 / (1.0 / elastic_n_m + last_m / (most - first));
+    let begins = first / elastic_n_m;
+    // W (u_0 + x) = N_0 u_0 / 2 + N_0 x + s x² / 2
+    let (p, q) = (weight - first, weight * begins - 0.5 * first * begins);
+    let beyond = (p + (p * p + 2.0 * slope * q).sqrt()) / slope;
+    println!("{deepest:.6} m, {:.6}", begins + beyond);
+    assert!((deepest / (begins + beyond) - 1.0).abs() < 1e-3, "{deepest} {}", begins + beyond);
+    assert!(result.energy_error < 1e-4, "{}", result.energy_error);
+    // from there on it is elastic
+    let after: Vec<f64> = down.iter().copied().skip_while(|u| *u < deepest).collect();
+    let middle = 0.5 * (after.iter().copied().fold(f64::INFINITY, f64::min) + deepest);
+    let unloads = first + slope * beyond - weight;
+    assert!((deepest - middle - unloads / elastic_n_m).abs() < 0.02 * deepest, "{middle} {deepest}");
+
+    type Change = fn(&mut Bushing);
+    let wrong: [Change; 4] = [
+        |b| b.compressive_hardening[0][0] = 0.01,
+        |b| b.compressive_hardening[1][1] = 0.4,
+        |b| b.compressive_hardening[2][1] = 1.1,
+        |b| b.compressive_capacity_n = None,
+    ];
+    for change in wrong {
+        let mut m = m.clone();
+        change(&mut m.bushings[0]);
+        let said = m.check().unwrap_err().to_string();
+        assert!(said.starts_with("bushings[0].compressive_hardening: "), "{said}");
+    }
+}

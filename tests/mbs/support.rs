@@ -59,6 +59,7 @@ pub fn joint(
         latent: None,
         tensile_capacity_n: None,
         compressive_capacity_n: None,
+        compressive_hardening: Vec::new(),
         crushing_shortening_m: None,
         associated_flow: false,
         carry_over: None,

@@ -122,12 +122,30 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     if let Some(c) = joint.compressive_capacity_n {
         list.positive(&format!("{path}.compressive_capacity_n"), c);
     }
+    check_hardening(model, joint, &format!("{path}.compressive_hardening"), list);
     if let Some(id) = &joint.joint {
         check_held(model, joint, id, path, list);
     }
     if let Some(carry) = &joint.carry_over {
         check_carry_over(model, joint, carry, &format!("{path}.carry_over"), list);
     }
+}
+
+/// Shares of the compressive capacity over plastic shortening.
+fn check_hardening(model: &Model, bushing: &Bushing, path: &str, list: &mut List) {
+    let points = &bushing.compressive_hardening;
+    let [Some(first), Some(last)] = [points.first(), points.last()] else { return };
+    let grows = points.windows(2).all(|p| p[1][0] > p[0][0] && p[1][1] >= p[0][1]);
+    let is_sound = first[0] == 0.0 && first[1] > 0.0 && last[1] <= 1.0 && last[0].is_finite() && grows;
+    list.require(is_sound, path, || {
+        format!("is {points:?}, expected plastic shortenings that grow from 0 and shares above 0 that do not fall, up to 1")
+    });
+    list.require(bushing.compressive_capacity_n.is_some() && bushing.joint.is_none(), path, || {
+        "needs compressive_capacity_n, and no joint that holds the point: leave it out".into()
+    });
+    list.require(model.joints.is_empty() && model.forces.is_empty(), path, || {
+        "needs a model without ideal joints and forces: leave it out".into()
+    });
 }
 
 /// A member between two bushings is body `b` of both, and bends about the same axes at both.

@@ -222,6 +222,9 @@ pub struct Bushing {
     /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
     #[serde(default)]
     pub compressive_capacity_n: Option<f64>,
+    /// How it hardens up to there: share of the compressive capacity at which it flows, from what is above 0 up to 1, over plastic shortening \[m\], from 0 on; both grow. Empty: it flows at the capacity.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub compressive_hardening: Vec<[f64; 2]>,
     /// Plastic shortening \[m\] that the member bears at its compressive capacity before it is crushed: the joint then separates, and body `b`, which is the member, touches no other body; not in models with ideal joints and forces; `None`: any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crushing_shortening_m: Option<f64>,

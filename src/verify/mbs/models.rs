@@ -320,6 +320,7 @@ fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> B
         tensile_capacity_n: None,
         tensile_elongation_m: None,
         compressive_capacity_n: None,
+        compressive_hardening: Vec::new(),
         crushing_shortening_m: None,
         associated_flow: false,
         carry_over: None,
