@@ -227,5 +227,12 @@ fn all_together(t: &Together) -> String {
         t.e_total_falling[1],
         t.agree
     );
+    let [low, middle, high] = t.largest_standing;
+    if middle.is_finite() {
+        let _ = writeln!(
+            text,
+            "of those that stand the largest displacement is {middle:.2} times that of FE in the median, {low:.2} and {high:.2} at the 10th and 90th percentile"
+        );
+    }
     text
 }

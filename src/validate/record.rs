@@ -21,6 +21,8 @@ pub struct Agreement {
     pub e_total_without_debris: f64,
     /// Largest distance between both runs' displacements of a point \[m\].
     pub largest_difference_m: f64,
+    /// Largest displacement of a point in either, at the times of the record \[m\].
+    pub largest_displacement_m: Both<f64>,
     /// First ground contact \[s\].
     pub first_contact_s: Both<Option<f64>>,
     /// Whether the structure collapsed.
@@ -60,6 +62,9 @@ impl Agreement {
         });
         let distance =
             |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let largest = |displacement: &[[f64; 3]]| {
+            displacement.iter().map(|u| distance((u, &[0.0; 3]))).fold(0.0, f64::max)
+        };
         let facts = &study.facts;
         let sites = compare_sites(facts, model, run);
         Self {
@@ -72,6 +77,10 @@ impl Agreement {
                 .iter()
                 .flat_map(|(a, b)| a.iter().zip(b.iter()).map(distance))
                 .fold(0.0, f64::max),
+            largest_displacement_m: Both {
+                fe: errors.pairs.iter().map(|(_, fe)| largest(fe)).fold(0.0, f64::max),
+                mbs: errors.pairs.iter().map(|(own, _)| largest(own)).fold(0.0, f64::max),
+            },
             first_contact_s: Both { fe: facts.first_contact_s, mbs: run.first_ground_contact_s },
             collapsed: Both { fe: facts.collapsed, mbs: run.tracked.iter().any(|t| fell(&t.displacement_m)) },
             hinges: Sites::of(
@@ -112,6 +121,8 @@ pub struct Together {
     pub e_to_contact_falling: [f64; 2],
     /// The same of the error over the whole run.
     pub e_total_falling: [f64; 2],
+    /// 10th percentile, median and 90th percentile of the largest displacement of the MBS over that of FE, of those that stand in both.
+    pub largest_standing: [f64; 3],
     /// Buildings that agree ([`Agreement::agrees`]).
     pub agree: usize,
     /// F1 of the hinges of all buildings: against zones, of turning before the first contact, and of turning in the whole run.
@@ -124,13 +135,12 @@ impl Together {
     /// Of some comparisons.
     pub fn of(list: &[Agreement]) -> Self {
         let falls = |a: &&Agreement| a.collapsed.fe;
+        let stands =
+            |a: &&Agreement| !a.collapsed.fe && !a.collapsed.mbs && a.largest_displacement_m.fe > 0.0;
+        let ratio = |a: &Agreement| a.largest_displacement_m.mbs / a.largest_displacement_m.fe;
+        let ratios: Vec<f64> = list.iter().filter(stands).map(ratio).collect();
         let share = |of: &dyn Fn(&Agreement) -> f64, all: bool, share: f64| {
-            let mut values: Vec<f64> = list.iter().filter(|a| all || falls(a)).map(of).collect();
-            values.sort_by(f64::total_cmp);
-            // between the closest ranks: definition 7 of Hyndman and Fan, The American Statistician 50 (1996) 361
-            let at = share * (values.len().max(1) - 1) as f64;
-            let [low, high] = [at.floor(), at.ceil()].map(|i| values.get(i as usize).copied());
-            low.zip(high).map_or(f64::NAN, |(low, high)| low + at.fract() * (high - low))
+            percentile(list.iter().filter(|a| all || falls(a)).map(of).collect(), share)
         };
         let both = |of: &dyn Fn(&Agreement) -> f64, all: bool| [share(of, all, 0.5), share(of, all, 0.9)];
         let f1 = |of: fn(&Agreement) -> Sites| {
@@ -145,9 +155,18 @@ impl Together {
             falling: list.iter().filter(falls).count(),
             e_to_contact_falling: both(&|a| a.e_to_contact, false),
             e_total_falling: both(&|a| a.e_total, false),
+            largest_standing: [0.1, 0.5, 0.9].map(|p| percentile(ratios.clone(), p)),
             agree: list.iter().filter(|a| a.agrees()).count(),
             f1: [f1(|a| a.hinges), f1(|a| a.turning_before_contact), f1(|a| a.turning)],
             collapse_right: list.iter().filter(|a| a.collapsed.fe == a.collapsed.mbs).count(),
         }
     }
+}
+
+/// A percentile, between the closest ranks: definition 7 of Hyndman and Fan, The American Statistician 50 (1996) 361.
+fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let at = share * (values.len().max(1) - 1) as f64;
+    let [low, high] = [at.floor(), at.ceil()].map(|i| values.get(i as usize).copied());
+    low.zip(high).map_or(f64::NAN, |(low, high)| low + at.fract() * (high - low))
 }
