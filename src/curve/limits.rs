@@ -10,6 +10,9 @@ const BETWEEN: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Share of the rotation at the end of a push from which on it is falling to its end.
 const FALLING: f64 = 0.98;
 
+/// Share of the force at which the section flows by which levels must differ.
+const SAME: f64 = 1e-6;
+
 impl ResistanceCurve {
     /// The curve past the loss of an axial force, and up to the force at which the section flows as a whole \[N\], over plastic rotation \[rad\] as it hardens; empty if that is not known.
     #[must_use]
@@ -52,13 +55,16 @@ impl ResistanceCurve {
             // the level that was computed bears something, whatever is said of crushing
             (share(axial_n) / share(from_n).max(LEFT)).max(LEFT)
         };
-        let mut forces: Vec<f64> =
-            BETWEEN.iter().chain(&[1.0]).map(|way| from_n + way * (first_n - from_n)).collect();
-        forces.push(*most_n);
-        forces.retain(|n| *n > last.axial_force_n);
-        forces.dedup();
+        // levels that differ by round-off only are one
+        let beyond = |n: f64, other: f64| n > other + SAME * first_n.abs();
+        let mut forces: Vec<f64> = BETWEEN.iter().map(|way| from_n + way * (first_n - from_n)).collect();
+        forces.push(*first_n);
+        forces.extend(beyond(*most_n, *first_n).then_some(*most_n));
+        forces.retain(|n| beyond(*n, last.axial_force_n));
+        let end = last.fracture_rotation_rad;
         let mut rotations: Vec<f64> = last.capacity.iter().chain(crushing).map(|p| p[0]).collect();
-        rotations.retain(|x| *x < last.fracture_rotation_rad);
+        rotations.retain(|x| *x < end);
+        rotations.push(end);
         rotations.sort_by(f64::total_cmp);
         rotations.dedup();
         self.levels.extend(forces.into_iter().map(|axial_force_n| {
@@ -117,6 +123,22 @@ mod tests {
             assert!((whole.capacity_nm(rotation, n) / wanted - 1.0).abs() < 1e-12, "{rotation}");
         }
         assert!(whole.capacity_nm(0.4, 1.2e6) < 81.0);
+    }
+
+    #[test]
+    fn levels_differ_by_more_than_round_off_and_fall_to_their_ends() {
+        // thirds of such a force do not add up to it
+        for crushing_n in [1_892_802.216_666_667, 2_434_210.123_456_7, 1.0 / 3.0] {
+            let at = |share: f64| level(share * crushing_n, vec![[0.0, 5e4], [0.1, 5e4], [0.4, 1e3]], 0.4);
+            for last in [0.37, 1.0 - 1e-16] {
+                let whole =
+                    curve(vec![at(0.0), at(last)]).in_a_structure(&[[0.0, crushing_n], [0.1, crushing_n]]);
+                assert!(whole.check().is_ok(), "{crushing_n}: {:?}", whole.check());
+                let forces: Vec<f64> = whole.levels.iter().map(|l| l.axial_force_n).collect();
+                assert!(forces.windows(2).all(|n| n[1] - n[0] > 1e-7 * crushing_n), "{forces:?}");
+                assert!(whole.levels.iter().all(|l| l.capacity[l.capacity.len() - 1][1] <= 1e3));
+            }
+        }
     }
 
     #[test]

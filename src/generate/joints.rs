@@ -119,6 +119,17 @@ fn flow(law: &Homogenised) -> Vec<[f64; 2]> {
     if hardens { points } else { vec![[0.0, 1.0]] }
 }
 
+/// The same against plastic shortening \[m\], up to that at which a member is crushed; empty if it does not harden.
+fn hardening(law: &Homogenised, crushed_m: f64) -> Vec<[f64; 2]> {
+    let points = flow(law);
+    let scale = crushed_m / rupture_strain(law);
+    if points.len() > 1 {
+        points.into_iter().map(|[x, share]| [x * scale, share]).collect()
+    } else {
+        Vec::new()
+    }
+}
+
 /// Plastic strain at which a law breaks.
 fn rupture_strain(law: &Homogenised) -> f64 {
     law.critical_plastic_strain.min(law.critical_principal_strain.unwrap_or(f64::INFINITY))
@@ -356,7 +367,8 @@ pub fn hinges(
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
-            compressive_hardening: if is_elastic { Vec::new() } else { half.hardening(law) },
+            compressive_hardening: capacity(entry.tensile_elongation_m)
+                .map_or_else(Vec::new, |crushed_m| hardening(law, crushed_m)),
             crushing_shortening_m: capacity(entry.tensile_elongation_m),
             associated_flow: true,
             carry_over: None,
@@ -394,16 +406,6 @@ impl HalfPrism {
     /// Axial stiffness `E A / l` \[N/m\]. The submodel of an end has less, since its force goes into the floor around it: in a building it goes on to the next column, and what bends is the floor.
     fn axial_n_m(&self) -> f64 {
         self.moduli_pa[0] * self.section_m[0] * self.section_m[1] / self.length_m
-    }
-
-    /// Stress at which its law flows over that at which it breaks, against plastic shortening \[m\].
-    fn hardening(&self, law: &Homogenised) -> Vec<[f64; 2]> {
-        let points = flow(law);
-        if points.len() > 1 {
-            points.into_iter().map(|[x, share]| [x * self.length_m, share]).collect()
-        } else {
-            Vec::new()
-        }
     }
 
     /// Stiffness against rotation \[N m/rad\] about joint axis `k` under a force across in the middle, at a hinge so far from there \[m\]: `k = a² / (l³ / (3 E I) + l / (G A_s))`.

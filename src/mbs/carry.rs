@@ -11,6 +11,8 @@
 //! (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116). The hinges at the ends follow their law for what is left of their rotation after the
 //! lean `q = d (M₁ - M₂)`.
 //!
+//! When an end opens, the other one keeps the lean that it has: a kink of the size of elastic rotations.
+//!
 //! The lean of a step is extrapolated from those that fit the moments of the two steps before. For moments that are smooth in time this is second order in the step and takes a little energy from vibrations near the limit of stability;
 //! it shows in the energy balance.
 
@@ -107,6 +109,11 @@ impl CarryOver {
         self.fitted = leans;
         self.set(joints, next);
         true
+    }
+
+    /// Whether either end still holds the member.
+    pub fn is_held(&self, joints: &[JointData]) -> bool {
+        self.joints.iter().any(|i| joints[*i].alive)
     }
 
     /// Elastic energy between the ends \[J\].

@@ -305,7 +305,7 @@ impl JointData {
                 bending += (moment[k + 1] / capacity).powi(2);
             }
         }
-        bending.sqrt().max(axial / self.compressive_most).max(-axial / self.tensile_capacity)
+        bending.sqrt().max(axial / self.compressive_capacity).max(-axial / self.tensile_capacity)
     }
 
     /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.

@@ -130,9 +130,13 @@ fn bushing(bushing: &mut Bushing, field: &[&str], value: f64) -> Option<usize> {
             bushing.axial_stiffness_n_m *= value;
             bushing.shear_stiffness_n_m.iter_mut().for_each(|k| *k *= value);
             bushing.torsional_stiffness_nm_rad *= value;
-            for bending in &mut bushing.bending {
+            for (k, bending) in bushing.bending.iter_mut().enumerate() {
                 if let Bending::Elastic { stiffness_nm_rad } = bending {
                     *stiffness_nm_rad *= value;
+                    // a stiffer member carries over by smaller rotations
+                    if let Some(carry) = bushing.carry_over.as_mut().filter(|_| value > 0.0) {
+                        carry.flexibility_rad_nm[k] /= value;
+                    }
                 }
             }
             Some(1)

@@ -181,9 +181,12 @@ impl System {
         carries.iter_mut().for_each(|c| c.resume(joints));
     }
 
-    /// Elastic energy between the ends of members \[J\].
-    pub(super) fn carried_j(&self) -> f64 {
-        self.carries.iter().map(CarryOver::elastic_j).sum()
+    /// Elastic energy between the ends of members that something holds, and what others had when they were let go \[J\].
+    pub(super) fn carried_j(&self) -> [f64; 2] {
+        let of = |held: bool| {
+            self.carries.iter().filter(|c| c.is_held(&self.joints) == held).map(CarryOver::elastic_j).sum()
+        };
+        [of(true), of(false)]
     }
 
     /// To be called when joints were changed, or joints or bodies taken away.

@@ -2,7 +2,7 @@
 //!
 //! * Columns, walls (as wide columns) and clear beams are Timoshenko beams on the centre lines of their gross
 //!   sections, uncracked, of the homogenised law's modulus. A beam carries the slab as a flange of the
-//!   effective width of EN 1992-1-1, 5.3.2.1 with `l_0 = 0.7 l`.
+//!   effective width of plane stress (`flange`).
 //! * Joint blocks are rigid: a node at the column's axis in the middle of the beams' depth, with rigid
 //!   offsets to the end sections. Two uprights meet in a joint if only solid lies between them.
 //! * A slab is rigid in its plane (diaphragm). Out of plane it acts through the flanges; between aligned
@@ -12,6 +12,7 @@
 //!   [`LOAD_BIN_M`]. The torsion that a slab's edge gives its beam is left out.
 //! * Supported ends are clamped, also through a supported footing.
 
+mod flange;
 mod joints;
 mod loads;
 mod strips;
@@ -178,7 +179,8 @@ impl Builder<'_> {
             return None;
         }
         let across = 1 - end.axis;
-        let reference = 0.7 * end.clear_length_m;
+        let span_m = end.clear_length_m;
+        let poisson = self.building.law_of(beam).poisson_ratio;
         let mut found: Option<(f64, f64, f64)> = None;
         for index in self.slabs.near(&beam.solid, COORDINATE_TOLERANCE_M) {
             let slab = self.member(index);
@@ -187,9 +189,9 @@ impl Builder<'_> {
             }
             let width: f64 = [-1.0, 1.0]
                 .map(|side| {
-                    // from half of the reference length on the outstand does not count
-                    let outstand = self.outstand_m(beam, slab, across, side, 0.5 * reference);
-                    (0.2 * outstand + 0.1 * reference).min(0.2 * reference).min(outstand)
+                    // from half of the span on the outstand counts for a few per cent only
+                    let outstand = self.outstand_m(beam, slab, across, side, 0.5 * span_m);
+                    flange::effective_width_m(outstand, span_m, poisson).min(outstand)
                 })
                 .iter()
                 .sum();

@@ -73,8 +73,9 @@ impl Run<'_> {
         // what the spans of beams sag by themselves
         gravity +=
             self.system.joints.iter().filter_map(|j| j.beam.as_ref()).map(|b| b.against_load_j).sum::<f64>();
-        let joints = self.system.carried_j()
-            + self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum::<f64>();
+        let [carried, let_go] = self.system.carried_j();
+        let joints =
+            carried + self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum::<f64>();
         let plastic: f64 = self.system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum::<f64>()
             - self.plastic_start;
         let contact = self.contacts.energy;
@@ -86,7 +87,7 @@ impl Run<'_> {
         e.contact_elastic_j.push(0.0);
         e.contact_damping_j.push(contact.normal_j + self.opened + self.sleep.taken_j);
         e.friction_j.push(contact.friction_j);
-        e.released_j.push(self.released);
+        e.released_j.push(self.released + let_go);
         e.applied_j.push(0.0);
         if e.kinetic_j.len() == 1 {
             // One millimetre of fall: the scale of a model in which nothing happens.

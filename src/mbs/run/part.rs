@@ -89,7 +89,8 @@ impl Run<'_> {
         let (system, model) = self.latent.part(self.file, &self.system, parting)?;
         self.keep_marks(&was, system.joints.len());
         // a member that parts between its ends
-        self.released += self.system.carried_j() - system.carried_j();
+        let [before, after] = [&self.system, &system].map(|s| s.carried_j().iter().sum::<f64>());
+        self.released += before - after;
         (self.system, self.model) = (system, Cow::Owned(model));
         let taken_j = self.sleep.taken_j;
         self.sleep = Sleep::new(self.file.settings.sleep_speed_m_s, self.system.count());
