@@ -11,6 +11,14 @@ pub fn interpolate(points: &[[f64; 2]], x: f64) -> f64 {
     }
 }
 
+/// Where the points of several lines are, each place once, in rising order.
+pub fn places<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Vec<f64> {
+    let mut places: Vec<f64> = points.map(|p| p[0]).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
+}
+
 #[cfg(test)]
 mod tests {
     use super::interpolate;

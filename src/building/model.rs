@@ -159,6 +159,11 @@ impl Homogenised {
     pub fn shear_modulus_pa(&self) -> f64 {
         self.youngs_modulus_pa / (2.0 * (1.0 + self.poisson_ratio))
     }
+
+    /// Strain at which it breaks when it is pulled or pressed along one axis: the smaller one of both criteria.
+    pub fn rupture_strain(&self) -> f64 {
+        self.critical_plastic_strain.min(self.critical_principal_strain.unwrap_or(f64::INFINITY))
+    }
 }
 
 /// Rate factor `1 + (ε̇ / C)^(1/P)` on the yield stress (Cowper and Symonds 1957), with the equivalent plastic strain rate.

@@ -1,7 +1,7 @@
 //! What pushes under a constant axial force leave open of a curve that works in a structure.
 
 use super::{CapacityLevel, ResistanceCurve};
-use crate::base::piecewise::interpolate;
+use crate::base::piecewise::{interpolate, places};
 
 /// Share of its capacity that the level at crushing keeps: a level must have some.
 const LEFT: f64 = 1e-3;
@@ -9,7 +9,6 @@ const LEFT: f64 = 1e-3;
 const BETWEEN: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Share of the rotation at the end of a push from which on it is falling to its end.
 const FALLING: f64 = 0.98;
-
 /// Share of the force at which the section flows by which levels must differ.
 const SAME: f64 = 1e-6;
 
@@ -62,11 +61,9 @@ impl ResistanceCurve {
         forces.extend(beyond(*most_n, *first_n).then_some(*most_n));
         forces.retain(|n| beyond(*n, last.axial_force_n));
         let end = last.fracture_rotation_rad;
-        let mut rotations: Vec<f64> = last.capacity.iter().chain(crushing).map(|p| p[0]).collect();
+        let mut rotations = places(last.capacity.iter().chain(crushing));
         rotations.retain(|x| *x < end);
         rotations.push(end);
-        rotations.sort_by(f64::total_cmp);
-        rotations.dedup();
         self.levels.extend(forces.into_iter().map(|axial_force_n| {
             CapacityLevel {
                 axial_force_n,

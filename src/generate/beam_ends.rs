@@ -6,7 +6,7 @@ use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind};
 use crate::curve::ResistanceCurve;
 use crate::mbs::model::{Beam, Bending, Span};
-use crate::rc::around::SAME_PLANE_M;
+use crate::rc::around::{SAME_PLANE_M, edges_between};
 use crate::rc::layers::{Held, Layer, Layers, POLE, Rows};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -127,20 +127,9 @@ impl<'a> YieldingEnds<'a> {
         for (member, solid) in cut.pieces[side].boxes.iter().filter(crosses) {
             let member = &building.members[*member];
             let strength = building.strength_factor(&member.id);
-            let [low, high] = [solid.min[2], solid.max[2]];
-            let inside = |p: &&f64| **p > low + SAME_PLANE_M && **p < high - SAME_PLANE_M;
-            let mut levels = vec![low];
-            levels.extend(self.planes[2].iter().filter(inside));
-            levels.push(high);
-            let width_m = solid.size()[1 - cut.axis];
-            list.extend(levels.windows(2).map(|z| Layer {
-                area_m2: width_m * (z[1] - z[0]),
-                at_m: 0.5 * (z[0] + z[1]),
-                depth_m: z[1] - z[0],
-                strength,
-                is_plate: member.kind == MemberKind::Slab,
-                law: building.law_of(member),
-            }));
+            let edges = edges_between(&self.planes[2], [solid.min[2], solid.max[2]]);
+            let (width_m, is_plate) = (solid.size()[1 - cut.axis], member.kind == MemberKind::Slab);
+            list.extend(Layer::between(&edges, width_m, strength, is_plate, building.law_of(member)));
         }
         list
     }

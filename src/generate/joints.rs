@@ -111,7 +111,7 @@ fn crushing(entry: &Entry) -> Vec<[f64; 2]> {
 /// Stress at which a law flows over that at which it breaks, against plastic strain up to there. A law that softens flows at the stress at which it breaks.
 fn flow(law: &Homogenised) -> Vec<[f64; 2]> {
     let table = HardeningTable::new(&law.hardening);
-    let rupture = rupture_strain(law);
+    let rupture = law.rupture_strain();
     let before = law.hardening.iter().map(|p| p.plastic_strain).filter(|strain| *strain < rupture);
     let share = |strain: f64| table.at(strain).0 / table.at(rupture).0;
     let points: Vec<[f64; 2]> = before.chain([rupture]).map(|strain| [strain, share(strain)]).collect();
@@ -122,17 +122,12 @@ fn flow(law: &Homogenised) -> Vec<[f64; 2]> {
 /// The same against plastic shortening \[m\], up to that at which a member is crushed; empty if it does not harden.
 fn hardening(law: &Homogenised, crushed_m: f64) -> Vec<[f64; 2]> {
     let points = flow(law);
-    let scale = crushed_m / rupture_strain(law);
+    let scale = crushed_m / law.rupture_strain();
     if points.len() > 1 {
         points.into_iter().map(|[x, share]| [x * scale, share]).collect()
     } else {
         Vec::new()
     }
-}
-
-/// Plastic strain at which a law breaks.
-fn rupture_strain(law: &Homogenised) -> f64 {
-    law.critical_plastic_strain.min(law.critical_principal_strain.unwrap_or(f64::INFINITY))
 }
 
 pub fn curve_id(key: &str, axis: usize) -> String {

@@ -15,7 +15,7 @@ use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::graph::Structure;
 use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
-use crate::rc::around::SAME_PLANE_M;
+use crate::rc::around::edges_between;
 use crate::rc::layers::{Held, Layer, Layers, Rows};
 use std::collections::BTreeMap;
 
@@ -105,40 +105,24 @@ impl<'a> Half<'a> {
 
     /// Bending out of the plane, by the elements across its thickness.
     fn curve(&self, planes: &[Vec<f64>; 3]) -> ResistanceCurve {
-        let across = 1 - self.along;
-        let edges = |axis: usize| -> Vec<f64> {
-            let [low, high] = [self.solid.min[axis], self.solid.max[axis]];
-            let inside =
-                planes[axis].iter().filter(|p| **p > low + SAME_PLANE_M && **p < high - SAME_PLANE_M);
-            [low].into_iter().chain(inside.copied()).chain([high]).collect()
-        };
-        let layer = |z: &[f64]| Layer {
-            area_m2: self.length_m * (z[1] - z[0]),
-            at_m: 0.5 * (z[0] + z[1]),
-            depth_m: z[1] - z[0],
-            strength: self.strength,
-            is_plate: true,
-            law: self.law,
-        };
-        let levels = edges(2);
-        let row_m = levels.windows(2).map(|z| z[1] - z[0]).fold(0.0, f64::max);
-        let layers = Layers::of(edges(across).windows(2).map(layer).collect());
+        let edges = |axis: usize| edges_between(&planes[axis], [self.solid.min[axis], self.solid.max[axis]]);
+        let row_m = edges(2).windows(2).map(|z| z[1] - z[0]).fold(0.0, f64::max);
+        let across = edges(1 - self.along);
+        let layers = Layer::between(&across, self.length_m, self.strength, true, self.law);
         let rows = Rows { row_m, shear_span_m: self.height_m, held: Held::OneWay };
-        let stiffness_nm_rad = self.out_of_plane();
-        let free = layers.map_or_else(Vec::new, |layers| layers.curve(&rows, stiffness_nm_rad).levels);
+        let without = Layers::of(layers.collect()).map(|layers| layers.weaker(&rows, 0.0));
         let level = |share: f64| {
-            let without = free.iter().find(|l| l.axial_force_n == 0.0)?;
-            let mut level = CapacityLevel { axial_force_n: share * self.squash_n(), ..without.clone() };
+            let mut level = CapacityLevel { axial_force_n: share * self.squash_n(), ..without.clone()? };
             level.scale(1.0 - share * share);
             Some(level)
         };
         let levels = LEVELS.into_iter().filter_map(level).collect();
-        ResistanceCurve { stiffness_nm_rad, levels, cyclic: None }
+        ResistanceCurve { stiffness_nm_rad: self.out_of_plane(), levels, cyclic: None }
     }
 }
 
 fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, half: &Half) -> Vec<Bushing> {
-    let mut list = Vec::new();
+    let (mut list, mut feet) = (Vec::new(), [None, None]);
     let (wall, solid, along) = (half.wall, half.solid, half.along);
     let size = solid.size();
     for (end, name) in [(0, "bottom"), (1, "top")] {
@@ -155,16 +139,13 @@ fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, half: &H
                 continue;
             }
             let id = format!("{}.{name}-{}", building.members[wall].id, side + 1);
-            list.push(spring(building, bodies, half, [other, Some(body)], (id, point_m)));
-            let foot = list
-                .iter()
-                .position(|b: &Bushing| b.id == format!("{}.bottom-{}", building.members[wall].id, side + 1));
-            if let (1, Some(foot)) = (end, foot) {
-                let carry = half.carry_over(list[foot].id.clone());
-                if let Some(head) = list.last_mut() {
-                    head.carry_over = Some(carry);
-                }
+            let mut own = spring(building, bodies, half, [other, Some(body)], (id, point_m));
+            if end == 0 {
+                feet[side] = Some(own.id.clone());
+            } else {
+                own.carry_over = feet[side].take().map(|foot| half.carry_over(foot));
             }
+            list.push(own);
         }
     }
     list

@@ -36,7 +36,7 @@ pub fn layered(wanted: &Wanted) -> Result<Option<Entry>, serde_json::Error> {
     let curves = [first.curve(&rows, k), second.curve(&rows, l)];
     // as the submodel has it: what the law bears when it breaks
     let table = HardeningTable::new(&law.hardening);
-    let rupture = law.critical_plastic_strain.min(law.critical_principal_strain.unwrap_or(f64::INFINITY));
+    let rupture = law.rupture_strain();
     let force_n = first.squash_n * table.at(rupture).0 / table.at(0.0).0;
     let prism = law.shear_modulus_pa() / model.length_m;
     let mut inputs = wanted.inputs.clone();

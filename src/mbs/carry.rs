@@ -20,6 +20,7 @@ use super::joint::JointData;
 use super::math;
 use super::model::Bushing;
 use super::system::BodyData;
+use std::collections::BTreeMap;
 
 /// Two joints at the ends of a member.
 #[derive(Debug, Clone)]
@@ -39,9 +40,14 @@ pub struct CarryOver {
 impl CarryOver {
     /// Those of some bushings and of their joints. Where the member is no longer one body, its ends keep the leans that they have.
     pub fn all(bushings: &[Bushing], joints: &[JointData]) -> Vec<Self> {
+        if bushings.iter().all(|b| b.carry_over.is_none()) {
+            return Vec::new();
+        }
+        let index: BTreeMap<&str, usize> =
+            bushings.iter().enumerate().map(|(i, b)| (b.id.as_str(), i)).collect();
         let of = |(second, bushing): (usize, &Bushing)| {
             let carry = bushing.carry_over.as_ref()?;
-            let first = bushings.iter().position(|b| b.id == carry.bushing)?;
+            let first = *index.get(carry.bushing.as_str())?;
             let sense = [1, 2].map(|k| math::dot(bushing.axes[k], bushings[first].axes[k]).signum());
             let is_one = joints[first].b == joints[second].b;
             is_one.then_some(Self {

@@ -48,9 +48,8 @@ pub struct JointData {
     pressed: f64,
     /// Such shortening at which it is crushed \[m\].
     crushing_shortening: f64,
-    /// Compression at which the axial spring flows \[N\], now and at most.
+    /// Compression at which the axial spring flows now \[N\].
     pub(super) compressive_capacity: f64,
-    compressive_most: f64,
     /// The same over plastic shortening \[m\] as it hardens; none: it does not.
     hardening: Option<Box<[[f64; 2]]>>,
     /// Plastic shortening less elongation, in the sense of the gap along axis 0 \[m\].
@@ -159,7 +158,6 @@ impl JointData {
             crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
             compressive_capacity: compressive_most
                 * joint.compressive_hardening.first().map_or(1.0, |p| p[1]),
-            compressive_most,
             hardening: (!joint.compressive_hardening.is_empty()).then(|| {
                 joint.compressive_hardening.iter().map(|[x, f]| [*x, f * compressive_most]).collect()
             }),
@@ -356,14 +354,11 @@ impl JointData {
         // capacity plus elastic unloading grows along the curve: the first point beyond the trial force ends the segment in which they meet
         let trial = self.axial_force + stiffness * self.pressed;
         let upper = hardening.partition_point(|[x, n]| n + stiffness * x <= trial);
-        self.compressive_capacity = match (upper.checked_sub(1).map(|i| hardening[i]), hardening.get(upper)) {
-            (Some([x0, n0]), Some([x1, n1])) => {
-                let share = (trial - n0 - stiffness * x0) / (n1 - n0 + stiffness * (x1 - x0));
-                n0 + share * (n1 - n0)
-            }
-            (Some([_, last]), None) => last,
-            (None, first) => first.map_or(self.compressive_most, |p| p[1]),
-        };
+        let Some([x0, n0]) = upper.checked_sub(1).map(|i| hardening[i]) else { return };
+        self.compressive_capacity = hardening.get(upper).map_or(n0, |[x1, n1]| {
+            let share = (trial - n0 - stiffness * x0) / (n1 - n0 + stiffness * (x1 - x0));
+            n0 + share * (n1 - n0)
+        });
     }
 
     /// Moments about the joint axes of a beam with hinges at its ends; takes what is plastic off the gap and sets the bending part of the elastic energy.

@@ -11,6 +11,12 @@ use crate::fe::mesh::Mesh;
 /// Planes of a mesh nearer to each other than this are one \[m\].
 pub const SAME_PLANE_M: f64 = 1e-6;
 
+/// The edges of the elements between two planes, these included, for the planes of a mesh along the same axis \[m\].
+pub fn edges_between(planes: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
+    let inside = planes.iter().filter(|p| **p > low + SAME_PLANE_M && **p < high - SAME_PLANE_M);
+    [low].into_iter().chain(inside.copied()).chain([high]).collect()
+}
+
 /// Where the elements of a mesh lie.
 #[derive(Debug, Clone, Default)]
 pub struct Surroundings {

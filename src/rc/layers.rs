@@ -6,7 +6,7 @@
 //! While a section hardens, as one layer after the other yields and by its law, plastic rotation spreads along the member ([`Rows`]); behind the peak it is in one row. A joint lends strength to the row at it, since it holds the strain across the member, the more the more axial force there is, and the pole of the
 //! rotation lies farther from the joint than the middle of the row. How much that is, was measured on the column ends of the library, each computed by pushes of the piece of mesh around it ([`AT_JOINT`], [`POLE`]; `tests/rc/layers.rs`).
 
-use crate::base::piecewise::interpolate;
+use crate::base::piecewise::{interpolate, places};
 use crate::base::root::{self, Close};
 use crate::building::Homogenised;
 use crate::curve::{CapacityLevel, ResistanceCurve};
@@ -57,6 +57,26 @@ pub struct Layer<'a> {
     pub is_plate: bool,
     /// Its law.
     pub law: &'a Homogenised,
+}
+
+impl<'a> Layer<'a> {
+    /// The layers between edges \[m\] of a rectangle of some width \[m\].
+    pub fn between(
+        edges: &[f64],
+        width_m: f64,
+        strength: f64,
+        is_plate: bool,
+        law: &'a Homogenised,
+    ) -> impl Iterator<Item = Self> {
+        edges.windows(2).map(move |z| Self {
+            area_m2: width_m * (z[1] - z[0]),
+            at_m: 0.5 * (z[0] + z[1]),
+            depth_m: z[1] - z[0],
+            strength,
+            is_plate,
+            law,
+        })
+    }
 }
 
 /// The state of a layer.
@@ -172,13 +192,15 @@ impl<'a> Layers<'a> {
 
     /// Resistance of the rows of elements of an end, the smaller of both senses of bending, for a given elastic stiffness \[N m/rad\].
     pub fn curve(&self, rows: &Rows, stiffness_nm_rad: f64) -> ResistanceCurve {
-        let level = |share: f64| {
-            let of = |sense: f64| self.level(rows, share * self.squash_n, sense);
-            let (sagging, hogging) = rayon::join(|| of(1.0), || of(-1.0));
-            if hogging.peak_nm() < sagging.peak_nm() { hogging } else { sagging }
-        };
-        let levels = LEVELS.into_par_iter().map(level).collect();
+        let levels = LEVELS.into_par_iter().map(|share| self.weaker(rows, share)).collect();
         ResistanceCurve { stiffness_nm_rad, levels, cyclic: None }
+    }
+
+    /// The level at a share of the squash load, the smaller of both senses of bending.
+    pub fn weaker(&self, rows: &Rows, share: f64) -> CapacityLevel {
+        let of = |sense: f64| self.level(rows, share * self.squash_n, sense);
+        let (sagging, hogging) = rayon::join(|| of(1.0), || of(-1.0));
+        if hogging.peak_nm() < sagging.peak_nm() { hogging } else { sagging }
     }
 
     /// Bending under an axial force \[N\] (compression positive) in one sense.
@@ -328,9 +350,7 @@ fn finished(points: &[[f64; 2]], axial_force_n: f64) -> CapacityLevel {
 /// Puts the knee of the row at a joint ([`KNEE`]) into a curve, for the elastic rotation of that row \[rad\].
 fn round_off(level: &mut CapacityLevel, elastic_rad: f64) {
     let knee = KNEE.map(|[x, share]| [x * elastic_rad, share]);
-    let mut rotations: Vec<f64> = level.capacity.iter().chain(&knee).map(|p| p[0]).collect();
-    rotations.sort_by(f64::total_cmp);
-    rotations.dedup();
+    let mut rotations = places(level.capacity.iter().chain(&knee));
     rotations.retain(|x| *x <= level.fracture_rotation_rad);
     level.capacity =
         rotations.iter().map(|x| [*x, interpolate(&knee, *x) * interpolate(&level.capacity, *x)]).collect();

@@ -8,17 +8,43 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Ids of bodies.
 type Known<'a> = BTreeSet<&'a str>;
 
+/// What is asked of all bushings to check what one of them carries over to.
+struct Members<'a> {
+    ids: BTreeSet<&'a str>,
+    by_id: BTreeMap<&'a str, &'a Bushing>,
+    /// Places of the bushings that name one as the other end of their member.
+    named: BTreeMap<&'a str, Vec<usize>>,
+}
+
+impl<'a> Members<'a> {
+    fn of(model: &'a Model) -> Self {
+        let mut named: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (i, bushing) in model.bushings.iter().enumerate() {
+            if let Some(carry) = &bushing.carry_over {
+                named.entry(&carry.bushing).or_default().push(i);
+            }
+        }
+        let ids = model.bushings.iter().map(|b| b.id.as_str()).collect();
+        // of equal ids, which are a mistake of their own, the first one counts
+        let by_id = model.bushings.iter().rev().map(|b| (b.id.as_str(), b)).collect();
+        Self { ids, by_id, named }
+    }
+}
+
 pub(super) fn check(model: &Model, known: &Known<'_>, list: &mut List) {
     for (i, joint) in model.joints.iter().enumerate() {
         check_joint(joint, &format!("joints[{i}]"), known, list);
     }
     let mut hinges: BTreeMap<&str, usize> = BTreeMap::new();
     model.bushings.iter().flat_map(Bushing::hinges).for_each(|name| *hinges.entry(name).or_default() += 1);
-    let bushings: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).collect();
-    let is_own = |name: &str| hinges.get(name) == Some(&1) && !bushings.contains(name);
+    let members = Members::of(model);
+    let is_own = |name: &str| hinges.get(name) == Some(&1) && !members.ids.contains(name);
     for (i, bushing) in model.bushings.iter().enumerate() {
         let path = format!("bushings[{i}]");
         check_bushing(model, bushing, &path, known, list);
+        if let Some(carry) = &bushing.carry_over {
+            check_carry_over(model, (i, bushing), carry, &members, &format!("{path}.carry_over"), list);
+        }
         if let Some(beam) = &bushing.beam {
             check_beam(model, bushing, beam, &format!("{path}.beam"), &is_own, list);
         }
@@ -109,9 +135,7 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     if let Some(t) = joint.crushing_shortening_m {
         let path = format!("{path}.crushing_shortening_m");
         list.positive(&path, t);
-        list.require(model.joints.is_empty() && model.forces.is_empty(), &path, || {
-            "needs a model without ideal joints and forces: leave it out".into()
-        });
+        list.without_ideal(model, &path);
     }
     if let Some(t) = joint.tensile_elongation_m {
         list.not_negative(&format!("{path}.tensile_elongation_m"), t);
@@ -125,9 +149,6 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     check_hardening(model, joint, &format!("{path}.compressive_hardening"), list);
     if let Some(id) = &joint.joint {
         check_held(model, joint, id, path, list);
-    }
-    if let Some(carry) = &joint.carry_over {
-        check_carry_over(model, joint, carry, &format!("{path}.carry_over"), list);
     }
 }
 
@@ -143,31 +164,31 @@ fn check_hardening(model: &Model, bushing: &Bushing, path: &str, list: &mut List
     list.require(bushing.compressive_capacity_n.is_some() && bushing.joint.is_none(), path, || {
         "needs compressive_capacity_n, and no joint that holds the point: leave it out".into()
     });
-    list.require(model.joints.is_empty() && model.forces.is_empty(), path, || {
-        "needs a model without ideal joints and forces: leave it out".into()
-    });
+    list.without_ideal(model, path);
 }
 
 /// A member between two bushings is body `b` of both, and bends about the same axes at both.
-fn check_carry_over(model: &Model, bushing: &Bushing, carry: &CarryOver, path: &str, list: &mut List) {
-    list.require(model.joints.is_empty() && model.forces.is_empty(), path, || {
-        "needs a model without ideal joints and forces: leave it out".into()
-    });
+fn check_carry_over(
+    model: &Model,
+    (own, bushing): (usize, &Bushing),
+    carry: &CarryOver,
+    members: &Members<'_>,
+    path: &str,
+    list: &mut List,
+) {
+    list.without_ideal(model, path);
     let at = format!("{path}.bushing");
-    let all: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).collect();
-    list.among(&all, &carry.bushing, &at, "a bushing");
-    let Some(other) = model.bushings.iter().find(|b| b.id == carry.bushing) else { return };
+    list.among(&members.ids, &carry.bushing, &at, "a bushing");
+    let Some(other) = members.by_id.get(carry.bushing.as_str()) else { return };
     list.require(other.id != bushing.id && other.body_b == bushing.body_b, &at, || {
         format!(
             "\"{}\" is not at the other end of \"{}\", expected a bushing with the same body_b",
             other.id, bushing.body_b
         )
     });
-    let is_taken = |b: &&Bushing| {
-        let given = b.carry_over.as_ref().map(|c| c.bushing.as_str());
-        b.id != bushing.id && given.is_some_and(|id| id == other.id || id == bushing.id)
-    };
-    if let Some(third) = model.bushings.iter().find(is_taken) {
+    let named = [&other.id, &bushing.id].map(|id| members.named.get(id.as_str()));
+    let third = named.into_iter().flatten().flatten().filter(|i| **i != own).min();
+    if let Some(third) = third.map(|i| &model.bushings[*i]) {
         list.require(false, &at, || {
             format!("\"{}\" carries over to one of both already: leave out one of them", third.id)
         });
@@ -316,6 +337,13 @@ impl List {
         });
     }
 
+    /// What models with ideal joints and forces know nothing of.
+    pub(super) fn without_ideal(&mut self, model: &Model, path: &str) {
+        self.require(!model.is_ideal(), path, || {
+            "needs a model without ideal joints and forces: leave it out".into()
+        });
+    }
+
     /// A vector of finite numbers and some length.
     pub(super) fn direction(&mut self, path: &str, v: [f64; 3]) {
         let length = math::norm(v);
@@ -361,7 +389,7 @@ fn check_beam(
     list.require(bushing.latent.is_none() && bushing.joint.is_none(), path, || {
         "stands in a bushing that is latent or on a joint: leave out one of them".into()
     });
-    list.require(model.joints.is_empty() && model.forces.is_empty(), path, || {
+    list.require(!model.is_ideal(), path, || {
         "needs a model without ideal joints and forces: leave it out, the curve then stands at the bushing's point".into()
     });
     for (k, name) in beam.ends.iter().enumerate() {

@@ -16,8 +16,7 @@ pub(super) fn check(model: &Model, list: &mut List) {
     let before = list.len();
     for (i, bushing) in model.bushings.iter().enumerate().filter(|(_, b)| b.latent.is_some()) {
         let path = format!("bushings[{i}]");
-        let ideal = !model.joints.is_empty() || !model.forces.is_empty();
-        list.require(!ideal, &format!("{path}.latent"), || {
+        list.require(!model.is_ideal(), &format!("{path}.latent"), || {
             "needs a model without ideal joints and forces: leave it out, so that the bushing is live".into()
         });
         list.require(bushing.body_a.is_some(), &format!("{path}.latent"), || {

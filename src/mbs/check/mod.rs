@@ -118,10 +118,7 @@ impl Model {
         list.positive("settings.tolerance", s.tolerance);
         if let Some(v) = s.sleep_speed_m_s {
             list.positive("settings.sleep_speed_m_s", v);
-            let ideal = !self.joints.is_empty() || !self.forces.is_empty();
-            list.require(!ideal, "settings.sleep_speed_m_s", || {
-                "needs a model without ideal joints and forces: leave it out".into()
-            });
+            list.without_ideal(self, "settings.sleep_speed_m_s");
         }
         if list.0.is_empty() { Ok(()) } else { Err(ModelError::Invalid(list.0)) }
     }

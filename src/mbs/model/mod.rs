@@ -60,6 +60,11 @@ pub struct Model {
 }
 
 impl Model {
+    /// Whether it has ideal joints or forces, with which it is one of smooth motion ([`crate::mbs::ideal`]).
+    pub fn is_ideal(&self) -> bool {
+        !self.joints.is_empty() || !self.forces.is_empty()
+    }
+
     /// A model without parts, with default settings but for its end and its outputs \[m/s², s\].
     pub fn empty(name: &str, gravity_m_s2: [f64; 3], end_time_s: f64, output_interval_s: f64) -> Self {
         Self {

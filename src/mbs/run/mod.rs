@@ -68,7 +68,7 @@ pub fn simulate_carefully(model: &Model) -> Result<RunResult, SolveError> {
 /// Checks and runs a model with options.
 pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
     model.check()?;
-    if !model.joints.is_empty() || !model.forces.is_empty() {
+    if model.is_ideal() {
         return ideal::run::simulate(model, options);
     }
     let clock = ThreadClock::start();
