@@ -2,12 +2,14 @@
 
 use super::Facts;
 use crate::fe::result::{FeRun, History};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Version of the record format.
 pub const STUDY_SCHEMA: u32 = 2;
 /// Interval of the histories \[s\].
 const INTERVAL_S: f64 = 0.1;
+/// Displacements are kept in whole millimetres where the largest one is that many; where a building hardly moves, in tenths, hundredths or thousandths, since most points move ten times less than the largest one.
+const COARSE_MM: f64 = 300.0;
 
 /// One FE study. Times of the computation are left out, so that the same input gives the same bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -52,7 +54,22 @@ pub struct PointMotion {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub debris_s: Option<f64>,
     /// Displacements, three numbers a time \[mm\].
-    pub displacement_mm: Vec<i32>,
+    #[serde(serialize_with = "whole_if_whole")]
+    pub displacement_mm: Vec<f64>,
+}
+
+/// Writes `12` for 12.0: most numbers are whole.
+#[expect(clippy::ptr_arg, reason = "serde passes the field")]
+fn whole_if_whole<S: Serializer>(values: &Vec<f64>, to: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    #[serde(untagged)]
+    enum Number {
+        Whole(i64),
+        Decimal(f64),
+    }
+    to.collect_seq(
+        values.iter().map(|x| if x.fract() == 0.0 { Number::Whole(*x as i64) } else { Number::Decimal(*x) }),
+    )
 }
 
 impl Motion {
@@ -60,15 +77,25 @@ impl Motion {
     pub fn of(run: &FeRun) -> Self {
         let output_s = run.times_s.get(1).copied().unwrap_or(INTERVAL_S);
         let every = (INTERVAL_S / output_s).round().max(1.0) as usize;
-        let point = |h: &History| PointMotion {
-            id: h.id.clone(),
-            debris_s: h.debris_s,
-            displacement_mm: (h.displacement_m.iter().step_by(every))
-                .flat_map(|u| u.map(|x| (1e3 * x).round() as i32))
-                .collect(),
-        };
-        Self { interval_s: every as f64 * output_s, points: run.tracked.iter().map(point).collect() }
+        Self { interval_s: every as f64 * output_s, points: points(&run.tracked, every) }
     }
+}
+
+/// Every so manieth of some displacements.
+fn points(tracked: &[History], every: usize) -> Vec<PointMotion> {
+    let all = tracked.iter().flat_map(|h| &h.displacement_m).flatten();
+    let largest_mm = 1e3 * all.fold(0.0, |most: f64, x| most.max(x.abs()));
+    let digits = (COARSE_MM / largest_mm).log10().ceil().clamp(0.0, 3.0) as i32;
+    let (per_mm, per_m) = (10f64.powi(digits), 10f64.powi(3 + digits));
+    let of = |h: &History| PointMotion {
+        id: h.id.clone(),
+        debris_s: h.debris_s,
+        displacement_mm: (h.displacement_m.iter().step_by(every))
+            // the sum takes the sign off a zero
+            .flat_map(|u| u.map(|x| (per_m * x).round() / per_mm + 0.0))
+            .collect(),
+    };
+    tracked.iter().map(of).collect()
 }
 
 impl Motion {
@@ -83,7 +110,7 @@ impl Motion {
         let of = |p: &PointMotion| History {
             id: p.id.clone(),
             displacement_m: (p.displacement_mm.chunks_exact(3))
-                .map(|u| std::array::from_fn(|i| 1e-3 * f64::from(u[i])))
+                .map(|u| std::array::from_fn(|i| 1e-3 * u[i]))
                 .collect(),
             debris_s: p.debris_s,
         };
@@ -106,5 +133,24 @@ impl Study {
             facts,
             motion: Motion::of(run),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(displacement_m: [f64; 3]) -> String {
+        let history = History { id: "p".into(), displacement_m: vec![displacement_m], debris_s: None };
+        serde_json::to_value(&points(&[history], 1)[0]).unwrap()["displacement_mm"].to_string()
+    }
+
+    #[test]
+    fn small_motions_have_more_digits() {
+        assert_eq!(text([3.456_789, -0.000_4, 0.012_34]), "[3457,0,12]");
+        assert_eq!(text([0.123_456, 0.01, 0.0]), "[123.5,10,0]");
+        assert_eq!(text([-0.021_234, 0.0, 0.0]), "[-21.23,0,0]");
+        assert_eq!(text([0.001_234_9, 0.0, 0.0]), "[1.235,0,0]");
+        assert_eq!(text([0.0; 3]), "[0,0,0]");
     }
 }
