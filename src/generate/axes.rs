@@ -48,6 +48,8 @@ pub struct Gap {
     pub axes_m: [f64; 2],
     /// Where the joints at the axes end, or the axes themselves where no columns stand \[m\].
     pub faces_m: [f64; 2],
+    /// Length between the faces of the columns of the span that it is in \[m\].
+    pub span_m: f64,
     /// Whether columns stand on the axis along it.
     pub has_columns: bool,
 }
@@ -83,7 +85,10 @@ impl FloorAxes {
         let has_columns = self.list[1 - i][cell[1 - i]].width_m > 0.0;
         let half = |axis: Axis| if has_columns { 0.5 * axis.width_m } else { 0.0 };
         let faces_m = [own.at_m + half(own), next.at_m - half(next)];
-        Gap { axes_m: [own.at_m, next.at_m], faces_m, has_columns }
+        // a span has one axis without columns at most, in its middle
+        let parts = if own.width_m > 0.0 && next.width_m > 0.0 { 1.0 } else { 2.0 };
+        let span_m = parts * (faces_m[1] - faces_m[0]);
+        Gap { axes_m: [own.at_m, next.at_m], faces_m, span_m, has_columns }
     }
 }
 

@@ -16,7 +16,8 @@ use super::joints::axes;
 use super::wish::Accuracy;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
-use crate::graph::frame::{BeamSection, Element, Frame};
+use crate::graph::frame::{Element, Frame};
+use crate::graph::shear_lag::{Stretch, bending_n_m2};
 use crate::mbs::model::{Bending, Bushing, Origin, PairRule, Span};
 use crate::rc::layers::Held;
 use std::collections::BTreeMap;
@@ -35,8 +36,9 @@ pub struct Grillage {
 /// Sums over the beams that cross a cut.
 #[derive(Debug, Clone, Copy, Default)]
 struct Crossing {
-    /// Bending stiffness about the horizontal axis \[N m²\].
+    /// Bending stiffness about the horizontal axis \[N m²\] against rotation and against displacement across ([`crate::graph::shear_lag`]).
     bending: f64,
+    across: f64,
     /// Torsional stiffness \[N m²\].
     torsion: f64,
     /// Shear stiffness in vertical direction \[N\].
@@ -98,9 +100,11 @@ impl Grillage {
             .collect();
         let mut between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
-            let Gap { axes_m, faces_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
+            let Gap { axes_m, faces_m, span_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
             let plane = InPlane::of(building, &pieces[a], axis);
-            let sum = Crossing::of(&beams, axis, at_m, &plane)?;
+            let beyond_m = beyond(pieces, [a, b], axis, faces_m);
+            let stretch = Stretch { span_m, ends_m: faces_m, beyond_m };
+            let sum = Crossing::of(&beams, (axis, at_m), &plane, &stretch)?;
             let bends_at_m = sum.level / sum.bending;
             let (level, held) = match self.axes.kind {
                 Kind::Columns => (bends_at_m, Held::AtJoint),
@@ -111,8 +115,8 @@ impl Grillage {
             let at_faces = held == Held::AtJoint && faces_m[0] < faces_m[1];
             let [start, end] = if at_faces { faces_m } else { axes_m };
             let length_m = end - start;
-            let [turn, shear] = in_the_middle(sum.bending, sum.shear, length_m);
-            let [turn_in_plane, sideways] = in_the_middle(plane.bending, plane.shear, length_m);
+            let [turn, shear] = in_the_middle([sum.bending, sum.across], sum.shear, length_m);
+            let [turn_in_plane, sideways] = in_the_middle([plane.bending; 2], plane.shear, length_m);
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             let id = format!("{}|{}", of_a.id, of_b.id);
             let pieces = [a, b].map(|p| &pieces[p]);
@@ -153,7 +157,12 @@ impl Grillage {
 
 impl Crossing {
     /// Of those beams and strips of a floor that cross a cut in the section of a piece, and of the slab beside them; none if there are none.
-    fn of(beams: &[(&Element, MemberKind)], axis: usize, at_m: f64, section: &InPlane) -> Option<Self> {
+    fn of(
+        beams: &[(&Element, MemberKind)],
+        (axis, at_m): (usize, f64),
+        section: &InPlane,
+        stretch: &Stretch,
+    ) -> Option<Self> {
         let mut sum = Self::default();
         // widths of slab that bend, and that twist, in beams and strips
         let (mut bent_m, mut twisted_m) = (0.0, 0.0);
@@ -163,7 +172,7 @@ impl Crossing {
             if !crosses || p[1 - axis] < section.edges[0] || p[1 - axis] > section.edges[1] {
                 continue;
             }
-            let BeamSection { youngs_modulus_pa: e, shear_modulus_pa: g, .. } = element.section;
+            let g = element.section.shear_modulus_pa;
             // along axis 1 a beam is as wide as its web, also where a slab is its flange
             let shear_m2 = 1.2 * element.section.shear_area_m2[1];
             let web_m = (12.0 * element.section.inertia_m4[1] / shear_m2).sqrt();
@@ -173,7 +182,7 @@ impl Crossing {
             twisted_m += web_m;
             let share = if is_strip { PLATE_TORSION } else { 1.0 };
             let torsion = share * g * element.section.torsion_m4;
-            let bending = e * element.section.inertia_m4[0];
+            let bending = bending_n_m2(&element.section, stretch);
             sum.add(bending, torsion, g * element.section.shear_area_m2[1], p[2]);
             sum.has_beam = true;
         }
@@ -183,7 +192,7 @@ impl Crossing {
             let [e, g] = plate.moduli_pa;
             let cubed = plate.thickness_m.powi(3);
             sum.add(
-                e * left(bent_m) * cubed / 12.0,
+                [e * left(bent_m) * cubed / 12.0; 2],
                 PLATE_TORSION * g * left(twisted_m) * cubed / 3.0,
                 5.0 / 6.0 * g * left(bent_m) * plate.thickness_m,
                 plate.level_m,
@@ -202,17 +211,30 @@ impl Crossing {
     }
 
     /// Adds a beam or a plate at a height.
-    fn add(&mut self, bending: f64, torsion: f64, shear: f64, level_m: f64) {
+    fn add(&mut self, [bending, across]: [f64; 2], torsion: f64, shear: f64, level_m: f64) {
         self.bending += bending;
+        self.across += across;
         self.torsion += torsion;
         self.shear += shear;
         self.level += bending * level_m;
     }
 }
 
-/// Stiffnesses against rotation \[N m/rad\] and against displacement across \[N/m\] of the springs in the middle of a beam of bending stiffness `E I` and shear stiffness `G A_s`.
-fn in_the_middle(bending: f64, shear: f64, length_m: f64) -> [f64; 2] {
-    [bending / length_m, 1.0 / (length_m.powi(3) / (12.0 * bending) + length_m / shear)]
+/// Stiffnesses against rotation \[N m/rad\] and against displacement across \[N/m\] of the springs in the middle of a beam of bending stiffness `E I`, which may differ for both, and shear stiffness `G A_s`.
+fn in_the_middle([bending, across]: [f64; 2], shear: f64, length_m: f64) -> [f64; 2] {
+    [bending / length_m, 1.0 / (length_m.powi(3) / (12.0 * across) + length_m / shear)]
+}
+
+/// How far the floor goes on beyond the faces on either side of two pieces, where no piece follows \[m\].
+fn beyond(pieces: &[Piece], [a, b]: [usize; 2], axis: usize, faces_m: [f64; 2]) -> [Option<f64>; 2] {
+    let follows = |p: usize, step: isize| {
+        let cell = pieces[p].cell;
+        let next = cell[axis].checked_add_signed(step);
+        pieces.iter().any(|o| o.cell[1 - axis] == cell[1 - axis] && Some(o.cell[axis]) == next)
+    };
+    let low = pieces[a].boxes.iter().map(|(_, b)| b.min[axis]).fold(f64::INFINITY, f64::min);
+    let high = pieces[b].boxes.iter().map(|(_, b)| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
+    [(!follows(a, -1)).then_some(faces_m[0] - low), (!follows(b, 1)).then_some(high - faces_m[1])]
 }
 
 /// The section of a piece where it meets the next one, in the plane of the floor.
@@ -304,6 +326,7 @@ pub fn corners(pieces: &[Piece], bodies: &Bodies, first: usize) -> Vec<PairRule>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::graph::frame::BeamSection;
 
     #[test]
     fn rigid_halves_with_springs_in_the_middle_are_the_beam() {
@@ -320,7 +343,7 @@ mod tests {
         let exact = beam.stiffness();
         let bending = section.youngs_modulus_pa * section.inertia_m4[0];
         let [turn, shear] =
-            in_the_middle(bending, section.shear_modulus_pa * section.shear_area_m2[1], length);
+            in_the_middle([bending; 2], section.shear_modulus_pa * section.shear_area_m2[1], length);
         // displacement across and rotation about axis 1 of both ends; what they do to the springs
         let freedoms = [2, 4, 8, 10];
         let half = 0.5 * length;
@@ -351,8 +374,9 @@ mod tests {
             slab_m: width,
             thickness_m: thickness,
         };
+        let stretch = Stretch { span_m: 4.6, ends_m: [0.2, 4.8], beyond_m: [None; 2] };
         let per_width = 7e9 * thickness.powi(3) / 6.0;
-        let alone = Crossing::of(&[], 0, 2.5, &section).unwrap();
+        let alone = Crossing::of(&[], (0, 2.5), &section, &stretch).unwrap();
         assert!((alone.torsion / (width * per_width) - 1.0).abs() < 1e-12);
         assert!((alone.bending / (16.5e9 * width * thickness.powi(3) / 12.0) - 1.0).abs() < 1e-12);
         assert_eq!(alone.level / alone.bending, 3.0);
@@ -367,7 +391,7 @@ mod tests {
             section: own,
             loads: Vec::new(),
         };
-        let both = Crossing::of(&[(&beam, MemberKind::Beam)], 0, 2.5, &section).unwrap();
+        let both = Crossing::of(&[(&beam, MemberKind::Beam)], (0, 2.5), &section, &stretch).unwrap();
         let torsion = own.shear_modulus_pa * own.torsion_m4 + 2.6 * per_width;
         assert!((both.torsion / torsion - 1.0).abs() < 1e-9, "{} {torsion}", both.torsion);
         let bending = 16.5e9 * (own.inertia_m4[0] + 1.6 * thickness.powi(3) / 12.0);

@@ -14,6 +14,7 @@
 //! | [`paths`] | rigid clusters, supports reached, vertical load paths lost |
 //! | [`frame`] | linear frame solver |
 //! | [`idealise`] | the building as a frame |
+//! | [`shear_lag`] | beams whose slab ends at an edge |
 //! | [`demand`] | end forces before and after the removal, against capacities |
 
 pub mod contact;
@@ -23,6 +24,7 @@ pub mod frame;
 pub mod idealise;
 pub mod mass;
 pub mod paths;
+pub mod shear_lag;
 pub mod structure;
 
 pub use contact::{ContactFace, NearMiss};

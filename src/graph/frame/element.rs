@@ -15,6 +15,17 @@ pub struct BeamSection {
     pub torsion_m4: f64,
     /// Second moments of area about axes 1 and 2 \[m⁴\].
     pub inertia_m4: [f64; 2],
+    /// The slab that bends with it about axis 1, and is in the second moment of area.
+    pub flange: Option<Flange>,
+}
+
+/// Second moments of area of a beam and the slab that bends with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flange {
+    /// Each about its own centre \[m⁴\].
+    pub apart_m4: f64,
+    /// As one section with all of the slab beside the beam \[m⁴\].
+    pub whole_m4: f64,
 }
 
 impl BeamSection {
@@ -31,6 +42,7 @@ impl BeamSection {
             shear_area_m2: [5.0 / 6.0 * area_m2; 2],
             torsion_m4: a * b.powi(3) * (1.0 / 3.0 - 0.21 * slim * (1.0 - slim.powi(4) / 12.0)),
             inertia_m4: [width_m * depth_m.powi(3) / 12.0, depth_m * width_m.powi(3) / 12.0],
+            flange: None,
         }
     }
 }

@@ -10,7 +10,7 @@
 mod element;
 mod solve;
 
-pub use element::{BeamSection, Element, LineLoad};
+pub use element::{BeamSection, Element, Flange, LineLoad};
 pub use solve::{FrameError, FrameSolution, Mechanism};
 
 use serde::Serialize;

@@ -18,7 +18,7 @@ mod loads;
 mod strips;
 
 use super::ends::{MemberEnd, is_upright};
-use super::frame::{BeamSection, Diaphragm, Element, Frame, FrameNode};
+use super::frame::{BeamSection, Diaphragm, Element, Flange, Frame, FrameNode};
 use super::structure::Structure;
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
@@ -75,6 +75,17 @@ impl Span {
         point[self.axis] = coordinate;
         point
     }
+}
+
+/// The slab beside a beam \[m\].
+#[derive(Clone, Copy)]
+struct SlabBeside {
+    /// Width beyond the web that bends with it, and all of it up to half of the span.
+    width_m: f64,
+    outstand_m: f64,
+    thickness_m: f64,
+    /// Height of its middle.
+    level_m: f64,
 }
 
 struct Builder<'a> {
@@ -159,21 +170,23 @@ impl Builder<'_> {
     fn section_of(&self, end: &MemberEnd) -> BeamSection {
         let law = self.building.law_of(self.member(end.member));
         let mut section = BeamSection::rectangle(law.youngs_modulus_pa, law.poisson_ratio, end.size_m);
-        let Some((width, thickness, level)) = self.flange(end) else { return section };
-        let depth = end.size_m[1];
-        let (web, flange) = (end.area_m2, width * thickness);
-        let arm = level - end.point_m[2];
-        let centroid = flange * arm / (web + flange);
-        section.inertia_m4[0] = end.size_m[0] * depth.powi(3) / 12.0
-            + web * centroid * centroid
-            + width * thickness.powi(3) / 12.0
-            + flange * (arm - centroid).powi(2);
-        section.area_m2 = web + flange;
+        let Some(slab) = self.flange(end) else { return section };
+        let web = section.area_m2;
+        let own = section.inertia_m4[0];
+        let arm = slab.level_m - end.point_m[2];
+        let apart = |width: f64| own + width * slab.thickness_m.powi(3) / 12.0;
+        let together = |width: f64| {
+            let area = width * slab.thickness_m;
+            apart(width) + web * area / (web + area) * arm * arm
+        };
+        section.inertia_m4[0] = together(slab.width_m);
+        section.area_m2 = web + slab.width_m * slab.thickness_m;
+        section.flange = Some(Flange { apart_m4: apart(slab.width_m), whole_m4: together(slab.outstand_m) });
         section
     }
 
-    /// Width beyond the web, thickness and mid-level of the flange that slabs give a beam \[m\].
-    fn flange(&self, end: &MemberEnd) -> Option<(f64, f64, f64)> {
+    /// The flange that slabs give a beam.
+    fn flange(&self, end: &MemberEnd) -> Option<SlabBeside> {
         let beam = self.member(end.member);
         if beam.kind != MemberKind::Beam {
             return None;
@@ -181,25 +194,29 @@ impl Builder<'_> {
         let across = 1 - end.axis;
         let span_m = end.clear_length_m;
         let poisson = self.building.law_of(beam).poisson_ratio;
-        let mut found: Option<(f64, f64, f64)> = None;
+        let mut found: Option<SlabBeside> = None;
         for index in self.slabs.near(&beam.solid, COORDINATE_TOLERANCE_M) {
             let slab = self.member(index);
             if !self.left(index) || !meet(&slab.solid, &beam.solid) {
                 continue;
             }
-            let width: f64 = [-1.0, 1.0]
-                .map(|side| {
-                    // from half of the span on the outstand counts for a few per cent only
-                    let outstand = self.outstand_m(beam, slab, across, side, 0.5 * span_m);
-                    flange::effective_width_m(outstand, span_m, poisson).min(outstand)
-                })
+            // from half of the span on the outstand counts for a few per cent only
+            let outstands = [-1.0, 1.0].map(|side| self.outstand_m(beam, slab, across, side, 0.5 * span_m));
+            let width_m: f64 = outstands
+                .map(|outstand| flange::effective_width_m(outstand, span_m, poisson).min(outstand))
                 .iter()
                 .sum();
             let (low, high) =
                 (slab.solid.min[2].max(beam.solid.min[2]), slab.solid.max[2].min(beam.solid.max[2]));
-            if high - low > COORDINATE_TOLERANCE_M && width > 0.0 {
-                let sum = found.map_or(0.0, |f| f.0) + width;
-                found = Some((sum, high - low, 0.5 * (low + high)));
+            if high - low > COORDINATE_TOLERANCE_M && width_m > 0.0 {
+                let before = found.map_or([0.0; 2], |f| [f.width_m, f.outstand_m]);
+                found = Some(SlabBeside {
+                    width_m: before[0] + width_m,
+                    outstand_m: before[1]
+                        + outstands.map(|x| x.min(0.5 * span_m).max(0.0)).iter().sum::<f64>().max(width_m),
+                    thickness_m: high - low,
+                    level_m: 0.5 * (low + high),
+                });
             }
         }
         found
