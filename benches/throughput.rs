@@ -83,6 +83,7 @@ fn mbs_frame(storeys: usize) -> f64 {
         name: "frame".into(),
         gravity_m_s2: [0.0, 0.0, -9.81],
         bodies: Vec::new(),
+        shared_masses: Vec::new(),
         curves: [("hinge".to_string(), hinge_curve())].into(),
         joints: Vec::new(),
         bushings: Vec::new(),

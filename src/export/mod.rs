@@ -95,6 +95,10 @@ fn at_start(model: &Model, notes: &mut Notes) -> Model {
         }
     }
     m.events.retain(|e| e.time_s > 0.0);
+    for shared in &m.shared_masses {
+        let first = shared.bodies.first().map_or("shared_masses", String::as_str);
+        notes.add(first, "inertia that it has together with others (shared_masses) is left out: spans are as heavy as rigid halves");
+    }
     if m.settings.preload {
         notes.add(
             "settings.preload",

@@ -220,7 +220,8 @@ impl<'a> Generator<'a> {
         curves.extend(wall_curves);
         let mut contact = contact(building);
         let mut yielding = YieldingEnds::new(&around.planes, ends);
-        bending_floors(building, frame, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
+        let shared_masses =
+            bending_floors(building, frame, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
         curves.extend(yielding.into_curves());
         let used: BTreeSet<&String> =
             hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
@@ -234,6 +235,7 @@ impl<'a> Generator<'a> {
             schema: MODEL_SCHEMA.to_string(),
             name: building.name.clone(),
             gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
+            shared_masses,
             curves,
             joints: Vec::new(),
             bushings: hinges,

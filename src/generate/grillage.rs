@@ -75,6 +75,11 @@ impl Grillage {
         Some(Self { axes, cells: Cells { members: members.to_vec(), bounds } })
     }
 
+    /// The axes of its columns, and of the middles of its spans.
+    pub fn axes(&self) -> &FloorAxes {
+        &self.axes
+    }
+
     /// The springs between the pieces, whose bodies begin at some place in the list.
     pub fn springs(
         &self,

@@ -11,6 +11,7 @@ pub mod bodies;
 mod cells;
 mod decide;
 mod doubts;
+mod floor_mass;
 mod floors;
 mod generator;
 mod grillage;
@@ -38,7 +39,8 @@ use crate::graph::{Connection, Structure};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    BodyContact, Bushing, Contact, Event, GroundPlane, Model, ObstacleBox, Origin, RESTITUTION, TrackedPoint,
+    BodyContact, Bushing, Contact, Event, GroundPlane, Model, ObstacleBox, Origin, RESTITUTION, SharedMass,
+    TrackedPoint,
 };
 use crate::rules::RuleBase;
 use beam_ends::YieldingEnds;
@@ -344,13 +346,16 @@ fn bending_floors(
     bodies: &Bodies,
     (springs, yielding): (&mut Vec<Bushing>, &mut YieldingEnds),
     contact: &mut Contact,
-) {
+) -> Vec<SharedMass> {
+    let mut shared = Vec::new();
     for Divided { floor, first, pieces } in floors {
         if let Floor::Bends(grillage) = floor {
             springs.extend(grillage.springs(building, frame, pieces, (bodies, *first), yielding));
             contact.pairs.extend(grillage::corners(pieces, bodies, *first));
+            shared.push(floor_mass::shared(building, grillage.axes(), pieces, (bodies, *first)));
         }
     }
+    shared
 }
 
 /// Charges take whole bodies away.

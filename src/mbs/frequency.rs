@@ -31,7 +31,7 @@ pub fn rows(system: &System) -> Vec<Row> {
 }
 
 /// Highest natural angular frequency \[rad/s\] with its margin; zero without joints.
-pub fn highest_rad_s(system: &System) -> f64 {
+pub fn highest_rad_s(system: &mut System) -> f64 {
     let rows = rows(system);
     if rows.is_empty() {
         return 0.0;
@@ -44,10 +44,18 @@ pub fn highest_rad_s(system: &System) -> f64 {
         apply_stiffness(&rows, &x, &mut y);
         let mut largest = 0.0_f64;
         let (mut xky, mut xmx) = (0.0, 0.0);
+        let mut shared = std::mem::take(&mut system.shared);
+        for s in &mut shared {
+            xmx += 2.0 * s.energy_j(&system.bodies, |i| x[i]);
+        }
+        for i in 0..n - 1 {
+            xky += math::dot(x[i][0], y[i][0]) + math::dot(x[i][1], y[i][1]);
+        }
+        shared.iter_mut().for_each(|s| s.act_on(&system.bodies, &mut y));
+        system.shared = shared;
         for i in 0..n - 1 {
             let (data, body) = (&system.data[i], &system.bodies[i]);
             let mx = math::mul(&body.r, math::mul(&data.inertia, math::mul_t(&body.r, x[i][1])));
-            xky += math::dot(x[i][0], y[i][0]) + math::dot(x[i][1], y[i][1]);
             xmx += data.mass * math::dot(x[i][0], x[i][0]) + math::dot(x[i][1], mx);
             x[i][0] = math::scale(data.inverse_mass, y[i][0]);
             x[i][1] = math::mul(&body.r, math::mul(&data.inverse_inertia, math::mul_t(&body.r, y[i][1])));

@@ -8,6 +8,7 @@
 //! | [`system`] | the compiled model: compact arrays of bodies and joints |
 //! | [`joint`] | forces and energy of a compliant joint with its hinge law |
 //! | `carry` | what the ends of a member carry over to each other |
+//! | `shared_mass` | inertia that bodies have together as parts of one elastic body |
 //! | `joint_lanes`, `lanes` | joints, eight at a time; numbers of eight of a kind |
 //! | [`frequency`] | the highest frequency, hence the time step |
 //! | [`preload`] | static equilibrium before `t = 0` |
@@ -41,6 +42,7 @@ pub mod parameter;
 pub mod preload;
 pub mod result;
 pub mod run;
+mod shared_mass;
 pub mod sleep;
 pub mod step;
 pub mod system;

@@ -338,6 +338,13 @@ pub fn push(body: &mut BodyState, time_s: f64) {
     body.l = math::axpy(body.l, time_s, body.torque);
 }
 
+/// Velocity and angular velocity at the full step.
+pub fn velocities(body: &BodyState, data: &BodyData, half_s: f64) -> [V3; 2] {
+    let (p, l) = synchronised(body, half_s);
+    let w = math::mul(&body.r, math::mul(&data.inverse_inertia, math::mul_t(&body.r, l)));
+    [math::scale(data.inverse_mass, p), w]
+}
+
 /// Kinetic energy at the full step \[J\].
 pub fn kinetic_j(body: &BodyState, data: &BodyData, half_s: f64) -> f64 {
     let (p, l) = synchronised(body, half_s);

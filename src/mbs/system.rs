@@ -4,11 +4,13 @@
 //! special case for it.
 
 use super::carry::CarryOver;
+use super::frequency;
 use super::joint::JointData;
 use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
 use super::model::{Bending, Body, Bushing, Model};
-use super::step::{InverseBlock, Moved};
+use super::shared_mass::{Shared, Start};
+use super::step::{self, InverseBlock, Moved};
 use super::weight::Weight;
 use crate::base::isa::Isa;
 use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
@@ -78,6 +80,8 @@ pub struct System {
     weight: Weight,
     /// Members that bend between two joints, and the blocks and lanes of these.
     pub(super) carries: Vec<CarryOver>,
+    /// Inertia that bodies have together.
+    pub(super) shared: Vec<Shared>,
     lanes: Vec<[usize; 2]>,
 }
 
@@ -138,8 +142,72 @@ impl System {
             act,
             weight,
             carries,
+            shared: Vec::new(),
             lanes,
         })
+    }
+
+    /// Finds the inertia that bodies have together in their present poses, for the highest frequency of the bodies alone \[rad/s\].
+    pub(super) fn share_masses(&mut self, model: &Model, highest_rad_s: f64) {
+        let rows = frequency::rows(self);
+        let Self { bodies: states, data, joints, .. } = &*self;
+        self.shared = Shared::all(model, &Start { states, data, joints, rows: &rows, highest_rad_s });
+    }
+
+    /// Changes forces to those with which bodies that share inertia are accelerated by their own.
+    #[inline]
+    pub(super) fn share_forces(&mut self) {
+        self.shared.iter_mut().for_each(|s| s.act(&mut self.bodies));
+    }
+
+    /// Kinetic energy of what bodies have together, for velocities \[J\].
+    pub(super) fn shared_j(&mut self, velocity: impl Fn(usize, &BodyState, &BodyData) -> [V3; 2]) -> f64 {
+        let Self { shared, bodies, data, .. } = self;
+        shared.iter_mut().map(|s| s.energy_j(bodies, |i| velocity(i, &bodies[i], &data[i]))).sum()
+    }
+
+    /// Ends the sharing of those of which this is true, where forces are known but for what they share, after a step of `last_step_s`. Returns the kinetic energy that is released \[J\].
+    pub(super) fn end_sharing(
+        &mut self,
+        last_step_s: f64,
+        mut is_over: impl FnMut(&Shared, &Self) -> bool,
+    ) -> f64 {
+        let mut lists = std::mem::take(&mut self.shared);
+        let mut released = 0.0;
+        lists.retain_mut(|s| {
+            let ends = is_over(s, self);
+            if ends {
+                released += self.let_go(s, last_step_s);
+            }
+            !ends
+        });
+        self.shared = lists;
+        released
+    }
+
+    /// Lets the bodies of a list go, where forces are known but for what they share, at the full step.
+    fn let_go(&mut self, shared: &mut Shared, last_step_s: f64) -> f64 {
+        let half = 0.5 * last_step_s;
+        let Self { bodies, data, .. } = self;
+        let alone = |shared: &Shared, bodies: &[BodyState]| -> f64 {
+            shared.bodies().iter().map(|i| step::kinetic_j(&bodies[*i], &data[*i], half)).sum()
+        };
+        let plain: Vec<[V3; 2]> =
+            shared.bodies().iter().map(|i| [bodies[*i].force, bodies[*i].torque]).collect();
+        shared.act(bodies);
+        let at: Vec<[V3; 2]> =
+            (0..bodies.len()).map(|i| step::velocities(&bodies[i], &data[i], half)).collect();
+        let before = alone(shared, bodies) + shared.energy_j(bodies, |i| at[i]);
+        shared.let_go(bodies, |i| at[i]);
+        for (i, [force, torque]) in shared.bodies().iter().zip(plain) {
+            let body = &mut bodies[*i];
+            // the momenta at the full step stay
+            step::push(body, half);
+            (body.force, body.torque) = (force, torque);
+            step::push(body, -half);
+            step::find_velocities(body, &data[*i], last_step_s);
+        }
+        before - alone(shared, bodies)
     }
 
     /// Finds out how much of their weight the spans of beams bear, after a step \[s\].

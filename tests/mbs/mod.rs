@@ -11,6 +11,7 @@ mod ideal;
 mod input;
 mod latent;
 mod motion;
+mod shared_mass;
 mod sleep;
 mod statics;
 mod support;

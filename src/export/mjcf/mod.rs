@@ -127,7 +127,7 @@ fn has_contact(model: &Model) -> bool {
 
 /// The model's own step, or 1 ms, a fiftieth of the output interval, what the stiffest bushing allows: the shortest.
 fn step_s(model: &Model) -> f64 {
-    let bushings = System::new(model).map(|s| highest_rad_s(&s)).unwrap_or(0.0);
+    let bushings = System::new(model).map(|mut s| highest_rad_s(&mut s)).unwrap_or(0.0);
     let shortest = model.settings.time_step_s.unwrap_or(1e-3f64.min(model.settings.output_interval_s / 50.0));
     if bushings > 0.0 { shortest.min(FRACTION / bushings) } else { shortest }
 }

@@ -3,6 +3,7 @@
 mod connection;
 mod contact;
 mod latent;
+mod shared;
 
 use super::math::{self, M3};
 use super::model::{Body, Force, MODEL_SCHEMA, Model};
@@ -105,6 +106,7 @@ impl Model {
         contact::check(self, &known, &mut list);
         check_events(self, &known, &mut list);
         latent::check(self, &mut list);
+        shared::check(self, &mut list);
         for (i, point) in self.tracked.iter().enumerate() {
             list.known(&known, &point.body, &format!("tracked[{i}].body"));
             list.finite(&format!("tracked[{i}].point_m"), &point.point_m);

@@ -5,14 +5,18 @@
 //! | this one | bodies, events, settings |
 //! | `connection` | joints, bushings, forces |
 //! | `contact` | shapes, ground, obstacles, who may touch |
+//! | `mass` | inertia that bodies have together |
 
 mod connection;
 mod contact;
+mod mass;
 
 pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Span};
 pub use contact::{
     BodyContact, Contact, GroundPlane, ObstacleBox, ObstaclePlane, PairRule, RESTITUTION, Shape,
 };
+
+pub use mass::{MassBlock, SharedMass};
 
 use crate::curve::ResistanceCurve;
 use serde::{Deserialize, Serialize};
@@ -33,6 +37,9 @@ pub struct Model {
     pub gravity_m_s2: [f64; 3],
     /// Rigid bodies.
     pub bodies: Vec<Body>,
+    /// Inertia that bodies have together, as long as they move as parts of one elastic body.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shared_masses: Vec<SharedMass>,
     /// Resistance curves by id.
     #[serde(default)]
     pub curves: BTreeMap<String, ResistanceCurve>,
@@ -72,6 +79,7 @@ impl Model {
             name: name.into(),
             gravity_m_s2,
             bodies: Vec::new(),
+            shared_masses: Vec::new(),
             curves: BTreeMap::new(),
             joints: Vec::new(),
             bushings: Vec::new(),

@@ -37,9 +37,11 @@ impl Run<'_> {
 
     #[cold]
     pub(super) fn fracture(&mut self) {
+        let mut parted = Vec::new();
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
             if joint.breaks() {
+                parted.push([joint.a, joint.b]);
                 let broken = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
                 let cause = match (joint.hinge.fractured, joint.is_crushed()) {
@@ -53,6 +55,8 @@ impl Run<'_> {
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
         }
+        self.released +=
+            self.system.end_sharing(self.last_step, |s, _| parted.iter().any(|pair| s.joins(*pair)));
         self.system.pack();
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
         connect(&mut self.contacts, &self.system, &self.latent);

@@ -19,7 +19,7 @@ mod setup;
 
 use self::setup::{choose_step, connect, empty_result, preload_error};
 use super::balance::Balance;
-use super::contact::{ContactSet, Moving, Settings, Work};
+use super::contact::{ContactEnergy, ContactSet, Moving, Settings, Work};
 use super::error::SolveError;
 use super::ideal;
 use super::latent::Latent;
@@ -27,6 +27,7 @@ use super::math;
 use super::model::Model;
 use super::preload;
 use super::result::RunResult;
+use super::shared_mass::Shared;
 use super::sleep::Sleep;
 use super::system::{BodyState, System};
 use super::{frequency, step};
@@ -199,6 +200,8 @@ struct Run<'a> {
     sleep: Sleep,
     /// Work of the forces on displacements that open gaps \[J\].
     opened: f64,
+    /// States before contacts, where bodies share inertia.
+    untouched: Vec<BodyState>,
     result: RunResult,
     time: f64,
     /// Length of the last step, zero right after a start \[s\].
@@ -244,7 +247,12 @@ impl<'a> Run<'a> {
         } else {
             None
         };
-        let frequency = frequency::highest_rad_s(&system);
+        let mut frequency = frequency::highest_rad_s(&mut system);
+        // a body that parts would take its share of the inertia with it
+        if !model.shared_masses.is_empty() && !latent.is_watching() {
+            system.share_masses(&model, frequency);
+            frequency = frequency::highest_rad_s(&mut system);
+        }
         let step_limit = choose_step(&model, frequency, share)?;
         let mut contacts = ContactSet::new(&model, options.contact);
         connect(&mut contacts, &system, &latent);
@@ -271,6 +279,7 @@ impl<'a> Run<'a> {
             moving: Vec::new(),
             sleep: Sleep::new(file.settings.sleep_speed_m_s, n),
             opened: 0.0,
+            untouched: Vec::new(),
             time: 0.0,
             last_step: 0.0,
             step_limit,
@@ -388,6 +397,9 @@ impl<'a> Run<'a> {
     /// Contact impulses at the present positions, for a step of `h` from here. Whether a body parted under them: the step has not been taken then.
     fn meet(&mut self, h: f64) -> Result<bool, SolveError> {
         let books = (self.contacts.energy, self.opened);
+        if !self.system.shared.is_empty() {
+            self.untouched.clone_from(&self.system.bodies);
+        }
         if self.latent.is_watching() {
             self.remember(h);
         }
@@ -409,20 +421,54 @@ impl<'a> Run<'a> {
         if self.latent.is_watching() && self.part_under_contact(h, books)? {
             return Ok(true);
         }
+        if !self.system.shared.is_empty() && self.part_touched(h, books) {
+            return self.meet(h);
+        }
         if !self.contacts.touches.is_empty() {
             self.record_touches();
         }
         Ok(false)
     }
 
+    /// Takes a step of `h` \[s\] back in which contacts touch bodies that share their inertia, and kicks all bodies anew without that. Whether there were any.
+    fn part_touched(&mut self, h: f64, (energy, opened): (ContactEnergy, f64)) -> bool {
+        let now = &self.system.bodies;
+        if !self.system.shared.iter().any(|s| s.is_touched(now, &self.untouched)) {
+            return false;
+        }
+        let touched = std::mem::replace(&mut self.system.bodies, self.untouched.clone());
+        (self.contacts.energy, self.opened) = (energy, opened);
+        let kick = 0.5 * (self.last_step + h);
+        for (body, data) in self.system.bodies.iter_mut().zip(&self.system.data) {
+            if data.alive && !data.asleep {
+                step::push(body, -kick);
+            }
+        }
+        let untouched = std::mem::take(&mut self.untouched);
+        self.forces_with(|s, _| s.is_touched(&touched, &untouched));
+        self.untouched = untouched;
+        step::kick(&mut self.system, kick, h);
+        true
+    }
+
     /// Forces at the current position; fracture.
     #[inline]
     fn forces(&mut self) {
+        self.forces_with(|s, all| s.is_over(&all.bodies, &all.data, &all.joints));
+    }
+
+    /// The same, where the sharing of inertia of which this is true ends.
+    #[inline]
+    fn forces_with(&mut self, is_over: impl FnMut(&Shared, &System) -> bool) {
         self.system.reset_forces();
         if self.system.add_joint_forces() {
             self.look_at_joints();
         }
         self.system.carry_over();
+        if !self.system.shared.is_empty() {
+            self.released += self.system.end_sharing(self.last_step, is_over);
+            self.system.share_forces();
+        }
     }
 
     fn look_at_joints(&mut self) {

@@ -70,6 +70,8 @@ impl Run<'_> {
             }
             gravity += self.gravity_energy(i);
         }
+        let half = 0.5 * self.last_step;
+        kinetic += self.system.shared_j(|_, body, data| step::velocities(body, data, half));
         // what the spans of beams sag by themselves
         gravity +=
             self.system.joints.iter().filter_map(|j| j.beam.as_ref()).map(|b| b.against_load_j).sum::<f64>();

@@ -100,7 +100,7 @@ impl Run<'_> {
         (self.contacts.energy, self.contacts.work) = (energy, work);
         connect(&mut self.contacts, &self.system, &self.latent);
         self.origin = self.centers();
-        self.step_limit = choose_step(&self.model, frequency::highest_rad_s(&self.system), self.share)?;
+        self.step_limit = choose_step(&self.model, frequency::highest_rad_s(&mut self.system), self.share)?;
         self.result.time_step_s = self.result.time_step_s.min(self.step_limit);
         for (bushing, _) in &parting.live {
             if self.strength[*bushing] != 1.0 {

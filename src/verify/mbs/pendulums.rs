@@ -139,6 +139,7 @@ fn model(kind: JointKind, axis: [f64; 3], spring: Option<[f64; 2]>) -> Model {
         name: "pendulum".into(),
         gravity_m_s2: [0.0, 0.0, -9.80665],
         bodies: vec![body],
+        shared_masses: Vec::new(),
         curves: Default::default(),
         joints: vec![joint],
         bushings: Vec::new(),

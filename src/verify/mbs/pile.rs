@@ -68,6 +68,7 @@ pub fn model(side: usize, end_time_s: f64, time_step_s: f64) -> Model {
         name: format!("pile of {} cubes", side.pow(3)),
         gravity_m_s2: [0.0, 0.0, -GRAVITY_M_S2],
         bodies,
+        shared_masses: Vec::new(),
         curves: Default::default(),
         joints: Vec::new(),
         bushings: Vec::new(),

@@ -1,0 +1,80 @@
+//! Inertia that bodies have together.
+
+use super::List;
+use crate::mbs::math;
+use crate::mbs::model::{Body, Model, SharedMass};
+use nalgebra::{Cholesky, DMatrix, Matrix2};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a list may add to the inertia of its bodies as one rigid body, of that inertia.
+const RIGID: f64 = 1e-6;
+
+pub(super) fn check(model: &Model, list: &mut List) {
+    let bodies: BTreeMap<&str, &Body> = model.bodies.iter().map(|b| (b.id.as_str(), b)).collect();
+    let mut taken = BTreeSet::new();
+    for (i, shared) in model.shared_masses.iter().enumerate() {
+        let path = format!("shared_masses[{i}]");
+        let before = list.len();
+        list.without_ideal(model, &path);
+        for (k, id) in shared.bodies.iter().enumerate() {
+            let at = format!("{path}.bodies[{k}]");
+            list.require(bodies.contains_key(id.as_str()), &at, || format!("\"{id}\" is not a body"));
+            list.require(taken.insert(id), &at, || {
+                format!("\"{id}\" stands in a list already: leave it out")
+            });
+        }
+        check_blocks(shared, &path, list);
+        if list.len() == before {
+            check_sum(shared, &bodies, &path, list);
+        }
+    }
+}
+
+fn check_blocks(shared: &SharedMass, path: &str, list: &mut List) {
+    let mut seen = BTreeSet::new();
+    for (k, block) in shared.blocks.iter().enumerate() {
+        let [p, q] = block.pair;
+        let at = format!("{path}.blocks[{k}]");
+        list.require(p <= q && q < shared.bodies.len(), &format!("{at}.pair"), || {
+            format!(
+                "is [{p}, {q}], expected two places in the list of bodies, the first one not after the second"
+            )
+        });
+        list.require(seen.insert([p, q]), &format!("{at}.pair"), || {
+            format!("[{p}, {q}] is there twice: leave out one of them")
+        });
+        block.added.iter().for_each(|row| list.finite(&format!("{at}.added"), row));
+        let m = &block.added;
+        let is_symmetric = (0..3).all(|i| (0..3).all(|j| m[i][j] == m[j][i]));
+        list.require(p != q || is_symmetric, &format!("{at}.added"), || {
+            "is not symmetric, as that of one body has to be".into()
+        });
+    }
+}
+
+/// All bodies as one have the inertia that they have without it, and what they have together is positive.
+fn check_sum(shared: &SharedMass, bodies: &BTreeMap<&str, &Body>, path: &str, list: &mut List) {
+    let added = shared.matrix();
+    let mut all = added.clone();
+    let own: Vec<&Body> = shared.bodies.iter().map(|id| bodies[id.as_str()]).collect();
+    for (k, body) in own.iter().enumerate() {
+        let r = math::qmat(body.orientation);
+        let inertia = math::matmul(&math::matmul(&r, &body.inertia_kg_m2), &math::transpose(&r));
+        all[(3 * k, 3 * k)] += body.mass_kg;
+        let mut turns = all.fixed_view_mut::<2, 2>(3 * k + 1, 3 * k + 1);
+        turns += Matrix2::from_fn(|a, b| inertia[a][b]);
+    }
+    let as_one = DMatrix::from_fn(3 * own.len(), 3, |row, motion| {
+        let [x, y, _] = own[row / 3].position_m;
+        [[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]][row % 3][motion]
+    });
+    let [more, whole] = [&added, &all].map(|m| as_one.tr_mul(&(m * &as_one)));
+    let off = (0..3)
+        .any(|i| (0..3).any(|j| more[(i, j)].abs() > RIGID * (whole[(i, i)] * whole[(j, j)]).abs().sqrt()));
+    list.require(!off, path, || {
+        "changes the inertia of the bodies as one rigid body: blocks have to add nothing to motion along z and turns about x and y of all of them together".into()
+    });
+    list.require(Cholesky::new(all).is_some(), path, || {
+        "takes more than the bodies have: their inertia together is not positive definite".into()
+    });
+}
