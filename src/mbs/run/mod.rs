@@ -207,6 +207,8 @@ struct Run<'a> {
     /// Length of the last step, zero right after a start \[s\].
     last_step: f64,
     step_limit: f64,
+    /// That of bodies that share no inertia \[s\].
+    alone_limit: f64,
     /// Share of the automatic step that is taken.
     share: f64,
     /// Where the bodies of the file are at `t = 0` \[m\], and the centres of those that run.
@@ -248,6 +250,7 @@ impl<'a> Run<'a> {
             None
         };
         let mut frequency = frequency::highest_rad_s(&mut system);
+        let alone_limit = choose_step(&model, frequency, share)?;
         // a body that parts would take its share of the inertia with it
         if !model.shared_masses.is_empty() && !latent.is_watching() {
             system.share_masses(&model, frequency);
@@ -283,6 +286,7 @@ impl<'a> Run<'a> {
             time: 0.0,
             last_step: 0.0,
             step_limit,
+            alone_limit,
             share,
             tracked,
             hinges,
@@ -468,6 +472,9 @@ impl<'a> Run<'a> {
         if !self.system.shared.is_empty() {
             self.released += self.system.end_sharing(self.last_step, is_over);
             self.system.share_forces();
+            if self.system.shared.is_empty() {
+                self.step_limit = self.step_limit.max(self.alone_limit);
+            }
         }
     }
 
