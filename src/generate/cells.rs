@@ -89,7 +89,7 @@ impl Piece {
 }
 
 /// Pieces by their cells.
-fn by_cell(pieces: &[Piece]) -> BTreeMap<[usize; 2], usize> {
+pub fn by_cell(pieces: &[Piece]) -> BTreeMap<[usize; 2], usize> {
     pieces.iter().enumerate().map(|(i, p)| (p.cell, i)).collect()
 }
 

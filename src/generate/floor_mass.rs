@@ -5,7 +5,7 @@
 
 use super::axes::{Axis, FloorAxes};
 use super::bodies::Bodies;
-use super::cells::Piece;
+use super::cells::{Piece, by_cell};
 use crate::base::geom::Aabb;
 use crate::building::Building;
 use crate::mbs::model::{MassBlock, SharedMass};
@@ -27,7 +27,7 @@ pub fn shared(
     pieces: &[Piece],
     (bodies, first): (&Bodies, usize),
 ) -> SharedMass {
-    let places: BTreeMap<[usize; 2], usize> = pieces.iter().enumerate().map(|(i, p)| (p.cell, i)).collect();
+    let places = by_cell(pieces);
     let centre = |p: usize| bodies.list[first + p].position_m;
     let mut sum = Sum::default();
     for (own, piece) in pieces.iter().enumerate() {

@@ -11,7 +11,7 @@
 use super::axes::{FloorAxes, Gap, Kind, MEETS_M};
 use super::beam_ends::{BeamCut, YieldingEnds};
 use super::bodies::Bodies;
-use super::cells::{Cells, Piece, diagonals, neighbours};
+use super::cells::{Cells, Piece, by_cell, diagonals, neighbours};
 use super::joints::axes;
 use super::wish::Accuracy;
 use crate::building::{Building, MemberKind};
@@ -103,11 +103,12 @@ impl Grillage {
             .filter_map(|e| Some((e, *kinds.get(e.member.as_str())?)))
             .filter(|(_, kind)| !is_plate(*kind))
             .collect();
+        let places = by_cell(pieces);
         let mut between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
             let Gap { axes_m, faces_m, span_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
             let plane = InPlane::of(building, &pieces[a], axis);
-            let beyond_m = beyond(pieces, [a, b], axis, faces_m);
+            let beyond_m = beyond(&places, [&pieces[a], &pieces[b]], axis, faces_m);
             let stretch = Stretch { span_m, ends_m: faces_m, beyond_m };
             let sum = Crossing::of(&beams, (axis, at_m), &plane, &stretch)?;
             let bends_at_m = sum.level / sum.bending;
@@ -231,14 +232,22 @@ fn in_the_middle([bending, across]: [f64; 2], shear: f64, length_m: f64) -> [f64
 }
 
 /// How far the floor goes on beyond the faces on either side of two pieces, where no piece follows \[m\].
-fn beyond(pieces: &[Piece], [a, b]: [usize; 2], axis: usize, faces_m: [f64; 2]) -> [Option<f64>; 2] {
-    let follows = |p: usize, step: isize| {
-        let cell = pieces[p].cell;
+fn beyond(
+    places: &BTreeMap<[usize; 2], usize>,
+    [a, b]: [&Piece; 2],
+    axis: usize,
+    faces_m: [f64; 2],
+) -> [Option<f64>; 2] {
+    let follows = |piece: &Piece, step: isize| {
+        let mut cell = piece.cell;
         let next = cell[axis].checked_add_signed(step);
-        pieces.iter().any(|o| o.cell[1 - axis] == cell[1 - axis] && Some(o.cell[axis]) == next)
+        next.is_some_and(|next| {
+            cell[axis] = next;
+            places.contains_key(&cell)
+        })
     };
-    let low = pieces[a].boxes.iter().map(|(_, b)| b.min[axis]).fold(f64::INFINITY, f64::min);
-    let high = pieces[b].boxes.iter().map(|(_, b)| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
+    let low = a.boxes.iter().map(|(_, b)| b.min[axis]).fold(f64::INFINITY, f64::min);
+    let high = b.boxes.iter().map(|(_, b)| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
     [(!follows(a, -1)).then_some(faces_m[0] - low), (!follows(b, 1)).then_some(high - faces_m[1])]
 }
 

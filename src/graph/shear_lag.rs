@@ -75,6 +75,14 @@ mod tests {
         section
     }
 
+    /// One over the second moments of area apart and with the flange, and `α l / π`.
+    fn flexibilities(section: &BeamSection) -> ([f64; 2], f64) {
+        let flange = section.flange.unwrap();
+        let [apart, with, whole] = [flange.apart_m4, section.inertia_m4[0], flange.whole_m4].map(|i| 1.0 / i);
+        let acts = (apart - with) / (apart - whole);
+        ([apart, with], (acts / (1.0 - acts)).sqrt())
+    }
+
     fn stretch(beyond_m: [Option<f64>; 2]) -> Stretch {
         Stretch { span_m: 5.0, ends_m: [1.0, 6.0], beyond_m }
     }
@@ -92,10 +100,8 @@ mod tests {
     #[test]
     fn slabs_that_end_at_the_faces_are_newmarks_beam() {
         let section = section();
-        let flange = section.flange.unwrap();
-        let [apart, with, whole] = [flange.apart_m4, section.inertia_m4[0], flange.whole_m4].map(|i| 1.0 / i);
-        let acts = (apart - with) / (apart - whole);
-        let z = 0.5 * PI * (acts / (1.0 - acts)).sqrt();
+        let ([apart, with], waves) = flexibilities(&section);
+        let z = 0.5 * PI * waves;
         let [turn, across] = bending_n_m2(&section, &stretch([Some(0.0); 2]));
         let e = section.youngs_modulus_pa;
         // in units of what the flange takes where it acts in full
@@ -111,10 +117,8 @@ mod tests {
     #[test]
     fn one_edge_is_exact_for_opposite_moments_and_for_none_at_the_edge() {
         let section = section();
-        let flange = section.flange.unwrap();
-        let [apart, with, whole] = [flange.apart_m4, section.inertia_m4[0], flange.whole_m4].map(|i| 1.0 / i);
-        let acts = (apart - with) / (apart - whole);
-        let rate = PI / 5.0 * (acts / (1.0 - acts)).sqrt();
+        let ([apart, with], waves) = flexibilities(&section);
+        let rate = PI / 5.0 * waves;
         let share = 1.0 / (1.0 + (rate * 0.3).tanh());
         let integral = |moment: &dyn Fn(f64) -> f64| -> f64 {
             let n = 20_000;

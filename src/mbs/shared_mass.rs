@@ -15,6 +15,7 @@ use super::math::{self, M3, V3};
 use super::model::{Model, SharedMass};
 use super::system::{BodyData, BodyState};
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
+use std::collections::BTreeMap;
 
 /// Cosine of the angle by which a body may lean: 0.03 rad.
 const UPRIGHT: f64 = 0.99955;
@@ -63,14 +64,17 @@ pub struct Start<'a> {
 impl Shared {
     /// Those of a model, in the poses at its start. A list whose inertia is not positive with that of its springs is left out.
     pub fn all(model: &Model, start: &Start) -> Vec<Self> {
-        model.shared_masses.iter().filter_map(|s| Self::new(s, model, start)).collect()
+        let ids: BTreeMap<&str, usize> =
+            model.bodies.iter().enumerate().map(|(i, b)| (b.id.as_str(), i)).collect();
+        model.shared_masses.iter().filter_map(|s| Self::new(s, &ids, start)).collect()
     }
 
-    fn new(shared: &SharedMass, model: &Model, start: &Start) -> Option<Self> {
-        let place = |id: &String| model.bodies.iter().position(|b| b.id == *id);
+    fn new(shared: &SharedMass, ids: &BTreeMap<&str, usize>, start: &Start) -> Option<Self> {
+        let place = |id: &String| ids.get(id.as_str()).copied();
         let bodies: Vec<usize> = shared.bodies.iter().map(place).collect::<Option<_>>()?;
+        let places: BTreeMap<usize, usize> = bodies.iter().enumerate().map(|(k, i)| (*i, k)).collect();
         let mut added = shared.matrix();
-        add_springs(&mut added, &bodies, start);
+        add_springs(&mut added, &places, start);
         let mut all = added.clone();
         let mut skew = Vec::new();
         for (k, i) in bodies.iter().enumerate() {
@@ -83,12 +87,13 @@ impl Shared {
             turns += own;
             skew.push((own * Vector2::new(inverse[0][2], inverse[1][2])).into());
         }
-        let rigid = as_one(&bodies, start.states);
+        let centres: Vec<V3> = bodies.iter().map(|i| start.states[*i].x).collect();
+        let rigid = as_one(&centres);
         let momenta = &all * &rigid;
         let together = rigid.tr_mul(&momenta);
         let inverse = Matrix3::from_fn(|i, j| together[(i, j)]).try_inverse()?;
         let transfer = -(&added * Cholesky::new(all)?.inverse());
-        let is_inside = |j: &JointData| bodies.contains(&j.a) && bodies.contains(&j.b);
+        let is_inside = |j: &JointData| [j.a, j.b].iter().all(|i| places.contains_key(i));
         let inside = (0..start.joints.len()).filter(|j| is_inside(&start.joints[*j])).collect();
         let axes = bodies.iter().map(|i| math::transpose(&start.states[*i].r)).collect();
         let [own, more] = [0, 1].map(|_| DVector::zeros(3 * bodies.len()));
@@ -223,21 +228,20 @@ impl SharedMass {
     }
 }
 
-/// Velocities of bodies that move as one: along z, and about x and y through the origin.
-fn as_one(bodies: &[usize], states: &[BodyState]) -> DMatrix<f64> {
-    DMatrix::from_fn(3 * bodies.len(), 3, |row, motion| {
-        let [x, y, _] = states[bodies[row / 3]].x;
+/// Velocities of bodies, by their centres of mass, that move as one: along z, and about x and y through the origin.
+pub(super) fn as_one(centres_m: &[V3]) -> DMatrix<f64> {
+    DMatrix::from_fn(3 * centres_m.len(), 3, |row, motion| {
+        let [x, y, _] = centres_m[row / 3];
         [[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]][row % 3][motion]
     })
 }
 
 /// Adds the inertia that goes with the stiffness of springs between the bodies, and of those that turn them.
-fn add_springs(added: &mut DMatrix<f64>, bodies: &[usize], start: &Start) {
-    let place = |i: usize| bodies.iter().position(|b| *b == i);
+fn add_springs(added: &mut DMatrix<f64>, places: &BTreeMap<usize, usize>, start: &Start) {
     for row in start.rows {
         let ends = [(row.a, row.turn_a, -1.0), (row.b, row.turn_b, 1.0)];
-        let places = ends.map(|(i, ..)| place(i));
-        let is_inside = places.iter().all(Option::is_some);
+        let rows = ends.map(|(i, ..)| places.get(&i).copied());
+        let is_inside = rows.iter().all(Option::is_some);
         if !is_inside && row.force[2].abs() > LEVEL {
             continue;
         }
@@ -245,7 +249,7 @@ fn add_springs(added: &mut DMatrix<f64>, bodies: &[usize], start: &Start) {
             let along = if is_inside { row.force[2] } else { 0.0 };
             k.map(|k| [(3 * k, sign * along), (3 * k + 1, sign * turn[0]), (3 * k + 2, sign * turn[1])])
         };
-        let stretch: Vec<(usize, f64)> = places.into_iter().zip(ends).filter_map(of).flatten().collect();
+        let stretch: Vec<(usize, f64)> = rows.into_iter().zip(ends).filter_map(of).flatten().collect();
         let inertia = row.stiffness / start.highest_rad_s.powi(2);
         for (i, u) in &stretch {
             for (j, v) in &stretch {

@@ -3,7 +3,8 @@
 use super::List;
 use crate::mbs::math;
 use crate::mbs::model::{Body, Model, SharedMass};
-use nalgebra::{Cholesky, DMatrix, Matrix2};
+use crate::mbs::shared_mass::as_one;
+use nalgebra::{Cholesky, Matrix2};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a list may add to the inertia of its bodies as one rigid body, of that inertia.
@@ -64,10 +65,8 @@ fn check_sum(shared: &SharedMass, bodies: &BTreeMap<&str, &Body>, path: &str, li
         let mut turns = all.fixed_view_mut::<2, 2>(3 * k + 1, 3 * k + 1);
         turns += Matrix2::from_fn(|a, b| inertia[a][b]);
     }
-    let as_one = DMatrix::from_fn(3 * own.len(), 3, |row, motion| {
-        let [x, y, _] = own[row / 3].position_m;
-        [[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]][row % 3][motion]
-    });
+    let centres: Vec<[f64; 3]> = own.iter().map(|b| b.position_m).collect();
+    let as_one = as_one(&centres);
     let [more, whole] = [&added, &all].map(|m| as_one.tr_mul(&(m * &as_one)));
     let off = (0..3)
         .any(|i| (0..3).any(|j| more[(i, j)].abs() > RIGID * (whole[(i, i)] * whole[(j, j)]).abs().sqrt()));

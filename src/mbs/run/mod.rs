@@ -440,7 +440,8 @@ impl<'a> Run<'a> {
         if !self.system.shared.iter().any(|s| s.is_touched(now, &self.untouched)) {
             return false;
         }
-        let touched = std::mem::replace(&mut self.system.bodies, self.untouched.clone());
+        let mut touched = std::mem::take(&mut self.untouched);
+        std::mem::swap(&mut self.system.bodies, &mut touched);
         (self.contacts.energy, self.opened) = (energy, opened);
         let kick = 0.5 * (self.last_step + h);
         for (body, data) in self.system.bodies.iter_mut().zip(&self.system.data) {
@@ -448,9 +449,7 @@ impl<'a> Run<'a> {
                 step::push(body, -kick);
             }
         }
-        let untouched = std::mem::take(&mut self.untouched);
-        self.forces_with(|s, _| s.is_touched(&touched, &untouched));
-        self.untouched = untouched;
+        self.forces_with(|s, all| s.is_touched(&touched, &all.bodies));
         step::kick(&mut self.system, kick, h);
         true
     }
