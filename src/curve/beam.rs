@@ -12,10 +12,12 @@
 //!
 //! Energy: as in [`super::hinge`], what the trapezoidal work leaves beside the change of elastic energy is `½ (M_old + M_new) Δα` at each end, exactly.
 
-use super::capacity::{AxialLevel, CapacityHint, CapacityTable};
+use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 
 /// Relative accuracy of a return, in terms of the moment.
 const TOLERANCE: f64 = 1e-13;
+/// Share of the capacity up to which a bound for all axial forces is as good as a nearer one.
+const FAR_INSIDE: f64 = 0.75;
 /// Most repetitions of the returns of both ends.
 const SWEEPS: usize = 200;
 /// Most steps of the search for one return.
@@ -136,17 +138,42 @@ impl BeamEnds {
             }
             moments = self.moments(springs, [turn_rad, across_m]);
         }
-        let (before_rad, before) = self.last;
-        let elastic_rad = turn_rad - self.plastic_rad();
-        step.against_load_j = 0.5 * (before.middle_nm + springs.load.middle_nm) * (elastic_rad - before_rad);
-        self.last = (elastic_rad, springs.load);
+        let (_, before) = self.last;
+        step.against_load_j = self.stay(turn_rad - self.plastic_rad(), moments, springs.load);
         for i in 0..2 {
-            self.ends[i].moment_nm = moments[i];
             let flow = self.ends[i].plastic_rad - old[i].plastic_rad;
             step.dissipated_j += 0.5 * (old[i].moment_nm + moments[i]) * flow;
             step.against_load_j += 0.5 * (before.drop_nm + springs.load.drop_nm) * flow;
         }
         step
+    }
+
+    /// Takes over the elastic rotation in the middle \[rad\], the moments at the ends \[N m\] and the load of a step; the work that the rotation did against the load \[J\].
+    #[inline]
+    pub fn stay(&mut self, elastic_rad: f64, moments_nm: [f64; 2], load: SpanLoad) -> f64 {
+        let (before_rad, before) = std::mem::replace(&mut self.last, (elastic_rad, load));
+        for (end, moment_nm) in self.ends.iter_mut().zip(moments_nm) {
+            end.moment_nm = moment_nm;
+        }
+        0.5 * (before.middle_nm + load.middle_nm) * (elastic_rad - before_rad)
+    }
+
+    /// About which axial forces \[N\] no end flows whose moment is below a bound \[N m\]: all of them if the present moments are well below that of all, else those near the present one. None if an
+    /// end has broken, or nothing is known.
+    pub fn elastic_range(&self, table: &CapacityTable, axial_force_n: f64) -> Option<([f64; 2], [f64; 2])> {
+        let all = self.bounds(|end| table.anywhere(end.alpha_rad, &end.hint));
+        let is_far_inside =
+            |least: [f64; 2]| (0..2).all(|i| self.ends[i].moment_nm.abs() < FAR_INSIDE * least[i]);
+        match all {
+            Some((_, least)) if is_far_inside(least) => all,
+            _ => self.bounds(|end| table.nearby(end.alpha_rad, axial_force_n, &end.hint)),
+        }
+    }
+
+    fn bounds(&self, bound: impl Fn(&BeamEnd) -> Option<Nearby>) -> Option<([f64; 2], [f64; 2])> {
+        let [start, end] = [bound(&self.ends[0])?, bound(&self.ends[1])?];
+        let force_n = [start.force_n[0].max(end.force_n[0]), start.force_n[1].min(end.force_n[1])];
+        (!self.is_broken()).then_some((force_n, [start.least_nm, end.least_nm]))
     }
 
     /// How much shorter the flow of its last step made the beam by normality ([`CapacityTable::shortening_m`]) \[m\].
@@ -159,21 +186,21 @@ impl BeamEnds {
         self.ends.iter_mut().zip(flow_rad).map(of_end).sum()
     }
 
-    /// Moment in the middle \[N m\] and elastic energy of the rotation there \[J\].
+    /// Elastic rotation in the middle \[rad\], and moment there \[N m\].
     pub fn in_the_middle(&self, springs: &MiddleSprings, turn_rad: f64) -> [f64; 2] {
-        let MiddleSprings { turn_nm_rad: stiffness, load, .. } = *springs;
         let elastic_rad = turn_rad - self.plastic_rad();
-        [stiffness * elastic_rad + load.middle_nm, 0.5 * stiffness * elastic_rad * elastic_rad]
+        [elastic_rad, springs.turn_nm_rad * elastic_rad + springs.load.middle_nm]
     }
 
-    fn plastic_rad(&self) -> f64 {
+    /// What is plastic of the rotation in the middle \[rad\].
+    pub fn plastic_rad(&self) -> f64 {
         self.ends.iter().map(|e| e.plastic_rad).sum()
     }
 
     /// Moments at the ends \[N m\].
     fn moments(&self, springs: &MiddleSprings, [turn_rad, across_m]: [f64; 2]) -> [f64; 2] {
         let [_, across] = self.plastic(springs.lever_m);
-        let moment = self.in_the_middle(springs, turn_rad)[0] - springs.load.drop_nm;
+        let moment = self.in_the_middle(springs, turn_rad)[1] - springs.load.drop_nm;
         let of_shear = springs.lever_m * springs.shear_n_m * (across_m - across);
         [moment - of_shear, moment + of_shear]
     }
@@ -313,7 +340,7 @@ mod tests {
         let p = 4e4;
         let springs_under = MiddleSprings { load: load(p), ..springs() };
         beam.step(&table, &springs_under, [0.0; 2], 0.0);
-        let [middle, _] = beam.in_the_middle(&springs_under, 0.0);
+        let [_, middle] = beam.in_the_middle(&springs_under, 0.0);
         assert!((24.0 * middle / (p * LENGTH_M.powi(2)) - 1.0).abs() < 1e-12);
         for end in beam.ends {
             assert!((-12.0 * end.moment_nm / (p * LENGTH_M.powi(2)) - 1.0).abs() < 1e-12);
@@ -343,14 +370,16 @@ mod tests {
         let (mut last, mut forces) = ([0.0_f64; 2], [springs.load.middle_nm, 0.0]);
         let energy = |beam: &BeamEnds, at: [f64; 2]| {
             let [_, across] = beam.plastic(springs.lever_m);
-            beam.in_the_middle(&springs, at[0])[1] + 0.5 * springs.shear_n_m * (at[1] - across).powi(2)
+            let [elastic_rad, _] = beam.in_the_middle(&springs, at[0]);
+            0.5 * springs.turn_nm_rad * elastic_rad.powi(2)
+                + 0.5 * springs.shear_n_m * (at[1] - across).powi(2)
         };
         for i in 1..=4000 {
             let t = f64::from(i) * 1e-3;
             let at = [0.02 * (3.0 * t).sin() * t, 0.06 * (1.0 - (5.0 * t).cos())];
             let step = beam.step(&table, &springs, at, 0.0);
             let [_, across] = beam.plastic(springs.lever_m);
-            let now = [beam.in_the_middle(&springs, at[0])[0], springs.shear_n_m * (at[1] - across)];
+            let now = [beam.in_the_middle(&springs, at[0])[1], springs.shear_n_m * (at[1] - across)];
             for k in 0..2 {
                 work += 0.5 * (forces[k] + now[k]) * (at[k] - last[k]);
             }

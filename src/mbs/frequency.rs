@@ -51,7 +51,7 @@ pub fn highest_rad_s(system: &mut System) -> f64 {
         for i in 0..n - 1 {
             xky += math::dot(x[i][0], y[i][0]) + math::dot(x[i][1], y[i][1]);
         }
-        shared.iter_mut().for_each(|s| s.act_on(&system.bodies, &mut y));
+        shared.iter_mut().for_each(|s| s.act_on(system.isa, &system.bodies, &mut y));
         system.shared = shared;
         for i in 0..n - 1 {
             let (data, body) = (&system.data[i], &system.bodies[i]);

@@ -111,8 +111,18 @@ impl MidBeam {
     }
 
     /// The other axis across, along which it bears shear.
-    fn across(&self) -> usize {
+    pub fn across(&self) -> usize {
         3 - self.axis
+    }
+
+    /// Of its weight, what is borne.
+    pub fn load(&self) -> SpanLoad {
+        self.load.times(self.borne)
+    }
+
+    /// Half its length with its sense, times the stiffness against shear \[N\].
+    pub fn shear_lever_n(&self, translation: V3) -> f64 {
+        self.lever_m * translation[self.across()]
     }
 
     /// Whether its weight bends it.
@@ -121,7 +131,7 @@ impl MidBeam {
     }
 
     /// What is plastic of the rotation \[rad\] and of the gap across \[m\].
-    fn plastic(&self) -> [f64; 2] {
+    pub fn plastic(&self) -> [f64; 2] {
         self.ends.plastic(self.lever_m)
     }
 }
@@ -369,7 +379,7 @@ impl JointData {
             turn_nm_rad: self.rotation[axis],
             shear_n_m: self.translation[across],
             lever_m: beam.lever_m,
-            load: beam.load.times(beam.borne),
+            load: beam.load(),
         };
         let table = &tables[self.table[axis - 1] as usize];
         let step = beam.ends.step(table, &springs, [theta[axis], gap[across]], self.axial_force);
@@ -383,12 +393,12 @@ impl JointData {
         if self.is_associated && step.flowing {
             self.shortened = beam.ends.shortened_m(table, step.flow_rad, self.axial_force);
         }
+        let mut elastic = theta;
         let mut moment: V3 = std::array::from_fn(|i| self.rotation[i] * theta[i]);
-        let of_other_j = 0.5 * moment[across] * theta[across];
-        let [in_the_middle, energy_j] = beam.ends.in_the_middle(&springs, theta[axis]);
-        moment[axis] = in_the_middle;
+        [elastic[axis], moment[axis]] = beam.ends.in_the_middle(&springs, theta[axis]);
+        let bent = [1, 2].map(|i| self.rotation[i] * elastic[i]);
+        self.elastic_j = 0.5 * (bent[0] * elastic[1] + bent[1] * elastic[2]);
         self.hinge.moment_nm = [moment[1], moment[2]];
-        self.elastic_j = energy_j + of_other_j;
         Some(moment)
     }
 
@@ -401,14 +411,21 @@ impl JointData {
         [law(0), law(1)]
     }
 
-    /// Range of axial forces \[N\] and `1/C²` about both bending axes \[1/(N m)²\] within which nothing flows or breaks ([`Hinge2::elastic_range`]); none if it is not known.
-    pub(super) fn elastic_range(&self, tables: &[CapacityTable]) -> Option<([f64; 2], [f64; 2])> {
-        if self.beam.is_some() {
-            return None;
-        }
-        let (force, ease) = self.hinge.elastic_range(self.laws(tables), self.axial_force)?;
-        let range = [force[0].max(-self.tensile_capacity), force[1].min(self.compressive_capacity)];
-        (!self.is_pulled_apart() && !self.is_crushed()).then_some((range, ease))
+    /// Within what nothing flows or breaks; none if it is not known.
+    pub(super) fn elastic_range(&self, tables: &[CapacityTable]) -> Option<ElasticRange> {
+        let (force, ease, ends) = match &self.beam {
+            Some(beam) => {
+                let table = &tables[self.table[beam.axis - 1] as usize];
+                let (force, ends) = beam.ends.elastic_range(table, self.axial_force)?;
+                (force, [0.0; 2], ends)
+            }
+            None => {
+                let (force, ease) = self.hinge.elastic_range(self.laws(tables), self.axial_force)?;
+                (force, ease, [f64::INFINITY; 2])
+            }
+        };
+        let force = [force[0].max(-self.tensile_capacity), force[1].min(self.compressive_capacity)];
+        (!self.is_pulled_apart() && !self.is_crushed()).then_some(ElasticRange { force, ease, ends })
     }
 
     /// Moments about the joint axes; sets the bending part of the elastic energy.
@@ -461,6 +478,22 @@ impl JointData {
             }
         })
     }
+}
+
+/// Within what a joint is elastic.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ElasticRange {
+    /// From and below which axial force \[N\].
+    pub force: [f64; 2],
+    /// `1/C²` about both bending axes \[1/(N m)²\] ([`Hinge2::elastic_range`]).
+    pub ease: [f64; 2],
+    /// Below which moments at both ends of a beam \[N m\] ([`BeamEnds::elastic_range`]).
+    pub ends: [f64; 2],
+}
+
+impl ElasticRange {
+    /// No number lies between infinity and infinity.
+    pub const NONE: Self = Self { force: [f64::INFINITY; 2], ease: [0.0; 2], ends: [0.0; 2] };
 }
 
 /// A joint in space.

@@ -4,7 +4,7 @@
 //! A joint whose angle is not small, or that may flow, crush or break ([`JointData::elastic_range`]), has its law evaluated by itself in between. So all joints give the same bytes as if each were
 //! evaluated by [`JointData::apply`] in turn.
 
-use super::joint::{self, JointData, Stance};
+use super::joint::{self, ElasticRange, JointData, Stance};
 use super::lanes::{LANES, Lane, ZERO, get, get_matrix, put};
 use super::math::{self, M3};
 use super::system::{BodyData, BodyState};
@@ -27,9 +27,16 @@ pub(super) struct JointBlock {
     crushed: Lane,
     plastic: [Lane; 2],
     lean: [Lane; 2],
+    /// Of beams: what is plastic of the gap across, whether that is along axis 1, what a gap across adds to the moments at the ends, and what the load does to the moment in the middle and from there to them.
+    slip: [Lane; 2],
+    bends_about_2: [u64; LANES],
+    shear_lever: Lane,
+    load: [Lane; 2],
+    drop: Lane,
     /// Where the joint is elastic.
     force: [Lane; 2],
     ease: [Lane; 2],
+    ends: [Lane; 2],
 }
 
 /// What a block does in a step.
@@ -47,6 +54,9 @@ pub(super) struct Act {
     tangent: Lane,
     axial: Lane,
     elastic: Lane,
+    /// Of beams: elastic rotation in the middle, moments at the ends.
+    sag: Lane,
+    ends: [Lane; 2],
     plain: [u64; LANES],
     loads: [[Lane; 3]; 3],
 }
@@ -76,8 +86,14 @@ impl JointBlock {
             crushed: ZERO,
             plastic: [ZERO; 2],
             lean: [ZERO; 2],
+            slip: [ZERO; 2],
+            bends_about_2: [0; LANES],
+            shear_lever: ZERO,
+            load: [ZERO; 2],
+            drop: ZERO,
             force: [[f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]],
             ease: [ZERO; 2],
+            ends: [[f64::INFINITY; LANES]; 2],
         };
         for (l, i) in own.iter().enumerate() {
             let joint = &joints[*i as usize];
@@ -90,6 +106,11 @@ impl JointBlock {
             put(&mut block.rotation, l, joint.rotation);
             block.outward[l] = joint.outward;
             put(&mut block.relative, l, joint.relative);
+            if let Some(beam) = &joint.beam {
+                block.bends_about_2[l] = u64::from(beam.axis == 2);
+                block.shear_lever[l] = beam.shear_lever_n(joint.translation);
+            }
+            block.bear(l, joint);
             block.learn(l, joint, tables);
         }
         block
@@ -100,18 +121,31 @@ impl JointBlock {
     fn learn(&mut self, l: usize, joint: &JointData, tables: &[CapacityTable]) {
         self.crushed[l] = joint.crushed;
         put(&mut self.plastic, l, joint.hinge.plastic_rad);
+        if let Some(beam) = &joint.beam {
+            [self.plastic[beam.axis - 1][l], self.slip[beam.across() - 1][l]] = beam.plastic();
+        }
         self.lean(l, joint);
-        // No number lies between infinity and infinity; what flows will do so in the next step as well.
+        // what flows will do so in the next step as well
         let range = if joint.flowing { None } else { joint.elastic_range(tables) };
-        let (force, ease) = range.unwrap_or(([f64::INFINITY; 2], [0.0; 2]));
+        let ElasticRange { force, ease, ends } = range.unwrap_or(ElasticRange::NONE);
         put(&mut self.force, l, force);
         put(&mut self.ease, l, ease);
+        put(&mut self.ends, l, ends);
     }
 
-    /// Takes over what the other end of its member turns a joint by.
+    /// Takes over what the other end of its member turns a joint by; of a beam that is nothing.
     #[inline]
     pub fn lean(&mut self, l: usize, joint: &JointData) {
-        put(&mut self.lean, l, joint.lean);
+        put(&mut self.lean, l, if joint.beam.is_some() { [0.0; 2] } else { joint.lean });
+    }
+
+    /// Takes over how much of its weight a beam bears.
+    #[inline]
+    pub fn bear(&mut self, l: usize, joint: &JointData) {
+        if let Some(beam) = &joint.beam {
+            let load = beam.load();
+            (self.load[beam.axis - 1][l], self.drop[l]) = (load.middle_nm, load.drop_nm);
+        }
     }
 
     /// Kinematics and, where a joint is plain, its law.
@@ -128,19 +162,30 @@ impl JointBlock {
             let axis = [turn[1], turn[2], turn[3]];
             let sine2 = math::dot(axis, axis);
             let (theta, tangent) = joint::bend_by(math::log_factor(sine2, turn[0]), turn);
+            put(&mut act.gap, l, gap);
             let along = gap[0] - self.crushed[l];
             let k = get(&self.translation, l);
             let axial = -self.outward[l] * k[0] * along;
+            let gap = [gap[0], gap[1] - self.slip[0][l], gap[2] - self.slip[1][l]];
             let local = [k[0] * along, k[1] * gap[1], k[2] * gap[2]];
             let own = [theta[1] - self.lean[0][l], theta[2] - self.lean[1][l]];
             let e = [own[0] - self.plastic[0][l], own[1] - self.plastic[1][l]];
             let bent = [self.rotation[1][l] * e[0], self.rotation[2][l] * e[1]];
-            let moment = [self.rotation[0][l] * theta[0], bent[0], bent[1]];
+            let moment =
+                [self.rotation[0][l] * theta[0], bent[0] + self.load[0][l], bent[1] + self.load[1][l]];
+            let about_2 = self.bends_about_2[l] != 0;
+            let (sag, middle, across) =
+                if about_2 { (e[1], moment[2], gap[1]) } else { (e[0], moment[1], gap[2]) };
+            let (middle, of_shear) = (middle - self.drop[l], self.shear_lever[l] * across);
+            let ends = [middle - of_shear, middle + of_shear];
             let used = bent[0] * bent[0] * self.ease[0][l] + bent[1] * bent[1] * self.ease[1][l];
             let stretch = math::dot(local, [along, gap[1], gap[2]]);
             act.elastic[l] = 0.5 * (bent[0] * e[0] + bent[1] * e[1]) + 0.5 * (stretch + moment[0] * theta[0]);
             act.axial[l] = axial;
             let inside = (axial >= self.force[0][l]) & (axial < self.force[1][l]) & (used < WELL_INSIDE);
+            let inside = inside & (ends[0].abs() < self.ends[0][l]) & (ends[1].abs() < self.ends[1][l]);
+            act.sag[l] = sag;
+            put(&mut act.ends, l, ends);
             act.plain[l] = u64::from(inside & (turn[0] > math::LOG_NEAR));
             act.tangent[l] = tangent;
             put(&mut act.frame[0], l, frame[0]);
@@ -148,7 +193,6 @@ impl JointBlock {
             put(&mut act.frame[2], l, frame[2]);
             put(&mut act.arms[0], l, arms[0]);
             put(&mut act.arms[1], l, arms[1]);
-            put(&mut act.gap, l, gap);
             put(&mut act.turn, l, turn);
             put(&mut act.theta, l, theta);
             put(&mut act.local, l, local);
@@ -231,6 +275,10 @@ fn apply_any(
                 joint.axial_force = act.axial[l];
                 joint.elastic_j = act.elastic[l];
                 joint.hinge.moment_nm = [act.moment[1][l], act.moment[2][l]];
+                if let Some(beam) = &mut joint.beam {
+                    let load = beam.load();
+                    beam.against_load_j += beam.ends.stay(act.sag[l], get(&act.ends, l), load);
+                }
             }
         }
         act.load();
@@ -272,13 +320,13 @@ fn yield_alone(joint: &mut JointData, act: &mut Act, l: usize, tables: &[Capacit
 #[cfg(test)]
 mod tests {
     use super::super::math;
-    use super::super::model::{Bending, Body, Bushing, Model, Origin};
+    use super::super::model::{Beam, Bending, Body, Bushing, Model, Origin, Span};
     use super::super::step;
     use super::super::system::System;
     use crate::base::isa::Isa;
     use crate::curve::{CapacityLevel, ResistanceCurve};
 
-    /// Eleven columns, one on top of the other, that fall over.
+    /// Eleven columns, one on top of the other, that fall over; some of their joints are beams with hinges at their ends, some of those with a weight.
     fn chain() -> Model {
         let mut m = Model::empty("chain", [1.0, 2.0, -9.81], 1.0, 0.1);
         let level = |axial_force_n: f64, peak: f64| CapacityLevel {
@@ -306,6 +354,9 @@ mod tests {
             });
             let curve = Bending::Curve { curve: "c".into(), strength_factor: 1.0 + 0.1 * f64::from(i) };
             let soft = Bending::Elastic { stiffness_nm_rad: 2e4 };
+            let ends = [format!("e{i}"), format!("f{i}")];
+            let span = (i < 6).then_some(Span { length_m: 3.0, mass_kg_m: 2e2 });
+            let beam = (i % 3 == 0).then_some(Beam { half_length_m: 1.2, ends, span });
             m.bushings.push(Bushing {
                 id: format!("j{i}"),
                 body_a: (i > 0).then(|| format!("b{}", i - 1)),
@@ -315,8 +366,12 @@ mod tests {
                 axial_stiffness_n_m: 1e8,
                 shear_stiffness_n_m: [1e8; 2],
                 torsional_stiffness_nm_rad: 1e5,
-                bending: [if i % 3 == 0 { soft } else { curve.clone() }, curve],
-                beam: None,
+                bending: match i % 6 {
+                    0 => [soft, curve],
+                    3 => [curve, soft],
+                    _ => [curve.clone(), curve],
+                },
+                beam,
                 joint: None,
                 latent: None,
                 tensile_capacity_n: Some(2e5),
@@ -365,10 +420,14 @@ mod tests {
             for (a, b) in system.joints.iter().zip(&alone.joints) {
                 assert_eq!((a.hinge.dissipated_j, a.crush_j), (b.hinge.dissipated_j, b.crush_j));
                 assert_eq!((a.elastic_j, a.axial_force, a.theta), (b.elastic_j, b.axial_force, b.theta));
+                let of_beam = |j: &super::JointData| j.beam.as_ref().map(|b| (b.ends, b.against_load_j));
+                assert_eq!(of_beam(a), of_beam(b));
             }
         }
         // All cases have been there: elastic and flowing steps, small and large angles.
         assert!(eventful > 100 && eventful < 2000 * together.len(), "{eventful}");
+        let turned = |j: &super::JointData| j.beam.as_ref().is_some_and(|b| b.ends.plastic_rad() != 0.0);
+        assert!(alone.joints.iter().any(turned));
         assert!(largest > 2.4 && alone.joints.iter().any(|j| j.crush_j > 0.0), "{largest}");
     }
 }

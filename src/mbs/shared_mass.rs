@@ -11,9 +11,11 @@
 //! It ends, for all bodies of a list together, where one of them is touched, leans by more than [`UPRIGHT`], falls asleep or is taken away, where a beam folds, and where a joint between two of them breaks.
 
 use super::joint::{JointData, Row};
+use super::lanes::LANES;
 use super::math::{self, M3, V3};
 use super::model::{Model, SharedMass};
 use super::system::{BodyData, BodyState};
+use crate::base::isa::{Isa, for_each_isa};
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 use std::collections::BTreeMap;
 
@@ -31,9 +33,10 @@ pub struct Shared {
     bodies: Vec<usize>,
     /// The joints between them.
     inside: Vec<usize>,
-    /// `D`, and `-D (M + D)⁻¹`.
+    /// `D`.
     added: DMatrix<f64>,
-    transfer: DMatrix<f64>,
+    /// `-D (M + D)⁻¹`, its columns filled up to whole [`LANES`].
+    transfer: Vec<f64>,
     /// Torque about x and y that turns a body as one about z does.
     skew: Vec<[f64; 2]>,
     /// Velocities of all bodies as one rigid body, their momenta, and the inverse of its inertia.
@@ -42,7 +45,8 @@ pub struct Shared {
     inverse: Matrix3<f64>,
     /// The global axes in each body at the start.
     axes: Vec<M3>,
-    /// Memory.
+    /// Memory: the axes of each body, its part, what was found for it.
+    turned: Vec<M3>,
     own: DVector<f64>,
     more: DVector<f64>,
 }
@@ -92,12 +96,14 @@ impl Shared {
         let momenta = &all * &rigid;
         let together = rigid.tr_mul(&momenta);
         let inverse = Matrix3::from_fn(|i, j| together[(i, j)]).try_inverse()?;
-        let transfer = -(&added * Cholesky::new(all)?.inverse());
+        let transfer = in_lanes(-(&added * Cholesky::new(all)?.inverse()));
         let is_inside = |j: &JointData| [j.a, j.b].iter().all(|i| places.contains_key(i));
         let inside = (0..start.joints.len()).filter(|j| is_inside(&start.joints[*j])).collect();
         let axes = bodies.iter().map(|i| math::transpose(&start.states[*i].r)).collect();
-        let [own, more] = [0, 1].map(|_| DVector::zeros(3 * bodies.len()));
-        Some(Self { bodies, inside, added, transfer, skew, rigid, momenta, inverse, axes, own, more })
+        let rows = 3 * bodies.len();
+        let (own, more) = (DVector::zeros(rows), DVector::zeros(rows.next_multiple_of(LANES)));
+        let turned = vec![M3::default(); bodies.len()];
+        Some(Self { bodies, inside, added, transfer, skew, rigid, momenta, inverse, axes, turned, own, more })
     }
 
     /// The bodies.
@@ -106,40 +112,41 @@ impl Shared {
     }
 
     /// Changes forces to those with which each body has its acceleration by its own inertia alone.
-    pub fn act(&mut self, states: &mut [BodyState]) {
+    pub fn act(&mut self, isa: Isa, states: &mut [BodyState]) {
         // what turns momenta against the axes changes velocities in them as well: without it energy would grow where bodies sway and lean at once
         let in_axes = |i: usize| {
             let b = &states[i];
             [math::sub(b.force, math::cross(b.w, b.p)), math::sub(b.torque, math::cross(b.w, b.l))]
         };
-        self.transfer_of(states, in_axes);
+        self.transfer_of(isa, states, in_axes);
         for k in 0..self.bodies.len() {
             let body = &mut states[self.bodies[k]];
-            let [force, torque] = self.outwards(k, body);
+            let [force, torque] = self.outwards(k);
             body.force = math::add(body.force, force);
             body.torque = math::add(body.torque, torque);
         }
     }
 
     /// The same for forces and torques of all bodies.
-    pub fn act_on(&mut self, states: &[BodyState], forces: &mut [[V3; 2]]) {
-        self.transfer_of(states, |i| forces[i]);
+    pub fn act_on(&mut self, isa: Isa, states: &[BodyState], forces: &mut [[V3; 2]]) {
+        self.transfer_of(isa, states, |i| forces[i]);
         for (k, i) in self.bodies.iter().enumerate() {
-            let more = self.outwards(k, &states[*i]);
+            let more = self.outwards(k);
             forces[*i] = [0, 1].map(|c| math::add(forces[*i][c], more[c]));
         }
     }
 
-    fn transfer_of(&mut self, states: &[BodyState], of: impl Fn(usize) -> [V3; 2]) {
+    fn transfer_of(&mut self, isa: Isa, states: &[BodyState], of: impl Fn(usize) -> [V3; 2]) {
         for (k, i) in self.bodies.iter().enumerate() {
             let [x, y, z] = self.axes_of(k, &states[*i]);
+            self.turned[k] = [x, y, z];
             let ([force, torque], skew) = (of(*i), self.skew[k]);
             let about_z = math::dot(torque, z);
             self.own[3 * k] = math::dot(force, z);
             self.own[3 * k + 1] = math::dot(torque, x) + skew[0] * about_z;
             self.own[3 * k + 2] = math::dot(torque, y) + skew[1] * about_z;
         }
-        self.more.gemv(1.0, &self.transfer, &self.own, 0.0);
+        product(isa, &self.transfer, self.own.as_slice(), self.more.as_mut_slice());
     }
 
     /// The axes of a body.
@@ -147,9 +154,14 @@ impl Shared {
         math::transpose(&math::matmul(&body.r, &self.axes[k]))
     }
 
+    /// Cosine of the lean of a body.
+    fn upright(&self, k: usize, body: &BodyState) -> f64 {
+        (0..3).map(|j| body.r[2][j] * self.axes[k][j][2]).sum()
+    }
+
     /// What was found for a body, as force and torque or momentum and angular momentum.
-    fn outwards(&self, k: usize, body: &BodyState) -> [V3; 2] {
-        let [x, y, z] = self.axes_of(k, body);
+    fn outwards(&self, k: usize) -> [V3; 2] {
+        let [x, y, z] = self.turned[k];
         let more = [0, 1, 2].map(|j| self.more[3 * k + j]);
         [math::scale(more[0], z), math::axpy(math::scale(more[1], x), more[2], y)]
     }
@@ -157,13 +169,13 @@ impl Shared {
     /// What velocities and angular velocities add to the kinetic energy \[J\].
     pub fn energy_j(&mut self, states: &[BodyState], velocity: impl Fn(usize) -> [V3; 2]) -> f64 {
         self.read(states, velocity);
-        self.more.gemv(1.0, &self.added, &self.own, 0.0);
-        0.5 * self.more.dot(&self.own)
+        0.5 * self.own.dot(&(&self.added * &self.own))
     }
 
     fn read(&mut self, states: &[BodyState], velocity: impl Fn(usize) -> [V3; 2]) {
         for (k, i) in self.bodies.iter().enumerate() {
             let [x, y, z] = self.axes_of(k, &states[*i]);
+            self.turned[k] = [x, y, z];
             let [v, w] = velocity(*i);
             self.own[3 * k] = math::dot(v, z);
             self.own[3 * k + 1] = math::dot(w, x);
@@ -178,7 +190,7 @@ impl Shared {
             ends.is_some_and(|ends| ends.iter().any(|e| e.plastic_rad.abs() > FOLDED_RAD))
         };
         let left = |(k, i): (usize, &usize)| {
-            !data[*i].alive || data[*i].asleep || self.axes_of(k, &states[*i])[2][2] < UPRIGHT
+            !data[*i].alive || data[*i].asleep || self.upright(k, &states[*i]) < UPRIGHT
         };
         self.inside.iter().any(folds) || self.bodies.iter().enumerate().any(left)
     }
@@ -200,9 +212,9 @@ impl Shared {
         let rigid = self.inverse * Vector3::new(along[0], along[1], along[2]);
         let rigid = DVector::from_column_slice(rigid.as_slice());
         self.own.gemv(-1.0, &self.rigid, &rigid, 1.0);
-        self.more.gemv(1.0, &self.added, &self.own, 0.0);
+        self.more.rows_mut(0, self.own.len()).gemv(1.0, &self.added, &self.own, 0.0);
         for (k, i) in self.bodies.iter().enumerate() {
-            let [p, l] = self.outwards(k, &states[*i]);
+            let [p, l] = self.outwards(k);
             let body = &mut states[*i];
             body.p = math::add(body.p, p);
             body.l = math::add(body.l, l);
@@ -225,6 +237,35 @@ impl SharedMass {
             }
         }
         matrix
+    }
+}
+
+/// The columns of a matrix, filled up to whole [`LANES`].
+fn in_lanes(matrix: DMatrix<f64>) -> Vec<f64> {
+    let rows = matrix.nrows().next_multiple_of(LANES);
+    matrix.resize_vertically(rows, 0.0).data.into()
+}
+
+for_each_isa! {
+    /// `y = A x`, with the columns of `A` one after the other, whole [`LANES`] long.
+    fn product = product_any(a: &[f64], x: &[f64], y: &mut [f64])
+}
+
+/// Columns that are added up before `y` is written.
+const AT_ONCE: usize = 4;
+
+#[inline(always)]
+fn product_any(a: &[f64], x: &[f64], y: &mut [f64]) {
+    y.fill(0.0);
+    for (columns, x) in a.chunks(AT_ONCE * y.len()).zip(x.chunks(AT_ONCE)) {
+        for (r, y) in y.chunks_exact_mut(LANES).enumerate() {
+            for (column, x) in columns.chunks_exact(columns.len() / x.len()).zip(x) {
+                let column = &column[LANES * r..LANES * (r + 1)];
+                for l in 0..LANES {
+                    y[l] += column[l] * x;
+                }
+            }
+        }
     }
 }
 

@@ -157,7 +157,7 @@ impl System {
     /// Changes forces to those with which bodies that share inertia are accelerated by their own.
     #[inline]
     pub(super) fn share_forces(&mut self) {
-        self.shared.iter_mut().for_each(|s| s.act(&mut self.bodies));
+        self.shared.iter_mut().for_each(|s| s.act(self.isa, &mut self.bodies));
     }
 
     /// Kinetic energy of what bodies have together, for velocities \[J\].
@@ -188,13 +188,13 @@ impl System {
     /// Lets the bodies of a list go, where forces are known but for what they share, at the full step.
     fn let_go(&mut self, shared: &mut Shared, last_step_s: f64) -> f64 {
         let half = 0.5 * last_step_s;
-        let Self { bodies, data, .. } = self;
+        let Self { bodies, data, isa, .. } = self;
         let alone = |shared: &Shared, bodies: &[BodyState]| -> f64 {
             shared.bodies().iter().map(|i| step::kinetic_j(&bodies[*i], &data[*i], half)).sum()
         };
         let plain: Vec<[V3; 2]> =
             shared.bodies().iter().map(|i| [bodies[*i].force, bodies[*i].torque]).collect();
-        shared.act(bodies);
+        shared.act(*isa, bodies);
         let at: Vec<[V3; 2]> =
             (0..bodies.len()).map(|i| step::velocities(&bodies[i], &data[i], half)).collect();
         let before = alone(shared, bodies) + shared.energy_j(bodies, |i| at[i]);
@@ -212,7 +212,13 @@ impl System {
 
     /// Finds out how much of their weight the spans of beams bear, after a step \[s\].
     pub fn weigh(&mut self, h_s: f64) {
-        self.weight.follow(&mut self.joints, &self.bodies, &self.data, self.gravity, h_s);
+        let Self { weight, joints, bodies, data, gravity, blocks, lanes, .. } = self;
+        weight.follow(joints, bodies, data, (*gravity, h_s), |i, joint| {
+            if joint.alive {
+                let [block, lane] = lanes[i];
+                blocks[block].bear(lane, joint);
+            }
+        });
     }
 
     /// Sets the strength of the curves of a joint to a share of that which its bushing gives.

@@ -31,14 +31,14 @@ impl Weight {
         }
     }
 
-    /// After a step of `h` \[s\].
+    /// After a step of `h` \[s\]; `tell` hears of the joints whose share has changed.
     pub fn follow(
         &mut self,
         joints: &mut [JointData],
         bodies: &[BodyState],
         data: &[BodyData],
-        gravity: V3,
-        h: f64,
+        (gravity, h): (V3, f64),
+        mut tell: impl FnMut(usize, &JointData),
     ) {
         let g2 = math::dot(gravity, gravity);
         if self.joints.is_empty() || g2 == 0.0 {
@@ -53,8 +53,10 @@ impl Weight {
         for i in &self.joints {
             let joint = &mut joints[*i];
             let falls = 0.5 * (self.bodies[joint.a].1 + self.bodies[joint.b].1);
-            if let Some(beam) = &mut joint.beam {
-                beam.borne = ((1.0 - falls) / (1.0 - HELD)).clamp(0.0, 1.0);
+            let Some(beam) = &mut joint.beam else { continue };
+            let borne = ((1.0 - falls) / (1.0 - HELD)).clamp(0.0, 1.0);
+            if borne != std::mem::replace(&mut beam.borne, borne) {
+                tell(*i, joint);
             }
         }
     }
