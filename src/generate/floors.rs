@@ -202,6 +202,7 @@ impl Line {
             latent: Some(self.section.clone()),
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,
+            shear_capacity_n: None,
             compressive_capacity_n: entry.compressive_capacity_n,
             compressive_hardening: Vec::new(),
             crushing_shortening_m: None,

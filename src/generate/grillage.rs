@@ -149,6 +149,7 @@ impl Grillage {
                 latent: None,
                 tensile_capacity_n: ends.squash_n,
                 tensile_elongation_m: ends.elongation_m,
+                shear_capacity_n: None,
                 compressive_capacity_n: ends.squash_n,
                 compressive_hardening: Vec::new(),
                 crushing_shortening_m: None,

@@ -361,6 +361,7 @@ pub fn hinges(
             latent: None,
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
+            shear_capacity_n: None,
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
             compressive_hardening: capacity(entry.tensile_elongation_m)
                 .map_or_else(Vec::new, |crushed_m| hardening(law, crushed_m)),

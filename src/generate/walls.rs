@@ -185,6 +185,7 @@ fn spring(
         latent: None,
         tensile_capacity_n: Some(squash_n),
         tensile_elongation_m: Some(law.critical_plastic_strain * half.mesh_m),
+        shear_capacity_n: None,
         compressive_capacity_n: Some(squash_n),
         compressive_hardening: Vec::new(),
         crushing_shortening_m: None,

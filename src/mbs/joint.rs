@@ -43,6 +43,9 @@ pub struct JointData {
     pub tensile_capacity: f64,
     /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
     tensile_elongation: f64,
+    /// `1/C²` of the shear forces along axes 1 and 2 at which it separates \[1/N²\], and the square of the share of that of the last evaluation.
+    pub(super) shear_ease: [f64; 2],
+    sheared2: f64,
     /// Plastic elongation so far, and shortening at the compressive capacity \[m\].
     elongated: f64,
     pressed: f64,
@@ -163,6 +166,8 @@ impl JointData {
             outward,
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
+            shear_ease: joint.shear_capacity_n.map_or([0.0; 2], |c| c.map(|c| 1.0 / (c * c))),
+            sheared2: 0.0,
             elongated: 0.0,
             pressed: 0.0,
             crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
@@ -227,9 +232,15 @@ impl JointData {
         self.pressed >= self.crushing_shortening
     }
 
+    /// Whether a shear force has separated the joint.
+    pub fn is_sheared_off(&self) -> bool {
+        self.sheared2 >= 1.0
+    }
+
     /// Whether it separates now.
     pub fn breaks(&self) -> bool {
-        self.alive && (self.hinge.fractured || self.is_pulled_apart() || self.is_crushed())
+        self.alive
+            && (self.hinge.fractured || self.is_pulled_apart() || self.is_crushed() || self.is_sheared_off())
     }
 
     /// Whether any axis has a curve.
@@ -303,7 +314,7 @@ impl JointData {
         (self.table[k] != NO_TABLE).then_some(self.table[k] as usize)
     }
 
-    /// Share of the capacity of the virgin joint that a force \[N\] and a moment \[N m\] along its axes take: the largest of bending, tension and compression.
+    /// Share of the capacity of the virgin joint that a force \[N\] and a moment \[N m\] along its axes take: the largest of bending, shear, tension and compression.
     pub fn share_used(&self, force: V3, moment: V3, tables: &[CapacityTable]) -> f64 {
         let axial = -self.outward * force[0];
         let mut bending = 0.0;
@@ -313,7 +324,13 @@ impl JointData {
                 bending += (moment[k + 1] / capacity).powi(2);
             }
         }
-        bending.sqrt().max(axial / self.compressive_capacity).max(-axial / self.tensile_capacity)
+        let shear2 = self.shear_used2(force);
+        bending.max(shear2).sqrt().max(axial / self.compressive_capacity).max(-axial / self.tensile_capacity)
+    }
+
+    /// Square of the share of the capacity that a force \[N\] along its axes takes in shear.
+    fn shear_used2(&self, force: V3) -> f64 {
+        force[1] * force[1] * self.shear_ease[0] + force[2] * force[2] * self.shear_ease[1]
     }
 
     /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.
@@ -349,6 +366,7 @@ impl JointData {
         self.crush_j += 0.5 * (old + self.axial_force) * shortened;
         let bent = self.bend_beam(theta, &mut gap, tables);
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
+        self.sheared2 = self.shear_used2(local);
         let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
         [local, moment]

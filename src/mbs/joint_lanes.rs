@@ -35,6 +35,7 @@ pub(super) struct JointBlock {
     drop: Lane,
     /// Where the joint is elastic.
     force: [Lane; 2],
+    shear_ease: [Lane; 2],
     ease: [Lane; 2],
     ends: [Lane; 2],
 }
@@ -92,6 +93,7 @@ impl JointBlock {
             load: [ZERO; 2],
             drop: ZERO,
             force: [[f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]],
+            shear_ease: [ZERO; 2],
             ease: [ZERO; 2],
             ends: [[f64::INFINITY; LANES]; 2],
         };
@@ -110,6 +112,7 @@ impl JointBlock {
                 block.bends_about_2[l] = u64::from(beam.axis == 2);
                 block.shear_lever[l] = beam.shear_lever_n(joint.translation);
             }
+            put(&mut block.shear_ease, l, joint.shear_ease);
             block.bear(l, joint);
             block.learn(l, joint, tables);
         }
@@ -179,11 +182,16 @@ impl JointBlock {
             let (middle, of_shear) = (middle - self.drop[l], self.shear_lever[l] * across);
             let ends = [middle - of_shear, middle + of_shear];
             let used = bent[0] * bent[0] * self.ease[0][l] + bent[1] * bent[1] * self.ease[1][l];
+            let sheared2 =
+                local[1] * local[1] * self.shear_ease[0][l] + local[2] * local[2] * self.shear_ease[1][l];
             let stretch = math::dot(local, [along, gap[1], gap[2]]);
             act.elastic[l] = 0.5 * (bent[0] * e[0] + bent[1] * e[1]) + 0.5 * (stretch + moment[0] * theta[0]);
             act.axial[l] = axial;
             let inside = (axial >= self.force[0][l]) & (axial < self.force[1][l]) & (used < WELL_INSIDE);
-            let inside = inside & (ends[0].abs() < self.ends[0][l]) & (ends[1].abs() < self.ends[1][l]);
+            let inside = inside
+                & (sheared2 < WELL_INSIDE)
+                & (ends[0].abs() < self.ends[0][l])
+                & (ends[1].abs() < self.ends[1][l]);
             act.sag[l] = sag;
             put(&mut act.ends, l, ends);
             act.plain[l] = u64::from(inside & (turn[0] > math::LOG_NEAR));
@@ -375,6 +383,7 @@ mod tests {
                 joint: None,
                 latent: None,
                 tensile_capacity_n: Some(2e5),
+                shear_capacity_n: Some([2e5, 3e5]),
                 compressive_capacity_n: Some(3e5),
                 compressive_hardening: Vec::new(),
                 crushing_shortening_m: None,

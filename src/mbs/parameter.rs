@@ -18,8 +18,7 @@ pub struct ParameterError {
 const LISTS: &str = "bodies, bushings, forces, events, contact, gravity_m_s2 or settings";
 const BODY: &str =
     "mass_factor (mass and inertia), mass_kg, position_m.K, velocity_m_s.K or angular_velocity_rad_s.K";
-const BUSHING: &str =
-    "strength_factor, stiffness_factor, tensile_capacity_n, tensile_elongation_m or compressive_capacity_n";
+const BUSHING: &str = "strength_factor, stiffness_factor, tensile_capacity_n, tensile_elongation_m, compressive_capacity_n or shear_capacity_n.K";
 const FORCE: &str =
     "strength_factor, stiffness_factor, damping_factor, length_m, fracture_rad, force_n.K or torque_nm.K";
 const CONTACT: &str = "ground.friction, ground.restitution, bodies.friction or bodies.restitution";
@@ -97,7 +96,7 @@ fn set(number: Option<&mut f64>, value: f64) -> Option<usize> {
     Some(1)
 }
 
-fn part<'a>(vector: &'a mut [f64; 3], place: &str) -> Option<&'a mut f64> {
+fn part<'a>(vector: &'a mut [f64], place: &str) -> Option<&'a mut f64> {
     vector.get_mut(place.parse::<usize>().ok()?)
 }
 
@@ -143,6 +142,9 @@ fn bushing(bushing: &mut Bushing, field: &[&str], value: f64) -> Option<usize> {
         }
         ["tensile_capacity_n"] => set(bushing.tensile_capacity_n.as_mut(), value),
         ["tensile_elongation_m"] => set(bushing.tensile_elongation_m.as_mut(), value),
+        ["shear_capacity_n", place] => {
+            bushing.shear_capacity_n.as_mut().and_then(|c| set(part(c, place), value))
+        }
         ["compressive_capacity_n"] => set(bushing.compressive_capacity_n.as_mut(), value),
         _ => None,
     }

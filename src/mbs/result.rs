@@ -220,4 +220,6 @@ pub enum FractureCause {
     Tension,
     /// It was shortened at its compressive capacity by as much as it bears.
     Compression,
+    /// The shear force passed the shear capacity.
+    Shear,
 }

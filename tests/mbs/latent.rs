@@ -5,7 +5,7 @@ use fallwerk::curve::{CapacityLevel, ResistanceCurve};
 use fallwerk::mbs::latent::Latent;
 use fallwerk::mbs::math;
 use fallwerk::mbs::model::*;
-use fallwerk::mbs::result::EventKind;
+use fallwerk::mbs::result::{EventKind, FractureCause};
 use fallwerk::mbs::system::System;
 use fallwerk::mbs::{RunResult, simulate};
 
@@ -122,6 +122,28 @@ fn a_falling_rod_breaks_at_a_third() {
     assert_eq!(live(&result)[0], "s10");
     // what parting adds is small beside what the vibration of the foot makes
     assert!(result.energy_error < 1.2 * whole.energy_error, "{} {}", result.energy_error, whole.energy_error);
+}
+
+/// A cantilever at rest bears the weight beyond a section in shear; it parts where that is more than the section bears, and is sheared off there.
+#[test]
+fn a_cantilever_is_sheared_off_beside_its_clamp() {
+    let cantilever = |share: f64| {
+        let mut m = rod(6, 1e9);
+        m.settings.preload = true;
+        let weight: f64 = m.bodies.iter().map(|b| b.mass_kg * G).sum();
+        m.bushings.iter_mut().for_each(|b| b.shear_capacity_n = Some([share * weight * 5.0 / 6.0; 2]));
+        m.bushings.push(joint("clamp", None, "p0", [0.0; 3], 1e9, 1e9, [elastic(1e9), elastic(1e9)]));
+        simulate(&m).unwrap()
+    };
+    assert_eq!(live(&cantilever(1.0 + 1e-6)), Vec::<&str>::new());
+    let result = cantilever(1.0 - 1e-6);
+    assert_eq!(live(&result), ["s1"]);
+    let sheared = result.events.iter().find_map(|e| match &e.kind {
+        EventKind::Fracture { joint, cause: FractureCause::Shear } => Some((joint.as_str(), e.time_s)),
+        _ => None,
+    });
+    let (joint, time_s) = sheared.expect("sheared off");
+    assert!(joint == "s1" && time_s < 1e-3, "{joint} {time_s}");
 }
 
 fn momenta(system: &System) -> [f64; 6] {

@@ -134,6 +134,35 @@ fn tension_separates_a_joint() {
     assert!(result.energy_error < 0.05, "{}", result.energy_error);
 }
 
+/// From rest a weight on a spring swings as `W (1 - cos ωt)`; across the axes of the joint it is an ellipse that says when it is sheared off. From then on it falls.
+#[test]
+fn shear_separates_a_joint() {
+    let mut m = model("shear", 0.2, 0.01);
+    m.bodies.push(solid("weight", [0.0; 3], [1.0; 3]));
+    let (mass, stiffness) = (m.bodies[0].mass_kg, 1e8);
+    let (sine, cosine) = 0.5_f64.sin_cos();
+    let weight = mass * G;
+    let capacity = [1.5 * weight, 1.2 * weight];
+    m.bushings.push(Bushing {
+        axes: [[0.0, 1.0, 0.0], [cosine, 0.0, -sine], [-sine, 0.0, -cosine]],
+        shear_capacity_n: Some(capacity),
+        ..joint("bracket", None, "weight", [0.0; 3], stiffness, 1e7, [elastic(1e7), elastic(1e7)])
+    });
+    m.settings.time_step_s = Some(2e-5);
+    let result = simulate(&m).unwrap();
+    let most = 1.0 / (sine / capacity[0]).hypot(cosine / capacity[1]);
+    let rate = (stiffness / mass).sqrt();
+    let time = (1.0 - most / weight).acos() / rate;
+    let [event] = &result.events[..] else { panic!("{:?}", result.events) };
+    assert!(matches!(event.kind, EventKind::Fracture { cause: FractureCause::Shear, .. }), "{event:?}");
+    assert!((event.time_s - time).abs() < 3e-5, "{} {time}", event.time_s);
+    let falls = 0.2 - time;
+    let fallen = most / stiffness + G / rate * (rate * time).sin() * falls + 0.5 * G * falls * falls;
+    let found = -result.frames.last().unwrap().position_m[0][2];
+    assert!((found / fallen - 1.0).abs() < 1e-3, "{found} {fallen}");
+    assert!(result.energy_error < 1e-3, "{}", result.energy_error);
+}
+
 /// A column that bears four fifths of what stands on it is pressed down by a fifth of gravity: `s = ½ (g - N/m) t²` until it is crushed.
 #[test]
 fn a_column_is_crushed_by_as_much_shortening_as_it_bears() {

@@ -58,6 +58,7 @@ pub fn joint(
         joint: None,
         latent: None,
         tensile_capacity_n: None,
+        shear_capacity_n: None,
         compressive_capacity_n: None,
         compressive_hardening: Vec::new(),
         crushing_shortening_m: None,

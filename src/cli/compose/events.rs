@@ -50,6 +50,9 @@ fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
         EventKind::Fracture { joint, cause: FractureCause::Compression } => {
             format!("hinge {joint} is crushed")
         }
+        EventKind::Fracture { joint, cause: FractureCause::Shear } => {
+            format!("hinge {joint} separates in shear")
+        }
         EventKind::Contact { a, b } => format!("{a} touches {}", surface(b)),
         EventKind::Live { joint, with: None } => format!("{joint} gives way: its body parts there"),
         EventKind::Live { joint, with: Some(cause) } => format!("{joint} becomes a hinge with {cause}"),

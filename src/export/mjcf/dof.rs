@@ -155,6 +155,9 @@ fn of_bushing(model: &Model, bushing: &Bushing, notes: &mut Notes) -> Vec<Dof> {
     if bushing.tensile_capacity_n.is_some() {
         notes.add(&bushing.id, "the tensile capacity is left out: it does not separate");
     }
+    if bushing.shear_capacity_n.is_some() {
+        notes.add(&bushing.id, "the shear capacity is left out: it does not separate");
+    }
     if bushing.compressive_capacity_n.is_some() {
         notes.add(&bushing.id, "the compressive capacity is left out: it does not crush");
     }

@@ -137,6 +137,15 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
         list.positive(&path, t);
         list.without_ideal(model, &path);
     }
+    if let Some(capacity) = joint.shear_capacity_n {
+        let path = format!("{path}.shear_capacity_n");
+        capacity.iter().enumerate().for_each(|(k, c)| list.positive(&format!("{path}.{k}"), *c));
+        list.without_ideal(model, &path);
+        list.require(joint.joint.is_none(), &path, || {
+            "needs the shear springs of the bushing, but a joint holds its point: leave out one of both"
+                .into()
+        });
+    }
     if let Some(t) = joint.tensile_elongation_m {
         list.not_negative(&format!("{path}.tensile_elongation_m"), t);
     }

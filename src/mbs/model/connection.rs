@@ -208,7 +208,7 @@ pub struct Bushing {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// The section that it is part of, if it is latent: its bodies then move as one until the forces that a bushing of this section would have to bear reach its resistance (bending of its curves,
-    /// tension, compression); those of a section give way together. It needs a body on both sides, all its stiffnesses, and a model without ideal joints and forces. `None`: it is live from the begin.
+    /// shear, tension, compression); those of a section give way together. It needs a body on both sides, all its stiffnesses, and a model without ideal joints and forces. `None`: it is live from the begin.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub latent: Option<String>,
     /// Tension \[N\] at which it separates; `None`: never.
@@ -218,6 +218,9 @@ pub struct Bushing {
     /// separates as soon as the capacity is reached.
     #[serde(default)]
     pub tensile_elongation_m: Option<f64>,
+    /// Shear forces \[N\] along axes 1 and 2 at which it separates, together as an ellipse: `(V_1/C_1)² + (V_2/C_2)² = 1`. Not on a joint that holds its point, nor in models with ideal joints and forces; `None`: never.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_capacity_n: Option<[f64; 2]>,
     /// Compression \[N\] at which the member crushes: the axial spring is elastic-perfectly plastic there;
     /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
     #[serde(default)]

@@ -319,6 +319,7 @@ fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> B
         latent: None,
         tensile_capacity_n: None,
         tensile_elongation_m: None,
+        shear_capacity_n: None,
         compressive_capacity_n: None,
         compressive_hardening: Vec::new(),
         crushing_shortening_m: None,
