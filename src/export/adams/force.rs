@@ -223,6 +223,9 @@ impl Writer<'_> {
             counts.torques += 1;
             self.torques(&bushing.id, counts.torques, [a, b], bushing.point_m, &bushing.axes, splines);
         }
+        if bushing.shear_capacity_n.is_some() {
+            self.notes.add(&bushing.id, "the shear capacity is left out: it does not separate");
+        }
         if bushing.tensile_capacity_n.is_some() {
             self.notes.add(&bushing.id, "the tensile capacity is left out: it does not separate");
         }
