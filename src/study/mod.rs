@@ -127,7 +127,7 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
             continue;
         }
         elements.iter().for_each(|e| in_end[*e] = true);
-        let turned = rotation::turned(run, &dead, end, contact);
+        let turned = rotation::turned(building, run, &dead, end, contact);
         zones.push(zone(building, run, &history, end, &elements).turned(turned));
     }
     let members = (0..building.members.len())

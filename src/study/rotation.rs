@@ -1,18 +1,25 @@
 //! How far a member has turned against what its end is joined to, out of the kept frames of a run.
 //!
-//! Both sides of the zone at the end move nearly as rigid bodies: the member from the middle of the zone on, and the parts around the end. The rotation of each is the one that brings the positions of its
+//! Both sides of the zone at the end move nearly as rigid bodies: the member from the middle of the zone on, and the joint behind the end. The rotation of each is the one that brings the positions of its
 //! nodes at the start nearest to those of a frame (Kabsch, Acta Cryst. A32 (1976) 922).
+//!
+//! The joint is what lies behind the end face within the section, and of that the floor if there is one: columns above and below a floor turn against it at ends of their own, and where they break and fall away, a
+//! rotation nearest to the positions of both would be one of neither.
 
 use super::{END_DEPTHS, EndZone, short};
 use crate::building::ends::MemberEnd;
+use crate::building::{Building, MemberKind};
+use crate::fe::mesh::Mesh;
 use crate::fe::result::FeRun;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeSet;
 
 /// Fewest nodes whose rotation is known.
 const FEWEST: usize = 4;
-/// Reach of the parts around an end, in section depths.
-const AROUND_DEPTHS: f64 = 1.5;
+/// Reach of the joint behind an end and to its sides, in section depths.
+const JOINT_DEPTHS: f64 = 0.5;
+/// Differences that are none between coordinates \[m\].
+const SAME_M: f64 = 1e-6;
 
 /// Largest rotations of an end \[rad\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +31,13 @@ pub struct Turned {
 }
 
 /// Largest rotations up to `until_s` and over the whole run; `None` without frames, or where too little is left of a side at the end of the run.
-pub fn turned(run: &FeRun, dead: &[bool], end: &MemberEnd, until_s: f64) -> Option<Turned> {
+pub fn turned(
+    building: &Building,
+    run: &FeRun,
+    dead: &[bool],
+    end: &MemberEnd,
+    until_s: f64,
+) -> Option<Turned> {
     let (mesh, first) = (&run.mesh, run.frames.first()?);
     let lives = |e: &usize| !dead[*e];
     let along = |e: usize| (mesh.center(e)[end.axis] - end.point_m[end.axis]) * end.outward;
@@ -32,12 +45,7 @@ pub fn turned(run: &FeRun, dead: &[bool], end: &MemberEnd, until_s: f64) -> Opti
     let own =
         (0..mesh.elements.len()).filter(|e| mesh.elements[*e].part == end.member && along(*e) >= 0.5 * zone);
     let own = nodes(run, own.filter(|e| along(*e) <= 2.0 * zone).filter(lives));
-    let near = |e: &usize| {
-        let center = mesh.center(*e);
-        (0..3).all(|i| (center[i] - end.point_m[i]).abs() <= AROUND_DEPTHS * end.depth_m)
-    };
-    let others = (0..mesh.elements.len()).filter(|e| mesh.elements[*e].part != end.member);
-    let around: Vec<usize> = others.filter(near).collect();
+    let around = joint(building, mesh, end);
     let is_held = around.is_empty();
     let around = nodes(run, around.into_iter().filter(lives));
     if own.len() < FEWEST || (!is_held && around.len() < FEWEST) {
@@ -50,8 +58,7 @@ pub fn turned(run: &FeRun, dead: &[bool], end: &MemberEnd, until_s: f64) -> Opti
             rotation(set.iter().map(|n| (point(first.nodes_m[*n]), point(frame.nodes_m[*n]))))
         };
         let against = if is_held { Matrix3::identity() } else { of(&around) };
-        let relative = of(&own) * against.transpose();
-        let angle = (0.5 * (relative.trace() - 1.0)).clamp(-1.0, 1.0).acos();
+        let angle = bending(&of(&own), &against, end.axis);
         turned.rad = turned.rad.max(angle);
         if run.times_s[frame.output] <= until_s {
             turned.until_rad = turned.until_rad.max(angle);
@@ -69,6 +76,40 @@ impl EndZone {
             ..self
         }
     }
+}
+
+/// The angle by which bending takes the axis of a member off that of its joint \[rad\]; twist about the axis, which no hinge describes, is left out.
+fn bending(member: &Matrix3<f64>, joint: &Matrix3<f64>, axis: usize) -> f64 {
+    let (member, joint) = (member.column(axis), joint.column(axis));
+    member.cross(&joint).norm().atan2(member.dot(&joint))
+}
+
+/// Elements of the joint behind an end; of a free end those of other members beside it; none if the end is held.
+fn joint(building: &Building, mesh: &Mesh, end: &MemberEnd) -> Vec<usize> {
+    let reach = JOINT_DEPTHS * end.depth_m + SAME_M;
+    let all = || 0..mesh.elements.len();
+    let behind = |at: [f64; 3]| (end.point_m[end.axis] - at[end.axis]) * end.outward;
+    let is_beside = |e: &usize| {
+        let center = mesh.center(*e);
+        (0..3).filter(|i| *i != end.axis).all(|i| (center[i] - end.point_m[i]).abs() <= reach)
+    };
+    let is_behind = |e: &usize| {
+        let nearest =
+            mesh.elements[*e].nodes.iter().map(|n| behind(mesh.nodes[*n])).fold(f64::INFINITY, f64::min);
+        let center = behind(mesh.center(*e));
+        center > 0.0 && (center <= reach || nearest <= SAME_M)
+    };
+    let mut near: Vec<usize> = all().filter(|e| is_beside(e) && is_behind(e)).collect();
+    if near.is_empty() {
+        let is_other = |e: &usize| mesh.elements[*e].part != end.member;
+        near =
+            all().filter(|e| is_other(e) && is_beside(e) && behind(mesh.center(*e)).abs() <= reach).collect();
+    }
+    let is_upright = |e: &usize| {
+        matches!(building.members[mesh.elements[*e].part].kind, MemberKind::Column | MemberKind::Wall)
+    };
+    let floor: Vec<usize> = near.iter().copied().filter(|e| !is_upright(e)).collect();
+    if floor.is_empty() { near } else { floor }
 }
 
 /// Nodes of elements.
@@ -92,7 +133,34 @@ pub(super) fn rotation(pairs: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::tree::Format;
+    use crate::building::partition::Partition;
+    use crate::building::{self, ends::member_ends};
     use nalgebra::Rotation3;
+
+    #[test]
+    fn twist_is_not_bending() {
+        let turn = |v: [f64; 3]| *Rotation3::from_scaled_axis(Vector3::from(v)).matrix();
+        let joint = turn([0.4, -0.3, 0.2]);
+        assert!(bending(&(joint * turn([0.7, 0.0, 0.0])), &joint, 0) < 1e-12);
+        let bent = joint * turn([0.0, 0.03, -0.04]) * turn([0.5, 0.0, 0.0]);
+        assert!((bending(&bent, &joint, 0) - 0.05).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_joint_of_a_beam_is_floor_and_no_column() {
+        let building = building::parse(building::EXAMPLE, Format::Toml, "example.toml").unwrap();
+        let (mesh, _) = Mesh::of(&building, building.settings.mesh_size_m);
+        for end in member_ends(&building, &Partition::of(&building)) {
+            let joint = joint(&building, &mesh, &end);
+            let is_base = end.axis == 2 && end.point_m[2] < 0.1;
+            assert_eq!(joint.is_empty(), is_base, "{}", end.id);
+            for e in joint {
+                let kind = building.members[mesh.elements[e].part].kind;
+                assert!(matches!(kind, MemberKind::Beam | MemberKind::Slab), "{}: {kind:?}", end.id);
+            }
+        }
+    }
 
     #[test]
     fn the_rotation_of_moved_points_is_found() {

@@ -155,7 +155,7 @@ fn a_break_keeps_the_momenta_and_books_the_energy() {
 fn wrong_lists_are_named() {
     type Change = fn(&mut SharedMass);
     let cases: [(Change, &str); 5] = [
-        (|s| s.bodies[1] = "c".into(), "shared_masses[0].bodies[1]: \"c\" is not a body"),
+        (|s| s.bodies[1] = "c".into(), "shared_masses[0].bodies[1]: \"c\" is not the id of a body"),
         (|s| s.bodies[1] = "a".into(), "\"a\" stands in a list already"),
         (|s| s.blocks[1].pair = [1, 0], "shared_masses[0].blocks[1].pair: is [1, 0]"),
         (|s| s.blocks[0].added[0][0] += 10.0, "changes the inertia of the bodies as one rigid body"),

@@ -12,6 +12,7 @@ const RIGID: f64 = 1e-6;
 
 pub(super) fn check(model: &Model, list: &mut List) {
     let bodies: BTreeMap<&str, &Body> = model.bodies.iter().map(|b| (b.id.as_str(), b)).collect();
+    let known = bodies.keys().copied().collect();
     let mut taken = BTreeSet::new();
     for (i, shared) in model.shared_masses.iter().enumerate() {
         let path = format!("shared_masses[{i}]");
@@ -19,7 +20,7 @@ pub(super) fn check(model: &Model, list: &mut List) {
         list.without_ideal(model, &path);
         for (k, id) in shared.bodies.iter().enumerate() {
             let at = format!("{path}.bodies[{k}]");
-            list.require(bodies.contains_key(id.as_str()), &at, || format!("\"{id}\" is not a body"));
+            list.known(&known, id, &at);
             list.require(taken.insert(id), &at, || {
                 format!("\"{id}\" stands in a list already: leave it out")
             });
