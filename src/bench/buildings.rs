@@ -23,13 +23,11 @@ const REST_M_S: f64 = 0.01;
 const SWING_SHARE: f64 = 0.1;
 /// Interval of outputs \[s\]: at 20 m/s a body moves by 100 mm in it.
 const INTERVAL_S: f64 = 0.005;
-/// Shortest interval \[s\] where corners move farther than that: it is as short as they ask for, less a tenth.
-const SHORTEST_S: f64 = 2e-4;
+/// Share of the time in which the fastest corner moves by the thickness of the thinnest solid that the interval has where that is shorter, and the shortest one \[s\].
 const INTERVAL_SHARE: f64 = 0.9;
+const SHORTEST_S: f64 = 2e-4;
 /// Simulated times after the last charge \[s\], one after the other until the building is at rest.
 const SETTLE_S: [f64; 5] = [6.0, 12.0, 24.0, 48.0, 96.0];
-/// Time at the end whose plastic rotations are told of a building that still moves \[s\].
-const LATELY_S: f64 = 1.0;
 
 /// How a run ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -154,13 +152,13 @@ fn model_of(scene: &Scene, rules: &RuleBase, store: &Mutex<&mut Store>) -> Resul
 fn settled(mut model: Model, scene: &Scene) -> Result<Settled, String> {
     let last_s = scene.blasts.iter().map(|b| b.time_s).fold(0.0, f64::max);
     model.settings.output_interval_s = INTERVAL_S;
+    let run = |model: &Model| {
+        let result = simulate_carefully(model).map_err(|e| e.to_string())?;
+        Ok::<_, String>(Settled::of(model, &result))
+    };
     let mut found = None;
     for settle_s in SETTLE_S {
         model.settings.end_time_s = last_s + settle_s;
-        let run = |model: &Model| {
-            let result = simulate_carefully(model).map_err(|e| e.to_string())?;
-            Ok::<_, String>(Settled::of(model, &result))
-        };
         let mut settled = run(&model)?;
         let passing = &settled.finished.passing;
         if !passing.is_seen() {
@@ -214,7 +212,7 @@ impl Settled {
             end,
             speed_m_s,
             end_s: result.times_s[last],
-            turns: turned_most(result),
+            turns: turned_most(result, before),
             bodies: model.bodies.len(),
             folds: model.bushings.iter().any(|b| b.latent.is_some()),
             deepest,
@@ -222,10 +220,9 @@ impl Settled {
     }
 }
 
-/// The hinge that turned most at the end, and by how much \[rad\]; none if none did.
-fn turned_most(result: &RunResult) -> Option<(String, f64)> {
+/// The hinge that turned most from an output to the last one, and by how much \[rad\]; none if none did.
+fn turned_most(result: &RunResult, from: usize) -> Option<(String, f64)> {
     let last = result.times_s.len() - 1;
-    let from = result.times_s.partition_point(|t| *t < result.times_s[last] - LATELY_S);
     let turned =
         result.hinges.iter().map(|h| (&h.joint, h.plastic_rotation_rad[last] - h.plastic_rotation_rad[from]));
     let most = turned.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, rad)| *rad > 0.0)?;

@@ -13,11 +13,10 @@
 //! Energy: as in [`super::hinge`], what the trapezoidal work leaves beside the change of elastic energy is `½ (M_old + M_new) Δα` at each end, exactly.
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
+use super::hinge::FAR_INSIDE;
 
 /// Relative accuracy of a return, in terms of the moment.
 const TOLERANCE: f64 = 1e-13;
-/// Share of the capacity up to which a bound for all axial forces is as good as a nearer one.
-const FAR_INSIDE: f64 = 0.75;
 /// Most repetitions of the returns of both ends.
 const SWEEPS: usize = 200;
 /// Most steps of the search for one return.
@@ -162,8 +161,9 @@ impl BeamEnds {
     /// end has broken, or nothing is known.
     pub fn elastic_range(&self, table: &CapacityTable, axial_force_n: f64) -> Option<([f64; 2], [f64; 2])> {
         let all = self.bounds(|end| table.anywhere(end.alpha_rad, &end.hint));
+        let used = |end: &BeamEnd, least: f64| (end.moment_nm / least).powi(2);
         let is_far_inside =
-            |least: [f64; 2]| (0..2).all(|i| self.ends[i].moment_nm.abs() < FAR_INSIDE * least[i]);
+            |least: [f64; 2]| self.ends.iter().zip(least).all(|(end, c)| used(end, c) < FAR_INSIDE);
         match all {
             Some((_, least)) if is_far_inside(least) => all,
             _ => self.bounds(|end| table.nearby(end.alpha_rad, axial_force_n, &end.hint)),

@@ -73,7 +73,7 @@ const RETURN_TOLERANCE: f64 = 1e-13;
 /// Square of the share of the capacity up to which a bound of the capacity settles that the moment is inside.
 pub const WELL_INSIDE: f64 = 1.0 - 1e-9;
 /// The same up to which a bound for all axial forces is as good as a nearer one.
-const FAR_INSIDE: f64 = 0.6;
+pub(super) const FAR_INSIDE: f64 = 0.6;
 /// Smallest capacity, relative to the peak: keeps the ratio `M/C` finite at the end of softening.
 const CAPACITY_FLOOR: f64 = 1e-9;
 

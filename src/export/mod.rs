@@ -19,7 +19,7 @@ pub mod mjcf;
 mod number;
 
 use crate::mbs::Model;
-use crate::mbs::model::{Bending, Event, Force};
+use crate::mbs::model::{Bending, Bushing, Event, Force};
 use std::collections::BTreeSet;
 
 /// What both exports say of a member that bends between two bushings.
@@ -67,6 +67,22 @@ struct Notes(Vec<Note>);
 impl Notes {
     fn add(&mut self, id: &str, text: impl Into<String>) {
         self.0.push(Note { id: id.into(), text: text.into() });
+    }
+
+    /// What of a bushing neither program has.
+    fn add_of_bushing(&mut self, bushing: &Bushing) {
+        let left_out = [
+            (bushing.tensile_capacity_n.is_some(), "the tensile capacity is left out: it does not separate"),
+            (bushing.shear_capacity_n.is_some(), "the shear capacity is left out: it does not separate"),
+            (
+                bushing.compressive_capacity_n.is_some(),
+                "the compressive capacity is left out: it does not crush",
+            ),
+            (bushing.carry_over.is_some(), NOTHING_CARRIED_OVER),
+        ];
+        for (_, text) in left_out.into_iter().filter(|(is_there, _)| *is_there) {
+            self.add(&bushing.id, text);
+        }
     }
 }
 

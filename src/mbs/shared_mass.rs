@@ -137,9 +137,9 @@ impl Shared {
     }
 
     fn transfer_of(&mut self, isa: Isa, states: &[BodyState], of: impl Fn(usize) -> [V3; 2]) {
+        self.turn(states);
         for (k, i) in self.bodies.iter().enumerate() {
-            let [x, y, z] = self.axes_of(k, &states[*i]);
-            self.turned[k] = [x, y, z];
+            let [x, y, z] = self.turned[k];
             let ([force, torque], skew) = (of(*i), self.skew[k]);
             let about_z = math::dot(torque, z);
             self.own[3 * k] = math::dot(force, z);
@@ -149,9 +149,11 @@ impl Shared {
         product(isa, &self.transfer, self.own.as_slice(), self.more.as_mut_slice());
     }
 
-    /// The axes of a body.
-    fn axes_of(&self, k: usize, body: &BodyState) -> M3 {
-        math::transpose(&math::matmul(&body.r, &self.axes[k]))
+    /// Finds the axes of all bodies.
+    fn turn(&mut self, states: &[BodyState]) {
+        for ((turned, axes), i) in self.turned.iter_mut().zip(&self.axes).zip(&self.bodies) {
+            *turned = math::transpose(&math::matmul(&states[*i].r, axes));
+        }
     }
 
     /// Cosine of the lean of a body.
@@ -173,9 +175,9 @@ impl Shared {
     }
 
     fn read(&mut self, states: &[BodyState], velocity: impl Fn(usize) -> [V3; 2]) {
+        self.turn(states);
         for (k, i) in self.bodies.iter().enumerate() {
-            let [x, y, z] = self.axes_of(k, &states[*i]);
-            self.turned[k] = [x, y, z];
+            let [x, y, z] = self.turned[k];
             let [v, w] = velocity(*i);
             self.own[3 * k] = math::dot(v, z);
             self.own[3 * k + 1] = math::dot(w, x);

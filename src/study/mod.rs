@@ -38,7 +38,7 @@ pub struct EndZone {
     pub eroded: f64,
     /// Time at which a whole layer of the member had eroded \[s\].
     pub fracture_s: Option<f64>,
-    /// Largest rotation of the member against what the end is joined to up to the first contact \[rad\]; `None`: too little is left of it at the end of the run.
+    /// Largest angle by which bending takes the member off the joint behind the end up to the first contact \[rad\]; `None`: too little is left of it at the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotation_before_contact_rad: Option<f64>,
     /// The same over the whole run \[rad\].

@@ -6,9 +6,9 @@
 use super::Writer;
 use super::joint::frame_with_z;
 use super::statement::number;
+use crate::export::BEAM_STAYS_ELASTIC;
 use crate::export::backbone::{of_curve, of_hinge};
 use crate::export::number::{list, plain};
-use crate::export::{BEAM_STAYS_ELASTIC, NOTHING_CARRIED_OVER};
 use crate::mbs::math::{M3, norm, sub};
 use crate::mbs::model::{Bending, Bushing, Force};
 
@@ -223,18 +223,7 @@ impl Writer<'_> {
             counts.torques += 1;
             self.torques(&bushing.id, counts.torques, [a, b], bushing.point_m, &bushing.axes, splines);
         }
-        if bushing.shear_capacity_n.is_some() {
-            self.notes.add(&bushing.id, "the shear capacity is left out: it does not separate");
-        }
-        if bushing.tensile_capacity_n.is_some() {
-            self.notes.add(&bushing.id, "the tensile capacity is left out: it does not separate");
-        }
-        if bushing.compressive_capacity_n.is_some() {
-            self.notes.add(&bushing.id, "the compressive capacity is left out: it does not crush");
-        }
-        if bushing.carry_over.is_some() {
-            self.notes.add(&bushing.id, NOTHING_CARRIED_OVER);
-        }
+        self.notes.add_of_bushing(bushing);
     }
 }
 

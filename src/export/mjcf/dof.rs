@@ -2,7 +2,7 @@
 
 use super::tree::{Edge, Via, parallel};
 use crate::export::backbone::{of_curve, of_hinge, peak_nm};
-use crate::export::{BEAM_STAYS_ELASTIC, NOTHING_CARRIED_OVER, Notes, number::plain};
+use crate::export::{BEAM_STAYS_ELASTIC, Notes, number::plain};
 use crate::mbs::math::V3;
 use crate::mbs::model::{Bending, Bushing, Force, Joint, JointKind, Model};
 
@@ -152,17 +152,6 @@ fn of_bushing(model: &Model, bushing: &Bushing, notes: &mut Notes) -> Vec<Dof> {
         dof("torsion", Kind::Hinge, 0, bushing.torsional_stiffness_nm_rad),
         bend(1, "bending-2"),
     ]);
-    if bushing.tensile_capacity_n.is_some() {
-        notes.add(&bushing.id, "the tensile capacity is left out: it does not separate");
-    }
-    if bushing.shear_capacity_n.is_some() {
-        notes.add(&bushing.id, "the shear capacity is left out: it does not separate");
-    }
-    if bushing.compressive_capacity_n.is_some() {
-        notes.add(&bushing.id, "the compressive capacity is left out: it does not crush");
-    }
-    if bushing.carry_over.is_some() {
-        notes.add(&bushing.id, NOTHING_CARRIED_OVER);
-    }
+    notes.add_of_bushing(bushing);
     list
 }

@@ -44,11 +44,14 @@ impl Run<'_> {
                 parted.push([joint.a, joint.b]);
                 let broken = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
-                let cause = match () {
-                    () if joint.hinge.fractured => FractureCause::Rotation,
-                    () if joint.is_crushed() => FractureCause::Compression,
-                    () if joint.is_sheared_off() => FractureCause::Shear,
-                    () => FractureCause::Tension,
+                let cause = if joint.hinge.fractured {
+                    FractureCause::Rotation
+                } else if joint.is_crushed() {
+                    FractureCause::Compression
+                } else if joint.is_sheared_off() {
+                    FractureCause::Shear
+                } else {
+                    FractureCause::Tension
                 };
                 let bushing = &self.model.bushings[i];
                 let name = bushing.hinges().get(broken).map_or(bushing.id.as_str(), |name| name).to_string();
