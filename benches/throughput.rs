@@ -94,6 +94,7 @@ fn mbs_frame(storeys: usize) -> f64 {
             ..Contact::default()
         },
         events: Vec::new(),
+        event_rules: Vec::new(),
         tracked: Vec::new(),
         settings: RunSettings {
             end_time_s: 2.0,

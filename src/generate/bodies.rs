@@ -69,8 +69,8 @@ impl Bodies {
         self.list.push(body);
     }
 
-    /// Enters the pieces of a floor; the number of bodies before.
-    pub fn add_floor(&mut self, members: &[usize], pieces: Vec<Piece>, bodies: Vec<Body>) -> usize {
+    /// Enters the pieces of a floor, or of a column; the number of bodies before.
+    pub fn add_pieces(&mut self, members: &[usize], pieces: Vec<Piece>, bodies: Vec<Body>) -> usize {
         let first = self.list.len();
         members.iter().for_each(|m| self.owner[*m] = Some(first));
         self.list.extend(bodies);

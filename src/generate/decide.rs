@@ -2,12 +2,13 @@
 
 use super::analyst::{ANALYST, Answers};
 use super::known::Known;
+use super::sections::Sections;
 use super::{Accuracy, GenerateError, is_column};
 use crate::building::Building;
 use crate::building::ends::{self, MemberEnd};
 use crate::graph::{Connection, End};
 use crate::mbs::Model;
-use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, Trace};
+use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, Trace, Value};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -88,6 +89,8 @@ pub struct Decision {
     pub elastic: BTreeSet<String>,
     /// Beam ends at which floors may fold, with the ids of the rules that say so.
     pub latent: BTreeMap<String, Vec<String>>,
+    /// Columns that may break between their ends once something has happened to them.
+    sections: BTreeMap<usize, Sections>,
     /// Column ends that do not turn in their joints, by member.
     rigid: BTreeSet<(usize, End)>,
     /// What the rules said, by subject.
@@ -144,7 +147,66 @@ impl Decision {
                 None => gaps.push(end.id.clone()),
             }
         }
+        for (index, subject) in known.members.iter().enumerate().filter(|(i, _)| is_column(building, *i)) {
+            this.divide(rules, index, &wished(subject))?;
+        }
         if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
+    }
+
+    /// Asks the rules where a column may break between its ends after the first contact. Only one with hinges at its ends can: what it bears is known from there.
+    fn divide(&mut self, rules: &RuleBase, member: usize, subject: &Subject) -> Result<(), GenerateError> {
+        let is_charged = subject.features.get("member.charged") == Some(&Value::Flag(true));
+        let hinged = ["bottom", "top"].iter().all(|end| {
+            let id = format!("{}.{end}", subject.id);
+            self.hinges.contains_key(&id) && !self.elastic.contains(&id)
+        });
+        if is_charged || !hinged {
+            return Ok(());
+        }
+        let later = Subject { id: format!("{} after contact", subject.id), ..subject.clone() }
+            .with("collapse.phase", "after_contact");
+        let trace = rules.trace(&later)?;
+        let Some(firing) = trace.decision(Aspect::Body).filter(|f| f.action == Action::Subdivide) else {
+            return Ok(());
+        };
+        let number = |name: &str| match firing.parameters.get(name) {
+            Some(Value::Number(value)) => Some(*value),
+            _ => None,
+        };
+        let longest =
+            number("least_length_m").zip(subject.number("member.length")).map(|(least, all)| all / least);
+        let pieces = number("pieces").unwrap_or(2.0).min(longest.unwrap_or(f64::INFINITY)) as usize;
+        let sections = Sections::of(&subject.id, pieces.max(1));
+        let mut traces = Vec::new();
+        for section in sections.subjects(&later) {
+            let mut trace = rules.trace(&section)?;
+            if trace.decision(Aspect::Rotation).map(|f| f.action) != Some(Action::LatentHinge) {
+                return Ok(());
+            }
+            // the section is there because its member is divided
+            trace.firings.insert(0, firing.clone());
+            traces.push((section.id, trace));
+        }
+        if !traces.is_empty() {
+            self.traces.extend(traces);
+            self.sections.insert(member, sections);
+        }
+        Ok(())
+    }
+
+    /// Columns that may break between their ends, by member.
+    pub fn sections(&self) -> impl Iterator<Item = (usize, &Sections)> {
+        self.sections.iter().map(|(member, sections)| (*member, sections))
+    }
+
+    /// The sections of a member.
+    pub fn sections_of(&self, member: usize) -> Option<&Sections> {
+        self.sections.get(&member)
+    }
+
+    /// The rules that decided about a subject, or the analyst.
+    pub fn rules_about(&self, id: &str) -> Vec<String> {
+        self.fired(id)
     }
 
     /// Asks the analyst and the rules about a subject; the answer to one question.

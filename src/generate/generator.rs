@@ -8,8 +8,8 @@ use super::floors::Line;
 use super::joints::{self, Query};
 use super::known::Known;
 use super::{
-    Accuracy, Division, GenerateError, Generated, Parts, Wishes, bending_floors, contact, events, tracked,
-    walls,
+    Accuracy, Division, GenerateError, Generated, Parts, Wishes, bending_floors, contact, event_rules,
+    events, sections, tracked, walls,
 };
 use crate::base::hash::ContentHash;
 use crate::building::ends::{MemberEnd, member_ends};
@@ -218,6 +218,9 @@ impl<'a> Generator<'a> {
         joints::without_joint(&place, &hinged, &mut hinges, &mut curves);
         joints::carry_over(&place, &hinged, &mut hinges);
         curves.extend(wall_curves);
+        let sections = sections::hinges(building, structure, &bodies, &decision, (&hinges, &mut curves));
+        let event_rules = event_rules::of(building, rules, &decision, (&bodies, &sections))?;
+        hinges.extend(sections);
         let mut contact = contact(building);
         let mut yielding = YieldingEnds::new(&around.planes, ends);
         let shared_masses =
@@ -242,6 +245,7 @@ impl<'a> Generator<'a> {
             forces: Vec::new(),
             contact,
             events: events(building, &bodies),
+            event_rules,
             tracked: tracked(building, partition, &bodies),
             settings: settings(building),
             bodies: bodies.list,

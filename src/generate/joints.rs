@@ -461,7 +461,9 @@ pub fn carry_over(place: &Place, ends: &[&MemberEnd], hinges: &mut [Bushing]) {
     for i in 0..hinges.len() {
         let Some(end) = ends.get(hinges[i].id.as_str()) else { continue };
         let Some(other) = first.insert(end.member, i) else { continue };
-        if hinges[other].body_b != hinges[i].body_b {
+        let own = place.bodies.all_of(end.member);
+        let is_own = |h: &Bushing| own.iter().any(|b| place.bodies.list[*b].id == h.body_b);
+        if ![other, i].iter().all(|k| is_own(&hinges[*k])) {
             continue;
         }
         let half = HalfPrism::of(place.building, end);

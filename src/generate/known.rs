@@ -9,7 +9,7 @@ use super::nearest::Nearest;
 use super::stretch::stretches;
 use crate::building::ends::{End, MemberEnd, member_ends};
 use crate::building::partition::Partition;
-use crate::building::{Building, Member, MemberKind, Preparation};
+use crate::building::{Building, Member, MemberKind, Obstacle, Preparation};
 use crate::graph::demand::StateSummary;
 use crate::graph::{Demands, EndDemand, EndState, Structure, demands};
 use crate::rules::{Subject, SubjectKind, Value};
@@ -177,6 +177,7 @@ impl<'a> Site<'a> {
         let is_floor = matches!(member.kind, MemberKind::Slab | MemberKind::Beam);
         let stretch = self.stretch_m.get(&member.storey).filter(|_| is_floor);
         let slenderness = stretch.zip(self.depth_m.get(&member.storey)).map(|(long, deep)| long / deep);
+        let fall_m = member.solid.min[2] - self.building.ground.level_m;
         let subject =
             self.common.iter().fold(Subject::new(SubjectKind::Member, id), |subject, (name, value)| {
                 subject.with(name, value.clone())
@@ -187,7 +188,9 @@ impl<'a> Site<'a> {
             .with("member.weakened", self.weakened.contains(id))
             .with("member.length", length)
             .with("member.slenderness", length / least)
-            .with("member.fall_height", member.solid.min[2] - self.building.ground.level_m)
+            .with("member.fall_height", fall_m)
+            .with("member.impact_speed", (2.0 * self.building.settings.gravity_m_s2 * fall_m.max(0.0)).sqrt())
+            .with_known("member.obstacle_distance", self.obstacle_distance(member))
             .with_known("member.storey", member.storey.map(f64::from))
             .with_known("member.storey_share", share)
             .with_known("member.axial_ratio", before)
@@ -195,6 +198,16 @@ impl<'a> Site<'a> {
             .with_known("member.charge_distance", self.charge_distance([centre[0], centre[1]]))
             .with_known("member.span_over_depth", depth_ratio(member, length))
             .with_known("floor.slenderness", slenderness)
+    }
+
+    /// Distance in plan of a member to the nearest obstacle, over the height of its top above the ground.
+    fn obstacle_distance(&self, member: &Member) -> Option<f64> {
+        let top_m = member.solid.max[2] - self.building.ground.level_m;
+        let gap = |o: &Obstacle, i: usize| {
+            (o.solid.min[i] - member.solid.max[i]).max(member.solid.min[i] - o.solid.max[i]).max(0.0)
+        };
+        let distances = self.building.obstacles.iter().map(|o| gap(o, 0).hypot(gap(o, 1)));
+        distances.reduce(f64::min).filter(|_| top_m > 0.0).map(|distance| distance / top_m)
     }
 
     /// Distance in plan to the nearest column that a charge takes away, in longest spans.

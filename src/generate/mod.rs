@@ -11,6 +11,7 @@ pub mod bodies;
 mod cells;
 mod decide;
 mod doubts;
+mod event_rules;
 mod floor_mass;
 mod floors;
 mod generator;
@@ -18,6 +19,7 @@ mod grillage;
 mod joints;
 pub mod known;
 mod nearest;
+mod sections;
 mod stretch;
 mod walls;
 mod wish;
@@ -125,6 +127,9 @@ pub enum GenerateError {
     /// A column ends in the air.
     #[error("member end {0} touches nothing")]
     Loose(String),
+    /// A rule about events compares what is not known before them.
+    #[error(transparent)]
+    Event(#[from] crate::rules::residual::Unbound),
     /// A submodel failed.
     #[error(transparent)]
     Derive(#[from] DeriveError),
@@ -212,7 +217,17 @@ impl Parts<'_> {
             let rules = decision.rules_of(building, cluster);
             let name = bodies::name(building, cluster);
             let Some(floor) = self.division(cluster, &name, without, &mut notes)? else {
-                bodies.add(cluster, bodies::body(building, structure, cluster, rules));
+                let column = if let [column] = cluster[..] { Some(column) } else { None };
+                match column.and_then(|c| Some((c, decision.sections_of(c)?))) {
+                    Some((column, sections)) => {
+                        let pieces = sections.cut(building, structure, column);
+                        let id = |p: &Piece| format!("{name}/{}", p.cell[0] + 1);
+                        let own = pieces.iter().map(|p| p.body(building, structure, id(p), rules.clone()));
+                        let own = own.collect();
+                        bodies.add_pieces(cluster, pieces, own);
+                    }
+                    None => bodies.add(cluster, bodies::body(building, structure, cluster, rules)),
+                }
                 continue;
             };
             let cells = match &floor {
@@ -222,7 +237,7 @@ impl Parts<'_> {
             let whole = cells.members.len() == cluster.len();
             let pieces = if whole { cells } else { cells.with(cluster) }.pieces(structure);
             let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
-            let first = bodies.add_floor(cluster, pieces.clone(), own.collect());
+            let first = bodies.add_pieces(cluster, pieces.clone(), own.collect());
             if matches!(floor, Floor::Bends(_)) {
                 bodies.bends(first, pieces.len());
             }

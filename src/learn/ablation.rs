@@ -22,6 +22,10 @@ const SETS: &[(&str, &[Overruling])] = &[
         ],
     ),
     (
+        "nothing changes after contact",
+        &[["columns-whole", "member", "member.kind == 'column'", "rigid_body", ""]],
+    ),
+    (
         "all floors rigid",
         &[[
             "floors-rigid",
@@ -43,7 +47,7 @@ const SETS: &[(&str, &[Overruling])] = &[
     ),
 ];
 
-/// The seed rules alone, the rules given, and these with hinges everywhere, hinges nowhere, rigid floors, floors that bend; by name.
+/// The seed rules alone, the rules given, and these with hinges everywhere, hinges nowhere, columns that stay whole whatever happens, rigid floors, floors that bend; by name.
 ///
 /// # Errors
 /// If the rules given have ids or priorities that leave no room for those of the sets.

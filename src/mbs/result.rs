@@ -203,6 +203,20 @@ pub enum EventKind {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         with: Option<String>,
     },
+    /// A rule about contacts or fractures has latent bushings watched.
+    Rule {
+        /// Id of the rule in the model.
+        rule: String,
+        /// The body that it happened to.
+        body: String,
+        /// What it met, or the bushing that broke.
+        with: String,
+        /// How fast they approached each other, if they met \[m/s\].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        approach_speed_m_s: Option<f64>,
+        /// The latent bushings that may give way from now on.
+        watched: Vec<String>,
+    },
     /// Bodies vanish.
     Removal {
         /// Id of the event in the model.

@@ -208,6 +208,7 @@ pub const CATALOGUE: &[Feature] = &[
     ),
     flag("member.charged", PARTS, "a charge removes the member or a stretch of it"),
     number("member.fall_height", "m", PARTS, "height of its underside above the ground"),
+    number("member.impact_speed", "m/s", PARTS, "speed of a free fall from there to the ground"),
     names(
         "member.kind",
         MEMBER_KINDS,
@@ -215,6 +216,12 @@ pub const CATALOGUE: &[Feature] = &[
         "kind of the member (of the member that was struck or broke, for an event)",
     ),
     number("member.length", "m", PARTS, "clear length along the axis; the longer side of a plate"),
+    number(
+        "member.obstacle_distance",
+        "1",
+        PARTS,
+        "distance in plan to the nearest obstacle over the height of its top above the ground: what topples reaches it up to 1; unknown without obstacles",
+    ),
     number("member.slenderness", "1", PARTS, "clear length over least width of the section"),
     number("member.span_over_depth", "1", PARTS, "of a beam: clear length over depth"),
     number("member.storey", "1", PARTS, "storey, counted from 1 below"),

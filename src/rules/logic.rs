@@ -154,16 +154,31 @@ fn interval_left(bounds: &[(u8, f64)]) -> bool {
     let mut tries = vec![f64::NEG_INFINITY, f64::INFINITY];
     tries.extend(values.windows(2).map(|w| 0.5 * w[0] + 0.5 * w[1]));
     tries.extend(&values);
-    let order = |x: f64, v: f64| {
-        if x < v {
-            LESS
-        } else if x > v {
-            GREATER
-        } else {
-            EQUAL
-        }
-    };
-    tries.into_iter().any(|x| bounds.iter().all(|(mask, v)| mask & order(x, *v) != 0))
+    tries.into_iter().any(|x| bounds.iter().all(|(mask, v)| Atom::admits(*mask, x, *v)))
+}
+
+impl Atom {
+    /// Whether one of the orders of a mask is that of two numbers.
+    pub fn admits(orders: u8, a: f64, b: f64) -> bool {
+        orders & order_of(a, b) != 0
+    }
+
+    /// The least and the most number that has one of the orders of a mask against a value.
+    pub fn range(orders: u8, value: f64) -> [f64; 2] {
+        let [below, above] = [orders & LESS != 0, orders & GREATER != 0];
+        [if below { f64::NEG_INFINITY } else { value }, if above { f64::INFINITY } else { value }]
+    }
+}
+
+/// How a number stands to another one.
+fn order_of(x: f64, v: f64) -> u8 {
+    if x < v {
+        LESS
+    } else if x > v {
+        GREATER
+    } else {
+        EQUAL
+    }
 }
 
 impl fmt::Display for Atom {

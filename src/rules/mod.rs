@@ -10,6 +10,7 @@
 //! | `rule`, `file` | one rule; reading rule files |
 //! | `logic`, [`check`] | which conditions can hold together; conflicts and gaps |
 //! | [`engine`] | the rule base and its evaluation |
+//! | [`residual`] | what is left of rules while some features are not known yet |
 //! | [`diff`] | what changed between two rule bases |
 //! | [`problem`] | messages with a place |
 
@@ -22,6 +23,7 @@ pub mod features;
 mod file;
 mod logic;
 pub mod problem;
+pub mod residual;
 mod rule;
 mod typing;
 mod value;

@@ -54,8 +54,8 @@ fn generation_is_timed_stage_by_stage() {
     assert_eq!(frame([13, 8]).unwrap().members.len(), 4488);
     let rows = measure(110, &rules, &mut store, &|_| ()).unwrap();
     assert_eq!(rows.iter().map(|r| r.members).collect::<Vec<_>>(), [27, 110]);
-    // a body for each column and each piece of a floor, a hinge for each end of a column and a spring between pieces
-    assert_eq!(rows[0].parts, [12 + 3 * 4, 24 + 3 * 4]);
+    // a body for each charged column, two for each other one and one for each piece of a floor; a hinge for each end of a column, a spring between pieces, a section in each column
+    assert_eq!(rows[0].parts, [2 + 10 * 2 + 3 * 4, 24 + 3 * 4 + 10]);
     assert!(rows.iter().all(|r| r.total_s() > 0.0 && r.stages.iter().all(|(_, s)| *s >= 0.0)));
     let table = markdown(&rows);
     assert!(table.contains("\n| stage [s] | 27 | 110 | exponent |") && table.contains("| keys |"), "{table}");

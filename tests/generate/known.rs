@@ -1,8 +1,11 @@
 //! Features of members and member ends before any run.
 
 use super::reference;
+use fallwerk::base::tree::Format;
+use fallwerk::building::parse;
 use fallwerk::generate::known::Known;
 use fallwerk::rules::{Subject, Value};
+use std::path::Path;
 
 fn end<'a>(known: &'a Known, id: &str) -> &'a Subject {
     known.ends.iter().find(|s| s.id == id).unwrap()
@@ -51,4 +54,23 @@ fn without_a_charge_nothing_is_known_of_the_distance_to_one() {
     assert_eq!(top.number("member.axial_ratio_after"), None);
     assert_eq!(top.features["end.over_charge"], Value::Flag(false));
     assert!(top.number("building.demand_ratio").is_some_and(|ratio| ratio < 1.0));
+}
+
+#[test]
+fn what_may_topple_onto_an_obstacle_is_known() {
+    let known = Known::of_building(&reference(|t| t));
+    assert_eq!(end(&known, "C1-A1.top").number("member.obstacle_distance"), None, "there is none");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("buildings/three-storey-frame-wall.toml");
+    let building = parse(&std::fs::read_to_string(path).unwrap(), Format::Toml, "wall").unwrap();
+    let known = Known::of_building(&building);
+    let number = |id: &str, name: &str| end(&known, id).number(name).unwrap();
+    // the wall begins 2 m in front of the front face; tops of the columns are where the slabs above begin
+    for (id, gap_m) in [("C1-A1.top", 2.0), ("C1-A2.top", 2.0 + 5.0), ("C3-A1.top", 2.0)] {
+        let member = building.members.iter().find(|m| id.starts_with(&m.id)).unwrap();
+        let ratio = gap_m / member.solid.max[2];
+        assert!((number(id, "member.obstacle_distance") - ratio).abs() < 1e-9, "{id}");
+    }
+    let fall_m = number("C3-A1.top", "member.fall_height");
+    let speed = number("C3-A1.top", "member.impact_speed");
+    assert!(fall_m > 6.0 && (speed * speed - 2.0 * 9.81 * fall_m).abs() < 1e-9, "{speed}");
 }

@@ -11,7 +11,7 @@ const MASS_KG: f64 = 1000.0;
 const BENDING_N_M2: f64 = 1e6;
 
 /// Uniform beam in two halves along x that nothing holds, and a block on a stiff spring that sets the step.
-fn halves() -> Model {
+pub(super) fn halves() -> Model {
     let mut m = model("halves", 0.4, 2.5e-4);
     m.gravity_m_s2 = [0.0; 3];
     for (id, x) in [("a", 0.25 * LENGTH_M), ("b", 0.75 * LENGTH_M)] {
@@ -41,7 +41,7 @@ fn halves() -> Model {
 }
 
 /// Cubic shape functions less rigid halves, for displacement and slope of both ends, transformed to the centres of the halves: v + ω_y l/4, -ω_y at one end, v - ω_y l/4, -ω_y at the other.
-fn shared() -> SharedMass {
+pub(super) fn shared() -> SharedMass {
     let l = LENGTH_M;
     let consistent = [
         [156.0, 22.0 * l, 54.0, -13.0 * l],

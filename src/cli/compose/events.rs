@@ -56,6 +56,9 @@ fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
         EventKind::Contact { a, b } => format!("{a} touches {}", surface(b)),
         EventKind::Live { joint, with: None } => format!("{joint} gives way: its body parts there"),
         EventKind::Live { joint, with: Some(cause) } => format!("{joint} becomes a hinge with {cause}"),
+        EventKind::Rule { rule, body, with, watched, .. } => {
+            format!("{body}: rule {rule} has {} watched ({})", watched.join(", "), surface(with))
+        }
         EventKind::Removal { event } => format!("charge {event} removes its bodies"),
     };
     let event = |e: &crate::mbs::result::RunEvent| TimedEvent {

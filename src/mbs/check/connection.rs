@@ -1,6 +1,7 @@
 //! Checks of joints, bushings and forces.
 
 use super::{List, ORTHONORMAL_TOLERANCE, closest, orthonormality_error};
+use crate::mbs::latent::held_together;
 use crate::mbs::math;
 use crate::mbs::model::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Model};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,6 +15,8 @@ struct Members<'a> {
     by_id: BTreeMap<&'a str, &'a Bushing>,
     /// Places of the bushings that name one as the other end of their member.
     named: BTreeMap<&'a str, Vec<usize>>,
+    /// Bodies that latent bushings hold together have the same number.
+    held: BTreeMap<&'a str, usize>,
 }
 
 impl<'a> Members<'a> {
@@ -27,7 +30,17 @@ impl<'a> Members<'a> {
         let ids = model.bushings.iter().map(|b| b.id.as_str()).collect();
         // of equal ids, which are a mistake of their own, the first one counts
         let by_id = model.bushings.iter().rev().map(|b| (b.id.as_str(), b)).collect();
-        Self { ids, by_id, named }
+        let latent: Vec<bool> = model.bushings.iter().map(|b| b.latent.is_some()).collect();
+        let held = match latent.contains(&true) {
+            true => model.bodies.iter().map(|b| b.id.as_str()).zip(held_together(model, &latent)).collect(),
+            false => BTreeMap::new(),
+        };
+        Self { ids, by_id, named, held }
+    }
+
+    /// Whether latent bushings hold two bodies together.
+    fn are_one(&self, a: &str, b: &str) -> bool {
+        self.held.get(a).zip(self.held.get(b)).is_some_and(|(a, b)| a == b)
     }
 }
 
@@ -189,9 +202,10 @@ fn check_carry_over(
     let at = format!("{path}.bushing");
     list.among(&members.ids, &carry.bushing, &at, "a bushing");
     let Some(other) = members.by_id.get(carry.bushing.as_str()) else { return };
-    list.require(other.id != bushing.id && other.body_b == bushing.body_b, &at, || {
+    let is_one = other.body_b == bushing.body_b || members.are_one(&other.body_b, &bushing.body_b);
+    list.require(other.id != bushing.id && is_one, &at, || {
         format!(
-            "\"{}\" is not at the other end of \"{}\", expected a bushing with the same body_b",
+            "\"{}\" is not at the other end of \"{}\", expected a bushing with the same body_b, or one that latent bushings hold to it",
             other.id, bushing.body_b
         )
     });

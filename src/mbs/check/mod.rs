@@ -2,6 +2,7 @@
 
 mod connection;
 mod contact;
+mod event_rule;
 mod latent;
 mod shared;
 
@@ -106,6 +107,7 @@ impl Model {
         contact::check(self, &known, &mut list);
         check_events(self, &known, &mut list);
         latent::check(self, &mut list);
+        event_rule::check(self, &known, &mut list);
         shared::check(self, &mut list);
         for (i, point) in self.tracked.iter().enumerate() {
             list.known(&known, &point.body, &format!("tracked[{i}].body"));

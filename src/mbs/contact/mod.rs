@@ -102,6 +102,19 @@ impl Partner {
     }
 }
 
+/// A point with an impulse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Bodies; the ground is the number of bodies.
+    pub bodies: [usize; 2],
+    /// What the first one meets.
+    pub partner: Partner,
+    /// From the centres of mass \[m\].
+    pub arms: [V3; 2],
+    /// From the first body to the second.
+    pub normal: V3,
+}
+
 /// First contact between two bodies, or of a body with something that does not move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
@@ -498,6 +511,19 @@ impl ContactSet {
                 visit(pair.a as usize, row.arms[0], math::scale(-1.0, p));
                 if !pair.plane {
                     visit(pair.b as usize, row.arms[1], p);
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` for each point of the last step that has an impulse.
+    pub fn each_hit(&self, mut visit: impl FnMut(Hit)) {
+        for block in &self.rows.blocks {
+            let partner = self.partner_of(&self.pairs[block.slot as usize]);
+            let bodies = block.bodies.map(|i| i as usize);
+            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+                if row.normal > 0.0 {
+                    visit(Hit { bodies, partner, arms: row.arms, normal: block.normal });
                 }
             }
         }

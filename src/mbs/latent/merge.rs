@@ -3,6 +3,7 @@
 use crate::mbs::math::{self, M3, Q, V3};
 use crate::mbs::model::{Body, Model, Shape};
 use petgraph::unionfind::UnionFind;
+use std::collections::BTreeMap;
 
 /// Where a body of the model file is in the model that runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,18 +39,30 @@ pub struct Merged {
     pub bushings: Vec<Option<usize>>,
 }
 
-/// Joins the bodies between latent bushings; each body takes the id of its first piece.
-///
-/// The mass, centre and momenta of a body are the sums over its pieces, so that pieces that move as one go on as they did.
-pub fn merge(model: &Model, latent: &[bool]) -> Merged {
-    let at = |id: &str| model.bodies.iter().position(|b| b.id == id);
+fn places(model: &Model) -> BTreeMap<&str, usize> {
+    model.bodies.iter().enumerate().map(|(i, b)| (b.id.as_str(), i)).collect()
+}
+
+/// A number for each body, the same for those that latent bushings hold together.
+pub fn held_together(model: &Model, latent: &[bool]) -> Vec<usize> {
+    let index = places(model);
+    let at = |id: &str| index.get(id).copied();
     let mut sets = UnionFind::<usize>::new(model.bodies.len());
     for (bushing, _) in model.bushings.iter().zip(latent).filter(|(_, latent)| **latent) {
         if let (Some(a), Some(b)) = (bushing.body_a.as_deref().and_then(at), at(&bushing.body_b)) {
             sets.union(a, b);
         }
     }
-    let labels = sets.into_labeling();
+    sets.into_labeling()
+}
+
+/// Joins the bodies between latent bushings; each body takes the id of its first piece.
+///
+/// The mass, centre and momenta of a body are the sums over its pieces, so that pieces that move as one go on as they did.
+pub fn merge(model: &Model, latent: &[bool]) -> Merged {
+    let index = places(model);
+    let at = |id: &str| index.get(id).copied();
+    let labels = held_together(model, latent);
     let mut of_label = vec![None; labels.len()];
     let mut pieces: Vec<Vec<usize>> = Vec::new();
     for (i, label) in labels.iter().enumerate() {
@@ -77,6 +90,7 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
         bushings: Vec::new(),
         tracked: Vec::new(),
         events: Vec::new(),
+        event_rules: Vec::new(),
         ..model.clone()
     };
     for (bushing, latent) in model.bushings.iter().zip(latent) {
@@ -88,6 +102,9 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
             own.bushings.push(bushing);
         }
     }
+    // a body of several pieces that parts would take its share of the inertia with it
+    let is_alone = |id: &String| at(id).is_some_and(|i| pieces[places[i].body].len() == 1);
+    own.shared_masses.retain(|s| s.bodies.iter().all(is_alone));
     own.bodies = bodies;
     Merged { model: own, places, pieces, bushings }
 }

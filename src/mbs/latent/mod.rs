@@ -13,7 +13,7 @@
 mod demand;
 mod merge;
 
-pub use merge::{Merged, Place, merge};
+pub use merge::{Merged, Place, held_together, merge};
 
 use super::contact::ContactSet;
 use super::joint::JointData;
@@ -22,7 +22,7 @@ use super::model::{Bushing, Model};
 use super::system::System;
 use crate::curve::{CurveError, ResistanceCurve};
 use demand::Demand;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A body of several pieces.
 #[derive(Debug, Clone)]
@@ -31,6 +31,9 @@ struct Compound {
     body: usize,
     /// Its latent bushings in the model file.
     bushings: Vec<usize>,
+    /// Whether any of them is watched, and whether any is not yet.
+    is_watched: bool,
+    waits: bool,
     demand: Demand,
     /// Joints that are attached to it: which, whether it is their second body, and the piece.
     attached: Vec<(usize, bool, usize)>,
@@ -58,6 +61,10 @@ pub struct Latent {
     /// Bodies of the file in each body of the running model.
     pub pieces: Vec<Vec<usize>>,
     held: Vec<bool>,
+    /// Those that may give way; others wait for a rule about an event.
+    watched: Vec<bool>,
+    /// Bodies of the running model in which any waits.
+    waiting: Vec<bool>,
     /// Section of each bushing of the file.
     sections: Vec<Option<String>>,
     parted: bool,
@@ -86,6 +93,8 @@ impl Latent {
             bushings: (0..held.len()).map(Some).collect(),
             pieces: bodies.clone().map(|i| vec![i]).collect(),
             peak: vec![0.0; held.len()],
+            watched: watched_from_begin(file),
+            waiting: Vec::new(),
             held,
             sections: file.bushings.iter().map(|b| b.latent.clone()).collect(),
             parted: false,
@@ -137,16 +146,58 @@ impl Latent {
             }
             let contact: Vec<[V3; 2]> = own.iter().map(|p| felt(*p)).collect();
             let now = contact.clone();
-            compounds.push(Compound { body, bushings, demand, attached, contact, now });
+            compounds.push(Compound {
+                body,
+                bushings,
+                is_watched: false,
+                waits: false,
+                demand,
+                attached,
+                contact,
+                now,
+            });
         }
         (self.places, self.pieces, self.bushings) = (merged.places, merged.pieces, merged.bushings);
         (self.compounds, self.solids) = (compounds, solids);
+        self.count_watched();
         merged.model
     }
 
-    /// Whether any bushing is latent.
+    fn count_watched(&mut self) {
+        for compound in &mut self.compounds {
+            let mut watched = compound.bushings.iter().map(|b| self.watched[*b]);
+            (compound.is_watched, compound.waits) = (watched.clone().any(|w| w), watched.any(|w| !w));
+        }
+        self.waiting.clear();
+        self.waiting.resize(self.pieces.len(), false);
+        self.compounds.iter().for_each(|c| self.waiting[c.body] = c.waits);
+    }
+
+    /// Whether any latent bushing may give way.
     pub fn is_watching(&self) -> bool {
-        !self.compounds.is_empty()
+        self.compounds.iter().any(|c| c.is_watched)
+    }
+
+    /// Whether any latent bushing waits for a rule about an event.
+    pub fn is_waiting(&self) -> bool {
+        self.compounds.iter().any(|c| c.waits)
+    }
+
+    /// Whether any in a body of the running model does.
+    pub fn waits(&self, body: usize) -> bool {
+        self.waiting.get(body) == Some(&true)
+    }
+
+    /// Those of some bushings, in order, that are latent in a body of the running model and wait.
+    pub fn waiting_in(&self, body: usize, of: &[usize]) -> Vec<usize> {
+        let own = self.compounds.iter().filter(|c| c.body == body).flat_map(|c| &c.bushings);
+        own.copied().filter(|b| !self.watched[*b] && of.binary_search(b).is_ok()).collect()
+    }
+
+    /// Has some latent bushings watched.
+    pub fn watch(&mut self, bushings: &[usize]) {
+        bushings.iter().for_each(|b| self.watched[*b] = true);
+        self.count_watched();
     }
 
     /// Whether bodies of the running model were one at the begin; the ground, which comes last, was never part of one.
@@ -208,6 +259,9 @@ impl Latent {
         let mut worst: Option<(f64, usize)> = None;
         for c in 0..self.compounds.len() {
             let compound = &mut self.compounds[c];
+            if !compound.is_watched {
+                continue;
+            }
             if !system.data[compound.body].alive || system.data[compound.body].asleep {
                 continue;
             }
@@ -215,7 +269,8 @@ impl Latent {
                 continue;
             }
             compound.load(system, with_step);
-            for (l, bushing) in compound.bushings.iter().enumerate() {
+            let watched = compound.bushings.iter().enumerate().filter(|(_, b)| self.watched[**b]);
+            for (l, bushing) in watched {
                 let [force, moment] = compound.demand.of(l);
                 let used = whole.joints[*bushing].share_used(force, moment, &whole.tables);
                 self.peak[*bushing] = self.peak[*bushing].max(used);
@@ -253,7 +308,7 @@ impl Latent {
 
     /// Takes in the contacts of a step of `h` \[s\]; none: there were none.
     pub fn feel(&mut self, system: &System, contacts: Option<&ContactSet>, h: f64) {
-        for compound in &mut self.compounds {
+        for compound in self.compounds.iter_mut().filter(|c| c.is_watched) {
             let fade = (-h * compound.demand.frequency_rad_s()).exp();
             for (now, felt) in compound.now.iter_mut().zip(&compound.contact) {
                 *now = felt.map(|v| math::scale(fade, v));
@@ -265,6 +320,9 @@ impl Latent {
         contacts.each_impulse(|solid, arm, impulse| {
             let Some((c, piece)) = solids.get(solid).copied().flatten() else { return };
             let compound = &mut compounds[c];
+            if !compound.is_watched {
+                return;
+            }
             let share = (1.0 - (-h * compound.demand.frequency_rad_s()).exp()) / h;
             let r = &system.bodies[compound.body].r;
             let force = math::mul_t(r, math::scale(share, impulse));
@@ -276,14 +334,14 @@ impl Latent {
 
     /// The contacts of the step count as borne.
     pub fn keep(&mut self) {
-        for compound in &mut self.compounds {
+        for compound in self.compounds.iter_mut().filter(|c| c.is_watched) {
             compound.contact.clone_from(&compound.now);
         }
     }
 
     /// The contacts of the step did not happen.
     pub fn drop_step(&mut self) {
-        for compound in &mut self.compounds {
+        for compound in self.compounds.iter_mut().filter(|c| c.is_watched) {
             compound.now.clone_from(&compound.contact);
         }
     }
@@ -374,6 +432,12 @@ impl Compound {
         }
         self.demand.solve();
     }
+}
+
+/// Which bushings of a model are watched from the begin: those that no rule about events names.
+fn watched_from_begin(file: &Model) -> Vec<bool> {
+    let named: BTreeSet<&String> = file.event_rules.iter().flat_map(|r| &r.watch).collect();
+    file.bushings.iter().map(|b| !named.contains(&b.id)).collect()
 }
 
 /// Whether links connect two pieces.

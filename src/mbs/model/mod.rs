@@ -6,9 +6,11 @@
 //! | `connection` | joints, bushings, forces |
 //! | `contact` | shapes, ground, obstacles, who may touch |
 //! | `mass` | inertia that bodies have together |
+//! | `event_rule` | what contacts and fractures change |
 
 mod connection;
 mod contact;
+mod event_rule;
 mod mass;
 
 pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Span};
@@ -16,6 +18,7 @@ pub use contact::{
     BodyContact, Contact, GroundPlane, ObstacleBox, ObstaclePlane, PairRule, RESTITUTION, Shape,
 };
 
+pub use event_rule::{Broken, EventRule, Met, Range, Trigger};
 pub use mass::{MassBlock, SharedMass};
 
 use crate::curve::ResistanceCurve;
@@ -58,6 +61,9 @@ pub struct Model {
     /// Events in time.
     #[serde(default)]
     pub events: Vec<Event>,
+    /// What contacts and fractures change.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub event_rules: Vec<EventRule>,
     /// Points whose displacement is recorded.
     #[serde(default)]
     pub tracked: Vec<TrackedPoint>,
@@ -86,6 +92,7 @@ impl Model {
             forces: Vec::new(),
             contact: Contact::default(),
             events: Vec::new(),
+            event_rules: Vec::new(),
             tracked: Vec::new(),
             settings: RunSettings { end_time_s, output_interval_s, ..RunSettings::default() },
         }

@@ -37,12 +37,13 @@ impl Run<'_> {
 
     #[cold]
     pub(super) fn fracture(&mut self) {
-        let mut parted = Vec::new();
+        let (mut parted, mut broken) = (Vec::new(), Vec::new());
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
             if joint.breaks() {
                 parted.push([joint.a, joint.b]);
-                let broken = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
+                broken.push(i);
+                let end = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
                 let cause = if joint.hinge.fractured {
                     FractureCause::Rotation
@@ -54,11 +55,12 @@ impl Run<'_> {
                     FractureCause::Tension
                 };
                 let bushing = &self.model.bushings[i];
-                let name = bushing.hinges().get(broken).map_or(bushing.id.as_str(), |name| name).to_string();
+                let name = bushing.hinges().get(end).map_or(bushing.id.as_str(), |name| name).to_string();
                 let kind = EventKind::Fracture { joint: name, cause };
                 self.result.events.push(RunEvent { time_s: self.time, kind });
             }
         }
+        broken.into_iter().for_each(|joint| self.ask_about_fracture(joint));
         self.released +=
             self.system.end_sharing(self.last_step, |s, _| parted.iter().any(|pair| s.joins(*pair)));
         self.system.pack();

@@ -9,14 +9,17 @@
 //! | this one | options, the time loop |
 //! | `setup` | the step, the empty result |
 //! | `events` | yield, fracture, contacts, removal and weakening |
+//! | `rules` | what contacts and fractures change by the rules of a model |
 //! | `part` | latent bushings: bodies that part |
 //! | `output` | histories, the energy balance |
 
 mod events;
 mod output;
 mod part;
+mod rules;
 mod setup;
 
+use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, preload_error};
 use super::balance::Balance;
 use super::contact::{ContactEnergy, ContactSet, Moving, Settings, Work};
@@ -189,6 +192,7 @@ struct Run<'a> {
     /// The model that runs: that of the file, with the bodies that latent bushings hold together as one.
     model: Cow<'a, Model>,
     latent: Latent,
+    rules: EventRules,
     /// States before a step that a body may part in.
     before: Vec<BodyState>,
     resting: Vec<bool>,
@@ -200,7 +204,7 @@ struct Run<'a> {
     sleep: Sleep,
     /// Work of the forces on displacements that open gaps \[J\].
     opened: f64,
-    /// States before contacts, where bodies share inertia.
+    /// States before contacts, where bodies share inertia or rules wait for contacts.
     untouched: Vec<BodyState>,
     result: RunResult,
     time: f64,
@@ -251,8 +255,7 @@ impl<'a> Run<'a> {
         };
         let mut frequency = frequency::highest_rad_s(&mut system);
         let alone_limit = choose_step(&model, frequency, share)?;
-        // a body that parts would take its share of the inertia with it
-        if !model.shared_masses.is_empty() && !latent.is_watching() {
+        if !model.shared_masses.is_empty() {
             system.share_masses(&model, frequency);
             frequency = frequency::highest_rad_s(&mut system);
         }
@@ -274,6 +277,7 @@ impl<'a> Run<'a> {
             file,
             model,
             latent,
+            rules: EventRules::of(file),
             before: Vec::new(),
             resting: Vec::new(),
             options,
@@ -401,10 +405,11 @@ impl<'a> Run<'a> {
     /// Contact impulses at the present positions, for a step of `h` from here. Whether a body parted under them: the step has not been taken then.
     fn meet(&mut self, h: f64) -> Result<bool, SolveError> {
         let books = (self.contacts.energy, self.opened);
-        if !self.system.shared.is_empty() {
+        let is_waiting = self.latent.is_waiting();
+        if is_waiting || !self.system.shared.is_empty() {
             self.untouched.clone_from(&self.system.bodies);
         }
-        if self.latent.is_watching() {
+        if is_waiting || self.latent.is_watching() {
             self.remember(h);
         }
         loop {
@@ -421,6 +426,9 @@ impl<'a> Run<'a> {
                 break;
             }
             self.sleep.rouse(&mut self.system, &mut self.contacts, &touched, h);
+        }
+        if is_waiting {
+            self.ask_about_contacts();
         }
         if self.latent.is_watching() && self.part_under_contact(h, books)? {
             return Ok(true);

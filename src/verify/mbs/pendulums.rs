@@ -146,6 +146,7 @@ fn model(kind: JointKind, axis: [f64; 3], spring: Option<[f64; 2]>) -> Model {
         forces: torsion.into_iter().collect(),
         contact: Contact::default(),
         events: Vec::new(),
+        event_rules: Vec::new(),
         tracked: vec![TrackedPoint { id: "center".into(), body: "body".into(), point_m: center }],
         settings: RunSettings {
             end_time_s: 5.0,

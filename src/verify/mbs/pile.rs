@@ -79,6 +79,7 @@ pub fn model(side: usize, end_time_s: f64, time_step_s: f64) -> Model {
             ..Contact::default()
         },
         events: Vec::new(),
+        event_rules: Vec::new(),
         tracked: Vec::new(),
         settings: RunSettings {
             end_time_s,

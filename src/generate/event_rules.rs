@@ -1,0 +1,119 @@
+//! What contacts and fractures change in the model that runs, by the rules about such events.
+//!
+//! Of what these rules ask, the kind of the member and the building are known beforehand; what is left of their conditions goes into the model: with what, how fast, when.
+
+use super::GenerateError;
+use super::bodies::Bodies;
+use super::decide::Decision;
+use crate::building::Building;
+use crate::mbs::model::{Broken, Bushing, EventRule, Met, Origin, Range, Trigger};
+use crate::rules::residual::{Case, Pending};
+use crate::rules::{Action, Aspect, RuleBase, Subject, SubjectKind, Value};
+use std::collections::BTreeMap;
+
+/// What will be known of an event when it happens.
+const LATER: [&str; 5] =
+    ["contact.partner", "contact.approach_speed", "event.time", "fracture.place", "collapse.phase"];
+
+/// The rules for the columns that may break between their ends.
+///
+/// # Errors
+/// If a rule compares what is not known yet with something else that is not a number.
+pub fn of(
+    building: &Building,
+    rules: &RuleBase,
+    decision: &Decision,
+    (bodies, hinges): (&Bodies, &[Bushing]),
+) -> Result<Vec<EventRule>, GenerateError> {
+    let mut named = Vec::new();
+    let mut own = Vec::new();
+    for (member, sections) in decision.sections() {
+        named.extend(bodies.all_of(member).into_iter().map(|i| bodies.list[i].id.clone()));
+        own.extend(sections.ids.iter().cloned());
+    }
+    // a section without a hinge, since its column has none at its end, is not there
+    own.retain(|id| hinges.iter().rev().any(|h| h.id == *id));
+    if own.is_empty() {
+        return Ok(Vec::new());
+    }
+    let first_s = building.events.iter().map(|e| e.time_s).fold(f64::INFINITY, f64::min);
+    let first_s = if first_s.is_finite() { first_s } else { 0.0 };
+    let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
+    let mut list = Vec::new();
+    for kind in [SubjectKind::ContactEvent, SubjectKind::FractureEvent] {
+        let event = Subject::new(kind, "a column")
+            .with("member.kind", "column")
+            .with("critical_strain_rate", building.settings.critical_strain_rate_1_s)
+            .with("storeys", f64::from(storeys));
+        for (aspect, question) in [(Aspect::Change, "change"), (Aspect::Rigidity, "rigidity")] {
+            for pending in rules.pending(&event, aspect, &LATER)? {
+                for (n, case) in pending.cases.iter().enumerate() {
+                    list.extend(trigger(kind, case, first_s).map(|on| EventRule {
+                        id: id(&pending, n),
+                        question: question.into(),
+                        on,
+                        bodies: named.clone(),
+                        watch: if has_hinges(&pending) { own.clone() } else { Vec::new() },
+                        nearest: is_local(&pending),
+                        origin: Origin { rules: vec![pending.rule.to_string()], ..Origin::default() },
+                    }));
+                }
+            }
+        }
+    }
+    Ok(list)
+}
+
+/// A rule with several cases is several rules.
+fn id(pending: &Pending, n: usize) -> String {
+    if pending.cases.len() == 1 { pending.rule.to_string() } else { format!("{}/{}", pending.rule, n + 1) }
+}
+
+/// Whether sections may break from then on.
+fn has_hinges(pending: &Pending) -> bool {
+    match pending.action {
+        Action::InsertSubsystem => name(pending.parameters, "subsystem") != Some("contact"),
+        Action::RecheckRigidity => true,
+        _ => false,
+    }
+}
+
+/// Whether only the section next to the event may.
+fn is_local(pending: &Pending) -> bool {
+    matches!(name(pending.parameters, "place"), Some("at_event" | "nearest_section"))
+}
+
+fn name<'a>(parameters: &'a BTreeMap<String, Value>, key: &str) -> Option<&'a str> {
+    match parameters.get(key) {
+        Some(Value::Name(name)) => Some(name),
+        _ => None,
+    }
+}
+
+/// The event that a case of a rule is about; none if it cannot happen.
+fn trigger(kind: SubjectKind, case: &Case, first_s: f64) -> Option<Trigger> {
+    let range = |feature: &str, offset: f64| {
+        let [least, most] = case.ranges.get(feature).copied().unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let bound = |value: f64| value.is_finite().then_some(value + offset);
+        Range { least: bound(least), most: bound(most) }
+    };
+    let may_be = |feature: &str, name: &str| case.names.get(feature).is_none_or(|names| names.contains(name));
+    let time_s = range("event.time", first_s);
+    let (before, after) =
+        (may_be("collapse.phase", "before_contact"), may_be("collapse.phase", "after_contact"));
+    if kind == SubjectKind::ContactEvent {
+        let all = [("ground", Met::Ground), ("obstacle", Met::Obstacle), ("part", Met::Part)];
+        let partners =
+            all.into_iter().filter(|(name, _)| may_be("contact.partner", name)).map(|(_, met)| met).collect();
+        // whatever meets something is in the phase after the first contact
+        return after.then_some(Trigger::Contact {
+            partners,
+            approach_speed_m_s: range("contact.approach_speed", 0.0),
+            time_s,
+        });
+    }
+    let all = [("end", Broken::End), ("span", Broken::Span)];
+    let places = all.into_iter().filter(|(name, _)| may_be("fracture.place", name)).map(|(_, b)| b).collect();
+    let after_contact = (before != after).then_some(after);
+    (before || after).then_some(Trigger::Fracture { places, after_contact, time_s })
+}

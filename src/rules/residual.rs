@@ -1,0 +1,119 @@
+//! What is left of a condition once some features are known.
+
+use super::engine::RuleBase;
+use super::logic::{self, Atom};
+use super::rule::Rule;
+use super::value::{Subject, Value};
+use super::{Action, Aspect};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a condition asks of features that are not known yet: names by feature, and numbers from a least to a most one.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Case {
+    /// One of these names.
+    pub names: BTreeMap<String, BTreeSet<String>>,
+    /// The least and the most that each number may be, infinite where it is not bounded. Whether the end itself belongs to it is lost.
+    pub ranges: BTreeMap<String, [f64; 2]>,
+}
+
+/// A rule that may fire, depending on features that are not known yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pending<'a> {
+    /// Its id.
+    pub rule: &'a str,
+    /// What it decides.
+    pub action: Action,
+    /// Parameters of the action.
+    pub parameters: &'a BTreeMap<String, Value>,
+    /// It fires if one of these is true.
+    pub cases: Vec<Case>,
+}
+
+/// A comparison that cannot be told from numbers and names alone.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "rule `{rule}` compares `{feature}` with another feature, which cannot be done before both are known: compare it with a number"
+)]
+pub struct Unbound {
+    /// Id of the rule.
+    pub rule: String,
+    /// The feature.
+    pub feature: String,
+}
+
+impl RuleBase {
+    /// The rules about a kind of subject that answer a question and may fire for a subject of which some features will be known (`later`), in the order in which they decide. A rule that needs
+    /// any other feature that is not known stays silent, as always.
+    ///
+    /// # Errors
+    /// If a rule compares such a feature with another one.
+    pub fn pending(
+        &self,
+        subject: &Subject,
+        aspect: Aspect,
+        later: &[&str],
+    ) -> Result<Vec<Pending<'_>>, Unbound> {
+        let about = |r: &&Rule| r.applies_to == subject.kind && r.action.spec().aspect == aspect;
+        let mut list = Vec::new();
+        for rule in self.rules().iter().filter(about) {
+            let mut cases = Vec::new();
+            for conjunction in logic::cases(&rule.condition, false).unwrap_or_default() {
+                cases.extend(case(&rule.id, &conjunction, subject, later)?);
+            }
+            if !cases.is_empty() {
+                list.push(Pending {
+                    rule: &rule.id,
+                    action: rule.action,
+                    parameters: &rule.parameters,
+                    cases,
+                });
+            }
+        }
+        Ok(list)
+    }
+}
+
+/// What is left of statements that hold together; none if one of them is false or asks what nobody will know.
+fn case(
+    rule: &str,
+    conjunction: &[Atom],
+    subject: &Subject,
+    later: &[&str],
+) -> Result<Option<Case>, Unbound> {
+    let mut case = Case::default();
+    for atom in conjunction {
+        let holds = match atom {
+            Atom::OneOf(name, list) => match subject.features.get(name) {
+                Some(Value::Name(name)) => list.contains(name),
+                Some(known) => list.contains(&known.to_string()),
+                None if later.contains(&name.as_str()) => {
+                    let held = case.names.entry(name.clone()).or_insert_with(|| list.clone());
+                    held.retain(|n| list.contains(n));
+                    !held.is_empty()
+                }
+                None => false,
+            },
+            Atom::Bound(name, orders, value) => match subject.number(name) {
+                Some(known) => Atom::admits(*orders, known, *value),
+                None if later.contains(&name.as_str()) => {
+                    let held = case.ranges.entry(name.clone()).or_insert([f64::NEG_INFINITY, f64::INFINITY]);
+                    let [least, most] = Atom::range(*orders, *value);
+                    *held = [held[0].max(least), held[1].min(most)];
+                    held[0] <= held[1]
+                }
+                None => false,
+            },
+            Atom::Order(a, orders, factor, b) => match (subject.number(a), subject.number(b)) {
+                (Some(a), Some(b)) => Atom::admits(*orders, a, factor * b),
+                _ => match [a, b].into_iter().find(|name| later.contains(&name.as_str())) {
+                    Some(feature) => return Err(Unbound { rule: rule.into(), feature: feature.clone() }),
+                    None => false,
+                },
+            },
+        };
+        if !holds {
+            return Ok(None);
+        }
+    }
+    Ok(Some(case))
+}

@@ -1,0 +1,127 @@
+//! Rules about contacts and fractures in generated models: what is left of them, and that they fire while the model runs.
+
+use super::*;
+use fallwerk::mbs::result::EventKind;
+use fallwerk::mbs::simulate;
+use fallwerk::rules::Source;
+
+/// The shipped rules and some of a test.
+fn with(rules: &str) -> RuleBase {
+    let (shipped, ..) = knowledge();
+    let source = Source { name: "test.toml".into(), text: format!("schema = 1\n{rules}") };
+    shipped.with(vec![source]).expect("sound rules")
+}
+
+fn rule(id: &str, about: &str, when: &str, action: &str, parameters: &str) -> String {
+    format!(
+        "\n[[rule]]\nid = \"test/{id}\"\nwords = \"A test.\"\napplies_to = \"{about}\"\nwhen = \"{when}\"\naction = \"{action}\"\nparameters = {{ {parameters} }}\npriority = 100\nsource = \"assumption: of this test\"\n"
+    )
+}
+
+fn of(rules: &RuleBase) -> fallwerk::mbs::Model {
+    let (_, mut store, _cache) = knowledge();
+    generate(&reference(|t| t), rules, &mut store, Derive::Never, &|_| {}).unwrap().model
+}
+
+/// The seed's rules ask for hinges in what is struck or breaks.
+#[test]
+fn the_rules_about_events_stand_in_the_model() {
+    let generated = generated(&reference(|t| t)).unwrap();
+    let model = &generated.model;
+    let of = |id: &str| model.event_rules.iter().find(|r| r.id == id).unwrap_or_else(|| panic!("{id}"));
+    let ground = of("seed/ground-contact-subsystem");
+    let Trigger::Contact { partners, approach_speed_m_s, .. } = &ground.on else { panic!("{:?}", ground.on) };
+    assert_eq!(partners, &[Met::Ground, Met::Obstacle]);
+    assert!(approach_speed_m_s.is_any() && !ground.nearest);
+    assert_eq!((ground.bodies.len(), ground.watch.len()), (20, 10));
+    let fracture = of("seed/fracture-subsystem");
+    assert!(fracture.nearest);
+    let Trigger::Fracture { places, after_contact, .. } = &fracture.on else { panic!("{:?}", fracture.on) };
+    assert_eq!((places.as_slice(), *after_contact), ([Broken::End, Broken::Span].as_slice(), None));
+    // charged columns vanish whole, with their one body
+    assert!(model.bodies.iter().any(|b| b.id == "C1-A1") && model.bodies.iter().all(|b| b.id != "C1-A2"));
+    // the section is that of the end, without what the joint lends to it
+    let bushing = |id: &str| model.bushings.iter().find(|b| b.id == id).unwrap();
+    let curve = |b: &Bushing| model.curves[b.bending[0].curve().unwrap()].clone();
+    let (end, section) = (curve(bushing("C2-A2.bottom")), curve(bushing("C2-A2.section-1")));
+    for (a, b) in end.levels.iter().zip(&section.levels) {
+        let most = |l: &fallwerk::curve::CapacityLevel| l.capacity.iter().map(|p| p[1]).fold(0.0, f64::max);
+        let lends = most(a) / most(b);
+        assert!((1.1..1.4).contains(&lends), "{lends}");
+    }
+    let why: Vec<&str> =
+        generated.trace.iter().filter(|r| r.part == "C2-A2.section-1").map(|r| r.rule.as_str()).collect();
+    assert_eq!(why, ["seed/subdivide-columns-late", "seed/section-latent-late"]);
+}
+
+/// What is known beforehand is decided beforehand, the rest is left for the run.
+#[test]
+fn what_is_left_of_a_condition_is_what_is_not_known_yet() {
+    let model = of(&with(&rule(
+        "fast",
+        "contact_event",
+        "contact.approach_speed > 3 and (contact.partner == 'obstacle' or event.time <= 1.5) and member.kind == 'column' and storeys >= 2",
+        "insert_subsystem",
+        "subsystem = 'hinge', place = 'nearest_section'",
+    )));
+    let own: Vec<_> = model.event_rules.iter().filter(|r| r.id.starts_with("test/fast")).collect();
+    assert_eq!(own.iter().map(|r| r.id.as_str()).collect::<Vec<_>>(), ["test/fast/1", "test/fast/2"]);
+    let at_least = Range { least: Some(3.0), most: None };
+    let ask = |partners: &[Met], time_s: Range| Trigger::Contact {
+        partners: partners.to_vec(),
+        approach_speed_m_s: at_least,
+        time_s,
+    };
+    assert_eq!(own[0].on, ask(&[Met::Obstacle], Range::default()));
+    assert_eq!(
+        own[1].on,
+        ask(&[Met::Ground, Met::Obstacle, Met::Part], Range { least: None, most: Some(1.5) })
+    );
+    assert!(own.iter().all(|r| r.nearest && r.question == "change"));
+    // a rule about slabs, or of what nobody knows, is never true of a column
+    for when in ["member.kind == 'slab'", "member.strain_rate > 0.25"] {
+        let model = of(&with(&rule("other", "contact_event", when, "keep_model", "")));
+        assert!(model.event_rules.iter().all(|r| !r.id.starts_with("test/")), "{when}");
+    }
+    let rules = with(&rule("odd", "contact_event", "event.time < 2 * event.time", "keep_model", ""));
+    let (_, mut store, _cache) = knowledge();
+    let error =
+        generate(&reference(|t| t), &rules, &mut store, Derive::Never, &|_| {}).unwrap_err().to_string();
+    assert!(error.contains("rule `test/odd` compares `event.time` with another feature"), "{error}");
+}
+
+/// Columns break between their ends after something has struck them, or they broke away, and not before; rules that keep them whole do.
+#[test]
+fn columns_break_in_the_run_only_where_rules_say_so() {
+    let model = of(&knowledge().0);
+    let result = simulate(&model).unwrap();
+    let mut asked = std::collections::BTreeSet::new();
+    let mut broken = 0;
+    for event in &result.events {
+        match &event.kind {
+            EventKind::Rule { watched, .. } => asked.extend(watched.clone()),
+            EventKind::Live { joint, .. } => {
+                assert!(asked.contains(joint), "{joint} went live before a rule asked for it");
+                broken += 1;
+            }
+            _ => {}
+        }
+    }
+    assert!(broken >= 3, "{broken} of ten columns");
+    let keep: String = ["contact_event", "fracture_event"]
+        .iter()
+        .flat_map(|about| {
+            let keep = |action: &str| {
+                rule(&format!("{about}-{action}").replace('_', "-"), about, "always", action, "")
+            };
+            [keep("keep_model"), keep("keep_rigidity")]
+        })
+        .collect();
+    let whole = simulate(&of(&with(&keep))).unwrap();
+    assert!(whole.events.iter().all(|e| !matches!(e.kind, EventKind::Live { .. } | EventKind::Rule { .. })));
+    // up to the first blow nothing is different
+    let first = result.events.iter().find(|e| matches!(e.kind, EventKind::Rule { .. })).unwrap().time_s;
+    let same = result.times_s.iter().filter(|t| **t < first).count();
+    assert!(same > 100 && result.frames[..same] == whole.frames[..same]);
+    assert_ne!(result.frames.last(), whole.frames.last());
+}
