@@ -57,7 +57,7 @@ pub struct Settled {
     pub turns: Option<(String, f64)>,
     /// Bodies at the begin.
     pub bodies: usize,
-    /// Whether a floor of the model may fold.
+    /// Whether columns or floors of the model may break between their ends.
     pub folds: bool,
     /// What was deepest in the ground, obstacles and other bodies: its name, its mass and that of the building, and when.
     pub deepest: [String; 3],
@@ -266,7 +266,7 @@ pub fn markdown(seed: u32, rows: &[Row]) -> String {
     let faulty = rows.iter().filter(|r| !r.faults().is_empty()).count();
     let mut text = format!(
         "# Stability of generated models of random buildings\n\n{}\n\n| buildings | |\n|---|---|\n| all | {} |\n| hold | {} |\n| do not hold, or stop | {} |\n| fall | {} |\n| stand | {} |\n\
-         | at rest at the end | {} |\n| swing elastically at the end | {} |\n| still move at the end | {} |\n| have floors that may fold | {} |\n| warn of their energy or of deep contacts | {} |\n",
+         | at rest at the end | {} |\n| swing elastically at the end | {} |\n| still move at the end | {} |\n| have columns or floors that may break between their ends | {} |\n| warn of their energy or of deep contacts | {} |\n",
         INTRODUCTION.replace("SEED", &seed.to_string()).replace("COUNT", &rows.len().to_string()),
         rows.len(),
         rows.len() - faulty,

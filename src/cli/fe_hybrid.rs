@@ -27,7 +27,7 @@ pub(super) struct Options {
     /// Time in seconds for which they have to be that quiet [default: 0.02]
     #[arg(long, value_name = "S", requires = "hybrid", allow_negative_numbers = true)]
     rigid_after: Option<f64>,
-    /// Time in seconds between two checks of the loads on rigid parts [default: 0.004]
+    /// Time in seconds between two checks of the loads on rigid parts [default: 0.008]
     #[arg(long, value_name = "S", requires = "hybrid", allow_negative_numbers = true)]
     rigid_check: Option<f64>,
     /// Plastic strain that these loads may not cause in a rigid part [default: 0.0002]

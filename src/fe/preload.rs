@@ -109,13 +109,13 @@ fn residual(body: &Dynamics, n: usize) -> [f64; 3] {
     force
 }
 
-/// A factorised stiffness for many right-hand sides.
+/// A factorised stiffness for many right-hand sides, in single precision: half the memory and the time.
 #[derive(Debug, Clone)]
-pub struct Factor(Llt<u32, f64>);
+pub struct Factor(Llt<u32, f32>);
 
 impl Factor {
     /// Of the lower triangle of a positive definite matrix by columns: starts of the columns, one more than there are, row numbers in order, values.
-    pub fn of(starts: &[u32], rows: &[u32], values: &[f64]) -> Option<Self> {
+    pub fn of(starts: &[u32], rows: &[u32], values: &[f32]) -> Option<Self> {
         let count = starts.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(count, count, starts, None, rows);
         SparseColMatRef::new(pattern, values).sp_cholesky(Side::Lower).ok().map(Self)
@@ -123,8 +123,9 @@ impl Factor {
 
     /// The solution for a right-hand side.
     pub fn solve(&self, rhs: &[f64]) -> Vec<f64> {
-        let solution = self.0.solve(&Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]));
-        (0..rhs.len()).map(|i| solution[(i, 0)]).collect()
+        let scale = rhs.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
+        let solution = self.0.solve(&Mat::from_fn(rhs.len(), 1, |i, _| (rhs[i] / scale) as f32));
+        (0..rhs.len()).map(|i| f64::from(solution[(i, 0)]) * scale).collect()
     }
 }
 

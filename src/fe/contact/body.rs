@@ -338,6 +338,16 @@ impl BodyContact {
         });
     }
 
+    /// The common velocity against which speeds count \[m/s\].
+    pub fn reference_m_s(&self) -> Vec3 {
+        self.reference_m_s
+    }
+
+    /// Nodes that may meet another part of the body in this step.
+    pub fn flagged_nodes(&self) -> &[u32] {
+        &self.flags
+    }
+
     /// Square of the speed against the common velocity \[m²/s²\].
     #[inline]
     pub fn speed_squared(&self, v: &Vec3) -> f64 {

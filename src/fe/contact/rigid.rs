@@ -169,6 +169,17 @@ impl RigidSurfaces {
             })
     }
 
+    /// The least reach with which [`Self::is_near`] can be true of a node at `x`, embedded or not \[m\].
+    pub(in crate::fe) fn gap_m(&self, node: usize, x: &Vec3) -> f64 {
+        let over_ground = self.ground.map_or(f64::INFINITY, |(level, _)| x[2] - level);
+        let out = |solid: &Aabb, i: usize| (solid.min[i] - x[i]).max(x[i] - solid.max[i]);
+        let beside = |solid: &Aabb| (0..3).map(|i| out(solid, i)).fold(f64::NEG_INFINITY, f64::max);
+        let boxes = self.boxes.iter().map(|(solid, _)| beside(solid));
+        let stops = |i: usize| self.stops.get(i).is_none_or(|s| s.get(node).copied().unwrap_or(true));
+        let planes = (0..self.planes.len()).filter(|i| stops(*i)).map(|i| height(&self.planes[i], x));
+        boxes.chain(planes).fold(over_ground, f64::min)
+    }
+
     fn crosses(&self, plane: usize, node: usize, dt: f64, x: &Vec3, new: &Vec3) -> bool {
         let stops = self.stops.get(plane).is_none_or(|s| s.get(node).copied().unwrap_or(true));
         stops && height(&self.planes[plane], x) + dt * dot(self.planes[plane].normal, *new) < 0.0

@@ -18,8 +18,8 @@ use crate::fe::preload::Factor;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Spring at each component over the mean diagonal of the stiffness.
-const GROUNDING: f64 = 1e-9;
+/// Spring at each component over the mean diagonal of the stiffness: the factor is one of single precision.
+const GROUNDING: f64 = 1e-6;
 
 /// The elements of a set in the positions at which it became rigid.
 #[derive(Debug, Clone)]
@@ -219,7 +219,7 @@ impl NodeColumns {
                     let ((a, b), block) = (self.pairs[at], &self.blocks[at]);
                     for i in (0..3).filter(|i| a != b || *i >= j) {
                         rows.push(3 * b + i as u32);
-                        values.push(block[i][j] + if a == b && i == j { spring } else { 0.0 });
+                        values.push((block[i][j] + if a == b && i == j { spring } else { 0.0 }) as f32);
                     }
                 }
                 starts.push(rows.len() as u32);

@@ -11,6 +11,7 @@
 //! inertia of the `r̄`, their angular momentum `Σ m r_n × v = Σ m r_{n+1} × v = Ī ω` is `L` if ω solves `Ī(ω) ω = L`, which is done by iteration to
 //! round-off. Nothing else is needed to keep both momenta: neither at the step nor when nodes come and go.
 
+use crate::base::isa::for_each_isa;
 use crate::fe::hexahedron::{Vec3, add, cross, scaled};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
@@ -30,11 +31,70 @@ pub struct Twist {
 }
 
 impl Twist {
+    /// From places in body coordinates to velocities.
+    pub(super) fn map(&self) -> Map {
+        map_of(self.velocity, &self.gradient)
+    }
+
     /// Velocity of a place in body coordinates \[m/s\].
     #[inline]
     pub fn at(&self, place: &Vec3) -> Vec3 {
         add(self.velocity, times(&self.gradient, place))
     }
+}
+
+/// A vector and the columns of a matrix: `c + M r` for places `r` in the body. A fourth number, zero, fills a vector of the processor.
+pub(super) type Map = [[f64; 4]; 4];
+
+fn map_of(c: Vec3, m: &Matrix3<f64>) -> Map {
+    let column = |j: usize| [m[(0, j)], m[(1, j)], m[(2, j)], 0.0];
+    [[c[0], c[1], c[2], 0.0], column(0), column(1), column(2)]
+}
+
+for_each_isa! {
+    /// Velocities and positions of nodes from two maps of their places; the squares of the largest speeds, and of those against a reference velocity.
+    pub(super) fn carry = carry_any(
+        nodes: (&[u32], &[Vec3]),
+        maps: &[Map; 2],
+        reference_m_s: &Vec3,
+        moved: (&mut [Vec3], &mut [Vec3]),
+    ) -> [f64; 2]
+}
+
+#[inline(always)]
+fn carry_any(
+    (nodes, places): (&[u32], &[Vec3]),
+    maps: &[Map; 2],
+    reference_m_s: &Vec3,
+    (v, x): (&mut [Vec3], &mut [Vec3]),
+) -> [f64; 2] {
+    let reference = [reference_m_s[0], reference_m_s[1], reference_m_s[2], 0.0];
+    let (mut largest, mut against) = (0.0_f64, 0.0_f64);
+    for (n, place) in nodes.iter().zip(places) {
+        let (new, at) = (mapped(&maps[0], place), mapped(&maps[1], place));
+        let (mut own, mut off) = ([0.0; 4], [0.0; 4]);
+        // closures would not be compiled for the instruction set
+        for i in 0..4 {
+            own[i] = new[i] * new[i];
+            off[i] = new[i] - reference[i];
+            off[i] *= off[i];
+        }
+        let (own, off) = (own[0] + own[1] + own[2], off[0] + off[1] + off[2]);
+        largest = if own > largest { own } else { largest };
+        against = if off > against { off } else { against };
+        v[*n as usize] = [new[0], new[1], new[2]];
+        x[*n as usize] = [at[0], at[1], at[2]];
+    }
+    [largest, against]
+}
+
+#[inline(always)]
+fn mapped(map: &Map, r: &Vec3) -> [f64; 4] {
+    let mut out = [0.0; 4];
+    for i in 0..4 {
+        out[i] = map[0][i] + (map[1][i] * r[0] + map[2][i] * r[1] + map[3][i] * r[2]);
+    }
+    out
 }
 
 /// Place, turn and momenta of a rigid set.
@@ -141,6 +201,11 @@ impl Motion {
     #[inline]
     pub fn position(&self, rotation: &Matrix3<f64>, place: &Vec3) -> Vec3 {
         add(self.centre_m, times(rotation, place))
+    }
+
+    /// From places in body coordinates to positions.
+    pub(super) fn map(&self) -> Map {
+        map_of(self.centre_m, &self.rotation())
     }
 
     /// The acceleration of a place in body coordinates \[m/s²\] under a force \[N\] and a moment about the centre \[N m\].

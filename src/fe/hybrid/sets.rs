@@ -2,7 +2,7 @@
 
 use super::Refused;
 use super::demand::Demand;
-use super::motion::{Motion, Twist};
+use super::motion::{Motion, Twist, carry};
 use super::parts::{NONE, Neighbours};
 use super::record::{Books, Reason, Switch};
 use super::switch::{HybridSettings, Watching};
@@ -34,6 +34,8 @@ pub struct RigidSet {
     pub motion: Motion,
     /// Largest speed of its nodes in the last step \[m/s\].
     top_speed_m_s: f64,
+    /// Distance of its nodes to rigid surfaces when it was looked at, and how far they may have moved since \[m\].
+    clear_m: [f64; 2],
     /// What its elements bear.
     #[serde(skip)]
     pub(super) demand: Option<Demand>,
@@ -245,7 +247,10 @@ impl Hybrid {
         self.trials.clear();
         self.near.clear();
         let weight = body.acceleration_m_s2;
-        for set in &mut self.sets {
+        let contact = body.body_contact.iter();
+        let flagged: Vec<u32> =
+            contact.flat_map(|c| c.flagged_nodes()).map(|n| self.set_of[*n as usize]).collect();
+        for (s, set) in self.sets.iter_mut().enumerate() {
             self.books.skipped += set.elements.len() as u64;
             let (mut force, mut moment) = (scaled(set.motion.mass_kg, weight), [0.0; 3]);
             for (i, sum) in set.boundary.iter().zip(&mut set.pull_n) {
@@ -261,6 +266,11 @@ impl Hybrid {
             set.motion.kick(scaled(kick, force), scaled(kick, moment));
             let twist = set.motion.twist(dt);
             let reach_m = NEAR.0 + NEAR.1 * dt * set.top_speed_m_s;
+            let is_clear = set.is_clear(body, reach_m);
+            if is_clear && !flagged.contains(&(s as u32)) {
+                self.trials.push((twist, before));
+                continue;
+            }
             for (i, n) in set.nodes.iter().enumerate() {
                 let (n, x) = (*n as usize, &body.x[*n as usize]);
                 let flagged = body.body_contact.as_ref().is_some_and(|c| c.flagged[n]);
@@ -320,24 +330,21 @@ impl Hybrid {
             let ahead = 0.5 * dt * dot(weight, after);
             body.add_gravity(all - ahead, ahead);
             set.motion.drift(&twist, dt);
-            let turn = set.motion.rotation();
-            let mut largest = 0.0_f64;
-            for (n, place) in set.nodes.iter().zip(&set.places) {
-                let n = *n as usize;
-                let new = twist.at(place);
-                if measure {
+            if measure {
+                for (n, place) in set.nodes.iter().zip(&set.places) {
+                    let (n, new) = (*n as usize, twist.at(place));
                     let (old, pushed) = (body.v[n], trial.at(place));
                     let product: f64 = (0..3).map(|i| new[i] * (new[i] - ratio * (pushed[i] - old[i]))).sum();
                     kinetic += 0.5 * body.mass_kg[n] * product;
                 }
-                largest = largest.max(dot(new, new));
-                if let Some(contact) = &body.body_contact {
-                    top = top.max(contact.speed_squared(&new));
-                }
-                body.v[n] = new;
-                body.x[n] = set.motion.position(&turn, place);
             }
-            set.top_speed_m_s = largest.sqrt();
+            let reference_m_s = body.body_contact.as_ref().map_or([0.0; 3], |c| c.reference_m_s());
+            let maps = [twist.map(), set.motion.map()];
+            let nodes = (set.nodes.as_slice(), set.places.as_slice());
+            let fastest = carry(body.isa, nodes, &maps, &reference_m_s, (&mut body.v, &mut body.x));
+            top = top.max(fastest[1]);
+            set.top_speed_m_s = fastest[0].sqrt();
+            set.clear_m[1] += dt * set.top_speed_m_s;
         }
         if let Some(contact) = &mut body.body_contact {
             contact.top_speed_m_s = contact.top_speed_m_s.max(top.sqrt());
@@ -347,6 +354,19 @@ impl Hybrid {
 }
 
 impl RigidSet {
+    /// Whether none of its nodes can be near a rigid surface.
+    fn is_clear(&mut self, body: &Dynamics, reach_m: f64) -> bool {
+        let [clear, moved] = self.clear_m;
+        if clear - moved > reach_m {
+            return true;
+        }
+        let gap = |n: &u32| body.surfaces.gap_m(*n as usize, &body.x[*n as usize]);
+        let least_m = self.nodes.iter().map(gap).fold(f64::INFINITY, f64::min);
+        // round-off
+        self.clear_m = [(1.0 - 1e-9) * least_m, 0.0];
+        self.clear_m[0] > reach_m
+    }
+
     /// The set of these elements with the momenta that its nodes have.
     pub(super) fn of(body: &Dynamics, elements: Vec<u32>) -> Self {
         let mut nodes: Vec<u32> =
@@ -366,6 +386,7 @@ impl RigidSet {
             pulls: 0,
             motion,
             top_speed_m_s: fastest.sqrt(),
+            clear_m: [0.0; 2],
             demand: None,
         }
     }

@@ -61,7 +61,7 @@ impl Default for HybridSettings {
             rate_1_s: 0.025,
             quiet_s: 0.02,
             least_elements: 16,
-            check_s: 0.004,
+            check_s: 0.008,
             overload_strain: 2e-4,
             rings: 2,
             rigid_from_start: None,
