@@ -8,8 +8,9 @@ use super::links::ALONE;
 use super::rows::{Block, Motion, Rows};
 use crate::mbs::math::{self, V3};
 
-/// Ratio of the masses of two bodies that press on each other from which sweeps settle too slowly: by about its inverse each.
-const UNEVEN: f64 = 30.0;
+/// Ratio of the masses of two bodies that press on each other from which sweeps settle too slowly: by about its inverse each. At 30 halves of columns under floors are searched for in every step, which doubles the run time of s2-026 and changes no error against FE;
+/// at 60 one of 110 random buildings has a half of a column 1.3 mm in the ground for an instant.
+const UNEVEN: f64 = 60.0;
 
 /// What is kept between the moves.
 #[derive(Debug, Clone, Default)]
