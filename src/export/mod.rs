@@ -79,6 +79,10 @@ impl Notes {
                 "the compressive capacity is left out: it does not crush",
             ),
             (bushing.carry_over.is_some(), NOTHING_CARRIED_OVER),
+            (
+                bushing.latent.is_some(),
+                "it is latent here, rigid until it is overloaded, and live from the begin there",
+            ),
         ];
         for (_, text) in left_out.into_iter().filter(|(is_there, _)| *is_there) {
             self.add(&bushing.id, text);
@@ -114,6 +118,9 @@ fn at_start(model: &Model, notes: &mut Notes) -> Model {
     for shared in &m.shared_masses {
         let first = shared.bodies.first().map_or("shared_masses", String::as_str);
         notes.add(first, "inertia that it has together with others (shared_masses) is left out: spans are as heavy as rigid halves");
+    }
+    for rule in std::mem::take(&mut m.event_rules) {
+        notes.add(&rule.id, "the rule about contacts or fractures is left out");
     }
     if m.settings.preload {
         notes.add(
