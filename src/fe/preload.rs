@@ -134,7 +134,7 @@ enum Solver {
     /// In double precision.
     Direct(Llt<usize, f64>),
     /// In single precision, beside the matrix.
-    Refined(LowerColumns, Llt<u32, f32>),
+    Refined(LowerColumns, Factor),
 }
 
 impl Solver {
@@ -159,9 +159,8 @@ impl Solver {
             for (start, value) in matrix.starts.iter().zip(&diagonal) {
                 matrix.values[*start as usize] = (f64::from(*value) * (1.0 + stiffer)) as f32;
             }
-            let pattern = SymbolicSparseColMatRef::new_checked(n, n, &matrix.starts, None, &matrix.rows);
-            if let Ok(found) = SparseColMatRef::new(pattern, &matrix.values[..]).sp_cholesky(Side::Lower) {
-                factor = Some(found);
+            factor = Factor::of(&matrix.starts, &matrix.rows, &matrix.values);
+            if factor.is_some() {
                 break;
             }
         }
@@ -177,11 +176,7 @@ impl Solver {
                 let step = factor.solve(&Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]));
                 Ok((0..rhs.len()).map(|i| step[(i, 0)]).collect())
             }
-            Self::Refined(matrix, factor) => conjugate_gradients(matrix, rhs, |r| {
-                let scale = r.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
-                let z = factor.solve(&Mat::from_fn(r.len(), 1, |i, _| (r[i] / scale) as f32));
-                (0..r.len()).map(|i| f64::from(z[(i, 0)]) * scale).collect()
-            }),
+            Self::Refined(matrix, factor) => conjugate_gradients(matrix, rhs, |r| factor.solve(r)),
         }
     }
 }

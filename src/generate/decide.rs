@@ -204,11 +204,6 @@ impl Decision {
         self.sections.get(&member)
     }
 
-    /// The rules that decided about a subject, or the analyst.
-    pub fn rules_about(&self, id: &str) -> Vec<String> {
-        self.fired(id)
-    }
-
     /// Asks the analyst and the rules about a subject; the answer to one question.
     fn ask(
         &mut self,
@@ -246,7 +241,7 @@ impl Decision {
     }
 
     /// The rules that decided about a subject, or the analyst.
-    fn fired(&self, id: &str) -> Vec<String> {
+    pub fn fired(&self, id: &str) -> Vec<String> {
         let analyst = self.overruled.get(id).map(|_| ANALYST.to_string());
         analyst.into_iter().chain(self.standing(id).map(|f| f.rule.clone())).collect()
     }

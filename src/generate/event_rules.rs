@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 const LATER: [&str; 5] =
     ["contact.partner", "contact.approach_speed", "event.time", "fracture.place", "collapse.phase"];
 
-/// The rules for the columns that may break between their ends.
+/// The rules for the columns that may break between their ends, at these hinges.
 ///
 /// # Errors
 /// If a rule compares what is not known yet with something else that is not a number.
@@ -25,14 +25,9 @@ pub fn of(
     decision: &Decision,
     (bodies, hinges): (&Bodies, &[Bushing]),
 ) -> Result<Vec<EventRule>, GenerateError> {
-    let mut named = Vec::new();
-    let mut own = Vec::new();
-    for (member, sections) in decision.sections() {
-        named.extend(bodies.all_of(member).into_iter().map(|i| bodies.list[i].id.clone()));
-        own.extend(sections.ids.iter().cloned());
-    }
-    // a section without a hinge, since its column has none at its end, is not there
-    own.retain(|id| hinges.iter().rev().any(|h| h.id == *id));
+    let of_column = |(member, _)| bodies.all_of(member).into_iter().map(|i| bodies.list[i].id.clone());
+    let named: Vec<String> = decision.sections().flat_map(of_column).collect();
+    let own: Vec<String> = hinges.iter().map(|h| h.id.clone()).collect();
     if own.is_empty() {
         return Ok(Vec::new());
     }

@@ -16,6 +16,7 @@ use crate::library::similar::{Candidates, Similar};
 use crate::library::{Entry, Store, StoreError};
 use crate::material::j2::HardeningTable;
 use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
+use crate::rc::pushover::torsion_constant;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -342,7 +343,7 @@ pub fn hinges(
             stiffness_nm_rad if is_elastic => Bending::Elastic { stiffness_nm_rad },
             _ => Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 },
         });
-        let half = HalfPrism::of(place.building, end);
+        let half = Prism::of(place.building, end);
         let law = place.building.law_of(&place.building.members[end.member]);
         // what does not yield neither breaks nor crushes
         let capacity = |capacity: Option<f64>| capacity.filter(|_| !is_elastic);
@@ -378,40 +379,55 @@ pub fn hinges(
     Ok(joints)
 }
 
-/// A member up to the middle of its clear length.
-struct HalfPrism {
-    length_m: f64,
+/// A stretch of a member, that from an end up to the middle of its clear length for instance.
+pub struct Prism {
+    pub length_m: f64,
     /// Across axes 1 and 2 of its joints \[m\].
     section_m: [f64; 2],
     /// Young's and shear modulus \[Pa\].
     moduli_pa: [f64; 2],
 }
 
-impl HalfPrism {
+impl Prism {
     /// That at an end.
     fn of(building: &Building, end: &MemberEnd) -> Self {
-        let member = &building.members[end.member];
+        Self::along(building, end.member, end.axis, 0.5 * end.clear_m)
+    }
+
+    /// A length of a member along an axis \[m\].
+    pub fn along(building: &Building, member: usize, axis: usize, length_m: f64) -> Self {
+        let member = &building.members[member];
         let law = building.law_of(member);
         Self {
-            length_m: 0.5 * end.clear_m,
-            section_m: [1, 2].map(|i| member.solid.size()[(end.axis + i) % 3]),
+            length_m,
+            section_m: [1, 2].map(|i| member.solid.size()[(axis + i) % 3]),
             moduli_pa: [law.youngs_modulus_pa, law.shear_modulus_pa()],
         }
     }
 
     /// Axial stiffness `E A / l` \[N/m\]. The submodel of an end has less, since its force goes into the floor around it: in a building it goes on to the next column, and what bends is the floor.
-    fn axial_n_m(&self) -> f64 {
+    pub fn axial_n_m(&self) -> f64 {
         self.moduli_pa[0] * self.section_m[0] * self.section_m[1] / self.length_m
     }
 
     /// Stiffness against rotation \[N m/rad\] about joint axis `k` under a force across in the middle, at a hinge so far from there \[m\]: `k = a² / (l³ / (3 E I) + l / (G A_s))`.
     fn turn_nm_rad(&self, k: usize, arm_m: f64) -> f64 {
-        let shear = 5.0 / 6.0 * self.moduli_pa[1] * self.section_m[0] * self.section_m[1];
-        arm_m * arm_m / (self.length_m.powi(3) / (3.0 * self.bending_nm2(k)) + self.length_m / shear)
+        let bent = self.length_m.powi(3) / (3.0 * self.bending_nm2(k));
+        arm_m * arm_m / (bent + self.length_m / self.shear_n())
+    }
+
+    /// Shear stiffness `G A_s` \[N\].
+    pub fn shear_n(&self) -> f64 {
+        5.0 / 6.0 * self.moduli_pa[1] * self.section_m[0] * self.section_m[1]
+    }
+
+    /// Torsional stiffness `G J` \[N m²\].
+    pub fn torsion_nm2(&self) -> f64 {
+        self.moduli_pa[1] * torsion_constant(self.section_m)
     }
 
     /// Bending stiffness about joint axis `k` \[N m²\].
-    fn bending_nm2(&self, k: usize) -> f64 {
+    pub fn bending_nm2(&self, k: usize) -> f64 {
         self.moduli_pa[0] * self.section_m[k] * self.section_m[1 - k].powi(3) / 12.0
     }
 
@@ -435,7 +451,7 @@ pub fn without_joint(
         if !other.is_some_and(|o| place.bodies.is_bending(o)) {
             continue;
         }
-        let half = HalfPrism::of(place.building, end);
+        let half = Prism::of(place.building, end);
         let arm_m = half.arm_m(hinge, end);
         for k in 0..2 {
             let alone = half.turn_nm_rad(k, arm_m);
@@ -466,7 +482,7 @@ pub fn carry_over(place: &Place, ends: &[&MemberEnd], hinges: &mut [Bushing]) {
         if ![other, i].iter().all(|k| is_own(&hinges[*k])) {
             continue;
         }
-        let half = HalfPrism::of(place.building, end);
+        let half = Prism::of(place.building, end);
         let arms_m = [(&hinges[i], *end), (&hinges[other], ends[hinges[other].id.as_str()])]
             .map(|(hinge, end)| half.arm_m(hinge, end));
         let flexibility_rad_nm = [0, 1].map(|k| {

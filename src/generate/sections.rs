@@ -6,7 +6,7 @@
 use super::bodies::Bodies;
 use super::cells::Piece;
 use super::decide::Decision;
-use super::joints::axes;
+use super::joints::{Prism, axes};
 use crate::base::geom::Aabb;
 use crate::base::piecewise::interpolate;
 use crate::building::Building;
@@ -14,7 +14,6 @@ use crate::curve::ResistanceCurve;
 use crate::graph::Structure;
 use crate::mbs::model::{Bending, Bushing, Origin};
 use crate::rc::layers::AT_JOINT;
-use crate::rc::pushover::torsion_constant;
 use crate::rules::{Subject, SubjectKind, features};
 use std::collections::BTreeMap;
 
@@ -103,15 +102,15 @@ pub fn hinges(
                 body_b: above,
                 point_m,
                 axes: axes(stretch.axis, 1.0),
-                axial_stiffness_n_m: stretch.axial_n_m(),
-                shear_stiffness_n_m: [stretch.shear_n_m(); 2],
-                torsional_stiffness_nm_rad: stretch.torsion_nm_rad(),
+                axial_stiffness_n_m: stretch.prism.axial_n_m(),
+                shear_stiffness_n_m: [stretch.prism.shear_n() / stretch.prism.length_m; 2],
+                torsional_stiffness_nm_rad: stretch.prism.torsion_nm2() / stretch.prism.length_m,
                 bending,
                 latent: Some(id.clone()),
                 carry_over: None,
                 origin: Origin {
                     members: vec![id.clone()],
-                    rules: decision.rules_about(id),
+                    rules: decision.fired(id),
                     entries: end.origin.entries.clone(),
                 },
                 ..(*end).clone()
@@ -129,49 +128,25 @@ struct Stretch {
     axis: usize,
     edges: Vec<f64>,
     middle_m: [f64; 3],
-    length_m: f64,
-    /// Across axes 1 and 2 \[m\].
-    section_m: [f64; 2],
-    youngs_pa: f64,
-    shear_pa: f64,
+    prism: Prism,
 }
 
 impl Stretch {
     fn of(building: &Building, structure: &Structure, index: usize, sections: &Sections) -> Self {
         let member = &building.members[index];
-        let (axis, law) = (member.axis, building.law_of(member));
         let edges = sections.edges(building, structure, index);
+        let length_m = SOFTER * (edges[1] - edges[0]);
         Self {
-            axis,
+            axis: member.axis,
             middle_m: member.solid.center(),
-            length_m: SOFTER * (edges[1] - edges[0]),
+            prism: Prism::along(building, index, member.axis, length_m),
             edges,
-            section_m: [1, 2].map(|i| member.solid.size()[(axis + i) % 3]),
-            youngs_pa: law.youngs_modulus_pa,
-            shear_pa: law.shear_modulus_pa(),
         }
-    }
-
-    fn area_m2(&self) -> f64 {
-        self.section_m[0] * self.section_m[1]
-    }
-
-    fn axial_n_m(&self) -> f64 {
-        self.youngs_pa * self.area_m2() / self.length_m
-    }
-
-    fn shear_n_m(&self) -> f64 {
-        5.0 / 6.0 * self.shear_pa * self.area_m2() / self.length_m
-    }
-
-    fn torsion_nm_rad(&self) -> f64 {
-        self.shear_pa * torsion_constant(self.section_m) / self.length_m
     }
 
     /// About an axis: the curves of an end, at each axial force over what a joint lends to them.
     fn bending(&self, axis: usize, end: &Bushing, curves: &mut BTreeMap<String, ResistanceCurve>) -> Bending {
-        let across = self.section_m[1 - axis];
-        let stiffness_nm_rad = self.youngs_pa * self.section_m[axis] * across.powi(3) / 12.0 / self.length_m;
+        let stiffness_nm_rad = self.prism.bending_nm2(axis) / self.prism.length_m;
         let of_end = end.bending[axis].curve().and_then(|id| Some((id, curves.get(id)?.clone())));
         let Some((id, mut curve)) = of_end else { return Bending::Elastic { stiffness_nm_rad } };
         let id = format!("{id}/free/{stiffness_nm_rad:.6e}");

@@ -163,10 +163,11 @@ impl RigidSurfaces {
         self.ground.is_some_and(|(level, _)| x[2] <= level + reach_m)
             && self.ground_of(node).is_some_and(|(level, _)| x[2] <= level + reach_m)
             || self.boxes.iter().any(|(solid, _)| over(solid))
-            || self.planes.iter().enumerate().any(|(i, plane)| {
-                let stops = self.stops.get(i).is_none_or(|s| s.get(node).copied().unwrap_or(true));
-                stops && height(plane, x) <= reach_m
-            })
+            || self
+                .planes
+                .iter()
+                .enumerate()
+                .any(|(i, plane)| self.stops_at(i, node) && height(plane, x) <= reach_m)
     }
 
     /// The least reach with which [`Self::is_near`] can be true of a node at `x`, embedded or not \[m\].
@@ -175,14 +176,20 @@ impl RigidSurfaces {
         let out = |solid: &Aabb, i: usize| (solid.min[i] - x[i]).max(x[i] - solid.max[i]);
         let beside = |solid: &Aabb| (0..3).map(|i| out(solid, i)).fold(f64::NEG_INFINITY, f64::max);
         let boxes = self.boxes.iter().map(|(solid, _)| beside(solid));
-        let stops = |i: usize| self.stops.get(i).is_none_or(|s| s.get(node).copied().unwrap_or(true));
-        let planes = (0..self.planes.len()).filter(|i| stops(*i)).map(|i| height(&self.planes[i], x));
+        let planes =
+            (0..self.planes.len()).filter(|i| self.stops_at(*i, node)).map(|i| height(&self.planes[i], x));
         boxes.chain(planes).fold(over_ground, f64::min)
     }
 
+    /// Whether a plane stops a node.
+    #[inline]
+    fn stops_at(&self, plane: usize, node: usize) -> bool {
+        self.stops.get(plane).is_none_or(|s| s.get(node).copied().unwrap_or(true))
+    }
+
     fn crosses(&self, plane: usize, node: usize, dt: f64, x: &Vec3, new: &Vec3) -> bool {
-        let stops = self.stops.get(plane).is_none_or(|s| s.get(node).copied().unwrap_or(true));
-        stops && height(&self.planes[plane], x) + dt * dot(self.planes[plane].normal, *new) < 0.0
+        self.stops_at(plane, node)
+            && height(&self.planes[plane], x) + dt * dot(self.planes[plane].normal, *new) < 0.0
     }
 
     /// Corrects the trial velocity of one node, leaving the components that are held as they are; returns the
@@ -211,7 +218,7 @@ impl RigidSurfaces {
             }
         }
         for (index, plane) in self.planes.iter().enumerate() {
-            if self.stops.get(index).is_none_or(|s| s.get(node).copied().unwrap_or(true)) {
+            if self.stops_at(index, node) {
                 let (gap_m, surface) = (height(plane, x), 1 + self.boxes.len() + index);
                 found.push(Near { surface, normal: plane.normal, gap_m, friction: plane.friction });
             }
