@@ -122,6 +122,9 @@ fn at_start(model: &Model, notes: &mut Notes) -> Model {
     for rule in std::mem::take(&mut m.event_rules) {
         notes.add(&rule.id, "the rule about contacts or fractures is left out");
     }
+    for face in &m.contact.crushing {
+        notes.add(&face.body, "crushing of its faces is left out: contacts are rigid there");
+    }
     if m.settings.preload {
         notes.add(
             "settings.preload",

@@ -170,6 +170,7 @@ fn contact(building: &Building) -> Contact {
         planes: Vec::new(),
         pairs: Vec::new(),
         bodies: Some(BodyContact { friction: building.ground.friction, restitution: RESTITUTION }),
+        crushing: Vec::new(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a run returns: histories, frames, energies, events.
 
+use super::model::Face;
 use serde::{Deserialize, Serialize};
 
 /// Version of the result file.
@@ -27,6 +28,9 @@ pub struct RunResult {
     /// Bushings that were latent at the begin.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub latent: Vec<LatentRecord>,
+    /// Faces that may be crushed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub crushed: Vec<CrushedHistory>,
     /// Histories of the hinges and torsion springs among the forces.
     #[serde(default)]
     pub turns: Vec<TurnHistory>,
@@ -110,6 +114,21 @@ impl EnergyHistory {
             + self.released_j[i]
             + self.applied_j.get(i).copied().unwrap_or(0.0)
     }
+}
+
+/// History of a face that may be crushed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CrushedHistory {
+    /// Id of the body.
+    pub body: String,
+    /// Which of its shapes.
+    pub shape: usize,
+    /// Which face.
+    pub face: Face,
+    /// By how much the box is shorter there \[m\].
+    pub depth_m: Vec<f64>,
+    /// Work that it took \[J\], part of [`EnergyHistory::contact_damping_j`].
+    pub energy_j: Vec<f64>,
 }
 
 /// What became of a latent bushing.

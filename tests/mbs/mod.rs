@@ -4,6 +4,7 @@ mod batch;
 mod beam;
 mod carry;
 mod contact;
+mod crushing;
 mod event_rules;
 mod export;
 mod frame;

@@ -2,7 +2,7 @@
 
 use super::{List, ORTHONORMAL_TOLERANCE};
 use crate::mbs::math;
-use crate::mbs::model::{Model, Shape};
+use crate::mbs::model::{CrushedFace, Model, Shape};
 use std::collections::BTreeSet;
 
 pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
@@ -40,6 +40,48 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
         list.known(known, &pair.a, &format!("{path}.a"));
         list.among(&partners, &pair.b, &format!("{path}.b"), "a body, plane or obstacle, or \"ground\"");
         surface(pair.friction.unwrap_or(0.0), pair.restitution.unwrap_or(0.0), &path, list);
+    }
+    for (i, face) in contact.crushing.iter().enumerate() {
+        let path = format!("contact.crushing[{i}]");
+        list.known(known, &face.body, &format!("{path}.body"));
+        list.require(!model.is_ideal(), &path, || {
+            "needs a model without ideal joints and forces: leave it out".into()
+        });
+        crushing(model, face, &path, list);
+        let again = contact.crushing[..i]
+            .iter()
+            .position(|f| (&f.body, f.shape, f.face) == (&face.body, face.shape, face.face));
+        list.require(again.is_none(), &path, || {
+            format!("names the same face as contact.crushing[{}]: a face has one curve", again.unwrap_or(0))
+        });
+    }
+}
+
+/// A face that is crushed: on a box, with a curve that starts at 0 with a force.
+fn crushing(model: &Model, face: &CrushedFace, path: &str, list: &mut List) {
+    if let Some(body) = model.bodies.iter().find(|b| b.id == face.body) {
+        let shape = body.shapes.get(face.shape);
+        list.require(shape.is_some_and(|s| s.half_extents_m().is_some()), &format!("{path}.shape"), || {
+            let found = if shape.is_some() { "not a box" } else { "not there" };
+            format!(
+                "is {}, which is {found}; \"{}\" has {} shapes, numbered from 0, and faces of boxes can be crushed",
+                face.shape,
+                face.body,
+                body.shapes.len()
+            )
+        });
+    }
+    let curve = &face.force_n;
+    let path = format!("{path}.force_n");
+    list.require(curve.first().is_some_and(|p| p[0] == 0.0 && p[1] > 0.0), &path, || {
+        format!("starts with {:?}, expected [0, a positive force]: shortening [m], force [N]", curve.first())
+    });
+    for (k, p) in curve.iter().enumerate() {
+        list.finite(&format!("{path}[{k}]"), p);
+        list.not_negative(&format!("{path}[{k}][1]"), p[1]);
+        list.require(k == 0 || p[0] > curve[k - 1][0], &format!("{path}[{k}][0]"), || {
+            format!("is {}, expected more than the shortening before it, {}", p[0], curve[k.max(1) - 1][0])
+        });
     }
 }
 

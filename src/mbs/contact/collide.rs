@@ -63,6 +63,14 @@ pub struct Found {
 }
 
 impl Solid {
+    /// Half edge lengths of a box \[m\].
+    pub fn half(&self) -> Option<V3> {
+        match self {
+            Self::Box(half) => Some(*half),
+            _ => None,
+        }
+    }
+
     /// The solid of a shape, and its frame in the body.
     pub fn of(shape: &Shape) -> (Self, Placed) {
         match shape {

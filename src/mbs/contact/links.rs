@@ -149,7 +149,7 @@ impl Rows {
         for (k, i) in (block.first as usize..(block.first + block.count) as usize).enumerate() {
             let [a, b] = block.bodies.map(|b| &self.motion[b as usize]);
             let row = &mut self.rows[i];
-            let (p, change) = row.correct(row.relative(a, b), n, block.friction);
+            let (p, change) = row.correct(row.relative(a, b), n, block.friction, block.cap);
             largest = largest.max(change);
             self.links.kick(block.linked as usize + k, p, &mut self.motion);
         }

@@ -10,6 +10,7 @@
 //! | `search` | conjugate directions where sweeps settle slowly |
 //! | `links` | impulses on bodies that ideal joints hold together |
 //! | `impact` | impacts with rebound of bodies that no joint holds: rounds of Moreau's law |
+//! | `crush` | faces that get shorter under more than they bear |
 //! | `solve` | a step: which pairs, impulses, gaps, energies |
 //!
 //! **Law.** At each contact point `gap + h v_n >= 0` at the end of a step of length `h`, the impulse `p_n >= 0` acts only if this is an
@@ -28,6 +29,7 @@
 //! work against the acting forces is the caller's to book.
 
 mod collide;
+mod crush;
 mod impact;
 mod links;
 mod pair;
@@ -36,12 +38,14 @@ mod search;
 mod solve;
 mod surface;
 
+pub use crush::Crushed;
 pub use links::Linked;
 pub use surface::Surface;
 
 use super::math::{self, M3, Q, V3};
 use super::model::{Model, Shape};
 use collide::{Broad, Finder, Found, Placed, Solid};
+use crush::Faces;
 use impact::Impacts;
 use pair::{Entry, Pair, Point};
 use rows::{Motion, Rows};
@@ -223,6 +227,18 @@ struct Collider {
     partner: Partner,
 }
 
+impl Collider {
+    /// Takes `depth_m` \[m\] off a box on one side.
+    fn shorten(&mut self, axis: usize, sign: f64, depth_m: f64) {
+        let Solid::Box(half) = &mut self.solid else { return };
+        let depth_m = depth_m.min(2.0 * half[axis] * (1.0 - 1e-3));
+        half[axis] -= 0.5 * depth_m;
+        let local = self.local.get_or_insert(Placed::HERE);
+        let along: V3 = std::array::from_fn(|i| local.r[i][axis]);
+        local.x = math::axpy(local.x, -0.5 * sign * depth_m, along);
+    }
+}
+
 /// A path that no body travels \[m\].
 const NEVER_M: f64 = 1e300;
 
@@ -251,6 +267,7 @@ pub struct ContactSet {
     colliders: Vec<Collider>,
     planes: Vec<Plane>,
     surfaces: Surfaces,
+    faces: Faces,
     /// Index of what never moves: the number of bodies.
     ground: usize,
     radius: Vec<f64>,
@@ -351,6 +368,7 @@ impl ContactSet {
             touched: Vec::new(),
             still: (0..=ground).map(|i| i == ground).collect(),
             surfaces: Surfaces::new(model),
+            faces: Faces::new(model, count),
             ground,
             radius,
             travel: vec![0.0; ground + 1],

@@ -72,6 +72,11 @@ pub(super) struct Pair {
     pub fresh: bool,
     /// Whether it has touched.
     pub seen: bool,
+    /// Whether a solid has changed since its points were found.
+    pub outdated: bool,
+    /// Whether its points bore something in the last step; and the share of its resistance to crushing in this step and in the next one.
+    pub bore: bool,
+    pub resistance: [f64; 2],
     offset: f64,
     pub surface: Surface,
     normal: [V3; 2],
@@ -90,6 +95,9 @@ impl Pair {
             blocked: false,
             fresh,
             seen: false,
+            outdated: false,
+            bore: false,
+            resistance: [1.0; 2],
             offset: 0.0,
             surface,
             normal: [[0.0; 3]; 2],
@@ -101,6 +109,7 @@ impl Pair {
 
     pub fn forget(&mut self) {
         self.count = 0;
+        self.bore = false;
         self.offset = 0.0;
     }
 
@@ -351,7 +360,7 @@ impl ContactSet {
         let (a, b) = (pair.a as usize, pair.b as usize);
         let [of_a, of_b] = [self.colliders[a].body, self.colliders[b].body];
         let travelled = self.travel[of_a] + self.travel[of_b];
-        if pair.count == 0 || self.is_stale(pair) {
+        if pair.count == 0 || pair.outdated || self.is_stale(pair) {
             let apart = self.separation([a, b], reach);
             if apart > reach {
                 let pair = &mut self.pairs[slot];
@@ -443,7 +452,7 @@ impl ContactSet {
         let pair = &mut self.pairs[slot];
         self.kept.clear();
         self.kept.extend_from_slice(&pair.points[..usize::from(pair.count)]);
-        pair.count = 0;
+        (pair.count, pair.outdated) = (0, false);
         let Some(normals) = normals else { return };
         pair.normal = normals;
         self.found.sort_by(|p, q| p.gap.total_cmp(&q.gap).then(p.id.cmp(&q.id)));
@@ -493,6 +502,8 @@ impl super::Rows {
                 slot: slot as u32,
                 friction: surface.friction,
                 restitution: surface.restitution,
+                cap: f64::INFINITY,
+                face: super::crush::NONE,
                 normal,
                 linked: super::links::ALONE,
                 idle: false,

@@ -59,6 +59,9 @@ pub(super) struct Block {
     pub slot: u32,
     pub friction: f64,
     pub restitution: f64,
+    /// Largest impulse along the normal of each point \[N s\], and the face that is crushed there; [`super::crush::NONE`]: none.
+    pub cap: f64,
+    pub face: u32,
     /// From the first body to the second.
     pub normal: V3,
     /// Its first row among those that ideal joints link to others; [`ALONE`]: none.
@@ -116,9 +119,9 @@ impl Row {
 
     /// Corrects the impulses by a relative velocity; what is added to them, and the square of the change of velocity.
     #[inline(always)]
-    pub fn correct(&mut self, u: V3, n: V3, friction: f64) -> (V3, f64) {
+    pub fn correct(&mut self, u: V3, n: V3, friction: f64, cap: f64) -> (V3, f64) {
         let un = math::dot(u, n);
-        let normal = (self.normal + (self.target - un) * self.mass[0]).max(0.0);
+        let normal = (self.normal + (self.target - un) * self.mass[0]).max(0.0).min(cap);
         let mut tangent = math::axpy(self.tangent, -self.mass[1], math::axpy(u, -un, n));
         let limit = friction * normal;
         let square = math::dot(tangent, tangent);
@@ -208,7 +211,7 @@ impl Rows {
             if row.stays_open(u, n) {
                 continue;
             }
-            let (p, change) = row.correct(u, n, block.friction);
+            let (p, change) = row.correct(u, n, block.friction, block.cap);
             largest = largest.max(change);
             kick(&mut of_a, &inverse_a, row.arms[0], p, -1.0);
             kick(&mut of_b, &inverse_b, row.arms[1], p, 1.0);
@@ -231,7 +234,7 @@ impl Rows {
             if row.stays_open(u, n) {
                 continue;
             }
-            let (p, change) = row.correct(u, n, block.friction);
+            let (p, change) = row.correct(u, n, block.friction, block.cap);
             largest = largest.max(change);
             kick(&mut of_a, &inverse, row.arms[0], p, -1.0);
         }
@@ -252,6 +255,11 @@ impl Rows {
             }
         }
         worst
+    }
+
+    /// The smallest gap that is too small after [`Self::look_ahead`] and what was crushed then.
+    pub fn worst(&self) -> f64 {
+        self.rows.iter().map(|row| if row.exact { -row.gap.abs() } else { row.gap }).fold(0.0, f64::min)
     }
 
     /// Displacements that open what [`Self::look_ahead`] found closed, by a share `rate` a visit.

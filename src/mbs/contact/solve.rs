@@ -48,6 +48,7 @@ impl ContactSet {
             self.growth[i] = 0.0;
         }
         self.step += 1;
+        self.shorten();
         self.enter_bounds(bodies, h);
         self.rows.blocks.clear();
         self.rows.rows.clear();
@@ -58,6 +59,7 @@ impl ContactSet {
             return Ok(());
         }
         if points > 0 {
+            self.cap(bodies, h);
             self.load(bodies);
             self.rows.links.clear();
             if let Some(m) = mechanism.as_deref_mut() {
@@ -175,6 +177,7 @@ impl ContactSet {
                 break;
             }
             if self.rows.blocks.len() > first {
+                self.cap(bodies, h);
                 if let Some(m) = mechanism.as_deref_mut() {
                     self.rows.link(first, m);
                 }
@@ -314,7 +317,10 @@ impl ContactSet {
     fn close(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
         self.check_depth()?;
         self.book(bodies, h);
-        let worst = self.rows.look_ahead(h);
+        let mut worst = self.rows.look_ahead(h);
+        if self.crush() {
+            worst = self.rows.worst();
+        }
         if worst < -self.settings.slop_m || self.rows.rows.iter().any(|r| r.exact) {
             self.rows.separate(self.settings.gap_sweeps, self.settings.gap_rate);
         }
@@ -356,7 +362,9 @@ impl ContactSet {
             let mut first_touch = f64::INFINITY;
             for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
                 let mean = row.relative(&a, &b);
-                normal_work += row.normal * math::dot(mean, block.normal);
+                let work = row.normal * math::dot(mean, block.normal);
+                normal_work += work;
+                self.faces.book(&block, row.normal, -work);
                 friction_work += math::dot(row.tangent, mean);
                 let point = &mut self.pairs[slot].points[row.point as usize];
                 point.normal = row.normal / h;
@@ -364,6 +372,12 @@ impl ContactSet {
                 if row.normal > 0.0 && !self.pairs[slot].seen {
                     first_touch = first_touch.min(row.touch_s());
                 }
+            }
+            if block.face != super::crush::NONE {
+                let rows = &self.rows.rows[block.first as usize..(block.first + block.count) as usize];
+                let pair = &mut self.pairs[slot];
+                pair.bore = rows.iter().any(|r| r.normal > 0.0);
+                pair.resistance = [if pair.bore { pair.resistance[1] } else { 1.0 }, 1.0];
             }
             if first_touch < f64::INFINITY {
                 self.note(slot, first_touch.min(h));

@@ -513,6 +513,7 @@ fn empty(model: &Model) -> RunResult {
         energies: Default::default(),
         hinges: hinges.collect(),
         latent: Vec::new(),
+        crushed: Vec::new(),
         turns: turns.collect(),
         reactions: reactions.collect(),
         events: Vec::new(),

@@ -105,6 +105,13 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
     // a body of several pieces that parts would take its share of the inertia with it
     let is_alone = |id: &String| at(id).is_some_and(|i| pieces[places[i].body].len() == 1);
     own.shared_masses.retain(|s| s.bodies.iter().all(is_alone));
+    // shapes of a body are those of its pieces one after the other
+    for face in &mut own.contact.crushing {
+        let Some(piece) = at(&face.body) else { continue };
+        let whole = &pieces[places[piece].body];
+        let before = whole.iter().take_while(|i| **i != piece).map(|i| model.bodies[*i].shapes.len());
+        (face.body, face.shape) = (renamed(&face.body), face.shape + before.sum::<usize>());
+    }
     own.bodies = bodies;
     Merged { model: own, places, pieces, bushings }
 }

@@ -36,6 +36,14 @@ impl Shape {
         Self::Box { center_m, half_extents_m, orientation: None }
     }
 
+    /// Half edge lengths of a box \[m\].
+    pub fn half_extents_m(&self) -> Option<[f64; 3]> {
+        match self {
+            Self::Box { half_extents_m, .. } => Some(*half_extents_m),
+            _ => None,
+        }
+    }
+
     /// Points whose convex hull holds the shape: corners of boxes, points of hulls, corners of the box around a sphere \[m\].
     pub fn corners(&self) -> Vec<[f64; 3]> {
         let around = |center: [f64; 3], half: [f64; 3], turn: [f64; 4]| {
@@ -86,6 +94,64 @@ pub struct Contact {
     /// What holds for single pairs; later ones win.
     #[serde(default)]
     pub pairs: Vec<PairRule>,
+    /// Faces of boxes that are crushed by what they strike.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub crushing: Vec<CrushedFace>,
+}
+
+/// A face of a box, such as the end of a column, that bears no more than a force, and gets shorter under more.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CrushedFace {
+    /// Id of the body.
+    pub body: String,
+    /// Which of its shapes, a box.
+    #[serde(default)]
+    pub shape: usize,
+    /// Which face.
+    pub face: Face,
+    /// Shortening so far \[m\] from 0 and the force that the whole face bears then \[N\]; constant beyond the last point.
+    pub force_n: Vec<[f64; 2]>,
+    /// Library entry that the curve is from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subsystem: Option<String>,
+}
+
+/// A face of a box by the axis of the box that it looks along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Face {
+    /// Against x.
+    #[serde(rename = "-x")]
+    LowX,
+    /// Along x.
+    #[serde(rename = "+x")]
+    HighX,
+    /// Against y.
+    #[serde(rename = "-y")]
+    LowY,
+    /// Along y.
+    #[serde(rename = "+y")]
+    HighY,
+    /// Against z.
+    #[serde(rename = "-z")]
+    LowZ,
+    /// Along z.
+    #[serde(rename = "+z")]
+    HighZ,
+}
+
+impl Face {
+    /// Its axis (0 to 2), and 1 or -1 for along or against it.
+    pub fn axis(self) -> (usize, f64) {
+        match self {
+            Self::LowX => (0, -1.0),
+            Self::HighX => (0, 1.0),
+            Self::LowY => (1, -1.0),
+            Self::HighY => (1, 1.0),
+            Self::LowZ => (2, -1.0),
+            Self::HighZ => (2, 1.0),
+        }
+    }
 }
 
 /// What holds for one pair of bodies, or of a body and the `"ground"`, a plane or an obstacle.

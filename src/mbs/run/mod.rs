@@ -450,7 +450,8 @@ impl<'a> Run<'a> {
         }
         let mut touched = std::mem::take(&mut self.untouched);
         std::mem::swap(&mut self.system.bodies, &mut touched);
-        (self.contacts.energy, self.opened) = (energy, opened);
+        self.contacts.take_back(energy);
+        self.opened = opened;
         let kick = 0.5 * (self.last_step + h);
         for (body, data) in self.system.bodies.iter_mut().zip(&self.system.data) {
             if data.alive && !data.asleep {

@@ -29,6 +29,10 @@ impl Run<'_> {
             let history = &mut self.result.tracked[k];
             history.displacement_m.push(math::sub(point, history.origin_m));
         }
+        for (history, crushed) in self.result.crushed.iter_mut().zip(self.contacts.crushed()) {
+            history.depth_m.push(crushed.depth_m);
+            history.energy_j.push(crushed.energy_j);
+        }
         self.latent.weigh(&self.system);
         for (history, (bushing, hinge)) in self.result.hinges.iter_mut().zip(&self.hinges) {
             let Some(running) = self.latent.bushings[*bushing] else {

@@ -56,7 +56,8 @@ impl Run<'_> {
             }
         }
         self.latent.drop_step();
-        (self.contacts.energy, self.opened) = (energy, opened);
+        self.contacts.take_back(energy);
+        self.opened = opened;
         self.part(&parting)?;
         Ok(true)
     }
@@ -97,8 +98,10 @@ impl Run<'_> {
         self.sleep = Sleep::new(self.file.settings.sleep_speed_m_s, self.system.count());
         self.sleep.taken_j = taken_j;
         let (energy, work) = (self.contacts.energy, self.contacts.work);
+        let crushed: Vec<_> = self.contacts.crushed().collect();
         self.contacts = ContactSet::new(&self.model, self.options.contact);
         (self.contacts.energy, self.contacts.work) = (energy, work);
+        self.contacts.resume_crushed(crushed.into_iter());
         connect(&mut self.contacts, &self.system, &self.latent);
         self.origin = self.centers();
         self.step_limit = choose_step(&self.model, frequency::highest_rad_s(&mut self.system), self.share)?;

@@ -7,7 +7,9 @@ use crate::mbs::frequency;
 use crate::mbs::latent::Latent;
 use crate::mbs::model::Model;
 use crate::mbs::preload::PreloadError;
-use crate::mbs::result::{HingeHistory, LatentRecord, RESULT_SCHEMA, RunResult, TrackedHistory};
+use crate::mbs::result::{
+    CrushedHistory, HingeHistory, LatentRecord, RESULT_SCHEMA, RunResult, TrackedHistory,
+};
 use crate::mbs::system::System;
 use petgraph::unionfind::UnionFind;
 use std::collections::BTreeSet;
@@ -82,6 +84,13 @@ pub(super) fn empty_result(
         origin_m: point.point_m,
         displacement_m: Vec::new(),
     });
+    let crushed = model.contact.crushing.iter().map(|f| CrushedHistory {
+        body: f.body.clone(),
+        shape: f.shape,
+        face: f.face,
+        depth_m: Vec::new(),
+        energy_j: Vec::new(),
+    });
     let latent = model.bushings.iter().filter(|b| b.latent.is_some()).map(|b| LatentRecord {
         joint: b.id.clone(),
         largest_share: 0.0,
@@ -104,6 +113,7 @@ pub(super) fn empty_result(
         energies: Default::default(),
         hinges: hinge_histories.collect(),
         latent: latent.collect(),
+        crushed: crushed.collect(),
         turns: Vec::new(),
         reactions: Vec::new(),
         events: Vec::new(),
