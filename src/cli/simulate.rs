@@ -1,7 +1,7 @@
 //! `fallwerk simulate MODEL`: runs a multibody model file.
 
 use crate::mbs::result::{EventKind, RunResult};
-use crate::mbs::{Model, SolveError, simulate};
+use crate::mbs::{Model, SolveError, SolverOptions, simulate_with};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,9 @@ pub struct SimulateArgs {
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
+    /// Look at all pairs of bodies in every step, also those that cannot meet in it, and let no body fall asleep
+    #[arg(long)]
+    pub compute_all: bool,
 }
 
 /// Why the command failed.
@@ -50,8 +53,12 @@ impl SimulateError {
 
 /// Runs the command.
 pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
-    let model = Model::read(&args.model).map_err(SolveError::from)?;
-    let result = simulate(&model)?;
+    let mut model = Model::read(&args.model).map_err(SolveError::from)?;
+    let mut options = SolverOptions::default();
+    if args.compute_all {
+        (options.contact.skip, model.settings.sleep_speed_m_s) = (false, None);
+    }
+    let result = simulate_with(&model, &options)?;
     if let Some(folder) = &args.output {
         write_files(folder, &result)?;
     }
@@ -179,6 +186,9 @@ fn summary(result: &RunResult) -> String {
     if let Some((id, u)) = largest_displacement(result) {
         let _ = writeln!(text, "  largest displacement at the end: {u:.4} m at {id}");
     }
+    if let Some(words) = result.contact_work.words(result.steps) {
+        let _ = writeln!(text, "  {words}");
+    }
     for warning in &result.warnings {
         let _ = writeln!(text, "  warning: {warning}");
     }
@@ -196,6 +206,7 @@ fn summary_json(result: &RunResult) -> serde_json::Value {
         "time_step_s": result.time_step_s,
         "cpu_s": result.cpu_s,
         "energy_error": result.energy_error,
+        "contact_work": result.contact_work,
         "hinges_yielded": yielded,
         "joints_separated": fractured,
         "first_ground_contact_s": result.first_ground_contact_s,

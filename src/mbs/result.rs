@@ -1,5 +1,6 @@
 //! What a run returns: histories, frames, energies, events.
 
+use super::contact::Work;
 use super::model::Face;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,9 @@ pub struct RunResult {
     pub cpu_s: f64,
     /// Largest error of the energy balance relative to the energy turned over.
     pub energy_error: f64,
+    /// Work of contacts done and left out.
+    #[serde(default)]
+    pub contact_work: ContactWork,
     /// Remarks, such as an axial force outside the levels of a curve.
     pub warnings: Vec<String>,
 }
@@ -129,6 +133,47 @@ pub struct CrushedHistory {
     pub depth_m: Vec<f64>,
     /// Work that it took \[J\], part of [`EnergyHistory::contact_damping_j`].
     pub energy_j: Vec<f64>,
+}
+
+/// Work of contacts done and left out. What is left out cannot change the result ([`crate::mbs::contact::Settings::skip`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactWork {
+    /// Steps with points that may touch.
+    pub contact_steps: u64,
+    /// Steps in which a bound of the paths of all bodies told that nothing could touch.
+    pub quiet_steps: u64,
+    /// Pairs of solids looked at in the steps between.
+    pub pairs_looked_at: u64,
+    /// Pairs left alone in all steps, as their bodies had not travelled their distance.
+    pub pairs_left_alone: u64,
+    /// Visits of contact points.
+    pub point_visits: u64,
+}
+
+impl ContactWork {
+    /// In words, for the end of a run of so many steps; nothing if no pair was known.
+    pub fn words(&self, steps: usize) -> Option<String> {
+        let pairs = self.pairs_looked_at + self.pairs_left_alone;
+        (pairs > 0).then(|| {
+            format!(
+                "contact: no search in {:.1} % of the steps, {:.1} % of the pairs left alone (--compute-all looks at all, with the same result)",
+                100.0 * self.quiet_steps as f64 / steps.max(1) as f64,
+                100.0 * self.pairs_left_alone as f64 / pairs as f64,
+            )
+        })
+    }
+}
+
+impl From<Work> for ContactWork {
+    fn from(work: Work) -> Self {
+        Self {
+            contact_steps: work.steps,
+            quiet_steps: work.quiet_steps,
+            pairs_looked_at: work.looks,
+            pairs_left_alone: work.left_alone,
+            point_visits: work.visits,
+        }
+    }
 }
 
 /// What became of a latent bushing.

@@ -2,7 +2,7 @@
 
 use super::support::*;
 use fallwerk::mbs::model::*;
-use fallwerk::mbs::simulate;
+use fallwerk::mbs::{SolverOptions, simulate, simulate_with};
 
 fn on_ground(name: &str, end_s: f64, friction: f64) -> Model {
     let mut m = model(name, end_s, 0.01);
@@ -218,4 +218,39 @@ fn a_heavy_block_comes_to_rest_on_a_light_one() {
             assert!(most - taken < 1e-3 * m.bodies[1].mass_kg * G * 0.04, "{ratio}: {most} {taken}");
         }
     }
+}
+
+#[test]
+fn what_is_skipped_changes_nothing() {
+    // blocks that fall from different heights, some of them fast and turning, onto a tower and the ground
+    let mut m = on_ground("skip", 1.2, 0.5);
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: RESTITUTION });
+    for k in 0..4 {
+        m.bodies.push(solid(&format!("tower{k}"), [0.0, 0.0, 0.5 + 0.42 * f64::from(k)], [0.6, 0.6, 0.4]));
+    }
+    for k in 0..12 {
+        let f = f64::from(k);
+        let mut body = solid(
+            &format!("b{k}"),
+            [0.9 * (f % 4.0) - 1.3, 0.7 * (f % 3.0) - 0.7, 2.2 + 0.6 * f],
+            [0.5, 0.3, 0.2],
+        );
+        body.angular_velocity_rad_s = [f % 5.0, 2.0 - f % 3.0, 0.3 * f];
+        body.velocity_m_s = [0.0, 0.1 * f, -0.5 * f];
+        m.bodies.push(body);
+    }
+    let run = |skip: bool| {
+        let mut options = SolverOptions::default();
+        options.contact.skip = skip;
+        simulate_with(&m, &options).unwrap()
+    };
+    let (skipping, all) = (run(true), run(false));
+    assert_eq!(skipping.frames, all.frames);
+    assert_eq!(skipping.energies, all.energies);
+    assert_eq!(skipping.events, all.events);
+    let [some, every] = [&skipping, &all].map(|r| r.contact_work);
+    println!("{some:?}\n{every:?}");
+    assert_eq!((every.quiet_steps, every.pairs_left_alone), (0, 0));
+    assert_eq!(some.point_visits, every.point_visits);
+    assert!(some.pairs_left_alone > some.pairs_looked_at && some.quiet_steps > 0);
 }

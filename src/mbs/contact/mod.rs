@@ -150,6 +150,12 @@ pub struct Work {
     pub visits: u64,
     /// Most points in a step.
     pub most_points: usize,
+    /// Steps in which nothing could touch.
+    pub quiet_steps: u64,
+    /// Pairs looked at.
+    pub looks: u64,
+    /// Pairs left alone in all steps.
+    pub left_alone: u64,
     /// Searches for the points of a pair.
     pub searches: u64,
     /// Rounds of sweeps that ended before the tolerance was met.
@@ -181,6 +187,8 @@ pub struct Settings {
     pub gap_rate: f64,
     /// Penetration that is left alone \[m\].
     pub slop_m: f64,
+    /// Whether pairs that cannot meet in a step are left alone, and steps in which none can. Without it every pair is looked at in every step.
+    pub skip: bool,
     /// Relative motion of a pair until its points are searched again, as a share of the thickness of its solids.
     pub stale: f64,
 }
@@ -198,6 +206,7 @@ impl Default for Settings {
             gap_sweeps: 2,
             gap_rate: 0.2,
             slop_m: 1e-4,
+            skip: true,
             stale: 1e-2,
         }
     }
@@ -584,7 +593,10 @@ impl ContactSet {
             self.count_slack();
         }
         let quiet = !late && self.clock + 2.0 * largest < self.alarm;
+        let quiet = quiet && self.settings.skip;
         if quiet {
+            self.work.quiet_steps += 1;
+            self.work.left_alone += self.order.iter().filter(|e| e.limit < f64::INFINITY).count() as u64;
             self.clock += 2.0 * largest;
             for (travel, path) in self.travel.iter_mut().zip(&self.path) {
                 *travel += path;

@@ -103,12 +103,16 @@ impl ContactSet {
         self.until.clear();
         self.until.extend(self.travel.iter().zip(&self.path).map(|(travel, path)| travel + path + margin));
         for k in 0..self.order.len() {
-            let entry = &mut self.order[k];
-            entry.allowed = 0.0;
+            self.order[k].allowed = 0.0;
+            let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
-            if self.until[a] + self.until[b] >= entry.limit && !self.is_still([a, b]) {
+            let may_meet = self.until[a] + self.until[b] >= entry.limit || !self.settings.skip;
+            if may_meet && entry.limit < f64::INFINITY && !self.is_still([a, b]) {
+                self.work.looks += 1;
                 let allowed = self.allowed([a, b]);
                 self.look(k, bodies, h, f64::NEG_INFINITY, allowed);
+            } else {
+                self.work.left_alone += u64::from(entry.limit < f64::INFINITY);
             }
         }
     }

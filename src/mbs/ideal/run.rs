@@ -128,6 +128,7 @@ impl<'a> Run<'a> {
         self.result.highest_frequency_rad_s = self.marcher.frequency_rad_s();
         self.result.energy_error = self.record.books.error;
         let contacts = self.marcher.touching.as_ref().map(|t| t.set.work);
+        self.result.contact_work = contacts.unwrap_or_default().into();
         self.result.warnings.extend(remark(&self.marcher.locked));
         self.result.warnings.extend(closing_remarks(&self.record.books, contacts));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -524,6 +525,7 @@ fn empty(model: &Model) -> RunResult {
         preload_iterations: None,
         cpu_s: 0.0,
         energy_error: 0.0,
+        contact_work: Default::default(),
         warnings: Vec::new(),
     }
 }

@@ -103,6 +103,7 @@ pub const REPEATED: &str = "repeated with";
 fn once(model: &Model, options: &SolverOptions, share: f64) -> Outcome {
     let mut run = Run::new(model, options, share)?;
     run.go()?;
+    run.result.contact_work = run.contacts.work.into();
     let remarks = closing_remarks(&run.books, Some(run.contacts.work));
     run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
     run.result.warnings.extend(remarks);
