@@ -125,6 +125,12 @@ fn at_start(model: &Model, notes: &mut Notes) -> Model {
     for face in &m.contact.crushing {
         notes.add(&face.body, "crushing of its faces is left out: contacts are rigid there");
     }
+    if m.contact.resists_rolling() {
+        notes.add(
+            "contact.rolling_m",
+            "resistance against rolling is left out: it would need a moment between solids",
+        );
+    }
     if m.settings.preload {
         notes.add(
             "settings.preload",

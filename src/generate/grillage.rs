@@ -334,7 +334,14 @@ pub fn corners(pieces: &[Piece], bodies: &Bodies, first: usize) -> Vec<PairRule>
     let id = |p: usize| bodies.list[first + p].id.clone();
     diagonals(pieces)
         .into_iter()
-        .map(|[a, b]| PairRule { a: id(a), b: id(b), ignore: true, friction: None, restitution: None })
+        .map(|[a, b]| PairRule {
+            a: id(a),
+            b: id(b),
+            ignore: true,
+            friction: None,
+            restitution: None,
+            rolling_m: None,
+        })
         .collect()
 }
 

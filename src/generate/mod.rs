@@ -170,6 +170,7 @@ fn contact(building: &Building) -> Contact {
         planes: Vec::new(),
         pairs: Vec::new(),
         bodies: Some(BodyContact { friction: building.ground.friction, restitution: RESTITUTION }),
+        rolling_m: 0.0,
         crushing: Vec::new(),
     }
 }

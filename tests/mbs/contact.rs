@@ -173,6 +173,7 @@ fn spheres_hulls_planes_and_pair_rules_do_what_the_file_says() {
         ignore: true,
         friction: None,
         restitution: None,
+        rolling_m: None,
     });
     m.contact.pairs.push(PairRule {
         a: "ball".into(),
@@ -180,6 +181,7 @@ fn spheres_hulls_planes_and_pair_rules_do_what_the_file_says() {
         ignore: false,
         friction: None,
         restitution: Some(1.0),
+        rolling_m: None,
     });
     let result = simulate(&m).unwrap();
     let highest = result.frames.iter().map(|f| f.position_m[0][0]).fold(0.0, f64::max);
@@ -253,4 +255,81 @@ fn what_is_skipped_changes_nothing() {
     assert_eq!((every.quiet_steps, every.pairs_left_alone), (0, 0));
     assert_eq!(some.point_visits, every.point_visits);
     assert!(some.pairs_left_alone > some.pairs_looked_at && some.quiet_steps > 0);
+}
+
+/// A ball of 0.5 m on flat ground under a tilted gravity, with rolling resistance.
+fn ball(tilt_rad: f64, rolling_m: f64, end_s: f64) -> Model {
+    let mut m = on_ground("ball", end_s, 0.8);
+    m.gravity_m_s2 = [G * tilt_rad.sin(), 0.0, -G * tilt_rad.cos()];
+    m.contact.rolling_m = rolling_m;
+    let mut body = solid("ball", [0.0, 0.0, 0.5], [1.0; 3]);
+    body.shapes = vec![Shape::Sphere { center_m: [0.0; 3], radius_m: 0.5 }];
+    body.inertia_kg_m2 = [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { 0.1 * body.mass_kg } else { 0.0 }));
+    m.bodies.push(body);
+    m
+}
+
+#[test]
+fn a_rolling_ball_stops_where_its_resistance_says() {
+    // rolling without slip: (m + I/r²) a = m g ρ / r, so a = 5/7 g ρ / r and the way is v²/2a (Johnson, Contact Mechanics, 1985, section 9.4)
+    let (speed, rolling) = (2.0, 0.05);
+    let mut m = ball(0.0, rolling, 4.0);
+    m.bodies[0].velocity_m_s = [speed, 0.0, 0.0];
+    m.bodies[0].angular_velocity_rad_s = [0.0, speed / 0.5, 0.0];
+    let result = simulate(&m).unwrap();
+    let expected = speed * speed / (2.0 * 5.0 / 7.0 * G * rolling / 0.5);
+    let way = result.frames.last().unwrap().position_m[0][0];
+    let friction = result.energies.friction_j.last().unwrap();
+    println!("rolls {way:.6} m ({expected:.6}), energy error {:.1e}", result.energy_error);
+    assert!((way / expected - 1.0).abs() < 1e-3);
+    assert!((friction / (0.7 * 2500.0 * speed * speed) - 1.0).abs() < 1e-6, "all of it is taken: {friction}");
+    assert!(result.energy_error < 1e-9);
+}
+
+#[test]
+fn a_ball_stands_on_slopes_up_to_its_resistance() {
+    // ρ / r = 0.1
+    for (slope, rolls) in [(0.095_f64, false), (0.105, true)] {
+        let tilt = slope.atan();
+        let result = simulate(&ball(tilt, 0.05, 2.0)).unwrap();
+        let way = result.frames.last().unwrap().position_m[0][0];
+        let expected = 0.5 * 5.0 / 7.0 * G * (tilt.sin() - 0.1 * tilt.cos()) * 4.0;
+        println!("slope {slope}: {way:.6} m");
+        assert!(if rolls { (way / expected - 1.0).abs() < 5e-3 } else { way.abs() < 1e-6 }, "{expected}");
+    }
+}
+
+#[test]
+fn resistance_against_rolling_does_not_hold_a_box_that_slides() {
+    let slide = |rolling_m: f64| {
+        let mut m = on_ground("slide", 1.5, 0.5);
+        m.contact.rolling_m = rolling_m;
+        let mut body = solid("box", [0.0, 0.0, 0.2], [1.0, 1.0, 0.4]);
+        body.velocity_m_s = [5.0, 0.0, 0.0];
+        m.bodies.push(body);
+        simulate(&m).unwrap().frames.last().unwrap().position_m[0][0]
+    };
+    let [without, with] = [0.0, 0.05].map(slide);
+    println!("slides {without:.6} m, with resistance against rolling {with:.6} m");
+    assert!((with / without - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn impacts_keep_their_energy_with_rolling_resistance() {
+    // balls that bounce off the ground and each other, turning
+    let mut m = ball(0.0, 0.02, 3.0);
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.6 });
+    m.contact.ground.as_mut().unwrap().restitution = 0.6;
+    let first = m.bodies[0].clone();
+    for k in 1..6 {
+        let mut body = first.clone();
+        body.id = format!("ball{k}");
+        body.position_m = [0.3 * f64::from(k % 2), 0.2 * f64::from(k % 3), 0.6 + 1.1 * f64::from(k)];
+        body.angular_velocity_rad_s = [3.0, -f64::from(k), 1.0];
+        m.bodies.push(body);
+    }
+    let result = simulate(&m).unwrap();
+    println!("energy error {:.1e}, warnings {:?}", result.energy_error, result.warnings);
+    assert!(result.energy_error < 1e-6);
+    assert!(result.warnings.is_empty(), "{:?}", result.warnings);
 }

@@ -41,6 +41,13 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
         list.among(&partners, &pair.b, &format!("{path}.b"), "a body, plane or obstacle, or \"ground\"");
         surface(pair.friction.unwrap_or(0.0), pair.restitution.unwrap_or(0.0), &path, list);
     }
+    list.not_negative("contact.rolling_m", contact.rolling_m);
+    for (i, pair) in contact.pairs.iter().enumerate() {
+        list.not_negative(&format!("contact.pairs[{i}].rolling_m"), pair.rolling_m.unwrap_or(0.0));
+    }
+    list.require(!contact.resists_rolling() || !model.is_ideal(), "contact.rolling_m", || {
+        "needs a model without ideal joints and forces: leave it out".into()
+    });
     for (i, face) in contact.crushing.iter().enumerate() {
         let path = format!("contact.crushing[{i}]");
         list.known(known, &face.body, &format!("{path}.body"));

@@ -126,6 +126,7 @@ impl ContactSet {
             *motion = Motion { v: body.v, w: body.w };
         }
         self.impacts.total.clear();
+        self.start_rolls(0);
         for round in 0..MOST_ROUNDS {
             let last = round + 1 == MOST_ROUNDS;
             if !self.aim(h, round, last) {
@@ -143,10 +144,14 @@ impl ContactSet {
             self.displace();
             if !last {
                 self.extend(bodies, h);
+                self.start_rolls(self.rows.rolls.len());
             }
         }
         for (row, (normal, tangent)) in self.rows.rows.iter_mut().zip(&self.impacts.total) {
             (row.normal, row.tangent, row.target) = (*normal, *tangent, -row.gap.max(0.0) / h);
+        }
+        for roll in &mut self.rows.rolls {
+            roll.moment = roll.total;
         }
     }
 
@@ -262,7 +267,8 @@ impl ContactSet {
 
     /// Scales the impulses of a round down to those that make no energy.
     fn damp(&mut self, h: f64) {
-        let (mut linear, mut square) = (0.0, 0.0);
+        let [rolled, rolls] = self.roll_work(|i| self.impacts.before[i as usize]);
+        let (mut linear, mut square) = (rolled, rolls - rolled);
         for block in &self.rows.blocks {
             let [kick_a, kick_b] = block.bodies.map(|i| &self.impacts.kick[i as usize]);
             let [first_a, first_b] = block.bodies.map(|i| &self.impacts.before[i as usize]);
@@ -289,6 +295,9 @@ impl ContactSet {
         for row in &mut self.rows.rows {
             (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
         }
+        for roll in &mut self.rows.rolls {
+            roll.moment = math::scale(share, roll.moment);
+        }
         for (motion, before) in self.rows.motion.iter_mut().zip(&self.impacts.before) {
             let [v, w] = [math::sub(motion.v, before.v), math::sub(motion.w, before.w)];
             *motion = Motion { v: math::axpy(before.v, share, v), w: math::axpy(before.w, share, w) };
@@ -299,6 +308,9 @@ impl ContactSet {
     fn displace(&mut self) {
         for (row, total) in self.rows.rows.iter().zip(&mut self.impacts.total) {
             *total = (total.0 + row.normal, math::add(total.1, row.tangent));
+        }
+        for roll in &mut self.rows.rolls {
+            (roll.total, roll.moment) = (math::add(roll.total, roll.moment), [0.0; 3]);
         }
         let bodies = self.rows.motion.iter().zip(&self.impacts.before).zip(&self.impacts.hit);
         for (shift, ((now, before), time)) in self.rows.shift.iter_mut().zip(bodies) {

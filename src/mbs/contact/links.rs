@@ -158,7 +158,7 @@ impl Rows {
 }
 
 /// A normal and two directions across it.
-fn axes_about(n: V3) -> [V3; 3] {
+pub(super) fn axes_about(n: V3) -> [V3; 3] {
     let least = (0..3).min_by(|i, j| n[*i].abs().total_cmp(&n[*j].abs())).unwrap_or(0);
     let mut axis = [0.0; 3];
     axis[least] = 1.0;

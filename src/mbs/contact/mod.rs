@@ -11,6 +11,7 @@
 //! | `links` | impulses on bodies that ideal joints hold together |
 //! | `impact` | impacts with rebound of bodies that no joint holds: rounds of Moreau's law |
 //! | `crush` | faces that get shorter under more than they bear |
+//! | `roll` | moments against rolling |
 //! | `solve` | a step: which pairs, impulses, gaps, energies |
 //!
 //! **Law.** At each contact point `gap + h v_n >= 0` at the end of a step of length `h`, the impulse `p_n >= 0` acts only if this is an
@@ -33,6 +34,7 @@ mod crush;
 mod impact;
 mod links;
 mod pair;
+mod roll;
 mod rows;
 mod search;
 mod solve;
@@ -277,6 +279,8 @@ pub struct ContactSet {
     planes: Vec<Plane>,
     surfaces: Surfaces,
     faces: Faces,
+    /// Whether any pair resists rolling.
+    is_rolling: bool,
     /// Index of what never moves: the number of bodies.
     ground: usize,
     radius: Vec<f64>,
@@ -378,6 +382,7 @@ impl ContactSet {
             still: (0..=ground).map(|i| i == ground).collect(),
             surfaces: Surfaces::new(model),
             faces: Faces::new(model, count),
+            is_rolling: model.contact.resists_rolling(),
             ground,
             radius,
             travel: vec![0.0; ground + 1],

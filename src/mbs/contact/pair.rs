@@ -502,6 +502,7 @@ impl super::Rows {
                 slot: slot as u32,
                 friction: surface.friction,
                 restitution: surface.restitution,
+                rolling: surface.rolling,
                 cap: f64::INFINITY,
                 face: super::crush::NONE,
                 normal,

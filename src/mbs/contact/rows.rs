@@ -8,6 +8,7 @@
 //! Gaps are corrected by displacements found in sweeps of their own, which leave the velocities alone (split impulses).
 
 use super::links::{ALONE, Links};
+use super::roll::Roll;
 use super::search::Search;
 use crate::mbs::math::{self, V3};
 
@@ -59,6 +60,8 @@ pub(super) struct Block {
     pub slot: u32,
     pub friction: f64,
     pub restitution: f64,
+    /// Lever of rolling resistance \[m\].
+    pub rolling: f64,
     /// Largest impulse along the normal of each point \[N s\], and the face that is crushed there; [`super::crush::NONE`]: none.
     pub cap: f64,
     pub face: u32,
@@ -149,6 +152,8 @@ pub(super) struct Rows {
     /// Displacements that correct gaps.
     pub shift: Vec<Motion>,
     push: Vec<f64>,
+    /// Moments of the blocks, if any of them resists rolling.
+    pub rolls: Vec<Roll>,
     pub links: Links,
     pub(super) search: Search,
 }
@@ -189,6 +194,9 @@ impl Rows {
             }
             let change = if block.linked == ALONE { self.visit(&block) } else { self.visit_linked(&block) };
             largest = largest.max(change);
+            if block.rolling > 0.0 {
+                largest = largest.max(self.roll(k));
+            }
             let rows = &self.rows[block.first as usize..(block.first + block.count) as usize];
             self.blocks[k].idle = rows.iter().all(|r| r.normal == 0.0);
         }

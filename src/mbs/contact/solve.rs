@@ -66,6 +66,7 @@ impl ContactSet {
                 self.rows.link(0, m);
             }
             self.rows.warm_start(0);
+            self.start_rolls(0);
             let linked = mechanism.is_some();
             if linked {
                 self.temper(bodies);
@@ -146,8 +147,9 @@ impl ContactSet {
     /// the last step may do so as a first guess where joints nearly hold a point, since its effective mass changes from step to step there, and so may sweeps that have
     /// not converged, as friction is cut off with normal impulses that still change.
     fn temper(&mut self, bodies: &[Moving]) {
-        let before = |i: u32| bodies.get(i as usize).map_or(Motion::default(), |b| Motion { v: b.v, w: b.w });
-        let (mut linear, mut square) = (0.0, 0.0);
+        let before = |i: u32| super::roll::before(bodies, i);
+        let [rolled, rolls] = self.roll_work(before);
+        let (mut linear, mut square) = (rolled, rolls - rolled);
         for block in &self.rows.blocks {
             let first = block.bodies.map(before);
             let now = block.bodies.map(|i| self.rows.motion[i as usize]);
@@ -164,6 +166,9 @@ impl ContactSet {
         let share = if square > 0.0 { (-linear / square).clamp(0.0, 1.0) } else { 0.0 };
         for row in &mut self.rows.rows {
             (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
+        }
+        for roll in &mut self.rows.rolls {
+            roll.moment = math::scale(share, roll.moment);
         }
         for (motion, body) in self.rows.motion.iter_mut().zip(bodies) {
             let change = Motion { v: math::sub(motion.v, body.v), w: math::sub(motion.w, body.w) };
@@ -186,6 +191,7 @@ impl ContactSet {
                     self.rows.link(first, m);
                 }
                 self.rows.warm_start(first);
+                self.start_rolls(first);
                 is_settled = self.sweeps(bodies);
             }
         }
@@ -218,7 +224,7 @@ impl ContactSet {
                 (s.struck_visits, STRUCK_FROM, SEARCH_FROM)
             };
             let moves = visits / (2 * self.rows.rows.len());
-            if change > from * scale && moves >= FEWEST_MOVES && !self.rows.are_linked() {
+            if change > from * scale && moves >= FEWEST_MOVES && !self.rows.are_linked() && !self.is_rolling {
                 let (moved, left) = self.conjugate(moves, until * scale);
                 change = left;
                 done += 2 * moved + 1;
@@ -386,6 +392,9 @@ impl ContactSet {
             if first_touch < f64::INFINITY {
                 self.note(slot, first_touch.min(h));
             }
+        }
+        for (block, roll) in self.rows.blocks.iter().zip(&self.rows.rolls).filter(|(b, _)| b.rolling > 0.0) {
+            friction_work += math::dot(roll.moment, self.rows.spin(block, &self.mean));
         }
         self.energy.normal_j -= normal_work;
         self.energy.friction_j -= friction_work;

@@ -11,10 +11,12 @@ pub struct Surface {
     pub friction: f64,
     /// Coefficient of restitution.
     pub restitution: f64,
+    /// Lever of rolling resistance \[m\].
+    pub rolling: f64,
 }
 
-/// Whether a pair passes through each other, and its own friction and restitution.
-type Rule = (bool, Option<f64>, Option<f64>);
+/// Whether a pair passes through each other, and its own friction, restitution and lever of rolling resistance.
+type Rule = (bool, [Option<f64>; 3]);
 
 /// Surfaces of a model.
 #[derive(Debug, Clone, Default)]
@@ -41,10 +43,11 @@ impl Surfaces {
         let mut rules = BTreeMap::new();
         for rule in &contact.pairs {
             if let (Some(a), Some(b)) = (body(&rule.a), partner(&rule.b)) {
-                rules.insert(key(a, b), (rule.ignore, rule.friction, rule.restitution));
+                rules.insert(key(a, b), (rule.ignore, [rule.friction, rule.restitution, rule.rolling_m]));
             }
         }
-        let surface = |friction, restitution| Surface { friction, restitution };
+        let rolling = contact.rolling_m;
+        let surface = |friction, restitution| Surface { friction, restitution, rolling };
         Self {
             bodies: contact.bodies.as_ref().map(|b| surface(b.friction, b.restitution)),
             ground: contact
@@ -72,10 +75,11 @@ impl Surfaces {
         };
         match self.rules.get(&key(a, b)) {
             None => Some(usual),
-            Some((true, ..)) => None,
-            Some((false, friction, restitution)) => Some(Surface {
+            Some((true, _)) => None,
+            Some((false, [friction, restitution, rolling])) => Some(Surface {
                 friction: friction.unwrap_or(usual.friction),
                 restitution: restitution.unwrap_or(usual.restitution),
+                rolling: rolling.unwrap_or(usual.rolling),
             }),
         }
     }

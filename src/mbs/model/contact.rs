@@ -94,6 +94,9 @@ pub struct Contact {
     /// What holds for single pairs; later ones win.
     #[serde(default)]
     pub pairs: Vec<PairRule>,
+    /// Lever of rolling resistance where two solids meet \[m\]: they bear a moment against rolling of up to this times the force between them.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rolling_m: f64,
     /// Faces of boxes that are crushed by what they strike.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub crushing: Vec<CrushedFace>,
@@ -171,6 +174,20 @@ pub struct PairRule {
     /// Coefficient of restitution; `None`: that of the surface.
     #[serde(default)]
     pub restitution: Option<f64>,
+    /// Lever of rolling resistance \[m\]; `None`: that of all contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rolling_m: Option<f64>,
+}
+
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+impl Contact {
+    /// Whether any two solids resist rolling.
+    pub fn resists_rolling(&self) -> bool {
+        self.rolling_m > 0.0 || self.pairs.iter().any(|p| p.rolling_m.is_some_and(|rolling| rolling > 0.0))
+    }
 }
 
 /// The half space behind a rigid plane.

@@ -1,0 +1,110 @@
+//! Rolling resistance: a moment against the relative rotation of two bodies about axes across the contact normal.
+//!
+//! A pair whose points press with `Σ p_n` bears a moment impulse `|m| <= ρ Σ p_n` with the greatest dissipation, as Coulomb's law does for sliding; `ρ` is a length, the lever
+//! of the pressure (Johnson, Contact Mechanics, 1985, section 9.4): a wheel of radius `r` stands on slopes up to `ρ / r`. Corrected once after each visit of the points of the pair.
+
+use super::links::ALONE;
+use super::rows::{Block, Motion, Rows};
+use super::{ContactSet, Moving};
+use crate::mbs::math::{self, V3};
+
+/// The moment of a pair.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Roll {
+    /// Impulse of it on the second body \[N m s\].
+    pub moment: V3,
+    /// Its sum over the rounds of an impact before this one.
+    pub total: V3,
+    /// One over the largest inverse inertia across the normal.
+    inertia: f64,
+    /// From the centre of mass of the first body to the contact: what a rotation is compared with in sweeps \[m\].
+    arm_m: f64,
+}
+
+impl Rows {
+    /// Prepares the moments of the blocks from `first` on. They begin each step at zero: a face bears by its points what these can bear. With the moment of the last step the share of both is
+    /// undetermined, points press unevenly, and a box that slides turns by their friction.
+    pub fn prepare_rolls(&mut self, first: usize) {
+        self.rolls.truncate(first);
+        for block in &self.blocks[first..] {
+            let roll = if block.rolling > 0.0 { self.roll_of(block) } else { Roll::default() };
+            self.rolls.push(roll);
+        }
+    }
+
+    fn roll_of(&self, block: &Block) -> Roll {
+        let n = block.normal;
+        let [a, b] = block.bodies.map(|i| &self.inverse[i as usize]);
+        let both = |p: V3, q: V3| math::dot(math::add(a.turn(p), b.turn(p)), q);
+        let [_, s, t] = super::links::axes_about(n);
+        let (ss, tt, st) = (both(s, s), both(t, t), both(s, t));
+        let largest = 0.5 * (ss + tt) + (0.25 * (ss - tt) * (ss - tt) + st * st).sqrt();
+        Roll {
+            inertia: 1.0 / largest,
+            arm_m: math::norm(self.rows[block.first as usize].arms[0]),
+            ..Roll::default()
+        }
+    }
+
+    fn apply_moment(&mut self, block: &Block, moment: V3) {
+        let [a, b] = block.bodies.map(|i| i as usize);
+        let turn = self.inverse[a].turn(moment);
+        self.motion[a].w = math::sub(self.motion[a].w, turn);
+        let turn = self.inverse[b].turn(moment);
+        self.motion[b].w = math::add(self.motion[b].w, turn);
+    }
+
+    /// Corrects the moment of a block; the square of the change of velocity that goes with it.
+    pub fn roll(&mut self, k: usize) -> f64 {
+        let block = self.blocks[k];
+        debug_assert!(block.linked == ALONE, "refused in models with ideal joints");
+        let rows = &self.rows[block.first as usize..(block.first + block.count) as usize];
+        let limit = block.rolling * rows.iter().map(|row| row.normal).sum::<f64>();
+        let spin = self.spin(&block, &self.motion);
+        let roll = &mut self.rolls[k];
+        let mut moment = math::axpy(roll.moment, -roll.inertia, spin);
+        let size = math::norm(moment);
+        if size > limit {
+            moment = math::scale(limit / size, moment);
+        }
+        let change = math::sub(moment, roll.moment);
+        roll.moment = moment;
+        let speed = roll.arm_m / roll.inertia;
+        self.apply_moment(&block, change);
+        speed * speed * math::dot(change, change)
+    }
+
+    /// Angular velocity of the second body against the first one, across the normal \[rad/s\].
+    pub fn spin(&self, block: &Block, motion: &[Motion]) -> V3 {
+        let [a, b] = block.bodies.map(|i| motion[i as usize].w);
+        let w = math::sub(b, a);
+        math::axpy(w, -math::dot(w, block.normal), block.normal)
+    }
+}
+
+impl ContactSet {
+    /// Prepares the moments of the blocks from `first` on.
+    pub(super) fn start_rolls(&mut self, first: usize) {
+        if self.is_rolling {
+            self.rows.prepare_rolls(first);
+        }
+    }
+
+    /// What moments do on velocities before and after the contacts of a step, `Σ m · ω` in both \[J\].
+    pub(super) fn roll_work(&self, before: impl Fn(u32) -> Motion) -> [f64; 2] {
+        let mut work = [0.0; 2];
+        for (block, roll) in self.rows.blocks.iter().zip(&self.rows.rolls) {
+            if block.rolling > 0.0 {
+                let [a, b] = block.bodies.map(&before);
+                work[0] += math::dot(roll.moment, math::sub(b.w, a.w));
+                work[1] += math::dot(roll.moment, self.rows.spin(block, &self.rows.motion));
+            }
+        }
+        work
+    }
+}
+
+/// The motion of a body before contacts.
+pub(super) fn before(bodies: &[Moving], i: u32) -> Motion {
+    bodies.get(i as usize).map_or(Motion::default(), |b| Motion { v: b.v, w: b.w })
+}
