@@ -1,7 +1,8 @@
 //! `fallwerk simulate MODEL`: runs a multibody model file.
 
+use super::knowledge::LatentArgs;
 use crate::mbs::result::{EventKind, RunResult};
-use crate::mbs::{Model, SolveError, simulate};
+use crate::mbs::{Model, SolveError, simulate_with};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,9 @@ pub struct SimulateArgs {
     /// Folder for `result.json` and the histories as CSV
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Latent hinges
+    #[command(flatten)]
+    pub latent: LatentArgs,
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
@@ -51,7 +55,7 @@ impl SimulateError {
 /// Runs the command.
 pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     let model = Model::read(&args.model).map_err(SolveError::from)?;
-    let result = simulate(&model)?;
+    let result = simulate_with(&model, &args.latent.options(false))?;
     if let Some(folder) = &args.output {
         write_files(folder, &result)?;
     }

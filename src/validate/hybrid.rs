@@ -34,6 +34,8 @@ pub struct HybridValidation {
     pub cpu_share: f64,
     /// Mean over time of the share of the acting elements that are rigid.
     pub mean_rigid_share: f64,
+    /// Whether rigid parts could deform again.
+    pub switching: bool,
     /// Share of the element work that was left out.
     pub skipped_share: f64,
     /// Energy that switches between rigid and deforming added \[J\].
@@ -71,6 +73,7 @@ impl HybridValidation {
             mean_rigid_share: record.rigid_share.iter().sum::<f64>() / record.rigid_share.len().max(1) as f64,
             skipped_share: record.skipped_share,
             switched_j: record.switched_j.last().copied().unwrap_or(0.0),
+            switching: record.switching,
             switches: record.switches.len(),
             e_curve: errors.curve,
             e_curve_without_debris: errors.curve_without_debris,

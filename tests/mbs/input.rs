@@ -57,8 +57,12 @@ fn a_model_survives_its_file_and_the_command_writes_the_histories() {
     std::fs::write(&path, serde_json::to_string(&good()).unwrap()).unwrap();
     assert_eq!(Model::read(&path).unwrap(), good());
     let output = folder.path().join("out");
-    let args =
-        fallwerk::cli::simulate::SimulateArgs { model: path, output: Some(output.clone()), json: true };
+    let args = fallwerk::cli::simulate::SimulateArgs {
+        model: path,
+        output: Some(output.clone()),
+        latent: Default::default(),
+        json: true,
+    };
     fallwerk::cli::simulate::run(args).unwrap();
     for name in ["result.json", "displacements.csv", "hinges.csv", "energies.csv"] {
         assert!(output.join(name).exists(), "{name}");

@@ -52,6 +52,7 @@ fn good_hybrid() -> HybridValidation {
         mean_rigid_share: 0.8,
         skipped_share: 0.7,
         switched_j: -5e3,
+        switching: true,
         switches: 400,
         e_curve: Vec::new(),
         e_curve_without_debris: Vec::new(),

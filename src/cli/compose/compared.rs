@@ -1,5 +1,6 @@
 //! All runs beside each other: the same figures on the page and on the terminal.
 
+use crate::cli::fe_hybrid::STAYS_RIGID;
 use crate::report::ComparedRun;
 use crate::validate::{DebrisPoint, Validation};
 
@@ -59,6 +60,9 @@ pub fn notes(v: &Validation) -> Vec<String> {
     ));
     if !h.debris.is_empty() {
         notes.push(format!("Tracked points that become debris in the hybrid run: {}.", named(&h.debris)));
+    if !h.switching {
+        notes.push(format!("Hybrid run: {STAYS_RIGID}."));
+    }
     }
     notes
 }
