@@ -221,10 +221,12 @@ fn all_together(t: &Together) -> String {
     );
     let _ = writeln!(
         text,
-        "of them {} fall: e to contact {:.3}, {:.3}; e total {:.3}, {:.3}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
+        "of them {} fall: e to contact {:.3}, {:.3}; from there on {:.3}, {:.3}; e total {:.3}, {:.3}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
         t.falling,
         t.e_to_contact_falling[0],
         t.e_to_contact_falling[1],
+        t.e_after_contact_falling[0],
+        t.e_after_contact_falling[1],
         t.e_total_falling[0],
         t.e_total_falling[1],
         t.agree

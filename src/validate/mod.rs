@@ -83,6 +83,8 @@ pub struct Validation {
     /// The same over the tracked points that are not in `debris`.
     pub e_total_without_debris: f64,
     /// Tracked points that become debris in the FE run. They count in all other errors.
+    /// Error from that contact to the end, of displacements from the preloaded state ([`measure::error_after`]); `None`: nothing touches the ground, or at the end only.
+    pub e_after_contact: Option<f64>,
     pub debris: Vec<DebrisPoint>,
     /// Largest displacement of a tracked point \[m\].
     pub largest_displacement_m: Both<f64>,
@@ -151,6 +153,7 @@ impl Validation {
                 fe: largest(pairs.iter().flat_map(|(_, fe)| fe.iter().copied())),
                 mbs: largest(pairs.iter().flat_map(|(mbs, _)| mbs.iter().copied())),
             },
+            e_after_contact: errors.after(facts.first_contact_s),
             largest_difference_m: largest(pairs.iter().flat_map(|(mbs, fe)| {
                 mbs.iter().zip(fe.iter()).map(|(m, f)| std::array::from_fn(|i| m[i] - f[i]))
             })),
