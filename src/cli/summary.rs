@@ -178,6 +178,7 @@ pub fn as_json(s: &Summary) -> Value {
             "missed_column_ends": v.missed_column_ends,
             "energy_error": v.energy_error,
             "footprint_overlap": v.footprint_overlap,
+            "has_obstacle": v.has_obstacle,
             "cpu_s": v.cpu_s,
             "wall_s": v.wall_s,
             "speed_ratio": v.speed_ratio,
@@ -185,8 +186,8 @@ pub fn as_json(s: &Summary) -> Value {
             "fe_steps": c.fe.summary.steps,
             "hybrid": v.hybrid.as_ref().map(|h| json!({
                 "e_to_contact": h.e_to_contact,
-                "e_total": h.e_total,
                 "e_after_contact": h.e_after_contact,
+                "e_total": h.e_total,
                 "e_total_without_debris": h.e_total_without_debris,
                 "debris": h.debris,
                 "first_contact_s": h.first_contact_s,
