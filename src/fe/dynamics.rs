@@ -29,8 +29,8 @@ pub const STEP_SAFETY: f64 = 0.9;
 const CHUNK: usize = 512;
 /// Elements from which threads are used.
 const PARALLEL_ELEMENTS: usize = 512;
-/// Deforming elements from which a step with rigid sets uses threads. With fewer the passes that run side by side are short beside what one thread does alone (sets, contact), in which the others spin: on two threads runs
-/// with rigid parts took 1.66 times the processor time of one.
+/// Deforming elements from which a step with rigid sets uses threads. With fewer the passes that run side by side are short beside what one thread does alone (sets, contact), in which the others spin: that took 1.3 times the
+/// processor time of one thread (docs/hybrid.md).
 const PARALLEL_DEFORMING: usize = 1024;
 
 /// The time step for a bound of the largest squared frequency \[1/s²\], with bulk viscosity and a share of the stability limit \[s\].
