@@ -257,6 +257,9 @@ fn notes(building: &Building, options: &FeOptions) -> Vec<String> {
         (options.end_time_s.unwrap_or(settings.end_time_s), settings.output_interval_s);
     let end_s = outputs(asked_s, interval_s) as f64 * interval_s;
     let mut notes = Vec::new();
+    if options.hybrid.as_ref().is_some_and(|h| !h.softens) {
+        notes.push(fe_hybrid::STAYS_RIGID.into());
+    }
     if (end_s - asked_s).abs() > 1e-6 * interval_s {
         notes.push(format!("the run ends at {end_s} s, the output nearest to {asked_s} s"));
     }

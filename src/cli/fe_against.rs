@@ -24,6 +24,7 @@ struct Contact {
 /// The comparison.
 pub(super) struct Against {
     to_contact: Option<f64>,
+    after_contact: Option<f64>,
     to_end: f64,
     /// Points that become debris in the other run, and the error to the end without them.
     without_debris: (usize, f64),
@@ -63,6 +64,7 @@ impl Against {
         let contact_s = [reference.summary.first_ground_contact_s, run.summary.first_ground_contact_s];
         Ok(Self {
             to_contact: contact_s[0].and_then(|t| at(&errors.times_s, &errors.curve, t)),
+            after_contact: errors.after(contact_s[0]),
             to_end: errors.until(None),
             without_debris: (debris, errors.curve_without_debris.last().copied().unwrap_or(0.0)),
             contact_s,
@@ -74,14 +76,15 @@ impl Against {
     /// In words.
     pub(super) fn words(&self) -> String {
         let [theirs, own] = self.contact_s.map(seconds);
-        let to_contact = self.to_contact.map_or("-".into(), |e| format!("{e:.4}"));
+        let [to_contact, after] =
+            [self.to_contact, self.after_contact].map(|e| e.map_or("-".into(), |e| format!("{e:.4}")));
         let debris = match self.without_debris {
             (0, _) => String::new(),
             (1, e) => format!(" ({e:.4} without the point that becomes debris there)"),
             (points, e) => format!(" ({e:.4} without {points} points that become debris there)"),
         };
         format!(
-            "  against the other run: error e = {to_contact} to its first contact, {:.4} to {:.3} s{debris}; first ground contact {own}, there {theirs}\n",
+            "  against the other run: error e = {to_contact} to its first contact, {after} from there on, {:.4} to {:.3} s{debris}; first ground contact {own}, there {theirs}\n",
             self.to_end, self.end_s
         )
     }
@@ -90,6 +93,7 @@ impl Against {
     pub(super) fn json(&self) -> serde_json::Value {
         serde_json::json!({
             "e_to_contact": self.to_contact,
+            "e_after_contact": self.after_contact,
             "e_to_end": self.to_end,
             "debris_points": self.without_debris.0,
             "e_to_end_without_debris": self.without_debris.1,

@@ -1,5 +1,6 @@
 //! `fallwerk fe --hybrid`: options, words and files of a run with rigid parts.
 
+use super::knowledge::Switch;
 use super::verdict::percent;
 use super::{Failure, study};
 use crate::building::Building;
@@ -13,6 +14,8 @@ use std::path::Path;
 
 /// Value of `--hybrid` without one.
 const AUTO: &str = "auto";
+/// What is told of a run whose rigid parts may not deform again.
+pub(super) const STAYS_RIGID: &str = "switching is off: what has become rigid stays so whatever meets or loads it, which is for comparison only";
 
 /// Options of rigid parts.
 #[derive(clap::Args)]
@@ -36,6 +39,9 @@ pub(super) struct Options {
     /// Rings of elements that deform again around a contact, a flowing or an overloaded element [default: 2]
     #[arg(long, value_name = "N", requires = "hybrid")]
     rigid_rings: Option<usize>,
+    /// Whether rigid parts deform again where contact, flow beside them or their loads ask for it; off: for comparison only, what has become rigid stays so
+    #[arg(long, value_enum, default_value = "on", requires = "hybrid")]
+    rigid_switching: Switch,
 }
 
 impl Options {
@@ -69,6 +75,7 @@ impl Options {
             overload_strain: self.rigid_overload.unwrap_or(default.overload_strain),
             rings: self.rigid_rings.unwrap_or(default.rings),
             rigid_from_start,
+            softens: self.rigid_switching == Switch::On,
             ..default
         }))
     }

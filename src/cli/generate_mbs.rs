@@ -2,7 +2,7 @@
 
 use super::compose::{self, Pieces};
 use super::explain::TraceFile;
-use super::knowledge::CurveArgs;
+use super::knowledge::{CurveArgs, LatentArgs};
 use super::progress::Progress;
 use super::summary::{Summary, as_json, as_text};
 use super::{Failure, Outcome, fe, fe_hybrid, print, read_building, simulate, thread_pool, write};
@@ -13,7 +13,7 @@ use crate::fe::hybrid::HybridSettings;
 use crate::fe::result::FeRun;
 use crate::fe::run::{Attached, FeOptions};
 use crate::generate::{GenerateError, Generated, Generator};
-use crate::mbs::RunResult;
+use crate::mbs::{RunResult, SolverOptions, simulate_with};
 use crate::review::{self, Review};
 use crate::study::{Facts, Study, facts};
 use crate::validate::{HybridValidation, Validation};
@@ -49,10 +49,12 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Turn decisions worth a look round, one in each of at most N further runs, and sort them by what that changes [default: 40]
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "40", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "40", conflicts_with = "latent", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     review: Option<u32>,
     #[command(flatten)]
     curves: CurveArgs,
+    #[command(flatten)]
+    latent: LatentArgs,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -139,7 +141,7 @@ fn compute(
     let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
     write_json(output, "model.json", &generated.model)?;
     write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;
-    let (mbs, wall_s) = run_mbs(&generated)?;
+    let (mbs, wall_s) = run_mbs(&generated, &arguments.latent.options(true))?;
     write_mbs(output, &mbs)?;
     let review = match arguments.review {
         None => review::listed(building, &generated),
@@ -184,11 +186,11 @@ fn compute(
 }
 
 /// Runs the model [`MBS_RUNS`] times; the result carries the median processor time. Also returns the median wall time \[s\].
-fn run_mbs(generated: &Generated) -> Result<(RunResult, f64), Failure> {
+fn run_mbs(generated: &Generated, options: &SolverOptions) -> Result<(RunResult, f64), Failure> {
     let (mut cpu_s, mut wall_s, mut first) = (Vec::new(), Vec::new(), None);
     for _ in 0..MBS_RUNS {
         let began = Instant::now();
-        let result = crate::mbs::simulate_carefully(&generated.model)
+        let result = simulate_with(&generated.model, options)
             .map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
         wall_s.push(began.elapsed().as_secs_f64());
         cpu_s.push(result.cpu_s);

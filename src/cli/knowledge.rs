@@ -3,6 +3,7 @@
 use super::Failure;
 use crate::generate::{Accuracy, Derive, Wishes};
 use crate::library::{Opened, Store};
+use crate::mbs::SolverOptions;
 use crate::rules::RuleBase;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +40,31 @@ enum AccuracyArgument {
     Balanced,
     /// The spans and panels of all floors are divided
     Fine,
+}
+
+/// Whether latent hinges may give way.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct LatentArgs {
+    /// Whether latent hinges may give way, and rules about contacts and fractures fire, while the model runs; off: for comparison only, it stays as it is at the begin
+    #[arg(long, value_enum, default_value = "on")]
+    latent: Switch,
+}
+
+impl LatentArgs {
+    /// The options of a run.
+    pub fn options(self, repeat: bool) -> SolverOptions {
+        SolverOptions { repeat, hold_latent: self.latent == Switch::Off, ..SolverOptions::default() }
+    }
+}
+
+/// Values of options that switch a mechanism off, to see what it does.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Switch {
+    /// As ever
+    #[default]
+    On,
+    /// Without it, for comparison
+    Off,
 }
 
 /// Values of `--derive`.

@@ -1,7 +1,8 @@
 //! `fallwerk simulate MODEL`: runs a multibody model file.
 
+use super::knowledge::LatentArgs;
 use crate::mbs::result::{EventKind, RunResult};
-use crate::mbs::{Model, SolveError, SolverOptions, simulate_with};
+use crate::mbs::{Model, SolveError, simulate_with};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,9 @@ pub struct SimulateArgs {
     /// Folder for `result.json` and the histories as CSV
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Latent hinges
+    #[command(flatten)]
+    pub latent: LatentArgs,
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
@@ -54,7 +58,7 @@ impl SimulateError {
 /// Runs the command.
 pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     let mut model = Model::read(&args.model).map_err(SolveError::from)?;
-    let mut options = SolverOptions::default();
+    let mut options = args.latent.options(false);
     if args.compute_all {
         (options.contact.skip, model.settings.sleep_speed_m_s) = (false, None);
     }

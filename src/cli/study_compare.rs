@@ -1,6 +1,6 @@
 //! `fallwerk study compare`: generated models against the records of FE studies.
 
-use super::knowledge::CurveArgs;
+use super::knowledge::{CurveArgs, LatentArgs};
 use super::progress::Progress;
 use super::study_run::{Task, files};
 use super::{Failure, Outcome, print};
@@ -26,6 +26,8 @@ pub struct Arguments {
     kb: PathBuf,
     #[command(flatten)]
     curves: CurveArgs,
+    #[command(flatten)]
+    latent: LatentArgs,
     /// Compare with models of other rules as well: the seed rules alone, hinges everywhere and nowhere, floors rigid and bending; only the figures of all buildings together
     #[arg(long)]
     ablation: bool,
@@ -150,7 +152,7 @@ fn one(
     let generated =
         generate(&task.building, rules, store, arguments.curves.wishes(), &|text| progress.note(text))
             .map_err(|e| Failure::input(e.to_string()))?;
-    let run = crate::mbs::simulate_carefully(&generated.model)
+    let run = crate::mbs::simulate_with(&generated.model, &arguments.latent.options(true))
         .map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
     Ok(Agreement::of(&study, &generated.model, &run))
 }
@@ -219,10 +221,12 @@ fn all_together(t: &Together) -> String {
     );
     let _ = writeln!(
         text,
-        "of them {} fall: e to contact {:.3}, {:.3}; e total {:.3}, {:.3}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
+        "of them {} fall: e to contact {:.3}, {:.3}; from there on {:.3}, {:.3}; e total {:.3}, {:.3}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
         t.falling,
         t.e_to_contact_falling[0],
         t.e_to_contact_falling[1],
+        t.e_after_contact_falling[0],
+        t.e_after_contact_falling[1],
         t.e_total_falling[0],
         t.e_total_falling[1],
         t.agree

@@ -129,7 +129,7 @@ fn comparison_text(c: &Comparison) -> String {
     let words = verdict(v);
     format!(
         "  FE run     {} in {} steps of {} elements, {:.1} s wall, {:.1} s processor; energy error {}\n  \
-         against FE error e up to the first contact of the FE run, over the whole run, over points that do not become debris\n\
+         against FE error e up to the first contact of the FE run, from there to the end, over the whole run, over points that do not become debris\n\
          {}\
          {}  \
          hinges     precision {:.2}, recall {:.2}, F1 {:.2} ({} FE zones, {} active hinges, {} common); of ends that turn by {} rad F1 {:.2} before the first contact, {:.2} in the whole run\n  \
@@ -166,6 +166,7 @@ pub fn as_json(s: &Summary) -> Value {
             "agrees": v.agrees(),
             "verdict": verdict(v).headline,
             "e_to_contact": v.e_to_contact,
+            "e_after_contact": v.e_after_contact,
             "e_total": v.e_total,
             "e_total_without_debris": v.e_total_without_debris,
             "debris": v.debris,
@@ -177,6 +178,7 @@ pub fn as_json(s: &Summary) -> Value {
             "missed_column_ends": v.missed_column_ends,
             "energy_error": v.energy_error,
             "footprint_overlap": v.footprint_overlap,
+            "has_obstacle": v.has_obstacle,
             "cpu_s": v.cpu_s,
             "wall_s": v.wall_s,
             "speed_ratio": v.speed_ratio,
@@ -184,6 +186,7 @@ pub fn as_json(s: &Summary) -> Value {
             "fe_steps": c.fe.summary.steps,
             "hybrid": v.hybrid.as_ref().map(|h| json!({
                 "e_to_contact": h.e_to_contact,
+                "e_after_contact": h.e_after_contact,
                 "e_total": h.e_total,
                 "e_total_without_debris": h.e_total_without_debris,
                 "debris": h.debris,

@@ -2,8 +2,8 @@
 
 use crate::report::{Check, Status, Verdict};
 use crate::validate::{
-    ACTIVE_ROTATION_RAD, HybridValidation, LIMIT_CONTACT_TIME, LIMIT_ENERGY, LIMIT_HYBRID, LIMIT_HYBRID_TIME,
-    LIMIT_SPEED, LIMIT_STANDING_M, LIMIT_TO_CONTACT, Validation,
+    ACTIVE_ROTATION_RAD, HybridValidation, LIMIT_CONTACT_TIME, LIMIT_ENERGY, LIMIT_FOOTPRINT, LIMIT_HYBRID,
+    LIMIT_HYBRID_TIME, LIMIT_SPEED, LIMIT_STANDING_M, LIMIT_TO_CONTACT, Validation,
 };
 
 /// Number of the checks, from the first, that [`Validation::agrees`] is made of.
@@ -61,8 +61,35 @@ pub fn checks(v: &Validation) -> Vec<Check> {
             "processor time of FE over that of the MBS; says nothing about the agreement",
         ),
     ];
+    if v.collapsed.fe {
+        checks.extend(after_contact(v));
+    }
     checks.extend(v.hybrid.iter().flat_map(hybrid));
     checks
+}
+
+/// What is aimed at beyond the first contact, of buildings that fall.
+fn after_contact(v: &Validation) -> [Check; 2] {
+    let after =
+        v.e_after_contact.map_or(String::new(), |e| format!(", {e:.3} after the first contact alone"));
+    let of = if v.has_obstacle { "with an obstacle in the way" } else { "without an obstacle in the way" };
+    let limit = v.limit_total();
+    [
+        check(
+            "Displacement error over the whole run",
+            format!("e = {:.3}{after}", v.e_total),
+            format!("≤ {limit:.2} ({of})"),
+            status(v.e_total <= limit),
+            "contact included; says nothing about the agreement up to the first contact",
+        ),
+        check(
+            "Debris footprint",
+            format!("{} common", percent(v.footprint_overlap)),
+            format!("≥ {:.0} %", 100.0 * LIMIT_FOOTPRINT),
+            status(v.footprint_overlap >= LIMIT_FOOTPRINT),
+            "area common to the debris of both runs at the end over that of their union; says nothing about the agreement",
+        ),
+    ]
 }
 
 /// What is asked of a hybrid run; the agreement of the MBS is none of its business.

@@ -29,6 +29,9 @@ pub const STEP_SAFETY: f64 = 0.9;
 const CHUNK: usize = 512;
 /// Elements from which threads are used.
 const PARALLEL_ELEMENTS: usize = 512;
+/// Deforming elements from which a step with rigid sets uses threads. With fewer the passes that run side by side are short beside what one thread does alone (sets, contact), in which the others spin: that took 1.3 times the
+/// processor time of one thread (docs/hybrid.md).
+const PARALLEL_DEFORMING: usize = 1024;
 
 /// The time step for a bound of the largest squared frequency \[1/s²\], with bulk viscosity and a share of the stability limit \[s\].
 pub fn allowed_step_s(bound_1_s2: f64, safety: f64) -> f64 {
@@ -225,16 +228,25 @@ impl Dynamics {
         self.first_dt_s *= ratio;
     }
 
+    /// Whether so many elements deform that threads are worth waking in a step.
+    fn is_worth_threads(&self) -> bool {
+        let rigid = self.hybrid.as_ref().map_or(0, |h| h.rigid());
+        rigid == 0 || self.blocks.elements() - rigid >= PARALLEL_DEFORMING
+    }
+
     /// One step. Returns the kinetic energy at the full step \[J\] if `measure`.
     ///
     /// Threads: called from outside the rayon pool, every step has to wake a worker and be woken by it (tens of
     /// microseconds); a long run should enter the pool once, with `rayon::scope(|_| ...)` around its loop.
     pub fn step(&mut self, measure: bool) -> f64 {
         if self.parallel && rayon::current_thread_index().is_none() {
-            rayon::scope(|_| self.step_here(measure))
-        } else {
-            self.step_here(measure)
+            return rayon::scope(|_| self.step(measure));
         }
+        let threads = self.parallel;
+        self.parallel &= self.is_worth_threads();
+        let kinetic_j = self.step_here(measure);
+        self.parallel = threads;
+        kinetic_j
     }
 
     fn step_here(&mut self, measure: bool) -> f64 {

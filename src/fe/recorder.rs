@@ -270,6 +270,7 @@ impl Recorder {
             ..FeSummary::default()
         };
         let hybrid = body.hybrid.as_ref().map(|hybrid| HybridRecord {
+            switching: hybrid.softens(),
             skipped_share: hybrid.books.skipped as f64
                 / (body.steps.max(1) * mesh.elements.len() as u64) as f64,
             checks: hybrid.books.checks[0],

@@ -70,6 +70,8 @@ pub struct ComparedRun {
     pub name: String,
     /// Error e up to the first contact.
     pub until_contact: Option<f64>,
+    /// Error e from the first contact to the end.
+    pub after_contact: Option<f64>,
     /// Error e up to the end.
     pub until_end: Option<f64>,
     /// The same without points that become debris in the FE run.

@@ -345,13 +345,14 @@ fn site(s: &HingeSite) -> serde_json::Value {
 }
 
 /// A row of the table that compares all runs.
-fn compared(run: &ComparedRun) -> [String; 9] {
+fn compared(run: &ComparedRun) -> [String; 10] {
     let percent = |share: Option<f64>, digits| {
         share.map_or(MISSING.into(), |s| format!("{} %", significant(100.0 * s, digits)))
     };
     [
         run.name.clone(),
         optional(run.until_contact, 2),
+        optional(run.after_contact, 2),
         optional(run.until_end, 2),
         optional(run.without_debris, 2),
         run.first_contact_s.map_or("none".into(), |t| fixed(t, 3)),

@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 pub struct HybridValidation {
     /// Error up to the first ground contact of the FE run, or to the end if there is none.
     pub e_to_contact: f64,
+    /// Error from that contact to the end ([`super::measure::error_after`]); `None`: nothing touches the ground, or at the end only.
+    pub e_after_contact: Option<f64>,
     /// Error over the whole run.
     pub e_total: f64,
     /// The same over the tracked points that do not become debris in the FE run.
@@ -32,6 +34,8 @@ pub struct HybridValidation {
     pub wall_s: f64,
     /// Processor time over that of FE.
     pub cpu_share: f64,
+    /// Whether rigid parts could deform again.
+    pub switching: bool,
     /// Mean over time of the share of the acting elements that are rigid.
     pub mean_rigid_share: f64,
     /// Share of the element work that was left out.
@@ -57,6 +61,7 @@ impl HybridValidation {
         let elapsed = run.summary.elapsed;
         Self {
             e_to_contact: errors.until(fe.summary.first_ground_contact_s),
+            e_after_contact: errors.after(fe.summary.first_ground_contact_s),
             e_total: errors.until(None),
             e_total_without_debris: errors.curve_without_debris.last().copied().unwrap_or(0.0),
             debris: debris(run),
@@ -68,6 +73,7 @@ impl HybridValidation {
             cpu_s: elapsed.cpu_s,
             wall_s: elapsed.wall_s,
             cpu_share: elapsed.cpu_s / fe.summary.elapsed.cpu_s.max(1e-9),
+            switching: record.switching,
             mean_rigid_share: record.rigid_share.iter().sum::<f64>() / record.rigid_share.len().max(1) as f64,
             skipped_share: record.skipped_share,
             switched_j: record.switched_j.last().copied().unwrap_or(0.0),

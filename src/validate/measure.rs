@@ -2,6 +2,8 @@
 //!
 //! `e(T) = sqrt( Σ_p ∫_0^T |u_a - u_b|² dt / Σ_p ∫_0^T |u_b|² dt )` over tracked points p, with u the displacement from
 //! the preloaded state and b the reference (FE). Integrals by the trapezoidal rule over common output times.
+//!
+//! After a time `t_c` alone both integrals run from the last output not after `t_c` to the end: `e_after² Σ∫_c^T |u_b|² = e(T)² Σ∫_0^T |u_b|² - e(t_c)² Σ∫_0^c |u_b|²`.
 
 /// Displacements of one point: times × 3 \[m\].
 pub type Displacement = [[f64; 3]];
@@ -10,6 +12,25 @@ pub type Displacement = [[f64; 3]];
 ///
 /// `pairs` are `(candidate, reference)` histories of the same points on the times `times_s`.
 pub fn error_curve(times_s: &[f64], pairs: &[(&Displacement, &Displacement)]) -> Vec<f64> {
+    integrals(times_s, pairs).into_iter().map(ratio).collect()
+}
+
+/// The error from the last output not after `time_s` to the end; `None` where no output follows it, or the reference has not moved.
+///
+/// Displacements are those from the preloaded state, not from the pose at that time.
+pub fn error_after(times_s: &[f64], pairs: &[(&Displacement, &Displacement)], time_s: f64) -> Option<f64> {
+    let sums = integrals(times_s, pairs);
+    let [before, end] = [at(times_s, &sums, time_s)?, *sums.last()?];
+    let after = [end[0] - before[0], end[1] - before[1]];
+    (after[1] > 0.0).then(|| ratio(after))
+}
+
+fn ratio([difference, reference]: [f64; 2]) -> f64 {
+    if reference > 0.0 { (difference / reference).sqrt() } else { 0.0 }
+}
+
+/// Integrals of the squares up to every output time, summed over points: of the difference and of the reference \[m² s\].
+fn integrals(times_s: &[f64], pairs: &[(&Displacement, &Displacement)]) -> Vec<[f64; 2]> {
     let mut curve = Vec::with_capacity(times_s.len());
     let (mut difference, mut reference) = (0.0, 0.0);
     let (mut last_difference, mut last_reference) = (0.0, 0.0);
@@ -25,13 +46,13 @@ pub fn error_curve(times_s: &[f64], pairs: &[(&Displacement, &Displacement)]) ->
             reference += 0.5 * dt * (last_reference + r);
         }
         (last_difference, last_reference) = (d, r);
-        curve.push(if reference > 0.0 { (difference / reference).sqrt() } else { 0.0 });
+        curve.push([difference, reference]);
     }
     curve
 }
 
 /// The value of a curve at the last output time not after `time_s`.
-pub fn at(times_s: &[f64], curve: &[f64], time_s: f64) -> Option<f64> {
+pub fn at<T: Copy>(times_s: &[f64], curve: &[T], time_s: f64) -> Option<T> {
     let count = times_s.partition_point(|t| *t <= time_s + 1e-9);
     count.checked_sub(1).and_then(|i| curve.get(i).copied())
 }
@@ -153,6 +174,29 @@ mod tests {
         assert!((e[10] - 0.1 / 2.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!(at(&times, &e, 0.55), Some(e[5]));
         assert_eq!(at(&times, &e, -1.0), None);
+    }
+
+    #[test]
+    fn the_error_after_a_time_leaves_out_what_was_before() {
+        let times: Vec<f64> = (0..21).map(|i| 0.1 * f64::from(i)).collect();
+        let b: Vec<[f64; 3]> = times.iter().map(|t| [0.0, 0.0, -t * t]).collect();
+        // right up to 1.0 s, a tenth too far from then on
+        let a: Vec<[f64; 3]> = b.iter().map(|u| u.map(|c| if c < -1.001 { 1.1 * c } else { c })).collect();
+        let pairs: Vec<(&Displacement, &Displacement)> = vec![(&a, &b)];
+        let curve = error_curve(&times, &pairs);
+        let (to, after) = (at(&times, &curve, 1.0).unwrap(), error_after(&times, &pairs, 1.0).unwrap());
+        assert!(to == 0.0 && (after - 0.1).abs() < 1e-3 && after > curve[20], "{to} {after}");
+        // the parts make up the whole
+        let square = |from: usize, until: usize| {
+            let f = |i: usize| times[i].powi(4);
+            (from..until).map(|i| 0.05 * (f(i) + f(i + 1))).sum::<f64>()
+        };
+        let whole = curve[20].powi(2) * square(0, 20);
+        let after = error_after(&times, &pairs, 1.25).unwrap();
+        let parts = curve[12].powi(2) * square(0, 12) + after.powi(2) * square(12, 20);
+        assert!((whole - parts).abs() < 1e-12 * whole, "from the last output before: {whole} {parts}");
+        assert!((error_after(&times, &pairs, 0.0).unwrap() - curve[20]).abs() < 1e-14);
+        assert_eq!((error_after(&times, &pairs, 2.0), error_after(&times, &pairs, -1.0)), (None, None));
     }
 
     #[test]

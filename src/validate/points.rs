@@ -3,7 +3,7 @@
 //! A slab corner is the node at that corner. Once its elements have failed the node is a point mass that flies freely, and its path says nothing
 //! about the slab. Such points stay in the error over all points, which is how the measure is defined; beside it stands the error without them.
 
-use super::measure::{Displacement, at, error_curve};
+use super::measure::{Displacement, at, error_after, error_curve};
 use crate::fe::result::{FeRun, History};
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +55,11 @@ impl<'a> PointErrors<'a> {
         let times_s = fe_times_s[..times].to_vec();
         let (curve, curve_without_debris) = (error_curve(&times_s, &pairs), error_curve(&times_s, &whole));
         Self { times_s, pairs, curve, curve_without_debris }
+    }
+
+    /// The error from a time \[s\] to the end ([`error_after`]); `None` if there is no such time.
+    pub fn after(&self, time_s: Option<f64>) -> Option<f64> {
+        error_after(&self.times_s, &self.pairs, time_s?)
     }
 
     /// The error up to a time \[s\], or to the end if there is none.

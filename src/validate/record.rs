@@ -15,6 +15,8 @@ pub struct Agreement {
     pub building: String,
     /// Error up to the first ground contact of the FE run, or to the end if there is none.
     pub e_to_contact: f64,
+    /// Error from that contact to the end; `None`: nothing touches the ground, or at the end only.
+    pub e_after_contact: Option<f64>,
     /// Error over the whole run.
     pub e_total: f64,
     /// The same over the points that do not become debris.
@@ -70,6 +72,7 @@ impl Agreement {
         Self {
             building: study.building.clone(),
             e_to_contact: errors.until(facts.first_contact_s),
+            e_after_contact: errors.after(facts.first_contact_s),
             e_total: errors.until(None),
             e_total_without_debris: errors.curve_without_debris.last().copied().unwrap_or(0.0),
             largest_difference_m: errors
@@ -119,6 +122,8 @@ pub struct Together {
     pub falling: usize,
     /// Error up to the first contact of those that collapse in FE.
     pub e_to_contact_falling: [f64; 2],
+    /// The same of the error from that contact on, where there is one.
+    pub e_after_contact_falling: [f64; 2],
     /// The same of the error over the whole run.
     pub e_total_falling: [f64; 2],
     /// 10th percentile, median and 90th percentile of the largest displacement of the MBS over that of FE, of those that stand in both.
@@ -154,6 +159,9 @@ impl Together {
             e_total: both(&|a| a.e_total, true),
             falling: list.iter().filter(falls).count(),
             e_to_contact_falling: both(&|a| a.e_to_contact, false),
+            e_after_contact_falling: [0.5, 0.9].map(|p| {
+                percentile(list.iter().filter(falls).filter_map(|a| a.e_after_contact).collect(), p)
+            }),
             e_total_falling: both(&|a| a.e_total, false),
             largest_standing: [0.1, 0.5, 0.9].map(|p| percentile(ratios.clone(), p)),
             agree: list.iter().filter(|a| a.agrees()).count(),

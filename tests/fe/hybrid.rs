@@ -216,6 +216,34 @@ fn cantilever_that_meets_the_ground_is_released_in_time() {
     assert!(flowed(&hybrid) > flowed(&full) && flowed(&full) > 0.0, "{} {}", flowed(&hybrid), flowed(&full));
 }
 
+/// The same with switching off: what strikes stays rigid, nothing flows, and the balance knows the blow.
+#[test]
+fn with_switching_off_a_rigid_part_stays_rigid_whatever_it_meets() {
+    let law = bilinear(30e9, 0.2, 2500.0, 30e6, 1e9);
+    let mesh = grid([24, 2, 2], [9.6, 0.8, 0.8], law, |_| false);
+    let mut body = Dynamics::new(&mesh, 9.81, ground(-0.3, 0.5), false);
+    for n in 0..mesh.nodes.len() {
+        body.v[n] = [0.0, 0.0, -0.3 * mesh.nodes[n][0]];
+    }
+    let all = Some(vec![true; mesh.elements.len()]);
+    give_sets(
+        &mesh,
+        &mut body,
+        HybridSettings { rigid_from_start: all, softens: false, ..HybridSettings::default() },
+    );
+    let (mut kinetic_j, first_j) = (0.0, body.kinetic_j());
+    while body.time_s < 0.15 {
+        kinetic_j = body.step(true);
+    }
+    assert!(body.contact_j[0] < 0.0, "it has struck the ground");
+    assert_eq!(rigid(&body), mesh.elements.len());
+    let switches = &body.hybrid.as_ref().unwrap().books.switches;
+    assert!(switches.iter().all(|s| s.reason == Reason::Quiet), "{switches:?}");
+    assert!((0..mesh.elements.len()).all(|e| body.blocks.plastic_strain(e) == 0.0));
+    let books = Books::of(&body, kinetic_j, first_j, 0.0);
+    assert!(books.residual_j().abs() < 0.01 * books.largest_j(), "{books:?}");
+}
+
 #[test]
 fn sets_share_no_node_and_small_parts_stay_deformable() {
     let (mesh, mut body) = tumbling(0.0, 0.0);

@@ -5,7 +5,7 @@ use fallwerk::curve::{CapacityLevel, ResistanceCurve};
 use fallwerk::mbs::math;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::EventKind;
-use fallwerk::mbs::{RunResult, simulate};
+use fallwerk::mbs::{RunResult, SolverOptions, simulate, simulate_with};
 
 const FALL_M: f64 = 1.0;
 const ALONG: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -135,6 +135,35 @@ fn what_waits_moves_as_what_is_watched_and_holds() {
     let (a, b) = (simulate(&waits).unwrap(), simulate(&strong).unwrap());
     assert_eq!(a.frames, b.frames);
     assert_eq!(a.energies, b.energies);
+}
+
+/// With latent bushings switched off a bar that would break stays whole, watched or not, and the run says what it is for.
+#[test]
+fn switched_off_nothing_gives_way() {
+    let off = SolverOptions { hold_latent: true, ..SolverOptions::default() };
+    let strong = simulate(&falling_bar(1e9)).unwrap();
+    let mut m = falling_bar(100.0);
+    for rules in [Vec::new(), vec![contact_rule("blow", &[Met::Obstacle], Range::default(), &["middle"])]] {
+        m.event_rules = rules;
+        assert!(words(&simulate(&m).unwrap()).contains(&"live middle".into()));
+        let held = simulate_with(&m, &off).unwrap();
+        assert_eq!(words(&held), Vec::<String>::new());
+        assert_eq!((&held.frames, &held.energies), (&strong.frames, &strong.energies));
+        assert_eq!(held.latent[0].live_s, None);
+        assert!(held.warnings[0].contains("bushings: 1") && held.warnings[0].contains("for comparison only"));
+    }
+    assert!(simulate_with(&falling_bar(1e9), &SolverOptions::default()).unwrap().warnings.is_empty());
+    // a charge that takes a piece still parts it from the rest
+    m.events = vec![Event {
+        id: "charge".into(),
+        time_s: 0.2,
+        remove_bodies: vec!["left".into()],
+        release: Vec::new(),
+        weaken: Vec::new(),
+        origin: Origin::default(),
+    }];
+    let held = simulate_with(&m, &off).unwrap();
+    assert_eq!(words(&held), ["live middle"]);
 }
 
 /// A bar of three pieces hangs from both ends; when the bushing at one of them breaks, the section next to it is watched, the other one when that breaks.

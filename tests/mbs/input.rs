@@ -60,6 +60,7 @@ fn a_model_survives_its_file_and_the_command_writes_the_histories() {
     let args = fallwerk::cli::simulate::SimulateArgs {
         model: path,
         output: Some(output.clone()),
+        latent: Default::default(),
         json: true,
         compute_all: false,
     };

@@ -87,3 +87,25 @@ fn the_instruction_set_is_that_asked_for_and_changes_no_result() {
         assert!(Isa::ALL.iter().all(|isa| err.contains(isa.name())) && err.contains("`mmx`"), "{err}");
     }
 }
+
+/// What is switched off for comparison is told wherever the run is.
+#[test]
+fn switching_of_rigid_parts_can_be_left_out_and_says_so() {
+    let room = room(str::to_string);
+    let (code, _, err) = fallwerk(room.path(), &["fe", "building.toml", "--rigid-switching", "off"]);
+    assert!(code == 2 && err.contains("--hybrid"), "{err}");
+    let run = |switching: &str| {
+        let arguments = ["fe", "building.toml", "--hybrid", "--rigid-switching", switching];
+        let short = ["--end-time", "0.04", "-o", switching];
+        let (code, _, err) = fallwerk(room.path(), &[&arguments[..], &short].concat());
+        assert_eq!(code, 0, "{err}");
+        let text = fs::read_to_string(room.path().join(switching).join("fe.json")).unwrap();
+        let fe: Value = serde_json::from_str(&text).unwrap();
+        (err, fe["hybrid"]["switching"].as_bool(), fe["hybrid"]["checks"].as_u64().unwrap())
+    };
+    let (err, switching, checks) = run("off");
+    assert!(err.contains("for comparison only"), "{err}");
+    assert_eq!((switching, checks), (Some(false), 0));
+    let (err, switching, checks) = run("on");
+    assert!(!err.contains("for comparison only") && switching == Some(true) && checks > 0, "{err}");
+}

@@ -4,5 +4,6 @@ mod all_three;
 mod commands;
 mod fe_options;
 mod fe_refused;
+mod reference;
 mod studies;
 mod words;

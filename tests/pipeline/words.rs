@@ -10,9 +10,11 @@ fn good() -> Validation {
         schema: VALIDATION_SCHEMA,
         building: "frame".into(),
         e_to_contact: 0.05,
-        e_total: 0.3,
-        e_total_without_debris: 0.2,
+        e_after_contact: Some(0.142),
+        e_total: 0.14,
+        e_total_without_debris: 0.12,
         debris: Vec::new(),
+        has_obstacle: false,
         largest_displacement_m: Both { fe: 4.0, mbs: 4.1 },
         largest_difference_m: 0.2,
         first_contact_s: Both { fe: Some(1.0), mbs: Some(1.02) },
@@ -38,6 +40,7 @@ fn good() -> Validation {
 fn good_hybrid() -> HybridValidation {
     HybridValidation {
         e_to_contact: 0.01,
+        e_after_contact: Some(0.041),
         e_total: 0.04,
         e_total_without_debris: 0.03,
         debris: Vec::new(),
@@ -49,6 +52,7 @@ fn good_hybrid() -> HybridValidation {
         cpu_s: 18.0,
         wall_s: 18.0,
         cpu_share: 0.45,
+        switching: true,
         mean_rigid_share: 0.8,
         skipped_share: 0.7,
         switched_j: -5e3,
@@ -124,6 +128,22 @@ fn each_breach_is_named_alone() {
             words.headline
         );
     }
+}
+
+/// What is aimed at after contact stands in the checks of buildings that fall, and decides nothing.
+#[test]
+fn errors_after_contact_are_shown_beside_their_aims() {
+    let far = Validation { e_total: 0.17, e_after_contact: Some(0.1712), footprint_overlap: 0.7, ..good() };
+    assert_eq!(failed(&far), ["Displacement error over the whole run", "Debris footprint"]);
+    assert!(far.agrees() && verdict(&far).status == Status::Pass);
+    let told = checks(&far).into_iter().find(|c| c.label == "Displacement error over the whole run").unwrap();
+    assert_eq!(told.value, "e = 0.170, 0.171 after the first contact alone");
+    assert!(told.limit.starts_with("≤ 0.15"), "{}", told.limit);
+    let walled = Validation { has_obstacle: true, ..far.clone() };
+    assert_eq!(failed(&walled), ["Debris footprint"], "0.20 with an obstacle");
+    let mut stands = far;
+    (stands.collapsed.fe, stands.collapsed.mbs) = (false, false);
+    assert!(failed(&stands).is_empty(), "nothing falls, no debris");
 }
 
 /// A structure that stands deflects by millimetres; their distance counts, not their ratio.

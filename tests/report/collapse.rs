@@ -346,6 +346,7 @@ fn compared() -> Vec<ComparedRun> {
     let run = |name: &str, e: Option<f64>, contact_s, cpu_s: f64| ComparedRun {
         name: name.into(),
         until_contact: e,
+        after_contact: e.map(|e| 3.1 * e),
         until_end: e.map(|e| 3.0 * e),
         without_debris: e.map(|e| 2.5 * e),
         first_contact_s: Some(contact_s),

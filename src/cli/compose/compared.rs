@@ -1,5 +1,6 @@
 //! All runs beside each other: the same figures on the page and on the terminal.
 
+use crate::cli::fe_hybrid::STAYS_RIGID;
 use crate::report::ComparedRun;
 use crate::validate::{DebrisPoint, Validation};
 
@@ -15,6 +16,7 @@ pub fn runs(v: &Validation) -> Vec<ComparedRun> {
     let hybrid = v.hybrid.as_ref().map(|h| ComparedRun {
         name: "hybrid".into(),
         until_contact: Some(h.e_to_contact),
+        after_contact: h.e_after_contact,
         until_end: Some(h.e_total),
         without_debris: Some(h.e_total_without_debris),
         first_contact_s: h.first_contact_s,
@@ -26,6 +28,7 @@ pub fn runs(v: &Validation) -> Vec<ComparedRun> {
     let mbs = ComparedRun {
         name: "MBS".into(),
         until_contact: Some(v.e_to_contact),
+        after_contact: v.e_after_contact,
         until_end: Some(v.e_total),
         without_debris: Some(v.e_total_without_debris),
         first_contact_s: v.first_contact_s.mbs,
@@ -57,6 +60,9 @@ pub fn notes(v: &Validation) -> Vec<String> {
         h.switches,
         1e-3 * h.switched_j
     ));
+    if !h.switching {
+        notes.push(format!("Hybrid run: {STAYS_RIGID}."));
+    }
     if !h.debris.is_empty() {
         notes.push(format!("Tracked points that become debris in the hybrid run: {}.", named(&h.debris)));
     }
@@ -74,6 +80,7 @@ pub fn table(v: &Validation) -> String {
     let head = [
         "run",
         "e to contact",
+        "after it",
         "e total",
         "without debris",
         "contact [s]",
@@ -85,7 +92,7 @@ pub fn table(v: &Validation) -> String {
     let figure = |x: Option<f64>, digits: usize| x.map_or("-".to_string(), |x| format!("{x:.digits$}"));
     let percent =
         |x: Option<f64>, digits: usize| x.map_or("-".to_string(), |x| format!("{:.digits$} %", 100.0 * x));
-    let line = |cells: [String; 9]| {
+    let line = |cells: [String; 10]| {
         let mut text = format!("    {:<7}", cells[0]);
         for (cell, name) in cells.iter().zip(head).skip(1) {
             text += &format!("  {cell:>width$}", width = name.len());
@@ -96,6 +103,7 @@ pub fn table(v: &Validation) -> String {
         line([
             r.name,
             figure(r.until_contact, 4),
+            figure(r.after_contact, 4),
             figure(r.until_end, 4),
             figure(r.without_debris, 4),
             figure(r.first_contact_s, 3),

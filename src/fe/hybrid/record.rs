@@ -53,6 +53,8 @@ pub struct Books {
 /// The partition over time, one value an output, and the switches.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct HybridRecord {
+    /// Whether rigid parts could deform again ([`super::HybridSettings::softens`]).
+    pub switching: bool,
     /// Share of the acting elements that are rigid.
     pub rigid_share: Vec<f64>,
     /// Rigid sets.

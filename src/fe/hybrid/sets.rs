@@ -122,6 +122,11 @@ impl Hybrid {
         })
     }
 
+    /// Whether rigid parts deform again where something asks for it ([`HybridSettings::softens`]).
+    pub fn softens(&self) -> bool {
+        self.settings.softens
+    }
+
     /// Whether an element is rigid.
     pub fn is_rigid(&self, element: usize) -> bool {
         self.resting[element]

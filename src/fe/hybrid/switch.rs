@@ -10,6 +10,8 @@
 //! * **flow**, looked at every [`FLOW_S`]: an element beside the set flows faster than the critical rate. Plastic zones that grow from outside into a set cross the layer around it;
 //! * **overload**, looked at every [`HybridSettings::check_s`]: the loads on the set would make an element in it flow ([`super::demand`]). This finds zones that begin within a set.
 //!
+//! With [`HybridSettings::softens`] off none of this happens: what such a run differs by from one with it is what switching is for.
+//!
 //! What is missed: what happens within a set between two checks, or before the first one up to [`FACTOR_S`] after it has changed, and vibrations about its static state, whose stresses a rigid part cannot have.
 
 use super::Refused;
@@ -38,6 +40,8 @@ const WORTHWHILE: f64 = 0.01;
 pub struct HybridSettings {
     /// Whether sets switch by themselves.
     pub automatic: bool,
+    /// Whether rigid parts deform again where contact, flow beside them or their loads ask for it. If not, what has become rigid stays so to the end: for comparison only.
+    pub softens: bool,
     /// Strain rate below which an element is quiet \[1/s\].
     pub rate_1_s: f64,
     /// Time for which it has to be \[s\].
@@ -58,6 +62,7 @@ impl Default for HybridSettings {
     fn default() -> Self {
         Self {
             automatic: true,
+            softens: true,
             rate_1_s: 0.025,
             quiet_s: 0.02,
             least_elements: 16,
@@ -129,6 +134,17 @@ impl Hybrid {
                 self.plan(body, (0..allowed.len()).filter(|e| allowed[*e]), Reason::Quiet);
             }
         }
+        let now = body.time_s;
+        if self.settings.softens {
+            self.soften(body);
+        }
+        if now >= self.watching.window_ends_s {
+            self.end_window(body);
+        }
+    }
+
+    /// Releases what contact, flow or loads ask for.
+    fn soften(&mut self, body: &mut Dynamics) {
         if !self.near.is_empty() {
             let near = std::mem::take(&mut self.near);
             let seeds: Vec<usize> = near.iter().flat_map(|n| body.blocks.elements_at(*n as usize)).collect();
@@ -142,9 +158,6 @@ impl Hybrid {
         if now >= self.watching.check_at_s {
             self.watching.check_at_s = now + self.settings.check_s;
             self.check_loads(body);
-        }
-        if now >= self.watching.window_ends_s {
-            self.end_window(body);
         }
     }
 

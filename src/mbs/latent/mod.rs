@@ -61,6 +61,8 @@ pub struct Latent {
     /// Bodies of the file in each body of the running model.
     pub pieces: Vec<Vec<usize>>,
     held: Vec<bool>,
+    /// Whether none gives way, whatever it bears.
+    holds: bool,
     /// Those that may give way; others wait for a rule about an event.
     watched: Vec<bool>,
     /// Bodies of the running model in which any waits.
@@ -93,6 +95,7 @@ impl Latent {
             bushings: (0..held.len()).map(Some).collect(),
             pieces: bodies.clone().map(|i| vec![i]).collect(),
             peak: vec![0.0; held.len()],
+            holds: false,
             watched: watched_from_begin(file),
             waiting: Vec::new(),
             held,
@@ -109,6 +112,12 @@ impl Latent {
         let first = latent.rebuild(file);
         latent.family = latent.places.iter().map(|p| p.body).collect();
         Ok((latent, Some(first)))
+    }
+
+    /// Whether none gives way from now on, whatever it bears; events of the file still part bodies.
+    pub fn hold(&mut self, holds: bool) {
+        self.holds = holds;
+        self.count_watched();
     }
 
     /// The model with the bushings that are latent now.
@@ -165,7 +174,8 @@ impl Latent {
 
     fn count_watched(&mut self) {
         for compound in &mut self.compounds {
-            let mut watched = compound.bushings.iter().map(|b| self.watched[*b]);
+            let of = compound.bushings.iter().filter(|_| !self.holds);
+            let mut watched = of.map(|b| self.watched[*b]);
             (compound.is_watched, compound.waits) = (watched.clone().any(|w| w), watched.any(|w| !w));
         }
         self.waiting.clear();

@@ -51,11 +51,13 @@ pub struct SolverOptions {
     pub contact: Settings,
     /// Whether a run with the automatic step is repeated with half and a quarter of it where its energies grow, or where it stops for its energies or a contact that will not hold.
     pub repeat: bool,
+    /// Whether latent bushings hold whatever they would have to bear, and no event rule is asked: for comparison only.
+    pub hold_latent: bool,
 }
 
 impl Default for SolverOptions {
     fn default() -> Self {
-        Self { energy_limit: 0.1, contact: Settings::default(), repeat: false }
+        Self { energy_limit: 0.1, contact: Settings::default(), repeat: false, hold_latent: false }
     }
 }
 
@@ -107,6 +109,7 @@ fn once(model: &Model, options: &SolverOptions, share: f64) -> Outcome {
     let remarks = closing_remarks(&run.books, Some(run.contacts.work));
     run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
     run.result.warnings.extend(remarks);
+    run.result.warnings.splice(0..0, run.remark_on_held());
     run.close_latent();
     Ok((run.result, run.books.growth))
 }
@@ -238,7 +241,8 @@ struct Run<'a> {
 
 impl<'a> Run<'a> {
     fn new(file: &'a Model, options: &'a SolverOptions, share: f64) -> Result<Self, SolveError> {
-        let (latent, merged) = Latent::new(file)?;
+        let (mut latent, merged) = Latent::new(file)?;
+        latent.hold(options.hold_latent);
         let model = merged.map_or(Cow::Borrowed(file), Cow::Owned);
         let mut system = System::new(&model)?;
         latent.orient(&mut system);

@@ -143,6 +143,16 @@ impl Run<'_> {
         self.latent.pieces.iter().map(of).collect()
     }
 
+    /// That latent bushings could not give way in this run, if there are any.
+    pub(super) fn remark_on_held(&self) -> Option<String> {
+        let latent = self.file.bushings.iter().filter(|b| b.latent.is_some()).count();
+        (self.options.hold_latent && latent > 0).then(|| {
+            format!(
+                "latent hinges are switched off: what could give way (bushings: {latent}) holds whatever it would have to bear, which is for comparison only"
+            )
+        })
+    }
+
     /// Writes down how near to their resistance the latent bushings came.
     pub(super) fn close_latent(&mut self) {
         let latent = self.file.bushings.iter().enumerate().filter(|(_, b)| b.latent.is_some());

@@ -1,0 +1,33 @@
+//! The reference building to the end of its run, contact included: what its model is held to.
+
+use super::commands::fallwerk;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// The command of the quick start. Its results stay in the build folder (`tmp/three-storey-frame`).
+#[test]
+fn the_reference_building_is_followed_beyond_the_first_contact() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let building = root.join("buildings/three-storey-frame.toml");
+    let building = building.to_str().unwrap();
+    let (code, out, err) =
+        fallwerk(root, &["generate-mbs", building, "--validate", "-o", folder.join(RUN).to_str().unwrap()]);
+    assert_eq!(code, 0, "{out}{err}");
+    let read = |name: &str| fs::read_to_string(folder.join(RUN).join(name)).unwrap();
+    let validation: Value = serde_json::from_str(&read("validation.json")).unwrap();
+    let figure = |name: &str| validation[name].as_f64().unwrap_or_else(|| panic!("{name}: {validation}"));
+    assert!(figure("e_to_contact") <= 0.05, "{}", figure("e_to_contact"));
+    assert!(figure("e_total") <= 0.15, "{}", figure("e_total"));
+    assert!(figure("footprint_overlap") >= 0.8, "{}", figure("footprint_overlap"));
+    // the whole lies between its parts
+    let (to, after) = (figure("e_to_contact"), figure("e_after_contact"));
+    assert!(to < figure("e_total") && figure("e_total") < after && after < 0.16, "{to} {after}");
+    let page = read("report.html");
+    for check in ["Displacement error over the whole run", "Debris footprint", "e after it"] {
+        assert!(page.contains(check), "{check}");
+    }
+}
+
+const RUN: &str = "three-storey-frame";
