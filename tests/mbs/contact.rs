@@ -2,7 +2,9 @@
 
 use super::support::*;
 use fallwerk::mbs::model::*;
+use fallwerk::mbs::result::EventKind;
 use fallwerk::mbs::{SolverOptions, simulate, simulate_with};
+use fallwerk::verify::mbs::pile;
 
 fn on_ground(name: &str, end_s: f64, friction: f64) -> Model {
     let mut m = model(name, end_s, 0.01);
@@ -332,4 +334,44 @@ fn impacts_keep_their_energy_with_rolling_resistance() {
     println!("energy error {:.1e}, warnings {:?}", result.energy_error, result.warnings);
     assert!(result.energy_error < 1e-6);
     assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+}
+
+/// A cube on an eccentric hinge above another one: the hinge flows, breaks, and the cube comes to lie on the one below.
+#[test]
+fn faces_meet_after_the_hinge_between_them_broke() {
+    const EDGE: f64 = pile::EDGE_M;
+    let mut m = model("broken hinge", 1.5, 1e-3);
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+    // half of what the weight asks for, 50 mm beside the hinge; breaks before the gap of 20 mm is closed
+    let weight = DENSITY * EDGE.powi(3) * G;
+    let strength = 0.5 * weight * 0.05;
+    m.curves.insert("flow".into(), curve(&[[0.0, strength], [0.1, strength]], 0.02));
+    m.bodies.push(solid("below", [0.0; 3], [EDGE; 3]));
+    m.bodies.push(solid("above", [0.05, 0.0, EDGE + 0.02], [EDGE; 3]));
+    let (foot, middle) = ([0.0, 0.0, -0.5 * EDGE], [0.0, 0.0, 0.5 * EDGE + 0.01]);
+    m.bushings.push(joint("clamp", None, "below", foot, 1e9, 1e8, [elastic(1e8), elastic(1e8)]));
+    m.bushings.push(joint("hinge", Some("below"), "above", middle, 1e8, 1e6, [hinge("flow"), hinge("flow")]));
+    let result = simulate(&m).unwrap();
+    let broken = result
+        .events
+        .iter()
+        .find(|e| matches!(&e.kind, EventKind::Fracture { joint, .. } if joint == "hinge"));
+    let broken_s = broken.expect("the hinge breaks").time_s;
+    let met: Vec<(f64, [&str; 2])> = result
+        .events
+        .iter()
+        .filter_map(|e| match &e.kind {
+            EventKind::Contact { a, b } => Some((e.time_s, [a.as_str(), b.as_str()])),
+            _ => None,
+        })
+        .collect();
+    let [(met_s, mut who)] = met[..] else { panic!("{met:?}") };
+    who.sort_unstable();
+    assert!(who == ["above", "below"] && met_s > broken_s, "{who:?} {met_s} {broken_s}");
+    let deepest = result.frames.iter().map(|f| pile::depths(f).largest_m).fold(0.0, f64::max);
+    println!("broken hinge: breaks at {broken_s:.4} s, contact at {met_s:.4} s, deepest {deepest:.1e} m");
+    assert!(deepest < 1e-4, "{deepest}");
+    let end = result.frames.last().unwrap();
+    let apart = end.position_m[1][2] - end.position_m[0][2];
+    assert!((apart - EDGE).abs() < 1e-4, "face on face: {apart}");
 }

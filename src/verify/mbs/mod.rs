@@ -1,11 +1,13 @@
 //! Cases of the multibody solver.
 
+mod chimney;
 mod contact;
 mod hinges;
 mod iftomm;
 mod impact;
 pub mod models;
 mod pancake;
+mod parting;
 mod pendulums;
 pub mod pile;
 
@@ -23,6 +25,8 @@ pub fn cases() -> Vec<Case> {
     all.extend(contact::cases());
     all.extend(impact::cases());
     all.extend(pancake::cases());
+    all.extend(parting::cases());
+    all.extend(chimney::cases());
     all
 }
 

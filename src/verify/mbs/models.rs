@@ -303,7 +303,7 @@ pub(super) fn held(id: String, body: String, point_m: V3, stiffness_n_m: f64, st
 }
 
 /// A bushing whose first axis is up.
-fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> Bushing {
+pub(super) fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> Bushing {
     Bushing {
         id,
         body_a,

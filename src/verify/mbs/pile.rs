@@ -7,8 +7,9 @@ use crate::mbs::model::{
 use crate::mbs::result::Frame;
 use std::f64::consts::PI;
 
-/// Edge of a cube, spacing of their grid, height of the lowest ones \[m\].
-const EDGE_M: f64 = 0.4;
+/// Edge of a cube \[m\].
+pub const EDGE_M: f64 = 0.4;
+/// Spacing of their grid, height of the lowest ones \[m\].
 const SPACING_M: f64 = 0.72;
 const LOWEST_M: f64 = 0.5;
 const DENSITY_KG_M3: f64 = 2500.0;
