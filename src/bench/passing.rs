@@ -6,7 +6,7 @@
 
 use crate::mbs::math::{V3, add, cross, dot, mul, norm, qmat, sub, transpose};
 use crate::mbs::model::{Model, Shape};
-use crate::mbs::result::{EventKind, FractureCause, Frame, RunResult};
+use crate::mbs::result::{CrushedHistory, EventKind, FractureCause, Frame, RunResult};
 use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -78,15 +78,17 @@ pub fn passing(model: &Model, result: &RunResult) -> Passing {
     let mut ties = Ties::of(model, result);
     let mut joined = ties.joined();
     let mut allowed = Allowed::default();
-    for (frame, time_s) in result.frames.iter().zip(&result.times_s) {
+    let mut shapes = Shapes::of(model, result);
+    for (output, (frame, time_s)) in result.frames.iter().zip(&result.times_s).enumerate() {
         if ties.at(*time_s) {
             joined = ties.joined();
         }
-        let solids = placed(model, frame, &ties.alive);
+        shapes.at(model, output);
+        let solids = placed((model, &shapes), frame, &ties.alive);
         all.travel_m = all.travel_m.max(allowed.travel(&solids));
         for (i, solid) in solids.iter().enumerate() {
             if let (Some(level), Some(Placed { body: Some(body), .. })) = (level, solid) {
-                let deep = level - lowest(model, frame, i, *body);
+                let deep = level - lowest(&shapes, frame, i, *body);
                 let beyond = allowed.beyond((i, GROUND), deep, !joined.ground.contains(body));
                 all.ground.note(beyond, *body, *time_s);
             }
@@ -126,12 +128,38 @@ fn least(half: V3) -> f64 {
     half.into_iter().fold(f64::INFINITY, f64::min)
 }
 
+/// The shapes of all bodies, boxes as short as they have been crushed.
+struct Shapes<'a> {
+    of: Vec<Vec<Shape>>,
+    /// Faces that are crushed: body, shape.
+    crushed: Vec<(usize, &'a CrushedHistory)>,
+}
+
+impl<'a> Shapes<'a> {
+    fn of(model: &Model, result: &'a RunResult) -> Self {
+        let any = |c: &&CrushedHistory| c.depth_m.iter().any(|depth| *depth > 0.0);
+        let of = |c: &'a CrushedHistory| Some((body_of(model, &c.body)?, c));
+        let crushed = result.crushed.iter().filter(any).filter_map(of).collect();
+        Self { of: model.bodies.iter().map(|b| b.shapes.clone()).collect(), crushed }
+    }
+
+    /// Those at an output.
+    fn at(&mut self, model: &Model, output: usize) {
+        for (body, face) in &self.crushed {
+            self.of[*body][face.shape].clone_from(&model.bodies[*body].shapes[face.shape]);
+        }
+        for (body, face) in &self.crushed {
+            face.shorten(&mut self.of[*body][face.shape], output);
+        }
+    }
+}
+
 /// Height of the lowest corner of a solid of a body \[m\].
-fn lowest(model: &Model, frame: &Frame, solid: usize, body: usize) -> f64 {
-    let before: usize = model.bodies[..body].iter().map(|b| b.shapes.len()).sum();
+fn lowest(shapes: &Shapes, frame: &Frame, solid: usize, body: usize) -> f64 {
+    let before: usize = shapes.of[..body].iter().map(Vec::len).sum();
     let r = qmat(frame.orientation[body]);
     let height = |c: V3| frame.position_m[body][2] + mul(&r, c)[2];
-    model.bodies[body].shapes[solid - before].corners().into_iter().map(height).fold(f64::INFINITY, f64::min)
+    shapes.of[body][solid - before].corners().into_iter().map(height).fold(f64::INFINITY, f64::min)
 }
 
 fn body_of(model: &Model, id: &str) -> Option<usize> {
@@ -174,11 +202,11 @@ impl Placed {
 }
 
 /// The boxes around all shapes at an output, those of removed bodies left out; then the obstacles.
-fn placed(model: &Model, frame: &Frame, alive: &[bool]) -> Vec<Option<Placed>> {
+fn placed((model, shapes): (&Model, &Shapes), frame: &Frame, alive: &[bool]) -> Vec<Option<Placed>> {
     let mut list = Vec::new();
-    for (i, body) in model.bodies.iter().enumerate() {
+    for (i, own) in shapes.of.iter().enumerate() {
         let r = qmat(frame.orientation[i]);
-        for shape in &body.shapes {
+        for shape in own {
             let (center, half, own) = match shape {
                 Shape::Box { center_m, half_extents_m, orientation: Some(q) } => {
                     (*center_m, *half_extents_m, transpose(&qmat(*q)))

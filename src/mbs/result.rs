@@ -1,7 +1,8 @@
 //! What a run returns: histories, frames, energies, events.
 
 use super::contact::Work;
-use super::model::Face;
+use super::math;
+use super::model::{Face, Shape};
 use serde::{Deserialize, Serialize};
 
 /// Version of the result file.
@@ -133,6 +134,21 @@ pub struct CrushedHistory {
     pub depth_m: Vec<f64>,
     /// Work that it took \[J\], part of [`EnergyHistory::contact_damping_j`].
     pub energy_j: Vec<f64>,
+}
+
+impl CrushedHistory {
+    /// Makes its box as short as it is at an output; other shapes stay as they are.
+    pub fn shorten(&self, shape: &mut Shape, output: usize) {
+        let depth = self.depth_m.get(output).copied().unwrap_or(0.0);
+        if let Shape::Box { center_m, half_extents_m, orientation } = shape {
+            let (axis, sign) = self.face.axis();
+            let mut shift = [0.0; 3];
+            shift[axis] = -0.5 * sign * depth;
+            half_extents_m[axis] -= 0.5 * depth;
+            let turned = orientation.map_or(shift, |q| math::mul(&math::qmat(q), shift));
+            *center_m = math::add(*center_m, turned);
+        }
+    }
 }
 
 /// Work of contacts done and left out. What is left out cannot change the result ([`crate::mbs::contact::Settings::skip`]).

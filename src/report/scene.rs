@@ -254,6 +254,9 @@ fn pack_mbs(mbs: &MbsScene, groups: &[String], bytes: &mut Vec<u8>) -> Value {
             "id": b.id, "group": group_index(groups, &b.group), "appears": b.appears_s, "removed": b.removed_s,
             "boxes": b.boxes.iter().map(|x| json!([x.center_m, x.half_extents_m])).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
+        "crushed": mbs.crushed.iter().map(|c| json!({
+            "place": c.place, "axis": c.face.0, "sign": c.face.1, "depth": c.depth_m,
+        })).collect::<Vec<_>>(),
         "poses": append(bytes, &poses),
     })
 }

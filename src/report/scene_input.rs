@@ -91,6 +91,19 @@ pub struct MbsScene {
     pub bodies: Vec<SceneBody>,
     /// Poses per frame: `frames[frame][body]`.
     pub frames: Vec<Vec<Pose>>,
+    /// Boxes that get shorter.
+    pub crushed: Vec<CrushedBox>,
+}
+
+/// A box that gets shorter at one of its faces.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CrushedBox {
+    /// Index of the body and of its box.
+    pub place: [usize; 2],
+    /// Axis of the box (0 to 2) and 1 or -1 for the face along or against it.
+    pub face: (usize, f64),
+    /// By how much it is shorter, per frame \[m\].
+    pub depth_m: Vec<f64>,
 }
 
 /// A rigid body made of boxes.

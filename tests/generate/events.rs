@@ -178,3 +178,20 @@ fn ends_without_an_entry_of_their_own_take_that_of_another_size() {
             .any(|n| n.contains("crushing: no entry of its own, curves scaled from contact_crushing/"))
     );
 }
+
+/// At the finest level a column that may fall onto an obstacle has three sections in place of one; those that stand on the ground, or far from it, do not.
+#[test]
+fn columns_before_an_obstacle_are_divided_more_finely() {
+    let (rules, mut store, _cache) = knowledge();
+    let wall = Path::new(env!("CARGO_MANIFEST_DIR")).join("buildings/three-storey-frame-wall.toml");
+    let wall = parse(&std::fs::read_to_string(wall).unwrap(), Format::Toml, "wall").unwrap();
+    let mut sections = |building: &Building, accuracy| {
+        let wishes = Wishes { derive: Derive::Similar, accuracy };
+        let model = generate(building, &rules, &mut store, wishes, &|_| {}).unwrap().model;
+        let of = |id: &str| model.event_rules[0].watch.iter().filter(|s| s.starts_with(id)).count();
+        [of("C1-A2."), of("C2-A1."), of("C3-A1.")]
+    };
+    assert_eq!(sections(&wall, Accuracy::Fine), [1, 3, 3]);
+    assert_eq!(sections(&wall, Accuracy::Balanced), [1, 1, 1]);
+    assert_eq!(sections(&reference(|t| t), Accuracy::Fine), [1, 1, 1]);
+}

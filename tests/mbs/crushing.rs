@@ -53,6 +53,29 @@ fn a_foot_is_crushed_as_deep_as_its_resistance_takes_up_the_fall() {
     }
 }
 
+/// What looks at results sees boxes as short as they are: nothing is in the ground.
+#[test]
+fn boxes_of_results_are_as_short_as_they_were_crushed() {
+    let mut m = falling(20e3, &[[0.0, FORCE_N]], None);
+    // the same with its axis along x of the box, against it
+    let Shape::Box { half_extents_m, orientation, .. } = &mut m.bodies[0].shapes[0] else { panic!() };
+    (half_extents_m[0], half_extents_m[2]) = (1.5, 0.2);
+    *orientation = Some([0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt(), 0.0]);
+    m.contact.crushing[0].face = Face::HighX;
+    let result = simulate(&m).unwrap();
+    assert!(depth(&result) > 0.3, "{}", depth(&result));
+    for (output, frame) in result.frames.iter().enumerate() {
+        let mut shape = m.bodies[0].shapes[0].clone();
+        result.crushed[0].shorten(&mut shape, output);
+        let foot =
+            shape.corners().iter().map(|c| c[2]).fold(f64::INFINITY, f64::min) + frame.position_m[0][2];
+        assert!(foot.abs() < 1e-3 || foot > 0.0, "{output}: {foot}");
+    }
+    let seen = fallwerk::bench::passing::passing(&m, &result);
+    println!("{:?}", seen.ground);
+    assert!(seen.ground.depth_m < 1e-3);
+}
+
 #[test]
 fn the_time_of_the_touch_within_a_step_counts() {
     // from 3 cm above the ground: the speed at the touch by free fall, the depth as before

@@ -128,6 +128,7 @@ fn scene(size: f64, frames: usize) -> Scene {
     let mbs = MbsScene {
         bodies: solids.iter().map(body).collect(),
         frames: times.iter().map(|&t| solids.iter().map(|s| pose(s, t)).collect()).collect(),
+        crushed: Vec::new(),
     };
     let wall = Aabb::from_corners([-1.0, -7.6, 0.0], [4.0, -7.2, 2.4]);
     Scene {

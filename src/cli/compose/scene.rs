@@ -5,8 +5,9 @@ use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
 use crate::fe::result::{FeRun, KeptFrame};
 use crate::mbs::model::Body;
+use crate::mbs::result::CrushedHistory;
 use crate::report::{
-    BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneFace,
+    BodyBox, CrushedBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneFace,
     SceneObstacle, ScenePart, faces_of_hexes,
 };
 
@@ -106,5 +107,17 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
     MbsScene {
         bodies: model.bodies.iter().map(body).collect(),
         frames: kept(p).map(|f| poses(&p.mbs.frames[f.output])).collect(),
+        crushed: p.mbs.crushed.iter().filter_map(|c| crushed_box(p, c)).collect(),
     }
+}
+
+/// A face that is crushed in the run.
+fn crushed_box(p: &Pieces, face: &CrushedHistory) -> Option<CrushedBox> {
+    let body = p.generated.model.bodies.iter().position(|b| b.id == face.body)?;
+    let depth_m: Vec<f64> = kept(p).map(|f| face.depth_m[f.output]).collect();
+    depth_m.iter().any(|depth| *depth > 0.0).then(|| CrushedBox {
+        place: [body, face.shape],
+        face: face.face.axis(),
+        depth_m,
+    })
 }

@@ -75,7 +75,10 @@
   }
   if (mbs) {
     mbs.p = new Float32Array(block(mbs.poses).buffer);
-    mbs.boxes = mbs.bodies.flatMap((b, body) => b.boxes.map(([center, half]) => ({ body, center, half })));
+    mbs.boxes = mbs.bodies.flatMap((b, body) => b.boxes.map(([center, half]) => ({ body, center, half, crushed: [] })));
+    for (const c of mbs.crushed) {
+      mbs.boxes.filter((x) => x.body === c.place[0])[c.place[1]].crushed.push(c);
+    }
   }
 
   // ---- small vector and matrix helpers (column-major) ------------------------------------------------------
@@ -338,7 +341,19 @@
         const l = Math.hypot(...turned) || 1;
         poses.push([at, turned.map((c) => c / l)]);
       }
-      fill(bodies, mbs.boxes.flatMap(({ body, center, half }) => {
+      // boxes are shorter by what has been crushed of them
+      const shortened = ({ center, half, crushed }) => {
+        if (crushed.length === 0) return [center, half];
+        const [c, h] = [[...center], [...half]];
+        for (const { axis, sign, depth } of crushed) {
+          const s = depth[a] + (depth[b] - depth[a]) * f;
+          c[axis] -= 0.5 * sign * s;
+          h[axis] -= 0.5 * s;
+        }
+        return [c, h];
+      };
+      fill(bodies, mbs.boxes.flatMap((box) => {
+        const { body } = box, [center, half] = shortened(box);
         const b = mbs.bodies[body];
         if ((b.appears !== null && state.t < b.appears) || (b.removed !== null && state.t >= b.removed)) return [];
         const [at, q] = poses[body];
