@@ -471,7 +471,8 @@ fn a_floor_without_curves_for_its_lines_stays_in_one_piece_where_curves_are_scal
     let missing = fine(Derive::Never).unwrap_err().to_string();
     assert!(missing.contains("B1-A1-B1.start"), "{missing}");
     let scaled = fine(Derive::Similar).unwrap();
-    assert!(scaled.model.bushings.iter().all(|b| b.latent.is_none()));
+    // columns before its obstacle have sections, the floor has none
+    assert!(scaled.model.bushings.iter().all(|b| b.latent.is_none() || b.id.contains(".section-")));
     let told: Vec<&String> = scaled.notes.iter().filter(|n| n.contains("stays in one piece")).collect();
     assert_eq!(told.len(), 1, "{:?}", scaled.notes);
     assert!(told[0].starts_with("S1 stays"), "{told:?}");

@@ -185,6 +185,8 @@ pub struct Settings {
     pub struck_visits: usize,
     /// Sweeps that open gaps.
     pub gap_sweeps: usize,
+    /// The same in steps that leave a gap deeper than 0.5 mm.
+    pub deep_sweeps: usize,
     /// Share of a gap opened in a visit.
     pub gap_rate: f64,
     /// Penetration that is left alone \[m\].
@@ -206,6 +208,7 @@ impl Default for Settings {
             search_visits: 40_000,
             struck_visits: 10_000,
             gap_sweeps: 2,
+            deep_sweeps: 30,
             gap_rate: 0.2,
             slop_m: 1e-4,
             skip: true,
@@ -236,6 +239,8 @@ struct Collider {
     thickness: f64,
     /// What it is to others.
     partner: Partner,
+    /// Whether its body may not touch the ground while an intact connection joins both: not what begins above the ground while other solids of the body stand on it, such as the upper half of a column that folds at its foot.
+    tied: bool,
 }
 
 impl Collider {
@@ -335,7 +340,7 @@ impl ContactSet {
         let mut colliders = Vec::new();
         let mut radius = vec![0.0_f64; ground];
         for (body, entry) in model.bodies.iter().enumerate() {
-            for shape in &entry.shapes {
+            for (shape, tied) in entry.shapes.iter().zip(surface::tied(model, entry)) {
                 let (solid, local) = Solid::of(shape);
                 radius[body] =
                     radius[body].max(solid.radius(math::scale(-1.0, math::mul_t(&local.r, local.x))));
@@ -346,6 +351,7 @@ impl ContactSet {
                     local: (local != Placed::HERE).then_some(local),
                     turned: local.q != Placed::HERE.q,
                     partner: Partner::Body(body),
+                    tied,
                 });
             }
         }
@@ -360,6 +366,7 @@ impl ContactSet {
                 local: Some(local),
                 turned: false,
                 partner: Partner::Obstacle(i),
+                tied: false,
             });
         }
         let flat = model.contact.ground.iter().map(|g| Plane {
@@ -484,7 +491,8 @@ impl ContactSet {
             return true;
         }
         let joined = self.connected.binary_search(&(a.min(b), a.max(b))).is_ok();
-        joined && (b != self.ground || self.partner_of(pair) == Partner::Ground)
+        let tied = || self.partner_of(pair) == Partner::Ground && self.colliders[pair.a as usize].tied;
+        joined && (b != self.ground || tied())
     }
 
     fn bodies_of(&self, pair: &Pair) -> [usize; 2] {

@@ -13,7 +13,7 @@ use super::search::Search;
 use crate::mbs::math::{self, V3};
 
 /// Depth from which more of a gap is opened at once \[m\], and that share.
-const DEEP_M: f64 = 1e-3;
+pub(super) const DEEP_M: f64 = 5e-4;
 const DEEP_RATE: f64 = 0.8;
 
 /// Velocity and angular velocity of a body, or displacement and turn.

@@ -332,7 +332,12 @@ impl ContactSet {
             worst = self.rows.worst();
         }
         if worst < -self.settings.slop_m || self.rows.rows.iter().any(|r| r.exact) {
-            self.rows.separate(self.settings.gap_sweeps, self.settings.gap_rate);
+            let sweeps = if worst < -super::rows::DEEP_M {
+                self.settings.deep_sweeps
+            } else {
+                self.settings.gap_sweeps
+            };
+            self.rows.separate(sweeps, self.settings.gap_rate);
         }
         for (i, body) in bodies.iter_mut().enumerate() {
             (body.v, body.w) = (self.rows.motion[i].v, self.rows.motion[i].w);

@@ -1,8 +1,12 @@
 //! Friction and restitution of each pair, and who passes through whom.
 
 use super::Partner;
-use crate::mbs::model::Model;
+use crate::mbs::math;
+use crate::mbs::model::{Body, Model, Shape};
 use std::collections::BTreeMap;
+
+/// Height up to which a solid stands on the ground \[m\].
+const AT_GROUND_M: f64 = 1e-3;
 
 /// What holds where two solids meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -91,4 +95,15 @@ fn key(a: usize, b: Partner) -> (usize, Partner) {
         Partner::Body(b) if b < a => (b, Partner::Body(a)),
         other => (a, other),
     }
+}
+
+/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it, all where none does.
+pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
+    let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
+    let turn = math::qmat(body.orientation);
+    let height = |c: &[f64; 3]| body.position_m[2] + math::mul(&turn, *c)[2];
+    let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
+    let stand: Vec<bool> = body.shapes.iter().map(stands).collect();
+    let none = !stand.contains(&true);
+    stand.into_iter().map(|stands| stands || none).collect()
 }

@@ -15,7 +15,7 @@ use petgraph::unionfind::UnionFind;
 use std::collections::BTreeSet;
 
 /// Tells the contacts which bodies are there and which a joint connects, and what is crushed: what is left of such a member holds nothing up. Pieces of what was one body count as that body as far as intact joints still connect them: a column
-/// that did not touch its floor as a whole does not touch the pieces of it either.
+/// that did not touch its floor as a whole does not touch the pieces of it either. The ground is another matter: what comes off a foot may fall onto it.
 pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Latent) {
     let joined = || system.joints.iter().filter(|j| j.alive).map(|j| (j.a, j.b));
     let crushed = system.joints.iter().filter(|j| j.is_crushed()).map(|j| j.b).collect();
@@ -32,6 +32,10 @@ pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Laten
     labels.iter().enumerate().for_each(|(i, label)| members[*label].push(i));
     let mut pairs = BTreeSet::new();
     for (a, b) in joined() {
+        if a.max(b) >= system.count() {
+            pairs.insert((a.min(b), a.max(b)));
+            continue;
+        }
         for x in &members[labels[a]] {
             pairs.extend(members[labels[b]].iter().filter(|y| x != *y).map(|y| (*x.min(y), *x.max(y))));
         }
