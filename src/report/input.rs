@@ -206,6 +206,10 @@ pub struct HingeSite {
     pub fe_max_plastic_strain: Option<f64>,
     /// Whether the MBS has a hinge (placed or latent) here.
     pub mbs_hinge: bool,
+    /// Whether that is latent: no hinge until it goes live.
+    pub mbs_latent: bool,
+    /// When it does \[s\]; `None`: never.
+    pub mbs_live_s: Option<f64>,
     /// First time the hinge yields \[s\]; `None`: it stayed elastic.
     pub mbs_yielded_s: Option<f64>,
     /// Largest accumulated plastic rotation \[rad\].

@@ -337,11 +337,21 @@ fn site(s: &HingeSite) -> serde_json::Value {
         "fe_first": optional_time(s.fe_first_s),
         "fe_rate": optional(s.fe_peak_strain_rate_1_s, 3),
         "fe_strain": optional(s.fe_max_plastic_strain, 3),
-        "hinge": if s.mbs_hinge { "yes" } else { "no" },
+        "hinge": placed(s),
         "mbs_first": optional_time(s.mbs_yielded_s),
         "mbs_rotation": optional(s.mbs_max_plastic_rotation_rad, 3),
         "mbs_fractured": optional_time(s.mbs_fractured_s),
     })
+}
+
+/// Whether the MBS has a hinge at a site, and from when on.
+fn placed(s: &HingeSite) -> String {
+    match (s.mbs_hinge, s.mbs_latent, s.mbs_live_s) {
+        (false, ..) => "no".into(),
+        (true, false, _) => "yes".into(),
+        (true, true, None) => "latent".into(),
+        (true, true, Some(t)) => format!("latent, live from {}", seconds(t)),
+    }
 }
 
 /// A row of the table that compares all runs.

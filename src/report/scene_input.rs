@@ -91,6 +91,8 @@ pub struct MbsScene {
     pub bodies: Vec<SceneBody>,
     /// Poses per frame: `frames[frame][body]`.
     pub frames: Vec<Vec<Pose>>,
+    /// How many rigid compounds the bodies move as, a frame each; empty: not told.
+    pub compounds: Vec<u32>,
 }
 
 /// A rigid body made of boxes.

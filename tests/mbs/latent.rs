@@ -2,7 +2,7 @@
 
 use super::support::*;
 use fallwerk::curve::{CapacityLevel, ResistanceCurve};
-use fallwerk::mbs::latent::Latent;
+use fallwerk::mbs::latent::{Latent, compounds};
 use fallwerk::mbs::math;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::{EventKind, FractureCause};
@@ -270,4 +270,26 @@ fn an_event_releases_and_weakens_bushings() {
 #[test]
 fn a_chimney_of_blocks_breaks_where_theory_says() {
     holds("chimney-edge");
+}
+
+/// A rod is one until a section goes live, two pieces from then on, and what has vanished is none.
+#[test]
+fn what_moves_as_one_is_told_by_the_run() {
+    let mut m = rod(3, 1e12);
+    let event = |id: &str, time_s: f64, gone: &[&str], released: &[&str]| Event {
+        id: id.into(),
+        time_s,
+        remove_bodies: gone.iter().map(|s| s.to_string()).collect(),
+        release: released.iter().map(|s| s.to_string()).collect(),
+        weaken: Vec::new(),
+        origin: Origin::default(),
+    };
+    m.events = vec![event("cut", 0.035, &[], &["s1"]), event("blast", 0.065, &["p2"], &[])];
+    let result = simulate(&m).unwrap();
+    assert_eq!(live(&result), ["s1", "s2"]);
+    let at = |time_s: f64| compounds(&m, &result, time_s);
+    let [first, second, third] = [at(0.03), at(0.04), at(0.07)];
+    assert!(first.iter().all(|c| c.is_some() && *c == first[0]), "{first:?}");
+    assert!(second[0] != second[1] && second[1] == second[2] && second[2].is_some(), "{second:?}");
+    assert!(third[0] != third[1] && third[2].is_none(), "{third:?}");
 }

@@ -81,6 +81,11 @@ fn one_validation_compares_three_runs() {
     assert!(page.contains("<h1>FE, hybrid and MBS</h1>") && page.contains("The runs against FE"));
     assert_eq!(page.matches("<figure class=\"picture\">").count(), 6, "three runs, under way and at the end");
     assert!(page.contains("rigid part"), "the hybrid run has some by then");
+    assert_eq!(
+        page.matches("22 rigid compounds of 32 bodies; hinges: ").count(),
+        4,
+        "ten columns are held together"
+    );
 }
 
 /// The example building's FE run of 20 ms with its frames.

@@ -200,6 +200,22 @@ fn the_page_shows_all_runs() {
 }
 
 #[test]
+fn latent_sections_and_compounds_are_shown() {
+    let mut input = collapse::report(0.8, 5);
+    let site = &mut input.hinge_sites[0];
+    (site.mbs_latent, site.mbs_live_s, site.mbs_yielded_s) = (true, Some(1.25), None);
+    input.hinge_sites[1].mbs_latent = true;
+    let page = render(&input).unwrap();
+    assert!(page.contains("<td>latent, live from 1.250 s</td>") && page.contains("<td>latent</td>"));
+    assert!(page.contains("class=\"live\" d=\"M"), "marked in the pictures");
+    let head = head(&page);
+    assert_eq!(head["mbs"]["compounds"], serde_json::json!([13, 13, 15, 15, 15]));
+    assert_eq!(head["markers"][0]["live"], 1.25);
+    input.scene.as_mut().unwrap().mbs.as_mut().unwrap().compounds.pop();
+    assert!(matches!(render(&input), Err(ReportError::Length { .. })));
+}
+
+#[test]
 fn positions_come_back_within_half_a_quantisation_step() {
     let mut input = collapse::report(0.8, 21);
     let fe = input.scene.as_mut().unwrap().fe.as_mut().unwrap();

@@ -1,9 +1,11 @@
 //! The 3D scene: the skin of the FE mesh and the boxes of the MBS bodies over common times.
 
 use super::Pieces;
+use super::partition::count_compounds;
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
 use crate::fe::result::{FeRun, KeptFrame};
+use crate::mbs::latent;
 use crate::mbs::model::Body;
 use crate::report::{
     BodyBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneFace,
@@ -103,8 +105,13 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
         let pairs = frame.position_m.iter().zip(&frame.orientation);
         pairs.map(|(position, turn)| Pose { position_m: *position, orientation: *turn }).collect()
     };
+    let compounds = |output: usize| {
+        let (_, moving) = count_compounds(&latent::compounds(model, p.mbs, p.mbs.times_s[output]));
+        moving as u32
+    };
     MbsScene {
         bodies: model.bodies.iter().map(body).collect(),
         frames: kept(p).map(|f| poses(&p.mbs.frames[f.output])).collect(),
+        compounds: kept(p).map(|f| compounds(f.output)).collect(),
     }
 }

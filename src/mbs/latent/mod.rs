@@ -9,10 +9,13 @@
 //! | this one | who is latent, when a body parts |
 //! | `merge` | a model in which latent bushings are rigid |
 //! | `demand` | what latent bushings bear |
+//! | `history` | which bodies moved as one in a run that is over |
 
 mod demand;
+mod history;
 mod merge;
 
+pub use history::{compounds, is_gone, live_s};
 pub use merge::{Merged, Place, held_together, merge};
 
 use super::contact::ContactSet;
