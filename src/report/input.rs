@@ -47,6 +47,10 @@ pub struct ReportInput {
     pub hybrid_run: Option<RunCost>,
     /// Cost of the MBS run.
     pub mbs_run: Option<RunCost>,
+    /// What the runs left out.
+    pub left_out: Vec<LeftOutRow>,
+    /// What is to be said about that.
+    pub left_out_note: Option<String>,
     /// Decisions of the model worth a look.
     pub review: ReviewSummary,
     /// The generated model.
@@ -275,6 +279,23 @@ pub struct RunCost {
     pub dofs: Option<u64>,
     /// Threads used.
     pub threads: Option<u64>,
+}
+
+/// Something that a run left out.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LeftOutRow {
+    /// Name of the run.
+    pub run: String,
+    /// What was left out, in words.
+    pub what: String,
+    /// How much of it.
+    pub left_out: u64,
+    /// How much there would have been.
+    pub of: u64,
+    /// In what that is counted, e.g. "elements × steps".
+    pub unit: String,
+    /// The command and option that computes it after all; `None`: there is none.
+    pub computed_by: Option<String>,
 }
 
 /// The generated MBS model in tables.

@@ -4,7 +4,8 @@ use super::ReportError;
 use super::chart::seconds;
 use super::codec::base64;
 use super::input::{
-    ComparedRun, HingeSite, History, ReportInput, ReviewRow, ReviewSummary, RunCost, Severity, Status,
+    ComparedRun, HingeSite, History, LeftOutRow, ReportInput, ReviewRow, ReviewSummary, RunCost, Severity,
+    Status,
 };
 use super::number::{MISSING, count, duration, fixed, significant};
 use super::{partition, plots, scene};
@@ -79,6 +80,8 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "agreement": agreement(&input.hinge_sites),
         "energy": json!({ "fe": energy.fe, "mbs": energy.mbs, "residuals": energy.residuals }),
         "review": review(&input.review),
+        "left_out": input.left_out.iter().map(left_out).collect::<Vec<_>>(),
+        "left_out_note": input.left_out_note,
         "run_columns": run_columns(input),
         "runs": runs(input),
         "model": model(input),
@@ -411,6 +414,19 @@ fn runs(input: &ReportInput) -> Vec<Vec<String>> {
         time("Mean step", |r| r.step_s),
         number("Elements / bodies", |r| r.parts),
         number("Degrees of freedom", |r| r.dofs),
+    ]
+}
+
+/// A row of the table of what was left out.
+fn left_out(row: &LeftOutRow) -> [String; 6] {
+    let share = if row.of > 0 { 100.0 * row.left_out as f64 / row.of as f64 } else { f64::NAN };
+    [
+        row.run.clone(),
+        row.what.clone(),
+        format!("{} %", fixed(share, 2)),
+        count(row.left_out),
+        format!("{} {}", count(row.of), row.unit),
+        row.computed_by.clone().unwrap_or(MISSING.into()),
     ]
 }
 

@@ -284,9 +284,16 @@ fn what_moves_as_one_is_told_by_the_run() {
         weaken: Vec::new(),
         origin: Origin::default(),
     };
+    m.settings.time_step_s = Some(1e-5);
     m.events = vec![event("cut", 0.035, &[], &["s1"]), event("blast", 0.065, &["p2"], &[])];
     let result = simulate(&m).unwrap();
     assert_eq!(live(&result), ["s1", "s2"]);
+    // three pieces on two latent bushings up to 35 ms, on one up to 65 ms, then two on none
+    let work = result.body_work;
+    assert_eq!(result.steps, 10_000);
+    assert_eq!(work.body_steps, 3 * 6_500 + 2 * 3_500);
+    assert_eq!((work.held_steps, work.latent_steps), (2 * 3_500 + 3_000, 2 * 3_500 + 3_000));
+    assert_eq!((work.unwatched_steps, work.asleep_steps), (0, 0));
     let at = |time_s: f64| compounds(&m, &result, time_s);
     let [first, second, third] = [at(0.03), at(0.04), at(0.07)];
     assert!(first.iter().all(|c| c.is_some() && *c == first[0]), "{first:?}");

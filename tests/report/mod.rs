@@ -216,6 +216,26 @@ fn latent_sections_and_compounds_are_shown() {
 }
 
 #[test]
+fn what_was_left_out_is_a_table_if_anything_was() {
+    let mut input = collapse::report(0.8, 5);
+    assert!(!render(&input).unwrap().contains("What was left out"));
+    let row = LeftOutRow {
+        run: "MBS".into(),
+        what: "pairs".into(),
+        left_out: 379_319,
+        of: 399_923,
+        unit: "pairs × steps".into(),
+        computed_by: Some("simulate --compute-all".into()),
+    };
+    input.left_out = vec![row.clone(), LeftOutRow { of: 0, left_out: 0, computed_by: None, ..row }];
+    let page = render(&input).unwrap();
+    for text in ["94.85 %", "379\u{202f}319", "399\u{202f}923 pairs × steps", "simulate --compute-all", "– %"]
+    {
+        assert!(page.contains(text), "{text}");
+    }
+}
+
+#[test]
 fn positions_come_back_within_half_a_quantisation_step() {
     let mut input = collapse::report(0.8, 21);
     let fe = input.scene.as_mut().unwrap().fe.as_mut().unwrap();

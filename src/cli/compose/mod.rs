@@ -4,6 +4,7 @@
 
 pub mod compared;
 mod events;
+mod left_out;
 mod marks;
 mod model;
 mod partition;
@@ -96,6 +97,8 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         fe_run: Some(fe_cost(p.fe, p.threads)),
         hybrid_run: p.hybrid.map(|run| fe_cost(run, p.threads)),
         mbs_run: Some(mbs_cost(p)),
+        left_out: left_out::rows(v),
+        left_out_note: left_out::note(v),
         review: model::review(p.review),
         model: model::summary(p.generated),
         curves: model::curves(p.generated),

@@ -25,6 +25,12 @@ fn group(building: &Building, member: &str) -> String {
     word.to_string()
 }
 
+/// The same of a body: that of the member it is named after, of a piece the one before the slash, else of the first one that it stands for.
+fn group_of_body(building: &Building, body: &Body) -> String {
+    let named = body.id.split('/').next().filter(|id| building.member(id).is_some());
+    group(building, named.or(body.origin.members.first().map(String::as_str)).unwrap_or(&body.id))
+}
+
 /// The scene of both runs.
 pub fn scene(p: &Pieces) -> Scene {
     Scene {
@@ -89,7 +95,7 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
     };
     let body = |body: &Body| SceneBody {
         id: body.id.clone(),
-        group: group(p.building, &body.id),
+        group: group_of_body(p.building, body),
         boxes: body
             .shapes
             .iter()
