@@ -1,4 +1,4 @@
-//! Entries of the library for all column ends of a building, whatever the rules make of them.
+//! Entries of the library for all column ends of a building, hinges and ends that are crushed by what they strike, whatever the rules make of them.
 
 use super::rc::Bending;
 use crate::building::ends::member_ends;
@@ -6,6 +6,7 @@ use crate::building::partition::Partition;
 use crate::building::{Building, MemberKind};
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted};
+use crate::library::derive_contact::WantedContact;
 use crate::library::rc::{RC_UNTIL_RAD, RcDeriveError, RcWanted};
 use crate::library::rc_kinds;
 use crate::library::rc_springs::RcSpringError;
@@ -127,7 +128,11 @@ pub fn derive_for(
             let share = (number as f64 + done as f64 / all.max(1) as f64) / count as f64;
             (watch.progress)(share, &format!("of {end} ({} of {count}): push {done} of {all}", number + 1));
         };
-        let entry = wanted.derive(&end, &tell).map_err(failed(&end))?;
+        let entry = match wanted {
+            Asked::Hinge(hinge) => hinge.derive(&end, &tell),
+            Asked::Crushing(end) => end.derive(),
+        }
+        .map_err(failed(&end))?;
         store.put(&entry)?;
         (watch.added)(&key);
         derived.added.push(key);
@@ -135,8 +140,14 @@ pub fn derive_for(
     Ok(derived)
 }
 
+/// What a column end asks for.
+enum Asked {
+    Hinge(Box<Wanted>),
+    Crushing(Box<WantedContact>),
+}
+
 /// The entries that the column ends ask for, by key, each with the first end that does.
-fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Wanted)>, LibraryDeriveError> {
+fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Asked)>, LibraryDeriveError> {
     let partition = Partition::of(building);
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
     let mut wanted = BTreeMap::new();
@@ -145,9 +156,16 @@ fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Wanted)>, Lib
         if member.kind != MemberKind::Column || building.is_cut(&member.id) {
             continue;
         }
+        let key =
+            |key: Result<String, serde_json::Error>| key.map_err(DeriveError::from).map_err(failed(&end.id));
         if let Some(query) = Wanted::of(building, &partition, &mesh, &end) {
-            let key = query.key().map_err(DeriveError::from).map_err(failed(&end.id))?;
-            wanted.entry(key).or_insert((end.id, query));
+            let asked = || (end.id.clone(), Asked::Hinge(Box::new(query.clone())));
+            wanted.entry(key(query.key())?).or_insert_with(asked);
+        }
+        if end.clear_m > 0.0 {
+            let query = WantedContact::of(building, &end);
+            let key = key(query.key())?;
+            wanted.entry(key).or_insert_with(|| (end.id.clone(), Asked::Crushing(Box::new(query))));
         }
     }
     Ok(wanted)

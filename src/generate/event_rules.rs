@@ -33,13 +33,9 @@ pub fn of(
     }
     let first_s = building.events.iter().map(|e| e.time_s).fold(f64::INFINITY, f64::min);
     let first_s = if first_s.is_finite() { first_s } else { 0.0 };
-    let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
     let mut list = Vec::new();
     for kind in [SubjectKind::ContactEvent, SubjectKind::FractureEvent] {
-        let event = Subject::new(kind, "a column")
-            .with("member.kind", "column")
-            .with("critical_strain_rate", building.settings.critical_strain_rate_1_s)
-            .with("storeys", f64::from(storeys));
+        let event = column(building, kind);
         for (aspect, question) in [(Aspect::Change, "change"), (Aspect::Rigidity, "rigidity")] {
             for pending in rules.pending(&event, aspect, &LATER)? {
                 for (n, case) in pending.cases.iter().enumerate() {
@@ -57,6 +53,33 @@ pub fn of(
         }
     }
     Ok(list)
+}
+
+/// Whether rules put a contact subsystem in where a column meets something.
+///
+/// # Errors
+/// If a rule compares what is not known yet with something else that is not a number.
+pub fn puts_contact_in(building: &Building, rules: &RuleBase) -> Result<bool, GenerateError> {
+    let kind = SubjectKind::ContactEvent;
+    let asked = rules.pending(&column(building, kind), Aspect::Change, &LATER)?;
+    let contact = |p: &Pending| {
+        p.action == Action::InsertSubsystem
+            && matches!(name(p.parameters, "subsystem"), Some("contact" | "contact_and_hinge"))
+    };
+    let happens = |p: &Pending| p.cases.iter().any(|case| trigger(kind, case, 0.0).is_some());
+    // one that asks for nothing more decides, whatever comes behind it
+    let always = |p: &Pending| p.cases.iter().any(|case| case.ranges.is_empty() && case.names.is_empty());
+    let first = asked.iter().find(|pending| always(pending) || contact(pending) && happens(pending));
+    Ok(first.is_some_and(contact))
+}
+
+/// What is known beforehand of an event of a column.
+fn column(building: &Building, kind: SubjectKind) -> Subject {
+    let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
+    Subject::new(kind, "a column")
+        .with("member.kind", "column")
+        .with("critical_strain_rate", building.settings.critical_strain_rate_1_s)
+        .with("storeys", f64::from(storeys))
 }
 
 /// A rule with several cases is several rules.

@@ -2,6 +2,7 @@
 
 use super::analyst::Answers;
 use super::beam_ends::YieldingEnds;
+use super::crushing::Struck;
 use super::decide::Decision;
 use super::doubts::{self, Doubt};
 use super::floors::Line;
@@ -18,6 +19,7 @@ use crate::fe::mesh::Mesh;
 use crate::graph::demand::Solved;
 use crate::graph::frame::Frame;
 use crate::graph::{Demands, Structure};
+use crate::library::derive_contact::WantedContact;
 use crate::library::{Entry, Store};
 use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
 use crate::rc::around::{self, Surroundings};
@@ -181,7 +183,14 @@ impl<'a> Generator<'a> {
         });
         let strip = |line: &Line| Ok(Query::Strip(line.wanted.clone()));
         let of_lines = lines.iter().map(|(_, line)| library.asked(&line.id, None, || strip(line)));
-        let found = joints::entries(of_ends.chain(of_lines), self.store, library, progress)?;
+        let struck = if event_rules::puts_contact_in(building, rules)? {
+            Struck::of(building, ends, &decision).known_to(library, &mut notes)?
+        } else {
+            Struck::default()
+        };
+        let face = |wanted: &WantedContact| Ok(Query::Contact(wanted.clone()));
+        let of_faces = struck.wanted.iter().map(|(id, wanted)| library.asked(id, None, || face(wanted)));
+        let found = joints::entries(of_ends.chain(of_lines).chain(of_faces), self.store, library, progress)?;
         stages.end("keys", found.curves_s);
         notes.extend(found.scaled.iter().map(joints::Scaled::note));
         let so_far = notes.len();
@@ -222,6 +231,7 @@ impl<'a> Generator<'a> {
         let event_rules = event_rules::of(building, rules, &decision, (&bodies, &sections))?;
         hinges.extend(sections);
         let mut contact = contact(building);
+        contact.crushing = struck.faces(building, &bodies, &found);
         let mut yielding = YieldingEnds::new(&around.planes, ends);
         let shared_masses =
             bending_floors(building, frame, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);

@@ -10,10 +10,11 @@ use crate::building::{Building, Face, Homogenised, MemberKind};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
 use crate::library::derive::{DeriveError, Wanted};
+use crate::library::derive_contact::WantedContact;
 use crate::library::derive_strip::WantedStrip;
 use crate::library::entry::AxisRecord;
 use crate::library::similar::{Candidates, Similar};
-use crate::library::{Entry, Store, StoreError};
+use crate::library::{Entry, EntryKind, Store, StoreError};
 use crate::material::j2::HardeningTable;
 use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
 use crate::rc::pushover::torsion_constant;
@@ -36,6 +37,8 @@ pub enum Query {
     End(Wanted),
     /// A line of a floor.
     Strip(WantedStrip),
+    /// An end that strikes something.
+    Contact(WantedContact),
 }
 
 impl Query {
@@ -43,6 +46,7 @@ impl Query {
         Ok(match self {
             Self::End(query) => query.key()?,
             Self::Strip(query) => query.key()?,
+            Self::Contact(query) => query.key()?,
         })
     }
 
@@ -50,6 +54,7 @@ impl Query {
         match self {
             Self::End(query) => query.derive(place, progress),
             Self::Strip(query) => query.derive(place, progress),
+            Self::Contact(query) => query.derive(),
         }
     }
 }
@@ -158,6 +163,8 @@ pub struct Known {
     derive: Derive,
     keys: Vec<String>,
     candidates: Candidates,
+    /// Entries of ends that are crushed.
+    crushed: Candidates,
     /// Entries that are not in the library.
     further: BTreeMap<String, Entry>,
     /// Keys of the entries of places asked for before.
@@ -171,12 +178,15 @@ pub struct Known {
 impl Known {
     /// Of a library.
     pub fn of(store: &Store, derive: Derive) -> Self {
-        let candidates =
-            if derive == Derive::Similar { Candidates::of(store) } else { Candidates::default() };
+        let like = |kind| match derive {
+            Derive::Similar => Candidates::of(store, kind),
+            _ => Candidates::default(),
+        };
         Self {
             derive,
             keys: store.keys(),
-            candidates,
+            candidates: like(EntryKind::ColumnHinge),
+            crushed: like(EntryKind::ContactCrushing),
             further: BTreeMap::new(),
             keys_of: RefCell::default(),
             keys_by: RefCell::default(),
@@ -250,10 +260,25 @@ impl Known {
             Some(Query::End(wanted)) if self.derive == Derive::Similar => {
                 self.candidates.scaled(store, wanted)?
             }
+            Some(Query::Contact(wanted)) if self.derive == Derive::Similar => {
+                self.crushed.crushing(store, wanted)?
+            }
             _ => None,
         };
         self.scaled.borrow_mut().insert(key.to_string(), found.clone());
         Ok(found)
+    }
+
+    /// Whether there is no entry of an end that is crushed, nor one like it, and none is to be computed: the model does without.
+    ///
+    /// # Errors
+    /// If the inputs cannot be written as JSON.
+    pub fn lacks_crushing(&self, wanted: &WantedContact) -> Result<bool, DeriveError> {
+        Ok(match self.derive {
+            Derive::Similar => self.crushed.is_empty() && !self.has(&wanted.key()?),
+            Derive::Never => !self.has(&wanted.key()?),
+            _ => false,
+        })
     }
 
     /// Whether there is no entry of a line, and none is to be computed, and the model can do without. Lines have no laws of similarity.

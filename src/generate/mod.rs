@@ -9,6 +9,7 @@ mod axes;
 mod beam_ends;
 pub mod bodies;
 mod cells;
+mod crushing;
 mod decide;
 mod doubts;
 mod event_rules;

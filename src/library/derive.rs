@@ -39,6 +39,9 @@ pub enum DeriveError {
     /// The push failed.
     #[error(transparent)]
     Push(#[from] PushoverError),
+    /// The end of a member cannot be crushed.
+    #[error(transparent)]
+    Crushing(#[from] crate::rc::crushing::CrushingError),
     /// The envelopes do not make a curve.
     #[error("the envelopes of {end} make no resistance curve: {source}")]
     Curve {
@@ -162,7 +165,7 @@ pub(super) fn described(
 }
 
 /// Rounds a length to micrometres, so that ends that differ by round-off share an entry \[m\].
-fn micrometres(length_m: f64) -> f64 {
+pub(super) fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e6).round() / 1e6
 }
 

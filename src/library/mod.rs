@@ -23,6 +23,7 @@ mod cache;
 mod check;
 pub mod curve_file;
 pub mod derive;
+pub mod derive_contact;
 pub mod derive_strip;
 pub mod entry;
 mod error;
@@ -45,7 +46,7 @@ pub mod rc_springs;
 pub mod similar;
 pub mod store;
 mod text;
-mod thin;
+pub mod thin;
 
 pub use entry::{Computed, Entry, EntryKind, Features, Inputs, Origin};
 pub use error::StoreError;

@@ -16,9 +16,10 @@
 //! of 0.6 to 1.7 (docs/library.md).
 
 use super::derive::{DeriveError, Wanted};
+use super::derive_contact::WantedContact;
 use super::entry::{
     Adjoining, AxisRecord, Branch, ColumnEnd, Computed, Entry, EntryKind, Features, Inputs, Origin,
-    Stiffness, Validity,
+    SpringRecord, Stiffness, Validity,
 };
 use super::layered::layered;
 use super::store::Indexed;
@@ -87,16 +88,20 @@ struct Candidate {
 type Place = (Option<ColumnEnd>, Option<Adjoining>);
 
 impl Candidates {
-    /// Those of a library.
-    pub fn of(store: &Store) -> Self {
-        let submodel =
-            |e: &Indexed| e.kind == EntryKind::ColumnHinge && e.origin == Origin::Submodel && !e.deprecated;
+    /// Those of a kind in a library.
+    pub fn of(store: &Store, kind: EntryKind) -> Self {
+        let submodel = |e: &Indexed| e.kind == kind && e.origin == Origin::Submodel && !e.deprecated;
         let candidate = |(key, e): (&String, &Indexed)| {
             let place = (e.features.end, e.features.adjoining);
             Size::of(&e.features).map(|size| Candidate { key: key.clone(), size, place })
         };
         let list = store.index.iter().filter(|(_, e)| submodel(e)).filter_map(candidate).collect();
         Self { list, read: RefCell::default() }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
     }
 
     /// An entry of the library, if it is of a whole section.
@@ -128,6 +133,44 @@ impl Candidates {
         let words =
             "of its section, layer of elements by layer: no entry is similar enough to be scaled".to_string();
         Ok(layered(wanted)?.map(|entry| Similar { entry, words, distance: 2.0 * FARTHEST }))
+    }
+}
+
+impl Candidates {
+    /// The nearest entry of an end that is crushed, scaled: forces with `f b h`, shortenings with the length. `None` if there is none.
+    ///
+    /// # Errors
+    /// If the entry cannot be read, or it cannot be written as JSON.
+    pub fn crushing(&self, store: &Store, wanted: &WantedContact) -> Result<Option<Similar>, DeriveError> {
+        let Some(size) = Size::of(&wanted.features) else { return Ok(None) };
+        let near = self.list.iter().map(|c| (c.size.distance(&size), c));
+        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.key.cmp(&b.1.key)));
+        let Some((distance, candidate)) = nearest else { return Ok(None) };
+        let Some(entry) = self.read(store, candidate)? else { return Ok(None) };
+        let force = candidate.size.to(&size).force;
+        let length = size.length_m / candidate.size.length_m;
+        let scaled = |record: &SpringRecord| {
+            let mut record = record.clone();
+            record.stiffness_n_m *= force / length;
+            for level in &mut record.levels {
+                level.points.iter_mut().for_each(|p| *p = [length * p[0], force * p[1]]);
+                level.dissipated_j = level.dissipated_j.map(|work| force * length * work);
+            }
+            record
+        };
+        let mut inputs = wanted.inputs.clone();
+        inputs.settings.insert("scaled_from".into(), entry.key.clone().into());
+        let reach = entry.validity.displacement_m.map(|range| range.map(|s| length * s));
+        let computed = Computed {
+            springs: entry.springs.iter().map(scaled).collect(),
+            compressive_capacity_n: entry.compressive_capacity_n.map(|n| force * n),
+            quality: entry.quality.clone(),
+            validity: Validity { displacement_m: reach, ..entry.validity },
+            ..Computed::default()
+        };
+        let words = format!("scaled from {} (force {force:.2}, length {length:.2} of its own)", entry.key);
+        let entry = Entry::unthinned(entry.kind, entry.origin, wanted.features.clone(), inputs, computed)?;
+        Ok(Some(Similar { entry, words, distance }))
     }
 }
 

@@ -16,6 +16,7 @@ mod bar_bending;
 pub mod bend;
 mod column_end;
 mod cover;
+pub mod crushing;
 pub mod cut;
 pub mod drive;
 pub mod elastic;

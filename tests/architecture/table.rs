@@ -32,7 +32,7 @@ pub const MODULES: &[Module] = &[
     Module { name: "validate", uses: &["base", "building", "curve", "fe", "mbs", "study"] },
     Module { name: "review", uses: &["base", "building", "mbs", "generate", "validate"] },
     Module { name: "learn", uses: &["base", "building", "graph", "study", "rules", "generate", "validate"] },
-    Module { name: "verify", uses: &["base", "building", "material", "fe", "mbs", "rc"] },
+    Module { name: "verify", uses: &["base", "building", "material", "curve", "fe", "mbs", "rc"] },
     Module {
         name: "bench",
         uses: &[

@@ -125,3 +125,56 @@ fn columns_break_in_the_run_only_where_rules_say_so() {
     assert!(same > 100 && result.frames[..same] == whole.frames[..same]);
     assert_ne!(result.frames.last(), whole.frames.last());
 }
+
+/// The seed's contact subsystem: the ends of columns that may be struck are crushed, as a prism of theirs was in the library.
+#[test]
+fn rules_put_contact_subsystems_in() {
+    let generated = generated(&reference(|t| t)).unwrap();
+    let faces = &generated.model.contact.crushing;
+    // both ends of the ten columns that stay
+    assert_eq!(faces.len(), 20);
+    // yield stress times area, a little hardened
+    let strength_n = 0.16 * 10.5e6;
+    for face in faces {
+        let (first, last) = (face.force_n[0], face.force_n[face.force_n.len() - 1]);
+        assert!(first[0] == 0.0 && (1.0..1.06).contains(&(first[1] / strength_n)), "{first:?}");
+        assert!(last[1] < 0.1 * first[1], "what eroded bears nothing: {last:?}");
+        let key = face.subsystem.as_ref().unwrap();
+        assert!(key.starts_with("contact_crushing/") && generated.entries.contains_key(key), "{key}");
+    }
+    let of_column =
+        |id: &str| faces.iter().filter(|f| f.body.starts_with(id)).map(|f| f.face).collect::<Vec<_>>();
+    assert_eq!(of_column("C2-A2"), [Face::LowZ, Face::HighZ]);
+    assert_eq!(of_column("C1-A1"), []);
+    // only hinges, or nothing at all: no contact subsystem
+    for (action, parameters) in
+        [("insert_subsystem", "subsystem = 'hinge', place = 'nearest_section'"), ("keep_model", "")]
+    {
+        let model = of(&with(&rule("rigid", "contact_event", "always", action, parameters)));
+        assert!(model.contact.crushing.is_empty(), "{action}");
+    }
+}
+
+/// Forces go with the area, shortenings with the length; the analyst is told.
+#[test]
+fn ends_without_an_entry_of_their_own_take_that_of_another_size() {
+    let (rules, mut store, _cache) = knowledge();
+    let wider = reference(|t| {
+        t.replace("width = \"400 mm\"  ", "width = \"450 mm\"  ").replace(
+            "depth = \"400 mm\"                # of a column",
+            "depth = \"450 mm\"                # of a column",
+        )
+    });
+    let model = |derive, store: &mut _| generate(&wider, &rules, store, derive, &|_| {}).unwrap();
+    let similar = model(Derive::Similar, &mut store);
+    let face = &similar.model.contact.crushing[0];
+    let own = of(&rules);
+    let ratio = face.force_n[0][1] / own.contact.crushing[0].force_n[0][1];
+    assert!((ratio - 0.45 * 0.45 / 0.16).abs() < 1e-9, "{ratio}");
+    assert!(
+        similar
+            .notes
+            .iter()
+            .any(|n| n.contains("crushing: no entry of its own, curves scaled from contact_crushing/"))
+    );
+}

@@ -11,7 +11,7 @@ use fallwerk::building::{Building, EXAMPLE, parse};
 use fallwerk::generate::{Accuracy, Derive, GenerateError, Generated, Why, Wishes, generate};
 use fallwerk::library::Store;
 use fallwerk::mbs::latent::merge;
-use fallwerk::mbs::model::{Bending, Broken, Bushing, Met, Range, Trigger};
+use fallwerk::mbs::model::{Bending, Broken, Bushing, Face, Met, Range, Trigger};
 use fallwerk::rules::{Action, RuleBase};
 use std::path::Path;
 

@@ -2,6 +2,7 @@
 
 mod anchorage;
 mod around;
+mod crushing;
 mod cyclic;
 mod layers;
 mod section;

@@ -126,7 +126,7 @@ impl ContactSet {
             *motion = Motion { v: body.v, w: body.w };
         }
         self.impacts.total.clear();
-        self.start_rolls(0);
+        self.start_rolls(0, h, false);
         for round in 0..MOST_ROUNDS {
             let last = round + 1 == MOST_ROUNDS;
             if !self.aim(h, round, last) {
@@ -144,7 +144,7 @@ impl ContactSet {
             self.displace();
             if !last {
                 self.extend(bodies, h);
-                self.start_rolls(self.rows.rolls.len());
+                self.start_rolls(self.rows.rolls.len(), h, false);
             }
         }
         for (row, (normal, tangent)) in self.rows.rows.iter_mut().zip(&self.impacts.total) {

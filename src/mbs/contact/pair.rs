@@ -77,6 +77,8 @@ pub(super) struct Pair {
     /// Whether its points bore something in the last step; and the share of its resistance to crushing in this step and in the next one.
     pub bore: bool,
     pub resistance: [f64; 2],
+    /// Moment against rolling of the last step \[N m\].
+    pub moment: V3,
     offset: f64,
     pub surface: Surface,
     normal: [V3; 2],
@@ -98,6 +100,7 @@ impl Pair {
             outdated: false,
             bore: false,
             resistance: [1.0; 2],
+            moment: [0.0; 3],
             offset: 0.0,
             surface,
             normal: [[0.0; 3]; 2],
@@ -110,6 +113,7 @@ impl Pair {
     pub fn forget(&mut self) {
         self.count = 0;
         self.bore = false;
+        self.moment = [0.0; 3];
         self.offset = 0.0;
     }
 

@@ -22,17 +22,23 @@ pub(super) struct Roll {
 }
 
 impl Rows {
-    /// Prepares the moments of the blocks from `first` on. They begin each step at zero: a face bears by its points what these can bear. With the moment of the last step the share of both is
-    /// undetermined, points press unevenly, and a box that slides turns by their friction.
-    pub fn prepare_rolls(&mut self, first: usize) {
+    /// Prepares the moments of the blocks from `first` on. Those of single points begin with what their pairs bore before (by their slots) over a step of `h` \[s\], the others at zero: a face bears by its
+    /// points what these can bear. With the moment of the last step the share of both is undetermined, points press unevenly, and a box that slides turns by their friction.
+    pub fn prepare_rolls(&mut self, first: usize, before: impl Fn(u32) -> V3, h: f64) {
         self.rolls.truncate(first);
-        for block in &self.blocks[first..] {
-            let roll = if block.rolling > 0.0 { self.roll_of(block) } else { Roll::default() };
+        for k in first..self.blocks.len() {
+            let block = self.blocks[k];
+            let mut roll = Roll::default();
+            if block.rolling > 0.0 {
+                let bore = if block.count == 1 { before(block.slot) } else { [0.0; 3] };
+                roll = self.roll_of(&block, math::scale(h, bore));
+                self.apply_moment(&block, roll.moment);
+            }
             self.rolls.push(roll);
         }
     }
 
-    fn roll_of(&self, block: &Block) -> Roll {
+    fn roll_of(&self, block: &Block, before: V3) -> Roll {
         let n = block.normal;
         let [a, b] = block.bodies.map(|i| &self.inverse[i as usize]);
         let both = |p: V3, q: V3| math::dot(math::add(a.turn(p), b.turn(p)), q);
@@ -40,6 +46,7 @@ impl Rows {
         let (ss, tt, st) = (both(s, s), both(t, t), both(s, t));
         let largest = 0.5 * (ss + tt) + (0.25 * (ss - tt) * (ss - tt) + st * st).sqrt();
         Roll {
+            moment: math::axpy(before, -math::dot(before, n), n),
             inertia: 1.0 / largest,
             arm_m: math::norm(self.rows[block.first as usize].arms[0]),
             ..Roll::default()
@@ -83,10 +90,12 @@ impl Rows {
 }
 
 impl ContactSet {
-    /// Prepares the moments of the blocks from `first` on.
-    pub(super) fn start_rolls(&mut self, first: usize) {
+    /// Prepares the moments of the blocks from `first` on; those of the last step act at once if `warm`.
+    pub(super) fn start_rolls(&mut self, first: usize, h: f64, warm: bool) {
         if self.is_rolling {
-            self.rows.prepare_rolls(first);
+            let pairs = &self.pairs;
+            let before = |slot: u32| if warm { pairs[slot as usize].moment } else { [0.0; 3] };
+            self.rows.prepare_rolls(first, before, h);
         }
     }
 

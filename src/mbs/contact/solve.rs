@@ -66,7 +66,7 @@ impl ContactSet {
                 self.rows.link(0, m);
             }
             self.rows.warm_start(0);
-            self.start_rolls(0);
+            self.start_rolls(0, h, true);
             let linked = mechanism.is_some();
             if linked {
                 self.temper(bodies);
@@ -191,7 +191,7 @@ impl ContactSet {
                     self.rows.link(first, m);
                 }
                 self.rows.warm_start(first);
-                self.start_rolls(first);
+                self.start_rolls(first, h, true);
                 is_settled = self.sweeps(bodies);
             }
         }
@@ -395,6 +395,7 @@ impl ContactSet {
         }
         for (block, roll) in self.rows.blocks.iter().zip(&self.rows.rolls).filter(|(b, _)| b.rolling > 0.0) {
             friction_work += math::dot(roll.moment, self.rows.spin(block, &self.mean));
+            self.pairs[block.slot as usize].moment = math::scale(1.0 / h, roll.moment);
         }
         self.energy.normal_j -= normal_work;
         self.energy.friction_j -= friction_work;
