@@ -309,6 +309,8 @@ pub struct ModelSummary {
     pub entries: Vec<EntryRow>,
     /// Rules that fired.
     pub rules: Vec<RuleRow>,
+    /// Rules about contacts and fractures that the run asks.
+    pub event_rules: Vec<EventRuleRow>,
     /// Which rule made which part, and why.
     pub trace: Vec<TraceRow>,
 }
@@ -387,6 +389,23 @@ pub struct RuleRow {
     pub fired: u64,
     /// Whether it was used outside the range of its evidence.
     pub out_of_range: bool,
+}
+
+/// One rule about contacts and fractures.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct EventRuleRow {
+    /// Its id in the model.
+    pub id: String,
+    /// What the rule says.
+    pub text: String,
+    /// Members that it is about.
+    pub about: Vec<String>,
+    /// What is left of its condition for the run.
+    pub remains: String,
+    /// What it then changes.
+    pub then: String,
+    /// When it fired in the run, in words.
+    pub fired: String,
 }
 
 /// Why a part of the model is there.

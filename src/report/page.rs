@@ -21,14 +21,21 @@ const VIEWER: &str = include_str!("templates/viewer.js");
 /// Most subjects of a decision that are shown.
 const SUBJECTS_SHOWN: usize = 4;
 
+/// "A, B and 3 more".
+fn some_of(list: &[String]) -> String {
+    match list.len() {
+        n if n > SUBJECTS_SHOWN => {
+            format!("{} and {} more", list[..SUBJECTS_SHOWN].join(", "), n - SUBJECTS_SHOWN)
+        }
+        _ => list.join(", "),
+    }
+}
+
 /// Decisions worth a look.
 fn review(review: &ReviewSummary) -> serde_json::Value {
     let about = |row: &ReviewRow| match row.about.len() {
         0 => "the model".to_string(),
-        n if n > SUBJECTS_SHOWN => {
-            format!("{} and {} more", row.about[..SUBJECTS_SHOWN].join(", "), n - SUBJECTS_SHOWN)
-        }
-        _ => row.about.join(", "),
+        _ => some_of(&row.about),
     };
     let rows: Vec<_> = review
         .rows
@@ -439,6 +446,7 @@ fn model(input: &ReportInput) -> serde_json::Value {
         "joints": m.joints.iter().map(|j| (&j.id, &j.joins, &j.kind, j.curves.join(", "))).collect::<Vec<_>>(),
         "entries": m.entries.iter().map(|e| (&e.key, &e.description, count(e.uses))).collect::<Vec<_>>(),
         "rules": m.rules.iter().map(|r| (&r.id, &r.text, count(r.fired), r.out_of_range)).collect::<Vec<_>>(),
+        "event_rules": m.event_rules.iter().map(|r| (&r.id, &r.text, some_of(&r.about), &r.remains, &r.then, &r.fired)).collect::<Vec<_>>(),
         "trace": m.trace.iter().map(|t| (&t.part, &t.rule, &t.words, t.entries.join(", "))).collect::<Vec<_>>(),
     })
 }

@@ -97,6 +97,8 @@ fn one_validation_compares_three_runs() {
     assert_eq!(of("mbs", "sleeping_bodies")["left_out"], 0);
 
     let page = read("report.html");
+    assert!(page.contains("Rules about contacts and fractures") && page.contains("if it breaks</td>"));
+    assert!(page.contains("Not asked: rules learned"), "told in the notes");
     assert!(page.contains("What was left out") && page.contains("elements of rigid parts"));
     assert!(page.contains("<h1>FE, hybrid and MBS</h1>") && page.contains("The runs against FE"));
     assert_eq!(page.matches("<figure class=\"picture\">").count(), 6, "three runs, under way and at the end");

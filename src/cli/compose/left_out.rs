@@ -54,7 +54,7 @@ pub fn note(v: &Validation) -> Option<String> {
     });
     (!v.left_out.is_empty()).then(|| {
         format!(
-            "Counted in the runs of this report. {}What another line saves of the time a run with its option tells; lines without one belong to the model.",
+            "Counted in the runs of this report. {}What another line saves of the time a run with its option tells; lines without one cannot be switched off.",
             hybrid.unwrap_or_default()
         )
     })

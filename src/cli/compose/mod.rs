@@ -10,6 +10,7 @@ mod model;
 mod partition;
 mod scene;
 
+pub use events::words as event_words;
 pub use model::entry_words;
 
 use super::verdict;
@@ -100,7 +101,7 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         left_out: left_out::rows(v),
         left_out_note: left_out::note(v),
         review: model::review(p.review),
-        model: model::summary(p.generated),
+        model: model::summary(p.generated, p.mbs),
         curves: model::curves(p.generated),
         notes: notes(p),
         events: events::events(p),
@@ -269,6 +270,7 @@ fn notes(p: &Pieces) -> Vec<Note> {
             p.generated.derived.join(", ")
         )));
     }
+    notes.extend(p.generated.unasked.iter().map(|u| note(format!("Not asked: {}.", u.words()))));
     notes.push(note(
         "Energies: FE internal energy includes bulk viscosity, FE external work what leaves with removed members; MBS \
          plastic energy includes what separation of joints and removal of bodies release, MBS elastic energy that stored \
