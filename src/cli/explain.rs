@@ -2,10 +2,10 @@
 
 use super::compose::entry_words;
 use super::knowledge::KnowledgeArgs;
-use super::{Failure, Outcome, knowledge, print};
+use super::{Failure, Outcome, explain_events, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
 use crate::building::Building;
-use crate::generate::{Generated, Reason};
+use crate::generate::{EventReason, Generated, Reason, Unasked};
 use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
@@ -23,7 +23,8 @@ pub const TRACE_SCHEMA: u32 = 1;
 ///
 /// Prints the members that the part stands for, the rules that made it and the library entries it uses, from the trace.json
 /// beside the model; without one, from the model, the rule base and the library. A member that is part of a body is
-/// found too.
+/// found too. Rules about contacts and fractures that may fire for it in a run are told with what is left of their conditions, those that
+/// are never asked for it by name, and with the mbs.json of a run beside the model what fired when and which sections gave way.
 /// Exit codes: 0 done, 2 bad input.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -53,6 +54,12 @@ pub struct TraceFile {
     pub reasons: Vec<Reason>,
     /// The library entries used, by key.
     pub entries: BTreeMap<String, EntryFacts>,
+    /// Rules about contacts and fractures that stand in the model, in the order in which they decide.
+    #[serde(default)]
+    pub event_rules: Vec<EventReason>,
+    /// Rules about events that are not asked.
+    #[serde(default)]
+    pub unasked: Vec<Unasked>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
 }
@@ -101,6 +108,8 @@ impl TraceFile {
                 .iter()
                 .map(|(key, entry)| (key.clone(), EntryFacts::of(entry)))
                 .collect(),
+            event_rules: generated.event_rules.clone(),
+            unasked: generated.unasked.clone(),
             notes: generated.notes.clone(),
         }
     }
@@ -180,6 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         None => looked_up(&part, arguments)?,
     };
     let review = reviewed(&arguments.model, &arguments.part, &part)?;
+    let events = events(arguments, &model, &part, trace)?;
     if arguments.json {
         let value = json!({
             "review": review,
@@ -188,12 +198,35 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "members": part.origin().members,
             "reasons": reasons,
             "entries": entries,
+            "events": events,
         });
         print(&format!("{value:#}\n"));
     } else {
-        print(&(text(&arguments.part, &part, &reasons, &entries) + &review_text(&review)));
+        let words = text(&arguments.part, &part, &reasons, &entries);
+        print(&(words + &events.text() + &review_text(&review)));
     }
     Ok(Outcome::Done)
+}
+
+/// What rules about events say of a part, by the trace, or by the model and the rule base of today.
+fn events(
+    arguments: &Arguments,
+    model: &Model,
+    part: &Part,
+    trace: Option<TraceFile>,
+) -> Result<explain_events::Told, Failure> {
+    let said = match trace {
+        Some(trace) if !trace.event_rules.is_empty() || model.event_rules.is_empty() => {
+            (trace.event_rules, trace.unasked)
+        }
+        _ if model.event_rules.is_empty() => (Vec::new(), Vec::new()),
+        _ => {
+            let rules = knowledge::rules(arguments.knowledge.rules.as_deref())?;
+            (EventReason::all(model, &rules), Vec::new())
+        }
+    };
+    let origins = if arguments.part == part.id() { &part.origin().members[..] } else { &[] };
+    explain_events::told(&arguments.model, model, (&arguments.part, origins), said)
 }
 
 /// The decisions about a part in the review list beside a model, with their number in all.

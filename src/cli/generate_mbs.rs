@@ -16,7 +16,7 @@ use crate::generate::{GenerateError, Generated, Generator};
 use crate::mbs::{RunResult, SolverOptions, simulate_with};
 use crate::review::{self, Review};
 use crate::study::{Facts, Study, facts};
-use crate::validate::{HybridValidation, Validation};
+use crate::validate::Validation;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -163,7 +163,9 @@ fn compute(
     let hybrid = hybrid.map(|settings| fe_run(Some(settings), "hybrid")).transpose()?;
     let facts = facts(building, &fe);
     let mut validation = Validation::of(building, &fe, &facts, &generated.model, &mbs, wall_s);
-    validation.hybrid = hybrid.as_ref().map(|run| HybridValidation::of(&fe, run));
+    if let Some(run) = &hybrid {
+        validation.add_hybrid(&fe, run);
+    }
     let study = Study::new(&building.name, hash, building.settings.mesh_size_m, &fe, facts.clone());
     write_json(output, "study.json", &study)?;
     write_json(output, VALIDATION_FILE, &validation)?;

@@ -10,6 +10,7 @@ mod bench_tradeoff;
 mod check;
 pub mod compose;
 pub mod explain;
+mod explain_events;
 mod export;
 pub mod fe;
 mod fe_against;

@@ -193,6 +193,9 @@ fn summary(result: &RunResult) -> String {
     if let Some(words) = result.contact_work.words(result.steps) {
         let _ = writeln!(text, "  {words}");
     }
+    if let Some(words) = result.body_work.words() {
+        let _ = writeln!(text, "  {words}");
+    }
     for warning in &result.warnings {
         let _ = writeln!(text, "  warning: {warning}");
     }

@@ -4,12 +4,12 @@ use super::compose::compared;
 use super::generate_mbs::{Comparison, MBS_RUNS};
 use super::verdict::{collapse_words, percent, verdict};
 use crate::building::Building;
-use crate::generate::Generated;
+use crate::generate::{Generated, Unasked};
 use crate::mbs::RunResult;
 use crate::review::Review;
 use crate::study::COLLAPSE_DROP_M;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Decisions worth a look that are shown.
@@ -83,6 +83,7 @@ pub fn as_text(s: &Summary) -> String {
     for note in &s.generated.notes {
         text += &format!("  note       {note}\n");
     }
+    text += &unasked_text(s.generated);
     match s.mbs.warnings.as_slice() {
         [] => {}
         [one] => text += &format!("  note       MBS run: {one}\n"),
@@ -95,6 +96,24 @@ pub fn as_text(s: &Summary) -> String {
         text += &format!("  report     {}\n", s.folder.join("report.html").display());
     }
     text
+}
+
+/// That rules about events are not asked, if any are not.
+fn unasked_text(generated: &Generated) -> String {
+    let rules: BTreeSet<&String> = generated.unasked.iter().flat_map(|u| &u.rules).collect();
+    let mut about: Vec<&str> = Vec::new();
+    generated.unasked.iter().map(|u| u.about.as_str()).for_each(|a| {
+        if !about.contains(&a) {
+            about.push(a);
+        }
+    });
+    match rules.len() {
+        0 => String::new(),
+        count => format!(
+            "  note       rules about events that are not asked: {count}, for {}; trace.json and explain name them\n",
+            about.join("; ")
+        ),
+    }
 }
 
 /// The first of the decisions worth a look.
@@ -216,6 +235,7 @@ pub fn as_json(s: &Summary) -> Value {
         "overrides": s.generated.overrides(),
         "review": s.review.items.iter().take(REVIEW_SHOWN).collect::<Vec<_>>(),
         "notes": s.generated.notes,
+        "unasked": s.generated.unasked.iter().map(Unasked::words).collect::<Vec<_>>(),
         "mbs": {
             "collapsed": s.mbs_collapsed(),
             "steps": s.mbs.steps,

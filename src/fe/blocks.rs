@@ -55,6 +55,8 @@ pub struct Blocks {
     pub(super) chunk_blocks: usize,
     /// Rest of each chunk.
     pub(super) quiet: Vec<Quiet>,
+    /// Element-passes that were skipped in earlier packings because nothing moved.
+    pub(super) skipped_before: u64,
     /// Nodes of each element.
     element_nodes: Vec<[u32; 8]>,
     /// Place of each element along the curve of the first packing.
@@ -115,6 +117,7 @@ impl Blocks {
         let mut this = Self {
             chunk_blocks: 0,
             quiet: Vec::new(),
+            skipped_before: 0,
             element_nodes: mesh.elements.iter().map(|e| e.nodes.map(|n| n as u32)).collect(),
             rank,
             dead: 0,
@@ -214,6 +217,7 @@ impl Blocks {
 
     /// Gives each chunk its list of nodes and each node its list of chunks.
     fn localise(&mut self, x: &[[f64; 3]]) {
+        self.skipped_before += self.skipped();
         self.chunk_blocks = (self.blocks.len() / CHUNKS_WISHED).clamp(CHUNK_BLOCKS[0], CHUNK_BLOCKS[1]);
         (self.chunk_nodes, self.chunk_starts, self.quiet, self.stride) = (Vec::new(), vec![0], Vec::new(), 0);
         let mut local = vec![u16::MAX; x.len()];

@@ -293,6 +293,7 @@ impl Recorder {
             touches: self.touches,
             energies: self.energies,
             hybrid,
+            resting_steps: body.blocks.skipped_in_all(),
             summary,
         }
     }

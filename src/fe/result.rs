@@ -40,6 +40,8 @@ pub struct FeRun {
     pub energies: Vec<FeEnergies>,
     /// Rigid parts over time, if the run was to have any.
     pub hybrid: Option<HybridRecord>,
+    /// Element-steps that were left out because nothing moved; not in result files.
+    pub resting_steps: u64,
     /// Statistics.
     pub summary: FeSummary,
 }
@@ -185,7 +187,7 @@ pub struct FeSummary {
     pub energy_error: f64,
     /// Largest hourglass over internal energy, after 1 % of the work of gravity has been done.
     pub hourglass_share: f64,
-    /// Share of the element-steps that was left out because nothing moved.
+    /// Share of the element-steps that was left out because nothing moved, since elements were packed last; all of them: [`FeRun::resting_steps`].
     pub quiet_share: f64,
     /// Contact of the building's parts with each other; absent if it was switched off.
     pub body_contact: Option<ContactSummary>,

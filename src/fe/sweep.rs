@@ -70,9 +70,14 @@ impl Blocks {
         }
     }
 
-    /// Element-passes that were skipped because nothing moved.
+    /// Element-passes that were skipped because nothing moved, since the blocks were packed last.
     pub fn skipped(&self) -> u64 {
         self.quiet.iter().map(|q| q.skipped).sum()
+    }
+
+    /// The same in all.
+    pub fn skipped_in_all(&self) -> u64 {
+        self.skipped_before + self.skipped()
     }
 }
 

@@ -12,8 +12,11 @@ use crate::rules::{Action, Aspect, RuleBase, Subject, SubjectKind, Value};
 use std::collections::BTreeMap;
 
 /// What will be known of an event when it happens.
-const LATER: [&str; 5] =
+pub(super) const LATER: [&str; 5] =
     ["contact.partner", "contact.approach_speed", "event.time", "fracture.place", "collapse.phase"];
+
+/// What rules about events answer.
+const QUESTIONS: [(Aspect, &str); 2] = [(Aspect::Change, "change"), (Aspect::Rigidity, "rigidity")];
 
 /// The rules for the columns that may break between their ends, at these hinges.
 ///
@@ -36,7 +39,7 @@ pub fn of(
     let mut list = Vec::new();
     for kind in [SubjectKind::ContactEvent, SubjectKind::FractureEvent] {
         let event = column(building, kind);
-        for (aspect, question) in [(Aspect::Change, "change"), (Aspect::Rigidity, "rigidity")] {
+        for (aspect, question) in QUESTIONS {
             for pending in rules.pending(&event, aspect, &LATER)? {
                 for (n, case) in pending.cases.iter().enumerate() {
                     list.extend(trigger(kind, case, first_s).map(|on| EventRule {
@@ -74,12 +77,24 @@ pub fn puts_contact_in(building: &Building, rules: &RuleBase) -> Result<bool, Ge
 }
 
 /// What is known beforehand of an event of a column.
-fn column(building: &Building, kind: SubjectKind) -> Subject {
+pub(super) fn column(building: &Building, kind: SubjectKind) -> Subject {
     let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
     Subject::new(kind, "a column")
         .with("member.kind", "column")
         .with("critical_strain_rate", building.settings.critical_strain_rate_1_s)
         .with("storeys", f64::from(storeys))
+}
+
+/// The rules about events of a column that are asked while the model runs.
+///
+/// # Errors
+/// If a rule compares what is not known yet with something else that is not a number.
+pub(super) fn asked<'a>(rules: &'a RuleBase, event: &Subject) -> Result<Vec<Pending<'a>>, GenerateError> {
+    let mut list = Vec::new();
+    for (aspect, _) in QUESTIONS {
+        list.extend(rules.pending(event, aspect, &LATER)?);
+    }
+    Ok(list)
 }
 
 /// A rule with several cases is several rules.

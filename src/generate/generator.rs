@@ -9,8 +9,8 @@ use super::floors::Line;
 use super::joints::{self, Query};
 use super::known::Known;
 use super::{
-    Accuracy, Division, GenerateError, Generated, Parts, Wishes, bending_floors, contact, event_rules,
-    events, sections, tracked, walls,
+    Accuracy, Division, EventReason, GenerateError, Generated, Parts, Wishes, bending_floors, contact,
+    event_rules, events, sections, tracked, unasked, walls,
 };
 use crate::base::hash::ContentHash;
 use crate::building::ends::{MemberEnd, member_ends};
@@ -262,6 +262,8 @@ impl<'a> Generator<'a> {
         };
         stages.end("joints", 0.0);
         let trace = decision.reasons(rules, &model);
+        let event_rules = EventReason::all(&model, rules);
+        let unasked = unasked::of(building, rules, (&self.known, *accuracy), &decision)?;
         let sources = doubts::Sources {
             building,
             structure,
@@ -275,7 +277,7 @@ impl<'a> Generator<'a> {
         stages.end("reasons", 0.0);
         stages.list.push(("curves", found.curves_s));
         let (derived, entries, stages) = (found.derived, found.entries, stages.list);
-        Ok(Generated { model, trace, notes, doubts, derived, entries, stages })
+        Ok(Generated { model, trace, event_rules, unasked, notes, doubts, derived, entries, stages })
     }
 }
 

@@ -12,6 +12,7 @@ mod cells;
 mod crushing;
 mod decide;
 mod doubts;
+mod event_reasons;
 mod event_rules;
 mod floor_mass;
 mod floors;
@@ -22,6 +23,7 @@ pub mod known;
 mod nearest;
 mod sections;
 mod stretch;
+mod unasked;
 mod walls;
 mod wish;
 
@@ -29,7 +31,9 @@ pub use analyst::ANALYST;
 pub use beam_ends::BEAM_CURVES;
 pub use decide::{Decision, Reason, Superseded};
 pub use doubts::{Alternative, Doubt, Why};
+pub use event_reasons::EventReason;
 pub use generator::Generator;
+pub use unasked::Unasked;
 pub use wish::{Accuracy, Derive, Wishes};
 
 use crate::building::ends::MemberEnd;
@@ -60,6 +64,10 @@ pub struct Generated {
     pub model: Model,
     /// Why each part is there, in the order of the model.
     pub trace: Vec<Reason>,
+    /// Rules about contacts and fractures that stand in the model.
+    pub event_rules: Vec<EventReason>,
+    /// Rules about events that are not asked.
+    pub unasked: Vec<Unasked>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
     /// Decisions of which an analyst might doubt.

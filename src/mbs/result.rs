@@ -58,6 +58,9 @@ pub struct RunResult {
     /// Work of contacts done and left out.
     #[serde(default)]
     pub contact_work: ContactWork,
+    /// Work of bodies and latent bushings done and left out; not in result files.
+    #[serde(skip)]
+    pub body_work: BodyWork,
     /// Remarks, such as an axial force outside the levels of a curve.
     pub warnings: Vec<String>,
 }
@@ -178,6 +181,21 @@ impl ContactWork {
             )
         })
     }
+}
+
+/// Work of bodies and latent bushings done and left out, summed over the steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct BodyWork {
+    /// Bodies of the model file that had not vanished.
+    pub body_steps: u64,
+    /// Those of them that moved as a part of another one, since latent bushings held them together.
+    pub held_steps: u64,
+    /// Bodies that slept.
+    pub asleep_steps: u64,
+    /// Bushings that were latent.
+    pub latent_steps: u64,
+    /// Those of them whose forces nobody asked for, as no rule about events had fired for them.
+    pub unwatched_steps: u64,
 }
 
 impl From<Work> for ContactWork {

@@ -42,6 +42,11 @@ impl Sleep {
         }
     }
 
+    /// How many bodies sleep.
+    pub fn asleep(&self) -> usize {
+        self.asleep
+    }
+
     /// Whether all bodies that are there sleep.
     pub fn is_complete(&self, system: &System) -> bool {
         self.asleep > 0 && system.data[..system.count()].iter().all(|d| !d.alive || d.asleep)

@@ -47,6 +47,10 @@ pub struct ReportInput {
     pub hybrid_run: Option<RunCost>,
     /// Cost of the MBS run.
     pub mbs_run: Option<RunCost>,
+    /// What the runs left out.
+    pub left_out: Vec<LeftOutRow>,
+    /// What is to be said about that.
+    pub left_out_note: Option<String>,
     /// Decisions of the model worth a look.
     pub review: ReviewSummary,
     /// The generated model.
@@ -206,6 +210,10 @@ pub struct HingeSite {
     pub fe_max_plastic_strain: Option<f64>,
     /// Whether the MBS has a hinge (placed or latent) here.
     pub mbs_hinge: bool,
+    /// Whether that is latent: no hinge until it goes live.
+    pub mbs_latent: bool,
+    /// When it does \[s\]; `None`: never.
+    pub mbs_live_s: Option<f64>,
     /// First time the hinge yields \[s\]; `None`: it stayed elastic.
     pub mbs_yielded_s: Option<f64>,
     /// Largest accumulated plastic rotation \[rad\].
@@ -273,6 +281,23 @@ pub struct RunCost {
     pub threads: Option<u64>,
 }
 
+/// Something that a run left out.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LeftOutRow {
+    /// Name of the run.
+    pub run: String,
+    /// What was left out, in words.
+    pub what: String,
+    /// How much of it.
+    pub left_out: u64,
+    /// How much there would have been.
+    pub of: u64,
+    /// In what that is counted, e.g. "elements × steps".
+    pub unit: String,
+    /// The command and option that computes it after all; `None`: there is none.
+    pub computed_by: Option<String>,
+}
+
 /// The generated MBS model in tables.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModelSummary {
@@ -284,6 +309,8 @@ pub struct ModelSummary {
     pub entries: Vec<EntryRow>,
     /// Rules that fired.
     pub rules: Vec<RuleRow>,
+    /// Rules about contacts and fractures that the run asks.
+    pub event_rules: Vec<EventRuleRow>,
     /// Which rule made which part, and why.
     pub trace: Vec<TraceRow>,
 }
@@ -362,6 +389,23 @@ pub struct RuleRow {
     pub fired: u64,
     /// Whether it was used outside the range of its evidence.
     pub out_of_range: bool,
+}
+
+/// One rule about contacts and fractures.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct EventRuleRow {
+    /// Its id in the model.
+    pub id: String,
+    /// What the rule says.
+    pub text: String,
+    /// Members that it is about.
+    pub about: Vec<String>,
+    /// What is left of its condition for the run.
+    pub remains: String,
+    /// What it then changes.
+    pub then: String,
+    /// When it fired in the run, in words.
+    pub fired: String,
 }
 
 /// Why a part of the model is there.

@@ -33,7 +33,7 @@ mod scene;
 pub mod scene_input;
 
 pub use input::*;
-pub use partition::{Facet, FacetKind, Moment, PartitionView, Picture};
+pub use partition::{Facet, FacetKind, Mark, MarkKind, Moment, PartitionView, Picture};
 pub use scene_input::*;
 
 /// Why a report could not be made.

@@ -4,7 +4,8 @@ use super::ReportError;
 use super::chart::seconds;
 use super::codec::base64;
 use super::input::{
-    ComparedRun, HingeSite, History, ReportInput, ReviewRow, ReviewSummary, RunCost, Severity, Status,
+    ComparedRun, HingeSite, History, LeftOutRow, ReportInput, ReviewRow, ReviewSummary, RunCost, Severity,
+    Status,
 };
 use super::number::{MISSING, count, duration, fixed, significant};
 use super::{partition, plots, scene};
@@ -20,14 +21,21 @@ const VIEWER: &str = include_str!("templates/viewer.js");
 /// Most subjects of a decision that are shown.
 const SUBJECTS_SHOWN: usize = 4;
 
+/// "A, B and 3 more".
+fn some_of(list: &[String]) -> String {
+    match list.len() {
+        n if n > SUBJECTS_SHOWN => {
+            format!("{} and {} more", list[..SUBJECTS_SHOWN].join(", "), n - SUBJECTS_SHOWN)
+        }
+        _ => list.join(", "),
+    }
+}
+
 /// Decisions worth a look.
 fn review(review: &ReviewSummary) -> serde_json::Value {
     let about = |row: &ReviewRow| match row.about.len() {
         0 => "the model".to_string(),
-        n if n > SUBJECTS_SHOWN => {
-            format!("{} and {} more", row.about[..SUBJECTS_SHOWN].join(", "), n - SUBJECTS_SHOWN)
-        }
-        _ => row.about.join(", "),
+        _ => some_of(&row.about),
     };
     let rows: Vec<_> = review
         .rows
@@ -79,6 +87,8 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "agreement": agreement(&input.hinge_sites),
         "energy": json!({ "fe": energy.fe, "mbs": energy.mbs, "residuals": energy.residuals }),
         "review": review(&input.review),
+        "left_out": input.left_out.iter().map(left_out).collect::<Vec<_>>(),
+        "left_out_note": input.left_out_note,
         "run_columns": run_columns(input),
         "runs": runs(input),
         "model": model(input),
@@ -337,11 +347,21 @@ fn site(s: &HingeSite) -> serde_json::Value {
         "fe_first": optional_time(s.fe_first_s),
         "fe_rate": optional(s.fe_peak_strain_rate_1_s, 3),
         "fe_strain": optional(s.fe_max_plastic_strain, 3),
-        "hinge": if s.mbs_hinge { "yes" } else { "no" },
+        "hinge": placed(s),
         "mbs_first": optional_time(s.mbs_yielded_s),
         "mbs_rotation": optional(s.mbs_max_plastic_rotation_rad, 3),
         "mbs_fractured": optional_time(s.mbs_fractured_s),
     })
+}
+
+/// Whether the MBS has a hinge at a site, and from when on.
+fn placed(s: &HingeSite) -> String {
+    match (s.mbs_hinge, s.mbs_latent, s.mbs_live_s) {
+        (false, ..) => "no".into(),
+        (true, false, _) => "yes".into(),
+        (true, true, None) => "latent".into(),
+        (true, true, Some(t)) => format!("latent, live from {}", seconds(t)),
+    }
 }
 
 /// A row of the table that compares all runs.
@@ -404,6 +424,19 @@ fn runs(input: &ReportInput) -> Vec<Vec<String>> {
     ]
 }
 
+/// A row of the table of what was left out.
+fn left_out(row: &LeftOutRow) -> [String; 6] {
+    let share = if row.of > 0 { 100.0 * row.left_out as f64 / row.of as f64 } else { f64::NAN };
+    [
+        row.run.clone(),
+        row.what.clone(),
+        format!("{} %", fixed(share, 2)),
+        count(row.left_out),
+        format!("{} {}", count(row.of), row.unit),
+        row.computed_by.clone().unwrap_or(MISSING.into()),
+    ]
+}
+
 fn model(input: &ReportInput) -> serde_json::Value {
     let m = &input.model;
     let mass: f64 = m.bodies.iter().map(|b| b.mass_kg).sum();
@@ -413,6 +446,7 @@ fn model(input: &ReportInput) -> serde_json::Value {
         "joints": m.joints.iter().map(|j| (&j.id, &j.joins, &j.kind, j.curves.join(", "))).collect::<Vec<_>>(),
         "entries": m.entries.iter().map(|e| (&e.key, &e.description, count(e.uses))).collect::<Vec<_>>(),
         "rules": m.rules.iter().map(|r| (&r.id, &r.text, count(r.fired), r.out_of_range)).collect::<Vec<_>>(),
+        "event_rules": m.event_rules.iter().map(|r| (&r.id, &r.text, some_of(&r.about), &r.remains, &r.then, &r.fired)).collect::<Vec<_>>(),
         "trace": m.trace.iter().map(|t| (&t.part, &t.rule, &t.words, t.entries.join(", "))).collect::<Vec<_>>(),
     })
 }

@@ -46,8 +46,28 @@ pub struct Picture {
     pub words: String,
     /// Faces.
     pub facets: Vec<Facet>,
-    /// Places that deform, drawn as dots \[m\].
-    pub dots_m: Vec<[f64; 3]>,
+    /// Places at which something has happened.
+    pub marks: Vec<Mark>,
+}
+
+/// A place at which something has happened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// Where \[m\].
+    pub point_m: [f64; 3],
+    /// What.
+    pub kind: MarkKind,
+}
+
+/// What has happened at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum MarkKind {
+    /// A hinge has yielded.
+    Yielded,
+    /// A latent section has gone live.
+    Live,
+    /// A hinge has separated.
+    Broken,
 }
 
 /// A quadrilateral; seen from outside its corners go anticlockwise.
@@ -221,9 +241,22 @@ impl Camera {
             let _ = write!(out, "<path class=\"ground\" d=\"{path}\"/>");
         }
         self.faces(&mut out, &picture.facets);
-        for p in picture.dots_m.iter().filter(|p| p.iter().all(|c| c.is_finite())) {
-            let [x, y] = self.place(*p);
-            let _ = write!(out, "<circle cx=\"{x:.0}\" cy=\"{y:.0}\" r=\"11\"/>");
+        let mut marks: Vec<Mark> = picture.marks.clone();
+        marks.retain(|m| m.point_m.iter().all(|c| c.is_finite()));
+        // what matters more is drawn over the rest
+        marks.sort_by_key(|m| m.kind);
+        for mark in marks {
+            let [x, y] = self.place(mark.point_m);
+            let _ = match mark.kind {
+                MarkKind::Yielded => write!(out, "<circle cx=\"{x:.0}\" cy=\"{y:.0}\" r=\"11\"/>"),
+                MarkKind::Live => {
+                    write!(out, "<path class=\"live\" d=\"M{x:.0} {y:.0}m0-17l17 17-17 17-17-17z\"/>")
+                }
+                MarkKind::Broken => {
+                    let cross = format!("M{x:.0} {y:.0}m-12-12l24 24m0-24l-24 24");
+                    write!(out, "<path class=\"halo\" d=\"{cross}\"/><path class=\"broken\" d=\"{cross}\"/>")
+                }
+            };
         }
         out.push_str("</svg></figure>");
         out
@@ -298,8 +331,7 @@ mod tests {
     }
 
     fn view(facets: Vec<Facet>) -> PartitionView {
-        let picture =
-            Picture { run: "FE".into(), words: "<b>".into(), facets, dots_m: vec![[1.0, 1.0, 3.0]] };
+        let picture = Picture { run: "FE".into(), words: "<b>".into(), facets, marks: Vec::new() };
         let moment = Moment { label: "end".into(), time_s: 2.5, pictures: vec![picture] };
         PartitionView {
             time_s: vec![0.0, 1.0],
@@ -323,10 +355,24 @@ mod tests {
         let picture = &section.rows[0].pictures[0];
         let place = |class: &str| picture.find(&format!("<path class=\"{class}\"")).unwrap();
         assert!(place("ground") < place("r0") && place("r0") < place("d0"), "{picture}");
-        assert!(
-            !picture.contains("class=\"o") && picture.contains("<circle") && picture.contains("&lt;b&gt;")
-        );
+        assert!(!picture.contains("class=\"o") && picture.contains("&lt;b&gt;"));
         assert_eq!(section.rows[0].label, "end, t = 2.500 s");
+    }
+
+    #[test]
+    fn marks_are_told_apart_by_their_form_and_what_separates_is_on_top() {
+        let kinds = [MarkKind::Broken, MarkKind::Yielded, MarkKind::Live];
+        let mut view = view(vec![facet(roof(0.1), FacetKind::Rigid)]);
+        view.moments[0].pictures[0].marks =
+            kinds.map(|kind| Mark { point_m: [1.0, 1.0, 3.0], kind }).to_vec();
+        let lost = Mark { point_m: [f64::NAN; 3], kind: MarkKind::Live };
+        view.moments[0].pictures[0].marks.push(lost);
+        let drawn = section(&view, &FirstContact::default()).unwrap();
+        let picture = &drawn.rows[0].pictures[0];
+        let place = |what: &str| picture.find(what).unwrap();
+        let order =
+            [place("class=\"r0\""), place("<circle"), place("class=\"live\""), place("class=\"broken\"")];
+        assert!(order.is_sorted() && picture.matches("class=\"live\"").count() == 1, "{picture}");
     }
 
     #[test]

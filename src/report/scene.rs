@@ -117,6 +117,9 @@ fn check(scene: &Scene) -> Result<(), ReportError> {
         for frame in &mbs.frames {
             expect("poses of an MBS frame", mbs.bodies.len(), frame.len())?;
         }
+        if !mbs.compounds.is_empty() {
+            expect("compounds of the MBS", frames, mbs.compounds.len())?;
+        }
     }
     Ok(())
 }
@@ -258,6 +261,7 @@ fn pack_mbs(mbs: &MbsScene, groups: &[String], bytes: &mut Vec<u8>) -> Value {
             "place": c.place, "axis": c.face.0, "sign": c.face.1, "depth": c.depth_m,
         })).collect::<Vec<_>>(),
         "poses": append(bytes, &poses),
+        "compounds": mbs.compounds,
     })
 }
 
@@ -333,6 +337,7 @@ fn marker(site: &HingeSite, scene: &Scene) -> Value {
         "point": site.point_m,
         "fe": site.fe_zone, "feTime": site.fe_first_s,
         "mbs": site.mbs_hinge, "mbsTime": site.mbs_yielded_s, "fractured": site.mbs_fractured_s,
+        "latent": site.mbs_latent, "live": site.mbs_live_s,
         "node": fe_node,
         "body": carrier.map(|c| c.0), "local": carrier.map(|c| c.1),
     })

@@ -93,6 +93,8 @@ pub struct MbsScene {
     pub frames: Vec<Vec<Pose>>,
     /// Boxes that get shorter.
     pub crushed: Vec<CrushedBox>,
+    /// How many rigid compounds the bodies move as, a frame each; empty: not told.
+    pub compounds: Vec<u32>,
 }
 
 /// A box that gets shorter at one of its faces.

@@ -163,6 +163,15 @@ impl Atom {
         orders & order_of(a, b) != 0
     }
 
+    /// The features that it is about.
+    pub fn features(&self) -> impl Iterator<Item = &String> {
+        let (first, second) = match self {
+            Self::OneOf(name, _) | Self::Bound(name, ..) => (name, None),
+            Self::Order(a, _, _, b) => (a, Some(b)),
+        };
+        [Some(first), second].into_iter().flatten()
+    }
+
     /// The least and the most number that has one of the orders of a mask against a value.
     pub fn range(orders: u8, value: f64) -> [f64; 2] {
         let [below, above] = [orders & LESS != 0, orders & GREATER != 0];

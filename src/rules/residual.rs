@@ -73,6 +73,48 @@ impl RuleBase {
     }
 }
 
+impl RuleBase {
+    /// The rules about a kind of subject that may fire for one of which some features are known, whatever the others are.
+    pub fn possible(&self, subject: &Subject) -> impl Iterator<Item = &Rule> {
+        let about = |r: &&Rule| r.applies_to == subject.kind;
+        self.rules().iter().filter(about).filter(|r| !possible_cases(r, subject).is_empty())
+    }
+
+    /// Those of them that fire only where a feature has a name.
+    pub fn possible_with<'a>(&'a self, subject: &Subject, feature: &str, name: &str) -> Vec<&'a Rule> {
+        let asks = |atom: &Atom| matches!(atom, Atom::OneOf(asked, names) if asked == feature && names.iter().eq([name]));
+        let only = |r: &&Rule| possible_cases(r, subject).iter().all(|case| case.iter().any(asks));
+        self.possible(subject).filter(only).collect()
+    }
+
+    /// Features that keep a rule from being asked for a subject, since they are neither known nor among those that will be (`later`): those of its first case that is possible but for them.
+    pub fn unknown_to(&self, rule: &Rule, subject: &Subject, later: &[&str]) -> BTreeSet<String> {
+        let known = |name: &&String| !subject.features.contains_key(*name) && !later.contains(&name.as_str());
+        let first = possible_cases(rule, subject).into_iter().next().unwrap_or_default();
+        first.iter().flat_map(Atom::features).filter(known).cloned().collect()
+    }
+}
+
+/// The cases of a rule's condition that no known feature refutes.
+fn possible_cases(rule: &Rule, subject: &Subject) -> Vec<Vec<Atom>> {
+    let holds = |atom: &Atom| match atom {
+        Atom::OneOf(name, list) => match subject.features.get(name) {
+            Some(Value::Name(name)) => list.contains(name),
+            Some(known) => list.contains(&known.to_string()),
+            None => true,
+        },
+        Atom::Bound(name, orders, value) => {
+            subject.number(name).is_none_or(|known| Atom::admits(*orders, known, *value))
+        }
+        Atom::Order(a, orders, factor, b) => match (subject.number(a), subject.number(b)) {
+            (Some(a), Some(b)) => Atom::admits(*orders, a, factor * b),
+            _ => true,
+        },
+    };
+    let cases = logic::cases(&rule.condition, false).unwrap_or_default();
+    cases.into_iter().filter(|case| case.iter().all(holds)).collect()
+}
+
 /// What is left of statements that hold together; none if one of them is false or asks what nobody will know.
 fn case(
     rule: &str,

@@ -1,11 +1,13 @@
 //! Error measures of an MBS run, and of a hybrid run, against an FE run of the same building, and the verdict.
 
 pub mod hybrid;
+pub mod left_out;
 pub mod measure;
 pub mod points;
 pub mod record;
 
 pub use hybrid::HybridValidation;
+pub use left_out::LeftOut;
 pub use points::DebrisPoint;
 
 use crate::building::{Building, MemberKind};
@@ -131,6 +133,9 @@ pub struct Validation {
     pub sites: Vec<SiteComparison>,
     /// The hybrid run against FE, if there was one.
     pub hybrid: Option<HybridValidation>,
+    /// What the runs left out.
+    #[serde(default)]
+    pub left_out: Vec<LeftOut>,
 }
 
 impl Validation {
@@ -187,7 +192,15 @@ impl Validation {
             times_s: errors.times_s,
             sites,
             hybrid: None,
+            left_out: left_out::of_fe(fe).into_iter().chain(left_out::of_mbs(mbs)).collect(),
         }
+    }
+
+    /// Adds the run with rigid parts.
+    pub fn add_hybrid(&mut self, fe: &FeRun, run: &FeRun) {
+        self.hybrid = Some(HybridValidation::of(fe, run));
+        self.left_out.extend(left_out::of_fe(run));
+        self.left_out.sort_by_key(|l| l.run);
     }
 
     /// Difference of the first contact times over that of FE; `None` where only one of them touches or neither does.

@@ -23,6 +23,10 @@ fn pushed_bar(skip_quiet: bool) -> Dynamics {
 fn quiet_chunks_are_skipped_within_their_bound() {
     let (all, some) = (pushed_bar(false), pushed_bar(true));
     assert_eq!(all.blocks.skipped(), 0);
+    let mut packed = some.clone();
+    (0..2048).for_each(|e| packed.blocks.set_share(e, 0.0));
+    packed.blocks.repack_if_worthwhile(&packed.x);
+    assert_eq!((packed.blocks.skipped(), packed.blocks.skipped_in_all()), (0, some.blocks.skipped()));
     let share = some.blocks.skipped() as f64 / (150.0 * 4096.0);
     assert!(share > 0.3, "the wave has reached less than half of the bar, yet only {share:.2} was skipped");
     let largest = |f: &dyn Fn(usize) -> f64| (0..all.x.len()).map(f).fold(0.0, f64::max);

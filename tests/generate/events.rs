@@ -54,6 +54,81 @@ fn the_rules_about_events_stand_in_the_model() {
     assert_eq!(why, ["seed/subdivide-columns-late", "seed/section-latent-late"]);
 }
 
+/// Each of them is told with its members, what is left of its condition and what was carried out at once.
+#[test]
+fn the_trace_tells_the_rules_about_events() {
+    let generated = generated(&reference(|t| t)).unwrap();
+    let ids: Vec<&str> = generated.event_rules.iter().map(|r| r.id.as_str()).collect();
+    assert_eq!(ids, generated.model.event_rules.iter().map(|r| r.id.as_str()).collect::<Vec<_>>());
+    let of = |id: &str| generated.event_rules.iter().find(|r| r.rule == id).unwrap_or_else(|| panic!("{id}"));
+    let ground = of("seed/ground-contact-subsystem");
+    assert_eq!((ground.members.len(), ground.members[0].as_str()), (10, "C1-A2"));
+    assert_eq!((ground.question.as_str(), ground.action.as_str()), ("change", "insert_subsystem"));
+    assert_eq!(ground.remains, "it meets the ground or an obstacle");
+    assert!(ground.when.contains("contact.partner in") && ground.words.starts_with("Where a part meets"));
+    assert!(ground.done.as_ref().is_some_and(|d| d.contains("crushed")), "{ground:?}");
+    assert_eq!(of("seed/contact-recheck").remains, "it meets the ground, an obstacle or another part");
+    let fracture = of("seed/fracture-subsystem");
+    assert_eq!((fracture.remains.as_str(), &fracture.done), ("it breaks", &None));
+    assert!(fracture.then.contains("nearest"));
+    // of what is left of ranges and phases
+    let rule = rule(
+        "late",
+        "fracture_event",
+        "collapse.phase == 'after_contact' and fracture.place == 'span' and event.time <= 1.5",
+        "keep_model",
+        "",
+    );
+    let (_, mut store, _cache) = knowledge();
+    let own = generate(&reference(|t| t), &with(&rule), &mut store, Derive::Never, &|_| {}).unwrap();
+    let late = own.event_rules.iter().find(|r| r.rule == "test/late").unwrap();
+    assert_eq!(late.remains, "it breaks between its ends, after something has met, 1.5 s of the run or less");
+    assert_eq!(late.then, "the model stays as it is");
+}
+
+/// Rules about events that are not asked are named, with what they are about.
+#[test]
+fn rules_about_events_that_are_not_asked_are_named() {
+    let base = generated(&reference(|t| t)).unwrap().unasked;
+    let about = |list: &[fallwerk::generate::Unasked], rule: &str| -> Vec<String> {
+        let own = list.iter().filter(|u| u.rules.iter().any(|r| r == rule));
+        own.map(|u| format!("{}: {}", u.about, u.why)).collect()
+    };
+    let stay = "these stay as they are generated";
+    assert_eq!(about(&base, "seed/subdivide-floors-late"), [format!("beams and slabs: {stay}")]);
+    assert_eq!(about(&base, "seed/section-latent-late"), [format!("sections of beams and slabs: {stay}")]);
+    assert_eq!(about(&base, "seed/contact-subsystem"), [format!("beams and slabs: {stay}")]);
+    assert_eq!(about(&base, "seed/subdivide-columns-late"), Vec::<String>::new(), "it is asked");
+    // those that what is known of the building refutes, and those that do not need an event, are not among them
+    for rule in ["learned/floors-late/low-building-charged-share", "seed/floor-yields", "seed/floor-bends"] {
+        assert_eq!(about(&base, rule), Vec::<String>::new(), "{rule}");
+    }
+    let ends = base.iter().find(|u| u.about == "ends of beams").unwrap();
+    assert!(ends.rules.iter().all(|r| r.starts_with("learned/beam-ends-late/")), "{ends:?}");
+    assert!(ends.members.contains(&"B1-A1-B1".to_string()) && !ends.members.contains(&"C1-A1".to_string()));
+    assert!(ends.words().starts_with("rules learned/beam-ends-late/"), "{}", ends.words());
+
+    let unasked = |accuracy: Accuracy, when: &str| {
+        let (_, mut store, _cache) = knowledge();
+        let rules = with(&rule("own", "contact_event", when, "keep_model", ""));
+        let wishes = Wishes { derive: Derive::Never, accuracy };
+        about(&generate(&reference(|t| t), &rules, &mut store, wishes, &|_| {}).unwrap().unasked, "test/own")
+    };
+    assert_eq!(unasked(Accuracy::Balanced, "member.kind == 'slab'"), [format!("slabs: {stay}")]);
+    assert_eq!(
+        unasked(Accuracy::Balanced, "member.strain_rate > 0.25 and contact.approach_speed > 1"),
+        [
+            format!("beams and slabs: {stay}"),
+            "columns: a run does not evaluate member.strain_rate".to_string()
+        ]
+    );
+    assert_eq!(
+        unasked(Accuracy::Fast, "member.kind == 'column'"),
+        ["columns: none of them may break between its ends"]
+    );
+    assert!(unasked(Accuracy::Balanced, "member.kind == 'column'").is_empty());
+}
+
 /// What is known beforehand is decided beforehand, the rest is left for the run.
 #[test]
 fn what_is_left_of_a_condition_is_what_is_not_known_yet() {

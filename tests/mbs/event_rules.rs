@@ -82,6 +82,9 @@ fn a_bar_may_break_from_the_blow_on_that_a_rule_asks_for() {
     let result = simulate(&m).unwrap();
     let told = told(&result);
     assert_eq!(words(&result), ["blow: middle", "live middle"]);
+    // nobody asks before the blow, and there is nothing left to ask after it
+    let work = result.body_work;
+    assert!(work.latent_steps > 100 && work.unwatched_steps + 1 >= work.latent_steps, "{work:?}");
     let time = (2.0 * FALL_M / G).sqrt();
     assert!(told.iter().all(|(t, _)| (t - time).abs() < 2e-3), "{told:?} {time}");
     let speed = result.events.iter().find_map(|e| match &e.kind {

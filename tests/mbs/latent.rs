@@ -2,7 +2,7 @@
 
 use super::support::*;
 use fallwerk::curve::{CapacityLevel, ResistanceCurve};
-use fallwerk::mbs::latent::Latent;
+use fallwerk::mbs::latent::{Latent, compounds};
 use fallwerk::mbs::math;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::{EventKind, FractureCause};
@@ -270,4 +270,33 @@ fn an_event_releases_and_weakens_bushings() {
 #[test]
 fn a_chimney_of_blocks_breaks_where_theory_says() {
     holds("chimney-edge");
+}
+
+/// A rod is one until a section goes live, two pieces from then on, and what has vanished is none.
+#[test]
+fn what_moves_as_one_is_told_by_the_run() {
+    let mut m = rod(3, 1e12);
+    let event = |id: &str, time_s: f64, gone: &[&str], released: &[&str]| Event {
+        id: id.into(),
+        time_s,
+        remove_bodies: gone.iter().map(|s| s.to_string()).collect(),
+        release: released.iter().map(|s| s.to_string()).collect(),
+        weaken: Vec::new(),
+        origin: Origin::default(),
+    };
+    m.settings.time_step_s = Some(1e-5);
+    m.events = vec![event("cut", 0.035, &[], &["s1"]), event("blast", 0.065, &["p2"], &[])];
+    let result = simulate(&m).unwrap();
+    assert_eq!(live(&result), ["s1", "s2"]);
+    // three pieces on two latent bushings up to 35 ms, on one up to 65 ms, then two on none
+    let work = result.body_work;
+    assert_eq!(result.steps, 10_000);
+    assert_eq!(work.body_steps, 3 * 6_500 + 2 * 3_500);
+    assert_eq!((work.held_steps, work.latent_steps), (2 * 3_500 + 3_000, 2 * 3_500 + 3_000));
+    assert_eq!((work.unwatched_steps, work.asleep_steps), (0, 0));
+    let at = |time_s: f64| compounds(&m, &result, time_s);
+    let [first, second, third] = [at(0.03), at(0.04), at(0.07)];
+    assert!(first.iter().all(|c| c.is_some() && *c == first[0]), "{first:?}");
+    assert!(second[0] != second[1] && second[1] == second[2] && second[2].is_some(), "{second:?}");
+    assert!(third[0] != third[1] && third[2].is_none(), "{third:?}");
 }

@@ -56,6 +56,10 @@ fn a_stack_asleep_stands_where_it_stands_awake() {
         runs[0].energy_error,
         runs[1].energy_error
     );
+    let [awake, asleep] = [0, 1].map(|i: usize| runs[i].body_work);
+    assert_eq!((awake.body_steps, awake.asleep_steps), (10 * runs[0].steps as u64, 0));
+    let share = asleep.asleep_steps as f64 / asleep.body_steps as f64;
+    assert!((share - (1.0 - still_from(&runs[1]) / 5.0)).abs() < 0.01, "{share}");
     // The manual's bound of a stack at rest: awake, it trembles by that much.
     assert!(apart(&runs) < 1e-3);
     assert!(still_from(&runs[1]) < 1.5);

@@ -77,10 +77,37 @@ fn one_validation_compares_three_runs() {
         assert_eq!(compared[curve].as_array().unwrap().len(), count, "{curve}");
     }
 
+    let left = validation["left_out"].as_array().unwrap();
+    let of = |run: &str, what: &str| {
+        let found = left.iter().find(|l| l["run"] == run && l["what"] == what);
+        found.unwrap_or_else(|| panic!("{run} {what}: {left:?}"))
+    };
+    for l in left {
+        let number = |key: &str| l[key].as_f64().unwrap();
+        assert!((number("share") - number("left_out") / number("of")).abs() < 1e-12, "{l}");
+        assert!((0.0..=1.0).contains(&number("share")), "{l}");
+    }
+    let rigid = of("hybrid", "rigid_elements");
+    assert!((rigid["share"].as_f64().unwrap() - compared["skipped_share"].as_f64().unwrap()).abs() < 1e-6);
+    assert_eq!(of("fe", "resting_elements")["switched_off_by"], "fe --compute-all");
+    assert_eq!(of("mbs", "contact_pairs")["switched_off_by"], "simulate --compute-all");
+    let [held, unwatched] = ["held_bodies", "unwatched_hinges"].map(|what| of("mbs", what));
+    assert_eq!(held["share"], 10.0 / 32.0, "ten columns in two pieces that are one");
+    assert_eq!(unwatched["share"], 1.0, "nothing has met or broken");
+    assert_eq!(of("mbs", "sleeping_bodies")["left_out"], 0);
+
     let page = read("report.html");
+    assert!(page.contains("Rules about contacts and fractures") && page.contains("if it breaks</td>"));
+    assert!(page.contains("Not asked: rules learned"), "told in the notes");
+    assert!(page.contains("What was left out") && page.contains("elements of rigid parts"));
     assert!(page.contains("<h1>FE, hybrid and MBS</h1>") && page.contains("The runs against FE"));
     assert_eq!(page.matches("<figure class=\"picture\">").count(), 6, "three runs, under way and at the end");
     assert!(page.contains("rigid part"), "the hybrid run has some by then");
+    assert_eq!(
+        page.matches("22 rigid compounds of 32 bodies; hinges: ").count(),
+        4,
+        "ten columns are held together"
+    );
 }
 
 /// The example building's FE run of 20 ms with its frames.

@@ -259,3 +259,51 @@ fn decisions_of_the_analyst_are_told_with_their_reasons() {
         "{top}"
     );
 }
+
+/// What rules about contacts and fractures say of a column, what is never asked of a floor, and what fired.
+#[test]
+fn explain_tells_the_rules_about_events_and_what_fired() {
+    let room = room(str::to_string);
+    let (code, out, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "-o", "run"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("rules about events that are not asked"), "{out}");
+    let explain = |part: &str| {
+        let (code, out, err) = fallwerk(room.path(), &["explain", "run/model.json", part]);
+        assert_eq!(code, 0, "{err}");
+        out
+    };
+    let rule = "in the run, if it meets the ground or an obstacle: rule seed/ground-contact-subsystem -> insert_subsystem";
+    let column = explain("C2-A1");
+    for words in [
+        "C2-A1.section-1 is latent",
+        rule,
+        "of the rules that answer one question the first",
+        "rule seed/ground-contact-subsystem fires, and C2-A1.section-1 may give way from now on",
+        "C2-A1.section-1 gives way",
+    ] {
+        assert!(column.contains(words), "{words}: {column}");
+    }
+    let tail =
+        |text: &str| text.lines().filter(|l| l.starts_with("  run:")).map(str::to_string).collect::<Vec<_>>();
+    assert_eq!(tail(&column), tail(&explain("C2-A1.section-1")), "of the section as of the column");
+    assert!(explain("C1-A2").contains("C1-A2.section-1 stayed latent"));
+    let floor = explain("S2");
+    let not_asked = "seed/subdivide-floors-late are about the time after the first contact and are not asked for beams and slabs";
+    assert!(floor.contains(not_asked) && !floor.contains("in the run, if"), "{floor}");
+
+    let run = room.path().join("run");
+    let trace = fs::read_to_string(run.join("trace.json")).unwrap();
+    let trace: serde_json::Value = serde_json::from_str(&trace).unwrap();
+    assert_eq!(trace["event_rules"].as_array().unwrap().len(), 5);
+    assert!(trace["unasked"].as_array().is_some_and(|u| u.len() > 3));
+    // without the trace the model and the rule base of today tell; a run of another model tells nothing
+    fs::remove_file(run.join("trace.json")).unwrap();
+    let model = fs::read_to_string(run.join("mbs.json")).unwrap().replace("\"C2-A1/1\"", "\"C2-A9/1\"");
+    fs::write(run.join("mbs.json"), model).unwrap();
+    let column = explain("C2-A1");
+    assert!(column.contains(rule) && column.contains("the run of another model"), "{column}");
+    assert!(!column.contains("subsystem fires"), "{column}");
+    fs::write(run.join("mbs.json"), "{").unwrap();
+    let (code, _, err) = fallwerk(room.path(), &["explain", "run/model.json", "C2-A1"]);
+    assert!(code == 2 && err.contains("mbs.json"), "{err}");
+}

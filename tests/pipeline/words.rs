@@ -34,6 +34,7 @@ fn good() -> Validation {
         times_s: Vec::new(),
         sites: Vec::new(),
         hybrid: None,
+        left_out: Vec::new(),
     }
 }
 

@@ -129,6 +129,7 @@ fn scene(size: f64, frames: usize) -> Scene {
         bodies: solids.iter().map(body).collect(),
         frames: times.iter().map(|&t| solids.iter().map(|s| pose(s, t)).collect()).collect(),
         crushed: Vec::new(),
+        compounds: times.iter().map(|&t| if t < 1.0 { 13 } else { 15 }).collect(),
     };
     let wall = Aabb::from_corners([-1.0, -7.6, 0.0], [4.0, -7.2, 2.4]);
     Scene {
@@ -180,6 +181,8 @@ fn sites() -> Vec<HingeSite> {
                 fe_peak_strain_rate_1_s: Some(if zone { 1.4 + 0.3 * n as f64 } else { 0.12 }),
                 fe_max_plastic_strain: Some(if zone { 0.02 + 0.004 * n as f64 } else { 0.001 }),
                 mbs_hinge: n != 11,
+                mbs_latent: false,
+                mbs_live_s: None,
                 mbs_yielded_s: (yields && n != 11).then_some(t + 0.02),
                 mbs_max_plastic_rotation_rad: yields.then_some(0.04 + 0.011 * n as f64),
                 mbs_fractured_s: n.is_multiple_of(4).then_some(t + 0.6),
@@ -382,7 +385,7 @@ fn partition() -> PartitionView {
             run: run.into(),
             words: "all columns deform".into(),
             facets: facets(time_s),
-            dots_m: vec![[0.0, 5.0, 3.25]],
+            marks: vec![Mark { point_m: [0.0, 5.0, 3.25], kind: MarkKind::Live }],
         };
         Moment { label: label.into(), time_s, pictures: ["FE", "hybrid", "MBS"].map(picture).into() }
     };

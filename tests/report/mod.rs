@@ -200,6 +200,42 @@ fn the_page_shows_all_runs() {
 }
 
 #[test]
+fn latent_sections_and_compounds_are_shown() {
+    let mut input = collapse::report(0.8, 5);
+    let site = &mut input.hinge_sites[0];
+    (site.mbs_latent, site.mbs_live_s, site.mbs_yielded_s) = (true, Some(1.25), None);
+    input.hinge_sites[1].mbs_latent = true;
+    let page = render(&input).unwrap();
+    assert!(page.contains("<td>latent, live from 1.250 s</td>") && page.contains("<td>latent</td>"));
+    assert!(page.contains("class=\"live\" d=\"M"), "marked in the pictures");
+    let head = head(&page);
+    assert_eq!(head["mbs"]["compounds"], serde_json::json!([13, 13, 15, 15, 15]));
+    assert_eq!(head["markers"][0]["live"], 1.25);
+    input.scene.as_mut().unwrap().mbs.as_mut().unwrap().compounds.pop();
+    assert!(matches!(render(&input), Err(ReportError::Length { .. })));
+}
+
+#[test]
+fn what_was_left_out_is_a_table_if_anything_was() {
+    let mut input = collapse::report(0.8, 5);
+    assert!(!render(&input).unwrap().contains("What was left out"));
+    let row = LeftOutRow {
+        run: "MBS".into(),
+        what: "pairs".into(),
+        left_out: 379_319,
+        of: 399_923,
+        unit: "pairs × steps".into(),
+        computed_by: Some("simulate --compute-all".into()),
+    };
+    input.left_out = vec![row.clone(), LeftOutRow { of: 0, left_out: 0, computed_by: None, ..row }];
+    let page = render(&input).unwrap();
+    for text in ["94.85 %", "379\u{202f}319", "399\u{202f}923 pairs × steps", "simulate --compute-all", "– %"]
+    {
+        assert!(page.contains(text), "{text}");
+    }
+}
+
+#[test]
 fn positions_come_back_within_half_a_quantisation_step() {
     let mut input = collapse::report(0.8, 21);
     let fe = input.scene.as_mut().unwrap().fe.as_mut().unwrap();

@@ -38,8 +38,9 @@ fn fe_events(p: &Pieces) -> Vec<TimedEvent> {
     events
 }
 
-fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
-    let words = |kind: &EventKind| match kind {
+/// An event of an MBS run in words.
+pub fn words(kind: &EventKind) -> String {
+    match kind {
         EventKind::Yield { joint } => format!("hinge {joint} yields"),
         EventKind::Fracture { joint, cause: FractureCause::Rotation } => {
             format!("hinge {joint} separates: rotation capacity used up")
@@ -56,11 +57,18 @@ fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
         EventKind::Contact { a, b } => format!("{a} touches {}", surface(b)),
         EventKind::Live { joint, with: None } => format!("{joint} gives way: its body parts there"),
         EventKind::Live { joint, with: Some(cause) } => format!("{joint} becomes a hinge with {cause}"),
-        EventKind::Rule { rule, body, with, watched, .. } => {
-            format!("{body}: rule {rule} has {} watched ({})", watched.join(", "), surface(with))
+        EventKind::Rule { rule, body, with, watched, approach_speed_m_s } => {
+            let happened = match approach_speed_m_s {
+                Some(speed) => format!("{body} meets {} at {speed:.2} m/s", surface(with)),
+                None => format!("{body} breaks at {with}"),
+            };
+            format!("{happened}: rule {rule} fires, and {} may give way from now on", watched.join(", "))
         }
         EventKind::Removal { event } => format!("charge {event} removes its bodies"),
-    };
+    }
+}
+
+fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
     let event = |e: &crate::mbs::result::RunEvent| TimedEvent {
         time_s: e.time_s,
         run: "MBS".into(),

@@ -4,10 +4,13 @@
 
 pub mod compared;
 mod events;
+mod left_out;
+mod marks;
 mod model;
 mod partition;
 mod scene;
 
+pub use events::words as event_words;
 pub use model::entry_words;
 
 use super::verdict;
@@ -15,6 +18,8 @@ use crate::building::Building;
 use crate::fe::result::FeRun;
 use crate::generate::Generated;
 use crate::mbs::RunResult;
+use crate::mbs::latent::live_s;
+use crate::mbs::result::EventKind;
 use crate::report::{
     ErrorMeasure, FeEnergy, FirstContact, HingeSite, History, MbsEnergy, Note, ReportInput, RunCost, Setting,
     Severity,
@@ -93,13 +98,15 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         fe_run: Some(fe_cost(p.fe, p.threads)),
         hybrid_run: p.hybrid.map(|run| fe_cost(run, p.threads)),
         mbs_run: Some(mbs_cost(p)),
+        left_out: left_out::rows(v),
+        left_out_note: left_out::note(v),
         review: model::review(p.review),
-        model: model::summary(p.generated),
+        model: model::summary(p.generated, p.mbs),
         curves: model::curves(p.generated),
         notes: notes(p),
         events: events::events(p),
         scene: Some(scene::scene(p)),
-        partition: Some(partition::partition(p, &sites)),
+        partition: Some(partition::partition(p)),
         hinge_sites: sites,
     }
 }
@@ -147,6 +154,8 @@ fn histories(p: &Pieces) -> Vec<History> {
 /// A hinge below [`ACTIVE_ROTATION_RAD`] is shown as not yielded, so that the page counts as [`Validation`] does.
 fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
     let joints = &p.generated.model.bushings;
+    let live_s = live_s(&p.generated.model, p.mbs);
+    let latent = |id: &str| live_s.get(id).map(|t| Some(*t).filter(|t| t.is_finite()));
     let at_end = p.facts.ends.iter().zip(&p.validation.sites).map(|(zone, site)| HingeSite {
         member_end: zone.id.clone(),
         point_m: zone.point_m,
@@ -156,16 +165,25 @@ fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
         fe_peak_strain_rate_1_s: Some(zone.peak_rate_1_s),
         fe_max_plastic_strain: Some(zone.plastic_strain),
         mbs_hinge: site.hinge,
+        mbs_latent: latent(&zone.id).is_some(),
+        mbs_live_s: latent(&zone.id).flatten(),
         mbs_yielded_s: site.yield_s.filter(|_| site.plastic_rotation_rad > ACTIVE_ROTATION_RAD),
         mbs_max_plastic_rotation_rad: site.hinge.then_some(site.plastic_rotation_rad),
         mbs_fractured_s: site.fracture_s,
     });
+    let broken_s = |id: &str| {
+        let is_it = |kind: &EventKind| matches!(kind, EventKind::Fracture { joint, .. } if joint == id);
+        p.mbs.events.iter().find(|e| is_it(&e.kind)).map(|e| e.time_s)
+    };
     let known = |id: &str| p.facts.ends.iter().any(|z| z.id == id);
     let elsewhere = joints.iter().filter(|j| !known(&j.id)).map(|j| HingeSite {
         member_end: j.id.clone(),
         point_m: j.point_m,
         body: Some(j.body_b.clone()),
         mbs_hinge: true,
+        mbs_latent: latent(&j.id).is_some(),
+        mbs_live_s: latent(&j.id).flatten(),
+        mbs_fractured_s: broken_s(&j.id),
         ..HingeSite::default()
     });
     at_end.chain(elsewhere).collect()
@@ -252,6 +270,7 @@ fn notes(p: &Pieces) -> Vec<Note> {
             p.generated.derived.join(", ")
         )));
     }
+    notes.extend(p.generated.unasked.iter().map(|u| note(format!("Not asked: {}.", u.words()))));
     notes.push(note(
         "Energies: FE internal energy includes bulk viscosity, FE external work what leaves with removed members; MBS \
          plastic energy includes what separation of joints and removal of bodies release, MBS elastic energy that stored \

@@ -1,13 +1,15 @@
 //! The generated model in tables, and the resistance curves it uses.
 
 use crate::curve::{CapacityLevel, ResistanceCurve};
-use crate::generate::{BEAM_CURVES, Generated};
+use crate::generate::{BEAM_CURVES, EventReason, Generated};
 use crate::library::Entry;
 use crate::library::entry::AxisRecord;
+use crate::mbs::RunResult;
 use crate::mbs::model::{Bending, Bushing};
+use crate::mbs::result::{EventKind, RunEvent};
 use crate::report::{
-    BodyRow, CurveFamily, CurveLevel, EntryRow, JointRow, ModelSummary, ReviewRow, ReviewSummary, RuleRow,
-    TraceRow,
+    BodyRow, CurveFamily, CurveLevel, EntryRow, EventRuleRow, JointRow, ModelSummary, ReviewRow,
+    ReviewSummary, RuleRow, TraceRow,
 };
 use crate::review::{Item, NEGLIGIBLE_M, Review};
 use std::collections::BTreeMap;
@@ -18,7 +20,7 @@ pub fn entry_words(entry: &Entry) -> String {
 }
 
 /// All tables of the model.
-pub fn summary(generated: &Generated) -> ModelSummary {
+pub fn summary(generated: &Generated, run: &RunResult) -> ModelSummary {
     let model = &generated.model;
     ModelSummary {
         bodies: model
@@ -37,6 +39,7 @@ pub fn summary(generated: &Generated) -> ModelSummary {
             })
             .collect(),
         rules: rules(generated),
+        event_rules: generated.event_rules.iter().map(|r| event_rule(r, run)).collect(),
         trace: generated
             .trace
             .iter()
@@ -96,6 +99,31 @@ fn rules(generated: &Generated) -> Vec<RuleRow> {
         row.out_of_range |= !t.in_range;
     }
     rules.into_values().collect()
+}
+
+/// Firings of a rule that are named.
+const FIRINGS_NAMED: usize = 6;
+
+/// A rule about events, and when it fired in the run.
+fn event_rule(r: &EventReason, run: &RunResult) -> EventRuleRow {
+    let firing = |e: &RunEvent| match &e.kind {
+        EventKind::Rule { rule, body, .. } if *rule == r.id => Some(format!("{:.3} s ({body})", e.time_s)),
+        _ => None,
+    };
+    let firings: Vec<String> = run.events.iter().filter_map(firing).collect();
+    let mut fired = firings.iter().take(FIRINGS_NAMED).cloned().collect::<Vec<_>>().join(", ");
+    if firings.len() > FIRINGS_NAMED {
+        fired += &format!(" and {} more", firings.len() - FIRINGS_NAMED);
+    }
+    let done = r.done.as_ref().map_or(String::new(), |done| format!("; {done}"));
+    EventRuleRow {
+        id: r.id.clone(),
+        text: r.words.clone(),
+        about: r.members.clone(),
+        remains: format!("if {}", r.remains),
+        then: format!("{}{done}", r.then),
+        fired: if fired.is_empty() { "never".into() } else { fired },
+    }
 }
 
 /// The decisions worth a look.

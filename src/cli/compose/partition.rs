@@ -1,28 +1,31 @@
 //! Rigid and deforming parts of the runs: shares over time, and pictures at some times.
 
 use super::Pieces;
+use super::marks::{Marks, pose};
 use super::scene::{Skin, kept};
 use crate::base::geom::Aabb;
 use crate::fe::result::{FeRun, KeptFrame};
-use crate::mbs::result::Frame;
-use crate::report::{Facet, FacetKind, HingeSite, Moment, PartitionView, Picture, SceneFace};
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use crate::mbs::latent::compounds;
+use crate::mbs::math;
+use crate::report::{Facet, FacetKind, Mark, MarkKind, Moment, PartitionView, Picture, SceneFace};
+use std::collections::BTreeSet;
 
 /// Longest edge of a face in a picture \[m\]: smaller than the members, so that the depth of their centres orders them.
 const FACE_M: f64 = 0.5;
 
 /// Shares over the kept frames, and pictures before the first contact, at it, after it and at the end.
-pub fn partition(p: &Pieces, sites: &[HingeSite]) -> PartitionView {
+pub fn partition(p: &Pieces) -> PartitionView {
     let outputs: Vec<usize> = kept(p).map(|f| f.output).collect();
     let fe = Deforming::of(p.fe);
     let hybrid = p.hybrid.map(Deforming::of);
+    let marks = Marks::of(&p.generated.model, p.mbs);
     let shares = |run: &Deforming, share: &dyn Fn(&KeptFrame) -> f64| {
         outputs.iter().filter_map(|o| run.frame(*o)).map(share).collect::<Vec<f64>>()
     };
     let moment = |(label, output): (&str, usize)| {
         let mut pictures = vec![fe.picture(p, output)];
         pictures.extend(hybrid.as_ref().map(|run| run.picture(p, output)));
-        pictures.push(mbs_picture(p, sites, output));
+        pictures.push(mbs_picture(p, &marks, output));
         Moment { label: label.into(), time_s: p.fe.times_s[output], pictures }
     };
     PartitionView {
@@ -132,7 +135,7 @@ impl<'a> Deforming<'a> {
             run: name.into(),
             words,
             facets: self.skin.faces.iter().filter(seen).map(facet).chain(obstacles(p)).collect(),
-            dots_m: Vec::new(),
+            marks: Vec::new(),
         }
     }
 }
@@ -169,45 +172,44 @@ fn box_facets(solid: Aabb, kind: FacetKind, place: impl Fn([f64; 3]) -> [f64; 3]
     facets
 }
 
-/// The bodies of the MBS, and its hinges that have yielded.
-fn mbs_picture(p: &Pieces, sites: &[HingeSite], output: usize) -> Picture {
+/// The bodies of the MBS, its hinges that have yielded or separated, and its latent sections that have gone live.
+fn mbs_picture(p: &Pieces, marks: &Marks, output: usize) -> Picture {
     let model = &p.generated.model;
-    let time_s = p.fe.times_s[output];
-    let (Some(first), Some(frame)) = (p.mbs.frames.first(), p.mbs.frames.get(output)) else {
-        return Picture::default();
-    };
-    let removed =
-        |id: &String| model.events.iter().any(|e| e.time_s <= time_s && e.remove_bodies.contains(id));
+    let Some(frame) = p.mbs.frames.get(output) else { return Picture::default() };
+    let compounds = compounds(model, p.mbs, p.mbs.times_s[output]);
     let mut facets = obstacles(p);
-    let bodies: Vec<usize> = (0..model.bodies.len()).filter(|b| !removed(&model.bodies[*b].id)).collect();
-    for body in &bodies {
-        for shape in &model.bodies[*body].shapes {
+    for (body, _) in compounds.iter().enumerate().filter(|(_, compound)| compound.is_some()) {
+        let (turn, position_m) = pose(frame, body);
+        for shape in &model.bodies[body].shapes {
             let [center, half] = shape.bounds();
-            let solid = Aabb::from_corners(
-                std::array::from_fn(|i| center[i] - half[i]),
-                std::array::from_fn(|i| center[i] + half[i]),
-            );
-            facets.extend(box_facets(solid, FacetKind::Rigid, |local| place(frame, *body, local)));
+            let solid = Aabb::from_corners(math::sub(center, half), math::add(center, half));
+            let place = |local| math::add(position_m, math::mul(&turn, local));
+            facets.extend(box_facets(solid, FacetKind::Rigid, place));
         }
     }
-    let carried = |site: &HingeSite| {
-        let body = model.bodies.iter().position(|b| Some(&b.id) == site.body.as_ref())?;
-        let back = turn(first, body).inverse()
-            * (Vector3::from(site.point_m) - Vector3::from(first.position_m[body]));
-        Some(place(frame, body, back.into()))
+    let marks = marks.at(output);
+    Picture { run: "MBS".into(), words: mbs_words(&compounds, &marks), facets, marks }
+}
+
+/// "24 rigid compounds of 32 bodies; hinges: 20 yielded, 4 of latent sections, 6 separated": each hinge counts once.
+fn mbs_words(compounds: &[Option<usize>], marks: &[Mark]) -> String {
+    let count = |kind| marks.iter().filter(|m| m.kind == kind).count();
+    let (bodies, moving) = count_compounds(compounds);
+    let rigid = match (bodies == moving, moving) {
+        (_, 1) => "1 rigid compound".into(),
+        (true, _) => format!("{moving} rigid compounds"),
+        (false, _) => format!("{moving} rigid compounds of {bodies} bodies"),
     };
-    let yielded = sites.iter().filter(|s| s.mbs_yielded_s.is_some_and(|t| t <= time_s));
-    let dots_m: Vec<[f64; 3]> = yielded.filter_map(carried).collect();
-    let words = format!("{} bodies; {} hinges have yielded", bodies.len(), dots_m.len());
-    Picture { run: "MBS".into(), words, facets, dots_m }
+    format!(
+        "{rigid}; hinges: {} yielded, {} of latent sections gone live, {} separated",
+        count(MarkKind::Yielded),
+        count(MarkKind::Live),
+        count(MarkKind::Broken)
+    )
 }
 
-fn turn(frame: &Frame, body: usize) -> UnitQuaternion<f64> {
-    let [w, x, y, z] = frame.orientation[body];
-    UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
-}
-
-/// Where a point of a body is \[m\].
-fn place(frame: &Frame, body: usize, local_m: [f64; 3]) -> [f64; 3] {
-    (turn(frame, body) * Vector3::from(local_m) + Vector3::from(frame.position_m[body])).into()
+/// Bodies that are there, and what they move as.
+pub(super) fn count_compounds(compounds: &[Option<usize>]) -> (usize, usize) {
+    let present = || compounds.iter().flatten();
+    (present().count(), present().collect::<BTreeSet<_>>().len())
 }

@@ -1,9 +1,11 @@
 //! The 3D scene: the skin of the FE mesh and the boxes of the MBS bodies over common times.
 
 use super::Pieces;
+use super::partition::count_compounds;
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
 use crate::fe::result::{FeRun, KeptFrame};
+use crate::mbs::latent;
 use crate::mbs::model::Body;
 use crate::mbs::result::CrushedHistory;
 use crate::report::{
@@ -22,6 +24,12 @@ fn group(building: &Building, member: &str) -> String {
         Some(MemberKind::Brace) | None => "other",
     };
     word.to_string()
+}
+
+/// The same of a body: that of the member it is named after, of a piece the one before the slash, else of the first one that it stands for.
+fn group_of_body(building: &Building, body: &Body) -> String {
+    let named = body.id.split('/').next().filter(|id| building.member(id).is_some());
+    group(building, named.or(body.origin.members.first().map(String::as_str)).unwrap_or(&body.id))
 }
 
 /// The scene of both runs.
@@ -88,7 +96,7 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
     };
     let body = |body: &Body| SceneBody {
         id: body.id.clone(),
-        group: group(p.building, &body.id),
+        group: group_of_body(p.building, body),
         boxes: body
             .shapes
             .iter()
@@ -104,10 +112,15 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
         let pairs = frame.position_m.iter().zip(&frame.orientation);
         pairs.map(|(position, turn)| Pose { position_m: *position, orientation: *turn }).collect()
     };
+    let compounds = |output: usize| {
+        let (_, moving) = count_compounds(&latent::compounds(model, p.mbs, p.mbs.times_s[output]));
+        moving as u32
+    };
     MbsScene {
         bodies: model.bodies.iter().map(body).collect(),
         frames: kept(p).map(|f| poses(&p.mbs.frames[f.output])).collect(),
         crushed: p.mbs.crushed.iter().filter_map(|c| crushed_box(p, c)).collect(),
+        compounds: kept(p).map(|f| compounds(f.output)).collect(),
     }
 }
 

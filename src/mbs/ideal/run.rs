@@ -526,6 +526,7 @@ fn empty(model: &Model) -> RunResult {
         cpu_s: 0.0,
         energy_error: 0.0,
         contact_work: Default::default(),
+        body_work: Default::default(),
         warnings: Vec::new(),
     }
 }

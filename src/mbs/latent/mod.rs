@@ -9,10 +9,13 @@
 //! | this one | who is latent, when a body parts |
 //! | `merge` | a model in which latent bushings are rigid |
 //! | `demand` | what latent bushings bear |
+//! | `history` | which bodies moved as one in a run that is over |
 
 mod demand;
+mod history;
 mod merge;
 
+pub use history::{compounds, is_gone, live_s};
 pub use merge::{Merged, Place, held_together, merge};
 
 use super::contact::ContactSet;
@@ -73,6 +76,8 @@ pub struct Latent {
     /// The body of the model that runs first which each body of the file is in.
     family: Vec<usize>,
     compounds: Vec<Compound>,
+    /// How many are latent, and how many of them are looked at.
+    counted: [u64; 2],
     /// The model with nothing latent, in its initial poses.
     whole: Option<System>,
     /// Largest share of its resistance that each bushing has borne while it was latent.
@@ -103,6 +108,7 @@ impl Latent {
             parted: false,
             family: bodies.collect(),
             compounds: Vec::new(),
+            counted: [0; 2],
             whole: is_any.then(|| System::new(file)).transpose()?,
             solids: Vec::new(),
         };
@@ -178,6 +184,10 @@ impl Latent {
             let mut watched = of.map(|b| self.watched[*b]);
             (compound.is_watched, compound.waits) = (watched.clone().any(|w| w), watched.any(|w| !w));
         }
+        let looked_at =
+            |c: &Compound| c.bushings.iter().filter(|b| !self.holds && self.watched[**b]).count() as u64;
+        let latent = self.compounds.iter().map(|c| c.bushings.len() as u64).sum();
+        self.counted = [latent, self.compounds.iter().map(looked_at).sum()];
         self.waiting.clear();
         self.waiting.resize(self.pieces.len(), false);
         self.compounds.iter().for_each(|c| self.waiting[c.body] = c.waits);
@@ -186,6 +196,11 @@ impl Latent {
     /// Whether any latent bushing may give way.
     pub fn is_watching(&self) -> bool {
         self.compounds.iter().any(|c| c.is_watched)
+    }
+
+    /// How many bushings are latent now, and how many of them are looked at.
+    pub fn counted(&self) -> [u64; 2] {
+        self.counted
     }
 
     /// Whether any latent bushing waits for a rule about an event.

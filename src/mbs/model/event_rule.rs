@@ -89,6 +89,17 @@ pub struct Range {
     pub most: Option<f64>,
 }
 
+impl EventRule {
+    /// What it changes when it fires, in words.
+    pub fn effect_words(&self) -> &'static str {
+        match (self.watch.is_empty(), self.nearest) {
+            (true, _) => "the model stays as it is",
+            (false, true) => "the latent section nearest to the event may give way from then on",
+            (false, false) => "its latent sections may give way from then on",
+        }
+    }
+}
+
 impl Range {
     /// Whether it holds every number.
     pub fn is_any(&self) -> bool {
@@ -101,7 +112,57 @@ impl Range {
     }
 }
 
+impl Met {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Ground => "the ground",
+            Self::Obstacle => "an obstacle",
+            Self::Part => "another part",
+        }
+    }
+}
+
+impl Range {
+    /// ", from 2 to 3 m/s", or nothing if it holds every number.
+    fn words(&self, unit: &str) -> String {
+        match (self.least, self.most) {
+            (None, None) => String::new(),
+            (Some(least), None) => format!(", {least} {unit} or more"),
+            (None, Some(most)) => format!(", {most} {unit} or less"),
+            (Some(least), Some(most)) => format!(", from {least} to {most} {unit}"),
+        }
+    }
+}
+
 impl Trigger {
+    /// What has to happen, in words: "it meets the ground or an obstacle, 3 m/s or more".
+    pub fn words(&self) -> String {
+        match self {
+            Self::Contact { partners, approach_speed_m_s, time_s } => {
+                let with: Vec<&str> = partners.iter().map(|met| met.words()).collect();
+                let with = match with.as_slice() {
+                    [first @ .., last] if !first.is_empty() => format!("{} or {last}", first.join(", ")),
+                    one => one.concat(),
+                };
+                let speed = approach_speed_m_s.words("m/s of approach");
+                format!("it meets {with}{speed}{}", time_s.words("s of the run"))
+            }
+            Self::Fracture { places, after_contact, time_s } => {
+                let place = match places.as_slice() {
+                    [Broken::End] => " at an end",
+                    [Broken::Span] => " between its ends",
+                    _ => "",
+                };
+                let phase = match after_contact {
+                    None => "",
+                    Some(false) => ", before anything has met",
+                    Some(true) => ", after something has met",
+                };
+                format!("it breaks{place}{phase}{}", time_s.words("s of the run"))
+            }
+        }
+    }
+
     /// When it may happen \[s\].
     pub fn time_s(&self) -> Range {
         match self {

@@ -12,12 +12,14 @@
 //! | `rules` | what contacts and fractures change by the rules of a model |
 //! | `part` | latent bushings: bodies that part |
 //! | `output` | histories, the energy balance |
+//! | `work` | what is computed of bodies and latent sections, and what is left out |
 
 mod events;
 mod output;
 mod part;
 mod rules;
 mod setup;
+mod work;
 
 use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, preload_error};
@@ -376,9 +378,11 @@ impl<'a> Run<'a> {
         let count = (span / self.step_limit - 1e-9).ceil().max(1.0);
         let h = span / count;
         let begin = self.time;
+        let census = self.census();
         if self.sleep.is_complete(&self.system) {
             (self.last_step, self.time) = (h, end);
             self.result.steps += count as usize;
+            self.book_steps(census, count as u64);
             return Ok(true);
         }
         for i in 0..count as usize {
@@ -401,6 +405,7 @@ impl<'a> Run<'a> {
             step::drift(&mut self.system, h);
             self.system.weigh(h);
             self.result.steps += 1;
+            self.book_steps(census, 1);
             self.last_step = h;
             self.time = begin + h * (i + 1) as f64;
         }

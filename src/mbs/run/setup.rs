@@ -129,6 +129,7 @@ pub(super) fn empty_result(
         cpu_s: 0.0,
         energy_error: 0.0,
         contact_work: Default::default(),
+        body_work: Default::default(),
         warnings: Vec::new(),
     }
 }

@@ -311,7 +311,8 @@
     const width = times[hi] - times[lo];
     return [lo, hi, width > 0 ? Math.min(1, Math.max(0, (t - times[lo]) / width)) : 0];
   };
-  const kindOf = (m) => (m.fe && m.mbsTime !== null ? 0 : m.fe ? 1 : m.mbsTime !== null ? 2 : 3);
+  const turned = (m) => m.mbsTime ?? m.live; // a latent section counts from when it goes live
+  const kindOf = (m) => (m.fe && turned(m) !== null ? 0 : m.fe ? 1 : turned(m) !== null ? 2 : 3);
   let markersFe = [], markersMbs = [];
   const update = () => {
     const [a, b, f] = locate(state.t);
@@ -332,6 +333,8 @@
     }
     const poses = [];
     if (mbs) {
+      const moving = mbs.compounds[f >= 1 ? b : a];
+      if (moving !== undefined) document.querySelector("#tag-mbs span").textContent = `${moving} rigid compound${moving === 1 ? "" : "s"}`;
       const n = mbs.bodies.length;
       for (let i = 0; i < n; i++) {
         const p = mbs.p.subarray((a * n + i) * 7, (a * n + i) * 7 + 7), r = mbs.p.subarray((b * n + i) * 7, (b * n + i) * 7 + 7);
@@ -375,7 +378,7 @@
       if (mbs && m.body !== null) {
         const [p, q] = poses[m.body];
         const c = turn(q, m.local);
-        markersMbs.push({ m, kind, at: [p[0] + c[0], p[1] + c[1], p[2] + c[2]], active: m.mbsTime !== null && state.t >= m.mbsTime });
+        markersMbs.push({ m, kind, at: [p[0] + c[0], p[1] + c[1], p[2] + c[2]], active: turned(m) !== null && state.t >= turned(m) });
       }
     }
   };
@@ -637,7 +640,7 @@
     tip.hidden = !best;
     if (!best) return;
     const { m } = best;
-    tip.textContent = `${m.label}\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}\nMBS yields: ${m.mbs ? seconds(m.mbsTime) : "no hinge"}${m.fractured === null ? "" : `\nseparates: ${seconds(m.fractured)}`}`;
+    tip.textContent = `${m.label}\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}\n${m.latent ? `latent, goes live: ${seconds(m.live)}` : `MBS yields: ${m.mbs ? seconds(m.mbsTime) : "no hinge"}`}${m.fractured === null ? "" : `\nseparates: ${seconds(m.fractured)}`}`;
     tip.style.left = `${Math.min(event.clientX - r.left + 14, r.width - 170)}px`;
     tip.style.top = `${Math.min(event.clientY - r.top + 14, r.height - 90)}px`;
   };
