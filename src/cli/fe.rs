@@ -3,6 +3,7 @@
 use super::fe_against::Against;
 use super::fe_hybrid;
 use super::fe_places::{self as places, failure, unwritable};
+use super::knowledge::KnowledgeArgs;
 use super::progress::Progress;
 use super::verdict::{collapse_words, percent, seconds};
 use super::{Failure, Outcome, print, read_building, thread_pool};
@@ -86,7 +87,7 @@ pub struct Arguments {
     /// Instruction set: avx512, avx2 or portable, with the same results [default: the fastest that the processor has]
     #[arg(long, value_name = "ISA")]
     isa: Option<String>,
-    /// Compute all elements in every step, also those that do not deform
+    /// Compute all elements in every step, also those that stand still, and look for contacts in every step; the result is the same
     #[arg(long)]
     compute_all: bool,
     /// Let the parts of the building pass through each other
@@ -94,6 +95,8 @@ pub struct Arguments {
     no_body_contact: bool,
     #[command(flatten)]
     hybrid: fe_hybrid::Options,
+    #[command(flatten)]
+    knowledge: KnowledgeArgs,
     /// Tell the error of the tracked points against another run: the fe.json of an FE run of the same building
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
@@ -245,7 +248,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         skip_quiet: !arguments.compute_all,
         form: element_form(arguments)?,
         isa: instruction_set(arguments.isa.as_deref())?,
-        hybrid: arguments.hybrid.settings(building, mesh_size_m)?,
+        hybrid: arguments.hybrid.settings(building, mesh_size_m, &arguments.knowledge)?,
         ..FeOptions::default()
     })
 }

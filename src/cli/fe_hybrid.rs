@@ -1,12 +1,13 @@
 //! `fallwerk fe --hybrid`: options, words and files of a run with rigid parts.
 
-use super::knowledge::Switch;
+use super::knowledge::{self, KnowledgeArgs, Switch};
 use super::verdict::percent;
 use super::{Failure, study};
 use crate::building::Building;
 use crate::fe::hybrid::{HybridRecord, HybridSettings, Reason};
 use crate::fe::mesh::Mesh;
-use crate::study::{Study, rigid_elements};
+use crate::generate::{Accuracy, Derive, Wishes, generate, rigid_elements};
+use crate::study::{self as studies, Study};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,15 +15,18 @@ use std::path::Path;
 
 /// Value of `--hybrid` without one.
 const AUTO: &str = "auto";
+/// The value for the partition that rules make.
+const RULES: &str = "rules";
 /// What is told of a run whose rigid parts may not deform again.
 pub(super) const STAYS_RIGID: &str = "switching is off: what has become rigid stays so whatever meets or loads it, which is for comparison only";
 
 /// Options of rigid parts.
 #[derive(clap::Args)]
 pub(super) struct Options {
-    /// Move parts that do not deform as rigid bodies: those that become quiet while it runs (auto), or those that a study found
-    /// rigid (a record of `fallwerk study`); they deform again where contact or their loads ask for it
-    #[arg(long, value_name = "auto|STUDY", num_args = 0..=1, default_missing_value = AUTO, require_equals = true)]
+    /// Move parts that do not deform as rigid bodies: those that become quiet while it runs (auto), those that are rigid bodies by
+    /// the rules (rules), or those that a study found rigid (a record of `fallwerk study`); they deform again where contact or
+    /// their loads ask for it
+    #[arg(long, value_name = "auto|rules|STUDY", num_args = 0..=1, default_missing_value = AUTO, require_equals = true)]
     hybrid: Option<String>,
     /// Strain rate in 1/s below which parts become rigid [default: 0.025]
     #[arg(long, value_name = "RATE", requires = "hybrid", allow_negative_numbers = true)]
@@ -55,14 +59,17 @@ impl Options {
         &self,
         building: &Building,
         mesh_size_m: Option<f64>,
+        knowledge: &KnowledgeArgs,
     ) -> Result<Option<HybridSettings>, Failure> {
         let Some(partition) = &self.hybrid else { return Ok(None) };
         let default = HybridSettings::default();
         let rigid_from_start = if partition == AUTO {
             None
+        } else if partition == RULES {
+            Some(of_rules(building, mesh_size_m, knowledge)?)
         } else {
             let study = study::read(Path::new(partition)).map_err(|why| {
-                let record = "give auto, or a record that `fallwerk study run` wrote";
+                let record = "give auto, rules, or a record that `fallwerk study run` wrote";
                 Failure::input(format!("--hybrid={partition}: {}; {record}", why.message))
             })?;
             let (mesh, _) = Mesh::of(building, mesh_size_m.unwrap_or(building.settings.mesh_size_m));
@@ -81,6 +88,21 @@ impl Options {
     }
 }
 
+/// The elements that are parts of rigid bodies in the model with the fewest bodies that the rules make.
+fn of_rules(
+    building: &Building,
+    mesh_size_m: Option<f64>,
+    knowledge: &KnowledgeArgs,
+) -> Result<Vec<bool>, Failure> {
+    let rules = knowledge::rules(knowledge.rules.as_deref())?;
+    let mut store = knowledge::library(knowledge.library.as_deref(), false)?;
+    let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fast };
+    let generated = generate(building, &rules, &mut store, wishes, &|_| {})
+        .map_err(|e| Failure::input(format!("--hybrid=rules: {e}")))?;
+    let (mesh, _) = Mesh::of(building, mesh_size_m.unwrap_or(building.settings.mesh_size_m));
+    Ok(rigid_elements(building, &mesh, &generated.model))
+}
+
 /// The elements that a study found rigid; it has to be one of this building.
 fn of_study(path: &str, study: &Study, building: &Building, mesh: &Mesh) -> Result<Vec<bool>, Failure> {
     let known = |id: &String| building.members.iter().any(|m| m.id == *id);
@@ -91,7 +113,7 @@ fn of_study(path: &str, study: &Study, building: &Building, mesh: &Mesh) -> Resu
             "--hybrid={path}: the study is of `{}`, whose member `{id}` is not in `{}`; run `fallwerk study run` with this building",
             study.building, building.name
         ))),
-        None => Ok(rigid_elements(building, mesh, &study.facts)),
+        None => Ok(studies::rigid_elements(building, mesh, &study.facts)),
     }
 }
 

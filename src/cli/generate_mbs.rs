@@ -78,7 +78,7 @@ pub struct Comparison {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let building = read_building(&arguments.building, arguments.json)?;
-    let hybrid = arguments.hybrid.settings(&building, None)?;
+    let hybrid = arguments.hybrid.settings(&building, None, arguments.curves.places())?;
     if hybrid.is_some() && !arguments.validate {
         return Err(Failure::input(
             "--hybrid compares the FE run with rigid parts: give --validate as well".into(),

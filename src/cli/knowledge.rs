@@ -97,6 +97,11 @@ impl CurveArgs {
         Wishes { derive, accuracy }
     }
 
+    /// Where they lie.
+    pub fn places(&self) -> &KnowledgeArgs {
+        &self.knowledge
+    }
+
     /// Rules and library, which has to be writable if curves are kept.
     ///
     /// # Errors

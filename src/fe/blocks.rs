@@ -240,8 +240,7 @@ impl Blocks {
                     }
                 }
             }
-            let edges = elements().map(|e| shortest_edge_m(&self.element_nodes[e].map(|n| x[n as usize])));
-            self.quiet.push(Quiet::new(edges.fold(f64::INFINITY, f64::min)));
+            self.quiet.push(Quiet::default());
             self.stride = self.stride.max(nodes.len());
             self.chunk_nodes.extend(nodes);
             self.chunk_starts.push(self.chunk_nodes.len() as u32);
@@ -511,15 +510,11 @@ impl Blocks {
     }
 }
 
-/// The rest of a chunk: how far its nodes have moved against each other since its forces were last computed.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// The rest of a chunk.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Quiet {
-    /// Bound of that motion \[m\].
-    pub(super) slack_m: f64,
-    /// Shortest edge of the chunk's elements when they were packed \[m\].
-    pub(super) edge_m: f64,
-    /// Positions of its nodes at that time \[m\]; empty while the chunk is not skipped.
-    pub(super) rest_m: Vec<[f64; 3]>,
+    /// Whether its nodes stood still in the last pass that found its forces.
+    pub(super) still: bool,
     /// Passes in which the chunk was skipped, times its lanes.
     pub(super) skipped: u64,
     /// Elements that failed in the last pass.
@@ -538,13 +533,9 @@ pub struct Failing {
 }
 
 impl Quiet {
-    fn new(edge_m: f64) -> Self {
-        Self { slack_m: f64::INFINITY, edge_m, rest_m: Vec::new(), skipped: 0, failing: Vec::new() }
-    }
-
     /// Makes the next pass compute the chunk.
     pub(super) fn wake(&mut self) {
-        self.slack_m = f64::INFINITY;
+        self.still = false;
     }
 }
 
@@ -557,14 +548,6 @@ fn runs<'a, T>(order: &'a [T], law: impl Fn(&T) -> usize + 'a) -> impl Iterator<
         first += count;
         Some(&order[first - count..first])
     })
-}
-
-/// Shortest edge of a hexahedron \[m\].
-fn shortest_edge_m(nodes: &[[f64; 3]; 8]) -> f64 {
-    const EDGES: [[usize; 2]; 12] =
-        [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
-    let squared = |[a, b]: [usize; 2]| (0..3).map(|i| (nodes[a][i] - nodes[b][i]).powi(2)).sum::<f64>();
-    EDGES.map(squared).into_iter().fold(f64::INFINITY, f64::min).sqrt()
 }
 
 /// Elements by law, within a law along a Z-order curve through their centres (Morton 1966).

@@ -86,8 +86,7 @@ pub struct Dynamics {
     pub dt_s: f64,
     /// The step that led to the present positions \[s\], zero at the start: the first kick is half a step.
     pub taken_s: f64,
-    /// Whether groups of elements that do not deform keep their forces ([`super::sweep::QUIET_STRAIN`]); of use where strains are those of a
-    /// collapse, not of small vibrations.
+    /// Whether groups of elements whose nodes stand still keep their forces; the same bytes either way.
     pub skip_quiet: bool,
     /// Instruction set of the kernel; without effect on results.
     pub isa: Isa,

@@ -46,7 +46,7 @@ pub struct FeOptions {
     pub step_forced: bool,
     /// Element form of all elements, other than the default.
     pub form: Option<ElementForm>,
-    /// Whether elements that do not deform keep their forces instead of being computed ([`super::sweep::QUIET_STRAIN`]).
+    /// Whether elements whose nodes stand still keep their forces instead of being computed; the same bytes either way.
     pub skip_quiet: bool,
     /// Instruction set of the kernel.
     pub isa: Isa,
@@ -397,7 +397,9 @@ impl RunState {
         body.surfaces.take_pushes();
         if options.body_contact {
             let settings = ContactSettings { friction: building.ground.friction };
-            body.body_contact = Some(Box::new(BodyContact::new(mesh, settings)));
+            let mut contact = BodyContact::new(mesh, settings);
+            contact.search_every_step = !options.skip_quiet;
+            body.body_contact = Some(Box::new(contact));
         }
         let removal = Removal::new(building, mesh);
         if let Some(settings) = &options.hybrid {

@@ -11,10 +11,6 @@ use crate::material::concrete::ConcretePoint;
 use crate::material::j2::HardeningTable;
 use rayon::prelude::*;
 
-/// Chunks whose elements have strained less than this since their forces were last computed keep these forces. Against the
-/// yield strain of concrete or steel (6e-4 and more) this is 2e-5; the increments are not lost but applied when they reach it.
-pub const QUIET_STRAIN: f64 = 1e-8;
-
 /// What a pass does.
 #[derive(Debug, Clone, Copy)]
 pub struct Sweep {
@@ -25,7 +21,7 @@ pub struct Sweep {
     /// Elements whose squared frequency bound \[1/s²\] is larger, or that have reached their critical plastic strain or lost
     /// their volume, fail in this pass: their forces are left out; `None`: none fails.
     pub drop_above: Option<f64>,
-    /// Whether quiet chunks keep their forces ([`QUIET_STRAIN`]).
+    /// Whether chunks whose nodes stand still keep their forces.
     pub skip_quiet: bool,
     /// Instruction set of the kernel.
     pub isa: Isa,
@@ -84,31 +80,14 @@ impl Blocks {
 /// Index of a chunk, its blocks, its rest, its forces.
 type ChunkWork<'a> = (usize, ((&'a mut [Block], &'a mut Quiet), &'a mut [[f64; 3]]));
 
-/// Whether a chunk can keep its forces. Nodes that move with different velocities strain the elements between them by at most twice the
-/// largest difference from any one velocity, times the step, over the shortest edge; a rotation counts as strain.
+/// Whether all nodes of a chunk stand still, to the last bit: its forces are then those of the last pass, if they did so in that one too.
 #[inline(always)]
-fn stays_quiet(quiet: &mut Quiet, local: &[LocalNode], dt_s: f64) -> bool {
-    let allowed = QUIET_STRAIN * quiet.edge_m;
-    if quiet.slack_m.is_nan() || quiet.slack_m > allowed {
-        return false;
-    }
-    let one = local[0];
-    let mut spread: f64 = 0.0;
+fn is_still(local: &[LocalNode]) -> bool {
     for node in local {
-        let mut squared = 0.0;
-        for i in 4..7 {
-            squared += (node[i] - one[i]) * (node[i] - one[i]);
+        if node[4] != 0.0 || node[5] != 0.0 || node[6] != 0.0 {
+            return false;
         }
-        spread = if squared > spread { squared } else { spread };
     }
-    let slack = quiet.slack_m + 2.0 * dt_s * spread.sqrt();
-    if slack.is_nan() || slack > allowed {
-        return false;
-    }
-    if quiet.rest_m.is_empty() {
-        quiet.rest_m = local.iter().map(|n| std::array::from_fn(|i| n[i] - dt_s * n[4 + i])).collect();
-    }
-    quiet.slack_m = slack;
     true
 }
 
@@ -150,19 +129,12 @@ fn chunk(
         let (p, w) = (x[*n as usize], v[*n as usize]);
         *here = [p[0], p[1], p[2], 0.0, w[0], w[1], w[2], 0.0];
     }
-    if sweep.skip_quiet && stays_quiet(quiet, local, sweep.dt_s) {
+    let still = is_still(local);
+    if sweep.skip_quiet && still && quiet.still {
         quiet.skipped += (LANES * blocks.iter().filter(|b| b.acts).count()) as u64;
         return;
     }
-    // what was not applied while the chunk was quiet comes with this increment
-    if sweep.dt_s > 0.0 {
-        for (node, rest) in local.iter_mut().zip(quiet.rest_m.drain(..)) {
-            for i in 0..3 {
-                node[4 + i] = (node[i] - rest[i]) / sweep.dt_s;
-            }
-        }
-    }
-    quiet.slack_m = 0.0;
+    quiet.still = still;
     forces.fill([0.0; 3]);
     let (mut at, mut moved): (BlockForce, BlockForce) = ([[0.0; LANES]; 24], [[0.0; LANES]; 24]);
     let mut force: BlockForce = [[0.0; LANES]; 24];

@@ -21,6 +21,7 @@ mod grillage;
 mod joints;
 pub mod known;
 mod nearest;
+mod rigid;
 mod sections;
 mod stretch;
 mod unasked;
@@ -33,6 +34,7 @@ pub use decide::{Decision, Reason, Superseded};
 pub use doubts::{Alternative, Doubt, Why};
 pub use event_reasons::EventReason;
 pub use generator::Generator;
+pub use rigid::rigid_elements;
 pub use unasked::Unasked;
 pub use wish::{Accuracy, Derive, Wishes};
 

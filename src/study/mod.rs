@@ -166,7 +166,7 @@ fn short(value: f64) -> f64 {
 }
 
 /// Elements of the member within [`END_DEPTHS`] section depths of its end.
-fn end_zone<'a>(mesh: &'a Mesh, end: &'a MemberEnd) -> impl Iterator<Item = usize> + 'a {
+pub fn end_zone<'a>(mesh: &'a Mesh, end: &'a MemberEnd) -> impl Iterator<Item = usize> + 'a {
     let near = move |e: &usize| {
         let along = (mesh.center(*e)[end.axis] - end.point_m[end.axis]) * end.outward;
         (0.0..(END_DEPTHS * end.depth_m).min(0.5 * end.clear_m)).contains(&along)

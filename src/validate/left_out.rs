@@ -46,9 +46,9 @@ impl Skipped {
     pub fn switched_off_by(self) -> Option<&'static str> {
         match self {
             Self::RigidElements => Some("fe (without --hybrid)"),
-            Self::RestingElements => Some("fe --compute-all"),
+            Self::RestingElements | Self::ContactSearches => Some("fe --compute-all"),
             Self::ContactPairs | Self::QuietSteps | Self::SleepingBodies => Some("simulate --compute-all"),
-            Self::EndedElements | Self::ContactSearches | Self::HeldBodies | Self::UnwatchedHinges => None,
+            Self::EndedElements | Self::HeldBodies | Self::UnwatchedHinges => None,
         }
     }
 }

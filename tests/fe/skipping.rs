@@ -1,9 +1,8 @@
-//! What the time loop leaves out, and that leaving it out changes nothing that matters.
+//! What the time loop leaves out, and that leaving it out changes nothing.
 
 use super::mesh::{elastic, grid};
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
-use fallwerk::fe::sweep::QUIET_STRAIN;
 
 /// A long bar clamped at one end: a push on the other end travels into parts that have been at rest until then.
 fn pushed_bar(skip_quiet: bool) -> Dynamics {
@@ -20,7 +19,7 @@ fn pushed_bar(skip_quiet: bool) -> Dynamics {
 }
 
 #[test]
-fn quiet_chunks_are_skipped_within_their_bound() {
+fn chunks_that_stand_still_are_skipped_without_a_trace() {
     let (all, some) = (pushed_bar(false), pushed_bar(true));
     assert_eq!(all.blocks.skipped(), 0);
     let mut packed = some.clone();
@@ -29,12 +28,9 @@ fn quiet_chunks_are_skipped_within_their_bound() {
     assert_eq!((packed.blocks.skipped(), packed.blocks.skipped_in_all()), (0, some.blocks.skipped()));
     let share = some.blocks.skipped() as f64 / (150.0 * 4096.0);
     assert!(share > 0.3, "the wave has reached less than half of the bar, yet only {share:.2} was skipped");
-    let largest = |f: &dyn Fn(usize) -> f64| (0..all.x.len()).map(f).fold(0.0, f64::max);
-    let moved = largest(&|n| (all.v[n][0]).abs());
+    let moved = (0..all.x.len()).map(|n| all.v[n][0].abs()).fold(0.0, f64::max);
     assert!(moved > 0.1);
-    let apart = largest(&|n| (0..3).map(|i| (all.x[n][i] - some.x[n][i]).abs()).fold(0.0, f64::max));
-    // one element length times the bound, for each element that the wave has passed
-    assert!(apart < 128.0 * 0.5 * QUIET_STRAIN, "{apart}");
+    assert_eq!((all.x, all.v), (some.x, some.v));
 }
 
 /// Packing acting elements together moves their histories; the forces stay, up to the order of sums.

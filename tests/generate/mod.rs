@@ -4,6 +4,7 @@ mod events;
 mod known;
 mod overrides;
 mod review;
+mod rigid;
 
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;

@@ -31,7 +31,7 @@ fn words(what: Skipped) -> (&'static str, &'static str) {
     match what {
         Skipped::RigidElements => ("elements of rigid parts", "elements × steps"),
         Skipped::RestingElements => {
-            ("elements that do not deform: they keep their forces", "elements × steps")
+            ("elements whose nodes stand still: they keep their forces", "elements × steps")
         }
         Skipped::EndedElements => ("elements that have failed or were removed", "elements × steps"),
         Skipped::ContactSearches => {
