@@ -107,6 +107,7 @@ pub fn hinges(
                 torsional_stiffness_nm_rad: stretch.prism.torsion_nm2() / stretch.prism.length_m,
                 bending,
                 latent: Some(id.clone()),
+                shear_capacity_n: end.tensile_capacity_n.map(shear_capacity),
                 carry_over: None,
                 origin: Origin {
                     members: vec![id.clone()],
@@ -118,6 +119,11 @@ pub fn hinges(
         }
     }
     list
+}
+
+/// Shear force at which a section tears along an axis, of the force at which it tears in tension \[N\]: a J2 material bears `1/√3` of its tensile stress in pure shear (von Mises 1913), the law of the FE model that the curves come from.
+fn shear_capacity(tensile_capacity_n: f64) -> [f64; 2] {
+    [tensile_capacity_n / 3.0_f64.sqrt(); 2]
 }
 
 /// How many times longer than from the middle of a piece to that of the next one the stretch is that bends at a section: with one time, pieces on springs at both ends need steps 1.3 times as short as the whole column.

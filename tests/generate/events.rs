@@ -49,6 +49,11 @@ fn the_rules_about_events_stand_in_the_model() {
         let lends = most(a) / most(b);
         assert!((1.1..1.4).contains(&lends), "{lends}");
     }
+    // a J2 material bears 1/sqrt(3) of its tensile stress in pure shear; ends of members flow in bending before
+    let tears_n = bushing("C2-A2.section-1").tensile_capacity_n.unwrap();
+    let [v1, v2] = bushing("C2-A2.section-1").shear_capacity_n.unwrap();
+    assert!(((v1 / tears_n).powi(2) * 3.0 - 1.0).abs() < 1e-12 && v1 == v2, "{v1} {v2} of {tears_n}");
+    assert_eq!(bushing("C2-A2.bottom").shear_capacity_n, None);
     let why: Vec<&str> =
         generated.trace.iter().filter(|r| r.part == "C2-A2.section-1").map(|r| r.rule.as_str()).collect();
     assert_eq!(why, ["seed/subdivide-columns-late", "seed/section-latent-late"]);
