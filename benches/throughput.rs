@@ -104,6 +104,7 @@ fn mbs_frame(storeys: usize) -> f64 {
             tolerance: TOLERANCE,
             reactions: false,
             sleep_speed_m_s: None,
+            relative_inertia_rad_s: None,
         },
     };
     for storey in 0..storeys {

@@ -21,7 +21,9 @@ use crate::graph::frame::Frame;
 use crate::graph::{Demands, Structure};
 use crate::library::derive_contact::WantedContact;
 use crate::library::{Entry, Store};
+use crate::mbs::frequency::STEP_FRACTION;
 use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
+use crate::mbs::run::LARGEST_STEP_S;
 use crate::rc::around::{self, Surroundings};
 use crate::rules::RuleBase;
 use rayon::prelude::*;
@@ -281,6 +283,9 @@ impl<'a> Generator<'a> {
     }
 }
 
+/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: that of steps of [`LARGEST_STEP_S`]. What moves at 40 rad/s, as whole floors do, slows down by 3e-4.
+const RELATIVE_RAD_S: f64 = 2.0 * STEP_FRACTION / LARGEST_STEP_S;
+
 fn settings(building: &Building) -> RunSettings {
     RunSettings {
         end_time_s: building.settings.end_time_s,
@@ -290,5 +295,6 @@ fn settings(building: &Building) -> RunSettings {
         tolerance: TOLERANCE,
         reactions: false,
         sleep_speed_m_s: None,
+        relative_inertia_rad_s: Some(RELATIVE_RAD_S),
     }
 }

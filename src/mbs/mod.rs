@@ -26,6 +26,7 @@
 
 mod balance;
 pub mod batch;
+mod block_solve;
 mod carry;
 pub mod check;
 pub mod contact;
@@ -40,6 +41,7 @@ pub mod math;
 pub mod model;
 pub mod parameter;
 pub mod preload;
+mod relative_mass;
 pub mod result;
 pub mod run;
 mod shared_mass;

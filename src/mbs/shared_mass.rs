@@ -20,7 +20,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 use std::collections::BTreeMap;
 
 /// Cosine of the angle by which a body may lean: 0.03 rad.
-const UPRIGHT: f64 = 0.99955;
+pub(super) const UPRIGHT: f64 = 0.99955;
 /// Plastic rotation at an end of a beam from which it moves as a straight line rather than as a clamped beam \[rad\].
 const FOLDED_RAD: f64 = 0.01;
 /// Share of a force along z below which a spring turns a body only.
@@ -33,6 +33,8 @@ pub struct Shared {
     bodies: Vec<usize>,
     /// The joints between them.
     inside: Vec<usize>,
+    /// What of `D` is the file's, with its places among the unknowns of all bodies, six each.
+    consistent: Vec<(usize, usize, f64)>,
     /// `D`.
     added: DMatrix<f64>,
     /// `-D (M + D)⁻¹`, its columns filled up to whole [`LANES`].
@@ -78,6 +80,12 @@ impl Shared {
         let bodies: Vec<usize> = shared.bodies.iter().map(place).collect::<Option<_>>()?;
         let places: BTreeMap<usize, usize> = bodies.iter().enumerate().map(|(k, i)| (*i, k)).collect();
         let mut added = shared.matrix();
+        let at = |row: usize| 6 * bodies[row / 3] + 2 + row % 3;
+        let pairs = (0..added.nrows()).flat_map(|i| (0..added.ncols()).map(move |j| (i, j)));
+        let consistent = pairs
+            .filter(|(i, j)| added[(*i, *j)] != 0.0)
+            .map(|(i, j)| (at(i), at(j), added[(i, j)]))
+            .collect();
         add_springs(&mut added, &places, start);
         let mut all = added.clone();
         let mut skew = Vec::new();
@@ -103,7 +111,26 @@ impl Shared {
         let rows = 3 * bodies.len();
         let (own, more) = (DVector::zeros(rows), DVector::zeros(rows.next_multiple_of(LANES)));
         let turned = vec![M3::default(); bodies.len()];
-        Some(Self { bodies, inside, added, transfer, skew, rigid, momenta, inverse, axes, turned, own, more })
+        Some(Self {
+            bodies,
+            inside,
+            consistent,
+            added,
+            transfer,
+            skew,
+            rigid,
+            momenta,
+            inverse,
+            axes,
+            turned,
+            own,
+            more,
+        })
+    }
+
+    /// The inertia that the file gives: rows, columns (six unknowns a body: along and about the axes) and values of a symmetric matrix, all of it.
+    pub fn consistent(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+        self.consistent.iter().copied()
     }
 
     /// The bodies.

@@ -96,6 +96,7 @@ fn kick_any(
 pub(super) struct Moved {
     kick: Kick,
     drift: Drift,
+    see: See,
 }
 
 /// Eight bodies that are kicked.
@@ -172,25 +173,8 @@ pub fn meet(
     h: f64,
 ) -> Result<f64, TooDeep> {
     let n = system.count();
-    let half = 0.5 * h;
-    moving.clear();
-    moving.extend(system.bodies[..n].iter().zip(&system.data).map(|(body, data)| {
-        let inverse = math::matmul(&math::matmul(&body.r, &data.inverse_inertia), &math::transpose(&body.r));
-        Moving {
-            x: body.x,
-            q: body.q,
-            r: body.r,
-            v: body.v,
-            w: body.w,
-            kick_v: math::scale(half * data.inverse_mass, body.force),
-            kick_w: math::scale(half, math::mul(&inverse, body.torque)),
-            inverse_mass: data.inverse_mass,
-            inverse_inertia: inverse,
-            alive: data.alive,
-            shift: [0.0; 3],
-            turn: [0.0; 3],
-        }
-    }));
+    let System { isa, bodies, data, inverses, moved, .. } = &mut *system;
+    see_all(*isa, &bodies[..n], data, inverses, &mut moved.see, 0.5 * h, moving);
     contacts.solve(moving, h)?;
     if !contacts.touched.is_empty() {
         return Ok(0.0);
@@ -210,6 +194,80 @@ pub fn meet(
         }
     }
     Ok(work)
+}
+
+for_each_isa! {
+    fn see_all = see_any(
+        bodies: &[BodyState],
+        data: &[BodyData],
+        inverses: &[InverseBlock],
+        at: &mut See,
+        half_s: f64,
+        moving: &mut Vec<Moving>,
+    )
+}
+
+/// The bodies as the contacts see them, half a step of forces in their velocities.
+#[inline(always)]
+fn see_any(
+    bodies: &[BodyState],
+    data: &[BodyData],
+    inverses: &[InverseBlock],
+    at: &mut See,
+    half_s: f64,
+    moving: &mut Vec<Moving>,
+) {
+    moving.clear();
+    for ((bodies, data), inverse) in bodies.chunks(LANES).zip(data.chunks(LANES)).zip(inverses) {
+        for (l, body) in bodies.iter().enumerate() {
+            for i in 0..3 {
+                put(&mut at.r[i], l, body.r[i]);
+            }
+            put(&mut at.torque, l, body.torque);
+        }
+        at.go(inverse, half_s);
+        for (l, (body, data)) in bodies.iter().zip(data).enumerate() {
+            moving.push(Moving {
+                x: body.x,
+                q: body.q,
+                r: body.r,
+                v: body.v,
+                w: body.w,
+                kick_v: math::scale(half_s * data.inverse_mass, body.force),
+                kick_w: get(&at.kick, l),
+                inverse_mass: data.inverse_mass,
+                inverse_inertia: get_matrix(&at.inverse, l),
+                alive: data.alive,
+                shift: [0.0; 3],
+                turn: [0.0; 3],
+            });
+        }
+    }
+}
+
+/// Eight bodies that contacts see.
+#[derive(Debug, Clone, Default)]
+struct See {
+    r: [[Lane; 3]; 3],
+    torque: [Lane; 3],
+    /// Inverse inertia, global frame, and what torques add to angular velocities in half a step.
+    inverse: [[Lane; 3]; 3],
+    kick: [Lane; 3],
+}
+
+impl See {
+    #[inline(always)]
+    fn go(&mut self, inverse: &InverseBlock, half_s: f64) {
+        for l in 0..LANES {
+            let r = get_matrix(&self.r, l);
+            let own = get_matrix(&inverse.inertia, l);
+            let all = math::matmul(&math::matmul(&r, &own), &math::transpose(&r));
+            put(&mut self.kick, l, math::scale(half_s, math::mul(&all, get(&self.torque, l))));
+            for i in 0..3 {
+                put(&mut self.inverse[i], l, all[i]);
+            }
+        }
+    }
 }
 
 /// Drifts all positions by `h_s` \[s\].

@@ -9,6 +9,7 @@ use super::joint::JointData;
 use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
 use super::model::{Bending, Body, Bushing, Model};
+use super::relative_mass::Relative;
 use super::shared_mass::{Shared, Start};
 use super::step::{self, InverseBlock, Moved};
 use super::weight::Weight;
@@ -82,6 +83,8 @@ pub struct System {
     pub(super) carries: Vec<CarryOver>,
     /// Inertia that bodies have together.
     pub(super) shared: Vec<Shared>,
+    /// Inertia against relative motion; none: not now.
+    pub(super) relative: Option<Relative>,
     lanes: Vec<[usize; 2]>,
 }
 
@@ -143,6 +146,7 @@ impl System {
             weight,
             carries,
             shared: Vec::new(),
+            relative: None,
             lanes,
         })
     }
@@ -154,15 +158,54 @@ impl System {
         self.shared = Shared::all(model, &Start { states, data, joints, rows: &rows, highest_rad_s });
     }
 
-    /// Changes forces to those with which bodies that share inertia are accelerated by their own.
+    /// Gives all bodies inertia against relative motion in their present poses, so that no frequency is above a bound \[rad/s\], or none, where forces are known but for inertia that bodies have together, after a step of
+    /// `last_step_s`. Returns the kinetic energy that is released \[J\].
+    pub(super) fn relate(&mut self, most_rad_s: Option<f64>, last_step_s: f64) -> f64 {
+        let before = self.kinetic_together_j(0.5 * last_step_s);
+        self.relative = most_rad_s.and_then(|most| {
+            let rows = frequency::rows(self);
+            Relative::new(&rows, &self.bodies, &self.data, &self.shared, most)
+        });
+        before - self.kinetic_together_j(0.5 * last_step_s)
+    }
+
+    /// Kinetic energy of bodies and of the inertia that they have together, under forces that are known but for that, half a step before the momenta \[J\].
+    fn kinetic_together_j(&mut self, half_s: f64) -> f64 {
+        let plain: Vec<[V3; 2]> = self.bodies.iter().map(|b| [b.force, b.torque]).collect();
+        self.share_forces();
+        let moving = |i: &usize| self.data[*i].alive && !self.data[*i].asleep;
+        let alone = |i: usize| step::kinetic_j(&self.bodies[i], &self.data[i], half_s);
+        let own: f64 = (0..self.count()).filter(moving).map(alone).sum();
+        let all = own + self.shared_j(|_, body, data| step::velocities(body, data, half_s));
+        for (body, [force, torque]) in self.bodies.iter_mut().zip(&plain) {
+            (body.force, body.torque) = (*force, *torque);
+        }
+        all
+    }
+
+    /// Gives the bodies back the forces without their inertia against relative motion.
+    pub(super) fn give_back_forces(&mut self) {
+        if let Some(relative) = &self.relative {
+            relative.undo(&mut self.bodies);
+        }
+    }
+
+    /// Changes forces to those with which bodies that have inertia together are accelerated by their own.
     #[inline]
     pub(super) fn share_forces(&mut self) {
+        if let Some(relative) = &mut self.relative {
+            relative.act(self.isa, &mut self.bodies, &self.data);
+            return;
+        }
         self.shared.iter_mut().for_each(|s| s.act(self.isa, &mut self.bodies));
     }
 
     /// Kinetic energy of what bodies have together, for velocities \[J\].
     pub(super) fn shared_j(&mut self, velocity: impl Fn(usize, &BodyState, &BodyData) -> [V3; 2]) -> f64 {
-        let Self { shared, bodies, data, .. } = self;
+        let Self { shared, relative, bodies, data, .. } = self;
+        if let Some(relative) = relative {
+            return relative.energy_j(bodies, |i| velocity(i, &bodies[i], &data[i]));
+        }
         shared.iter_mut().map(|s| s.energy_j(bodies, |i| velocity(i, &bodies[i], &data[i]))).sum()
     }
 

@@ -213,7 +213,7 @@ fn latent_bodies_move_as_one() {
 #[test]
 fn a_struck_rod_parts() {
     let mut m = rod(6, 3e4);
-    m.settings.end_time_s = 1.5;
+    m.settings.end_time_s = 2.5;
     m.contact.ground = Some(GroundPlane { level_m: -2.0, friction: 0.5, restitution: 0.1 });
     spin(&mut m, [0.0, 0.3, 0.0], [0.0; 3], [0.5 * LENGTH, 0.0, 0.0]);
     let result = simulate(&m).unwrap();

@@ -13,6 +13,7 @@ mod ideal;
 mod input;
 mod latent;
 mod motion;
+mod relative;
 mod shared_mass;
 mod sleep;
 mod statics;

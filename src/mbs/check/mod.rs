@@ -124,6 +124,10 @@ impl Model {
             list.positive("settings.sleep_speed_m_s", v);
             list.without_ideal(self, "settings.sleep_speed_m_s");
         }
+        if let Some(v) = s.relative_inertia_rad_s {
+            list.positive("settings.relative_inertia_rad_s", v);
+            list.without_ideal(self, "settings.relative_inertia_rad_s");
+        }
         if list.0.is_empty() { Ok(()) } else { Err(ModelError::Invalid(list.0)) }
     }
 }

@@ -124,6 +124,7 @@ impl ContactSet {
         for face in &mut self.faces.all {
             face.pending = Crushed::default();
         }
+        self.forget_touches();
     }
 
     /// Shortens the boxes by what the last step crushed.

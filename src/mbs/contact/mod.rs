@@ -175,8 +175,10 @@ pub struct Settings {
     pub tolerance: f64,
     /// Most sweeps of a step in which the impulses of the last one nearly hold.
     pub sweeps: usize,
-    /// Visits of points in any other step, such as one with an impact, unless so many sweeps need more.
+    /// Visits of points in conjugate directions in any other step, such as one with an impact, unless so many sweeps need more.
     pub visits: usize,
+    /// Visits in sweeps of such a step where there are no conjugate directions: ideal joints, rolling.
+    pub plain_visits: usize,
     /// Most sweeps of such a step.
     pub most_sweeps: usize,
     /// Visits of points in conjugate directions where sweeps left velocities far from settled.
@@ -203,7 +205,8 @@ impl Default for Settings {
             margin_m: 2e-4,
             tolerance: 1e-3,
             sweeps: 4,
-            visits: 600,
+            visits: 240,
+            plain_visits: 600,
             most_sweeps: 400,
             search_visits: 40_000,
             struck_visits: 10_000,

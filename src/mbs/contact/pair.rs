@@ -486,6 +486,19 @@ impl ContactSet {
             self.touches.push(super::Touch { a, b, after_s });
         }
     }
+
+    /// Takes back the first contacts of the last step.
+    pub(super) fn forget_touches(&mut self) {
+        for touch in std::mem::take(&mut self.touches) {
+            self.seen.remove(&(touch.a, touch.b));
+            for slot in 0..self.pairs.len() {
+                let pair = &self.pairs[slot];
+                if self.bodies_of(pair)[0] == touch.a && self.partner_of(pair) == touch.b {
+                    self.pairs[slot].seen = false;
+                }
+            }
+        }
+    }
 }
 
 impl Inverse {

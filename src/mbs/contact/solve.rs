@@ -205,16 +205,22 @@ impl ContactSet {
         let scale = (2.0 * kick).max(LEAST_SCALE_M_S);
         let mut change = self.rows.sweep(false, true);
         let mut done = 1;
-        let most = if change > UNSTEADY * scale {
-            (s.visits / self.rows.rows.len()).clamp(s.sweeps, s.most_sweeps)
+        let count = self.rows.rows.len();
+        let may_search = !self.rows.are_linked() && !self.is_rolling;
+        let is_unsteady = change > UNSTEADY * scale;
+        if is_unsteady && change <= STRUCK_FROM * scale && may_search {
+            let most = (s.visits / (2 * count)).clamp(s.sweeps / 2, s.most_sweeps / 2);
+            let (moved, left) = self.conjugate(most, s.tolerance * scale);
+            (change, done) = (left, done + 2 * moved + 1);
         } else {
-            s.sweeps
-        };
-        let mut whole = true;
-        while done < most && (change > s.tolerance * scale || !whole) {
-            whole = change <= s.tolerance * scale || done % WHOLE_EVERY == 0 || done + 1 == most;
-            change = self.rows.sweep(done % 2 == 1, whole);
-            done += 1;
+            let most =
+                if is_unsteady { (s.plain_visits / count).clamp(s.sweeps, s.most_sweeps) } else { s.sweeps };
+            let mut whole = true;
+            while done < most && (change > s.tolerance * scale || !whole) {
+                whole = change <= s.tolerance * scale || done % WHOLE_EVERY == 0 || done + 1 == most;
+                change = self.rows.sweep(done % 2 == 1, whole);
+                done += 1;
+            }
         }
         let mut is_settled = change <= SEARCH_FROM * scale;
         if !is_settled {
@@ -223,11 +229,10 @@ impl ContactSet {
             } else {
                 (s.struck_visits, STRUCK_FROM, SEARCH_FROM)
             };
-            let moves = visits / (2 * self.rows.rows.len());
-            if change > from * scale && moves >= FEWEST_MOVES && !self.rows.are_linked() && !self.is_rolling {
+            let moves = visits / (2 * count);
+            if change > from * scale && moves >= FEWEST_MOVES && may_search {
                 let (moved, left) = self.conjugate(moves, until * scale);
-                change = left;
-                done += 2 * moved + 1;
+                (change, done) = (left, done + 2 * moved + 1);
             }
             is_settled = change <= from * scale;
         }

@@ -162,6 +162,23 @@ impl BlockFactor {
         self.dependent = eliminate(*isa, columns, values, scaled, turned, diagonal);
     }
 
+    /// Of a matrix whose nodes all have six unknowns, in the order of elimination: the first unknown, the inverse of the pivot `D`, and below it the first unknowns and blocks of `L`; blocks by rows.
+    pub fn columns_of_six(
+        &self,
+    ) -> impl Iterator<Item = (usize, &[f64], impl Iterator<Item = (usize, &[f64])>)> {
+        self.columns.iter().map(move |column| {
+            let below = column
+                .below
+                .iter()
+                .map(move |(row, _, at)| (*row as usize, &self.scaled[*at as usize..*at as usize + 36]));
+            (
+                column.first as usize,
+                &self.values[column.diagonal as usize..column.diagonal as usize + 36],
+                below,
+            )
+        })
+    }
+
     /// The instruction set that it runs in.
     pub fn isa(&self) -> Isa {
         self.isa

@@ -212,6 +212,9 @@ pub struct RunSettings {
     /// wake when something touches them, with events and joints that separate \[m/s\]; `None`: nothing sleeps. Models without ideal joints and forces only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleep_speed_m_s: Option<f64>,
+    /// Frequency that inertia against relative motion keeps all others below while nothing touches, tilts or breaks \[rad/s\]; `None`: there is none. Models without ideal joints and forces only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relative_inertia_rad_s: Option<f64>,
 }
 
 /// The tolerance unless a model says otherwise.
@@ -227,6 +230,7 @@ impl Default for RunSettings {
             tolerance: TOLERANCE,
             reactions: false,
             sleep_speed_m_s: None,
+            relative_inertia_rad_s: None,
         }
     }
 }

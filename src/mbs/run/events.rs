@@ -37,6 +37,7 @@ impl Run<'_> {
 
     #[cold]
     pub(super) fn fracture(&mut self) {
+        self.end_relating();
         let (mut parted, mut broken) = (Vec::new(), Vec::new());
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
@@ -94,11 +95,12 @@ impl Run<'_> {
     pub(super) fn events_at(&mut self, time: f64) -> Result<(), SolveError> {
         let file = self.file;
         let tolerance = 1e-12 * file.settings.end_time_s;
-        let mut any = false;
+        let (mut any, was_related) = (false, self.system.relative.is_some());
         for event in file.events.iter().filter(|e| (e.time_s - time).abs() <= tolerance) {
             if !std::mem::replace(&mut any, true) {
                 self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
                 self.synchronise();
+                self.end_relating();
             }
             for id in &event.remove_bodies {
                 if let Some(i) = file.bodies.iter().position(|b| b.id == *id) {
@@ -124,6 +126,9 @@ impl Run<'_> {
         if any {
             self.system.pack();
             connect(&mut self.contacts, &self.system, &self.latent);
+            if was_related {
+                self.relate();
+            }
             self.forces();
         }
         Ok(())

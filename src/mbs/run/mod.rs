@@ -41,6 +41,10 @@ use std::borrow::Cow;
 
 /// Largest automatic step \[s\]: in it a body at 10 m/s moves by a centimetre, one that turns at 10 rad/s by a hundredth of a radian.
 pub const LARGEST_STEP_S: f64 = 1e-3;
+/// Changes of a velocity \[m/s\] and an angular velocity \[rad/s\] in a step up to which a contact is none to bodies with inertia against relative motion: a wall that stands beside a column.
+const LIGHT_TOUCH: [f64; 2] = [0.1, 0.1];
+/// By how much longer steps have to be for inertia against relative motion.
+const WORTH_IT: f64 = 1.2;
 /// Most steps between two outputs; more points to a wrong stiffness or mass.
 const MOST_STEPS: f64 = 2e9;
 
@@ -217,8 +221,11 @@ struct Run<'a> {
     /// Length of the last step, zero right after a start \[s\].
     last_step: f64,
     step_limit: f64,
-    /// That of bodies that share no inertia \[s\].
+    /// That of bodies that have no inertia against relative motion, and that of bodies that share none at all \[s\].
+    shared_limit: f64,
     alone_limit: f64,
+    /// Whether inertia against relative motion has ended for good.
+    is_loose: bool,
     /// Share of the automatic step that is taken.
     share: f64,
     /// Where the bodies of the file are at `t = 0` \[m\], and the centres of those that run.
@@ -297,7 +304,9 @@ impl<'a> Run<'a> {
             time: 0.0,
             last_step: 0.0,
             step_limit,
+            shared_limit: step_limit,
             alone_limit,
+            is_loose: false,
             share,
             tracked,
             hinges,
@@ -334,6 +343,10 @@ impl<'a> Run<'a> {
         self.part_under_load()?;
         self.output()?;
         self.events_at(0.0)?;
+        self.relate();
+        if self.system.relative.is_some() {
+            self.forces();
+        }
         for (end, is_output) in self.stops() {
             self.advance_to(end)?;
             self.forces();
@@ -389,6 +402,9 @@ impl<'a> Run<'a> {
             if i > 0 {
                 self.forces();
             }
+            if self.step_limit < (1.0 - 1e-9) * h {
+                return Ok(false);
+            }
             if self.latent.is_watching() && self.part_under_load()? {
                 return Ok(false);
             }
@@ -416,7 +432,7 @@ impl<'a> Run<'a> {
     fn meet(&mut self, h: f64) -> Result<bool, SolveError> {
         let books = (self.contacts.energy, self.opened);
         let is_waiting = self.latent.is_waiting();
-        if is_waiting || !self.system.shared.is_empty() {
+        if is_waiting || !self.system.shared.is_empty() || self.system.relative.is_some() {
             self.untouched.clone_from(&self.system.bodies);
         }
         if is_waiting || self.latent.is_watching() {
@@ -443,6 +459,9 @@ impl<'a> Run<'a> {
         if self.latent.is_watching() && self.part_under_contact(h, books)? {
             return Ok(true);
         }
+        if self.system.relative.is_some() && self.let_loose(h, books) {
+            return Ok(true);
+        }
         if !self.system.shared.is_empty() && self.part_touched(h, books) {
             return self.meet(h);
         }
@@ -458,6 +477,30 @@ impl<'a> Run<'a> {
         if !self.system.shared.iter().any(|s| s.is_touched(now, &self.untouched)) {
             return false;
         }
+        let touched = self.take_back(h, (energy, opened));
+        let kick = 0.5 * (self.last_step + h);
+        self.forces_with(|s, all| s.is_touched(&touched, &all.bodies));
+        step::kick(&mut self.system, kick, h);
+        true
+    }
+
+    /// Takes a step of `h` \[s\] back in which contacts touch bodies that have inertia against relative motion, which ends. Whether there were any.
+    fn let_loose(&mut self, h: f64, books: (ContactEnergy, f64)) -> bool {
+        let changed = |(now, before): (&BodyState, &BodyState)| {
+            math::norm(math::sub(now.v, before.v)) > LIGHT_TOUCH[0]
+                || math::norm(math::sub(now.w, before.w)) > LIGHT_TOUCH[1]
+        };
+        if !self.system.bodies.iter().zip(&self.untouched).any(changed) {
+            return false;
+        }
+        let touched = self.take_back(h, books);
+        self.is_loose = true;
+        self.forces_with(|s, all| s.is_touched(&touched, &all.bodies));
+        true
+    }
+
+    /// Takes back the kick and the contacts of a step of `h` \[s\]; returns the bodies after them.
+    fn take_back(&mut self, h: f64, (energy, opened): (ContactEnergy, f64)) -> Vec<BodyState> {
         let mut touched = std::mem::take(&mut self.untouched);
         std::mem::swap(&mut self.system.bodies, &mut touched);
         self.contacts.take_back(energy);
@@ -468,9 +511,38 @@ impl<'a> Run<'a> {
                 step::push(body, -kick);
             }
         }
-        self.forces_with(|s, all| s.is_touched(&touched, &all.bodies));
-        step::kick(&mut self.system, kick, h);
-        true
+        touched
+    }
+
+    /// Gives the bodies inertia against relative motion in their present poses, if the model asks for it, it has not ended for good, and it makes steps longer. Forces are known but for inertia that bodies have together.
+    pub(super) fn relate(&mut self) {
+        let Some(most) = self.file.settings.relative_inertia_rad_s else { return };
+        let step = self.share * (frequency::STEP_FRACTION * 2.0 / most).min(LARGEST_STEP_S);
+        let is_worth_it = step > WORTH_IT * self.plain_limit();
+        if self.is_loose || self.file.settings.time_step_s.is_some() || !is_worth_it {
+            return;
+        }
+        self.released += self.system.relate(Some(most), self.last_step);
+        if self.system.relative.is_some() {
+            self.step_limit = step;
+        }
+    }
+
+    /// Ends that, until [`Self::relate`].
+    pub(super) fn end_relating(&mut self) {
+        if self.system.relative.is_some() {
+            self.released += self.system.relate(None, self.last_step);
+            self.step_limit = self.plain_limit();
+        }
+    }
+
+    /// The step without inertia against relative motion \[s\].
+    fn plain_limit(&self) -> f64 {
+        if self.system.shared.is_empty() {
+            self.shared_limit.max(self.alone_limit)
+        } else {
+            self.shared_limit
+        }
     }
 
     /// Forces at the current position; fracture.
@@ -481,19 +553,31 @@ impl<'a> Run<'a> {
 
     /// The same, where the sharing of inertia of which this is true ends.
     #[inline]
-    fn forces_with(&mut self, is_over: impl FnMut(&Shared, &System) -> bool) {
+    fn forces_with(&mut self, mut is_over: impl FnMut(&Shared, &System) -> bool) {
         self.system.reset_forces();
+        let was_related = self.system.relative.is_some();
         if self.system.add_joint_forces() {
             self.look_at_joints();
         }
         self.system.carry_over();
-        if !self.system.shared.is_empty() {
+        if let Some(relative) = &self.system.relative {
+            let system = &self.system;
+            let has_tilted = relative.is_over(&system.bodies, &system.data);
+            self.is_loose |= has_tilted;
+            if self.is_loose || system.shared.iter().any(|s| is_over(s, system)) {
+                self.end_relating();
+            }
+        }
+        if self.system.relative.is_none() && !self.system.shared.is_empty() {
             self.released += self.system.end_sharing(self.last_step, is_over);
-            self.system.share_forces();
             if self.system.shared.is_empty() {
                 self.step_limit = self.step_limit.max(self.alone_limit);
             }
         }
+        if was_related && self.system.relative.is_none() {
+            self.relate();
+        }
+        self.system.share_forces();
     }
 
     fn look_at_joints(&mut self) {

@@ -85,6 +85,9 @@ impl Run<'_> {
     #[cold]
     fn part(&mut self, parting: &Parting) -> Result<(), SolveError> {
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
+        self.system.give_back_forces();
+        self.is_loose = true;
+        self.end_relating();
         self.released += self.system.end_sharing(self.last_step, |_, _| true);
         self.synchronise();
         let was: Vec<Option<usize>> = self.latent.bushings.clone();

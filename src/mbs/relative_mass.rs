@@ -1,0 +1,188 @@
+//! Inertia against relative motion, which slows the fastest vibrations down so that steps may be longer.
+//!
+//! A building that stands, or has not begun to tilt, moves at some tens of rad/s, and its stiffest springs vibrate at thousands, which bound the explicit step. With `D = K / ω²` of all springs on top of the mass
+//! every mode of frequency `ω_1` has `ω_1 / sqrt(1 + ω_1²/ω²) < ω` (stiffness-proportional mass scaling; Macek and Aubert, Earthq. Eng. Struct. Dyn. 24 (1995) 1315): slow ones are slower by `ω_1² / 2 ω²`, static
+//! states and rigid motions are what they were, since `D` has nothing to do with either. It is the same as an implicit (trapezoidal) treatment of the elastic springs in a leapfrog.
+//!
+//! With `M` of the bodies accelerations are `a = (M + D)⁻¹ f`; the integrator gets the forces `M a`, so that bodies keep their own masses in everything else. `M + D` is factorised once, in the poses of that time and in axes that turn with each body.
+//! What bodies of a floor share ([`super::shared_mass`]) is part of `D`.
+//!
+//! It ends for good, for all bodies together, where one of them is touched, leans by more than [`UPRIGHT`], or falls asleep, where a joint or a body parts, and where sharing in a floor would end. From then on steps are as short as without.
+
+use super::block_solve::{BlockSolve, SIZE};
+use super::ideal::factor::BlockFactor;
+use super::joint::Row;
+use super::lanes::{Lane, ZERO};
+use super::math::{self, M3, V3};
+use super::shared_mass::{Shared, UPRIGHT};
+use super::system::{BodyData, BodyState};
+use crate::base::isa::Isa;
+use std::collections::BTreeSet;
+
+/// The bodies, their `D`, and the factors of `M + D`.
+#[derive(Debug, Clone)]
+pub(super) struct Relative {
+    /// `g` of each spring between bodies with its inertia `k / ω²`: their places, and what the stretch is of a unit motion of either.
+    springs: Vec<Spring>,
+    /// What floors share: places of two motions, and the inertia.
+    floors: Vec<(usize, usize, f64)>,
+    solve: BlockSolve,
+    /// Orientation of each body at the start, and its inertia then.
+    start: Vec<M3>,
+    inertia: Vec<M3>,
+    /// How each body has turned since.
+    turned: Vec<M3>,
+    /// Memory: one node a body, and the forces before.
+    x: Vec<Lane>,
+    plain: Vec<[V3; 2]>,
+}
+
+/// A spring: two bodies with their directions, and its inertia \[kg or kg m²\].
+#[derive(Debug, Clone, Copy)]
+struct Spring {
+    ends: [(usize, [f64; SIZE]); 2],
+    inertia: f64,
+}
+
+impl Relative {
+    /// For springs of bodies in the present poses, and a bound of all frequencies \[rad/s\]; none if the inertia is not positive.
+    pub fn new(
+        rows: &[Row],
+        states: &[BodyState],
+        data: &[BodyData],
+        shared: &[Shared],
+        most_rad_s: f64,
+    ) -> Option<Self> {
+        let n = states.len() - 1;
+        let springs: Vec<Spring> = rows.iter().map(|row| spring(row, most_rad_s)).collect();
+        let floors: Vec<(usize, usize, f64)> = shared.iter().flat_map(Shared::consistent).collect();
+        let mut pairs = BTreeSet::new();
+        let mut meet = |a: usize, b: usize| {
+            if a != b && a.max(b) < n {
+                pairs.insert((a.min(b), a.max(b)));
+            }
+        };
+        springs.iter().for_each(|s| meet(s.ends[0].0, s.ends[1].0));
+        floors.iter().for_each(|(i, j, _)| meet(i / SIZE, j / SIZE));
+        let mut factor = BlockFactor::new(&vec![SIZE; n], &pairs);
+        let inertia: Vec<M3> = (0..n)
+            .map(|i| {
+                let r = &states[i].r;
+                math::matmul(&math::matmul(r, &data[i].inertia), &math::transpose(r))
+            })
+            .collect();
+        for i in 0..n {
+            add(&mut factor, [i, i], |k, l| match (k.checked_sub(3), l.checked_sub(3)) {
+                (Some(k), Some(l)) => inertia[i][k][l],
+                _ if k == l => data[i].mass,
+                _ => 0.0,
+            });
+        }
+        for s in &springs {
+            for (e, (a, of_a)) in s.ends.iter().enumerate() {
+                // a pair of bodies has one block
+                for (b, of_b) in s.ends[e..].iter().filter(|(b, _)| *a < n && *b < n) {
+                    add(&mut factor, [*a, *b], |k, l| s.inertia * of_a[k] * of_b[l]);
+                }
+            }
+        }
+        for (i, j, value) in floors.iter().filter(|(i, j, _)| i / SIZE == j / SIZE || i < j) {
+            let (at, straight) = factor.place(i / SIZE, j / SIZE);
+            let (row, column) = if straight { (i % SIZE, j % SIZE) } else { (j % SIZE, i % SIZE) };
+            factor.values()[at + SIZE * row + column] += value;
+        }
+        factor.factorise();
+        (factor.dependent == 0).then(|| Self {
+            springs,
+            floors,
+            solve: BlockSolve::new(&factor),
+            start: (0..n).map(|i| states[i].r).collect(),
+            inertia,
+            turned: vec![M3::default(); n],
+            x: vec![ZERO; n],
+            plain: vec![[[0.0; 3]; 2]; n],
+        })
+    }
+
+    /// Changes forces to those with which each body has its acceleration by its own inertia alone.
+    pub fn act(&mut self, isa: Isa, states: &mut [BodyState], data: &[BodyData]) {
+        self.turn(states);
+        for (i, body) in states[..self.x.len()].iter().enumerate() {
+            self.plain[i] = [body.force, body.torque];
+            // as in `Shared::act`: what turns momenta against the axes
+            let t = &self.turned[i];
+            let force = math::mul_t(t, math::sub(body.force, math::cross(body.w, body.p)));
+            let torque = math::mul_t(t, math::sub(body.torque, math::cross(body.w, body.l)));
+            self.x[i] = [force[0], force[1], force[2], torque[0], torque[1], torque[2], 0.0, 0.0];
+        }
+        self.solve.solve(isa, &mut self.x);
+        for (i, body) in states[..self.x.len()].iter_mut().enumerate() {
+            let (t, x) = (&self.turned[i], &self.x[i]);
+            let force = math::scale(data[i].mass, math::mul(t, [x[0], x[1], x[2]]));
+            let torque = math::mul(t, math::mul(&self.inertia[i], [x[3], x[4], x[5]]));
+            body.force = math::add(force, math::cross(body.w, body.p));
+            body.torque = math::add(torque, math::cross(body.w, body.l));
+        }
+    }
+
+    /// Gives the bodies back the forces that they had before the last [`Self::act`].
+    pub fn undo(&self, states: &mut [BodyState]) {
+        for (body, [force, torque]) in states.iter_mut().zip(&self.plain) {
+            (body.force, body.torque) = (*force, *torque);
+        }
+    }
+
+    fn turn(&mut self, states: &[BodyState]) {
+        for ((turned, start), body) in self.turned.iter_mut().zip(&self.start).zip(states) {
+            *turned = math::matmul(&body.r, &math::transpose(start));
+        }
+    }
+
+    /// What velocities and angular velocities add to the kinetic energy \[J\].
+    pub fn energy_j(&mut self, states: &[BodyState], velocity: impl Fn(usize) -> [V3; 2]) -> f64 {
+        self.turn(states);
+        for (i, x) in self.x.iter_mut().enumerate() {
+            let [v, w] = velocity(i).map(|v| math::mul_t(&self.turned[i], v));
+            *x = [v[0], v[1], v[2], w[0], w[1], w[2], 0.0, 0.0];
+        }
+        let of = |(i, g): &(usize, [f64; SIZE])| -> f64 {
+            self.x.get(*i).map_or(0.0, |x| (0..SIZE).map(|k| g[k] * x[k]).sum())
+        };
+        let springs: f64 =
+            self.springs.iter().map(|s| s.inertia * (of(&s.ends[0]) + of(&s.ends[1])).powi(2)).sum();
+        let at = |i: usize| self.x[i / SIZE][i % SIZE];
+        let floors: f64 = self.floors.iter().map(|(i, j, value)| value * at(*i) * at(*j)).sum();
+        0.5 * (springs + floors)
+    }
+
+    /// Whether it holds no longer: a body leans or sleeps.
+    pub fn is_over(&self, states: &[BodyState], data: &[BodyData]) -> bool {
+        let leans = |i: usize| {
+            let cosine: f64 = (0..3).map(|k| states[i].r[2][k] * self.start[i][2][k]).sum();
+            data[i].alive && (cosine < UPRIGHT || data[i].asleep)
+        };
+        (0..self.start.len()).any(leans)
+    }
+}
+
+/// Adds to the block of a pair of bodies what a row and a column of it tell.
+fn add(factor: &mut BlockFactor, [a, b]: [usize; 2], value: impl Fn(usize, usize) -> f64) {
+    let (at, straight) = factor.place(a, b);
+    let block = &mut factor.values()[at..at + SIZE * SIZE];
+    for k in 0..SIZE {
+        for l in 0..SIZE {
+            block[if straight { SIZE * k + l } else { SIZE * l + k }] += value(k, l);
+        }
+    }
+}
+
+fn spring(row: &Row, most_rad_s: f64) -> Spring {
+    let of = |turn: V3, sign: f64| {
+        let (f, t) = (math::scale(sign, row.force), math::scale(sign, turn));
+        [f[0], f[1], f[2], t[0], t[1], t[2]]
+    };
+    Spring {
+        ends: [(row.a, of(row.turn_a, -1.0)), (row.b, of(row.turn_b, 1.0))],
+        inertia: row.stiffness / (most_rad_s * most_rad_s),
+    }
+}

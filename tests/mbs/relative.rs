@@ -1,0 +1,172 @@
+//! Inertia against relative motion: fast vibrations slow down by a known factor, nothing else changes, and it ends where something touches.
+
+use super::shared_mass::{halves, shared};
+use super::support::*;
+use fallwerk::mbs::model::*;
+use fallwerk::mbs::result::RunResult;
+use fallwerk::mbs::{math, simulate};
+
+/// Bound of all frequencies [rad/s].
+const MOST_RAD_S: f64 = 1600.0;
+
+/// A load on a soft spring, and a block on a stiff one that hangs below it: modes of about `10` and `soft` to `5000` rad/s.
+fn pair(end_s: f64) -> Model {
+    let mut m = model("pair", end_s, 1e-3);
+    let soft = [elastic(1e9), elastic(1e9)];
+    m.bodies.push(solid("load", [0.0, 0.0, 4.0], [1.0; 3]));
+    m.bodies.push(solid("block", [0.0, 0.0, 3.0], [0.4; 3]));
+    let spring = |id: &str, a: Option<&str>, b: &str, z: f64, k: f64| Bushing {
+        shear_stiffness_n_m: [1e8; 2],
+        ..joint(id, a, b, [0.0, 0.0, z], k, 1e8, soft.clone())
+    };
+    m.bushings.push(spring("soft", None, "load", 4.5, 1e6));
+    m.bushings.push(spring("stiff", Some("load"), "block", 3.5, 4e9));
+    track(&mut m, "load", [0.0, 0.0, 4.0]);
+    m
+}
+
+fn with(mut m: Model) -> [RunResult; 2] {
+    let plain = simulate(&m).unwrap();
+    m.settings.relative_inertia_rad_s = Some(MOST_RAD_S);
+    [plain, simulate(&m).unwrap()]
+}
+
+/// Angular frequency of the height of the first point about its mean, from its first and last upward passage [rad/s].
+fn frequency(run: &RunResult) -> f64 {
+    let z: Vec<f64> = run.tracked[0].displacement_m.iter().map(|u| u[2]).collect();
+    let mean =
+        0.5 * (z.iter().cloned().fold(f64::MIN, f64::max) + z.iter().cloned().fold(f64::MAX, f64::min));
+    let up = |i: &usize| z[i - 1] < mean && z[*i] >= mean;
+    let at = |i: usize| {
+        let share = (mean - z[i - 1]) / (z[i] - z[i - 1]);
+        run.times_s[i - 1] + share * (run.times_s[i] - run.times_s[i - 1])
+    };
+    let passages: Vec<f64> = (1..z.len()).filter(up).map(at).collect();
+    2.0 * std::f64::consts::PI * (passages.len() - 1) as f64 / (passages[passages.len() - 1] - passages[0])
+}
+
+#[test]
+fn slow_motion_is_as_fast_and_steps_are_longer() {
+    let [plain, related] = with(pair(3.0));
+    let [before, after] = [&plain, &related].map(frequency);
+    println!("{before} and {after} rad/s in {} and {} steps", plain.steps, related.steps);
+    // ω / sqrt(1 + ω²/ω_m²), 2e-4 below ω at 20 rad/s
+    let slower = (1.0 + (before / MOST_RAD_S).powi(2)).sqrt().recip();
+    assert!((after / before - slower).abs() < 2e-5, "{before} {after}");
+    assert!(2 * related.steps < plain.steps, "{} for {}", related.steps, plain.steps);
+    assert!(related.energy_error < 1e-4, "{}", related.energy_error);
+    let mean = |run: &RunResult| {
+        run.tracked[0].displacement_m.iter().map(|u| u[2]).sum::<f64>() / run.times_s.len() as f64
+    };
+    assert!((mean(&related) / mean(&plain) - 1.0).abs() < 1e-3);
+}
+
+/// A single mass on a spring: its frequency is that of `M + K / ω²`.
+#[test]
+fn a_fast_mode_slows_down_by_the_factor_of_its_frequency() {
+    let mut m = model("one", 0.5, 1e-4);
+    m.gravity_m_s2 = [0.0; 3];
+    m.bodies.push(solid("block", [0.0, 0.0, 1.0], [0.4; 3]));
+    let mass = m.bodies[0].mass_kg;
+    m.bodies[0].velocity_m_s = [0.0, 0.0, 0.1];
+    // what bounds the steps
+    m.bodies.push(solid("other", [5.0, 0.0, 1.0], [0.4; 3]));
+    let omega: f64 = 400.0;
+    let ends = || [elastic(1e7), elastic(1e7)];
+    let k = mass * omega * omega;
+    m.bushings.push(Bushing {
+        axial_stiffness_n_m: k,
+        ..joint("spring", None, "block", [0.0, 0.0, 1.0], 1e7, 1e6, ends())
+    });
+    m.bushings.push(joint("stiff", None, "other", [5.0, 0.0, 1.0], 1e10, 1e6, ends()));
+    track(&mut m, "block", [0.0, 0.0, 1.0]);
+    let [plain, related] = with(m);
+    let h = related.times_s[1] - related.times_s[0];
+    let expected = omega / (1.0 + (omega / MOST_RAD_S).powi(2)).sqrt();
+    // steps end at outputs; a leapfrog is faster by (ω h)² / 24
+    let leap = 1.0 + (expected * h).powi(2) / 24.0;
+    let found = frequency(&related);
+    println!("{} and {found} rad/s, expected {expected}", frequency(&plain));
+    assert!((frequency(&plain) / omega - 1.0).abs() < 1e-3);
+    assert!((found / (expected * leap) - 1.0).abs() < 1e-3, "{found} {expected}");
+}
+
+/// Rigid motion has nothing to do with it: two blocks on a stiff spring fly and turn as without, and keep their momentum.
+#[test]
+fn rigid_motion_is_as_without() {
+    let mut m = pair(0.5);
+    m.bushings.remove(0);
+    m.gravity_m_s2 = [0.0, 0.0, -G];
+    // velocities of a rigid body about the common centre of mass, slow enough to stay upright
+    let spin = [0.0, 0.02, 0.0];
+    let mass: f64 = m.bodies.iter().map(|b| b.mass_kg).sum();
+    let centre = m.bodies.iter().map(|b| b.mass_kg * b.position_m[2]).sum::<f64>() / mass;
+    for body in &mut m.bodies {
+        let arm = [0.0, 0.0, body.position_m[2] - centre];
+        body.velocity_m_s = math::add([1.0, 0.0, 0.0], math::cross(spin, arm));
+        body.angular_velocity_rad_s = spin;
+    }
+    let masses: Vec<f64> = m.bodies.iter().map(|b| b.mass_kg).collect();
+    let [plain, related] = with(m);
+    assert!(related.steps < plain.steps);
+    for (a, b) in plain.frames.iter().zip(&related.frames) {
+        for (x, y) in a.position_m.iter().zip(&b.position_m) {
+            assert!(math::norm(math::sub(*x, *y)) < 1e-6);
+        }
+    }
+    let place = |i: usize| {
+        let of =
+            |k: usize| -> f64 { (0..2).map(|b| masses[b] / mass * related.frames[i].position_m[b][k]).sum() };
+        [of(0), of(2)]
+    };
+    let ([x0, z0], t) = (place(0), related.times_s[related.times_s.len() - 1]);
+    let [x, z] = place(related.times_s.len() - 1);
+    assert!((x - x0 - t).abs() < 1e-9 && (z - z0 + 0.5 * G * t * t).abs() < 1e-9, "{x} {z}");
+}
+
+/// A blow acts on the masses of the bodies alone: it ends then, and all goes on as without.
+#[test]
+fn it_ends_where_something_strikes() {
+    let mut m = pair(0.6);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+    m.bushings.remove(0);
+    m.bodies[0].position_m[2] -= 2.5;
+    m.bodies[1].position_m[2] -= 2.5;
+    m.bushings.iter_mut().for_each(|b| b.point_m[2] -= 2.5);
+    let [plain, related] = with(m);
+    assert_eq!(plain.events.len(), related.events.len(), "{:?} {:?}", plain.events, related.events);
+    let [a, b] = [&plain, &related].map(|run| run.first_ground_contact_s.unwrap());
+    let fallen = (2.0 * 0.3 / G).sqrt();
+    assert!((a - fallen).abs() < 1e-6 && (b - fallen).abs() < 1e-6, "{a} {b} {fallen}");
+    assert!(related.steps < plain.steps);
+    assert!(related.energy_error < 2e-3, "{}", related.energy_error);
+}
+
+/// What floors share is part of it.
+#[test]
+fn shared_inertia_is_part_of_it() {
+    let mut m = halves();
+    m.bodies[0].velocity_m_s = [0.0, 0.0, 0.1];
+    m.bodies[1].velocity_m_s = [0.0, 0.0, 0.1];
+    m.bodies[0].angular_velocity_rad_s = [0.0, 0.1, 0.0];
+    m.bodies[1].angular_velocity_rad_s = [0.0, -0.1, 0.0];
+    m.shared_masses.push(shared());
+    m.settings.end_time_s = 0.2;
+    let [plain, related] = with(m);
+    assert!(related.steps < plain.steps);
+    assert!(related.energy_error < 1e-3, "{}", related.energy_error);
+    let apart = plain.frames.iter().zip(&related.frames).flat_map(|(a, b)| {
+        a.position_m.iter().zip(&b.position_m).map(|(x, y)| math::norm(math::sub(*x, *y)))
+    });
+    let largest = apart.fold(0.0, f64::max);
+    println!("{largest} m apart");
+    assert!(largest < 5e-4, "{largest}");
+}
+
+#[test]
+fn it_needs_a_positive_frequency() {
+    let mut m = pair(0.1);
+    m.settings.relative_inertia_rad_s = Some(0.0);
+    let text = simulate(&m).unwrap_err().to_string();
+    assert!(text.contains("settings.relative_inertia_rad_s"), "{text}");
+}
