@@ -61,6 +61,7 @@ pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     let mut options = args.latent.options(false);
     if args.compute_all {
         (options.contact.skip, model.settings.sleep_speed_m_s) = (false, None);
+        options.look_always = true;
     }
     let result = simulate_with(&model, &options)?;
     if let Some(folder) = &args.output {

@@ -103,6 +103,12 @@ impl CapacityTable {
         self.peak
     }
 
+    /// Largest change of the capacity without plastic rotation over that of the axial force, in either sense \[m\].
+    pub fn steepest_m(&self) -> f64 {
+        let of = |i: usize| (self.value[i] - self.value[i - 1]) / (self.force[i] - self.force[i - 1]);
+        (1..self.force.len()).map(of).fold(0.0, |most, slope| slope.abs().max(most))
+    }
+
     /// The levels about an axial force \[N\] (compression positive), the same for all rotations of a step.
     #[inline]
     pub fn level(&self, axial_force_n: f64, hint: &mut CapacityHint) -> AxialLevel {

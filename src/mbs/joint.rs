@@ -46,6 +46,8 @@ pub struct JointData {
     /// `1/C²` of the shear forces along axes 1 and 2 at which it separates \[1/N²\], and the square of the share of that of the last evaluation.
     pub(super) shear_ease: [f64; 2],
     sheared2: f64,
+    /// Forces along axes 1 and 2 of the last evaluation \[N\].
+    pub(super) shear: [f64; 2],
     /// Plastic elongation so far, and shortening at the compressive capacity \[m\].
     elongated: f64,
     pressed: f64,
@@ -168,6 +170,7 @@ impl JointData {
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
             shear_ease: joint.shear_capacity_n.map_or([0.0; 2], |c| c.map(|c| 1.0 / (c * c))),
             sheared2: 0.0,
+            shear: [0.0; 2],
             elongated: 0.0,
             pressed: 0.0,
             crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
@@ -328,8 +331,23 @@ impl JointData {
         bending.max(shear2).sqrt().max(axial / self.compressive_capacity).max(-axial / self.tensile_capacity)
     }
 
+    /// What its last evaluation found, as [`Self::pull`] finds it in the same poses.
+    pub(super) fn latest(&self) -> Latest {
+        let [m1, m2] = self.hinge.moment_nm;
+        let mut slip = [self.crushed, 0.0, 0.0];
+        if let Some(beam) = &self.beam {
+            slip[beam.across()] += beam.plastic()[1];
+        }
+        Latest {
+            local: [-self.outward * self.axial_force, self.shear[0], self.shear[1]],
+            moment: [self.rotation[0] * self.theta[0], m1, m2],
+            theta: self.theta,
+            slip,
+        }
+    }
+
     /// Square of the share of the capacity that a force \[N\] along its axes takes in shear.
-    fn shear_used2(&self, force: V3) -> f64 {
+    pub(super) fn shear_used2(&self, force: V3) -> f64 {
         force[1] * force[1] * self.shear_ease[0] + force[2] * force[2] * self.shear_ease[1]
     }
 
@@ -367,6 +385,7 @@ impl JointData {
         let bent = self.bend_beam(theta, &mut gap, tables);
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
         self.sheared2 = self.shear_used2(local);
+        self.shear = [local[1], local[2]];
         let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
         [local, moment]
@@ -512,6 +531,19 @@ pub(super) struct ElasticRange {
 impl ElasticRange {
     /// No number lies between infinity and infinity.
     pub const NONE: Self = Self { force: [f64::INFINITY; 2], ease: [0.0; 2], ends: [0.0; 2] };
+}
+
+/// What the last evaluation of a joint found, along its axes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Latest {
+    /// Force on the first body \[N\].
+    pub local: V3,
+    /// Moment on it \[N m\].
+    pub moment: V3,
+    /// Rotation vector \[rad\].
+    pub theta: V3,
+    /// What is plastic of its gap \[m\].
+    pub slip: V3,
 }
 
 /// A joint in space.

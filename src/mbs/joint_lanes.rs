@@ -281,6 +281,7 @@ fn apply_any(
                 joint.relative = get(&act.turn, l);
                 joint.theta = get(&act.theta, l);
                 joint.axial_force = act.axial[l];
+                joint.shear = [act.local[1][l], act.local[2][l]];
                 joint.elastic_j = act.elastic[l];
                 joint.hinge.moment_nm = [act.moment[1][l], act.moment[2][l]];
                 if let Some(beam) = &mut joint.beam {

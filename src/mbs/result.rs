@@ -196,6 +196,10 @@ pub struct BodyWork {
     pub latent_steps: u64,
     /// Those of them whose forces nobody asked for, as no rule about events had fired for them.
     pub unwatched_steps: u64,
+    /// Looks at single latent bushings, up to two a step for those that a rule has asked for.
+    pub looks: u64,
+    /// Looks left out, as a bound of the loads told that the bushing bears less than its resistance and than it has borne.
+    pub bounded_looks: u64,
 }
 
 impl From<Work> for ContactWork {

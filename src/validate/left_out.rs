@@ -39,6 +39,8 @@ pub enum Skipped {
     HeldBodies,
     /// Latent hinges whose forces nobody asked for, as no rule about events had fired, of the latent hinges times steps.
     UnwatchedHinges,
+    /// Looks at latent hinges that rules about events had asked for, whose loads have changed by less than what was left of their resistance, of the looks.
+    BoundedLooks,
 }
 
 impl Skipped {
@@ -47,7 +49,9 @@ impl Skipped {
         match self {
             Self::RigidElements => Some("fe (without --hybrid)"),
             Self::RestingElements | Self::ContactSearches => Some("fe --compute-all"),
-            Self::ContactPairs | Self::QuietSteps | Self::SleepingBodies => Some("simulate --compute-all"),
+            Self::ContactPairs | Self::QuietSteps | Self::SleepingBodies | Self::BoundedLooks => {
+                Some("simulate --compute-all")
+            }
             Self::EndedElements | Self::HeldBodies | Self::UnwatchedHinges => None,
         }
     }
@@ -120,6 +124,7 @@ pub fn of_mbs(run: &RunResult) -> Vec<LeftOut> {
         (Skipped::SleepingBodies, body.asleep_steps, body.body_steps - body.held_steps),
         (Skipped::HeldBodies, body.held_steps, body.body_steps),
         (Skipped::UnwatchedHinges, body.unwatched_steps, body.latent_steps),
+        (Skipped::BoundedLooks, body.bounded_looks, body.bounded_looks + body.looks),
     ]
     .into_iter()
     .filter_map(|(what, left_out, of)| LeftOut::new(RunKind::Mbs, what, left_out, of))

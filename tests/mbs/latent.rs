@@ -7,7 +7,7 @@ use fallwerk::mbs::math;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::{EventKind, FractureCause};
 use fallwerk::mbs::system::System;
-use fallwerk::mbs::{RunResult, simulate};
+use fallwerk::mbs::{RunResult, SolverOptions, simulate, simulate_with};
 
 const LENGTH: f64 = 9.0;
 /// Thin: theory leaves the rotary inertia of the section out, `WIDTH²/LENGTH²`.
@@ -207,6 +207,39 @@ fn latent_bodies_move_as_one() {
         }
     }
     assert!(a.latent.iter().all(|l| l.live_s.is_none() && l.largest_share < 1.0));
+}
+
+/// Looks are left out only where they would find nothing: the same bytes, down to the largest share of each bushing.
+#[test]
+fn looks_that_a_bound_leaves_out_change_nothing() {
+    let run = |moment_nm: f64, turned: bool, always: bool| {
+        let mut m = rod(6, moment_nm);
+        m.settings.end_time_s = 2.5;
+        m.settings.time_step_s = Some(2e-5);
+        m.contact.ground = Some(GroundPlane { level_m: -2.0, friction: 0.5, restitution: 0.1 });
+        spin(&mut m, [0.1, 0.3, 0.5], [0.5, 0.0, 0.0], [0.5 * LENGTH, 0.0, 0.0]);
+        // a heavy block hangs on its end, by a joint of which the rod is the second or the first body
+        m.bodies.push(solid("block", [LENGTH + 0.5, 0.0, 0.0], [1.0, 0.5, 0.5]));
+        let block = m.bodies.last_mut().unwrap();
+        let arm = [0.5 * LENGTH + 0.5, 0.0, 0.0];
+        block.velocity_m_s = math::add([0.5, 0.0, 0.0], math::cross([0.1, 0.3, 0.5], arm));
+        block.angular_velocity_rad_s = [0.1, 0.3, 0.5];
+        let (a, b) = if turned { ("block", "p5") } else { ("p5", "block") };
+        let hung = joint("hung", Some(a), b, [LENGTH, 0.0, 0.0], 1e6, 1e4, [elastic(1e3), elastic(2e3)]);
+        m.bushings.push(hung);
+        let options = SolverOptions { look_always: always, ..SolverOptions::default() };
+        simulate_with(&m, &options).unwrap()
+    };
+    for (moment_nm, turned) in [(1e6, false), (1e6, true), (3e4, false), (3e4, true)] {
+        let [some, every] = [false, true].map(|always| run(moment_nm, turned, always));
+        assert_eq!((&some.frames, &some.events), (&every.frames, &every.events));
+        assert_eq!((&some.latent, &some.hinges), (&every.latent, &every.hinges));
+        assert_eq!((&some.energies, some.steps), (&every.energies, every.steps));
+        let [a, b] = [some.body_work, every.body_work];
+        println!("{moment_nm} {turned}: {} of {} looks left out", a.bounded_looks, b.looks);
+        assert_eq!((a.looks + a.bounded_looks, b.bounded_looks), (b.looks, 0));
+        assert!(a.bounded_looks > a.looks, "{a:?}");
+    }
 }
 
 /// A rod that strikes the ground with one end parts; the energy balance holds through that, and every piece comes to the ground.

@@ -44,6 +44,10 @@ fn words(what: Skipped) -> (&'static str, &'static str) {
         Skipped::UnwatchedHinges => {
             ("forces in latent hinges: no rule about events has asked for them", "latent hinges × steps")
         }
+        Skipped::BoundedLooks => (
+            "forces in latent hinges that rules have asked for: their loads have changed by less than what they have left",
+            "looks",
+        ),
     }
 }
 

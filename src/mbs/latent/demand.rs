@@ -100,8 +100,8 @@ impl Demand {
     pub fn start(&mut self, spin: V3) {
         self.loads.fill(0.0);
         self.forces.fill(0.0);
-        for (k, [i, j]) in PRODUCTS.into_iter().enumerate() {
-            self.forces.axpy(spin[i] * spin[j], &self.rotation.column(k), 1.0);
+        for (k, product) in products(spin).into_iter().enumerate() {
+            self.forces.axpy(product, &self.rotation.column(k), 1.0);
         }
     }
 
@@ -121,6 +121,27 @@ impl Demand {
         }
     }
 
+    /// Number of pieces.
+    pub fn count(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// What [`Self::of`] a bushing becomes under one load on a piece.
+    pub fn of_load(&self, l: usize, piece: usize, [force, moment]: Wrench) -> [V3; 2] {
+        let own = math::sub(moment, math::cross(self.pieces[piece].arm, force));
+        let row = |r: usize| -> f64 {
+            let of = |k: usize| self.operator[(6 * l + r, 6 * piece + k)];
+            (0..3).map(|k| of(k) * force[k] + of(3 + k) * own[k]).sum()
+        };
+        [[row(0), row(1), row(2)], [row(3), row(4), row(5)]]
+    }
+
+    /// The same under one of the products of angular velocities.
+    pub fn of_rotation(&self, l: usize, product: usize) -> [V3; 2] {
+        let row = |r: usize| self.rotation[(6 * l + r, product)];
+        [[row(0), row(1), row(2)], [row(3), row(4), row(5)]]
+    }
+
     /// Force and moment of a bushing along its axes, as a gap and a rotation of its second piece would make them.
     pub fn of(&self, l: usize) -> [V3; 2] {
         let f = |r: usize| self.forces[6 * l + r];
@@ -130,6 +151,11 @@ impl Demand {
 
 /// Products of components of the angular velocity.
 const PRODUCTS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]];
+
+/// Those of an angular velocity.
+pub(super) fn products(w: V3) -> [f64; 6] {
+    PRODUCTS.map(|[i, j]| w[i] * w[j])
+}
 
 /// d'Alembert's loads of a rotation `w` on the pieces, `-m w×(w×r)` and `-w×(I w)`, over the products of its components.
 fn rotation_loads(pieces: &[Piece]) -> DMatrix<f64> {

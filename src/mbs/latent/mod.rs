@@ -1,18 +1,22 @@
 //! Latent bushings: bodies that are one until a section between them reaches its resistance.
 //!
 //! A model may say of a bushing that it is *latent*: the bodies on its sides then move as one, and cost what one body costs. In every step the forces that it would have to
-//! bear follow from what acts on the pieces of that body ([`demand`]). When they reach the resistance of the bushing, the body parts there ([`Parting`]): its pieces go on
+//! bear follow from what acts on the pieces of that body ([`demand`]), unless a bound tells that they cannot have changed by what is left of it ([`bound`]). When they reach the resistance of the bushing, the body parts there ([`Parting`]): its pieces go on
 //! with exactly its momenta, and the bushing goes live with the forces that it had to bear, so that nothing jumps.
 //!
 //! | file | owns |
 //! |---|---|
 //! | this one | who is latent, when a body parts |
+//! | `look` | which bodies part under their loads |
 //! | `merge` | a model in which latent bushings are rigid |
 //! | `demand` | what latent bushings bear |
+//! | `bound` | by how much that can have changed |
 //! | `history` | which bodies moved as one in a run that is over |
 
+mod bound;
 mod demand;
 mod history;
+mod look;
 mod merge;
 
 pub use history::{compounds, is_gone, live_s};
@@ -24,26 +28,10 @@ use super::math::{self, V3};
 use super::model::{Bushing, Model};
 use super::system::System;
 use crate::curve::{CurveError, ResistanceCurve};
+use bound::Attached;
 use demand::Demand;
+use look::Compound;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// A body of several pieces.
-#[derive(Debug, Clone)]
-struct Compound {
-    /// The body in the running model.
-    body: usize,
-    /// Its latent bushings in the model file.
-    bushings: Vec<usize>,
-    /// Whether any of them is watched, and whether any is not yet.
-    is_watched: bool,
-    waits: bool,
-    demand: Demand,
-    /// Joints that are attached to it: which, whether it is their second body, and the piece.
-    attached: Vec<(usize, bool, usize)>,
-    /// Filtered loads of contacts on each piece, and those of the present step.
-    contact: Vec<[V3; 2]>,
-    now: Vec<[V3; 2]>,
-}
 
 /// A body that parts.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,6 +66,9 @@ pub struct Latent {
     compounds: Vec<Compound>,
     /// How many are latent, and how many of them are looked at.
     counted: [u64; 2],
+    /// Whether those that are watched are looked at whatever their loads, and looks made and left out.
+    looks_always: bool,
+    looks: [u64; 2],
     /// The model with nothing latent, in its initial poses.
     whole: Option<System>,
     /// Largest share of its resistance that each bushing has borne while it was latent.
@@ -109,6 +100,8 @@ impl Latent {
             family: bodies.collect(),
             compounds: Vec::new(),
             counted: [0; 2],
+            looks_always: false,
+            looks: [0; 2],
             whole: is_any.then(|| System::new(file)).transpose()?,
             solids: Vec::new(),
         };
@@ -124,6 +117,11 @@ impl Latent {
     pub fn hold(&mut self, holds: bool) {
         self.holds = holds;
         self.count_watched();
+    }
+
+    /// Whether bushings that are watched are looked at in every step, whatever the bound of their loads says.
+    pub fn look_always(&mut self, always: bool) {
+        self.looks_always = always;
     }
 
     /// The model with the bushings that are latent now.
@@ -156,8 +154,9 @@ impl Latent {
             for (b, running) in merged.bushings.iter().enumerate() {
                 let Some(running) = running else { continue };
                 let joint = &whole.joints[b];
-                attached.extend(piece_of(joint.a).map(|p| (*running, false, p)));
-                attached.extend(piece_of(joint.b).map(|p| (*running, true, p)));
+                let at = |is_second: bool| move |piece| Attached { joint: *running, is_second, piece };
+                attached.extend(piece_of(joint.a).map(at(false)));
+                attached.extend(piece_of(joint.b).map(at(true)));
             }
             let contact: Vec<[V3; 2]> = own.iter().map(|p| felt(*p)).collect();
             let now = contact.clone();
@@ -170,6 +169,7 @@ impl Latent {
                 attached,
                 contact,
                 now,
+                bound: None,
             });
         }
         (self.places, self.pieces, self.bushings) = (merged.places, merged.pieces, merged.bushings);
@@ -201,6 +201,11 @@ impl Latent {
     /// How many bushings are latent now, and how many of them are looked at.
     pub fn counted(&self) -> [u64; 2] {
         self.counted
+    }
+
+    /// Looks at single bushings so far that were made, and that were left out by the bound of their loads.
+    pub fn looks(&self) -> [u64; 2] {
+        self.looks
     }
 
     /// Whether any latent bushing waits for a rule about an event.
@@ -256,6 +261,7 @@ impl Latent {
         if let Some(whole) = &mut self.whole {
             whole.set_strength(bushing, given, share, curves)?;
         }
+        self.compounds.iter_mut().for_each(|c| c.bound = None);
         Ok(())
     }
 
@@ -267,44 +273,6 @@ impl Latent {
     /// Largest share of its resistance that a bushing of the file has borne while it was latent.
     pub fn peak(&self, bushing: usize) -> f64 {
         self.peak[bushing]
-    }
-
-    /// The body that parts under the forces of the present poses and the contacts so far; none if all holds.
-    pub fn overloaded(&mut self, system: &System) -> Option<Parting> {
-        self.look(system, false)
-    }
-
-    /// The same with the contacts of the step after these poses.
-    pub fn struck(&mut self, system: &System) -> Option<Parting> {
-        self.look(system, true)
-    }
-
-    fn look(&mut self, system: &System, with_step: bool) -> Option<Parting> {
-        let whole = self.whole.as_ref()?;
-        let mut worst: Option<(f64, usize)> = None;
-        for c in 0..self.compounds.len() {
-            let compound = &mut self.compounds[c];
-            if !compound.is_watched {
-                continue;
-            }
-            if !system.data[compound.body].alive || system.data[compound.body].asleep {
-                continue;
-            }
-            if with_step && compound.now == compound.contact {
-                continue;
-            }
-            compound.load(system, with_step);
-            let watched = compound.bushings.iter().enumerate().filter(|(_, b)| self.watched[**b]);
-            for (l, bushing) in watched {
-                let [force, moment] = compound.demand.of(l);
-                let used = whole.joints[*bushing].share_used(force, moment, &whole.tables);
-                self.peak[*bushing] = self.peak[*bushing].max(used);
-                if used >= 1.0 && worst.is_none_or(|(most, _)| used > most) {
-                    worst = Some((used, *bushing));
-                }
-            }
-        }
-        worst.map(|(_, cause)| self.parting(system, cause))
     }
 
     /// The body of a latent bushing parts there.
@@ -440,22 +408,6 @@ impl Latent {
                 system.joints[*running].outward = own.outward;
             }
         }
-    }
-}
-
-impl Compound {
-    fn load(&mut self, system: &System, with_step: bool) {
-        self.demand.start(system.bodies[self.body].w_body);
-        for (joint, is_second, piece) in &self.attached {
-            if system.joints[*joint].alive {
-                self.demand.add(*piece, demand::pull(system, *joint, *is_second));
-            }
-        }
-        let contact = if with_step { &self.now } else { &self.contact };
-        for (piece, load) in contact.iter().enumerate() {
-            self.demand.add(piece, *load);
-        }
-        self.demand.solve();
     }
 }
 

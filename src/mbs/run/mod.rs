@@ -59,11 +59,19 @@ pub struct SolverOptions {
     pub repeat: bool,
     /// Whether latent bushings hold whatever they would have to bear, and no event rule is asked: for comparison only.
     pub hold_latent: bool,
+    /// Whether latent bushings that are watched are looked at in every step, also where a bound of their loads tells that nothing can part: the same result.
+    pub look_always: bool,
 }
 
 impl Default for SolverOptions {
     fn default() -> Self {
-        Self { energy_limit: 0.1, contact: Settings::default(), repeat: false, hold_latent: false }
+        Self {
+            energy_limit: 0.1,
+            contact: Settings::default(),
+            repeat: false,
+            hold_latent: false,
+            look_always: false,
+        }
     }
 }
 
@@ -252,6 +260,7 @@ impl<'a> Run<'a> {
     fn new(file: &'a Model, options: &'a SolverOptions, share: f64) -> Result<Self, SolveError> {
         let (mut latent, merged) = Latent::new(file)?;
         latent.hold(options.hold_latent);
+        latent.look_always(options.look_always);
         let model = merged.map_or(Cow::Borrowed(file), Cow::Owned);
         let mut system = System::new(&model)?;
         latent.orient(&mut system);

@@ -156,8 +156,9 @@ impl Run<'_> {
         })
     }
 
-    /// Writes down how near to their resistance the latent bushings came.
+    /// Writes down how near to their resistance the latent bushings came, and how often they were looked at.
     pub(super) fn close_latent(&mut self) {
+        [self.result.body_work.looks, self.result.body_work.bounded_looks] = self.latent.looks();
         let latent = self.file.bushings.iter().enumerate().filter(|(_, b)| b.latent.is_some());
         for (record, (b, _)) in self.result.latent.iter_mut().zip(latent) {
             record.largest_share = self.latent.peak(b);

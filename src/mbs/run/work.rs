@@ -40,12 +40,13 @@ impl BodyWork {
     pub fn words(&self) -> Option<String> {
         let percent = |part: u64, of: u64| 100.0 * part as f64 / of.max(1) as f64;
         let (bodies, sections) = (self.body_steps, self.latent_steps);
-        (self.held_steps + self.asleep_steps + self.unwatched_steps > 0).then(|| {
+        (self.held_steps + self.asleep_steps + self.unwatched_steps + self.bounded_looks > 0).then(|| {
             format!(
-                "bodies: {:.1} % of them moved as a part of another one, {:.1} % of the others slept (mean over the steps); latent hinges: {:.1} % not looked at",
+                "bodies: {:.1} % of them moved as a part of another one, {:.1} % of the others slept (mean over the steps); latent hinges: {:.1} % not looked at, {:.1} % of the looks at the others left out by a bound of their loads (--compute-all makes them, with the same result)",
                 percent(self.held_steps, bodies),
                 percent(self.asleep_steps, bodies - self.held_steps),
                 percent(self.unwatched_steps, sections),
+                percent(self.bounded_looks, self.looks + self.bounded_looks),
             )
         })
     }
