@@ -137,7 +137,8 @@ fn it_ends_where_something_strikes() {
     assert_eq!(plain.events.len(), related.events.len(), "{:?} {:?}", plain.events, related.events);
     let [a, b] = [&plain, &related].map(|run| run.first_ground_contact_s.unwrap());
     let fallen = (2.0 * 0.3 / G).sqrt();
-    assert!((a - fallen).abs() < 1e-6 && (b - fallen).abs() < 1e-6, "{a} {b} {fallen}");
+    // to a step of the run without
+    assert!((a - fallen).abs() < 1.1e-4 && (b - a).abs() < 1e-6, "{a} {b} {fallen}");
     assert!(related.steps < plain.steps);
     assert!(related.energy_error < 2e-3, "{}", related.energy_error);
 }

@@ -1,0 +1,87 @@
+//! When inertia that bodies have together begins and ends: that against relative motion, and that of floors where contacts touch them.
+
+use super::{LARGEST_STEP_S, Run, step};
+use crate::mbs::contact::ContactEnergy;
+use crate::mbs::system::BodyState;
+use crate::mbs::{frequency, math};
+
+/// Changes of a velocity \[m/s\] and an angular velocity \[rad/s\] in a step up to which a contact is none to bodies with inertia against relative motion: a wall that stands beside a column.
+const LIGHT_TOUCH: [f64; 2] = [0.1, 0.1];
+/// By how much longer steps have to be for inertia against relative motion.
+const WORTH_IT: f64 = 1.2;
+
+impl Run<'_> {
+    /// Gives the bodies inertia against relative motion in their present poses, if the model asks for it, it has not ended for good, and it makes steps longer. Forces are known but for inertia that bodies have together.
+    pub(super) fn relate(&mut self) {
+        let Some(most) = self.file.settings.relative_inertia_rad_s else { return };
+        let step = self.share * (frequency::STEP_FRACTION * 2.0 / most).min(LARGEST_STEP_S);
+        let is_worth_it = step > WORTH_IT * self.plain_limit();
+        if self.is_loose || self.file.settings.time_step_s.is_some() || !is_worth_it {
+            return;
+        }
+        self.released += self.system.relate(Some(most), self.last_step);
+        if self.system.relative.is_some() {
+            self.step_limit = step;
+        }
+    }
+
+    /// Ends that, until [`Self::relate`].
+    pub(super) fn end_relating(&mut self) {
+        if self.system.relative.is_some() {
+            self.released += self.system.relate(None, self.last_step);
+            self.step_limit = self.plain_limit();
+        }
+    }
+
+    /// The step without inertia against relative motion \[s\].
+    fn plain_limit(&self) -> f64 {
+        if self.system.shared.is_empty() {
+            self.shared_limit.max(self.alone_limit)
+        } else {
+            self.shared_limit
+        }
+    }
+
+    /// Takes a step of `h` \[s\] back in which contacts touch bodies that have inertia against relative motion, which ends. Whether there were any.
+    pub(super) fn let_loose(&mut self, h: f64, books: (ContactEnergy, f64)) -> bool {
+        let changed = |(now, before): (&BodyState, &BodyState)| {
+            math::norm(math::sub(now.v, before.v)) > LIGHT_TOUCH[0]
+                || math::norm(math::sub(now.w, before.w)) > LIGHT_TOUCH[1]
+        };
+        if !self.system.bodies.iter().zip(&self.untouched).any(changed) {
+            return false;
+        }
+        let touched = self.take_back(h, books);
+        self.is_loose = true;
+        self.forces_with(|s, all| s.is_touched(&touched, &all.bodies));
+        true
+    }
+
+    /// Takes a step of `h` \[s\] back in which contacts touch bodies that share their inertia, and kicks all bodies anew without that. Whether there were any.
+    pub(super) fn part_touched(&mut self, h: f64, (energy, opened): (ContactEnergy, f64)) -> bool {
+        let now = &self.system.bodies;
+        if !self.system.shared.iter().any(|s| s.is_touched(now, &self.untouched)) {
+            return false;
+        }
+        let touched = self.take_back(h, (energy, opened));
+        let kick = 0.5 * (self.last_step + h);
+        self.forces_with(|s, all| s.is_touched(&touched, &all.bodies));
+        step::kick(&mut self.system, kick, h);
+        true
+    }
+
+    /// Takes back the kick and the contacts of a step of `h` \[s\]; returns the bodies after them.
+    fn take_back(&mut self, h: f64, (energy, opened): (ContactEnergy, f64)) -> Vec<BodyState> {
+        let mut touched = std::mem::take(&mut self.untouched);
+        std::mem::swap(&mut self.system.bodies, &mut touched);
+        self.contacts.take_back(energy);
+        self.opened = opened;
+        let kick = 0.5 * (self.last_step + h);
+        for (body, data) in self.system.bodies.iter_mut().zip(&self.system.data) {
+            if data.alive && !data.asleep {
+                step::push(body, -kick);
+            }
+        }
+        touched
+    }
+}
