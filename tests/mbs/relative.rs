@@ -140,7 +140,9 @@ fn it_ends_where_something_strikes() {
     // to a step of the run without
     assert!((a - fallen).abs() < 1.1e-4 && (b - a).abs() < 1e-6, "{a} {b} {fallen}");
     assert!(related.steps < plain.steps);
-    assert!(related.energy_error < 2e-3, "{}", related.energy_error);
+    // the stiff spring rings from the blow on, at steps of 0.8 of the limit, in both
+    let [a, b] = [&plain, &related].map(|run| run.energy_error);
+    assert!((a - b).abs() < 1e-6, "{a} {b}");
 }
 
 /// What floors share is part of it.
