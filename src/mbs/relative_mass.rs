@@ -7,7 +7,8 @@
 //! With `M` of the bodies accelerations are `a = (M + D)⁻¹ f`; the integrator gets the forces `M a`, so that bodies keep their own masses in everything else. `M + D` is factorised once, in the poses of that time and in axes that turn with each body.
 //! What bodies of a floor share ([`super::shared_mass`]) is part of `D`.
 //!
-//! It ends for good, for all bodies together, where one of them is touched, leans by more than [`UPRIGHT`], or falls asleep, where a joint or a body parts, and where sharing in a floor would end. From then on steps are as short as without.
+//! It ends for good, for all bodies together, where one of them is touched, leans by more than [`UPRIGHT`], falls asleep or parts at a latent bushing: from then on steps are as short as without. After a charge, a fracture and where sharing in a floor ends it begins anew in the poses of that time
+//! (`run/relate.rs`).
 
 use super::block_solve::{BlockSolve, SIZE};
 use super::ideal::factor::BlockFactor;

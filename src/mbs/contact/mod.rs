@@ -175,9 +175,9 @@ pub struct Settings {
     pub tolerance: f64,
     /// Most sweeps of a step in which the impulses of the last one nearly hold.
     pub sweeps: usize,
-    /// Visits of points in conjugate directions in any other step, such as one with an impact, unless so many sweeps need more.
+    /// Visits of points in conjugate directions in any other step, unless so many sweeps need more.
     pub visits: usize,
-    /// Visits in sweeps of such a step where there are no conjugate directions: ideal joints, rolling.
+    /// Visits in plain sweeps of such a step with an impact, and where there are no conjugate directions: ideal joints, rolling.
     pub plain_visits: usize,
     /// Most sweeps of such a step.
     pub most_sweeps: usize,

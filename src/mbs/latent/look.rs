@@ -66,13 +66,12 @@ impl Latent {
                 continue;
             }
             let spin = system.bodies[compound.body].w_body;
-            let watched = |l: &usize| self.watched[compound.bushings[*l]];
-            let count = (0..compound.bushings.len()).filter(watched).count() as u64;
+            let is_asked = |l: usize| self.watched[compound.bushings[l]];
+            let count = (0..compound.bushings.len()).filter(|l| is_asked(*l)).count() as u64;
             if !self.looks_always
                 && let Some(bound) = &mut compound.bound
             {
                 let contact = if with_step { &compound.now } else { &compound.contact };
-                let is_asked = |l: usize| self.watched[compound.bushings[l]];
                 if bound.allows(system, &compound.attached, (contact, spin), is_asked) {
                     self.looks[1] += count;
                     continue;

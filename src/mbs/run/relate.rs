@@ -58,12 +58,12 @@ impl Run<'_> {
     }
 
     /// Takes a step of `h` \[s\] back in which contacts touch bodies that share their inertia, and kicks all bodies anew without that. Whether there were any.
-    pub(super) fn part_touched(&mut self, h: f64, (energy, opened): (ContactEnergy, f64)) -> bool {
+    pub(super) fn part_touched(&mut self, h: f64, books: (ContactEnergy, f64)) -> bool {
         let now = &self.system.bodies;
         if !self.system.shared.iter().any(|s| s.is_touched(now, &self.untouched)) {
             return false;
         }
-        let touched = self.take_back(h, (energy, opened));
+        let touched = self.take_back(h, books);
         let kick = 0.5 * (self.last_step + h);
         self.forces_with(|s, all| s.is_touched(&touched, &all.bodies));
         step::kick(&mut self.system, kick, h);
