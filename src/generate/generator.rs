@@ -23,7 +23,7 @@ use crate::library::derive_contact::WantedContact;
 use crate::library::{Entry, Store};
 use crate::mbs::frequency::STEP_FRACTION;
 use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
-use crate::mbs::run::LARGEST_STEP_S;
+use crate::mbs::run::LARGEST_RELATED_STEP_S;
 use crate::rc::around::{self, Surroundings};
 use crate::rules::RuleBase;
 use rayon::prelude::*;
@@ -283,8 +283,8 @@ impl<'a> Generator<'a> {
     }
 }
 
-/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: that of steps of [`LARGEST_STEP_S`]. What moves at 40 rad/s, as whole floors do, slows down by 3e-4.
-const RELATIVE_RAD_S: f64 = 2.0 * STEP_FRACTION / LARGEST_STEP_S;
+/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: that of steps of [`LARGEST_RELATED_STEP_S`]. What moves at 40 rad/s, as whole floors do, slows down by 1.3e-3.
+const RELATIVE_RAD_S: f64 = 2.0 * STEP_FRACTION / LARGEST_RELATED_STEP_S;
 
 fn settings(building: &Building) -> RunSettings {
     RunSettings {

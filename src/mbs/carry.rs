@@ -13,13 +13,13 @@
 //!
 //! When an end opens, the other one keeps the lean that it has: a kink of the size of elastic rotations.
 //!
-//! The lean of a step is extrapolated from those that fit the moments of the two steps before. For moments that are smooth in time this is second order in the step and takes a little energy from vibrations near the limit of stability;
-//! it shows in the energy balance.
+//! Each end is evaluated for itself, eight at a time, under a lean that is extrapolated from those that fitted the moments of the two steps before. Where both ends turn out to be elastic, the lean that fits their moments is known in closed form, and they are corrected to it
+//! ([`CarryOver::go_on`]): the forces of the step are those of the beam. Where one of them flows, both keep the extrapolated lean: second order in the step for moments that are smooth in time, with a little energy taken from vibrations near the limit of stability. It shows in the energy balance.
 
 use super::joint::JointData;
 use super::math;
 use super::model::Bushing;
-use super::system::BodyData;
+use super::system::{BodyData, BodyState};
 use std::collections::BTreeMap;
 
 /// Two joints at the ends of a member.
@@ -103,14 +103,37 @@ impl CarryOver {
         (self.fitted, self.present) = (lean, lean);
     }
 
-    /// After the forces of a step: the leans of the next one. Returns whether there are new ones.
+    /// After the forces of a step: corrects them to the leans that fit the moments if both ends are elastic with these, and finds the leans of the next step. `is_elastic` tells this of a joint with moments about its bending axes \[N m\]. Returns whether
+    /// there are new leans.
     #[inline]
-    pub fn go_on(&mut self, joints: &mut [JointData], data: &[BodyData]) -> bool {
+    pub fn go_on(
+        &mut self,
+        joints: &mut [JointData],
+        bodies: &mut [BodyState],
+        data: &[BodyData],
+        is_elastic: impl Fn(usize, &JointData, [f64; 2]) -> bool,
+    ) -> bool {
         self.present = joints[self.joints[0]].lean;
         if !self.is_live(joints, data) {
             return false;
         }
         let leans = self.fit(joints);
+        let change: [f64; 2] = std::array::from_fn(|k| self.present[k] - leans[k]);
+        let more = |joint: &JointData, sign: [f64; 2]| -> [f64; 2] {
+            std::array::from_fn(|k| joint.rotation[k + 1] * sign[k] * change[k])
+        };
+        let of = |i: usize, sign| {
+            let (joint, more) = (&joints[i], more(&joints[i], sign));
+            let moments = std::array::from_fn(|k| joint.hinge.moment_nm[k] + more[k]);
+            is_elastic(i, joint, moments).then_some((i, more))
+        };
+        let [first, second] = self.joints;
+        if let (Some(first), Some(second)) = (of(first, [1.0; 2]), of(second, self.sense.map(|s| -s))) {
+            for (i, more) in [first, second] {
+                joints[i].bend_more(more, bodies);
+            }
+            self.present = leans;
+        }
         let next = std::array::from_fn(|k| 2.0 * leans[k] - self.fitted[k]);
         self.fitted = leans;
         self.set(joints, next);

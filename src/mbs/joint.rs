@@ -266,6 +266,21 @@ impl JointData {
         b.torque = math::sub(b.torque, on_b);
     }
 
+    /// Adds elastic moments about its bending axes \[N m\] to those of the last evaluation, which was in the present poses, and to its bodies.
+    #[inline]
+    pub(super) fn bend_more(&mut self, more: [f64; 2], bodies: &mut [BodyState]) {
+        for k in (0..2).filter(|k| more[*k] != 0.0) {
+            let before = self.hinge.moment_nm[k];
+            self.elastic_j += (before + 0.5 * more[k]) * more[k] / self.rotation[k + 1];
+            self.hinge.moment_nm[k] += more[k];
+        }
+        let frame = math::qmat(math::qmul(bodies[self.a].q, self.frames[0]));
+        let (theta, c) = bend(self.relative);
+        let torque = torque(&frame, theta, [0.0, more[0], more[1]], c);
+        bodies[self.a].torque = math::add(bodies[self.a].torque, torque);
+        bodies[self.b].torque = math::sub(bodies[self.b].torque, torque);
+    }
+
     /// Force on the first body and torques about the centres of mass of both \[N, N m\] (the second one feels the opposite), as of the last evaluation, which was in the present poses.
     pub fn pull(&self, bodies: &[BodyState]) -> [V3; 3] {
         let at = self.stance(bodies);
@@ -591,12 +606,18 @@ pub(super) fn bend_by(factor: f64, turn: Q) -> (V3, f64) {
 /// [`math::tangent_coefficient`] of the rotation vector.
 #[inline(always)]
 pub(super) fn loads(frame: &M3, arms: [V3; 2], theta: V3, local: V3, moment: V3, c: f64) -> [V3; 3] {
-    let once = math::cross(theta, moment);
-    let twice = math::cross(theta, once);
-    let torque = math::mul(frame, math::axpy(math::axpy(moment, 0.5, once), c, twice));
+    let torque = torque(frame, theta, moment, c);
     let force = math::mul(frame, local);
     let (turn_a, turn_b) = (math::cross(arms[0], force), math::cross(arms[1], force));
     [force, math::add(turn_a, torque), math::add(turn_b, torque)]
+}
+
+/// The torque of a moment along the joint axes that is conjugate to the rotation vector.
+#[inline(always)]
+fn torque(frame: &M3, theta: V3, moment: V3, c: f64) -> V3 {
+    let once = math::cross(theta, moment);
+    let twice = math::cross(theta, once);
+    math::mul(frame, math::axpy(math::axpy(moment, 0.5, once), c, twice))
 }
 
 /// One spring of a joint: its stretch is `force·(δx_b - δx_a) + turn_b·δφ_b - turn_a·δφ_a`.

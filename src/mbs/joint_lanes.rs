@@ -142,6 +142,14 @@ impl JointBlock {
         put(&mut self.lean, l, if joint.beam.is_some() { [0.0; 2] } else { joint.lean });
     }
 
+    /// Whether a joint that is no beam is elastic under an axial force \[N\] and moments about its bending axes \[N m\].
+    #[inline]
+    pub fn is_elastic(&self, l: usize, axial_force_n: f64, moment_nm: [f64; 2]) -> bool {
+        let used =
+            moment_nm[0] * moment_nm[0] * self.ease[0][l] + moment_nm[1] * moment_nm[1] * self.ease[1][l];
+        axial_force_n >= self.force[0][l] && axial_force_n < self.force[1][l] && used < WELL_INSIDE
+    }
+
     /// Takes over how much of its weight a beam bears.
     #[inline]
     pub fn bear(&mut self, l: usize, joint: &JointData) {

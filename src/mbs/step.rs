@@ -406,7 +406,23 @@ pub fn velocities(body: &BodyState, data: &BodyData, half_s: f64) -> [V3; 2] {
 /// Kinetic energy at the full step \[J\].
 pub fn kinetic_j(body: &BodyState, data: &BodyData, half_s: f64) -> f64 {
     let (p, l) = synchronised(body, half_s);
+    energy_j(body, data, p, l)
+}
+
+/// Kinetic energy of what the forces add in a time \[s, J\].
+pub fn kick_j(body: &BodyState, data: &BodyData, time_s: f64) -> f64 {
+    energy_j(body, data, math::scale(time_s, body.force), math::scale(time_s, body.torque))
+}
+
+fn energy_j(body: &BodyState, data: &BodyData, p: V3, l: V3) -> f64 {
     let l_body = math::mul_t(&body.r, l);
     0.5 * data.inverse_mass * math::dot(p, p)
         + 0.5 * math::dot(l_body, math::mul(&data.inverse_inertia, l_body))
+}
+
+/// What the forces add to velocity and angular velocity in a time \[s\].
+pub fn gains(body: &BodyState, data: &BodyData, time_s: f64) -> [V3; 2] {
+    let l = math::scale(time_s, body.torque);
+    let w = math::mul(&body.r, math::mul(&data.inverse_inertia, math::mul_t(&body.r, l)));
+    [math::scale(data.inverse_mass * time_s, body.force), w]
 }

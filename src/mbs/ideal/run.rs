@@ -367,7 +367,7 @@ impl Record {
         // the work of springs and hinges is in their energies
         e.applied_j.push(start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j - unbound_j);
         let turned_j = seen.kinetic_j + gravity_j.abs() + seen.plastic_j;
-        let error = self.books.note(e, turned_j.max(seen.work_j.abs()));
+        let error = self.books.note(e, 0.0, turned_j.max(seen.work_j.abs()));
         if error <= options.energy_limit {
             return self.books.check_contacts(time, options.energy_limit, step);
         }

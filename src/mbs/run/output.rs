@@ -76,6 +76,7 @@ impl Run<'_> {
         }
         let half = 0.5 * self.last_step;
         kinetic += self.system.shared_j(|_, body, data| step::velocities(body, data, half));
+        let kick = self.system.kick_j(half);
         // what the spans of beams sag by themselves
         gravity +=
             self.system.joints.iter().filter_map(|j| j.beam.as_ref()).map(|b| b.against_load_j).sum::<f64>();
@@ -101,7 +102,7 @@ impl Run<'_> {
             let scale_j = 1e-3 * mass * math::norm(self.system.gravity) + kinetic + joints;
             self.books = Balance::new(scale_j);
         }
-        let error = self.books.note(e, kinetic + gravity.abs() + plastic.abs());
+        let error = self.books.note(e, kick, kinetic + gravity.abs() + plastic.abs());
         self.result.energy_error = self.books.error;
         if error.is_nan() || error > self.options.energy_limit {
             return Err(self.energy_error(error));

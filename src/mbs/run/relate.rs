@@ -1,6 +1,6 @@
 //! When inertia that bodies have together begins and ends: that against relative motion, and that of floors where contacts touch them.
 
-use super::{LARGEST_STEP_S, Run, step};
+use super::{LARGEST_RELATED_STEP_S, Run, step};
 use crate::mbs::contact::ContactEnergy;
 use crate::mbs::system::BodyState;
 use crate::mbs::{frequency, math};
@@ -14,7 +14,7 @@ impl Run<'_> {
     /// Gives the bodies inertia against relative motion in their present poses, if the model asks for it, it has not ended for good, and it makes steps longer. Forces are known but for inertia that bodies have together.
     pub(super) fn relate(&mut self) {
         let Some(most) = self.file.settings.relative_inertia_rad_s else { return };
-        let step = self.share * (frequency::STEP_FRACTION * 2.0 / most).min(LARGEST_STEP_S);
+        let step = self.share * (frequency::STEP_FRACTION * 2.0 / most).min(LARGEST_RELATED_STEP_S);
         let is_worth_it = step > WORTH_IT * self.plain_limit();
         if self.is_loose || self.file.settings.time_step_s.is_some() || !is_worth_it {
             return;

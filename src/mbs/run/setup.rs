@@ -5,7 +5,7 @@ use crate::mbs::contact::ContactSet;
 use crate::mbs::error::SolveError;
 use crate::mbs::frequency;
 use crate::mbs::latent::Latent;
-use crate::mbs::model::Model;
+use crate::mbs::model::{Model, RunSettings};
 use crate::mbs::preload::PreloadError;
 use crate::mbs::result::{
     CrushedHistory, HingeHistory, LatentRecord, RESULT_SCHEMA, RunResult, TrackedHistory,
@@ -76,6 +76,11 @@ pub(super) fn joints_of(model: &Model, body: usize) -> String {
     if list.is_empty() { "none".into() } else { list.join(", ") }
 }
 
+/// How many outputs a run has after that at its begin.
+pub(super) fn outputs(settings: &RunSettings) -> usize {
+    (settings.end_time_s / settings.output_interval_s * (1.0 + 1e-12)).floor() as usize
+}
+
 pub(super) fn empty_result(
     model: &Model,
     hinges: &[(usize, usize)],
@@ -83,10 +88,11 @@ pub(super) fn empty_result(
     frequency: f64,
     preload_iterations: Option<usize>,
 ) -> RunResult {
+    let outputs = outputs(&model.settings) + 1;
     let histories = model.tracked.iter().map(|point| TrackedHistory {
         id: point.id.clone(),
         origin_m: point.point_m,
-        displacement_m: Vec::new(),
+        displacement_m: Vec::with_capacity(outputs),
     });
     let crushed = model.contact.crushing.iter().map(|f| CrushedHistory {
         body: f.body.clone(),
@@ -102,10 +108,10 @@ pub(super) fn empty_result(
     });
     let hinge_histories = hinges.iter().map(|(i, k)| HingeHistory {
         joint: model.bushings[*i].hinges()[*k].to_string(),
-        rotation_rad: Vec::new(),
-        moment_nm: Vec::new(),
-        plastic_rotation_rad: Vec::new(),
-        axial_force_n: Vec::new(),
+        rotation_rad: Vec::with_capacity(outputs),
+        moment_nm: Vec::with_capacity(outputs),
+        plastic_rotation_rad: Vec::with_capacity(outputs),
+        axial_force_n: Vec::with_capacity(outputs),
     });
     RunResult {
         schema: RESULT_SCHEMA.into(),
@@ -113,7 +119,7 @@ pub(super) fn empty_result(
         times_s: Vec::new(),
         tracked: histories.collect(),
         bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
-        frames: Vec::new(),
+        frames: Vec::with_capacity(outputs),
         energies: Default::default(),
         hinges: hinge_histories.collect(),
         latent: latent.collect(),
