@@ -222,7 +222,7 @@ struct Run<'a> {
     sleep: Sleep,
     /// Work of the forces on displacements that open gaps \[J\].
     opened: f64,
-    /// States before contacts, where bodies share inertia or rules wait for contacts.
+    /// States before contacts, where bodies share inertia or latent bushings may give way.
     untouched: Vec<BodyState>,
     result: RunResult,
     time: f64,
@@ -441,11 +441,9 @@ impl<'a> Run<'a> {
     fn meet(&mut self, h: f64) -> Result<bool, SolveError> {
         let books = (self.contacts.energy, self.opened);
         let is_waiting = self.latent.is_waiting();
-        if is_waiting || !self.system.shared.is_empty() || self.system.relative.is_some() {
-            self.untouched.clone_from(&self.system.bodies);
-        }
-        if is_waiting || self.latent.is_watching() {
-            self.remember(h);
+        let is_latent = is_waiting || self.latent.is_watching();
+        if is_latent || !self.system.shared.is_empty() || self.system.relative.is_some() {
+            self.remember();
         }
         loop {
             let opened = step::meet(&mut self.system, &mut self.contacts, &mut self.moving, h);

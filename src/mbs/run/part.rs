@@ -22,14 +22,19 @@ impl Run<'_> {
         Ok(any)
     }
 
-    /// The state before the contacts of a step of `h` \[s\] whose kick is done.
-    pub(super) fn remember(&mut self, h: f64) {
-        self.before.clone_from(&self.system.bodies);
+    /// Keeps the bodies as they are before the contacts of a step whose kick is done, and who is asleep.
+    pub(super) fn remember(&mut self) {
+        self.untouched.clone_from(&self.system.bodies);
         self.resting.clear();
         self.resting.extend(self.system.data.iter().map(|d| d.asleep));
+    }
+
+    /// The bodies before a step of `h` \[s\], from those before its contacts.
+    fn before_kick(&mut self, h: f64) {
+        self.before.clone_from(&self.untouched);
         let kick = 0.5 * (self.last_step + h);
-        for (body, data) in self.before.iter_mut().zip(&self.system.data) {
-            if data.alive && !data.asleep {
+        for ((body, data), resting) in self.before.iter_mut().zip(&self.system.data).zip(&self.resting) {
+            if data.alive && !resting {
                 step::push(body, -kick);
             }
         }
@@ -42,6 +47,7 @@ impl Run<'_> {
         (energy, opened): (ContactEnergy, f64),
     ) -> Result<bool, SolveError> {
         self.latent.feel(&self.system, Some(&self.contacts), h);
+        self.before_kick(h);
         // the loads are those of the poses before gaps were opened
         std::mem::swap(&mut self.before, &mut self.system.bodies);
         let Some(parting) = self.latent.struck(&self.system) else {
