@@ -435,11 +435,13 @@ pub enum OverrideAction {
     MergeElastic,
     /// A wall is a body of its own.
     RigidBody,
+    /// A beam may break away from its slab.
+    BreakAway,
 }
 
 impl OverrideAction {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Hinge,
         Self::ElasticConnection,
         Self::RigidConnection,
@@ -447,6 +449,7 @@ impl OverrideAction {
         Self::MergeRigid,
         Self::MergeElastic,
         Self::RigidBody,
+        Self::BreakAway,
     ];
 
     /// Its name in building files, and that of the same action in rule files.
@@ -459,6 +462,7 @@ impl OverrideAction {
             Self::MergeRigid => "merge_rigid",
             Self::MergeElastic => "merge_elastic",
             Self::RigidBody => "rigid_body",
+            Self::BreakAway => "break_away",
         }
     }
 }

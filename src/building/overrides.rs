@@ -1,6 +1,6 @@
 //! What the analyst decides in place of the rules: `[[overrides]]`, and which of them cannot be.
 //!
-//! A target is a member end, a wall, or any slab or beam for the floor that it belongs to. An action that fits none of them, a target that is taken
+//! A target is a member end, a wall, a beam, or any slab or beam for the floor that it belongs to. An action that fits none of them, a target that is taken
 //! away, and decisions that exclude each other are errors here, so that the generator can carry out what is left.
 
 use super::connect::{touch, unsupported_groups};
@@ -17,12 +17,12 @@ use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::source::Span;
 use crate::base::tree::Node;
 use OverrideAction::{
-    ElasticConnection, Hinge, LatentHinge, MergeElastic, MergeRigid, RigidBody, RigidConnection,
+    BreakAway, ElasticConnection, Hinge, LatentHinge, MergeElastic, MergeRigid, RigidBody, RigidConnection,
 };
 
 /// Names of the actions that an analyst may write.
-pub const ACTIONS: [&str; 7] = {
-    let mut names = [""; 7];
+pub const ACTIONS: [&str; 8] = {
+    let mut names = [""; 8];
     let mut i = 0;
     while i < names.len() {
         names[i] = OverrideAction::ALL[i].name();
@@ -47,7 +47,8 @@ impl Target<'_> {
         match (self.member.kind, self.is_end) {
             (MemberKind::Column, true) => &[Hinge, ElasticConnection, RigidConnection],
             (MemberKind::Beam, true) => &[LatentHinge, RigidConnection],
-            (MemberKind::Slab | MemberKind::Beam, false) => &[MergeRigid, MergeElastic],
+            (MemberKind::Slab, false) => &[MergeRigid, MergeElastic],
+            (MemberKind::Beam, false) => &[MergeRigid, MergeElastic, BreakAway],
             (MemberKind::Wall, false) => &[RigidBody, MergeRigid],
             _ => &[],
         }
@@ -266,7 +267,13 @@ impl Site<'_> {
         let of_floor = |o: &Override| self.end(&o.target).is_none();
         match (self.floor(&a.target), self.floor(&b.target)) {
             (Some(p), Some(q)) if p == q => match (of_floor(a), of_floor(b)) {
-                (true, true) => Some("both targets belong to one floor"),
+                (true, true) => match [a.action, b.action] {
+                    [BreakAway, BreakAway | MergeElastic] | [MergeElastic, BreakAway] => None,
+                    [BreakAway, _] | [_, BreakAway] => {
+                        Some("no beam breaks away from a floor that is one body")
+                    }
+                    _ => Some("both targets belong to one floor"),
+                },
                 (false, false) if a.action != b.action => {
                     let on_line = self.end(&a.target)?.on_line_of(self.end(&b.target)?);
                     on_line.then_some("both ends lie on one line, at which the floor folds or does not")
@@ -284,7 +291,8 @@ impl Site<'_> {
 
     /// A floor that is one body with a wall neither bends nor folds.
     fn wall_in_floor(&self, wall: &Override, other: &Override, floor: usize) -> Option<&'static str> {
-        let merged = wall.action == MergeRigid && matches!(other.action, MergeElastic | LatentHinge);
+        let merged =
+            wall.action == MergeRigid && matches!(other.action, MergeElastic | LatentHinge | BreakAway);
         let wall = self.building.member(&wall.target).filter(|_| merged)?;
         let members = self.building.members.iter().zip(&self.floors);
         let mut own = members.filter(|(_, of)| **of == Some(floor)).map(|(m, _)| m);

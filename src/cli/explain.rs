@@ -5,7 +5,7 @@ use super::knowledge::KnowledgeArgs;
 use super::{Failure, Outcome, explain_events, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
 use crate::building::Building;
-use crate::generate::{EventReason, Generated, Reason, Unasked};
+use crate::generate::{EventReason, Generated, Reason, StaysWhole, Unasked, web_of};
 use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
@@ -60,6 +60,9 @@ pub struct TraceFile {
     /// Rules about events that are not asked.
     #[serde(default)]
     pub unasked: Vec<Unasked>,
+    /// Why beams stay one with their slabs.
+    #[serde(default)]
+    pub stays: Vec<StaysWhole>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
 }
@@ -110,6 +113,7 @@ impl TraceFile {
                 .collect(),
             event_rules: generated.event_rules.clone(),
             unasked: generated.unasked.clone(),
+            stays: generated.stays.clone(),
             notes: generated.notes.clone(),
         }
     }
@@ -185,10 +189,15 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let part = Part::find(&model, &arguments.part).ok_or_else(|| unknown(&model, &arguments.part))?;
     let trace = TraceFile::beside(&arguments.model)?;
     let (reasons, entries) = match &trace {
-        Some(trace) => known(&part, trace),
+        Some(trace) => known(&arguments.part, &part, trace),
         None => looked_up(&part, arguments)?,
     };
     let review = reviewed(&arguments.model, &arguments.part, &part)?;
+    let is_asked = |beam: &&String| concerned(&arguments.part, &part).any(|m| m == beam.as_str());
+    let whole = trace.iter().flat_map(|t| &t.stays).filter(|s| s.beams.iter().any(|b| is_asked(&b)));
+    let whole: Vec<StaysWhole> = whole
+        .map(|s| StaysWhole { beams: s.beams.iter().filter(is_asked).cloned().collect(), why: s.why.clone() })
+        .collect();
     let events = events(arguments, &model, &part, trace)?;
     if arguments.json {
         let value = json!({
@@ -198,12 +207,13 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "members": part.origin().members,
             "reasons": reasons,
             "entries": entries,
+            "stays": whole,
             "events": events,
         });
         print(&format!("{value:#}\n"));
     } else {
         let words = text(&arguments.part, &part, &reasons, &entries);
-        print(&(words + &events.text() + &review_text(&review)));
+        print(&(words + &whole_text(&whole) + &events.text() + &review_text(&review)));
     }
     Ok(Outcome::Done)
 }
@@ -245,6 +255,13 @@ fn reviewed(model: &Path, asked: &str, part: &Part) -> Result<Vec<(usize, Item)>
     Ok(own.map(|item| (count, item)).collect())
 }
 
+fn whole_text(beams: &[StaysWhole]) -> String {
+    let line = |s: &StaysWhole| {
+        format!("  {}: one with the slab whatever happens, since {}\n", s.beams.join(", "), s.why)
+    };
+    beams.iter().map(line).collect()
+}
+
 fn review_text(items: &[(usize, Item)]) -> String {
     let line = |(count, item): &(usize, Item)| {
         let (why, changes) = (item.why.join("; "), item.change_words());
@@ -280,11 +297,20 @@ fn unknown(model: &Model, id: &str) -> Failure {
 type Found = (Vec<Reason>, BTreeMap<String, Option<EntryFacts>>);
 
 /// Reasons and entries of a part by its trace.
-fn known(part: &Part, trace: &TraceFile) -> Found {
-    let reasons = trace.reasons.iter().filter(|r| r.part == part.id()).cloned().collect();
+fn known(asked: &str, part: &Part, trace: &TraceFile) -> Found {
+    // whether a beam may break away is asked about it, whatever part is
+    let webs: Vec<String> = concerned(asked, part).map(web_of).collect();
+    let is_about = |r: &&Reason| r.part == part.id() || webs.contains(&r.subject);
+    let reasons = trace.reasons.iter().filter(is_about).cloned().collect();
     let entries =
         part.origin().entries.iter().map(|key| (key.clone(), trace.entries.get(key).cloned())).collect();
     (reasons, entries)
+}
+
+/// The members that were asked for: one, or those that a part stands for.
+fn concerned<'a>(asked: &'a str, part: &'a Part) -> impl Iterator<Item = &'a str> {
+    let all = if asked == part.id() { &part.origin().members[..] } else { &[] };
+    all.iter().map(String::as_str).chain([asked])
 }
 
 /// Reasons and entries of a part whose model has no trace: what rule base and library hold today.
@@ -359,6 +385,7 @@ fn grouped(reasons: &[Reason]) -> Vec<(&Reason, Vec<&str>)> {
                 && (&g.words, &g.instead_of) == (&r.words, &r.instead_of)
         };
         match groups.iter_mut().find(|(g, _)| same(g)) {
+            Some((_, subjects)) if subjects.contains(&r.subject.as_str()) => {}
             Some((_, subjects)) => subjects.push(&r.subject),
             None => groups.push((r, vec![&r.subject])),
         }

@@ -3,6 +3,7 @@
 //! What is decided about one thing may follow for others: a floor that is one rigid body folds at none of its beam ends, a floor that folds at a line does not bend, and a line
 //! runs through all beam ends on it. Such a decision is taken only where the rules say otherwise.
 
+use super::webs::web_of;
 use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind, Override, OverrideAction};
 use crate::graph::Structure;
@@ -80,7 +81,7 @@ struct Spread<'a> {
 
 impl Spread<'_> {
     fn of(&self, decided: &Override, answers: &mut Answers) {
-        use OverrideAction::{LatentHinge, MergeElastic, MergeRigid, RigidConnection};
+        use OverrideAction::{BreakAway, LatentHinge, MergeElastic, MergeRigid, RigidConnection};
         let id = |m: usize| self.building.members[m].id.as_str();
         let end = self.ends.iter().find(|e| e.id == decided.target);
         let member = end
@@ -107,6 +108,7 @@ impl Spread<'_> {
                     others.for_each(|e| answers.enter(&e.id, decided, RigidConnection, true));
                 }
             }
+            (None, BreakAway) => answers.enter(&web_of(id(member)), decided, BreakAway, false),
             _ => answers.enter(&decided.target, decided, decided.action, false),
         }
     }

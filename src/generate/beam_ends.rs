@@ -1,6 +1,7 @@
 //! The ends of the beams and strips of a floor that bends: what they bear before they yield, and how they are called.
 
 use super::cells::Piece;
+use super::webs::share_of_curve;
 use crate::base::geom::Aabb;
 use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind};
@@ -78,10 +79,7 @@ impl<'a> YieldingEnds<'a> {
             elongation_m: None,
         };
         let row_m = self.row_m(cut);
-        // the weaker end stands for both
-        let sections = [0, 1].map(|side| Layers::of(self.layers(building, cut, side, row_m)));
-        let [Some(one), Some(other)] = sections else { return elastic };
-        let section = if other.squash_n < one.squash_n { other } else { one };
+        let Some((section, _)) = self.weaker(building, cut) else { return elastic };
         let half_length_m = 0.5 * (cut.faces_m[1] - cut.faces_m[0]) - POLE * row_m;
         if half_length_m <= 0.0 {
             return elastic;
@@ -108,6 +106,35 @@ impl<'a> YieldingEnds<'a> {
             squash_n: Some(section.squash_n),
             elongation_m: Some(critical * row_m),
         }
+    }
+
+    /// The section at the weaker end, which stands for both, and its side.
+    fn weaker<'b>(&self, building: &'b Building, cut: &BeamCut) -> Option<(Layers<'b>, usize)> {
+        let row_m = self.row_m(cut);
+        let sections = [0, 1].map(|side| Layers::of(self.layers(building, cut, side, row_m)));
+        let [Some(one), Some(other)] = sections else { return None };
+        Some(if other.squash_n < one.squash_n { (other, 1) } else { (one, 0) })
+    }
+
+    /// Share of the moment that the ends of a cut bear which the slab there would bear by itself; none if they stay elastic.
+    pub fn share_of_slab(&self, building: &Building, cut: &BeamCut) -> Option<f64> {
+        let row_m = self.row_m(cut);
+        let half_length_m = 0.5 * (cut.faces_m[1] - cut.faces_m[0]) - POLE * row_m;
+        let (whole, side) = self.weaker(building, cut).filter(|_| half_length_m > 0.0)?;
+        let mut layers = self.layers(building, cut, side, row_m);
+        layers.retain(|l| l.is_plate);
+        let rows = Rows { row_m, shear_span_m: half_length_m, held: cut.held };
+        let slab_nm = Layers::of(layers).map_or(0.0, |slab| slab.weaker(&rows, 0.0).peak_nm());
+        Some(slab_nm / whole.weaker(&rows, 0.0).peak_nm())
+    }
+
+    /// Enters a share of a curve, for a part of a cut; its id.
+    pub fn share_of(&mut self, curve: &str, share: f64, cut: &str, part: &str) -> String {
+        let id = format!("{BEAM_CURVES}{cut}/{part}");
+        if let Some(own) = self.curves.get(curve).map(|c| share_of_curve(c, share)) {
+            self.curves.insert(id.clone(), own);
+        }
+        id
     }
 
     /// Length of the row of elements beside the columns, the longer one of both sides \[m\].

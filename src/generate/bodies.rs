@@ -78,6 +78,11 @@ impl Bodies {
         first
     }
 
+    /// Enters bodies that are parts of pieces of floors.
+    pub fn add_parts(&mut self, bodies: impl Iterator<Item = Body>) {
+        self.list.extend(bodies);
+    }
+
     /// Says that a floor in pieces bends.
     pub fn bends(&mut self, first: usize, pieces: usize) {
         self.bending.extend(first..first + pieces);

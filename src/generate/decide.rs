@@ -3,9 +3,10 @@
 use super::analyst::{ANALYST, Answers};
 use super::known::Known;
 use super::sections::Sections;
+use super::webs::web_of;
 use super::{Accuracy, GenerateError, is_column};
-use crate::building::Building;
 use crate::building::ends::{self, MemberEnd};
+use crate::building::{Building, MemberKind};
 use crate::graph::{Connection, End};
 use crate::mbs::Model;
 use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, Trace, Value};
@@ -91,6 +92,8 @@ pub struct Decision {
     pub latent: BTreeMap<String, Vec<String>>,
     /// Columns that may break between their ends once something has happened to them.
     sections: BTreeMap<usize, Sections>,
+    /// Beams that may break away from their slab then.
+    webs: BTreeSet<usize>,
     /// Column ends that do not turn in their joints, by member.
     rigid: BTreeSet<(usize, End)>,
     /// What the rules said, by subject.
@@ -150,6 +153,19 @@ impl Decision {
         for (index, subject) in known.members.iter().enumerate().filter(|(i, _)| is_column(building, *i)) {
             this.divide(rules, index, &wished(subject))?;
         }
+        let mut others: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        for (index, subject) in known.members.iter().enumerate() {
+            let is_beam = building.members[index].kind == MemberKind::Beam;
+            match this.break_away(rules, answers, &wished(subject))? {
+                Some(_) if is_beam => _ = this.webs.insert(index),
+                Some(rule) => others.entry(rule).or_default().push(&subject.id),
+                None => {}
+            }
+        }
+        this.notes.extend(others.iter().map(|(rule, members)| {
+            let members = members.join(", ");
+            format!("rule `{rule}` has {members} break away from a slab, which only beams can: ask for `member.kind == 'beam'` in its condition")
+        }));
         if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
     }
 
@@ -194,6 +210,31 @@ impl Decision {
         Ok(())
     }
 
+    /// Asks the rules, or the analyst, whether a member may break away from its slab after the first contact; the rule that says so.
+    fn break_away(
+        &mut self,
+        rules: &RuleBase,
+        answers: &Answers,
+        subject: &Subject,
+    ) -> Result<Option<String>, GenerateError> {
+        let later = Subject { id: web_of(&subject.id), ..subject.clone() };
+        let later = later.with("collapse.phase", "after_contact");
+        let mut trace = rules.trace(&later)?;
+        // what the rules say of its body is asked elsewhere
+        trace.firings.retain(|f| f.action == Action::BreakAway);
+        if trace.firings.is_empty() && answers.about(&later.id, None).is_none() {
+            return Ok(None);
+        }
+        Ok(self
+            .answered(answers, &later, trace, Aspect::Parting)
+            .and(self.fired(&later.id).into_iter().next()))
+    }
+
+    /// Whether a beam may break away from its slab.
+    pub fn breaks_away(&self, member: usize) -> bool {
+        self.webs.contains(&member)
+    }
+
     /// Columns that may break between their ends, by member.
     pub fn sections(&self) -> impl Iterator<Item = (usize, &Sections)> {
         self.sections.iter().map(|(member, sections)| (*member, sections))
@@ -212,7 +253,17 @@ impl Decision {
         subject: &Subject,
         aspect: Aspect,
     ) -> Result<Option<Action>, GenerateError> {
-        let trace = rules.trace(subject)?;
+        Ok(self.answered(answers, subject, rules.trace(subject)?, aspect))
+    }
+
+    /// The same where the rules have been asked.
+    fn answered(
+        &mut self,
+        answers: &Answers,
+        subject: &Subject,
+        trace: Trace,
+        aspect: Aspect,
+    ) -> Option<Action> {
         let ruled = trace.decision(aspect).map(|f| f.action);
         let answer = answers.about(&subject.id, ruled);
         let overruled = |f: &&Firing| answer.is_some() && f.action.spec().aspect == aspect;
@@ -226,11 +277,11 @@ impl Decision {
             ));
         }
         self.traces.insert(subject.id.clone(), trace);
-        let Some(answer) = answer else { return Ok(ruled) };
+        let Some(answer) = answer else { return ruled };
         let target = Some(answer.target.clone()).filter(|_| !answer.follows);
         let overruled = Overruled { aspect, action: answer.action, reason: answer.reason.clone(), target };
         self.overruled.insert(subject.id.clone(), overruled);
-        Ok(Some(answer.action))
+        Some(answer.action)
     }
 
     /// The firings of rules about a subject that count.

@@ -13,6 +13,7 @@
 use super::decide::Decision;
 use super::joints::Entries;
 use super::known::Known;
+use super::webs::web_of;
 use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind, OverrideAction};
 use crate::graph::{Demands, Structure};
@@ -164,6 +165,7 @@ impl Doubt {
                 }
             }
         }
+        list.extend(known.members.iter().filter_map(|subject| site.break_away(&subject.id)));
         let of_ends = known.ends.iter().zip(ends);
         list.extend(of_ends.filter_map(|(end, place)| site.doubt(end, building.members[place.member].kind)));
         list.extend(found.scaled.iter().filter(|s| s.distance > FAR).map(|scaled| {
@@ -207,6 +209,18 @@ struct Site<'a> {
 }
 
 impl Site<'_> {
+    /// That the analyst has a beam break away from its slab.
+    fn break_away(&self, beam: &str) -> Option<Doubt> {
+        let (target, instead) = self.decision.instead(&web_of(beam))?;
+        Some(Doubt {
+            subjects: vec![beam.to_string()],
+            action: Action::BreakAway.spec().name.to_string(),
+            by: super::ANALYST.to_string(),
+            why: vec![Why::Override(instead)],
+            alternative: Alternative::Without(target?.to_string()),
+        })
+    }
+
     /// The doubt about a subject, if there is any.
     fn doubt(&self, subject: &Subject, kind: MemberKind) -> Option<Doubt> {
         let aspect = if subject.kind == SubjectKind::Member { Aspect::Body } else { Aspect::Rotation };

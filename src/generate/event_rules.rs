@@ -5,6 +5,7 @@
 use super::GenerateError;
 use super::bodies::Bodies;
 use super::decide::Decision;
+use super::webs::Webs;
 use crate::building::Building;
 use crate::mbs::model::{Broken, Bushing, EventRule, Met, Origin, Range, Trigger};
 use crate::rules::residual::{Case, Pending};
@@ -18,7 +19,15 @@ pub(super) const LATER: [&str; 5] =
 /// What rules about events answer.
 const QUESTIONS: [(Aspect, &str); 2] = [(Aspect::Change, "change"), (Aspect::Rigidity, "rigidity")];
 
-/// The rules for the columns that may break between their ends, at these hinges.
+/// Members of a kind that something may part once a rule about an event has fired for them.
+struct Watched {
+    kind: &'static str,
+    /// Their bodies, and the latent bushings.
+    bodies: Vec<String>,
+    bushings: Vec<String>,
+}
+
+/// The rules for the columns that may break between their ends, at these hinges, and for the beams that may break away from their slabs.
 ///
 /// # Errors
 /// If a rule compares what is not known yet with something else that is not a number.
@@ -27,18 +36,45 @@ pub fn of(
     rules: &RuleBase,
     decision: &Decision,
     (bodies, hinges): (&Bodies, &[Bushing]),
+    webs: &Webs,
 ) -> Result<Vec<EventRule>, GenerateError> {
     let of_column = |(member, _)| bodies.all_of(member).into_iter().map(|i| bodies.list[i].id.clone());
-    let named: Vec<String> = decision.sections().flat_map(of_column).collect();
-    let own: Vec<String> = hinges.iter().map(|h| h.id.clone()).collect();
-    if own.is_empty() {
-        return Ok(Vec::new());
+    let ids = |list: &[Bushing]| list.iter().map(|h| h.id.clone()).collect();
+    let columns = decision.sections().flat_map(of_column).collect();
+    let watched = [
+        Watched { kind: "column", bodies: columns, bushings: ids(hinges) },
+        Watched { kind: "beam", bodies: webs.bodies.clone(), bushings: ids(&webs.bushings) },
+    ];
+    let mut list: Vec<EventRule> = Vec::new();
+    for own in watched.iter().filter(|w| !w.bushings.is_empty()) {
+        for rule in of_kind(building, rules, own)? {
+            let same = |r: &&mut EventRule| {
+                (&r.id, &r.question, &r.on, r.nearest) == (&rule.id, &rule.question, &rule.on, rule.nearest)
+                    && r.watch.is_empty() == rule.watch.is_empty()
+            };
+            if let Some(first) = list.iter_mut().find(same) {
+                first.bodies.extend(rule.bodies);
+                first.watch.extend(rule.watch);
+            } else {
+                let id = if list.iter().any(|r| r.id == rule.id) {
+                    format!("{}/{}", rule.id, own.kind)
+                } else {
+                    rule.id
+                };
+                list.push(EventRule { id, ..rule });
+            }
+        }
     }
+    Ok(list)
+}
+
+/// The rules for members of a kind.
+fn of_kind(building: &Building, rules: &RuleBase, own: &Watched) -> Result<Vec<EventRule>, GenerateError> {
     let first_s = building.events.iter().map(|e| e.time_s).fold(f64::INFINITY, f64::min);
     let first_s = if first_s.is_finite() { first_s } else { 0.0 };
     let mut list = Vec::new();
     for kind in [SubjectKind::ContactEvent, SubjectKind::FractureEvent] {
-        let event = column(building, kind);
+        let event = struck(building, kind, own.kind);
         for (aspect, question) in QUESTIONS {
             for pending in rules.pending(&event, aspect, &LATER)? {
                 for (n, case) in pending.cases.iter().enumerate() {
@@ -46,8 +82,8 @@ pub fn of(
                         id: id(&pending, n),
                         question: question.into(),
                         on,
-                        bodies: named.clone(),
-                        watch: if has_hinges(&pending) { own.clone() } else { Vec::new() },
+                        bodies: own.bodies.clone(),
+                        watch: if has_hinges(&pending) { own.bushings.clone() } else { Vec::new() },
                         nearest: is_local(&pending),
                         origin: Origin { rules: vec![pending.rule.to_string()], ..Origin::default() },
                     }));
@@ -64,7 +100,7 @@ pub fn of(
 /// If a rule compares what is not known yet with something else that is not a number.
 pub fn puts_contact_in(building: &Building, rules: &RuleBase) -> Result<bool, GenerateError> {
     let kind = SubjectKind::ContactEvent;
-    let asked = rules.pending(&column(building, kind), Aspect::Change, &LATER)?;
+    let asked = rules.pending(&struck(building, kind, "column"), Aspect::Change, &LATER)?;
     let contact = |p: &Pending| {
         p.action == Action::InsertSubsystem
             && matches!(name(p.parameters, "subsystem"), Some("contact" | "contact_and_hinge"))
@@ -76,16 +112,16 @@ pub fn puts_contact_in(building: &Building, rules: &RuleBase) -> Result<bool, Ge
     Ok(first.is_some_and(contact))
 }
 
-/// What is known beforehand of an event of a column.
-pub(super) fn column(building: &Building, kind: SubjectKind) -> Subject {
+/// What is known beforehand of an event of a member of a kind.
+pub(super) fn struck(building: &Building, kind: SubjectKind, member_kind: &str) -> Subject {
     let storeys = building.members.iter().filter_map(|m| m.storey).max().unwrap_or(0);
-    Subject::new(kind, "a column")
-        .with("member.kind", "column")
+    Subject::new(kind, &format!("a {member_kind}"))
+        .with("member.kind", member_kind)
         .with("critical_strain_rate", building.settings.critical_strain_rate_1_s)
         .with("storeys", f64::from(storeys))
 }
 
-/// The rules about events of a column that are asked while the model runs.
+/// The rules about events of a member that are asked while the model runs.
 ///
 /// # Errors
 /// If a rule compares what is not known yet with something else that is not a number.

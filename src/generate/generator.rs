@@ -9,8 +9,8 @@ use super::floors::Line;
 use super::joints::{self, Query};
 use super::known::Known;
 use super::{
-    Accuracy, Division, EventReason, GenerateError, Generated, Parts, Wishes, bending_floors, contact,
-    event_rules, events, sections, tracked, unasked, walls,
+    Accuracy, Division, EventReason, GenerateError, Generated, Parts, StaysWhole, Wishes, bending_floors,
+    contact, event_rules, events, sections, tracked, unasked, walls, webs_of,
 };
 use crate::base::hash::ContentHash;
 use crate::building::ends::{MemberEnd, member_ends};
@@ -161,7 +161,7 @@ impl<'a> Generator<'a> {
         if !without.is_empty() {
             division = parts.divided(&without)?;
         }
-        let Division { bodies, floors, lines, notes: mut remarks } = division;
+        let Division { bodies, floors, lines, stays, notes: mut remarks } = division;
         notes.extend(remarks.iter().cloned());
         stages.end("bodies", 0.0);
         let place = joints::Place { building, partition, mesh, bodies: &bodies };
@@ -230,7 +230,8 @@ impl<'a> Generator<'a> {
         joints::carry_over(&place, &hinged, &mut hinges);
         curves.extend(wall_curves);
         let sections = sections::hinges(building, structure, &bodies, &decision, (&hinges, &mut curves));
-        let event_rules = event_rules::of(building, rules, &decision, (&bodies, &sections))?;
+        let webs = webs_of(building, &around.planes, &floors, (&bodies, &decision), &mut curves);
+        let event_rules = event_rules::of(building, rules, &decision, (&bodies, &sections), &webs)?;
         hinges.extend(sections);
         let mut contact = contact(building);
         contact.crushing = struck.faces(building, &bodies, &found);
@@ -238,6 +239,7 @@ impl<'a> Generator<'a> {
         let shared_masses =
             bending_floors(building, frame, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
         curves.extend(yielding.into_curves());
+        hinges.extend(webs.bushings);
         let used: BTreeSet<&String> =
             hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
         curves.retain(|id, _| used.contains(id));
@@ -265,7 +267,8 @@ impl<'a> Generator<'a> {
         stages.end("joints", 0.0);
         let trace = decision.reasons(rules, &model);
         let event_rules = EventReason::all(&model, rules);
-        let unasked = unasked::of(building, rules, (&self.known, *accuracy), &decision)?;
+        let stays = StaysWhole::all(building, rules, (&decision, &stays), &webs.bodies);
+        let unasked = unasked::of(building, rules, (&self.known, *accuracy), (&decision, &stays))?;
         let sources = doubts::Sources {
             building,
             structure,
@@ -279,7 +282,7 @@ impl<'a> Generator<'a> {
         stages.end("reasons", 0.0);
         stages.list.push(("curves", found.curves_s));
         let (derived, entries, stages) = (found.derived, found.entries, stages.list);
-        Ok(Generated { model, trace, event_rules, unasked, notes, doubts, derived, entries, stages })
+        Ok(Generated { model, trace, event_rules, unasked, stays, notes, doubts, derived, entries, stages })
     }
 }
 

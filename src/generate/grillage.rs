@@ -13,6 +13,7 @@ use super::beam_ends::{BeamCut, YieldingEnds};
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, by_cell, diagonals, neighbours};
 use super::joints::axes;
+use super::webs::{Web, share_of};
 use super::wish::Accuracy;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
@@ -80,12 +81,12 @@ impl Grillage {
         &self.axes
     }
 
-    /// The springs between the pieces, whose bodies begin at some place in the list.
+    /// The springs between the pieces, whose bodies begin at some place in the list, and between their webs.
     pub fn springs(
         &self,
         building: &Building,
         frame: &Frame,
-        pieces: &[Piece],
+        (pieces, webs): (&[Piece], &[Web]),
         (bodies, first): (&Bodies, usize),
         yielding: &mut YieldingEnds,
     ) -> Vec<Bushing> {
@@ -125,7 +126,8 @@ impl Grillage {
             let [turn_in_plane, sideways] = in_the_middle([plane.bending; 2], plane.shear, length_m);
             let [of_a, of_b] = [a, b].map(|p| &bodies.list[first + p]);
             let id = format!("{}|{}", of_a.id, of_b.id);
-            let pieces = [a, b].map(|p| &pieces[p]);
+            let [piece_a, piece_b] = [a, b].map(|p| &pieces[p]);
+            let pieces = [piece_a, piece_b];
             let span = Span { length_m, mass_kg_m: plane.mass_kg_m };
             let cut = BeamCut { axis, faces_m, span, across_m: plane.edges, held, pieces };
             let ends = yielding.of(building, &id, &cut, turn);
@@ -134,7 +136,7 @@ impl Grillage {
             let mut point_m = [at_m, at_m, level];
             // on the axis, also where the edge of the floor is: pieces turn about the axes, and only there a twisted floor has no gaps
             point_m[1 - axis] = self.axes.list[1 - axis][pieces[0].cell[1 - axis]].at_m;
-            Some(Bushing {
+            let spring = Bushing {
                 id,
                 body_a: Some(of_a.id.clone()),
                 body_b: of_b.id.clone(),
@@ -156,10 +158,48 @@ impl Grillage {
                 associated_flow: true,
                 carry_over: None,
                 origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
-            })
+            };
+            let meeting = |p: usize, side: usize| {
+                let across_m = spring.point_m[1 - axis];
+                let meets = |w: &&Web| w.piece == p && w.meets(building, (axis, at_m), side, across_m);
+                webs.iter().filter(meets).collect::<Vec<_>>()
+            };
+            let (before, after) = (meeting(a, 0), meeting(b, 1));
+            let both = before.iter().find_map(|w| {
+                after
+                    .iter()
+                    .find(|other| other.member == w.member)
+                    .map(|other| [w.id.clone(), other.id.clone()])
+            });
+            let Some(of_webs) = both else { return Some(vec![spring]) };
+            let alone = sum.slab_share(&plane);
+            let rest = yielding.share_of_slab(building, &cut).unwrap_or(alone).clamp(0.0, 1.0);
+            Some(shared_out(spring, of_webs, rest, yielding))
         };
-        neighbours(pieces).into_iter().filter_map(&mut between).collect()
+        neighbours(pieces).into_iter().filter_map(&mut between).flatten().collect()
     }
+}
+
+/// A spring in two parts, one of which joins the webs that meet there: the ends of the beam are theirs.
+fn shared_out(spring: Bushing, [a, b]: [String; 2], rest: f64, yielding: &mut YieldingEnds) -> Vec<Bushing> {
+    let [of_slab, of_webs] = [("slab", rest), ("web", 1.0 - rest)].map(|(part, share)| {
+        let own = spring.bending.iter().find_map(Bending::curve);
+        share_of(&spring, share, own.map(|curve| yielding.share_of(curve, share, &spring.id, part)))
+    });
+    let mut slab = Bushing { id: spring.id.clone(), ..of_slab };
+    let id = format!("{a}|{b}");
+    let origin = Origin { members: spring.origin.members.clone(), ..spring.origin };
+    let mut web = Bushing { body_a: Some(a), body_b: b, origin, id, ..of_webs };
+    let names = |id: &str| ["start", "end"].map(|end| format!("{id}.{end}"));
+    if let (Some(slab_beam), Some(web_beam)) = (&mut slab.beam, &mut web.beam) {
+        let own = names(&slab.id);
+        // an end that has no beam is called after the cut, and stays with the slab
+        for (k, end) in web_beam.ends.iter_mut().enumerate().filter(|(k, end)| **end == own[*k]) {
+            *end = names(&web.id)[k].clone();
+        }
+        slab_beam.ends = own;
+    }
+    vec![slab, web]
 }
 
 impl Crossing {
@@ -206,6 +246,12 @@ impl Crossing {
             );
         }
         (sum.bending > 0.0).then_some(sum)
+    }
+
+    /// Share of its bending stiffness that the slabs of a section have by themselves.
+    fn slab_share(&self, section: &InPlane) -> f64 {
+        let own = |p: &Plate| p.moduli_pa[0] * p.width_m * p.thickness_m.powi(3) / 12.0;
+        section.plates.iter().map(own).sum::<f64>() / self.bending
     }
 
     /// What holds the rows of elements at the ends of a cut through a floor with spans that a slab bridges by itself.

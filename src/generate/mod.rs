@@ -26,6 +26,7 @@ mod sections;
 mod stretch;
 mod unasked;
 mod walls;
+mod webs;
 mod wish;
 
 pub use analyst::ANALYST;
@@ -36,12 +37,14 @@ pub use event_reasons::EventReason;
 pub use generator::Generator;
 pub use rigid::rigid_elements;
 pub use unasked::Unasked;
+pub use webs::{StaysWhole, web_of};
 pub use wish::{Accuracy, Derive, Wishes};
 
 use crate::building::ends::MemberEnd;
 use crate::building::partition::Partition;
 use crate::building::tracked::{Tracked, tracked_points};
 use crate::building::{Building, Charge, MemberKind};
+use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
 use crate::graph::frame::Frame;
 use crate::graph::{Connection, Structure};
@@ -58,6 +61,7 @@ use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
 use std::collections::{BTreeMap, BTreeSet};
+use webs::{Stays, Web, Webs};
 
 /// A generated model with its reasons.
 #[derive(Debug, Clone)]
@@ -70,6 +74,8 @@ pub struct Generated {
     pub event_rules: Vec<EventReason>,
     /// Rules about events that are not asked.
     pub unasked: Vec<Unasked>,
+    /// Why beams stay one with their slabs.
+    pub stays: Vec<StaysWhole>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
     /// Decisions of which an analyst might doubt.
@@ -199,6 +205,7 @@ struct Divided {
     floor: Floor,
     first: usize,
     pieces: Vec<Piece>,
+    webs: Vec<Web>,
 }
 
 /// What is divided.
@@ -217,6 +224,8 @@ struct Division {
     bodies: Bodies,
     floors: Vec<Divided>,
     lines: Vec<(usize, Line)>,
+    /// Beams that cannot break away.
+    stays: Stays,
     notes: Vec<String>,
 }
 
@@ -226,10 +235,19 @@ impl Parts<'_> {
         let Self { building, structure, mesh, clusters, decision, .. } = *self;
         let (mut bodies, mut floors, mut notes) =
             (Bodies::new(building.members.len()), Vec::new(), Vec::new());
+        let mut stays = Stays::default();
         for cluster in clusters {
             let rules = decision.rules_of(building, cluster);
             let name = bodies::name(building, cluster);
-            let Some(floor) = self.division(cluster, &name, without, &mut notes)? else {
+            let division = self.division(cluster, &name, without, &mut notes)?;
+            let away: Vec<usize> = cluster.iter().copied().filter(|m| decision.breaks_away(*m)).collect();
+            if !matches!(division, Some(Floor::Bends(_))) {
+                let why = format!(
+                    "the floor {name} does not bend; `merge_elastic` has it bend, and so does `--accuracy balanced`"
+                );
+                stays.add(building, &away, &why, decision)?;
+            }
+            let Some(floor) = division else {
                 let column = if let [column] = cluster[..] { Some(column) } else { None };
                 match column.and_then(|c| Some((c, decision.sections_of(c)?))) {
                     Some((column, sections)) => {
@@ -249,23 +267,38 @@ impl Parts<'_> {
             };
             let whole = cells.members.len() == cluster.len();
             let pieces = if whole { cells } else { cells.with(cluster) }.pieces(structure);
-            let own = pieces.iter().map(|p| p.body(building, structure, p.name(&name), rules.clone()));
+            let bends = matches!(floor, Floor::Bends(_));
+            let (webs, bare) = match bends {
+                true => webs::of_floor(building, cluster, &pieces, decision),
+                false => Default::default(),
+            };
+            stays.add(building, &bare, "no slab lies on it where it is clear of columns", decision)?;
+            let own = pieces.iter().enumerate().map(|(i, p)| {
+                let named = (p.name(&name), rules.clone());
+                webs::rest(building, structure, (i, p), &webs, named)
+            });
             let first = bodies.add_pieces(cluster, pieces.clone(), own.collect());
-            if matches!(floor, Floor::Bends(_)) {
+            let of_web = |w: &Web| {
+                let rules = decision.fired(&web_of(&building.members[w.member].id));
+                w.body(building, structure, &pieces, rules)
+            };
+            bodies.add_parts(webs.iter().map(of_web));
+            if bends {
                 bodies.bends(first, pieces.len());
             }
-            floors.push(Divided { floor, first, pieces });
+            floors.push(Divided { floor, first, pieces, webs });
         }
         let place = joints::Place { building, partition: &structure.partition, mesh, bodies: &bodies };
         let mut lines = Vec::new();
-        for Divided { floor, first, pieces } in &floors {
+        for Divided { floor, first, pieces, .. } in &floors {
             let Floor::Folds(grid) = floor else { continue };
             let names: Vec<String> =
                 bodies.list[*first..first + pieces.len()].iter().map(|b| b.id.clone()).collect();
             let own = grid.lines(&place, pieces, &self.ends_of(&grid.members), &names, decision);
             lines.extend(own.into_iter().map(|line| (*first, line)));
         }
-        Ok(Division { bodies, floors, lines, notes })
+        notes.extend(stays.notes());
+        Ok(Division { bodies, floors, lines, stays, notes })
     }
 
     /// How a cluster is divided, if it is. What the rules ask for and cannot be had is noted.
@@ -376,14 +409,29 @@ fn bending_floors(
     contact: &mut Contact,
 ) -> Vec<SharedMass> {
     let mut shared = Vec::new();
-    for Divided { floor, first, pieces } in floors {
+    for Divided { floor, first, pieces, webs } in floors {
         if let Floor::Bends(grillage) = floor {
-            springs.extend(grillage.springs(building, frame, pieces, (bodies, *first), yielding));
+            springs.extend(grillage.springs(building, frame, (pieces, webs), (bodies, *first), yielding));
             contact.pairs.extend(grillage::corners(pieces, bodies, *first));
             shared.push(floor_mass::shared(building, grillage.axes(), pieces, (bodies, *first)));
         }
     }
     shared
+}
+
+/// The webs of the floors that bend, with their latent bushings.
+fn webs_of(
+    building: &Building,
+    planes: &[Vec<f64>; 3],
+    floors: &[Divided],
+    (bodies, decision): (&Bodies, &Decision),
+    curves: &mut BTreeMap<String, ResistanceCurve>,
+) -> Webs {
+    let mut all = Webs::default();
+    for Divided { first, webs, .. } in floors {
+        all.add(building, planes, (webs, *first), (bodies, decision), curves);
+    }
+    all
 }
 
 /// Charges take whole bodies away.

@@ -15,11 +15,15 @@ pub fn rigid_elements(building: &Building, mesh: &Mesh, model: &Model) -> Vec<bo
     let bends: BTreeSet<&String> = model.shared_masses.iter().flat_map(|s| &s.bodies).collect();
     let bodies = model.bodies.iter().filter(|b| !bends.contains(&b.id));
     let rigid: BTreeSet<&String> = bodies.flat_map(|b| &b.origin.members).collect();
+    // of a beam that may break away the webs are bodies of their own
+    let bodies = model.bodies.iter().filter(|b| bends.contains(&b.id));
+    let deforming: BTreeSet<&String> = bodies.flat_map(|b| &b.origin.members).collect();
     let hinged = |b: &&crate::mbs::model::Bushing| {
         b.latent.is_none() && b.bending.iter().any(|k| matches!(k, Bending::Curve { .. }))
     };
     let hinges: BTreeSet<&String> = model.bushings.iter().filter(hinged).map(|b| &b.id).collect();
-    let is_rigid: Vec<bool> = building.members.iter().map(|m| rigid.contains(&m.id)).collect();
+    let is_rigid: Vec<bool> =
+        building.members.iter().map(|m| rigid.contains(&m.id) && !deforming.contains(&m.id)).collect();
     let mut elements: Vec<bool> = mesh.elements.iter().map(|e| is_rigid[e.part]).collect();
     for end in member_ends(building, &Partition::of(building)) {
         if hinges.contains(&end.id) {

@@ -122,12 +122,12 @@ pub fn hinges(
 }
 
 /// Shear force at which a section tears along an axis, of the force at which it tears in tension \[N\]: a J2 material bears `1/√3` of its tensile stress in pure shear (von Mises 1913), the law of the FE model that the curves come from.
-fn shear_capacity(tensile_capacity_n: f64) -> [f64; 2] {
+pub fn shear_capacity(tensile_capacity_n: f64) -> [f64; 2] {
     [tensile_capacity_n / 3.0_f64.sqrt(); 2]
 }
 
 /// How many times longer than from the middle of a piece to that of the next one the stretch is that bends at a section: with one time, pieces on springs at both ends need steps 1.3 times as short as the whole column.
-const SOFTER: f64 = 2.0;
+pub const SOFTER: f64 = 2.0;
 
 /// The part of a member that a section stands for.
 struct Stretch {

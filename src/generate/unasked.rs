@@ -1,15 +1,15 @@
 //! Rules about events that are not asked, so that nobody takes them for obeyed.
 //!
-//! After the first contact only columns are divided further ([`super::sections`]), and only what happens to columns is asked about while the model runs ([`super::event_rules`]). Whatever else
+//! After the first contact only columns are divided further ([`super::sections`]) and beams break away from their slabs ([`super::webs`]), and only what happens to these is asked about while the model runs ([`super::event_rules`]). Whatever else
 //! the rules say of that time has no effect; it is named here, as far as it may fire in the building.
 
 use super::decide::Decision;
 use super::event_rules::{self, LATER};
 use super::known::Known;
-use super::{Accuracy, GenerateError};
-use crate::building::Building;
+use super::{Accuracy, GenerateError, StaysWhole};
+use crate::building::{Building, MemberKind};
 use crate::rules::features::MEMBER_KINDS;
-use crate::rules::{Rule, RuleBase, Subject, SubjectKind, Value};
+use crate::rules::{Action, Rule, RuleBase, Subject, SubjectKind, Value};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -60,14 +60,15 @@ pub fn of(
     building: &Building,
     rules: &RuleBase,
     (known, accuracy): (&Known, Accuracy),
-    decision: &Decision,
+    (decision, stays): (&Decision, &[StaysWhole]),
 ) -> Result<Vec<Unasked>, GenerateError> {
     let common = Common::of(building, known, accuracy);
     let late = |kind: SubjectKind, words: &str, all: bool| {
         let kinds = common.kinds().filter(|k| all || *k != "column");
         let of_kind = |k| {
             let subject = common.subject(kind, k);
-            rules.possible_with(&subject, "collapse.phase", "after_contact").into_iter().map(move |r| (r, k))
+            let found = rules.possible_with(&subject, "collapse.phase", "after_contact").into_iter();
+            found.filter(|r| r.action != Action::BreakAway).map(move |r| (r, k))
         };
         common.grouped(kinds.flat_map(of_kind), words, [LATE, STAYS])
     };
@@ -75,12 +76,27 @@ pub fn of(
     list.extend(late(SubjectKind::MemberEnd, "ends of ", true));
     list.extend(late(SubjectKind::Section, "sections of ", false));
     let never_break = decision.sections().next().is_none();
+    let beams = building.members.iter().filter(|m| m.kind == MemberKind::Beam).count();
+    let some_part = stays.iter().map(|s| s.beams.len()).sum::<usize>() < beams;
     let events = [SubjectKind::ContactEvent, SubjectKind::FractureEvent];
     let of_others = events.iter().flat_map(|kind| {
         let of_kind = |k| common.rules_about(rules, *kind, k);
-        common.kinds().filter(|k| *k != "column").flat_map(of_kind).collect::<Vec<_>>()
+        common
+            .kinds()
+            .filter(|k| *k != "column" && !(*k == "beam" && some_part))
+            .flat_map(of_kind)
+            .collect::<Vec<_>>()
     });
     list.extend(common.grouped(of_others, "", [EVENTS, STAYS]));
+    if some_part {
+        let of_beams = events.iter().flat_map(|kind| common.rules_about(rules, *kind, "beam"));
+        let mut own = common.grouped(of_beams, "", [EVENTS, "these stay one with their slabs"]);
+        for group in &mut own {
+            group.members.retain(|m| stays.iter().any(|s| s.beams.contains(m)));
+        }
+        own.retain(|group| !group.members.is_empty());
+        list.extend(own);
+    }
     if never_break {
         let of_columns = events.iter().flat_map(|kind| common.rules_about(rules, *kind, "column"));
         list.extend(common.grouped(of_columns, "", [EVENTS, "none of them may break between its ends"]));
@@ -138,7 +154,7 @@ impl Common {
     ) -> Result<Vec<Unasked>, GenerateError> {
         let mut by_feature: BTreeMap<Vec<String>, Vec<&Rule>> = BTreeMap::new();
         for kind in events {
-            let subject = event_rules::column(building, kind);
+            let subject = event_rules::struck(building, kind, "column");
             let asked = event_rules::asked(rules, &subject)?;
             for rule in rules.possible(&subject).filter(|r| !asked.iter().any(|p| p.rule == r.id)) {
                 let lacking = rules.unknown_to(rule, &subject, &LATER);

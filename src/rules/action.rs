@@ -15,6 +15,8 @@ pub enum Aspect {
     Body,
     /// What happens to the body when its charge goes off.
     Charge,
+    /// Whether it may break away from what it is one body with.
+    Parting,
     /// How an end or a section resists rotation.
     Rotation,
     /// How an end resists displacement.
@@ -31,6 +33,7 @@ impl Aspect {
         match self {
             Self::Body => "how the member becomes bodies",
             Self::Charge => "what its charge does",
+            Self::Parting => "whether it may break away from its slab",
             Self::Rotation => "how it resists rotation",
             Self::Translation => "how it resists displacement",
             Self::Change => "what the event changes in the model",
@@ -100,6 +103,8 @@ pub enum Action {
     MergeElastic,
     /// The member is several rigid bodies with sections between them.
     Subdivide,
+    /// The web of a beam is a body of its own, one with its slab until what joins them reaches its resistance.
+    BreakAway,
     /// The body vanishes, with its joints.
     RemoveBody,
     /// A hinge with a resistance curve.
@@ -176,6 +181,14 @@ pub static CATALOGUE: &[ActionSpec] = &[
             optional("least_length_m", ParameterType::Positive("m")),
         ],
         meaning: "the member is several rigid bodies joined at latent sections",
+    },
+    ActionSpec {
+        action: Action::BreakAway,
+        name: "break_away",
+        aspect: Aspect::Parting,
+        subjects: &[Member],
+        parameters: &[],
+        meaning: "the web of a beam below a slab that bends is one body with it until it bears as much there, or at its column, as it can",
     },
     ActionSpec {
         action: Action::RemoveBody,

@@ -5,6 +5,7 @@ mod known;
 mod overrides;
 mod review;
 mod rigid;
+mod webs;
 
 use fallwerk::base::tree::Format;
 use fallwerk::building::partition::Partition;
@@ -111,8 +112,11 @@ fn the_wish_for_accuracy_divides_spans_and_panels() {
     let (rules, mut store, _cache) = knowledge();
     let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Fine };
     let model = generate(&reference(|t| t), &rules, &mut store, wishes, &|_| {}).unwrap().model;
-    assert_eq!(model.bodies.len(), 2 + 10 * 2 + 3 * 9);
-    assert_eq!(model.bushings.len(), 24 + 3 * 12 + 10);
+    // each beam has a web in three pieces, and springs between these beside those of the pieces
+    assert_eq!(model.bodies.len(), 2 + 10 * 2 + 3 * 9 + 12 * 3);
+    let latent = model.bushings.iter().filter(|b| b.latent.is_some()).count();
+    assert_eq!(latent, 10 + 12 * (3 * 2 + 2));
+    assert_eq!(model.bushings.len(), 24 + 3 * 12 + 12 * 2 + latent);
     let mass = |m: &fallwerk::mbs::model::Model| m.bodies.iter().map(|b| b.mass_kg).sum::<f64>();
     let balanced = generated(&reference(|t| t)).unwrap().model;
     assert!((mass(&model) / mass(&balanced) - 1.0).abs() < 1e-12);

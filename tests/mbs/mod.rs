@@ -2,6 +2,7 @@
 
 mod batch;
 mod beam;
+mod break_away;
 mod carry;
 mod contact;
 mod crushing;

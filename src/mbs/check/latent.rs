@@ -54,9 +54,10 @@ fn check_bodies(model: &Model, latent: &[bool], list: &mut List) {
     for (i, pair) in model.contact.pairs.iter().enumerate() {
         for id in [&pair.a, &pair.b] {
             let Some(body) = model.bodies.iter().position(|b| b.id == *id) else { continue };
-            let place = merged.places[body];
-            list.require(merged.pieces[place.body].len() == 1, &format!("contact.pairs[{i}]"), || {
-                format!("names \"{id}\", which latent bushings hold to other bodies: a rule for a pair needs bodies that are one from the begin")
+            let first = merged.pieces[merged.places[body].body][0];
+            list.require(first == body, &format!("contact.pairs[{i}]"), || {
+                let first = &model.bodies[first].id;
+                format!("names \"{id}\", which latent bushings hold to \"{first}\": as long as they are one, what is said of the first of them holds for all")
             });
         }
     }

@@ -1,6 +1,7 @@
 //! Inertia that bodies have together.
 
 use super::List;
+use crate::mbs::latent::{merge, together};
 use crate::mbs::math;
 use crate::mbs::model::{Body, Model, SharedMass};
 use crate::mbs::shared_mass::as_one;
@@ -11,8 +12,13 @@ use std::collections::{BTreeMap, BTreeSet};
 const RIGID: f64 = 1e-6;
 
 pub(super) fn check(model: &Model, list: &mut List) {
-    let bodies: BTreeMap<&str, &Body> = model.bodies.iter().map(|b| (b.id.as_str(), b)).collect();
-    let known = bodies.keys().copied().collect();
+    if model.shared_masses.is_empty() {
+        return;
+    }
+    let known = model.bodies.iter().map(|b| b.id.as_str()).collect();
+    let latent: Vec<bool> = model.bushings.iter().map(|b| b.latent.is_some()).collect();
+    let merged = merge(model, &latent);
+    let bodies: BTreeMap<&str, &Body> = merged.model.bodies.iter().map(|b| (b.id.as_str(), b)).collect();
     let mut taken = BTreeSet::new();
     for (i, shared) in model.shared_masses.iter().enumerate() {
         let path = format!("shared_masses[{i}]");
@@ -26,8 +32,15 @@ pub(super) fn check(model: &Model, list: &mut List) {
             });
         }
         check_blocks(shared, &path, list);
-        if list.len() == before {
-            check_sum(shared, &bodies, &path, list);
+        if list.len() > before {
+            continue;
+        }
+        match together(shared, model, (&merged.model.bodies, &merged.places)) {
+            Some(shared) => check_sum(&shared, &bodies, &path, list),
+            None => list.require(false, &format!("{path}.bodies"), || {
+                "names bodies that latent bushings hold together: they move as one, leave out all but one"
+                    .into()
+            }),
         }
     }
 }

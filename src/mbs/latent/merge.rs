@@ -1,7 +1,7 @@
 //! Bodies that latent bushings hold together, as one body.
 
 use crate::mbs::math::{self, M3, Q, V3};
-use crate::mbs::model::{Body, Model, Shape};
+use crate::mbs::model::{Body, MassBlock, Model, Shape, SharedMass};
 use petgraph::unionfind::UnionFind;
 use std::collections::BTreeMap;
 
@@ -102,9 +102,20 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
             own.bushings.push(bushing);
         }
     }
-    // a body of several pieces that parts would take its share of the inertia with it
-    let is_alone = |id: &String| at(id).is_some_and(|i| pieces[places[i].body].len() == 1);
-    own.shared_masses.retain(|s| s.bodies.iter().all(is_alone));
+    own.shared_masses.clear();
+    if !model.shared_masses.is_empty() {
+        let whole =
+            held_together(model, &model.bushings.iter().map(|b| b.latent.is_some()).collect::<Vec<_>>());
+        // a body that is less than at the begin would have taken its share of the inertia with it
+        let is_whole = |id: &String| {
+            at(id).is_some_and(|i| {
+                let count = whole.iter().filter(|label| **label == whole[i]).count();
+                pieces[places[i].body].len() == count
+            })
+        };
+        let kept = model.shared_masses.iter().filter(|s| s.bodies.iter().all(is_whole));
+        own.shared_masses = kept.filter_map(|s| together(s, model, (&bodies, &places))).collect();
+    }
     // shapes of a body are those of its pieces one after the other
     for face in &mut own.contact.crushing {
         let Some(piece) = at(&face.body) else { continue };
@@ -114,6 +125,43 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
     }
     own.bodies = bodies;
     Merged { model: own, places, pieces, bushings }
+}
+
+/// What bodies of a model have together, as that of the bodies that they are in, which lie at other centres: `Tᵀ D T` with the velocities `T` of the former for those of the latter. None if two of them are in one.
+pub fn together(
+    shared: &SharedMass,
+    model: &Model,
+    (bodies, places): (&[Body], &[Place]),
+) -> Option<SharedMass> {
+    let index = self::places(model);
+    let own: Vec<usize> =
+        shared.bodies.iter().map(|id| index.get(id.as_str()).copied()).collect::<Option<_>>()?;
+    let mut in_bodies: Vec<usize> = own.iter().map(|i| places[*i].body).collect();
+    let ids = in_bodies.iter().map(|b| bodies[*b].id.clone()).collect();
+    in_bodies.sort_unstable();
+    in_bodies.dedup();
+    if in_bodies.len() < own.len() {
+        return None;
+    }
+    if own.iter().all(|i| places[*i].pose.is_none()) {
+        return Some(shared.clone());
+    }
+    // v + ω_x y - ω_y x along z, and the same ω
+    let motion = |k: usize| -> M3 {
+        let [x, y, _] = places[own[k]].pose.map_or([0.0; 3], |(arm, _)| arm);
+        [[1.0, y, -x], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    };
+    let moved = |block: &MassBlock| {
+        let [p, q] = block.pair.map(motion);
+        let mut added = math::matmul(&math::matmul(&math::transpose(&p), &block.added), &q);
+        if block.pair[0] == block.pair[1] {
+            for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+                added[j][i] = added[i][j];
+            }
+        }
+        MassBlock { pair: block.pair, added }
+    };
+    Some(SharedMass { bodies: ids, blocks: shared.blocks.iter().map(moved).collect() })
 }
 
 fn unit(q: Q) -> Q {

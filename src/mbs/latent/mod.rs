@@ -20,7 +20,7 @@ mod look;
 mod merge;
 
 pub use history::{compounds, is_gone, live_s};
-pub use merge::{Merged, Place, held_together, merge};
+pub use merge::{Merged, Place, held_together, merge, together};
 
 use super::contact::ContactSet;
 use super::joint::JointData;

@@ -157,7 +157,7 @@ impl Face {
     }
 }
 
-/// What holds for one pair of bodies, or of a body and the `"ground"`, a plane or an obstacle.
+/// What holds for one pair of bodies, or of a body and the `"ground"`, a plane or an obstacle. Of bodies that latent bushings hold together the first one may be named: what is said of it holds for all as long as they are one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairRule {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Inertia of bodies that belong to one elastic body: that of its mass as it moves between them, less that of the mass as it moves with one of them each (consistent mass; Archer, J. Struct. Div. ASCE 89 (1963) ST4, 161).
 ///
-/// Each body has three velocities here: that of its centre of mass along z, and its angular velocities about x and y, in the global frame.
+/// Each body has three velocities here: that of its centre of mass along z, and its angular velocities about x and y, in the global frame. A body that latent bushings hold to others stands for all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SharedMass {
