@@ -156,6 +156,16 @@ impl Relative {
         0.5 * (springs + floors)
     }
 
+    /// What the forces of a step add to the kinetic energy of a body and of its part of `D` in a time \[s, J\]: with `a = (M + D)⁻¹ f` that of all is `½ t² f a`, and the forces before and after [`Self::act`] tell both.
+    pub fn kick_j(&self, i: usize, body: &BodyState, data: &BodyData, time_s: f64) -> f64 {
+        let gyroscopic = [math::cross(body.w, body.p), math::cross(body.w, body.l)];
+        let [force, torque] = [0, 1].map(|k| math::sub(self.plain[i][k], gyroscopic[k]));
+        let own = [math::sub(body.force, gyroscopic[0]), math::sub(body.torque, gyroscopic[1])];
+        let turn = math::mul(&data.inverse_inertia, math::mul_t(&body.r, own[1]));
+        let along = data.inverse_mass * math::dot(force, own[0]);
+        0.5 * time_s * time_s * (along + math::dot(math::mul_t(&body.r, torque), turn))
+    }
+
     /// Whether it holds no longer: a body leans or sleeps.
     pub fn is_over(&self, states: &[BodyState], data: &[BodyData]) -> bool {
         let leans = |i: usize| {

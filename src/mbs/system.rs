@@ -212,8 +212,12 @@ impl System {
     /// What the forces of a step add to the kinetic energy by themselves until the full step, half a step after the momenta \[J\]: that of the mean velocity less half the product of the velocities half a step before and after, with which leapfrog conserves
     /// the energy of linear vibrations exactly (Allen and Tildesley, Computer Simulation of Liquids, 1987, ch. 3).
     pub(super) fn kick_j(&mut self, half_s: f64) -> f64 {
-        let of = |i: usize| step::kick_j(&self.bodies[i], &self.data[i], half_s);
         let moving = |i: &usize| self.data[*i].alive && !self.data[*i].asleep;
+        if let Some(relative) = &self.relative {
+            let of = |i: usize| relative.kick_j(i, &self.bodies[i], &self.data[i], half_s);
+            return (0..self.count()).filter(moving).map(of).sum();
+        }
+        let of = |i: usize| step::kick_j(&self.bodies[i], &self.data[i], half_s);
         let own: f64 = (0..self.count()).filter(moving).map(of).sum();
         own + self.shared_j(|_, body, data| step::gains(body, data, half_s))
     }

@@ -27,8 +27,7 @@ const LEAST_M_S: f64 = 1e-9;
 /// Memory of the rounds.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Impacts {
-    /// What forces add in half a step, the ground last; velocities before the round.
-    kick: Vec<Motion>,
+    /// Velocities before the round.
     before: Vec<Motion>,
     /// Impulses of the rounds before, and the time at which this one hits a point; infinite: it rests.
     total: Vec<(f64, math::V3)>,
@@ -122,8 +121,8 @@ impl ContactSet {
         if !self.is_hit(bodies, h) {
             return;
         }
-        for (motion, body) in self.rows.motion.iter_mut().zip(bodies) {
-            *motion = Motion { v: body.v, w: body.w };
+        for i in self.rows.acting.iter().map(|i| *i as usize) {
+            self.rows.motion[i] = Motion { v: bodies[i].v, w: bodies[i].w };
         }
         self.impacts.total.clear();
         self.start_rolls(0, h, false);
@@ -156,13 +155,7 @@ impl ContactSet {
     }
 
     /// Whether a point has an impact with rebound.
-    fn is_hit(&mut self, bodies: &[Moving], h: f64) -> bool {
-        if !self.rows.blocks.iter().any(|b| b.restitution > 0.0 && !b.idle) {
-            return false;
-        }
-        let kicks = bodies.iter().map(|b| Motion { v: b.kick_v, w: b.kick_w });
-        self.impacts.kick.clear();
-        self.impacts.kick.extend(kicks.chain([Motion::default()]));
+    fn is_hit(&self, bodies: &[Moving], h: f64) -> bool {
         let start = |i: u32| bodies.get(i as usize).map_or(Motion::default(), |b| Motion { v: b.v, w: b.w });
         self.rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle).any(|block| {
             let motion = block.bodies.map(start);
@@ -176,7 +169,7 @@ impl ContactSet {
     fn approach(&self, block: &Block, row: &Row, motion: &[Motion; 2], h: f64) -> Approach {
         let n = block.normal;
         let still = Motion::default();
-        let [kick_a, kick_b] = block.bodies.map(|i| &self.impacts.kick[i as usize]);
+        let [kick_a, kick_b] = block.bodies.map(|i| &self.rows.kick[i as usize]);
         let of_a = math::dot(row.relative(kick_a, &still), n);
         let of_b = math::dot(row.relative(&still, kick_b), n);
         let [shift_a, shift_b] = block.bodies.map(|i| &self.rows.shift[i as usize]);
@@ -270,7 +263,7 @@ impl ContactSet {
         let [rolled, rolls] = self.roll_work(|i| self.impacts.before[i as usize]);
         let (mut linear, mut square) = (rolled, rolls - rolled);
         for block in &self.rows.blocks {
-            let [kick_a, kick_b] = block.bodies.map(|i| &self.impacts.kick[i as usize]);
+            let [kick_a, kick_b] = block.bodies.map(|i| &self.rows.kick[i as usize]);
             let [first_a, first_b] = block.bodies.map(|i| &self.impacts.before[i as usize]);
             let [now_a, now_b] = block.bodies.map(|i| &self.rows.motion[i as usize]);
             for i in block.range() {
@@ -298,7 +291,8 @@ impl ContactSet {
         for roll in &mut self.rows.rolls {
             roll.moment = math::scale(share, roll.moment);
         }
-        for (motion, before) in self.rows.motion.iter_mut().zip(&self.impacts.before) {
+        for i in self.rows.acting.iter().map(|i| *i as usize) {
+            let (motion, before) = (&mut self.rows.motion[i], &self.impacts.before[i]);
             let [v, w] = [math::sub(motion.v, before.v), math::sub(motion.w, before.w)];
             *motion = Motion { v: math::axpy(before.v, share, v), w: math::axpy(before.w, share, w) };
         }
@@ -312,8 +306,9 @@ impl ContactSet {
         for roll in &mut self.rows.rolls {
             (roll.total, roll.moment) = (math::add(roll.total, roll.moment), [0.0; 3]);
         }
-        let bodies = self.rows.motion.iter().zip(&self.impacts.before).zip(&self.impacts.hit);
-        for (shift, ((now, before), time)) in self.rows.shift.iter_mut().zip(bodies) {
+        for i in self.rows.acting.iter().map(|i| *i as usize) {
+            let (now, before, time) = (&self.rows.motion[i], &self.impacts.before[i], self.impacts.hit[i]);
+            let shift = &mut self.rows.shift[i];
             if time.is_finite() {
                 shift.v = math::axpy(shift.v, -time, math::sub(now.v, before.v));
                 shift.w = math::axpy(shift.w, -time, math::sub(now.w, before.w));

@@ -7,6 +7,7 @@
 //!
 //! Gaps are corrected by displacements found in sweeps of their own, which leave the velocities alone (split impulses).
 
+use super::Moving;
 use super::links::{ALONE, Links};
 use super::roll::Roll;
 use super::search::Search;
@@ -146,9 +147,14 @@ impl Row {
 pub(super) struct Rows {
     pub blocks: Vec<Block>,
     pub rows: Vec<Row>,
-    /// Velocities, the ground last.
+    /// The bodies that points act on, in the order in which they came to them: of all others nothing below holds anything of this step. The ground is none of them.
+    pub acting: Vec<u32>,
+    acts: Vec<bool>,
+    /// Velocities, the ground last, which never moves.
     pub motion: Vec<Motion>,
     pub inverse: Vec<Inverse>,
+    /// What forces add to velocities in half a step.
+    pub kick: Vec<Motion>,
     /// Displacements that correct gaps.
     pub shift: Vec<Motion>,
     push: Vec<f64>,
@@ -159,6 +165,51 @@ pub(super) struct Rows {
 }
 
 impl Rows {
+    /// Begins a step of so many bodies, without any points.
+    pub fn begin(&mut self, bodies: usize) {
+        self.blocks.clear();
+        self.rows.clear();
+        for i in self.acting.drain(..) {
+            self.acts[i as usize] = false;
+        }
+        if self.acts.len() != bodies {
+            self.acts.resize(bodies, false);
+            for of_each in [&mut self.motion, &mut self.kick, &mut self.shift] {
+                of_each.clear();
+                of_each.resize(bodies + 1, Motion::default());
+            }
+            self.inverse.clear();
+            self.inverse.resize(bodies + 1, Inverse::default());
+        }
+    }
+
+    /// Enters the bodies of the blocks from `first` on, with their velocities without contact; those that are `still` do not move.
+    pub fn enter(&mut self, first: usize, bodies: &[Moving], still: &[bool]) {
+        for k in first..self.blocks.len() {
+            for i in self.blocks[k].bodies {
+                self.enter_body(i as usize, bodies, still);
+            }
+        }
+    }
+
+    /// Enters a body, unless it is the ground or there already.
+    pub fn enter_body(&mut self, i: usize, bodies: &[Moving], still: &[bool]) {
+        if i == bodies.len() || std::mem::replace(&mut self.acts[i], true) {
+            return;
+        }
+        let body = &bodies[i];
+        self.acting.push(i as u32);
+        self.motion[i] = Motion { v: body.v, w: body.w };
+        self.kick[i] = Motion { v: body.kick_v, w: body.kick_w };
+        self.inverse[i] = if body.alive && !still[i] { Inverse::of(body) } else { Inverse::default() };
+        self.shift[i] = Motion::default();
+    }
+
+    /// Whether points act on a body.
+    pub fn acts_on(&self, i: usize) -> bool {
+        self.acts[i]
+    }
+
     /// Applies the impulses that the rows from `first` on have from the last step.
     pub fn warm_start(&mut self, first: usize) {
         for block in &self.blocks[first..] {

@@ -61,7 +61,8 @@ impl Rows {
             *tangent = math::sub(row.tangent, *tangent);
             square += *normal * *normal / row.mass[0] + math::dot(*tangent, *tangent) / row.mass[1];
         }
-        for (now, before) in self.motion.iter().zip(&mut search.before_motion) {
+        for i in self.acting.iter().map(|i| *i as usize) {
+            let (now, before) = (&self.motion[i], &mut search.before_motion[i]);
             *before = Motion { v: math::sub(now.v, before.v), w: math::sub(now.w, before.w) };
         }
         let share = square / search.square;
@@ -76,8 +77,9 @@ impl Rows {
             row.tangent = math::axpy(row.tangent, share, along.1);
             *along = (share * along.0 + moved.0, math::axpy(moved.1, share, along.1));
         }
-        for ((now, along), moved) in self.motion.iter_mut().zip(&mut search.motion).zip(&search.before_motion)
-        {
+        for i in self.acting.iter().map(|i| *i as usize) {
+            let (now, along) = (&mut self.motion[i], &mut search.motion[i]);
+            let moved = &search.before_motion[i];
             now.v = math::axpy(now.v, share, along.v);
             now.w = math::axpy(now.w, share, along.w);
             *along =

@@ -1,6 +1,6 @@
 //! A step: which pairs, impulses, rebound, gaps, energies.
 
-use super::rows::{Inverse, Motion};
+use super::rows::Motion;
 use super::{ContactSet, Linked, Moving, TooDeep};
 use crate::mbs::math::{self, V3};
 
@@ -50,8 +50,7 @@ impl ContactSet {
         self.step += 1;
         self.shorten();
         self.enter_bounds(bodies, h);
-        self.rows.blocks.clear();
-        self.rows.rows.clear();
+        self.rows.begin(bodies.len());
         self.look_at_all(bodies, h);
         let points = self.rows.rows.len();
         self.find_touched();
@@ -60,9 +59,13 @@ impl ContactSet {
         }
         if points > 0 {
             self.cap(bodies, h);
-            self.load(bodies);
+            self.work.steps += 1;
+            self.work.most_points = self.work.most_points.max(points);
             self.rows.links.clear();
+            self.rows.enter(0, bodies, &self.still);
             if let Some(m) = mechanism.as_deref_mut() {
+                // an impulse may move any of them
+                (0..bodies.len()).for_each(|i| self.rows.enter_body(i, bodies, &self.still));
                 self.rows.link(0, m);
             }
             self.rows.warm_start(0);
@@ -127,22 +130,6 @@ impl ContactSet {
         self.touched.extend(bodies.filter(asleep));
     }
 
-    fn load(&mut self, bodies: &[Moving]) {
-        let rows = &mut self.rows;
-        rows.motion.clear();
-        rows.inverse.clear();
-        rows.shift.clear();
-        rows.shift.resize(bodies.len() + 1, Motion::default());
-        for (body, still) in bodies.iter().zip(&self.still) {
-            rows.motion.push(Motion { v: body.v, w: body.w });
-            rows.inverse.push(if body.alive && !still { Inverse::of(body) } else { Inverse::default() });
-        }
-        rows.motion.push(Motion::default());
-        rows.inverse.push(Inverse::default());
-        self.work.steps += 1;
-        self.work.most_points = self.work.most_points.max(rows.rows.len());
-    }
-
     /// Scales the impulses down where they make energy: `J = p · ((u_0 + u)/2 - target)`, which exact impulses make least, must not exceed zero, its value without any. Those of
     /// the last step may do so as a first guess where joints nearly hold a point, since its effective mass changes from step to step there, and so may sweeps that have
     /// not converged, as friction is cut off with normal impulses that still change.
@@ -170,7 +157,8 @@ impl ContactSet {
         for roll in &mut self.rows.rolls {
             roll.moment = math::scale(share, roll.moment);
         }
-        for (motion, body) in self.rows.motion.iter_mut().zip(bodies) {
+        for i in self.rows.acting.iter().map(|i| *i as usize) {
+            let (motion, body) = (&mut self.rows.motion[i], &bodies[i]);
             let change = Motion { v: math::sub(motion.v, body.v), w: math::sub(motion.w, body.w) };
             *motion =
                 Motion { v: math::axpy(body.v, share, change.v), w: math::axpy(body.w, share, change.w) };
@@ -258,7 +246,8 @@ impl ContactSet {
     pub(super) fn extend(&mut self, bodies: &[Moving], h: f64) -> bool {
         let allowed = 0.5 * self.settings.margin_m;
         let mut any = false;
-        for i in 0..bodies.len() {
+        for k in 0..self.rows.acting.len() {
+            let i = self.rows.acting[k] as usize;
             let motion = self.rows.motion[i];
             let (dv, dw) = (math::sub(motion.v, bodies[i].v), math::sub(motion.w, bodies[i].w));
             let growth = self.path_of(i, dv, dw, h);
@@ -272,6 +261,7 @@ impl ContactSet {
             return false;
         }
         self.enter_bounds(bodies, h);
+        let first = self.rows.blocks.len();
         for k in 0..self.order.len() {
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
@@ -289,6 +279,7 @@ impl ContactSet {
             let from = if entry.allowed > 0.0 { entry.allowed } else { f64::NEG_INFINITY };
             self.look(k, bodies, h, from, allowed);
         }
+        self.rows.enter(first, bodies, &self.still);
         true
     }
 
@@ -344,9 +335,9 @@ impl ContactSet {
             };
             self.rows.separate(sweeps, self.settings.gap_rate);
         }
-        for (i, body) in bodies.iter_mut().enumerate() {
-            (body.v, body.w) = (self.rows.motion[i].v, self.rows.motion[i].w);
-            (body.shift, body.turn) = (self.rows.shift[i].v, self.rows.shift[i].w);
+        for i in self.rows.acting.iter().map(|i| *i as usize) {
+            (bodies[i].v, bodies[i].w) = (self.rows.motion[i].v, self.rows.motion[i].w);
+            (bodies[i].shift, bodies[i].turn) = (self.rows.shift[i].v, self.rows.shift[i].w);
         }
         Ok(())
     }
@@ -368,12 +359,14 @@ impl ContactSet {
     /// Books the work of the impulses: each does it on the mean of the velocities before and after the instant of contact. Keeps the impulses for
     /// the next step.
     fn book(&mut self, bodies: &[Moving], h: f64) {
-        self.mean.clear();
-        self.mean.extend(bodies.iter().zip(&self.rows.motion).map(|(body, after)| Motion {
-            v: math::sub(math::scale(0.5, math::add(body.v, after.v)), body.kick_v),
-            w: math::sub(math::scale(0.5, math::add(body.w, after.w)), body.kick_w),
-        }));
-        self.mean.push(Motion::default());
+        self.mean.resize(bodies.len() + 1, Motion::default());
+        for i in self.rows.acting.iter().map(|i| *i as usize) {
+            let (body, after) = (&bodies[i], &self.rows.motion[i]);
+            self.mean[i] = Motion {
+                v: math::sub(math::scale(0.5, math::add(body.v, after.v)), body.kick_v),
+                w: math::sub(math::scale(0.5, math::add(body.w, after.w)), body.kick_w),
+            };
+        }
         let (mut normal_work, mut friction_work) = (0.0, 0.0);
         for k in 0..self.rows.blocks.len() {
             let block = self.rows.blocks[k];
@@ -414,9 +407,13 @@ impl ContactSet {
     fn count_paths(&mut self, bodies: &[Moving], h: f64) {
         let mut largest = 0.0_f64;
         for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
-            let path = self.path_of(i, body.v, body.w, h)
-                + math::norm(body.shift)
-                + math::norm(body.turn) * self.radius[i];
+            let path = if self.rows.acts_on(i) {
+                self.path_of(i, body.v, body.w, h)
+                    + math::norm(body.shift)
+                    + math::norm(body.turn) * self.radius[i]
+            } else {
+                self.path[i]
+            };
             self.travel[i] += path;
             largest = largest.max(path);
         }
