@@ -214,6 +214,7 @@ fn summary_json(result: &RunResult) -> serde_json::Value {
         "time_step_s": result.time_step_s,
         "cpu_s": result.cpu_s,
         "energy_error": result.energy_error,
+        "energy_growth": result.energy_growth,
         "contact_work": result.contact_work,
         "hinges_yielded": yielded,
         "joints_separated": fractured,

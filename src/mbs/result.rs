@@ -55,6 +55,9 @@ pub struct RunResult {
     pub cpu_s: f64,
     /// Largest error of the energy balance relative to the energy turned over.
     pub energy_error: f64,
+    /// By how much the sum of all energies grows at most relative to the energy turned over, but for what forces add to the kinetic energy in half a step: that part of it rises and falls with every vibration, and what is left is what a leapfrog conserves.
+    #[serde(default)]
+    pub energy_growth: f64,
     /// Work of contacts done and left out.
     #[serde(default)]
     pub contact_work: ContactWork,

@@ -161,8 +161,19 @@ pub fn is_quiet(system: &System, contacts: &mut ContactSet, h: f64) -> bool {
     contacts.quiet(h, system.bodies[..system.count()].iter().map(|b| (b.v, b.w)))
 }
 
-/// Contact impulses between kick and drift, for a step of `h` \[s\]; `moving` is working memory. Returns the work of the forces on the displacements that
-/// open gaps \[J\].
+/// A body that contacts displaced, by how much \[m\], and its turn as a rotation vector \[rad\].
+pub type Displaced = (usize, V3, V3);
+
+/// Half of the work of the present forces on displacements \[J\]. The leapfrog balances `½ (f_n + f_n+1)` on the way of a velocity; a displacement without one has the same work, half of it by the forces before and half by those after the step.
+pub fn half_work_j(system: &System, displaced: &[Displaced]) -> f64 {
+    let of = |(i, shift, turn): &Displaced| {
+        let body = &system.bodies[*i];
+        math::dot(body.force, *shift) + math::dot(body.torque, *turn)
+    };
+    0.5 * displaced.iter().map(of).sum::<f64>()
+}
+
+/// Contact impulses between kick and drift, for a step of `h` \[s\]; `moving` is working memory. `displaced` are afterwards the bodies that contacts displaced. Returns [`half_work_j`] for them \[J\].
 ///
 /// # Errors
 /// If bodies are in each other.
@@ -170,8 +181,10 @@ pub fn meet(
     system: &mut System,
     contacts: &mut ContactSet,
     moving: &mut Vec<Moving>,
+    displaced: &mut Vec<Displaced>,
     h: f64,
 ) -> Result<f64, TooDeep> {
+    displaced.clear();
     let n = system.count();
     let System { isa, bodies, data, inverses, moved, .. } = &mut *system;
     see_all(*isa, &bodies[..n], data, inverses, &mut moved.see, 0.5 * h, moving);
@@ -179,8 +192,8 @@ pub fn meet(
     if !contacts.touched.is_empty() {
         return Ok(0.0);
     }
-    let mut work = 0.0;
-    for ((body, data), moving) in system.bodies.iter_mut().zip(&system.data).zip(moving.iter()) {
+    for (i, moving) in moving.iter().enumerate() {
+        let (body, data) = (&mut system.bodies[i], &system.data[i]);
         if moving.v != body.v || moving.w != body.w {
             let change = math::mul_t(&body.r, math::sub(moving.w, body.w));
             body.p = math::axpy(body.p, data.mass, math::sub(moving.v, body.v));
@@ -188,12 +201,12 @@ pub fn meet(
             find_velocities(body, data, h);
         }
         if moving.shift != [0.0; 3] || moving.turn != [0.0; 3] {
-            work += math::dot(body.force, moving.shift) + math::dot(body.torque, moving.turn);
+            displaced.push((i, moving.shift, moving.turn));
             body.x = math::add(body.x, moving.shift);
             body.rotate(moving.turn);
         }
     }
-    Ok(work)
+    Ok(half_work_j(system, displaced))
 }
 
 for_each_isa! {

@@ -43,6 +43,29 @@ fn box_on_an_incline_slides_or_stays() {
     }
 }
 
+/// Two blocks on a stiff spring bounce: within a step the ground turns the lower one back, whose displacement strains the spring. A leapfrog conserves the energy less what forces add in half a step, which is positive: so no sum of energies
+/// is below that at the begin, and without that part none is above it.
+#[test]
+fn an_impact_within_a_step_strains_springs_for_what_it_books() {
+    let mut m = model("bounce", 1.0, 1e-3);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.0, restitution: 1.0 });
+    m.bodies.push(solid("lower", [0.0, 0.0, 0.7], [0.4; 3]));
+    m.bodies.push(solid("upper", [0.0, 0.0, 1.7], [1.0; 3]));
+    let ends = [elastic(1e9), elastic(1e9)];
+    let spring = joint("spring", Some("lower"), "upper", [0.0, 0.0, 1.0], 2e8, 1e9, ends);
+    m.bushings.push(Bushing { shear_stiffness_n_m: [1e9; 2], ..spring });
+    let result = simulate(&m).unwrap();
+    println!("error {:.1e}, growth {:.1e}", result.energy_error, result.energy_growth);
+    assert!(result.first_ground_contact_s.is_some());
+    assert!(result.energies.joints_elastic_j.iter().cloned().fold(0.0, f64::max) > 1e2);
+    assert!(result.energy_growth < 1e-6, "{}", result.energy_growth);
+    let e = &result.energies;
+    let least = (0..result.times_s.len()).map(|i| e.total_j(i) - e.total_j(0)).fold(0.0, f64::min);
+    let turned = e.kinetic_j.iter().cloned().fold(0.0, f64::max);
+    println!("{least} J of {turned}");
+    assert!(least > -1e-6 * turned, "{least} J of {turned}");
+}
+
 #[test]
 fn dropped_box_rebounds_with_its_restitution() {
     for (restitution, tolerance) in [(1.0, 2e-4), (0.5, 2e-4), (0.1, 1e-3)] {

@@ -145,6 +145,28 @@ fn it_ends_where_something_strikes() {
     assert!((a - b).abs() < 1e-6, "{a} {b}");
 }
 
+/// It ends while a stiff spring vibrates: the last step is finished with it, so that the plain spring is not pushed for half a long step.
+#[test]
+fn a_vibration_keeps_its_energy_when_it_ends() {
+    let mut m = pair(1.2);
+    m.bushings.remove(0);
+    m.gravity_m_s2 = [0.0; 3];
+    // a tenth of a metre a second against each other, while both fly
+    m.bodies[0].velocity_m_s = [0.0, 0.0, 10.0];
+    m.bodies[1].velocity_m_s = [-0.05, 0.0, 9.9];
+    // they lean by more than 0.03 rad after 0.6 s
+    m.bodies.iter_mut().for_each(|b| b.angular_velocity_rad_s = [0.0, 0.05, 0.0]);
+    let [plain, related] = with(m);
+    assert!(related.steps > plain.steps / 2 && related.steps < plain.steps, "{}", related.steps);
+    let e = &related.energies;
+    let released = e.released_j.last().unwrap();
+    println!("growth {:.1e}, {released} J of {} released", related.energy_growth, e.kinetic_j[0]);
+    assert!(related.energy_growth < 1e-4, "{}", related.energy_growth);
+    // at the begin the vibration takes over `½ k/ω² v²` of inertia, in the end it gives back what it has then
+    let taken = 0.5 * 4e9 / MOST_RAD_S.powi(2) * 0.1 * 0.1;
+    assert!(*released > -1.01 * taken && *released < 0.01 * taken, "{released} J, {taken} J");
+}
+
 /// What floors share is part of it.
 #[test]
 fn shared_inertia_is_part_of_it() {

@@ -126,7 +126,8 @@ impl<'a> Run<'a> {
         self.result.steps = tally.steps[0] as usize;
         self.result.time_step_s = tally.longest_s;
         self.result.highest_frequency_rad_s = self.marcher.frequency_rad_s();
-        self.result.energy_error = self.record.books.error;
+        let books = &self.record.books;
+        (self.result.energy_error, self.result.energy_growth) = (books.error, books.growth);
         let contacts = self.marcher.touching.as_ref().map(|t| t.set.work);
         self.result.contact_work = contacts.unwrap_or_default().into();
         self.result.warnings.extend(remark(&self.marcher.locked));
@@ -525,6 +526,7 @@ fn empty(model: &Model) -> RunResult {
         preload_iterations: None,
         cpu_s: 0.0,
         energy_error: 0.0,
+        energy_growth: 0.0,
         contact_work: Default::default(),
         body_work: Default::default(),
         warnings: Vec::new(),

@@ -37,12 +37,11 @@ impl Run<'_> {
 
     #[cold]
     pub(super) fn fracture(&mut self) {
-        self.end_relating();
-        let (mut parted, mut broken) = (Vec::new(), Vec::new());
+        let mut broken = Vec::new();
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
             if joint.breaks() {
-                parted.push([joint.a, joint.b]);
+                self.parted.push([joint.a, joint.b]);
                 broken.push(i);
                 let end = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
@@ -62,8 +61,6 @@ impl Run<'_> {
             }
         }
         broken.into_iter().for_each(|joint| self.ask_about_fracture(joint));
-        self.released +=
-            self.system.end_sharing(self.last_step, |s, _| parted.iter().any(|pair| s.joins(*pair)));
         self.system.pack();
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
         connect(&mut self.contacts, &self.system, &self.latent);

@@ -220,8 +220,9 @@ struct Run<'a> {
     /// The bodies as the contacts see them.
     moving: Vec<Moving>,
     sleep: Sleep,
-    /// Work of the forces on displacements that open gaps \[J\].
+    /// Work of the forces on displacements without velocity, by contacts \[J\]; and those of this step, for which the half of it is due that the next forces do.
     opened: f64,
+    displaced: Vec<step::Displaced>,
     /// States before contacts, where bodies share inertia or latent bushings may give way.
     untouched: Vec<BodyState>,
     result: RunResult,
@@ -234,6 +235,8 @@ struct Run<'a> {
     alone_limit: f64,
     /// Whether inertia against relative motion has ended for good.
     is_loose: bool,
+    /// Bodies of joints that broke in this evaluation of forces.
+    parted: Vec<[usize; 2]>,
     /// Share of the automatic step that is taken.
     share: f64,
     /// Where the bodies of the file are at `t = 0` \[m\], and the centres of those that run.
@@ -309,6 +312,7 @@ impl<'a> Run<'a> {
             moving: Vec::new(),
             sleep: Sleep::new(file.settings.sleep_speed_m_s, n),
             opened: 0.0,
+            displaced: Vec::new(),
             untouched: Vec::new(),
             time: 0.0,
             last_step: 0.0,
@@ -316,6 +320,7 @@ impl<'a> Run<'a> {
             shared_limit: step_limit,
             alone_limit,
             is_loose: false,
+            parted: Vec::new(),
             share,
             tracked,
             hinges,
@@ -446,7 +451,8 @@ impl<'a> Run<'a> {
             self.remember();
         }
         loop {
-            let opened = step::meet(&mut self.system, &mut self.contacts, &mut self.moving, h);
+            let (contacts, displaced) = (&mut self.contacts, &mut self.displaced);
+            let opened = step::meet(&mut self.system, contacts, &mut self.moving, displaced, h);
             self.opened += opened.map_err(|deep| SolveError::Penetration {
                 time_s: self.time,
                 a: self.model.bodies[deep.a].id.clone(),
@@ -493,16 +499,20 @@ impl<'a> Run<'a> {
             self.look_at_joints();
         }
         self.system.carry_over();
+        self.opened += step::half_work_j(&self.system, &self.displaced);
+        self.displaced.clear();
         if let Some(relative) = &self.system.relative {
             let system = &self.system;
             let has_tilted = relative.is_over(&system.bodies, &system.data);
             self.is_loose |= has_tilted;
-            if self.is_loose || system.shared.iter().any(|s| is_over(s, system)) {
+            if self.is_loose || !self.parted.is_empty() || system.shared.iter().any(|s| is_over(s, system)) {
                 self.end_relating();
             }
         }
+        let parted = std::mem::take(&mut self.parted);
         if self.system.relative.is_none() && !self.system.shared.is_empty() {
-            self.released += self.system.end_sharing(self.last_step, is_over);
+            let joins = |s: &Shared| parted.iter().any(|pair| s.joins(*pair));
+            self.released += self.system.end_sharing(self.last_step, |s, all| joins(s) || is_over(s, all));
             if self.system.shared.is_empty() {
                 self.step_limit = self.step_limit.max(self.alone_limit);
             }

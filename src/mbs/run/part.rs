@@ -64,6 +64,7 @@ impl Run<'_> {
         self.latent.drop_step();
         self.contacts.take_back(energy);
         self.opened = opened;
+        self.displaced.clear();
         self.part(&parting)?;
         Ok(true)
     }

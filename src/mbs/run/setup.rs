@@ -134,6 +134,7 @@ pub(super) fn empty_result(
         preload_iterations,
         cpu_s: 0.0,
         energy_error: 0.0,
+        energy_growth: 0.0,
         contact_work: Default::default(),
         body_work: Default::default(),
         warnings: Vec::new(),

@@ -341,7 +341,7 @@ fn push() -> Result<Vec<Figure>, String> {
         system.bodies[0].force = math::add(system.bodies[0].force, [f, f, 0.0]);
         step::kick(&mut system, if i == 0 { 0.5 * h } else { h }, h);
         if !step::is_quiet(&system, &mut contacts, h) {
-            step::meet(&mut system, &mut contacts, &mut moving, h)
+            step::meet(&mut system, &mut contacts, &mut moving, &mut Vec::new(), h)
                 .map_err(|deep| format!("{} m inside each other", deep.depth_m))?;
         }
         step::drift(&mut system, h);
