@@ -317,14 +317,14 @@ pub fn markdown(seed: u32, rows: &[Row]) -> String {
 }
 
 const REASONS: &str = "
-What still moves swings on hinges without damping: each swing makes hinges flow or solids rub a little, more than a tenth of the kinetic energy in a second, and the weight of floors that sag by it gives it back. No energy is made: that would be named. What is in the ground at one output is the light half of a column between the \
-ground and floors more than sixty times as heavy, struck and turned within one step; the next steps open it.
+What still moves swings on hinges without damping: each swing makes hinges flow or solids rub a little, more than a tenth of the kinetic energy in a second, and the weight of floors that sag by it gives it back. No energy is made: that would be named. What is in the ground at one output, if anything is, is the light half of a column between \
+the ground and floors more than sixty times as heavy, struck and turned within one step; the next steps open it.
 ";
 
 const INTRODUCTION: &str = "Output of `fallwerk bench buildings --seed SEED --count COUNT -o docs`. Random small buildings (`src/study/plan/small.rs`): one to three bays each way, one to four storeys, beams on all axes, on the outer ones or none, columns of 250 \
 to 450 mm, some with walls, openings, weakened columns, walls and blocks in the way. Any columns of one or two storeys are removed, all at once, row by row or each at a time of its own. The shipped rules and library make the model (`--derive=similar`), which runs until it is \
 at rest (the root of twice the kinetic energy over the mass below 10 mm/s) or swings (it loses less than a tenth of its kinetic energy in a second: joints and walls have no damping but friction and plastic flow), for 6, 12, 24, 48 or 96 s after the last charge. `--show NUMBER` prints a building file.
 
-A building holds if it comes to that end, the sum of all energies never grows by more than 1e-3 of the energy turned over, nothing sinks into the ground by more than 1 mm, and no two solids, or a solid and an obstacle, get into each other by more than a tenth of the thinner one. \
+A building holds if it comes to that end, its energy never grows by more than 1e-3 of that turned over (`energy_growth` of the run: the sum of all energies but for what forces add in half a step, as a leapfrog conserves it), nothing sinks into the ground by more than 1 mm, and no two solids, or a solid and an obstacle, get into each other by more than a tenth of the thinner one. \
 Depths come from the poses at outputs 5 ms apart (less where bodies are faster than the thinnest solid allows), not from the contact solver (`src/bench/passing.rs`): all boxes that can touch are compared by the fifteen axes that tell two boxes apart, and what counts is by how much they overlap beyond what they did when they became able to touch, \
 at the start or as the joint between them broke. No corner may move farther between two outputs than the thinnest solid is thick: so nothing can pass through anything unseen.";

@@ -7,7 +7,7 @@ use crate::mbs::math::{self, V3};
 use crate::mbs::system::BodyState;
 
 /// Changes of a velocity \[m/s\] and an angular velocity \[rad/s\] in a step up to which a contact is none to bodies with inertia against relative motion: a wall that stands beside a column.
-const LIGHT_TOUCH: [f64; 2] = [0.1, 0.1];
+const LIGHT_TOUCH: [f64; 2] = [0.02, 0.02];
 /// By how much longer steps have to be for inertia against relative motion.
 const WORTH_IT: f64 = 1.2;
 
