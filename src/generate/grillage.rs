@@ -2,7 +2,7 @@
 //!
 //! A beam of length `L` that is cut in the middle has there, for a moment `M` and a shear force `V`, the rotation `M L / (E I)` and the displacement `V (L³ / (12 E I) + L / (G A_s))`, which is all that its ends
 //! can do to each other in a plane (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116, written for the middle): springs of these stiffnesses between rigid halves
-//! are the beam, under its weight as well. Its ends yield ([`crate::curve::beam`]) with the resistance of the row of elements beside the column ([`crate::rc::layers`]). The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. A
+//! are the beam, under its weight as well. Its ends yield ([`crate::curve::beam`]) with the resistance of the row of elements beside the column ([`crate::rc::layers`]). The beams are those of the frame of [`crate::graph::idealise`]: beams with their flanges, strips of slab between columns that no beam joins; and what of the slab is in none of them, a plate. Where beams run across its ends the slab bends between their faces, and yields there. A
 //! panel whose corner gives way is twisted, and nearly all that holds it is the slab: the springs are on the axes, so that pieces on the axes of a twisted floor meet without a gap. In its own plane a floor is as stiff as its whole section.
 //!
 //! Where columns are neighbours without a beam between them, the slab bends both ways: then there are pieces in the middle of the spans as well ([`super::axes`]), all of the slab is a plate, and the springs are at its height: the flanges of beams at the edges
@@ -81,6 +81,19 @@ impl Grillage {
         &self.axes
     }
 
+    /// What is clear of a stretch between two axes where beams run along these: over a beam the slab does not bend.
+    fn between_beams(&self, building: &Building, axis: usize, across_m: f64, axes_m: [f64; 2]) -> [f64; 2] {
+        let members = self.cells.members.iter().map(|m| &building.members[*m]);
+        let along = members.filter(|m| m.kind == MemberKind::Beam && m.axis == 1 - axis).map(|m| &m.solid);
+        let mut clear_m = axes_m;
+        for beam in along.filter(|b| b.min[1 - axis] < across_m && across_m < b.max[1 - axis]) {
+            let [low, high] = axes_m.map(|at| beam.min[axis] < at && at < beam.max[axis]);
+            clear_m[0] = if low { clear_m[0].max(beam.max[axis]) } else { clear_m[0] };
+            clear_m[1] = if high { clear_m[1].min(beam.min[axis]) } else { clear_m[1] };
+        }
+        if clear_m[0] < clear_m[1] { clear_m } else { axes_m }
+    }
+
     /// The springs between the pieces, whose bodies begin at some place in the list, and between their webs.
     pub fn springs(
         &self,
@@ -108,6 +121,9 @@ impl Grillage {
         let mut between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
             let Gap { axes_m, faces_m, span_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
+            let axis_m = self.axes.list[1 - axis][pieces[a].cell[1 - axis]].at_m;
+            let clear_m = self.between_beams(building, axis, axis_m, axes_m);
+            let faces_m = if has_columns { faces_m } else { clear_m };
             let plane = InPlane::of(building, &pieces[a], axis);
             let beyond_m = beyond(&places, [&pieces[a], &pieces[b]], axis, faces_m);
             let stretch = Stretch { span_m, ends_m: faces_m, beyond_m };
@@ -120,7 +136,7 @@ impl Grillage {
             };
             // a plate is far wider than the columns that it ends at, and columns may be wider than their span
             let at_faces = held == Held::AtJoint && faces_m[0] < faces_m[1];
-            let [start, end] = if at_faces { faces_m } else { axes_m };
+            let [start, end] = if at_faces { faces_m } else { clear_m };
             let length_m = end - start;
             let [turn, shear] = in_the_middle([sum.bending, sum.across], sum.shear, length_m);
             let [turn_in_plane, sideways] = in_the_middle([plane.bending; 2], plane.shear, length_m);
@@ -135,7 +151,7 @@ impl Grillage {
             let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
             let mut point_m = [at_m, at_m, level];
             // on the axis, also where the edge of the floor is: pieces turn about the axes, and only there a twisted floor has no gaps
-            point_m[1 - axis] = self.axes.list[1 - axis][pieces[0].cell[1 - axis]].at_m;
+            point_m[1 - axis] = axis_m;
             let spring = Bushing {
                 id,
                 body_a: Some(of_a.id.clone()),

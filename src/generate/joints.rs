@@ -2,6 +2,7 @@
 
 use super::bodies::Bodies;
 use super::decide::Decision;
+use super::through::half_joint_m;
 use super::{Derive, GenerateError};
 use crate::base::hash::ContentHash;
 use crate::building::ends::MemberEnd;
@@ -369,6 +370,7 @@ pub fn hinges(
             _ => Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 },
         });
         let half = Prism::of(place.building, end);
+        let with_joint = Prism { length_m: half.length_m + half_joint_m(place, end), ..half };
         let law = place.building.law_of(&place.building.members[end.member]);
         // what does not yield neither breaks nor crushes
         let capacity = |capacity: Option<f64>| capacity.filter(|_| !is_elastic);
@@ -378,7 +380,7 @@ pub fn hinges(
             body_b: place.bodies.list[own].id.clone(),
             point_m: hinge_point(end, hinge.offset_m),
             axes: axes(end.axis, end.outward),
-            axial_stiffness_n_m: half.axial_n_m(),
+            axial_stiffness_n_m: with_joint.axial_n_m(),
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,

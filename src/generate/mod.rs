@@ -24,6 +24,7 @@ mod nearest;
 mod rigid;
 mod sections;
 mod stretch;
+mod through;
 mod unasked;
 mod walls;
 mod webs;

@@ -5,6 +5,7 @@ mod known;
 mod overrides;
 mod review;
 mod rigid;
+mod stiffness;
 mod webs;
 
 use fallwerk::base::tree::Format;
