@@ -33,10 +33,16 @@ pub enum PreloadError {
     },
 }
 
+/// Standard gravity \[m/s²\].
+const STANDARD_GRAVITY: f64 = 9.80665;
+
 /// Moves the system into equilibrium; returns the number of iterations.
 pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
     let n = system.count();
-    let weight: f64 = system.data.iter().map(|d| d.mass).sum::<f64>() * math::norm(system.gravity);
+    let pull = math::norm(system.gravity);
+    // without gravity the weight on earth tells what is small
+    let pull = if pull > 0.0 { pull } else { STANDARD_GRAVITY };
+    let weight: f64 = system.data.iter().map(|d| d.mass).sum::<f64>() * pull;
     let length = characteristic_length(system);
     let factor = Positive::of(assemble(system, length), 6 * n).map_err(|why| match why {
         Unsolvable::Singular(mode) => PreloadError::Mechanism { body: largest(&mode) / 6 },

@@ -5,6 +5,7 @@ mod known;
 mod overrides;
 mod review;
 mod rigid;
+mod skipping;
 mod stiffness;
 mod webs;
 

@@ -63,6 +63,8 @@ fn check_bodies(model: &Model, latent: &[bool], list: &mut List) {
     }
     let speed = model.bodies.iter().map(|b| math::norm(b.velocity_m_s)).fold(0.0, f64::max);
     let spin = model.bodies.iter().map(|b| math::norm(b.angular_velocity_rad_s)).fold(0.0, f64::max);
+    // what velocities round off turns a body as well, by as much over a metre
+    let spin = spin + speed;
     for (i, body) in model.bodies.iter().enumerate() {
         let whole = &merged.model.bodies[merged.places[i].body];
         let arm = math::sub(body.position_m, whole.position_m);

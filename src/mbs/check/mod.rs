@@ -116,6 +116,13 @@ impl Model {
         let s = &self.settings;
         list.positive("settings.end_time_s", s.end_time_s);
         list.positive("settings.output_interval_s", s.output_interval_s);
+        let outputs = s.end_time_s / s.output_interval_s;
+        list.require(outputs.is_nan() || outputs <= MOST_OUTPUTS, "settings.output_interval_s", || {
+            format!(
+                "makes {outputs:.1e} outputs until settings.end_time_s = {}, at most {MOST_OUTPUTS:.0e}: outputs farther apart, or an earlier end",
+                s.end_time_s
+            )
+        });
         if let Some(h) = s.time_step_s {
             list.positive("settings.time_step_s", h);
         }
@@ -125,12 +132,19 @@ impl Model {
             list.without_ideal(self, "settings.sleep_speed_m_s");
         }
         if let Some(v) = s.relative_inertia_rad_s {
-            list.positive("settings.relative_inertia_rad_s", v);
+            list.require(v >= LEAST_RELATED_RAD_S, "settings.relative_inertia_rad_s", || {
+                format!("is {v}, expected at least {LEAST_RELATED_RAD_S} rad/s: what moves at a fifth of it, as floors do, is 2 % too slow already")
+            });
             list.without_ideal(self, "settings.relative_inertia_rad_s");
         }
         if list.0.is_empty() { Ok(()) } else { Err(ModelError::Invalid(list.0)) }
     }
 }
+
+/// Least bound of all frequencies by inertia against relative motion \[rad/s\].
+const LEAST_RELATED_RAD_S: f64 = 200.0;
+/// Most outputs of a run: all of them are kept until its end.
+const MOST_OUTPUTS: f64 = 1e6;
 
 fn check_body(body: &Body, path: &str, list: &mut List) {
     list.positive(&format!("{path}.mass_kg"), body.mass_kg);

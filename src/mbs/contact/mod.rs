@@ -511,6 +511,11 @@ impl ContactSet {
         }
     }
 
+    /// Whether there were points in the last step that was solved.
+    pub fn has_points(&self) -> bool {
+        !self.rows.blocks.is_empty()
+    }
+
     /// Whether there is anything that can touch at all.
     pub fn is_idle(&self) -> bool {
         self.alarm == f64::INFINITY
@@ -600,7 +605,7 @@ impl ContactSet {
         let mut largest = 0.0_f64;
         let mut late = false;
         for (i, (v, w)) in velocities.enumerate() {
-            let path = h * (math::norm(v) + math::norm(w) * self.radius[i]);
+            let path = h * math::norm(v) + h * math::norm(w) * self.radius[i];
             self.path[i] = path;
             largest = largest.max(path);
             late |= self.travel[i] + path + margin > self.budget[i];

@@ -280,7 +280,7 @@ impl ContactSet {
     }
 
     /// Enters the points of a pair that close in this step, or would if `allowed` \[m\] came on top of their own approach, into the rows, but those that do
-    /// with `from` and are in already.
+    /// with `from` and are in already. A pair that is left alone from now on forgets its points: whether it is looked at in the meantime must not show when its solids meet again.
     pub(super) fn look(&mut self, entry: usize, bodies: &[Moving], h: f64, from: f64, allowed: f64) {
         let [a, b] = self.order[entry].bodies.map(|i| i as usize);
         let v = bodies.get(b).map_or([0.0; 3], |body| body.v);
@@ -308,10 +308,9 @@ impl ContactSet {
         let plane = self.planes[pair.b as usize];
         let n = math::scale(-1.0, plane.normal);
         let low = math::dot(at.x, plane.normal) - collider.solid.reach(at, n) - plane.level;
-        let limit = self.travel[collider.body] + low.max(0.0);
         if low > reach && !pair.fresh {
             pair.forget();
-            return limit;
+            return self.travel[collider.body] + low;
         }
         pair.offset = if pair.fresh { (-low).max(0.0) } else { pair.offset.min((-low).max(0.0)) };
         pair.fresh = false;
@@ -354,7 +353,7 @@ impl ContactSet {
             self.rows.rows.push(row(&pair.points[k], [arm, [0.0; 3]], gap, n, h, k));
         }
         self.rows.close_block([collider.body, self.ground], first, slot, pair.surface, n);
-        limit
+        f64::NEG_INFINITY
     }
 
     /// The same of two solids.
@@ -411,7 +410,11 @@ impl ContactSet {
         }
         self.rows.close_block([of_a, of_b], first, slot, pair.surface, n);
         if least > reach {
-            return travelled + self.separation([a, b], reach).max(0.0);
+            let apart = self.separation([a, b], reach);
+            if apart > reach {
+                self.pairs[slot].forget();
+                return travelled + apart;
+            }
         }
         f64::NEG_INFINITY
     }

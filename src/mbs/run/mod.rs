@@ -169,6 +169,12 @@ pub(super) fn closing_remarks(books: &Balance, contacts: Option<Work>) -> Vec<St
             "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller settings.tolerance or settings.time_step_s shows what that changes"
         ));
     }
+    if books.growth > GROWTH {
+        list.push(format!(
+            "the energy grows by {:.1e} of that turned over; a smaller settings.time_step_s shows what that changes",
+            books.growth
+        ));
+    }
     if books.made() > ENERGY_WORTH_TELLING {
         list.push(format!(
             "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints, or rebound with friction; a smaller settings.tolerance or settings.time_step_s shows what that changes",
@@ -472,8 +478,13 @@ impl<'a> Run<'a> {
         if is_waiting {
             self.ask_about_contacts();
         }
-        if self.latent.is_watching() && self.part_under_contact(h, books)? {
-            return Ok(true);
+        if self.latent.is_watching() {
+            if !self.contacts.has_points() {
+                self.latent.feel(&self.system, None, h);
+                self.latent.keep();
+            } else if self.part_under_contact(h, books)? {
+                return Ok(true);
+            }
         }
         if !self.system.shared.is_empty() && self.part_touched(h, books) {
             return self.meet(h);
