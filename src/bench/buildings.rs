@@ -317,8 +317,7 @@ pub fn markdown(seed: u32, rows: &[Row]) -> String {
 }
 
 const REASONS: &str = "
-What still moves swings on hinges without damping: each swing makes hinges flow or solids rub a little, more than a tenth of the kinetic energy in a second, and the weight of floors that sag by it gives it back. No energy is made: that would be named. What is in the ground at one output, if anything is, is the light half of a column between \
-the ground and floors more than sixty times as heavy, struck and turned within one step; the next steps open it.
+What still moves swings on hinges without damping: each swing makes hinges flow or solids rub a little, more than a tenth of the kinetic energy in a second, and the weight of floors that sag by it gives it back. No energy is made: that would be named. What is in the ground at one output, if anything is, is a light piece on which the rest of the building, tens of times as heavy, comes down within one step; the next steps open it.
 ";
 
 const INTRODUCTION: &str = "Output of `fallwerk bench buildings --seed SEED --count COUNT -o docs`. Random small buildings (`src/study/plan/small.rs`): one to three bays each way, one to four storeys, beams on all axes, on the outer ones or none, columns of 250 \
