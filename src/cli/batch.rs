@@ -43,10 +43,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     };
     let began = Instant::now();
     let pool = thread_pool(arguments.threads)?;
+    let options = SolverOptions { repeat: true, ..SolverOptions::default() };
     let results = pool
-        .install(|| {
-            batch::run(&model, &table, &SolverOptions { repeat: true, ..SolverOptions::default() }, &tell)
-        })
+        .install(|| batch::run(&model, &table, &options, &tell))
         .map_err(|e| Failure::input(format!("{}: {e}", arguments.table.display())))?;
     progress.finish();
     let wall_s = began.elapsed().as_secs_f64();

@@ -141,7 +141,7 @@ fn compute(
     let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
     write_json(output, "model.json", &generated.model)?;
     write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;
-    let (mbs, wall_s) = run_mbs(&generated, &arguments.latent.options(true))?;
+    let (mbs, wall_s) = run_mbs(&generated, &arguments.latent.options())?;
     write_mbs(output, &mbs)?;
     let review = match arguments.review {
         None => review::listed(building, &generated),

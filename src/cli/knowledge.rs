@@ -51,9 +51,9 @@ pub struct LatentArgs {
 }
 
 impl LatentArgs {
-    /// The options of a run.
-    pub fn options(self, repeat: bool) -> SolverOptions {
-        SolverOptions { repeat, hold_latent: self.latent == Switch::Off, ..SolverOptions::default() }
+    /// The options of a run, which is repeated where its energy grows.
+    pub fn options(self) -> SolverOptions {
+        SolverOptions { repeat: true, hold_latent: self.latent == Switch::Off, ..SolverOptions::default() }
     }
 }
 

@@ -58,7 +58,7 @@ impl SimulateError {
 /// Runs the command.
 pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     let mut model = Model::read(&args.model).map_err(SolveError::from)?;
-    let mut options = args.latent.options(true);
+    let mut options = args.latent.options();
     if args.compute_all {
         (options.contact.skip, model.settings.sleep_speed_m_s) = (false, None);
         options.look_always = true;

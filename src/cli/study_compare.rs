@@ -152,7 +152,7 @@ fn one(
     let generated =
         generate(&task.building, rules, store, arguments.curves.wishes(), &|text| progress.note(text))
             .map_err(|e| Failure::input(e.to_string()))?;
-    let run = crate::mbs::simulate_with(&generated.model, &arguments.latent.options(true))
+    let run = crate::mbs::simulate_with(&generated.model, &arguments.latent.options())
         .map_err(|e| Failure::stopped(format!("the MBS run: {e}")))?;
     Ok(Agreement::of(&study, &generated.model, &run))
 }

@@ -2,7 +2,8 @@
 //!
 //! | file | owns |
 //! |---|---|
-//! | this one | what goes in and out, the set-up |
+//! | this one | the set-up, what can touch when |
+//! | `terms` | what goes in and out |
 //! | `collide` | solids, their bounds and contact points (the only file that knows `parry3d`) |
 //! | `surface` | friction and restitution of each pair, who passes through whom |
 //! | `pair` | pairs of solids and their points over time |
@@ -39,12 +40,14 @@ mod rows;
 mod search;
 mod solve;
 mod surface;
+mod terms;
 
 pub use crush::Crushed;
 pub use links::Linked;
 pub use surface::Surface;
+pub use terms::{ContactEnergy, Hit, Moving, Partner, Settings, TooDeep, Touch, Work};
 
-use super::math::{self, M3, Q, V3};
+use super::math::{self, V3};
 use super::model::{Model, Shape};
 use collide::{Broad, Finder, Found, Placed, Solid};
 use crush::Faces;
@@ -53,183 +56,6 @@ use pair::{Entry, Pair, Point};
 use rows::{Motion, Rows};
 use std::collections::BTreeSet;
 use surface::Surfaces;
-
-/// A body as the contacts see it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moving {
-    /// Centre of mass \[m\].
-    pub x: V3,
-    /// Orientation (body to global).
-    pub q: Q,
-    /// The same as a matrix.
-    pub r: M3,
-    /// In: velocity over the coming step without contact; out: with it \[m/s\].
-    pub v: V3,
-    /// Angular velocity, global frame, likewise \[rad/s\].
-    pub w: V3,
-    /// The share of `v` that forces add after the instant of contact (half a step of them in a leapfrog): `v - kick_v` is the velocity just before it.
-    pub kick_v: V3,
-    /// The same of `w`.
-    pub kick_w: V3,
-    /// `1/mass` \[1/kg\].
-    pub inverse_mass: f64,
-    /// Inverse inertia, global frame \[1/(kg m²)\].
-    pub inverse_inertia: M3,
-    /// Whether the body is still there.
-    pub alive: bool,
-    /// Out: displacement that opens gaps, to be added to that of the step \[m\].
-    pub shift: V3,
-    /// Out: the same as a rotation vector, global frame \[rad\].
-    pub turn: V3,
-}
-
-/// What a body met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Partner {
-    /// Another body.
-    Body(usize),
-    /// The ground plane.
-    Ground,
-    /// A plane by index.
-    Plane(usize),
-    /// An obstacle by index.
-    Obstacle(usize),
-}
-
-impl Partner {
-    /// Its id in a model.
-    pub fn id(self, model: &Model) -> &str {
-        match self {
-            Self::Body(i) => &model.bodies[i].id,
-            Self::Ground => "ground",
-            Self::Plane(i) => &model.contact.planes[i].id,
-            Self::Obstacle(i) => &model.contact.obstacles[i].id,
-        }
-    }
-}
-
-/// A point with an impulse.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// Bodies; the ground is the number of bodies.
-    pub bodies: [usize; 2],
-    /// What the first one meets.
-    pub partner: Partner,
-    /// From the centres of mass \[m\].
-    pub arms: [V3; 2],
-    /// From the first body to the second.
-    pub normal: V3,
-}
-
-/// First contact between two bodies, or of a body with something that does not move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
-    /// First body.
-    pub a: usize,
-    /// What it met.
-    pub b: Partner,
-    /// When, from the begin of the step \[s\].
-    pub after_s: f64,
-}
-
-/// Energies taken by contacts \[J\].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ContactEnergy {
-    /// Along the normals.
-    pub normal_j: f64,
-    /// By friction.
-    pub friction_j: f64,
-}
-
-/// What the solver did so far.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Work {
-    /// Steps with contact points.
-    pub steps: u64,
-    /// Sweeps in them.
-    pub sweeps: u64,
-    /// Points visited in these.
-    pub visits: u64,
-    /// Most points in a step.
-    pub most_points: usize,
-    /// Steps in which nothing could touch.
-    pub quiet_steps: u64,
-    /// Pairs looked at.
-    pub looks: u64,
-    /// Pairs left alone in all steps.
-    pub left_alone: u64,
-    /// Searches for the points of a pair.
-    pub searches: u64,
-    /// Rounds of sweeps that ended before the tolerance was met.
-    pub unfinished: u64,
-    /// Deepest penetration seen at the begin of a step \[m\].
-    pub deepest_m: f64,
-}
-
-/// How the impulses are found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Points that are this near take part without approaching \[m\].
-    pub margin_m: f64,
-    /// Sweeps end when no velocity of a point changes by more than this share of the velocity that forces add in a step.
-    pub tolerance: f64,
-    /// Most sweeps of a step in which the impulses of the last one nearly hold.
-    pub sweeps: usize,
-    /// Visits of points in conjugate directions in any other step, unless so many sweeps need more.
-    pub visits: usize,
-    /// Visits in plain sweeps of such a step with an impact, and where there are no conjugate directions: ideal joints, rolling.
-    pub plain_visits: usize,
-    /// Most sweeps of such a step.
-    pub most_sweeps: usize,
-    /// Visits of points in conjugate directions where sweeps left velocities far from settled.
-    pub search_visits: usize,
-    /// The same where masses are alike, after an impact that goes through many bodies.
-    pub struck_visits: usize,
-    /// Sweeps that open gaps.
-    pub gap_sweeps: usize,
-    /// The same in steps that leave a gap deeper than 0.5 mm.
-    pub deep_sweeps: usize,
-    /// Share of a gap opened in a visit.
-    pub gap_rate: f64,
-    /// Penetration that is left alone \[m\].
-    pub slop_m: f64,
-    /// Whether pairs that cannot meet in a step are left alone, and steps in which none can. Without it every pair is looked at in every step.
-    pub skip: bool,
-    /// Relative motion of a pair until its points are searched again, as a share of the thickness of its solids.
-    pub stale: f64,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            margin_m: 2e-4,
-            tolerance: 1e-3,
-            sweeps: 4,
-            visits: 240,
-            plain_visits: 600,
-            most_sweeps: 400,
-            search_visits: 40_000,
-            struck_visits: 10_000,
-            gap_sweeps: 2,
-            deep_sweeps: 30,
-            gap_rate: 0.2,
-            slop_m: 1e-4,
-            skip: true,
-            stale: 1e-2,
-        }
-    }
-}
-
-/// Two bodies are in each other further than they may.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TooDeep {
-    /// First body.
-    pub a: usize,
-    /// What it is in.
-    pub b: Partner,
-    /// How far \[m\].
-    pub depth_m: f64,
-}
 
 #[derive(Debug, Clone)]
 struct Collider {
@@ -605,7 +431,7 @@ impl ContactSet {
         let mut largest = 0.0_f64;
         let mut late = false;
         for (i, (v, w)) in velocities.enumerate() {
-            let path = h * math::norm(v) + h * math::norm(w) * self.radius[i];
+            let path = self.path_of(i, v, w, h);
             self.path[i] = path;
             largest = largest.max(path);
             late |= self.travel[i] + path + margin > self.budget[i];

@@ -92,8 +92,9 @@ impl ContactSet {
         Ok(())
     }
 
-    fn path_of(&self, i: usize, v: V3, w: V3, h: f64) -> f64 {
-        h * (math::norm(v) + math::norm(w) * self.radius[i])
+    /// How far any point of a body moves in a step of `h` \[s\] at most \[m\].
+    pub(super) fn path_of(&self, i: usize, v: V3, w: V3, h: f64) -> f64 {
+        h * math::norm(v) + h * math::norm(w) * self.radius[i]
     }
 
     /// Distance that two bodies may close in this step beyond what their velocities at its begin do \[m\].

@@ -35,13 +35,14 @@ impl Run<'_> {
         }
     }
 
+    /// Opens the joints that break; their bodies.
     #[cold]
-    pub(super) fn fracture(&mut self) {
-        let mut broken = Vec::new();
+    pub(super) fn fracture(&mut self) -> Vec<[usize; 2]> {
+        let (mut parted, mut broken) = (Vec::new(), Vec::new());
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
             if joint.breaks() {
-                self.parted.push([joint.a, joint.b]);
+                parted.push([joint.a, joint.b]);
                 broken.push(i);
                 let end = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
@@ -67,6 +68,7 @@ impl Run<'_> {
         if self.model.settings.time_step_s.is_none() && self.system.joints.iter().all(|j| !j.alive) {
             self.step_limit = LARGEST_STEP_S;
         }
+        parted
     }
 
     #[cold]

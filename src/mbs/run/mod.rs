@@ -241,8 +241,6 @@ struct Run<'a> {
     alone_limit: f64,
     /// Whether inertia against relative motion has ended for good.
     is_loose: bool,
-    /// Bodies of joints that broke in this evaluation of forces.
-    parted: Vec<[usize; 2]>,
     /// Share of the automatic step that is taken.
     share: f64,
     /// Where the bodies of the file are at `t = 0` \[m\], and the centres of those that run.
@@ -326,7 +324,6 @@ impl<'a> Run<'a> {
             shared_limit: step_limit,
             alone_limit,
             is_loose: false,
-            parted: Vec::new(),
             share,
             tracked,
             hinges,
@@ -433,7 +430,7 @@ impl<'a> Run<'a> {
             if meets && self.meet(h)? {
                 return Ok(false);
             }
-            if self.latent.is_watching() && !meets {
+            if self.latent.is_watching() && (!meets || !self.contacts.has_points()) {
                 self.latent.feel(&self.system, None, h);
                 self.latent.keep();
             }
@@ -478,13 +475,8 @@ impl<'a> Run<'a> {
         if is_waiting {
             self.ask_about_contacts();
         }
-        if self.latent.is_watching() {
-            if !self.contacts.has_points() {
-                self.latent.feel(&self.system, None, h);
-                self.latent.keep();
-            } else if self.part_under_contact(h, books)? {
-                return Ok(true);
-            }
+        if self.latent.is_watching() && self.contacts.has_points() && self.part_under_contact(h, books)? {
+            return Ok(true);
         }
         if !self.system.shared.is_empty() && self.part_touched(h, books) {
             return self.meet(h);
@@ -506,9 +498,7 @@ impl<'a> Run<'a> {
     fn forces_with(&mut self, mut is_over: impl FnMut(&Shared, &System) -> bool) {
         self.system.reset_forces();
         let was_related = self.system.relative.is_some();
-        if self.system.add_joint_forces() {
-            self.look_at_joints();
-        }
+        let parted = if self.system.add_joint_forces() { self.look_at_joints() } else { Vec::new() };
         self.system.carry_over();
         self.opened += step::half_work_j(&self.system, &self.displaced);
         self.displaced.clear();
@@ -516,11 +506,10 @@ impl<'a> Run<'a> {
             let system = &self.system;
             let has_tilted = relative.is_over(&system.bodies, &system.data);
             self.is_loose |= has_tilted;
-            if self.is_loose || !self.parted.is_empty() || system.shared.iter().any(|s| is_over(s, system)) {
+            if self.is_loose || !parted.is_empty() || system.shared.iter().any(|s| is_over(s, system)) {
                 self.end_relating();
             }
         }
-        let parted = std::mem::take(&mut self.parted);
         if self.system.relative.is_none() && !self.system.shared.is_empty() {
             let joins = |s: &Shared| parted.iter().any(|pair| s.joins(*pair));
             self.released += self.system.end_sharing(self.last_step, |s, all| joins(s) || is_over(s, all));
@@ -534,7 +523,8 @@ impl<'a> Run<'a> {
         self.system.share_forces();
     }
 
-    fn look_at_joints(&mut self) {
+    /// Notes what flows and opens what breaks; the bodies of the joints that did.
+    fn look_at_joints(&mut self) -> Vec<[usize; 2]> {
         let mut broken = false;
         for i in 0..self.system.joints.len() {
             let joint = &self.system.joints[i];
@@ -544,8 +534,6 @@ impl<'a> Run<'a> {
                 self.note_yield(i);
             }
         }
-        if broken {
-            self.fracture();
-        }
+        if broken { self.fracture() } else { Vec::new() }
     }
 }

@@ -2,9 +2,8 @@
 
 use super::{LARGEST_RELATED_STEP_S, Run, step};
 use crate::mbs::contact::ContactEnergy;
-use crate::mbs::frequency;
-use crate::mbs::math::{self, V3};
 use crate::mbs::system::BodyState;
+use crate::mbs::{frequency, math};
 
 /// Changes of a velocity \[m/s\] and an angular velocity \[rad/s\] in a step up to which a contact is none to bodies with inertia against relative motion: a wall that stands beside a column.
 const LIGHT_TOUCH: [f64; 2] = [0.02, 0.02];
@@ -29,12 +28,9 @@ impl Run<'_> {
     /// Ends that, until [`Self::relate`]. The last step is brought to its end before: half a step as long of the forces alone would set stiff springs vibrating.
     pub(super) fn end_relating(&mut self) {
         if self.system.relative.is_some() {
-            let plain: Vec<[V3; 2]> = self.system.bodies.iter().map(|b| [b.force, b.torque]).collect();
             self.system.share_forces();
             self.synchronise();
-            for (body, [force, torque]) in self.system.bodies.iter_mut().zip(plain) {
-                (body.force, body.torque) = (force, torque);
-            }
+            self.system.give_back_forces();
             self.released += self.system.relate(None, self.last_step);
             self.step_limit = self.plain_limit();
         }
