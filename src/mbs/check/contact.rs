@@ -81,7 +81,8 @@ fn crushing(model: &Model, face: &CrushedFace, path: &str, list: &mut List) {
     let curve = &face.force_n;
     let path = format!("{path}.force_n");
     list.require(curve.first().is_some_and(|p| p[0] == 0.0 && p[1] > 0.0), &path, || {
-        format!("starts with {:?}, expected [0, a positive force]: shortening [m], force [N]", curve.first())
+        let found = curve.first().map_or("is empty".into(), |p| format!("starts with {p:?}"));
+        format!("{found}, expected [0, a positive force] first: shortening [m], force [N]")
     });
     for (k, p) in curve.iter().enumerate() {
         list.finite(&format!("{path}[{k}]"), p);
