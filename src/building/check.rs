@@ -15,6 +15,7 @@ use crate::base::diagnostic::{Diagnostic, Severity, quoted};
 use crate::base::source::Span;
 use crate::base::tree::Node;
 use crate::base::units::{Dimension, round_to_digits, show};
+use std::collections::BTreeMap;
 
 /// Most cells of a partition and most elements of a mesh that pass.
 const MAX_CELLS: f64 = 1e7;
@@ -26,6 +27,7 @@ const MAX_REPORTED: usize = 20;
 pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     overlaps(draft, found);
     turned(draft, found);
+    names_of_contacts(draft, found);
     obstacles(draft, found);
     below_ground(draft, found);
     supported_braces(draft, found);
@@ -151,6 +153,32 @@ fn turned(draft: &Draft, found: &mut Vec<Diagnostic>) {
         };
         let message = format!("the {turned}{noun} {id} {}", wrong.problem);
         found.push(Diagnostic::error("turned-member", message).at(member.span, label).help(wrong.remedy));
+    }
+}
+
+/// What members and obstacles may not be called: contacts with the ground are told by this name.
+const GROUND: &str = "ground";
+
+/// Contacts tell members, obstacles and the ground apart by their names.
+fn names_of_contacts(draft: &Draft, found: &mut Vec<Diagnostic>) {
+    let members = || draft.members.list.iter().map(|m| (m.item.id.as_str(), m.span));
+    let obstacles = || draft.obstacles.iter().map(|o| (o.item.id.as_str(), o.span));
+    for (_, span) in members().chain(obstacles()).filter(|(id, _)| *id == GROUND) {
+        let error = Diagnostic::error("duplicate-id", "the ground is called `ground` already")
+            .at(span, "the same name")
+            .help("contacts are told by names: choose another id");
+        found.push(error);
+    }
+    let of_members: BTreeMap<&str, Span> = members().collect();
+    for (id, span) in obstacles() {
+        if let Some(member) = of_members.get(id) {
+            let message = format!("a member and an obstacle have the id {}", quoted(id));
+            let error = Diagnostic::error("duplicate-id", message)
+                .at(span, "the obstacle")
+                .also(*member, "the member")
+                .help("contacts are told by names: choose another id for one of them");
+            found.push(error);
+        }
     }
 }
 

@@ -24,7 +24,7 @@ fn falling_bar(moment_nm: f64) -> Model {
     }
     m.bushings.push(section("middle", "left", "right", [2.0, 0.0, FALL_M + 0.5]));
     m.contact.obstacles.push(ObstacleBox {
-        id: "block".into(),
+        id: "kerb".into(),
         min_m: [-0.5, -1.0, 0.0],
         max_m: [0.5, 1.0, 0.4],
         friction: 0.5,
@@ -92,7 +92,7 @@ fn a_bar_may_break_from_the_blow_on_that_a_rule_asks_for() {
         _ => None,
     });
     let (speed, with) = speed.unwrap();
-    assert_eq!(with, "block");
+    assert_eq!(with, "kerb");
     assert!((speed - (2.0 * G * FALL_M).sqrt()).abs() < 0.01, "{speed}");
     // from the blow on it is as if it had been watched from the begin
     let mut watched = m.clone();

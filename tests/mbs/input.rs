@@ -50,6 +50,49 @@ fn every_wrong_value_is_named() {
     }
 }
 
+/// Pairs and events tell what bodies meet by its name alone.
+#[test]
+fn whatever_may_be_met_has_a_name_of_its_own() {
+    let plane = |id: &str| ObstaclePlane {
+        id: id.into(),
+        point_m: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+        friction: 0.5,
+        restitution: 0.0,
+    };
+    let obstacle = |id: &str| ObstacleBox {
+        id: id.into(),
+        min_m: [5.0; 3],
+        max_m: [6.0; 3],
+        friction: 0.5,
+        restitution: 0.0,
+    };
+    let complaints = |planes: &[&str], obstacles: &[&str]| {
+        let mut m = good();
+        m.contact.planes = planes.iter().map(|id| plane(id)).collect();
+        m.contact.obstacles = obstacles.iter().map(|id| obstacle(id)).collect();
+        m.check().map_or_else(|e| e.to_string(), |()| String::new())
+    };
+    assert_eq!(complaints(&["slope"], &["wall"]), "");
+    for (planes, obstacles, expected) in [
+        (&["a"][..], &[][..], "contact.planes[0].id: \"a\" is also the id of bodies[0]"),
+        (&[], &["a"], "contact.obstacles[0].id: \"a\" is also the id of bodies[0]"),
+        (&["p"], &["p"], "contact.obstacles[0].id: \"p\" is also the id of contact.planes[0]"),
+        (&["p", "p"], &[], "contact.planes[1].id: \"p\" is also the id of contact.planes[0]"),
+        (&[], &["w", "w"], "contact.obstacles[1].id: \"w\" is also the id of contact.obstacles[0]"),
+    ] {
+        assert_eq!(complaints(planes, obstacles), format!("{expected}: give one of them another id"));
+    }
+    let mut m = good();
+    m.bodies.push(solid("ground", [5.0; 3], [1.0; 3]));
+    m.contact.planes.push(plane("ground"));
+    let text = m.check().unwrap_err().to_string();
+    for place in ["bodies[1].id", "contact.planes[0].id"] {
+        let expected = format!("{place}: \"ground\" is also the name of the ground: give it another id");
+        assert!(text.contains(&expected), "{text}");
+    }
+}
+
 #[test]
 fn a_model_survives_its_file_and_the_command_writes_the_histories() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,14 +3,13 @@
 use super::{List, ORTHONORMAL_TOLERANCE};
 use crate::mbs::math;
 use crate::mbs::model::{CrushedFace, Model, Shape};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
     let contact = &model.contact;
     let planes = contact.planes.iter().map(|p| p.id.as_str());
     let obstacles = contact.obstacles.iter().map(|o| o.id.as_str());
-    list.unique("contact.planes", planes.clone());
-    list.unique("contact.obstacles", obstacles.clone());
+    one_name_each(model, list);
     if let Some(ground) = &contact.ground {
         list.finite("contact.ground.level_m", &[ground.level_m]);
         surface(ground.friction, ground.restitution, "contact.ground", list);
@@ -34,7 +33,7 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
         });
     }
     let partners: BTreeSet<&str> =
-        known.iter().copied().chain(planes).chain(obstacles).chain(["ground"]).collect();
+        known.iter().copied().chain(planes).chain(obstacles).chain([GROUND]).collect();
     for (i, pair) in contact.pairs.iter().enumerate() {
         let path = format!("contact.pairs[{i}]");
         list.known(known, &pair.a, &format!("{path}.a"));
@@ -61,6 +60,34 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
         list.require(again.is_none(), &path, || {
             format!("names the same face as contact.crushing[{}]: a face has one curve", again.unwrap_or(0))
         });
+    }
+}
+
+/// The name of the ground among what bodies may meet.
+const GROUND: &str = "ground";
+
+/// Whatever may be met has a name of its own: pairs, events and results tell bodies, planes, obstacles and the ground apart by nothing else. Bodies of the same name are told of where bodies are checked.
+fn one_name_each(model: &Model, list: &mut List) {
+    let contact = &model.contact;
+    let mut taken: BTreeMap<&str, String> = BTreeMap::new();
+    let of_bodies = model.bodies.iter().enumerate().map(|(i, b)| (format!("bodies[{i}]"), b.id.as_str()));
+    let of_planes =
+        contact.planes.iter().enumerate().map(|(i, p)| (format!("contact.planes[{i}]"), p.id.as_str()));
+    let of_obstacles =
+        contact.obstacles.iter().enumerate().map(|(i, o)| (format!("contact.obstacles[{i}]"), o.id.as_str()));
+    for (path, id) in of_bodies.chain(of_planes).chain(of_obstacles) {
+        let own = format!("{path}.id");
+        list.require(id != GROUND, &own, || {
+            format!("\"{id}\" is also the name of the ground: give it another id")
+        });
+        match taken.get(id).filter(|_| path.starts_with("contact")) {
+            Some(first) => {
+                list.add(own, format!("\"{id}\" is also the id of {first}: give one of them another id"))
+            }
+            None => {
+                taken.insert(id, path);
+            }
+        }
     }
 }
 
