@@ -57,8 +57,8 @@ impl Aspect {
 pub enum ParameterType {
     /// A number above zero in this unit.
     Positive(&'static str),
-    /// A whole number of at least this.
-    Count(u32),
+    /// A whole number of at least and at most this.
+    Count(u32, u32),
     /// One of these names.
     Names(&'static [&'static str]),
 }
@@ -145,6 +145,9 @@ const fn optional(name: &'static str, kind: ParameterType) -> Parameter {
     Parameter { name, kind, required: false }
 }
 
+/// Most pieces of a member: more would be deeper than long in the slenderest members that there are, and bodies are no finite elements.
+const MOST_PIECES: u32 = 50;
+
 /// All actions.
 pub static CATALOGUE: &[ActionSpec] = &[
     ActionSpec {
@@ -177,7 +180,7 @@ pub static CATALOGUE: &[ActionSpec] = &[
         aspect: Aspect::Body,
         subjects: &[Member],
         parameters: &[
-            required("pieces", ParameterType::Count(2)),
+            required("pieces", ParameterType::Count(2, MOST_PIECES)),
             optional("least_length_m", ParameterType::Positive("m")),
         ],
         meaning: "the member is several rigid bodies joined at latent sections",

@@ -279,11 +279,11 @@ fn parameter_value(kind: ParameterType, value: &toml::Value) -> Result<Value, St
                 }
             })
         }
-        ParameterType::Count(least) => match value {
-            toml::Value::Integer(n) if *n >= i64::from(least) && *n <= i64::from(u32::MAX) => {
+        ParameterType::Count(least, most) => match value {
+            toml::Value::Integer(n) if (i64::from(least)..=i64::from(most)).contains(n) => {
                 Ok(Value::Number(*n as f64))
             }
-            _ => Err(format!("a whole number, at least {least}")),
+            other => Err(format!("a whole number, at least {least} and at most {most}, not {other}")),
         },
         ParameterType::Names(names) => match value {
             toml::Value::String(name) if names.contains(&name.as_str()) => Ok(Value::Name(name.clone())),

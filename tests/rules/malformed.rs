@@ -40,7 +40,11 @@ fn faults_of_one_rule_are_named_with_what_would_be_right() {
         (&["action = \"subdivide\""], "action `subdivide` needs the parameter `pieces`"),
         (
             &["action = \"subdivide\"", "parameters = { pieces = 1 }"],
-            "`pieces` must be a whole number, at least 2",
+            "`pieces` must be a whole number, at least 2 and at most 50, not 1",
+        ),
+        (
+            &["action = \"subdivide\"", "parameters = { pieces = 4000000000 }"],
+            "`pieces` must be a whole number, at least 2 and at most 50, not 4000000000",
         ),
         (
             &["action = \"subdivide\"", "parameters = { pieces = 2, least_length_m = 0 }"],
