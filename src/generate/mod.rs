@@ -435,11 +435,12 @@ fn webs_of(
     all
 }
 
-/// Charges take whole bodies away.
+/// Charges take whole bodies away, each once: a body may be of several members with charges.
 fn events(building: &Building, bodies: &Bodies) -> Vec<Event> {
+    let mut gone = BTreeSet::new();
     let event = |charge: &Charge| {
         let member = building.members.iter().position(|m| m.id == charge.member)?;
-        let own = bodies.all_of(member);
+        let own: Vec<usize> = bodies.all_of(member).into_iter().filter(|b| gone.insert(*b)).collect();
         (!own.is_empty()).then(|| Event {
             id: charge.id.clone(),
             time_s: charge.time_s,

@@ -2,6 +2,7 @@
 
 use super::support::*;
 use fallwerk::mbs::model::*;
+use fallwerk::mbs::simulate;
 
 fn good() -> Model {
     let mut m = model("input", 0.1, 0.01);
@@ -90,6 +91,71 @@ fn whatever_may_be_met_has_a_name_of_its_own() {
     for place in ["bodies[1].id", "contact.planes[0].id"] {
         let expected = format!("{place}: \"ground\" is also the name of the ground: give it another id");
         assert!(text.contains(&expected), "{text}");
+    }
+}
+
+fn event(id: &str, time_s: f64, remove_bodies: &[&str], release: &[&str]) -> Event {
+    let list = |ids: &[&str]| ids.iter().map(|id| id.to_string()).collect();
+    Event {
+        id: id.into(),
+        time_s,
+        remove_bodies: list(remove_bodies),
+        release: list(release),
+        weaken: Vec::new(),
+        origin: Origin::default(),
+    }
+}
+
+#[test]
+fn what_is_gone_cannot_go_again() {
+    let complaints = |events: Vec<Event>| {
+        let mut m = good();
+        m.events = events;
+        m.check().map_or_else(|e| e.to_string(), |()| String::new())
+    };
+    // a joint that is released may belong to a body that vanishes later
+    assert_eq!(complaints(vec![event("cut", 0.02, &[], &["j"]), event("charge", 0.05, &["a"], &[])]), "");
+    let text = complaints(vec![event("late", 0.05, &["a"], &[]), event("early", 0.02, &["a"], &[])]);
+    let said = "events[0].remove_bodies[0]: \"a\" is gone since event \"early\" at 0.02 s: leave one of both out";
+    assert_eq!(text, said);
+    let text = complaints(vec![event("one", 0.0, &[], &["j"]), event("two", 0.0, &[], &["j", "j"])]);
+    let said = |place: usize| {
+        format!("events[1].release[{place}]: \"j\" is gone since event \"one\" at 0 s: leave one of both out")
+    };
+    assert_eq!(text, format!("{}\n{}", said(0), said(1)));
+}
+
+#[test]
+fn events_after_the_end_are_told() {
+    let mut bushings = good();
+    bushings.events = vec![event("soon", 0.05, &[], &["j"]), event("at the end", 0.1, &["a"], &[])];
+    let mut ideal = good();
+    ideal.bushings.clear();
+    let kind = JointKind::Spherical;
+    ideal.joints.push(Joint {
+        id: "j".into(),
+        kind,
+        body_a: None,
+        body_b: "a".into(),
+        point_m: [0.0; 3],
+        axis: None,
+        axis_b: None,
+        point_b_m: None,
+        origin: Origin::default(),
+    });
+    for mut m in [bushings, ideal] {
+        let late = |m: &Model| {
+            let warnings = simulate(m).unwrap().warnings;
+            warnings.into_iter().filter(|w| w.contains("not happen")).collect::<Vec<_>>()
+        };
+        assert!(late(&m).is_empty());
+        m.events.push(event("never", 3.0, &[], &[]));
+        m.events.push(event("charge", 0.2, &[], &[]));
+        let [said] = &late(&m)[..] else { panic!("{:?}", late(&m)) };
+        assert_eq!(
+            said,
+            "event \"charge\" at 0.2 s and 1 more do not happen: the run ends before, at settings.end_time_s = 0.1"
+        );
     }
 }
 

@@ -7,8 +7,9 @@ mod latent;
 mod shared;
 
 use super::math::{self, M3};
-use super::model::{Body, Force, MODEL_SCHEMA, Model};
-use std::collections::BTreeSet;
+use super::model::{Body, Event, Force, MODEL_SCHEMA, Model};
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Why a model file is not accepted.
@@ -183,6 +184,33 @@ fn check_events(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
             list.require(w.factor > 0.0 && w.factor <= 1.0, &format!("{path}.weaken[{k}].factor"), || {
                 format!("is {}, expected above 0 and at most 1 (to remove it, use release)", w.factor)
             });
+        }
+    }
+    once_each(model, "remove_bodies", |e| &e.remove_bodies, list);
+    once_each(model, "release", |e| &e.release, list);
+}
+
+/// What one event has taken away no later one can; events of one time in the order of the file.
+fn once_each(model: &Model, key: &str, of: impl Fn(&Event) -> &[String], list: &mut List) {
+    let mut order: Vec<usize> = (0..model.events.len()).collect();
+    order.sort_by(|a, b| model.events[*a].time_s.total_cmp(&model.events[*b].time_s));
+    let mut gone: BTreeMap<&str, usize> = BTreeMap::new();
+    for i in order {
+        for (k, id) in of(&model.events[i]).iter().enumerate() {
+            let first = match gone.entry(id) {
+                Entry::Vacant(place) => {
+                    place.insert(i);
+                    continue;
+                }
+                Entry::Occupied(first) => &model.events[*first.get()],
+            };
+            list.add(
+                format!("events[{i}].{key}[{k}]"),
+                format!(
+                    "\"{id}\" is gone since event \"{}\" at {} s: leave one of both out",
+                    first.id, first.time_s
+                ),
+            );
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::mbs::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
     TrackedHistory, TurnHistory,
 };
-use crate::mbs::run::{SolverOptions, closing_remarks};
+use crate::mbs::run::{SolverOptions, closing_remarks, remark_on_late_events};
 
 /// Times that are one time, as a share of the whole.
 const SAME: f64 = 1e-12;
@@ -131,6 +131,7 @@ impl<'a> Run<'a> {
         let contacts = self.marcher.touching.as_ref().map(|t| t.set.work);
         self.result.contact_work = contacts.unwrap_or_default().into();
         self.result.warnings.extend(remark(&self.marcher.locked));
+        self.result.warnings.extend(remark_on_late_events(self.model));
         self.result.warnings.extend(closing_remarks(&self.record.books, contacts));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())

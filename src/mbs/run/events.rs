@@ -5,7 +5,7 @@ use super::setup::connect;
 use crate::mbs::contact::Partner;
 use crate::mbs::error::SolveError;
 use crate::mbs::result::{EventKind, FractureCause, RunEvent};
-use crate::mbs::run::LARGEST_STEP_S;
+use crate::mbs::run::{LARGEST_STEP_S, SAME};
 use crate::mbs::{math, step};
 
 impl Run<'_> {
@@ -93,7 +93,7 @@ impl Run<'_> {
     /// Carries out the events of a time: momenta are brought to the full step, bodies and joints vanish or weaken, forces are evaluated again.
     pub(super) fn events_at(&mut self, time: f64) -> Result<(), SolveError> {
         let file = self.file;
-        let tolerance = 1e-12 * file.settings.end_time_s;
+        let tolerance = SAME * file.settings.end_time_s;
         let (mut any, was_related) = (false, self.system.relative.is_some());
         for event in file.events.iter().filter(|e| (e.time_s - time).abs() <= tolerance) {
             if !std::mem::replace(&mut any, true) {

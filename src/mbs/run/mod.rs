@@ -31,7 +31,7 @@ use super::error::SolveError;
 use super::ideal;
 use super::latent::Latent;
 use super::math;
-use super::model::Model;
+use super::model::{Event, Model};
 use super::preload;
 use super::result::RunResult;
 use super::shared_mass::Shared;
@@ -47,6 +47,9 @@ pub const LARGEST_STEP_S: f64 = 1e-3;
 pub const LARGEST_RELATED_STEP_S: f64 = 2e-3;
 /// Most steps between two outputs; more points to a wrong stiffness or mass.
 const MOST_STEPS: f64 = 2e9;
+
+/// Times that are one time, as a share of the whole.
+const SAME: f64 = 1e-12;
 
 /// Options that are not part of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,6 +124,7 @@ fn once(model: &Model, options: &SolverOptions, share: f64) -> Outcome {
     run.go()?;
     run.result.contact_work = run.contacts.work.into();
     let remarks = closing_remarks(&run.books, Some(run.contacts.work));
+    run.result.warnings.extend(remark_on_late_events(model));
     run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
     run.result.warnings.extend(remarks);
     run.result.warnings.splice(0..0, run.remark_on_held());
@@ -190,6 +194,21 @@ pub(super) fn closing_remarks(books: &Balance, contacts: Option<Work>) -> Vec<St
         ));
     }
     list
+}
+
+/// That events after the end do not happen, if there are any.
+pub(super) fn remark_on_late_events(model: &Model) -> Option<String> {
+    let end_s = model.settings.end_time_s;
+    let late: Vec<&Event> = model.events.iter().filter(|e| e.time_s > end_s * (1.0 + SAME)).collect();
+    let first = late.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
+    let others = match late.len() - 1 {
+        0 => "does not happen".into(),
+        more => format!("and {more} more do not happen"),
+    };
+    Some(format!(
+        "event \"{}\" at {} s {others}: the run ends before, at settings.end_time_s = {end_s}",
+        first.id, first.time_s
+    ))
 }
 
 /// Joints named in a remark.
@@ -388,7 +407,7 @@ impl<'a> Run<'a> {
         stops.extend(events.filter(|t| *t > 0.0 && *t <= s.end_time_s).map(|t| (t, false)));
         stops.sort_by(|a, b| a.0.total_cmp(&b.0));
         stops.dedup_by(|later, kept| {
-            let same = later.0 - kept.0 <= 1e-12 * s.end_time_s;
+            let same = later.0 - kept.0 <= SAME * s.end_time_s;
             kept.1 |= same && later.1;
             same
         });
