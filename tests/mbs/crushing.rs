@@ -225,7 +225,10 @@ fn wrong_curves_are_refused_with_their_place() {
         let error = simulate(&m).unwrap_err().to_string();
         assert!(error.contains(what), "{error}");
     };
-    refused(|f| f.force_n.clear(), "contact.crushing[0].force_n: is empty, expected [0, a positive force] first");
+    refused(
+        |f| f.force_n.clear(),
+        "contact.crushing[0].force_n: is empty, expected [0, a positive force] first",
+    );
     refused(|f| f.force_n[0][0] = 0.1, "contact.crushing[0].force_n: starts with [0.1, ");
     refused(|f| f.force_n.push([0.0, 1.0]), "contact.crushing[0].force_n[1][0]: is 0, expected more");
     refused(|f| f.force_n.push([0.1, -1.0]), "contact.crushing[0].force_n[1][1]");

@@ -15,7 +15,7 @@ fn good() -> Model {
 #[test]
 fn every_wrong_value_is_named() {
     type Change = fn(&mut Model);
-    let cases: [(Change, &str); 13] = [
+    let cases: [(Change, &str); 15] = [
         (|m| m.schema = "x".into(), "schema: "),
         (|m| m.bodies[0].mass_kg = 0.0, "bodies[0].mass_kg: "),
         (|m| m.bodies[0].inertia_kg_m2[1][1] = -1.0, "bodies[0].inertia_kg_m2: is not positive definite"),
@@ -37,6 +37,11 @@ fn every_wrong_value_is_named() {
             "curves.c: levels[0].capacity[1]",
         ),
         (|m| m.settings.end_time_s = -1.0, "settings.end_time_s: "),
+        (
+            |m| m.settings.time_step_s = Some(1e-300),
+            "settings.time_step_s: is 1e-300, with which settings.end_time_s = 0.1 takes 1.0e299 steps, at most 2e9",
+        ),
+        (|m| m.settings.time_step_s = Some(1e-15), "settings.time_step_s: is 1e-15, with which"),
         (
             |m| m.tracked.push(TrackedPoint { id: "t".into(), body: "b".into(), point_m: [0.0; 3] }),
             "tracked[0].body: ",
@@ -116,7 +121,8 @@ fn what_is_gone_cannot_go_again() {
     // a joint that is released may belong to a body that vanishes later
     assert_eq!(complaints(vec![event("cut", 0.02, &[], &["j"]), event("charge", 0.05, &["a"], &[])]), "");
     let text = complaints(vec![event("late", 0.05, &["a"], &[]), event("early", 0.02, &["a"], &[])]);
-    let said = "events[0].remove_bodies[0]: \"a\" is gone since event \"early\" at 0.02 s: leave one of both out";
+    let said =
+        "events[0].remove_bodies[0]: \"a\" is gone since event \"early\" at 0.02 s: leave one of both out";
     assert_eq!(text, said);
     let text = complaints(vec![event("one", 0.0, &[], &["j"]), event("two", 0.0, &[], &["j", "j"])]);
     let said = |place: usize| {

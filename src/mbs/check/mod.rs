@@ -8,6 +8,7 @@ mod shared;
 
 use super::math::{self, M3};
 use super::model::{Body, Event, Force, MODEL_SCHEMA, Model};
+use super::run::MOST_STEPS;
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -126,6 +127,16 @@ impl Model {
         });
         if let Some(h) = s.time_step_s {
             list.positive("settings.time_step_s", h);
+            let (span, until) = match s.end_time_s >= s.output_interval_s {
+                true => (s.end_time_s, "settings.end_time_s"),
+                false => (s.output_interval_s, "settings.output_interval_s"),
+            };
+            list.require(h <= 0.0 || (span / h).is_nan() || span / h < MOST_STEPS, "settings.time_step_s", || {
+                format!(
+                    "is {h:e}, with which {until} = {span} takes {:.1e} steps, at most {MOST_STEPS:.0e}: longer steps, or leave it out to have it chosen",
+                    span / h
+                )
+            });
         }
         list.positive("settings.tolerance", s.tolerance);
         if let Some(v) = s.sleep_speed_m_s {

@@ -45,8 +45,8 @@ use std::borrow::Cow;
 pub const LARGEST_STEP_S: f64 = 1e-3;
 /// The same with inertia against relative motion, while nothing has tilted or been touched: the errors of the 20 held-out buildings are those of half the step up to 3.3 ms.
 pub const LARGEST_RELATED_STEP_S: f64 = 2e-3;
-/// Most steps between two outputs; more points to a wrong stiffness or mass.
-const MOST_STEPS: f64 = 2e9;
+/// Most automatic steps between two outputs, as more points to a wrong stiffness or mass; most steps of a given length.
+pub(super) const MOST_STEPS: f64 = 2e9;
 
 /// Times that are one time, as a share of the whole.
 const SAME: f64 = 1e-12;

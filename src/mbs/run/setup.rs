@@ -46,12 +46,15 @@ pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Laten
 /// The step given, or a share of the automatic one.
 pub(super) fn choose_step(model: &Model, frequency: f64, share: f64) -> Result<f64, SolveError> {
     let limit = if frequency > 0.0 { 2.0 / frequency } else { f64::INFINITY };
-    let step = match model.settings.time_step_s {
-        Some(given) if given > limit => return Err(SolveError::TimeStep { given_s: given, limit_s: limit }),
-        Some(given) => given,
-        None => share * (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S),
-    };
-    let interval = model.settings.output_interval_s;
+    if let Some(given) = model.settings.time_step_s {
+        return if given > limit {
+            Err(SolveError::TimeStep { given_s: given, limit_s: limit })
+        } else {
+            Ok(given)
+        };
+    }
+    let (step, interval) =
+        (share * (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S), model.settings.output_interval_s);
     if interval / step >= MOST_STEPS {
         return Err(SolveError::TooManySteps { step_s: step, interval_s: interval });
     }
