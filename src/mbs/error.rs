@@ -2,6 +2,16 @@
 
 use super::ModelError;
 
+/// Share of the stability limit that is told as usable: what is below the limit in all poses that a run may come to, and as a number of three digits.
+const USABLE: f64 = 0.95;
+
+impl SolveError {
+    /// That a given step is above a limit, of which the smallest one of the whole run is known \[s\].
+    pub fn time_step(given_s: f64, limit_s: f64, smallest_s: f64) -> Self {
+        Self::TimeStep { given_s, limit_s, usable_s: USABLE * smallest_s }
+    }
+}
+
 /// Why a run stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
@@ -33,13 +43,15 @@ pub enum SolveError {
     },
     /// The given step is unstable.
     #[error(
-        "settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; leave it out to have it chosen"
+        "settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; give at most {usable_s:.2e} s, or leave it out to have it chosen"
     )]
     TimeStep {
         /// The step given \[s\].
         given_s: f64,
         /// The limit \[s\].
         limit_s: f64,
+        /// A step that holds for the whole run \[s\].
+        usable_s: f64,
     },
     /// The run would take too many steps.
     #[error(

@@ -237,7 +237,12 @@ fn what_does_not_fit_is_refused_with_a_remedy() {
     }
     let mut stiff = leaning(vec![[0.0, 60e3]], None);
     stiff.settings.time_step_s = Some(0.1);
-    assert!(simulate(&stiff).unwrap_err().to_string().contains("above the stability limit"));
+    let said = simulate(&stiff).unwrap_err().to_string();
+    assert!(said.contains("above the stability limit"), "{said}");
+    stiff.settings.time_step_s = Some(step_told(&said));
+    // such long steps may end for their energy
+    let again = simulate(&stiff).map_or_else(|e| e.to_string(), |_| String::new());
+    assert!(!again.contains("above the stability limit"), "{said}: {again}");
 }
 
 #[test]

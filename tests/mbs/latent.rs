@@ -183,6 +183,19 @@ fn nothing_jumps_when_a_body_parts() {
     }
 }
 
+/// The step that is told where one is refused holds once bodies have parted.
+#[test]
+fn the_step_told_for_one_refused_holds_after_bodies_part() {
+    let mut m = rod(6, 100.0);
+    m.bushings.push(joint("foot", None, "p0", [0.0; 3], 1e8, 1e7, [elastic(0.0), elastic(0.0)]));
+    m.settings.end_time_s = 0.05;
+    m.settings.time_step_s = Some(1.0);
+    let said = simulate(&m).unwrap_err().to_string();
+    m.settings.time_step_s = Some(step_told(&said));
+    let result = simulate(&m).unwrap_or_else(|e| panic!("{said}: {e}"));
+    assert!(!live(&result).is_empty());
+}
+
 /// What no latent bushing parts moves as the bodies made one by hand.
 #[test]
 fn latent_bodies_move_as_one() {

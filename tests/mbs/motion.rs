@@ -224,4 +224,6 @@ fn a_diverging_step_is_refused() {
     m.settings = RunSettings { time_step_s: Some(0.05), ..m.settings };
     let error = simulate(&m).unwrap_err().to_string();
     assert!(error.contains("stability limit"), "{error}");
+    m.settings.time_step_s = Some(step_told(&error));
+    assert!(simulate(&m).is_ok(), "{error}");
 }

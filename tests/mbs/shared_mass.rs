@@ -177,3 +177,20 @@ fn wrong_lists_are_named() {
         assert!(text.contains(words), "{words}: {text}");
     }
 }
+
+/// The step that is told where one is refused holds with shared inertia and without.
+#[test]
+fn the_step_told_for_one_refused_holds() {
+    let mut m = halves();
+    // without the block that sets the step
+    m.bodies.pop();
+    m.bushings.pop();
+    m.shared_masses.push(shared());
+    m.settings.end_time_s = 0.02;
+    m.settings.time_step_s = Some(1.0);
+    let said = simulate(&m).unwrap_err().to_string();
+    m.settings.time_step_s = Some(step_told(&said));
+    assert!(simulate(&m).is_ok(), "{said}");
+    m.shared_masses.clear();
+    assert!(simulate(&m).is_ok(), "{said}");
+}

@@ -103,6 +103,12 @@ pub fn frame_curve() -> ResistanceCurve {
     curve(&[[0.0, 120e3], [0.024, 120e3], [0.15, 0.0]], 0.5)
 }
 
+/// The step that a complaint about a given one tells \[s\].
+pub fn step_told(said: &str) -> f64 {
+    let (_, told) = said.split_once("give at most ").expect(said);
+    told.split(' ').next().unwrap().parse().expect(said)
+}
+
 /// Time at which a sampled function first passes `level`, and its slope there (cubic through four points).
 pub fn crossing(times: &[f64], values: &[f64], level: f64) -> (f64, f64) {
     let i = (1..values.len()).find(|i| values[*i] >= level).expect("the level is reached");

@@ -33,7 +33,7 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
     if let Some(given_s) = model.settings.time_step_s {
         let limit_s = run.marcher.limit_s();
         if given_s > limit_s {
-            return Err(SolveError::TimeStep { given_s, limit_s });
+            return Err(SolveError::time_step(given_s, limit_s, limit_s));
         }
         run.marcher.fix(given_s);
     }

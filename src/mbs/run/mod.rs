@@ -24,7 +24,7 @@ mod setup;
 mod work;
 
 use self::rules::EventRules;
-use self::setup::{choose_step, connect, empty_result, outputs, preload_error};
+use self::setup::{choose_step, connect, empty_result, outputs, preload_error, usable_step};
 use super::balance::Balance;
 use super::contact::{ContactSet, Moving, Settings, Work};
 use super::error::SolveError;
@@ -302,13 +302,15 @@ impl<'a> Run<'a> {
         } else {
             None
         };
-        let mut frequency = frequency::highest_rad_s(&mut system);
-        let alone_limit = choose_step(&model, frequency, share)?;
+        let alone = frequency::highest_rad_s(&mut system);
+        let mut frequency = alone;
         if !model.shared_masses.is_empty() {
-            system.share_masses(&model, frequency);
+            system.share_masses(&model, alone);
             frequency = frequency::highest_rad_s(&mut system);
         }
-        let step_limit = choose_step(&model, frequency, share)?;
+        let choose =
+            |of: f64| choose_step(&model, of, share).map_err(|e| usable_step(e, file, alone.max(frequency)));
+        let (alone_limit, step_limit) = (choose(alone)?, choose(frequency)?);
         let mut contacts = ContactSet::new(&model, options.contact);
         connect(&mut contacts, &system, &latent);
         let of = |b: usize| (0..file.bushings[b].hinges().len()).map(move |k| (b, k));

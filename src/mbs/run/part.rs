@@ -1,6 +1,6 @@
 //! Bodies that part at a latent bushing while the model runs.
 
-use super::setup::{choose_step, connect};
+use super::setup::{choose_step, connect, usable_step};
 use super::{Run, step};
 use crate::mbs::contact::{ContactEnergy, ContactSet};
 use crate::mbs::error::SolveError;
@@ -114,7 +114,9 @@ impl Run<'_> {
         self.contacts.resume_crushed(crushed.into_iter());
         connect(&mut self.contacts, &self.system, &self.latent);
         self.origin = self.centers();
-        self.step_limit = choose_step(&self.model, frequency::highest_rad_s(&mut self.system), self.share)?;
+        let highest = frequency::highest_rad_s(&mut self.system);
+        self.step_limit =
+            choose_step(&self.model, highest, self.share).map_err(|e| usable_step(e, self.file, highest))?;
         self.result.time_step_s = self.result.time_step_s.min(self.step_limit);
         for (bushing, _) in &parting.live {
             if self.strength[*bushing] != 1.0 {

@@ -47,11 +47,7 @@ pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Laten
 pub(super) fn choose_step(model: &Model, frequency: f64, share: f64) -> Result<f64, SolveError> {
     let limit = if frequency > 0.0 { 2.0 / frequency } else { f64::INFINITY };
     if let Some(given) = model.settings.time_step_s {
-        return if given > limit {
-            Err(SolveError::TimeStep { given_s: given, limit_s: limit })
-        } else {
-            Ok(given)
-        };
+        return if given > limit { Err(SolveError::time_step(given, limit, limit)) } else { Ok(given) };
     }
     let (step, interval) =
         (share * (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S), model.settings.output_interval_s);
@@ -59,6 +55,15 @@ pub(super) fn choose_step(model: &Model, frequency: f64, share: f64) -> Result<f
         return Err(SolveError::TooManySteps { step_s: step, interval_s: interval });
     }
     Ok(step)
+}
+
+/// Where the given step is above a limit: tells one that holds for the whole run, below the limits at frequencies that the bodies have \[rad/s\] and at those that they have once all have parted that may.
+pub(super) fn usable_step(error: SolveError, file: &Model, highest_rad_s: f64) -> SolveError {
+    let SolveError::TimeStep { given_s, limit_s, .. } = error else { return error };
+    let may_part = file.bushings.iter().any(|b| b.latent.is_some());
+    let parted = may_part.then(|| System::new(file).ok()).flatten();
+    let parted_rad_s = parted.map_or(0.0, |mut system| frequency::highest_rad_s(&mut system));
+    SolveError::time_step(given_s, limit_s, 2.0 / highest_rad_s.max(parted_rad_s))
 }
 
 pub(super) fn preload_error(model: &Model, error: PreloadError) -> SolveError {
