@@ -4,6 +4,7 @@ use super::compose::entry_words;
 use super::knowledge::KnowledgeArgs;
 use super::{Failure, Outcome, explain_events, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
+use crate::base::json;
 use crate::building::Building;
 use crate::generate::{EventReason, Generated, Reason, StaysWhole, Unasked, web_of};
 use crate::library::Entry;
@@ -123,7 +124,7 @@ impl TraceFile {
         let path = model.with_file_name("trace.json");
         let Ok(text) = std::fs::read_to_string(&path) else { return Ok(None) };
         let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
-        let trace: Self = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+        let trace: Self = json::from_text(&text).map_err(|e| wrong(e.to_string()))?;
         if trace.schema == TRACE_SCHEMA {
             Ok(Some(trace))
         } else {
@@ -244,7 +245,7 @@ fn reviewed(model: &Path, asked: &str, part: &Part) -> Result<Vec<(usize, Item)>
     let path = model.with_file_name("review.json");
     let Ok(text) = std::fs::read_to_string(&path) else { return Ok(Vec::new()) };
     let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
-    let review: Review = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    let review: Review = json::from_text(&text).map_err(|e| wrong(e.to_string()))?;
     if review.schema != REVIEW_SCHEMA {
         return Err(wrong(format!("schema {}, this program reads schema {REVIEW_SCHEMA}", review.schema)));
     }

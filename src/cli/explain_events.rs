@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::compose::event_words;
+use crate::base::json;
 use crate::generate::{EventReason, Unasked};
 use crate::mbs::Model;
 use crate::mbs::model::{Body, Bushing};
@@ -79,7 +80,7 @@ pub fn told(
 fn beside(model: &Path) -> Result<Option<Run>, Failure> {
     let path = model.with_file_name("mbs.json");
     let Ok(text) = std::fs::read_to_string(&path) else { return Ok(None) };
-    let read = serde_json::from_str(&text);
+    let read = json::from_text(&text);
     read.map(Some).map_err(|e| Failure::input(format!("{}: {e}", path.display())))
 }
 

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::verdict::seconds;
+use crate::base::json;
 use crate::fe::result::{FeRun, History};
 use crate::validate::measure::at;
 use crate::validate::points::PointErrors;
@@ -44,7 +45,7 @@ impl Against {
         };
         let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
         let reference: Reference =
-            serde_json::from_str(&text).map_err(|e| bad(format!("is no result of an FE run: {e}")))?;
+            json::from_text(&text).map_err(|e| bad(format!("is no result of an FE run: {e}")))?;
         let times = run.times_s.len().min(reference.times_s.len());
         let same = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
         if !run.times_s[..times].iter().zip(&reference.times_s).all(same) {

@@ -1,6 +1,7 @@
 //! `fallwerk study`: FE runs as evidence in `kb/studies/`.
 
 use super::{Failure, Outcome, print, study_compare, study_run};
+use crate::base::json;
 use crate::base::output::write_atomic;
 use crate::study::Study;
 use crate::study::plan::Scene;
@@ -102,7 +103,7 @@ fn plan(seed: u32, count: u32, folder: &Path) -> Result<(), Failure> {
 pub(super) fn read(path: &Path) -> Result<Study, Failure> {
     let text = std::fs::read_to_string(path)
         .map_err(|e| Failure::input(format!("cannot read {}: {e}", path.display())))?;
-    let study: Study = serde_json::from_str(&text)
+    let study: Study = json::from_text(&text)
         .map_err(|e| Failure::input(format!("{} is no study record: {e}", path.display())))?;
     if study.schema != crate::study::record::STUDY_SCHEMA {
         return Err(Failure::input(format!(

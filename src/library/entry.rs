@@ -13,6 +13,7 @@ pub use super::parts::{
     Provenance, Quality, Source, SpringLevel, SpringRecord, Stiffness, Validity,
 };
 use crate::base::hash::{ContentHash, readable_json};
+use crate::base::json;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -268,7 +269,7 @@ impl Entry {
         if stated != found {
             return Err(format!("checksum is {}…, the content gives {}…", head(stated), head(&found)));
         }
-        let entry: Self = serde_json::from_value(value).map_err(|e| e.to_string())?;
+        let entry: Self = json::from_value(value).map_err(|e| e.to_string())?;
         super::check::entry(&entry)?;
         Ok(entry)
     }

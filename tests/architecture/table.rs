@@ -65,6 +65,7 @@ pub const CONFINED: &[Confined] = &[
     Confined { krate: "parry3d_f64", within: &["mbs/contact/collide.rs"] },
     Confined { krate: "faer", within: &["fe/preload.rs", "base/sparse.rs"] },
     Confined { krate: "postcard", within: &["fe/restart.rs"] },
+    Confined { krate: "serde_path_to_error", within: &["base/json.rs"] },
     Confined { krate: "clap", within: &["cli/"] },
 ];
 

@@ -165,6 +165,36 @@ fn events_after_the_end_are_told() {
     }
 }
 
+/// What has the wrong type is told with its path.
+#[test]
+fn wrong_types_are_told_with_their_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.json");
+    let said = |from: &str, to: &str| {
+        let text = serde_json::to_string_pretty(&good()).unwrap();
+        assert!(text.contains(from), "{text}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        Model::read(&path).unwrap_err().to_string()
+    };
+    for (from, to, expected) in [
+        (
+            "\"mass_kg\": 2500.0",
+            "\"mass_kg\": \"heavy\"",
+            "model.json: bodies[0].mass_kg: invalid type: string \"heavy\", expected f64 at line",
+        ),
+        ("\"mass_kg\"", "\"mass\"", "model.json: bodies[0].mass: unknown field `mass`"),
+        (
+            "\"end_time_s\": 0.1",
+            "\"end_time_s\": [0.1]",
+            "model.json: settings.end_time_s: invalid type: sequence",
+        ),
+        ("\"gravity_m_s2\"", "\"gravity\"", "model.json: gravity: unknown field `gravity`"),
+    ] {
+        let said = said(from, to);
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
 #[test]
 fn a_model_survives_its_file_and_the_command_writes_the_histories() {
     let folder = tempfile::tempdir().unwrap();

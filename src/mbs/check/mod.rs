@@ -9,6 +9,7 @@ mod shared;
 use super::math::{self, M3};
 use super::model::{Body, Event, Force, MODEL_SCHEMA, Model};
 use super::run::MOST_STEPS;
+use crate::base::json::{self, JsonError};
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -29,8 +30,8 @@ pub enum ModelError {
     Parse {
         /// The file.
         path: PathBuf,
-        /// The cause, with line and column.
-        source: serde_json::Error,
+        /// The cause, with its place.
+        source: JsonError,
     },
     /// A value is wrong; all complaints at once.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
@@ -68,7 +69,7 @@ impl Model {
             .map_err(|source| ModelError::Read { path: path.to_owned(), source })?;
         let parse = |source| ModelError::Parse { path: path.to_owned(), source };
         // a file of another version is told so, not that its keys are unknown
-        let version: Version = serde_json::from_str(&text).map_err(parse)?;
+        let version: Version = json::from_text(&text).map_err(parse)?;
         if let Some(found) = version.schema.filter(|s| s != MODEL_SCHEMA) {
             let mut list = List::default();
             list.add(
@@ -77,7 +78,7 @@ impl Model {
             );
             return Err(ModelError::Invalid(list.0));
         }
-        let model: Self = serde_json::from_str(&text).map_err(parse)?;
+        let model: Self = json::from_text(&text).map_err(parse)?;
         model.check()?;
         Ok(model)
     }
