@@ -186,6 +186,7 @@ const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    arguments.knowledge.exist()?;
     let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
     let part = Part::find(&model, &arguments.part).ok_or_else(|| unknown(&model, &arguments.part))?;
     let trace = TraceFile::beside(&arguments.model)?;

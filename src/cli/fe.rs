@@ -141,6 +141,8 @@ impl Arguments {
             (self.isa.is_some(), "--isa"),
             (self.hybrid.is_given(), "--hybrid"),
             (self.against.is_some(), "--against"),
+            (self.knowledge.rules.is_some(), "--rules"),
+            (self.knowledge.library.is_some(), "--library"),
             (!matches!(self.on_failure, OnFailure::Erode), "--on-failure"),
         ];
         given.iter().find(|(given, _)| *given).map(|(_, name)| *name)
@@ -231,6 +233,7 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
     if let Some(end) = end_time_s.filter(|end| *end > LONGEST_S) {
         return Err(Failure::input(format!("--end-time is {end} s, the longest is {LONGEST_S} s")));
     }
+    arguments.knowledge.exist()?;
     let mass_scaling_step_s = positive("--mass-scaling-step", arguments.mass_scaling_step)?;
     let on_failure = match arguments.on_failure {
         OnFailure::Erode => Fate::Erode,

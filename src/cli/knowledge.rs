@@ -18,6 +18,17 @@ pub struct KnowledgeArgs {
     pub rules: Option<PathBuf>,
 }
 
+impl KnowledgeArgs {
+    /// That the folders named on the command line exist, for commands that may not open them.
+    ///
+    /// # Errors
+    /// If one of them does not.
+    pub fn exist(&self) -> Result<(), Failure> {
+        exists(self.rules.as_deref(), "rules")?;
+        exists(self.library.as_deref(), "library")
+    }
+}
+
 /// Where a command that generates models finds its knowledge, and what it does about what is missing there.
 #[derive(Debug, clap::Args)]
 pub struct CurveArgs {

@@ -47,6 +47,24 @@ fn values_of_a_deck_that_do_not_fit_its_elements() {
     refused(at, &["deck.k", "-o", "run", "--end-time", "1e-9"], &["--end-time", "within its first step"]);
 }
 
+/// Also where a run without generated parts asks for neither rules nor library.
+#[test]
+fn folders_of_knowledge_that_are_not_there() {
+    let folder = room(str::to_string);
+    let at = folder.path();
+    for option in ["--rules", "--library"] {
+        let given = [option, "typo"];
+        let words = [option, "typo is not a folder"];
+        refused(at, &[&["building.toml", "-o", "run"], &given[..]].concat(), &words);
+        refused(at, &[&["building.toml", "-o", "run", "--hybrid=auto"], &given[..]].concat(), &words);
+        let generate = ["generate-mbs", "building.toml", "-o", "run", "--validate", "--hybrid=auto"];
+        let (code, _, err) = fallwerk(at, &[&generate[..], &given].concat());
+        assert_eq!(code, 2, "{err}");
+        assert!(words.iter().all(|w| err.contains(w)), "{err}");
+    }
+    assert_eq!(names(at), ["building.toml"]);
+}
+
 /// The step named in the message is accepted.
 #[test]
 fn the_allowed_step_of_mass_scaling_is_allowed() {
