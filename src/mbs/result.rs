@@ -28,10 +28,10 @@ pub struct RunResult {
     /// Histories of the joints that have a curve.
     pub hinges: Vec<HingeHistory>,
     /// Bushings that were latent at the begin.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub latent: Vec<LatentRecord>,
     /// Faces that may be crushed.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub crushed: Vec<CrushedHistory>,
     /// Histories of the hinges and torsion springs among the forces.
     #[serde(default)]

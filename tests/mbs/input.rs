@@ -213,7 +213,11 @@ fn a_model_survives_its_file_and_the_command_writes_the_histories() {
     for name in ["result.json", "displacements.csv", "hinges.csv", "energies.csv"] {
         assert!(output.join(name).exists(), "{name}");
     }
-    let result: fallwerk::mbs::RunResult =
-        serde_json::from_str(&std::fs::read_to_string(output.join("result.json")).unwrap()).unwrap();
+    let text = std::fs::read_to_string(output.join("result.json")).unwrap();
+    let lists: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for name in ["latent", "crushed", "turns", "reactions"] {
+        assert!(lists[name].as_array().is_some_and(Vec::is_empty), "{name}: {}", lists[name]);
+    }
+    let result: fallwerk::mbs::RunResult = serde_json::from_str(&text).unwrap();
     assert_eq!(result.times_s.len(), 11);
 }
