@@ -88,7 +88,7 @@ fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Re
         Ok(base) => base,
         Err(problems) if checking && args.json => {
             let list: Vec<String> = problems.0.iter().map(ToString::to_string).collect();
-            write_json(out, &json!({ "problems": list, "gaps": [] }))?;
+            write_json(out, &json!({ "problems": list, "gaps": [], "remarks": [] }))?;
             return Ok(1);
         }
         Err(problems) => {
@@ -207,18 +207,26 @@ fn show(rule: &Rule, json: bool, out: &mut dyn Write) -> io::Result<u8> {
 }
 
 fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
-    let gaps = base.gaps();
+    let (gaps, remarks) = (base.gaps(), base.remarks());
     if json {
-        write_json(out, &json!({ "rules": base.rules().len(), "problems": [], "gaps": gaps }))?;
+        let remarks: Vec<String> = remarks.iter().map(ToString::to_string).collect();
+        let value = json!({ "rules": base.rules().len(), "problems": [], "gaps": gaps, "remarks": remarks });
+        write_json(out, &value)?;
     } else {
+        for remark in &remarks {
+            writeln!(out, "{remark}")?;
+        }
         for gap in &gaps {
             writeln!(out, "{gap}")?;
         }
-        let verdict =
-            if gaps.is_empty() { "no conflict, no gap".to_string() } else { format!("{} gaps", gaps.len()) };
+        let verdict = match (gaps.len(), remarks.len()) {
+            (0, 0) => "no conflict, no gap".to_string(),
+            (gaps, 0) => format!("{gaps} gaps"),
+            (gaps, remarks) => format!("{gaps} gaps, {remarks} comparisons that decide nothing"),
+        };
         writeln!(out, "{} rules: {verdict}", base.rules().len())?;
     }
-    Ok(u8::from(!gaps.is_empty()))
+    Ok(u8::from(!gaps.is_empty() || !remarks.is_empty()))
 }
 
 fn list_features(json: bool, out: &mut dyn Write) -> io::Result<u8> {

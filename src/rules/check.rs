@@ -1,10 +1,11 @@
 //! Checks across rules: double ids, what a rule supersedes, conflicts, gaps, rules that cannot fire.
 
 use super::action::Aspect;
-use super::features::MEMBER_KINDS;
+use super::features::{self, MEMBER_KINDS};
 use super::logic::{self, Atom, Conjunction};
 use super::problem::Problem;
 use super::rule::Rule;
+use super::typing;
 use super::value::SubjectKind;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -110,11 +111,34 @@ fn reaches(start: &Rule, goal: &Rule, by_id: &BTreeMap<&str, &Rule>) -> bool {
 
 fn never(rules: &[Rule]) -> Vec<Problem> {
     let refuted = |rule: &&Rule| logic::cases(&rule.condition, false).is_some_and(|cases| cases.is_empty());
-    rules
-        .iter()
-        .filter(refuted)
-        .map(|rule| at(rule, format!("the condition of `{}` can never hold", rule.id)))
-        .collect()
+    let words = |rule: &Rule| {
+        let decided = decided(rule).into_iter().find(|(_, holds)| !holds);
+        let why = decided.map(|(words, _)| format!("; {words}")).unwrap_or_default();
+        format!("the condition of `{}` can never hold{why}", rule.id)
+    };
+    rules.iter().filter(refuted).map(|rule| at(rule, words(rule))).collect()
+}
+
+/// Comparisons that the range of their feature decides, which their author has hardly meant.
+pub fn remarks(rules: &[Rule]) -> Vec<Problem> {
+    let of = |rule| decided(rule).into_iter().map(move |(words, _)| at(rule, words));
+    rules.iter().flat_map(of).collect()
+}
+
+/// The comparisons of a rule that the range of their feature decides, in words, and whether they hold.
+fn decided(rule: &Rule) -> Vec<(String, bool)> {
+    let mut found = Vec::new();
+    typing::visit(&rule.condition, &mut |test| {
+        let feature = &test.feature.0;
+        let range = features::find(feature).map(|f| f.range_words()).unwrap_or_default();
+        for (comparison, holds) in logic::decided(test) {
+            let always = if holds { "holds wherever it is known" } else { "never holds" };
+            let words =
+                format!("the comparison `{comparison}` of `{}` {always}: `{feature}` is {range}", rule.id);
+            found.push((words, holds));
+        }
+    });
+    found
 }
 
 /// Whether two rules answer the same question differently with the same right.

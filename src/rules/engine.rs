@@ -184,6 +184,11 @@ impl RuleBase {
         self.rules.iter().find(|rule| rule.id == id)
     }
 
+    /// Comparisons in conditions that always or never hold.
+    pub fn remarks(&self) -> Vec<Problem> {
+        check::remarks(&self.rules)
+    }
+
     /// Cases in which no rule decides.
     pub fn gaps(&self) -> Vec<Gap> {
         check::gaps(&self.rules)

@@ -27,13 +27,37 @@ pub struct Feature {
     pub name: &'static str,
     /// Type and unit.
     pub kind: FeatureType,
+    /// The least and the most that a number can be.
+    pub range: [f64; 2],
     /// Which subjects have it.
     pub subjects: &'static [SubjectKind],
     /// What it is.
     pub meaning: &'static str,
 }
 
+/// Any number.
+pub const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
 impl Feature {
+    /// A number that is never below zero.
+    const fn positive(self) -> Self {
+        Self { range: [0.0, f64::INFINITY], ..self }
+    }
+
+    /// A number from zero to one.
+    const fn share(self) -> Self {
+        Self { range: [0.0, 1.0], ..self }
+    }
+
+    /// Its range in words.
+    pub fn range_words(&self) -> String {
+        match self.range {
+            [least, most] if most.is_finite() => format!("from {least} to {most}"),
+            [least, _] if least.is_finite() => format!("at least {least}"),
+            _ => "any number".to_string(),
+        }
+    }
+
     /// Whether a value fits the type.
     pub fn admits(&self, value: &Value) -> bool {
         match (self.kind, value) {
@@ -69,7 +93,7 @@ const fn number(
     subjects: &'static [SubjectKind],
     meaning: &'static str,
 ) -> Feature {
-    Feature { name, kind: FeatureType::Number { unit }, subjects, meaning }
+    Feature { name, kind: FeatureType::Number { unit }, range: ANY, subjects, meaning }
 }
 
 const fn names(
@@ -78,11 +102,11 @@ const fn names(
     subjects: &'static [SubjectKind],
     meaning: &'static str,
 ) -> Feature {
-    Feature { name, kind: FeatureType::Names(names), subjects, meaning }
+    Feature { name, kind: FeatureType::Names(names), range: ANY, subjects, meaning }
 }
 
 const fn flag(name: &'static str, subjects: &'static [SubjectKind], meaning: &'static str) -> Feature {
-    Feature { name, kind: FeatureType::Flag, subjects, meaning }
+    Feature { name, kind: FeatureType::Flag, range: ANY, subjects, meaning }
 }
 
 /// All features, by name.
@@ -92,20 +116,20 @@ pub const CATALOGUE: &[Feature] = &[
         "1",
         WHOLE,
         "largest share of a storey's columns that charges take away",
-    ),
+    ).share(),
     number(
         "building.demand_ratio",
         "1",
         WHOLE,
         "largest elastic demand after the removal over capacity among the column ends; unknown for a mechanism",
-    ),
-    number("building.ignition_span", "s", WHOLE, "time from the first charge to the last one"),
+    ).positive(),
+    number("building.ignition_span", "s", WHOLE, "time from the first charge to the last one").positive(),
     number(
         "building.law_demand_ratio",
         "1",
         WHOLE,
         "building.demand_ratio with the capacity of the homogenised law, which the FE model is made of",
-    ),
+    ).positive(),
     flag(
         "building.mechanism",
         WHOLE,
@@ -122,14 +146,14 @@ pub const CATALOGUE: &[Feature] = &[
         "m/s",
         &[ContactEvent],
         "speed at which the two parts approach along the contact normal",
-    ),
+    ).positive(),
     names("contact.partner", &["ground", "obstacle", "part"], &[ContactEvent], "what the part has met"),
     number(
         "critical_strain_rate",
         "1/s",
         ALL,
         "strain rate above which a part does not count as rigid (seed paper, equation 2)",
-    ),
+    ).positive(),
     names(
         "end.adjoining",
         &["slab", "beam", "column", "wall", "footing", "ground", "none"],
@@ -141,38 +165,38 @@ pub const CATALOGUE: &[Feature] = &[
         "1",
         &[MemberEnd],
         "distance in plan to the nearest column that a charge takes away, over the longest span between columns",
-    ),
+    ).positive(),
     flag("end.clamped", &[MemberEnd], "the end is held by a support"),
     number(
         "end.column_demand_ratio",
         "1",
         &[MemberEnd],
         "of a beam end: the largest demand ratio of the column ends at its joint",
-    ),
+    ).positive(),
     number(
         "end.demand_ratio",
         "1",
         &[MemberEnd],
         "elastic moment after the removal over moment capacity at the dead-load axial force",
-    ),
+    ).positive(),
     number(
         "end.demand_ratio_before",
         "1",
         &[MemberEnd],
         "elastic moment under dead load over moment capacity, before the removal",
-    ),
+    ).positive(),
     number(
         "end.joint_strength",
         "1",
         &[MemberEnd],
         "at the joint: moment capacity of the beams over that of the columns, of the homogenised law at the axial forces under dead load",
-    ),
+    ).positive(),
     number(
         "end.law_demand_ratio",
         "1",
         &[MemberEnd],
         "end.demand_ratio with the capacity of the homogenised law, which the FE model is made of",
-    ),
+    ).positive(),
     flag("end.over_charge", &[MemberEnd], "a charge takes a column away below the end"),
     names(
         "end.position",
@@ -186,7 +210,7 @@ pub const CATALOGUE: &[Feature] = &[
         "1",
         &[Member],
         "of a slab or beam: longest stretch of its floor between columns that stand, or beyond the last of them, before and after each charge, over the depth of the deepest beam, or of the slab where there is none",
-    ),
+    ).positive(),
     names(
         "fracture.place",
         &["end", "span"],
@@ -205,53 +229,53 @@ pub const CATALOGUE: &[Feature] = &[
         "1",
         &[Member],
         "distance in plan of its centre to the nearest column that a charge takes away, over the longest span between columns",
-    ),
+    ).positive(),
     flag("member.charged", PARTS, "a charge removes the member or a stretch of it"),
     number("member.fall_height", "m", PARTS, "height of its underside above the ground"),
-    number("member.impact_speed", "m/s", PARTS, "speed of a free fall from there to the ground"),
+    number("member.impact_speed", "m/s", PARTS, "speed of a free fall from there to the ground").positive(),
     names(
         "member.kind",
         MEMBER_KINDS,
         ALL,
         "kind of the member (of the member that was struck or broke, for an event)",
     ),
-    number("member.length", "m", PARTS, "clear length along the axis; the longer side of a plate"),
+    number("member.length", "m", PARTS, "clear length along the axis; the longer side of a plate").positive(),
     number(
         "member.obstacle_distance",
         "1",
         PARTS,
         "distance in plan to the nearest obstacle over the height of its top above the ground: what topples reaches it up to 1; unknown without obstacles",
-    ),
-    number("member.slenderness", "1", PARTS, "clear length over least width of the section"),
-    number("member.span_over_depth", "1", PARTS, "of a beam: clear length over depth"),
-    number("member.storey", "1", PARTS, "storey, counted from 1 below"),
-    number("member.storey_share", "1", PARTS, "storey over number of storeys"),
+    ).positive(),
+    number("member.slenderness", "1", PARTS, "clear length over least width of the section").positive(),
+    number("member.span_over_depth", "1", PARTS, "of a beam: clear length over depth").positive(),
+    number("member.storey", "1", PARTS, "storey, counted from 1 below").positive(),
+    number("member.storey_share", "1", PARTS, "storey over number of storeys").share(),
     number(
         "member.strain_rate",
         "1/s",
         ALL,
         "largest strain rate of the member's body between its ends, over the time considered",
-    ),
+    ).positive(),
     flag("member.weakened", PARTS, "preparatory work has reduced its strength"),
     number(
         "section.demand_ratio",
         "1",
         &[Section],
         "elastic moment after the removal over moment capacity at this section",
-    ),
+    ).positive(),
     number(
         "section.position",
         "1",
         &[Section],
         "place along the member, 0 at the lower end or start, 1 at the other",
-    ),
+    ).share(),
     number(
         "section.strain_rate",
         "1/s",
         &[Section],
         "largest strain rate around the section over the time considered",
-    ),
-    number("storeys", "1", ALL, "number of storeys of the building"),
+    ).positive(),
+    number("storeys", "1", ALL, "number of storeys of the building").positive(),
     names(
         "wish.accuracy",
         &["fast", "balanced", "fine"],

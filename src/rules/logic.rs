@@ -90,21 +90,43 @@ fn test_cases(test: &Test, negated: bool) -> Vec<Conjunction> {
 }
 
 fn number_cases(test: &Test, negated: bool) -> Vec<Conjunction> {
-    let mask = match test.relation {
-        Relation::Equal => EQUAL,
-        Relation::Less => LESS,
-        Relation::AtMost => LESS | EQUAL,
-        Relation::Greater => GREATER,
-        Relation::AtLeast => GREATER | EQUAL,
-    };
-    let mask = if negated { mask ^ 7 } else { mask };
+    let mask = if negated { orders(test.relation) ^ 7 } else { orders(test.relation) };
     let atoms = test.operands.iter().filter_map(|(operand, _)| match operand {
         Operand::Literal(Value::Number(value)) => Some(Atom::Bound(test.feature.0.clone(), mask, *value)),
         Operand::Literal(_) => None,
         Operand::Feature(factor, other) => Some(order(&test.feature.0, mask, *factor, other)),
     });
     // One of a list: any of them; none of a list: all of the negations.
-    if negated { vec![atoms.collect()] } else { atoms.map(|atom| vec![atom]).collect() }
+    let mut cases: Vec<Conjunction> =
+        if negated { vec![atoms.collect()] } else { atoms.map(|atom| vec![atom]).collect() };
+    cases.retain(|case| possible(case));
+    cases
+}
+
+/// Comparisons with numbers that the range of the feature decides, and whether they hold wherever it is known.
+pub fn decided(test: &Test) -> Vec<(Atom, bool)> {
+    let mut found = Vec::new();
+    for (operand, _) in &test.operands {
+        let Operand::Literal(Value::Number(value)) = operand else { continue };
+        let of = |mask: u8| Atom::Bound(test.feature.0.clone(), mask, *value);
+        let mask = orders(test.relation);
+        let [may_hold, may_fail] = [mask, mask ^ 7].map(|mask| possible(&[of(mask)]));
+        if !(may_hold && may_fail) {
+            found.push((of(mask), may_hold));
+        }
+    }
+    found
+}
+
+/// The orders that a relation admits.
+fn orders(relation: Relation) -> u8 {
+    match relation {
+        Relation::Equal => EQUAL,
+        Relation::Less => LESS,
+        Relation::AtMost => LESS | EQUAL,
+        Relation::Greater => GREATER,
+        Relation::AtLeast => GREATER | EQUAL,
+    }
 }
 
 /// An order with the names sorted, so that `a < b` and `b > a` are the same statement.
@@ -142,8 +164,15 @@ pub fn possible(conjunction: &[Atom]) -> bool {
         a != b || f64::from_bits(*factor) != 1.0 || mask & EQUAL != 0
     };
     sets.values().all(|values| !values.is_empty())
-        && bounds.values().all(|b| interval_left(b))
+        && bounds.into_iter().all(|(name, own)| interval_left(&[own, of_range(name)].concat()))
         && orders.iter().all(|(key, mask)| *mask != 0 && same(key, *mask))
+}
+
+/// The range of a feature as bounds.
+fn of_range(name: &str) -> Vec<(u8, f64)> {
+    let [least, most] = features::find(name).map_or(features::ANY, |f| f.range);
+    let bounds = [(GREATER | EQUAL, least), (LESS | EQUAL, most)];
+    bounds.into_iter().filter(|(_, bound)| bound.is_finite()).collect()
 }
 
 /// Whether some number satisfies all bounds: tried at each value named, between neighbours, and outside.
@@ -272,6 +301,32 @@ mod tests {
         assert!(!overlap("always", "member.length < member.length"));
         assert!(!overlap("storeys in [1, 2]", "storeys not in [1, 2]"));
         assert!(overlap("not (member.kind == 'column' and storeys > 3)", "member.kind == 'column'"));
+        // features have ranges
+        assert!(!overlap("always", "contact.approach_speed < -1"));
+        assert!(!overlap("always", "not member.length >= 0"));
+        assert!(!overlap("section.position in [2, -1]", "always"));
+        assert!(overlap("section.position >= 1", "section.position <= 1"));
+        assert!(overlap("member.fall_height < -1", "member.axial_ratio < 0"));
+    }
+
+    #[test]
+    fn ranges_of_features_decide_comparisons() {
+        for (text, expected) in [
+            ("contact.approach_speed < -1", vec![("contact.approach_speed < -1", false)]),
+            ("contact.approach_speed >= 0", vec![("contact.approach_speed >= 0", true)]),
+            ("contact.approach_speed > 0", vec![]),
+            ("section.position in [0.5, 2]", vec![("section.position == 2", false)]),
+            ("section.position <= 1", vec![("section.position <= 1", true)]),
+            ("member.axial_ratio < -1", vec![]),
+            ("member.length > 2 * storeys", vec![]),
+        ] {
+            let Expr::Test(test) = parse(text).unwrap() else { panic!("{text}") };
+            let found: Vec<(String, bool)> =
+                decided(&test).into_iter().map(|(atom, holds)| (atom.to_string(), holds)).collect();
+            let expected: Vec<(String, bool)> =
+                expected.into_iter().map(|(a, b)| (a.to_string(), b)).collect();
+            assert_eq!(found, expected, "{text}");
+        }
     }
 
     #[test]

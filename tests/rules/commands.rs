@@ -36,6 +36,30 @@ fn the_rules_of_the_repository_pass_their_check() {
     assert!(code == 0 && out.contains("critical_strain_rate"));
 }
 
+/// A comparison that its feature decides is told, though the rule can fire.
+#[test]
+fn comparisons_that_decide_nothing_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let seed = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules/seed");
+    for file in ["bodies.toml", "events.toml", "hinges.toml", "springs.toml"] {
+        fs::copy(seed.join(file), folder.path().join(file)).unwrap();
+    }
+    let when = "when = \"member.kind == 'wall' and (member.length >= 0 or member.storey_share > 2)\"";
+    let priority = "priority = 1000";
+    fs::write(folder.path().join("own.toml"), format!("schema = 1\n{}", rule("own", &[when, priority])))
+        .unwrap();
+    let (code, out, err) = fallwerk(folder.path(), &["check"]);
+    let said = [
+        "own.toml:3:6: the comparison `member.length >= 0` of `own` holds wherever it is known: `member.length` is at least 0",
+        "the comparison `member.storey_share > 2` of `own` never holds: `member.storey_share` is from 0 to 1",
+        "0 gaps, 2 comparisons that decide nothing",
+    ];
+    assert!(code == 1 && said.iter().all(|words| out.contains(words)), "{out}{err}");
+    let (code, out, _) = fallwerk(folder.path(), &["check", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(code == 1 && value["remarks"].as_array().unwrap().len() == 2, "{out}");
+}
+
 #[test]
 fn problems_and_gaps_have_their_exit_codes() {
     let room = tempfile::tempdir().unwrap();
