@@ -44,6 +44,11 @@ impl Balance {
         grown.abs()
     }
 
+    /// Energy turned over so far \[J\].
+    pub fn turned_j(&self) -> f64 {
+        self.turnover_j
+    }
+
     /// Energy that contacts made, as a share of that turned over. Contacts with friction and rebound only take energy; impulses that
     /// do not settle, as in a jammed mechanism, can make some.
     pub fn made(&self) -> f64 {

@@ -65,10 +65,9 @@ fn slow_motion_is_as_fast_and_steps_are_longer() {
 #[test]
 fn a_fast_mode_slows_down_by_the_factor_of_its_frequency() {
     let mut m = model("one", 0.5, 1e-4);
-    m.gravity_m_s2 = [0.0; 3];
+    // its weight sets it going
     m.bodies.push(solid("block", [0.0, 0.0, 1.0], [0.4; 3]));
     let mass = m.bodies[0].mass_kg;
-    m.bodies[0].velocity_m_s = [0.0, 0.0, 0.1];
     // what bounds the steps
     m.bodies.push(solid("other", [5.0, 0.0, 1.0], [0.4; 3]));
     let omega: f64 = 400.0;
@@ -122,6 +121,26 @@ fn rigid_motion_is_as_without() {
     let ([x0, z0], t) = (place(0), related.times_s[related.times_s.len() - 1]);
     let [x, z] = place(related.times_s.len() - 1);
     assert!((x - x0 - t).abs() < 1e-9 && (z - z0 + 0.5 * G * t * t).abs() < 1e-9, "{x} {z}");
+}
+
+/// Velocities that strain a stiff spring would have to give its inertia energy that they have not: all goes on as without.
+#[test]
+fn it_does_not_begin_where_velocities_strain_springs() {
+    let mut m = pair(0.3);
+    m.bodies[1].velocity_m_s = [0.0, 0.0, 2.0];
+    let [plain, related] = with(m);
+    println!("energy error {:.1e} and {:.1e}", plain.energy_error, related.energy_error);
+    assert_eq!((&plain.frames, &plain.energies), (&related.frames, &related.energies));
+    let said = related.warnings.iter().filter(|w| w.contains("settings.relative_inertia_rad_s is not used"));
+    assert_eq!(said.count(), 1, "{:?}", related.warnings);
+    // with what is slow it begins, and energies hold
+    let mut m = pair(1.0);
+    m.bodies.iter_mut().for_each(|b| b.velocity_m_s = [0.0, 0.0, 0.5]);
+    let [plain, related] = with(m);
+    println!("energy error {:.1e} in {} for {} steps", related.energy_error, related.steps, plain.steps);
+    assert!(2 * related.steps < plain.steps, "{} for {}", related.steps, plain.steps);
+    assert!(related.energy_error < 1e-3 && related.energy_growth < 1e-4, "{}", related.energy_error);
+    assert!(related.warnings.iter().all(|w| !w.contains("relative_inertia")), "{:?}", related.warnings);
 }
 
 /// A blow acts on the masses of the bodies alone: it ends then, and all goes on as without.

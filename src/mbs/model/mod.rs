@@ -212,7 +212,7 @@ pub struct RunSettings {
     /// wake when something touches them, with events and joints that separate \[m/s\]; `None`: nothing sleeps. Models without ideal joints and forces only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleep_speed_m_s: Option<f64>,
-    /// Frequency that inertia against relative motion keeps all others below while nothing touches, tilts or breaks \[rad/s\]; `None`: there is none. Models without ideal joints and forces only.
+    /// Frequency that inertia against relative motion keeps all others below while nothing touches, tilts or breaks \[rad/s\]; `None`: there is none. Nor is there any where velocities at `t = 0` strain bushings. Models without ideal joints and forces only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative_inertia_rad_s: Option<f64>,
 }

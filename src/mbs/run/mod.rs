@@ -381,7 +381,7 @@ impl<'a> Run<'a> {
         self.part_under_load()?;
         self.output()?;
         self.events_at(0.0)?;
-        self.relate();
+        self.begin_relating();
         if self.system.relative.is_some() {
             self.forces();
         }

@@ -7,6 +7,8 @@ use crate::mbs::{frequency, math};
 
 /// Changes of a velocity \[m/s\] and an angular velocity \[rad/s\] in a step up to which a contact is none to bodies with inertia against relative motion: a wall that stands beside a column.
 const LIGHT_TOUCH: [f64; 2] = [0.02, 0.02];
+/// Energy that inertia against relative motion may have at the begin, as a share of what is turned over: as much as an error that is told.
+const MOST_AT_BEGIN: f64 = 1e-3;
 /// By how much longer steps have to be for inertia against relative motion.
 const WORTH_IT: f64 = 1.2;
 
@@ -23,6 +25,23 @@ impl Run<'_> {
         if self.system.relative.is_some() {
             self.step_limit = step;
         }
+    }
+
+    /// The same at `t = 0`, unless the velocities of the file strain stiff springs: inertia that moves with them at once would have made energy, and vibrate with it faster than steps resolve.
+    pub(super) fn begin_relating(&mut self) {
+        let released_j = self.released;
+        self.relate();
+        let (made_j, whole_j) = (released_j - self.released, self.books.turned_j());
+        if self.system.relative.is_none() || made_j <= MOST_AT_BEGIN * whole_j {
+            return;
+        }
+        self.is_loose = true;
+        self.system.relate(None, self.last_step);
+        (self.released, self.step_limit) = (released_j, self.plain_limit());
+        self.result.warnings.push(format!(
+            "settings.relative_inertia_rad_s is not used: the velocities at t = 0 strain the bushings, and inertia against that would have {:.1e} of the energy; steps are as short as without",
+            made_j / whole_j
+        ));
     }
 
     /// Ends that, until [`Self::relate`]. The last step is brought to its end before: half a step as long of the forces alone would set stiff springs vibrating.
