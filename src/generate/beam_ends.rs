@@ -5,7 +5,7 @@ use super::webs::share_of_curve;
 use crate::base::geom::Aabb;
 use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind};
-use crate::curve::ResistanceCurve;
+use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::mbs::model::{Beam, Bending, Span};
 use crate::rc::around::{SAME_PLANE_M, edges_between};
 use crate::rc::layers::{Held, Layer, Layers, POLE, Rows};
@@ -118,6 +118,11 @@ impl<'a> YieldingEnds<'a> {
 
     /// Share of the moment that the ends of a cut bear which the slab there would bear by itself; none if they stay elastic.
     pub fn share_of_slab(&self, building: &Building, cut: &BeamCut) -> Option<f64> {
+        self.slab_and_whole_nm(building, cut).map(|[slab_nm, whole_nm]| slab_nm / whole_nm)
+    }
+
+    /// Moments that the slab at the ends of a cut would bear by itself, and that all of it bears \[N m\]; none if they stay elastic.
+    pub fn slab_and_whole_nm(&self, building: &Building, cut: &BeamCut) -> Option<[f64; 2]> {
         let row_m = self.row_m(cut);
         let half_length_m = 0.5 * (cut.faces_m[1] - cut.faces_m[0]) - POLE * row_m;
         let (whole, side) = self.weaker(building, cut).filter(|_| half_length_m > 0.0)?;
@@ -125,7 +130,22 @@ impl<'a> YieldingEnds<'a> {
         layers.retain(|l| l.is_plate);
         let rows = Rows { row_m, shear_span_m: half_length_m, held: cut.held };
         let slab_nm = Layers::of(layers).map_or(0.0, |slab| slab.weaker(&rows, 0.0).peak_nm());
-        Some(slab_nm / whole.weaker(&rows, 0.0).peak_nm())
+        Some([slab_nm, whole.weaker(&rows, 0.0).peak_nm()])
+    }
+
+    /// Enters what springs across panels have of a curve: a share of its resistance without axial force, and a stiffness of their own \[N m/rad\]; its id.
+    pub fn across(&mut self, curve: &str, share: f64, stiffness_nm_rad: f64) -> String {
+        let key = format!("{curve} {share:.8e} {stiffness_nm_rad:.8e}");
+        let count = self.known.len();
+        let id = self.known.entry(key).or_insert_with(|| format!("{curve}/across-{count}"));
+        if let Some(of) = self.curves.get(curve).filter(|_| !self.curves.contains_key(id)) {
+            let force = |l: &&CapacityLevel| l.axial_force_n.abs();
+            let mut level = of.levels.iter().min_by(|l, m| force(l).total_cmp(&force(m))).cloned();
+            level.iter_mut().for_each(|l| l.scale(share));
+            let levels = level.into_iter().collect();
+            self.curves.insert(id.clone(), ResistanceCurve { stiffness_nm_rad, levels, cyclic: None });
+        }
+        id.clone()
     }
 
     /// Enters a share of a curve, for a part of a cut; its id.

@@ -46,7 +46,9 @@ impl Cache {
     pub fn open(folder: &Path) -> Result<Self, Fault> {
         let path = Self::database(folder);
         guarded("opening", || {
-            let db = sled::Config::new().path(&path).flush_every_ms(None).cache_capacity(64 << 20).open()?;
+            let db = once_unlocked(
+                &sled::Config::new().path(&path).flush_every_ms(None).cache_capacity(64 << 20),
+            )?;
             Ok(Self { records: db.open_tree("records")?, meta: db.open_tree("meta")?, db: Some(db) })
         })
     }
@@ -156,6 +158,25 @@ fn checked(value: &[u8]) -> Option<&[u8]> {
 
 thread_local! {
     static QUIET: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Longest wait for sled to give its own lock back \[s\].
+const LOCKED_S: f64 = 5.0;
+
+/// Opens a database. Whoever asks holds the lock of the store, so that a lock of sled is one that is being given back: its threads, and children between fork and exec, keep the file a little longer than the store that had it.
+fn once_unlocked(config: &sled::Config) -> sled::Result<sled::Db> {
+    let since = std::time::Instant::now();
+    loop {
+        match config.open() {
+            Err(sled::Error::Io(why))
+                if why.to_string().contains("could not acquire lock")
+                    && since.elapsed().as_secs_f64() < LOCKED_S =>
+            {
+                std::thread::sleep(std::time::Duration::from_millis(10));
+            }
+            outcome => return outcome,
+        }
+    }
 }
 
 /// Runs something of sled's; an error or a panic becomes words. Panics are not printed.
