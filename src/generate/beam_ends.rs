@@ -54,6 +54,8 @@ pub struct YieldingEnds<'a> {
     curves: BTreeMap<String, ResistanceCurve>,
     known: BTreeMap<String, String>,
     names: BTreeSet<String>,
+    /// Moments of the slab and of all of a cut, by curve.
+    moments: BTreeMap<String, Option<[f64; 2]>>,
 }
 
 impl<'a> YieldingEnds<'a> {
@@ -61,8 +63,8 @@ impl<'a> YieldingEnds<'a> {
     pub fn new(planes: &'a [Vec<f64>; 3], ends: &'a [MemberEnd]) -> Self {
         let mut of_member: BTreeMap<usize, Vec<&MemberEnd>> = BTreeMap::new();
         ends.iter().for_each(|e| of_member.entry(e.member).or_default().push(e));
-        let (curves, known, names) = Default::default();
-        Self { planes, ends: of_member, curves, known, names }
+        let (curves, known, names, moments) = Default::default();
+        Self { planes, ends: of_member, curves, known, names, moments }
     }
 
     /// The curves of all cuts that were asked for.
@@ -131,6 +133,16 @@ impl<'a> YieldingEnds<'a> {
         let rows = Rows { row_m, shear_span_m: half_length_m, held: cut.held };
         let slab_nm = Layers::of(layers).map_or(0.0, |slab| slab.weaker(&rows, 0.0).peak_nm());
         Some([slab_nm, whole.weaker(&rows, 0.0).peak_nm()])
+    }
+
+    /// [`Self::slab_and_whole_nm`] of a cut, which is the same for all cuts of a curve.
+    pub fn moments_of(&mut self, building: &Building, curve: &str, cut: &BeamCut) -> Option<[f64; 2]> {
+        if let Some(known) = self.moments.get(curve) {
+            return *known;
+        }
+        let moments = self.slab_and_whole_nm(building, cut);
+        self.moments.insert(curve.to_string(), moments);
+        moments
     }
 
     /// Enters what springs across panels have of a curve: a share of its resistance without axial force, and a stiffness of their own \[N m/rad\]; its id.

@@ -179,11 +179,16 @@ impl Cut {
         building: &Building,
         pieces: &[Piece],
         bending: Bending,
-        yielding: &YieldingEnds,
+        yielding: &mut YieldingEnds,
     ) -> Bending {
-        let resistance = yielding.slab_and_whole_nm(building, &self.beam(pieces));
-        let Some([slab_nm, whole_nm]) = resistance else { return bending };
-        let Bending::Curve { curve, .. } = bending else { return bending };
+        let Bending::Curve { curve, .. } = &bending else { return bending };
+        if self.given.width_m == 0.0 {
+            return bending;
+        }
+        let Some([slab_nm, whole_nm]) = yielding.moments_of(building, curve, &self.beam(pieces)) else {
+            return bending;
+        };
+        let curve = curve.clone();
         let per_width_nm_m = slab_nm / self.plane.slab_m;
         let strength_factor = 1.0 - self.given.width_m * per_width_nm_m / whole_nm;
         self.given.slab = Some(Yielding { curve: curve.clone(), whole_nm, per_width_nm_m });
