@@ -39,13 +39,13 @@ impl Finished {
         let own = result.warnings.iter().filter(|w| !w.starts_with(REPEATED));
         let warned = own.into_iter().any(|w| w.contains("energy") || w.contains("mm deep"));
         let e = &result.energies;
-        let total = |i: usize| e.total_j(i);
         let turned = |i: usize| e.kinetic_j[i] + e.gravity_j[i].abs() + e.plastic_j[i] + e.applied_j[i].abs();
         // one millimetre of fall: the scale of a model in which nothing happens
         let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
         let rest = 1e-3 * mass * norm(model.gravity_m_s2);
         let turned_j = (0..result.times_s.len()).map(turned).fold(rest, f64::max);
-        let growth = (0..result.times_s.len()).map(|i| (total(i) - total(0)) / turned_j).fold(0.0, f64::max);
+        let growth =
+            (0..result.times_s.len()).map(|i| (e.total_j(i) - e.total_j(0)) / turned_j).fold(0.0, f64::max);
         Self {
             energy_error: result.energy_error,
             growth,

@@ -130,7 +130,7 @@ pub fn in_the_middle([bending, across]: [f64; 2], shear: f64, length_m: f64) -> 
 }
 
 /// The section of a piece where it meets the next one, in the plane of the floor.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct InPlane {
     /// Its edges across the span \[m\].
     pub edges: [f64; 2],
@@ -163,17 +163,7 @@ impl InPlane {
     pub fn of(building: &Building, piece: &Piece, axis: usize) -> Self {
         let across = 1 - axis;
         let end = piece.boxes.iter().map(|(_, b)| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
-        let mut this = Self {
-            edges: [f64::INFINITY, f64::NEG_INFINITY],
-            axial: 0.0,
-            shear: 0.0,
-            bending: 0.0,
-            level_m: 0.0,
-            mass_kg_m: 0.0,
-            plates: Vec::new(),
-            slab_m: 0.0,
-            thickness_m: 0.0,
-        };
+        let mut this = Self { edges: [f64::INFINITY, f64::NEG_INFINITY], ..Self::default() };
         for (member, solid) in piece.boxes.iter().filter(|(_, b)| b.max[axis] > end - MEETS_M) {
             let law = building.law_of(&building.members[*member]);
             let size = solid.size();
@@ -217,6 +207,16 @@ impl InPlane {
 }
 
 #[cfg(test)]
+impl InPlane {
+    /// Of a slab by itself.
+    pub fn of_slab(plate: Plate) -> Self {
+        let Plate { width_m, thickness_m, level_m, .. } = plate;
+        let (edges, plates) = ([0.0, width_m], vec![plate]);
+        Self { edges, level_m, plates, slab_m: width_m, thickness_m, ..Self::default() }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::graph::frame::BeamSection;
@@ -256,17 +256,7 @@ mod tests {
     fn a_slab_twists_as_a_plate_also_beside_beams() {
         let [width, thickness] = [3.0, 0.2];
         let plate = Plate { width_m: width, thickness_m: thickness, level_m: 3.0, moduli_pa: [16.5e9, 7e9] };
-        let section = InPlane {
-            edges: [0.0, width],
-            axial: 0.0,
-            shear: 0.0,
-            bending: 0.0,
-            level_m: 3.0,
-            mass_kg_m: 0.0,
-            plates: vec![plate],
-            slab_m: width,
-            thickness_m: thickness,
-        };
+        let section = InPlane::of_slab(plate);
         let stretch = Stretch { span_m: 4.6, ends_m: [0.2, 4.8], beyond_m: [None; 2] };
         let per_width = 7e9 * thickness.powi(3) / 6.0;
         let alone = Crossing::of(&[], (0, 2.5), &section, &stretch).unwrap();

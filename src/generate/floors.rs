@@ -188,31 +188,20 @@ impl Line {
         let folds = Bending::Curve { curve, strength_factor: 1.0 };
         let stiff = Bending::Elastic { stiffness_nm_rad: in_plane };
         Ok(Bushing {
-            id: self.id.clone(),
-            body_a: Some(held),
-            body_b: bent,
-            point_m,
-            axes: axes(axis, self.outward),
             axial_stiffness_n_m: stiffness.axial_n_m,
             shear_stiffness_n_m: stiffness.shear_n_m,
             torsional_stiffness_nm_rad: stiffness.torsion_nm_rad,
             bending: if axis == 0 { [folds, stiff] } else { [stiff, folds] },
-            beam: None,
-            joint: None,
             latent: Some(self.section.clone()),
             tensile_capacity_n: entry.tensile_capacity_n,
             tensile_elongation_m: entry.tensile_elongation_m,
-            shear_capacity_n: None,
             compressive_capacity_n: entry.compressive_capacity_n,
-            compressive_hardening: Vec::new(),
-            crushing_shortening_m: None,
-            associated_flow: false,
-            carry_over: None,
             origin: Origin {
                 members: model_members(building, model, &self.id),
                 rules: self.rules.clone(),
                 entries: vec![entry.key.clone()],
             },
+            ..Bushing::free(self.id.clone(), Some(held), bent, point_m, axes(axis, self.outward))
         })
     }
 }

@@ -167,27 +167,17 @@ fn spring(
     let vertical = cut.give(building, pieces, ends.bending, yielding);
     let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
     Bushing {
-        id,
-        body_a: Some(of_a.id.clone()),
-        body_b: of_b.id.clone(),
-        point_m: cut.point_m,
-        axes: axes(axis, 1.0),
         axial_stiffness_n_m: cut.plane.axial / length_m,
         shear_stiffness_n_m: if axis == 0 { [sideways, shear] } else { [shear, sideways] },
         torsional_stiffness_nm_rad: cut.sum.torsion / length_m,
         bending: if axis == 0 { [vertical, level_one] } else { [level_one, vertical] },
         beam: ends.beam,
-        joint: None,
-        latent: None,
         tensile_capacity_n: ends.squash_n,
         tensile_elongation_m: ends.elongation_m,
-        shear_capacity_n: None,
         compressive_capacity_n: ends.squash_n,
-        compressive_hardening: Vec::new(),
-        crushing_shortening_m: None,
         associated_flow: true,
-        carry_over: None,
         origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
+        ..Bushing::free(id, Some(of_a.id.clone()), of_b.id.clone(), cut.point_m, axes(axis, 1.0))
     }
 }
 

@@ -375,32 +375,29 @@ pub fn hinges(
         // what does not yield neither breaks nor crushes
         let capacity = |capacity: Option<f64>| capacity.filter(|_| !is_elastic);
         joints.push(Bushing {
-            id: end.id.clone(),
-            body_a: other.map(|o| place.bodies.list[o].id.clone()),
-            body_b: place.bodies.list[own].id.clone(),
-            point_m: hinge_point(end, hinge.offset_m),
-            axes: axes(end.axis, end.outward),
             axial_stiffness_n_m: with_joint.axial_n_m(),
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
             torsional_stiffness_nm_rad: hinge.stiffness.torsion_nm_rad,
             bending,
-            beam: None,
-            joint: None,
-            latent: None,
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
-            shear_capacity_n: None,
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
             compressive_hardening: capacity(entry.tensile_elongation_m)
                 .map_or_else(Vec::new, |crushed_m| hardening(law, crushed_m)),
             crushing_shortening_m: capacity(entry.tensile_elongation_m),
             associated_flow: true,
-            carry_over: None,
             origin: Origin {
                 members: vec![end.id.clone()],
                 rules: decision.hinges[&end.id].clone(),
                 entries: vec![key.clone()],
             },
+            ..Bushing::free(
+                end.id.clone(),
+                other.map(|o| place.bodies.list[o].id.clone()),
+                place.bodies.list[own].id.clone(),
+                hinge_point(end, hinge.offset_m),
+                axes(end.axis, end.outward),
+            )
         });
     }
     Ok(joints)

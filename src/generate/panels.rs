@@ -146,27 +146,15 @@ impl Panel {
             let [of_a, of_b] = self.diagonals[usize::from(sense < 0.0)].map(|p| &bodies[p]);
             let [x, y] = [sense * a / length_m, b / length_m];
             Bushing {
-                id: format!("{}|{}", of_a.id, of_b.id),
-                body_a: Some(of_a.id.clone()),
-                body_b: of_b.id.clone(),
-                point_m: self.middle_m,
-                axes: [[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]],
-                axial_stiffness_n_m: 0.0,
-                shear_stiffness_n_m: [0.0; 2],
-                torsional_stiffness_nm_rad: 0.0,
                 bending: [bending.clone(), Bending::Elastic { stiffness_nm_rad: 0.0 }],
-                beam: None,
-                joint: None,
-                latent: None,
-                tensile_capacity_n: None,
-                tensile_elongation_m: None,
-                shear_capacity_n: None,
-                compressive_capacity_n: None,
-                compressive_hardening: Vec::new(),
-                crushing_shortening_m: None,
-                associated_flow: false,
-                carry_over: None,
                 origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
+                ..Bushing::free(
+                    format!("{}|{}", of_a.id, of_b.id),
+                    Some(of_a.id.clone()),
+                    of_b.id.clone(),
+                    self.middle_m,
+                    [[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]],
+                )
             }
         })
     }
@@ -212,17 +200,7 @@ mod tests {
             // pieces at the edges are half as wide
             let width_m = sides_m[1 - axis] * if cell[1 - axis] == 1 { 1.0 } else { 0.5 };
             let plate = Plate { width_m, thickness_m: T, level_m: 3.0, moduli_pa: [E, g] };
-            let plane = InPlane {
-                edges: [0.0, width_m],
-                axial: 0.0,
-                shear: 0.0,
-                bending: 0.0,
-                level_m: 3.0,
-                mass_kg_m: 0.0,
-                plates: vec![plate],
-                slab_m: width_m,
-                thickness_m: T,
-            };
+            let plane = InPlane::of_slab(plate);
             let bending = E * width_m * T.powi(3) / 12.0;
             let sum = Crossing {
                 bending,

@@ -170,31 +170,20 @@ fn spring(
     let name = |i: usize| bodies.list[i].id.clone();
     let own = own.map(name).unwrap_or_default();
     Bushing {
-        id,
-        body_a: other.map(name),
-        body_b: own.clone(),
-        point_m,
-        // axes 1 and 2 are x and y: bending about x is out of the plane of a wall along x
-        axes: axes(2, 1.0),
         axial_stiffness_n_m: law.youngs_modulus_pa * area / height,
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: torsion,
+        // axes 1 and 2 are x and y: bending about x is out of the plane of a wall along x
         bending: if along == 0 { [out_of_plane, in_plane] } else { [in_plane, out_of_plane] },
-        beam: None,
-        joint: None,
-        latent: None,
         tensile_capacity_n: Some(squash_n),
         tensile_elongation_m: Some(law.critical_plastic_strain * half.mesh_m),
-        shear_capacity_n: None,
         compressive_capacity_n: Some(squash_n),
-        compressive_hardening: Vec::new(),
-        crushing_shortening_m: None,
         associated_flow: true,
-        carry_over: None,
         origin: Origin {
             members: vec![building.members[wall].id.clone()],
             rules: bodies.list.iter().find(|b| b.id == own).map_or(Vec::new(), |b| b.origin.rules.clone()),
             entries: Vec::new(),
         },
+        ..Bushing::free(id, other.map(name), own.clone(), point_m, axes(2, 1.0))
     }
 }

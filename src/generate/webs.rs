@@ -328,27 +328,16 @@ impl Face<'_> {
             Bending::Curve { curve: id, strength_factor: 1.0 }
         };
         Bushing {
-            id,
-            body_a: Some(piece.id.clone()),
-            body_b: web.id.clone(),
-            point_m,
-            axes: axes(axis, 1.0),
             axial_stiffness_n_m: e * area / depth_m,
             shear_stiffness_n_m: [5.0 / 6.0 * g * area / depth_m; 2],
             torsional_stiffness_nm_rad: g * torsion_constant(sides_m) / depth_m,
             bending: [bending(0), bending(1)],
-            beam: None,
-            joint: None,
             latent: Some(web.id.clone()),
             tensile_capacity_n: Some(squash_n),
             tensile_elongation_m: Some(law.critical_plastic_strain * row_m),
             shear_capacity_n: Some(shear_capacity(squash_n)),
             compressive_capacity_n: Some(squash_n),
-            compressive_hardening: Vec::new(),
-            crushing_shortening_m: None,
-            associated_flow: false,
-            carry_over: None,
-            origin: Origin::default(),
+            ..Bushing::free(id, Some(piece.id.clone()), web.id.clone(), point_m, axes(axis, 1.0))
         }
     }
 }

@@ -375,11 +375,6 @@ mod tests {
             let span = (i < 6).then_some(Span { length_m: 3.0, mass_kg_m: 2e2 });
             let beam = (i % 3 == 0).then_some(Beam { half_length_m: 1.2, ends, span });
             m.bushings.push(Bushing {
-                id: format!("j{i}"),
-                body_a: (i > 0).then(|| format!("b{}", i - 1)),
-                body_b: format!("b{i}"),
-                point_m: [0.0, 0.0, 3.0 * f64::from(i)],
-                axes: [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
                 axial_stiffness_n_m: 1e8,
                 shear_stiffness_n_m: [1e8; 2],
                 torsional_stiffness_nm_rad: 1e5,
@@ -389,17 +384,18 @@ mod tests {
                     _ => [curve.clone(), curve],
                 },
                 beam,
-                joint: None,
-                latent: None,
                 tensile_capacity_n: Some(2e5),
                 shear_capacity_n: Some([2e5, 3e5]),
                 compressive_capacity_n: Some(3e5),
-                compressive_hardening: Vec::new(),
-                crushing_shortening_m: None,
                 associated_flow: true,
-                carry_over: None,
                 tensile_elongation_m: Some(0.5),
-                origin: Origin::default(),
+                ..Bushing::free(
+                    format!("j{i}"),
+                    (i > 0).then(|| format!("b{}", i - 1)),
+                    format!("b{i}"),
+                    [0.0, 0.0, 3.0 * f64::from(i)],
+                    [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                )
             });
         }
         m

@@ -45,27 +45,11 @@ pub fn joint(
     bending: [Bending; 2],
 ) -> Bushing {
     Bushing {
-        id: id.into(),
-        body_a: a.map(Into::into),
-        body_b: b.into(),
-        point_m: point,
-        axes: UP,
         axial_stiffness_n_m: translation,
         shear_stiffness_n_m: [translation; 2],
         torsional_stiffness_nm_rad: torsion,
         bending,
-        beam: None,
-        joint: None,
-        latent: None,
-        tensile_capacity_n: None,
-        shear_capacity_n: None,
-        compressive_capacity_n: None,
-        compressive_hardening: Vec::new(),
-        crushing_shortening_m: None,
-        associated_flow: false,
-        carry_over: None,
-        tensile_elongation_m: None,
-        origin: Origin::default(),
+        ..Bushing::free(id.into(), a.map(Into::into), b.into(), point, UP)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{List, ORTHONORMAL_TOLERANCE};
 use crate::mbs::math;
-use crate::mbs::model::{CrushedFace, Model, Shape};
+use crate::mbs::model::{CrushedFace, GROUND, Model, Shape};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
@@ -62,9 +62,6 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
         });
     }
 }
-
-/// The name of the ground among what bodies may meet.
-const GROUND: &str = "ground";
 
 /// Whatever may be met has a name of its own: pairs, events and results tell bodies, planes, obstacles and the ground apart by nothing else. Bodies of the same name are told of where bodies are checked.
 fn one_name_each(model: &Model, list: &mut List) {

@@ -2,7 +2,7 @@
 
 use super::Partner;
 use crate::mbs::math;
-use crate::mbs::model::{Body, Model, Shape};
+use crate::mbs::model::{Body, GROUND, Model, Shape};
 use std::collections::BTreeMap;
 
 /// Height up to which a solid stands on the ground \[m\].
@@ -40,7 +40,7 @@ impl Surfaces {
             let plane = || contact.planes.iter().position(|p| p.id == id).map(Partner::Plane);
             let obstacle = || contact.obstacles.iter().position(|o| o.id == id).map(Partner::Obstacle);
             match id {
-                "ground" => Some(Partner::Ground),
+                GROUND => Some(Partner::Ground),
                 _ => body(id).map(Partner::Body).or_else(plane).or_else(obstacle),
             }
         };

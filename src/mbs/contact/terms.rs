@@ -1,7 +1,7 @@
 //! What goes into the contacts and comes out of them: bodies, partners, first contacts, energies, work done, settings.
 
 use crate::mbs::math::{M3, Q, V3};
-use crate::mbs::model::Model;
+use crate::mbs::model::{GROUND, Model};
 
 /// A body as the contacts see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +50,7 @@ impl Partner {
     pub fn id(self, model: &Model) -> &str {
         match self {
             Self::Body(i) => &model.bodies[i].id,
-            Self::Ground => "ground",
+            Self::Ground => GROUND,
             Self::Plane(i) => &model.contact.planes[i].id,
             Self::Obstacle(i) => &model.contact.obstacles[i].id,
         }

@@ -15,10 +15,8 @@ use crate::mbs::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
     TrackedHistory, TurnHistory,
 };
-use crate::mbs::run::{SolverOptions, closing_remarks, remark_on_late_events};
+use crate::mbs::run::{SAME, SolverOptions, closing_remarks, remark_on_late_events};
 
-/// Times that are one time, as a share of the whole.
-const SAME: f64 = 1e-12;
 /// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
 const VELOCITY: f64 = 1e-6;
 

@@ -310,6 +310,39 @@ fn one() -> f64 {
 }
 
 impl Bushing {
+    /// One between two bodies that resists nothing yet, has no limits and no provenance.
+    pub fn free(
+        id: String,
+        body_a: Option<String>,
+        body_b: String,
+        point_m: [f64; 3],
+        axes: [[f64; 3]; 3],
+    ) -> Self {
+        Self {
+            id,
+            body_a,
+            body_b,
+            point_m,
+            axes,
+            axial_stiffness_n_m: 0.0,
+            shear_stiffness_n_m: [0.0; 2],
+            torsional_stiffness_nm_rad: 0.0,
+            bending: [0, 1].map(|_| Bending::Elastic { stiffness_nm_rad: 0.0 }),
+            beam: None,
+            joint: None,
+            latent: None,
+            tensile_capacity_n: None,
+            tensile_elongation_m: None,
+            shear_capacity_n: None,
+            compressive_capacity_n: None,
+            compressive_hardening: Vec::new(),
+            crushing_shortening_m: None,
+            associated_flow: false,
+            carry_over: None,
+            origin: Origin::default(),
+        }
+    }
+
     /// Names of its hinges in results: its own, or those of the ends of its beam; none if it is elastic.
     pub fn hinges(&self) -> Vec<&str> {
         let has_curve = self.bending.iter().any(|b| b.curve().is_some());

@@ -15,8 +15,8 @@ mod mass;
 
 pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Span};
 pub use contact::{
-    BodyContact, Contact, CrushedFace, Face, GroundPlane, ObstacleBox, ObstaclePlane, PairRule, RESTITUTION,
-    Shape,
+    BodyContact, Contact, CrushedFace, Face, GROUND, GroundPlane, ObstacleBox, ObstaclePlane, PairRule,
+    RESTITUTION, Shape,
 };
 
 pub use event_rule::{Broken, EventRule, Met, Range, Trigger};

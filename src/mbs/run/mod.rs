@@ -49,7 +49,7 @@ pub const LARGEST_RELATED_STEP_S: f64 = 2e-3;
 pub(super) const MOST_STEPS: f64 = 2e9;
 
 /// Times that are one time, as a share of the whole.
-const SAME: f64 = 1e-12;
+pub(super) const SAME: f64 = 1e-12;
 
 /// Options that are not part of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -305,27 +305,11 @@ pub(super) fn held(id: String, body: String, point_m: V3, stiffness_n_m: f64, st
 /// A bushing whose first axis is up.
 pub(super) fn elastic(id: String, body_a: Option<String>, body_b: String, point_m: V3) -> Bushing {
     Bushing {
-        id,
-        body_a,
-        body_b,
-        point_m,
-        axes: [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
         axial_stiffness_n_m: 2e8,
         shear_stiffness_n_m: [1e8, 8e7],
         torsional_stiffness_nm_rad: 3e6,
         bending: [Bending::Elastic { stiffness_nm_rad: 4e6 }, Bending::Elastic { stiffness_nm_rad: 5e6 }],
-        beam: None,
-        joint: None,
-        latent: None,
-        tensile_capacity_n: None,
-        tensile_elongation_m: None,
-        shear_capacity_n: None,
-        compressive_capacity_n: None,
-        compressive_hardening: Vec::new(),
-        crushing_shortening_m: None,
-        associated_flow: false,
-        carry_over: None,
-        origin: Origin::default(),
+        ..Bushing::free(id, body_a, body_b, point_m, [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     }
 }
 
