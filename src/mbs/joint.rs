@@ -1,18 +1,16 @@
 //! Force and energy of a compliant joint.
 //!
-//! Let `J` be the joint frame carried by body A, `g = p_B - p_A` the gap of the joint point and
-//! `θ = log(R_Aᵀ R_B)` the rotation vector in that frame. With `d = Jᵀ g` the energy is
-//! `U = ½ Σ k_i d_i² + ½ Σ K_i (θ_i - θ_pi)²`. Its variation gives the force `F = J (k∘d)` and the torque
-//! `τ = J T⁻ᵀ m`, `m_i = K_i (θ_i - θ_pi)`, where `T⁻ᵀ m = m + ½ θ×m + c θ×(θ×m)` is the transposed inverse
-//! of the tangent map of the rotation vector (e.g. Cardona and Géradin, IJNME 26 (1988) 2403). Both bodies feel the
-//! force at the *same* point `p_B`, so momentum and angular momentum are conserved to round-off. In compression
+//! With the gap `d` and the rotation vector `θ` along its axes ([`super::stance`]) its energy is
+//! `U = ½ Σ k_i d_i² + ½ Σ K_i (θ_i - θ_pi)²`. In compression
 //! the axial spring may flow at a constant force (crushing); its work is booked by the trapezoidal rule like the hinge's.
 
 use super::math::{self, M3, Q, V3};
-use super::model::{Bending, Bushing};
+use super::mid_beam::MidBeam;
+use super::model::Bushing;
+use super::stance::{Stance, bend, loads, stance, torque};
 use super::system::BodyState;
 use crate::curve::hinge::AxisLaw;
-use crate::curve::{BeamEnds, CapacityTable, Hinge2, MiddleSprings, SpanLoad};
+use crate::curve::{CapacityTable, Hinge2};
 
 /// Marks an axis without a curve.
 const NO_TABLE: u32 = u32::MAX;
@@ -82,63 +80,6 @@ pub struct JointData {
     strained: [V3; 2],
     /// The beam in whose middle it stands.
     pub(super) beam: Option<Box<MidBeam>>,
-}
-
-/// A beam with hinges at its ends: the curve of its bending axis is theirs.
-#[derive(Debug, Clone)]
-pub(super) struct MidBeam {
-    /// Bending axis (1 or 2).
-    pub axis: usize,
-    /// Half its length, by the sense in which a rotation about the axis moves it along the other one \[m\].
-    lever_m: f64,
-    /// What its weight adds, and the share of it that is borne: none in free fall.
-    load: SpanLoad,
-    pub borne: f64,
-    /// Work done against it \[J\].
-    pub against_load_j: f64,
-    /// The hinges.
-    pub ends: BeamEnds,
-}
-
-impl MidBeam {
-    /// Of a joint whose axis 0 points from A's side to B's with a sense of `outward`.
-    fn of(joint: &Bushing, outward: f64, gravity: V3) -> Option<Box<Self>> {
-        let beam = joint.beam.as_ref()?;
-        let half = beam.half_length_m;
-        let axis = 1 + joint.bending.iter().position(|b| matches!(b, Bending::Curve { .. }))?;
-        // a rotation about axis 1 moves what lies on positive axis 0 along negative axis 2, one about axis 2 along positive axis 1
-        let lever_m = if axis == 1 { half } else { -half };
-        // displacements and rotations are those of B against A
-        let across = outward * math::dot(joint.axes[3 - axis], gravity);
-        let load = beam.span.map(|s| SpanLoad::uniform(s.mass_kg_m * across, s.length_m, lever_m));
-        let (load, ends) = (load.unwrap_or_default(), BeamEnds::default());
-        Some(Box::new(Self { axis, lever_m, load, borne: 1.0, against_load_j: 0.0, ends }))
-    }
-
-    /// The other axis across, along which it bears shear.
-    pub fn across(&self) -> usize {
-        3 - self.axis
-    }
-
-    /// Of its weight, what is borne.
-    pub fn load(&self) -> SpanLoad {
-        self.load.times(self.borne)
-    }
-
-    /// Half its length with its sense, times the stiffness against shear \[N\].
-    pub fn shear_lever_n(&self, translation: V3) -> f64 {
-        self.lever_m * translation[self.across()]
-    }
-
-    /// Whether its weight bends it.
-    pub fn is_loaded(&self) -> bool {
-        self.load != SpanLoad::default()
-    }
-
-    /// What is plastic of the rotation \[rad\] and of the gap across \[m\].
-    pub fn plastic(&self) -> [f64; 2] {
-        self.ends.plastic(self.lever_m)
-    }
 }
 
 impl JointData {
@@ -320,13 +261,6 @@ impl JointData {
         }
     }
 
-    /// Says that the tables of its curves have moved on by some places.
-    pub fn renumber(&mut self, by: usize) {
-        for table in self.table.iter_mut().filter(|t| **t != NO_TABLE) {
-            *table += by as u32;
-        }
-    }
-
     /// The table of a bending axis (0 or 1); none if it is elastic.
     pub fn table_of(&self, k: usize) -> Option<usize> {
         (self.table[k] != NO_TABLE).then_some(self.table[k] as usize)
@@ -427,12 +361,7 @@ impl JointData {
     fn bend_beam(&mut self, theta: V3, gap: &mut V3, tables: &[CapacityTable]) -> Option<V3> {
         let beam = self.beam.as_mut()?;
         let (axis, across) = (beam.axis, beam.across());
-        let springs = MiddleSprings {
-            turn_nm_rad: self.rotation[axis],
-            shear_n_m: self.translation[across],
-            lever_m: beam.lever_m,
-            load: beam.load(),
-        };
+        let springs = beam.springs(self.rotation, self.translation);
         let table = &tables[self.table[axis - 1] as usize];
         let step = beam.ends.step(table, &springs, [theta[axis], gap[across]], self.axial_force);
         beam.against_load_j += step.against_load_j;
@@ -539,7 +468,7 @@ pub(super) struct ElasticRange {
     pub force: [f64; 2],
     /// `1/C²` about both bending axes \[1/(N m)²\] ([`Hinge2::elastic_range`]).
     pub ease: [f64; 2],
-    /// Below which moments at both ends of a beam \[N m\] ([`BeamEnds::elastic_range`]).
+    /// Below which moments at both ends of a beam \[N m\] ([`crate::curve::BeamEnds::elastic_range`]).
     pub ends: [f64; 2],
 }
 
@@ -559,65 +488,6 @@ pub(super) struct Latest {
     pub theta: V3,
     /// What is plastic of its gap \[m\].
     pub slip: V3,
-}
-
-/// A joint in space.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Stance {
-    /// The joint axes carried by the first body (joint to global).
-    pub frame: M3,
-    /// From the centres of mass to the joint point of the second body \[m\].
-    pub arms: [V3; 2],
-    /// From the first body's joint point to the second's, along the joint axes \[m\].
-    pub gap: V3,
-    /// Rotation of the second body's joint axes against the first's, on the branch of the last evaluation.
-    pub turn: Q,
-}
-
-/// Where a joint is, for positions and orientations (twice) of its bodies, its points and axes in them, and the rotation of the last evaluation.
-#[inline(always)]
-pub(super) fn stance([a, b]: [(V3, Q, &M3); 2], points: [V3; 2], frames: [Q; 2], last: Q) -> Stance {
-    let frame_q = math::qmul(a.1, frames[0]);
-    let frame = math::qmat(frame_q);
-    let arm_b = math::mul(b.2, points[1]);
-    let arm_a = math::add(math::sub(b.0, a.0), arm_b);
-    let gap = math::mul_t(&frame, math::sub(arm_a, math::mul(a.2, points[0])));
-    let q = math::qmul(math::qconj(frame_q), math::qmul(b.1, frames[1]));
-    let same = q[0] * last[0] + q[1] * last[1] + q[2] * last[2] + q[3] * last[3];
-    let sign = if same < 0.0 { -1.0 } else { 1.0 };
-    let turn = [sign * q[0], sign * q[1], sign * q[2], sign * q[3]];
-    Stance { frame, arms: [arm_a, arm_b], gap, turn }
-}
-
-/// Rotation vector of the joint and [`math::tangent_coefficient`], for any angle.
-#[inline(always)]
-pub(super) fn bend(turn: Q) -> (V3, f64) {
-    bend_by(math::qlog_factor(turn), turn)
-}
-
-/// The same with [`math::qlog_factor`].
-#[inline(always)]
-pub(super) fn bend_by(factor: f64, turn: Q) -> (V3, f64) {
-    let theta = math::scale(factor, [turn[1], turn[2], turn[3]]);
-    (theta, math::tangent_coefficient(math::dot(theta, theta), factor, turn[0]))
-}
-
-/// Force on the first body and torques on both about their centres of mass (the second one feels the opposite), from force and moment along the joint axes; `c` is
-/// [`math::tangent_coefficient`] of the rotation vector.
-#[inline(always)]
-pub(super) fn loads(frame: &M3, arms: [V3; 2], theta: V3, local: V3, moment: V3, c: f64) -> [V3; 3] {
-    let torque = torque(frame, theta, moment, c);
-    let force = math::mul(frame, local);
-    let (turn_a, turn_b) = (math::cross(arms[0], force), math::cross(arms[1], force));
-    [force, math::add(turn_a, torque), math::add(turn_b, torque)]
-}
-
-/// The torque of a moment along the joint axes that is conjugate to the rotation vector.
-#[inline(always)]
-fn torque(frame: &M3, theta: V3, moment: V3, c: f64) -> V3 {
-    let once = math::cross(theta, moment);
-    let twice = math::cross(theta, once);
-    math::mul(frame, math::axpy(math::axpy(moment, 0.5, once), c, twice))
 }
 
 /// One spring of a joint: its stretch is `force·(δx_b - δx_a) + turn_b·δφ_b - turn_a·δφ_a`.

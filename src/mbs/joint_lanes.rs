@@ -1,12 +1,13 @@
 //! Joints, eight at a time.
 //!
-//! Poses and constants of eight joints lie in lanes; kinematics, elastic forces and their moments on the bodies are the functions of [`super::joint`] in loops over lanes, which the compiler turns into vector code.
+//! Poses and constants of eight joints lie in lanes; kinematics, elastic forces and their moments on the bodies are the functions of [`super::stance`] in loops over lanes, which the compiler turns into vector code.
 //! A joint whose angle is not small, or that may flow, crush or break ([`JointData::elastic_range`]), has its law evaluated by itself in between. So all joints give the same bytes as if each were
 //! evaluated by [`JointData::apply`] in turn.
 
-use super::joint::{self, ElasticRange, JointData, Stance};
+use super::joint::{ElasticRange, JointData};
 use super::lanes::{LANES, Lane, ZERO, get, get_matrix, put};
 use super::math::{self, M3};
+use super::stance::{self, Stance};
 use super::system::{BodyData, BodyState};
 use crate::base::isa::for_each_isa;
 use crate::curve::CapacityTable;
@@ -169,10 +170,10 @@ impl JointBlock {
             let points = [get(&self.points[0], l), get(&self.points[1], l)];
             let frames = [get(&self.frames[0], l), get(&self.frames[1], l)];
             let Stance { frame, arms, gap, turn } =
-                joint::stance(poses, points, frames, get(&self.relative, l));
+                stance::stance(poses, points, frames, get(&self.relative, l));
             let axis = [turn[1], turn[2], turn[3]];
             let sine2 = math::dot(axis, axis);
-            let (theta, tangent) = joint::bend_by(math::log_factor(sine2, turn[0]), turn);
+            let (theta, tangent) = stance::bend_by(math::log_factor(sine2, turn[0]), turn);
             put(&mut act.gap, l, gap);
             let along = gap[0] - self.crushed[l];
             let k = get(&self.translation, l);
@@ -225,7 +226,7 @@ impl Act {
             let frame: M3 = get_matrix(&self.frame, l);
             let arms = [get(&self.arms[0], l), get(&self.arms[1], l)];
             let (theta, local, moment) = (get(&self.theta, l), get(&self.local, l), get(&self.moment, l));
-            let all = joint::loads(&frame, arms, theta, local, moment, self.tangent[l]);
+            let all = stance::loads(&frame, arms, theta, local, moment, self.tangent[l]);
             put(&mut self.loads[0], l, all[0]);
             put(&mut self.loads[1], l, all[1]);
             put(&mut self.loads[2], l, all[2]);
@@ -326,7 +327,7 @@ fn rests(joint: &JointData, data: &[BodyData]) -> bool {
 #[inline(never)]
 fn yield_alone(joint: &mut JointData, act: &mut Act, l: usize, tables: &[CapacityTable]) {
     let at = act.stance(l);
-    let (theta, tangent) = joint::bend(at.turn);
+    let (theta, tangent) = stance::bend(at.turn);
     let [local, moment] = joint.resist(&at, theta, tables);
     act.tangent[l] = tangent;
     put(&mut act.theta, l, theta);

@@ -7,8 +7,12 @@
 //! | [`math`] | vectors, quaternions |
 //! | [`system`] | the compiled model: compact arrays of bodies and joints |
 //! | [`joint`] | forces and energy of a compliant joint with its hinge law |
+//! | `stance` | where a joint is, and what its forces do to its bodies |
+//! | `mid_beam` | a beam with hinges at its ends, as a joint in its middle |
+//! | `tables` | capacities that joints use, each compiled once |
 //! | `carry` | what the ends of a member carry over to each other |
 //! | `shared_mass` | inertia that bodies have together as parts of one elastic body |
+//! | `relative_mass` | inertia against relative motion, for longer steps |
 //! | `joint_lanes`, `lanes` | joints, eight at a time; numbers of eight of a kind |
 //! | [`frequency`] | the highest frequency, hence the time step |
 //! | [`preload`] | static equilibrium before `t = 0` |
@@ -38,6 +42,7 @@ mod joint_lanes;
 mod lanes;
 pub mod latent;
 pub mod math;
+mod mid_beam;
 pub mod model;
 pub mod parameter;
 pub mod preload;
@@ -46,8 +51,10 @@ pub mod result;
 pub mod run;
 mod shared_mass;
 pub mod sleep;
+mod stance;
 pub mod step;
 pub mod system;
+mod tables;
 mod weight;
 
 pub use check::ModelError;

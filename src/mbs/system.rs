@@ -12,9 +12,10 @@ use super::model::{Bending, Body, Bushing, Model};
 use super::relative_mass::Relative;
 use super::shared_mass::{Shared, Start};
 use super::step::{self, InverseBlock, Moved};
+use super::tables::Tables;
 use super::weight::Weight;
 use crate::base::isa::Isa;
-use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
+use crate::curve::{CurveError, ResistanceCurve};
 use std::collections::BTreeMap;
 
 /// Moving state of a body.
@@ -71,7 +72,7 @@ pub struct System {
     /// Joints.
     pub joints: Vec<JointData>,
     /// Capacities used by the joints.
-    pub tables: Vec<CapacityTable>,
+    pub tables: Tables,
     /// The instruction set of the time loop; the bytes are the same with each.
     pub isa: Isa,
     pub(super) blocks: Vec<JointBlock>,
@@ -90,7 +91,18 @@ pub struct System {
 
 impl System {
     /// Compiles a checked model.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
     pub fn new(model: &Model) -> Result<Self, CurveError> {
+        Self::with_tables(model, Tables::default())
+    }
+
+    /// Compiles a checked model of which capacities are known: those of the same curves.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn with_tables(model: &Model, mut tables: Tables) -> Result<Self, CurveError> {
         let mut bodies: Vec<BodyState> = model.bodies.iter().map(BodyState::new).collect();
         let mut data: Vec<BodyData> = model.bodies.iter().map(BodyData::new).collect();
         bodies.push(BodyState::ground());
@@ -98,8 +110,6 @@ impl System {
         let index: BTreeMap<&str, usize> =
             model.bodies.iter().enumerate().map(|(i, b)| (b.id.as_str(), i)).collect();
         let ground = model.bodies.len();
-        let mut tables = Vec::new();
-        let mut seen: BTreeMap<(&str, u64), u32> = BTreeMap::new();
         let mut joints = Vec::with_capacity(model.bushings.len());
         for joint in &model.bushings {
             let a = joint.body_a.as_deref().and_then(|id| index.get(id).copied()).unwrap_or(ground);
@@ -109,16 +119,7 @@ impl System {
                 match &joint.bending[k] {
                     Bending::Elastic { stiffness_nm_rad } => compiled.set_elastic(k, *stiffness_nm_rad),
                     Bending::Curve { curve, strength_factor } => {
-                        let key = (curve.as_str(), strength_factor.to_bits());
-                        let table = match seen.get(&key) {
-                            Some(t) => *t,
-                            None => {
-                                tables.push(CapacityTable::new(&model.curves[curve], *strength_factor)?);
-                                let t = (tables.len() - 1) as u32;
-                                seen.insert(key, t);
-                                t
-                            }
-                        };
+                        let table = tables.place(&model.curves, curve, *strength_factor)?;
                         compiled.set_curve(k, table, &tables);
                     }
                 }
@@ -290,8 +291,8 @@ impl System {
     ) -> Result<(), CurveError> {
         for (k, bending) in given.bending.iter().enumerate() {
             if let Bending::Curve { curve, strength_factor } = bending {
-                self.tables.push(CapacityTable::new(&curves[curve], strength_factor * share)?);
-                self.joints[joint].set_curve(k, (self.tables.len() - 1) as u32, &self.tables);
+                let table = self.tables.place(curves, curve, strength_factor * share)?;
+                self.joints[joint].set_curve(k, table, &self.tables);
             }
         }
         Ok(())

@@ -113,6 +113,14 @@ impl Latent {
         Ok((latent, Some(first)))
     }
 
+    /// Compiles a model of some of the pieces of the file.
+    ///
+    /// # Errors
+    /// If a curve cannot be compiled.
+    pub fn compile(&self, model: &Model) -> Result<System, CurveError> {
+        System::with_tables(model, self.whole.as_ref().map(|w| w.tables.clone()).unwrap_or_default())
+    }
+
     /// Whether none gives way from now on, whatever it bears; events of the file still part bodies.
     pub fn hold(&mut self, holds: bool) {
         self.holds = holds;
@@ -368,7 +376,7 @@ impl Latent {
         parting.live.iter().for_each(|(b, _)| self.held[*b] = false);
         self.parted |= !parting.live.is_empty();
         let model = self.rebuild(file);
-        let mut next = System::new(&model)?;
+        let mut next = System::with_tables(&model, system.tables.clone())?;
         for (body, own) in self.pieces.iter().enumerate() {
             let was = places[own[0]];
             if pieces[was.body] == *own {
@@ -378,14 +386,12 @@ impl Latent {
                 hand_over(system, &mut next, was, self.places[own[0]]);
             }
         }
-        let moved = system.tables.len();
         for (b, running) in self.bushings.iter().enumerate() {
             let Some(running) = *running else { continue };
             let joint = &mut next.joints[running];
             match bushings[b] {
                 Some(old) => joint.adopt(&system.joints[old]),
                 None => {
-                    joint.renumber(moved);
                     if let Some((_, [force, moment])) = parting.live.iter().find(|(live, _)| *live == b) {
                         let gap = std::array::from_fn(|i| force[i] / joint.translation[i]);
                         joint.strain(gap, std::array::from_fn(|i| moment[i] / joint.rotation[i]));
@@ -393,7 +399,6 @@ impl Latent {
                 }
             }
         }
-        next.tables = system.tables.iter().cloned().chain(std::mem::take(&mut next.tables)).collect();
         self.orient(&mut next);
         next.resume_carries();
         next.pack();

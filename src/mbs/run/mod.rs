@@ -288,7 +288,7 @@ impl<'a> Run<'a> {
         latent.hold(options.hold_latent);
         latent.look_always(options.look_always);
         let model = merged.map_or(Cow::Borrowed(file), Cow::Owned);
-        let mut system = System::new(&model)?;
+        let mut system = latent.compile(&model)?;
         latent.orient(&mut system);
         let at = |id: &str| file.bodies.iter().position(|b| b.id == id).unwrap_or(0);
         let tracked = file.tracked.iter().map(|t| {
