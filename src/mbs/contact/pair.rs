@@ -2,7 +2,7 @@
 
 use super::collide::{self, Placed};
 use super::rows::{Block, Inverse, Row};
-use super::{ContactSet, Moving, Partner, Surface};
+use super::{ContactSet, Moving, NEVER_M, Partner, Surface};
 use crate::mbs::math::{self, V3};
 
 /// Most points of a pair.
@@ -11,7 +11,7 @@ pub(super) const MOST_POINTS: usize = 8;
 const SAME_POINT: f64 = 1e-3;
 /// How far bounds are entered beyond a solid: time \[s\] at its present speed, and share of its thickness.
 const AHEAD: (f64, f64) = (0.02, 0.1);
-/// Bounds are entered anew with those of others when no more than this share of their room is left.
+/// Bounds are entered anew with those of others when no more than this share of their room is left; those that still leave this share of the room that new ones would have stay.
 const SOON: f64 = 0.5;
 
 /// A point of a pair.
@@ -188,16 +188,19 @@ impl ContactSet {
                     + (AHEAD.0 / h * self.path[body]).max(AHEAD.1 * collider.thickness)
             };
             let [low, high] = collider.solid.bounds(&self.placed[i]);
-            let bounds = [low.map(|v| v - more), high.map(|v| v + more)];
             let old = self.entered[i];
-            if !(0..3).all(|k| old[0][k] <= bounds[0][k] && old[1][k] >= bounds[1][k]) {
+            // a building that sways comes back to where it was
+            let mut left =
+                (0..3).map(|k| (low[k] - old[0][k]).min(old[1][k] - high[k])).fold(NEVER_M, f64::min);
+            if obstacle || left < SOON * more {
+                let bounds = [low.map(|v| v - more), high.map(|v| v + more)];
                 self.entered[i] = bounds;
                 self.broad.set(i, bounds);
                 self.moved[i] = true;
-                any = true;
+                (any, left) = (true, more);
             }
             if !obstacle {
-                room[body] = room[body].min(more);
+                room[body] = room[body].min(left);
             }
         }
         for (i, room) in room.iter().enumerate() {
