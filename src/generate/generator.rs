@@ -286,7 +286,7 @@ impl<'a> Generator<'a> {
     }
 }
 
-/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: that of steps of [`LARGEST_RELATED_STEP_S`]. What moves at 40 rad/s, as whole floors do, slows down by 1.3e-3.
+/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: that of steps of [`LARGEST_RELATED_STEP_S`]. What moves at 40 rad/s, as whole floors do, slows down by 1e-3.
 const RELATIVE_RAD_S: f64 = 2.0 * STEP_FRACTION / LARGEST_RELATED_STEP_S;
 
 fn settings(building: &Building) -> RunSettings {

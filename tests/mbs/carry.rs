@@ -92,6 +92,8 @@ fn it_swings_as_a_beam_and_keeps_its_energy() {
 fn a_column_that_vibrates_keeps_its_energy() {
     let mut m = column(100.0, 1e7, 0.0, false);
     (m.settings.end_time_s, m.settings.output_interval_s) = (5.0, 0.001);
+    // 0.75 of the limit: leans go on from step to step, which takes the more the nearer vibrations are to it
+    m.settings.time_step_s = Some(1e-3 / 6.0);
     m.bodies[0].angular_velocity_rad_s = [0.0, 1.0, 0.0];
     for bushing in &mut m.bushings {
         bushing.axial_stiffness_n_m = 1e8;
