@@ -2,6 +2,7 @@
 
 use super::axes::MEETS_M;
 use super::cells::Piece;
+use super::junction;
 use super::panels::Given;
 use crate::building::{Building, MemberKind};
 use crate::graph::frame::Element;
@@ -24,8 +25,11 @@ pub struct Cut {
     pub faces_m: [f64; 2],
     /// What holds the rows of elements at its ends.
     pub held: Held,
-    /// What bends along the span \[m\].
+    /// The axes that it is between \[m\].
+    pub axes_m: [f64; 2],
+    /// What bends along the span, and that with what of its beams bends in their joints \[m\].
     pub length_m: f64,
+    pub bends_m: f64,
     /// The section in the plane of the floor.
     pub plane: InPlane,
     /// What crosses it.
@@ -40,8 +44,11 @@ pub struct Crossing {
     /// Bending stiffness about the horizontal axis \[N m²\] against rotation and against displacement across ([`crate::graph::shear_lag`]).
     pub bending: f64,
     pub across: f64,
-    /// Torsional stiffness \[N m²\].
+    /// Torsional stiffness, and what of it slabs have \[N m²\].
     pub torsion: f64,
+    pub slab_torsion: f64,
+    /// What the junctions of beams and slabs have besides \[N m²\].
+    pub junctions: f64,
     /// Shear stiffness in vertical direction \[N\].
     pub shear: f64,
     /// Heights of the beams, times their bending stiffness \[N m³\].
@@ -79,6 +86,16 @@ impl Crossing {
             twisted_m += web_m;
             let share = if is_strip { PLATE_TORSION } else { 1.0 };
             let torsion = share * g * element.section.torsion_m4;
+            if !is_strip && section.slab_m > 0.0 {
+                let [low_m, high_m] = [-0.5, 0.5].map(|k| p[1 - axis] + k * web_m);
+                // a slab that ends beside the web is none
+                let least_m = 0.5 * section.thickness_m;
+                let beside = [section.edges[0] < low_m - least_m, section.edges[1] > high_m + least_m];
+                let sides = beside.iter().filter(|goes_on| **goes_on).count();
+                let depth_m = shear_m2 / web_m;
+                sum.junctions += g * junction::torsion_m4([web_m, depth_m], section.thickness_m, sides);
+            }
+            sum.slab_torsion += if is_strip { torsion } else { 0.0 };
             let bending = bending_n_m2(&element.section, stretch);
             sum.add(bending, torsion, g * element.section.shear_area_m2[1], p[2]);
             sum.has_beam = true;
@@ -88,9 +105,11 @@ impl Crossing {
             let left = |used_m: f64| (section.slab_m - used_m).max(0.0) * share;
             let [e, g] = plate.moduli_pa;
             let cubed = plate.thickness_m.powi(3);
+            let torsion = PLATE_TORSION * g * left(twisted_m) * cubed / 3.0;
+            sum.slab_torsion += torsion;
             sum.add(
                 [e * left(bent_m) * cubed / 12.0; 2],
-                PLATE_TORSION * g * left(twisted_m) * cubed / 3.0,
+                torsion,
                 5.0 / 6.0 * g * left(bent_m) * plate.thickness_m,
                 plate.level_m,
             );
@@ -121,6 +140,14 @@ impl Crossing {
         self.torsion += torsion;
         self.shear += shear;
         self.level += bending * level_m;
+    }
+}
+
+impl Cut {
+    /// Stiffnesses of its spring against rotation about the horizontal \[N m/rad\] and against vertical displacement \[N/m\]: in their joints beams bend, but do not shear.
+    pub fn in_the_middle(&self) -> [f64; 2] {
+        let Crossing { bending, across, shear, .. } = self.sum;
+        in_the_middle([bending, across], shear * self.bends_m / self.length_m, self.bends_m)
     }
 }
 

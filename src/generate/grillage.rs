@@ -10,11 +10,13 @@
 
 use super::axes::{FloorAxes, Gap, Kind};
 use super::beam_ends::{BeamCut, YieldingEnds};
+use super::beam_joints::BeamJoints;
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, by_cell, diagonals, neighbours};
 use super::crossing::{Crossing, Cut, InPlane, in_the_middle};
 use super::joints::axes;
 use super::panels::{Given, Panel};
+use super::twist;
 use super::webs::{Web, share_of};
 use super::wish::Accuracy;
 use crate::building::{Building, MemberKind};
@@ -29,6 +31,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone)]
 pub struct Grillage {
     axes: FloorAxes,
+    /// Its lowest and highest level \[m\].
+    levels_m: [f64; 2],
     /// The cells about them.
     pub cells: Cells,
 }
@@ -56,7 +60,7 @@ impl Grillage {
             lines.push(edges[i][1]);
             lines.windows(2).map(|w| [w[0], w[1]]).collect()
         });
-        Some(Self { axes, cells: Cells { members: members.to_vec(), bounds } })
+        Some(Self { axes, levels_m: [low, high], cells: Cells { members: members.to_vec(), bounds } })
     }
 
     /// The axes of its columns, and of the middles of its spans.
@@ -89,6 +93,9 @@ impl Grillage {
         let mut cuts = self.cuts(building, frame, pieces);
         let panels = if self.axes.kind == Kind::OpenSpans { Panel::all(&cuts) } else { Vec::new() };
         panels.iter().for_each(|p| p.take(&mut cuts));
+        if self.axes.kind == Kind::Columns {
+            twist::without_joints(&mut cuts);
+        }
         let own = &bodies.list[first..first + pieces.len()];
         let mut springs = Vec::new();
         for cut in &mut cuts {
@@ -116,6 +123,7 @@ impl Grillage {
             .filter(|(_, kind)| !is_plate(*kind))
             .collect();
         let places = by_cell(pieces);
+        let joints = BeamJoints::of(building, self.levels_m);
         let between = |(axis, a, b): (usize, usize, usize)| {
             let at_m = self.cells.bounds[axis][pieces[a].cell[axis]][1];
             let Gap { axes_m, faces_m, span_m, has_columns } = self.axes.gap(pieces[a].cell, axis);
@@ -143,8 +151,16 @@ impl Grillage {
             // on the axis, also where the edge of the floor is: pieces turn about the axes, and only there a twisted floor has no gaps
             point_m[1 - axis] = axis_m;
             let length_m = end - start;
-            let pieces = [a, b];
-            Some(Cut { axis, pieces, point_m, faces_m, held, length_m, plane, sum, given: Given::default() })
+            let mut bends_m = length_m;
+            if self.axes.kind == Kind::Columns && sum.has_beam {
+                let half_m = |side: usize| {
+                    let width_m = (faces_m[side] - axes_m[side]).abs();
+                    joints.half_m(&self.axes, pieces[[a, b][side]].cell, width_m)
+                };
+                bends_m += half_m(0) + half_m(1);
+            }
+            let (pieces, given) = ([a, b], Given::default());
+            Some(Cut { axis, pieces, point_m, faces_m, held, axes_m, length_m, bends_m, plane, sum, given })
         };
         neighbours(pieces).into_iter().filter_map(between).collect()
     }
@@ -158,8 +174,8 @@ fn spring(
     yielding: &mut YieldingEnds,
 ) -> Bushing {
     let (axis, length_m) = (cut.axis, cut.length_m);
-    let Cut { sum, plane, .. } = &*cut;
-    let [turn, shear] = in_the_middle([sum.bending, sum.across], sum.shear, length_m);
+    let plane = &cut.plane;
+    let [turn, shear] = cut.in_the_middle();
     let [turn_in_plane, sideways] = in_the_middle([plane.bending; 2], plane.shear, length_m);
     let [of_a, of_b] = cut.pieces.map(|p| &bodies[p]);
     let id = format!("{}|{}", of_a.id, of_b.id);

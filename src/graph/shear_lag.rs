@@ -26,6 +26,7 @@ pub struct Stretch {
 
 /// Bending stiffness of a stretch against rotation and against displacement across \[N m²\], both of them that of a prismatic beam with the same springs in its middle.
 ///
+/// Moments of one sense over a whole span are those of a longer wave than opposite ones at both ends, so that more of the slab acts against rotation.
 /// A beam that is softer at one end has its centre of flexibility nearer to that end, which springs in the middle cannot tell: with one edge they are right for opposite moments at both ends of a whole span and for none at
 /// the edge; for a part of a span in the mean of both.
 pub fn bending_n_m2(section: &BeamSection, stretch: &Stretch) -> [f64; 2] {
@@ -33,14 +34,16 @@ pub fn bending_n_m2(section: &BeamSection, stretch: &Stretch) -> [f64; 2] {
     let with = section.inertia_m4[0];
     let length_m = stretch.ends_m[1] - stretch.ends_m[0];
     let edges = stretch.beyond_m.iter().flatten().count();
-    let Some(flange) = section.flange.filter(|f| edges > 0 && length_m > 0.0 && f.apart_m4 < with) else {
+    let is_span = length_m >= stretch.span_m;
+    let Some(flange) = section.flange.filter(|f| length_m > 0.0 && f.apart_m4 < with) else {
         return [e * with; 2];
     };
+    let one_sense = if is_span { flange.long_m4 } else { with };
     let slip = 1.0 / flange.apart_m4 - 1.0 / with;
     let acts = slip / (1.0 / flange.apart_m4 - 1.0 / flange.whole_m4);
-    if acts >= 1.0 {
-        // a slab that acts as a whole has no shear lag
-        return [e * with; 2];
+    // a slab that acts as a whole has no shear lag
+    if edges == 0 || acts >= 1.0 {
+        return [e * one_sense, e * with];
     }
     let rate = PI / stretch.span_m * (acts / (1.0 - acts)).sqrt();
     // moments of e^{-α d} over the stretch, which begins at the edge and has length one
@@ -55,9 +58,9 @@ pub fn bending_n_m2(section: &BeamSection, stretch: &Stretch) -> [f64; 2] {
         // M = 1 - 2 x, three times its integral
         across += 3.0 * more * (zeroth - 2.0 * first);
     }
-    if edges == 1 && length_m >= stretch.span_m {
-        // M = x bends as a prismatic beam: turn / 4 + across / 12 = 1 / 3
-        turn = (4.0 - across) / 3.0;
+    if edges == 1 && is_span {
+        // M = x bends as a prismatic beam under moments of one sense: turn / 4 + across / 12 = 1 / 3 of its flexibility
+        turn = (4.0 * with / one_sense - across) / 3.0;
     }
     [e * with / turn, e * with / across]
 }
@@ -71,7 +74,7 @@ mod tests {
         let mut section = BeamSection::rectangle(16.5e9, 0.2, [0.45, 0.6]);
         let own = section.inertia_m4[0];
         section.inertia_m4[0] = 1.8 * own;
-        section.flange = Some(Flange { apart_m4: 1.05 * own, whole_m4: 2.2 * own });
+        section.flange = Some(Flange { apart_m4: 1.05 * own, whole_m4: 2.2 * own, long_m4: 1.8 * own });
         section
     }
 
@@ -94,6 +97,23 @@ mod tests {
         assert_eq!(bending_n_m2(&section, &stretch([None; 2])), [plain; 2]);
         let without = BeamSection { flange: None, ..section };
         assert_eq!(bending_n_m2(&without, &stretch([Some(0.2); 2])), [plain; 2]);
+    }
+
+    /// A span with moments of one sense has more of the slab, also where one of its ends is an edge at which there is no moment.
+    #[test]
+    fn flanges_are_wider_under_moments_of_one_sense() {
+        let mut section = section();
+        let flange = section.flange.unwrap();
+        let with = section.inertia_m4[0];
+        let long_m4 = 1.1 * with;
+        section.flange = Some(Flange { long_m4, ..flange });
+        let e = section.youngs_modulus_pa;
+        assert_eq!(bending_n_m2(&section, &stretch([None; 2])), [e * long_m4, e * with]);
+        let [turn, across] = bending_n_m2(&section, &stretch([Some(0.3), None])).map(|k| e * long_m4 / k);
+        assert!((0.75 * turn + 0.25 * across - 1.0).abs() < 1e-12, "{turn} {across}");
+        // a part of a span does not tell
+        let part = Stretch { span_m: 10.0, ..stretch([None; 2]) };
+        assert_eq!(bending_n_m2(&section, &part), [e * with; 2]);
     }
 
     /// Two edges at the faces: Newmark's beam has `N ∝ 1 - cosh(α s) / cosh(α l / 2)` under a constant moment.

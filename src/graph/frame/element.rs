@@ -26,6 +26,8 @@ pub struct Flange {
     pub apart_m4: f64,
     /// As one section with all of the slab beside the beam \[m⁴\].
     pub whole_m4: f64,
+    /// As one section with what of the slab bends with the beam under moments that keep their sense over the span \[m⁴\].
+    pub long_m4: f64,
 }
 
 impl BeamSection {

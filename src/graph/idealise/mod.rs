@@ -80,8 +80,9 @@ impl Span {
 /// The slab beside a beam \[m\].
 #[derive(Clone, Copy)]
 struct SlabBeside {
-    /// Width beyond the web that bends with it, and all of it up to half of the span.
+    /// Width beyond the web that bends with it, the same under moments of one sense, and all of it up to half of the span.
     width_m: f64,
+    long_m: f64,
     outstand_m: f64,
     thickness_m: f64,
     /// Height of its middle.
@@ -181,7 +182,11 @@ impl Builder<'_> {
         };
         section.inertia_m4[0] = together(slab.width_m);
         section.area_m2 = web + slab.width_m * slab.thickness_m;
-        section.flange = Some(Flange { apart_m4: apart(slab.width_m), whole_m4: together(slab.outstand_m) });
+        section.flange = Some(Flange {
+            apart_m4: apart(slab.width_m),
+            whole_m4: together(slab.outstand_m),
+            long_m4: together(slab.long_m),
+        });
         section
     }
 
@@ -202,16 +207,20 @@ impl Builder<'_> {
             }
             // from half of the span on the outstand counts for a few per cent only
             let outstands = [-1.0, 1.0].map(|side| self.outstand_m(beam, slab, across, side, 0.5 * span_m));
-            let width_m: f64 = outstands
-                .map(|outstand| flange::effective_width_m(outstand, span_m, poisson).min(outstand))
-                .iter()
-                .sum();
+            let acting = |outstand: f64, wave_m: f64| {
+                flange::effective_width_m(outstand, wave_m, poisson).min(outstand)
+            };
+            let width_m: f64 = outstands.iter().map(|o| acting(*o, span_m)).sum();
+            let wave_m = flange::ONE_SENSE * span_m;
+            let far = [-1.0, 1.0].map(|side| self.outstand_m(beam, slab, across, side, 0.5 * wave_m));
+            let long_m: f64 = far.iter().map(|o| acting(*o, wave_m)).sum();
             let (low, high) =
                 (slab.solid.min[2].max(beam.solid.min[2]), slab.solid.max[2].min(beam.solid.max[2]));
             if high - low > COORDINATE_TOLERANCE_M && width_m > 0.0 {
-                let before = found.map_or([0.0; 2], |f| [f.width_m, f.outstand_m]);
+                let before = found.map_or([0.0; 3], |f| [f.width_m, f.outstand_m, f.long_m]);
                 found = Some(SlabBeside {
                     width_m: before[0] + width_m,
+                    long_m: before[2] + long_m.max(width_m),
                     outstand_m: before[1]
                         + outstands.map(|x| x.min(0.5 * span_m).max(0.0)).iter().sum::<f64>().max(width_m),
                     thickness_m: high - low,
