@@ -15,6 +15,7 @@ pub mod cyclic;
 pub mod cyclic_fit;
 pub mod envelope;
 pub mod hinge;
+mod lever;
 mod limits;
 pub mod loops;
 

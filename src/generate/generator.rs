@@ -8,6 +8,7 @@ use super::doubts::{self, Doubt};
 use super::floors::Line;
 use super::joints::{self, Query};
 use super::known::Known;
+use super::levers;
 use super::{
     Accuracy, Division, EventReason, GenerateError, Generated, Parts, StaysWhole, Wishes, bending_floors,
     contact, event_rules, events, sections, tracked, unasked, walls, webs_of,
@@ -230,6 +231,7 @@ impl<'a> Generator<'a> {
         joints::carry_over(&place, &hinged, &mut hinges);
         curves.extend(wall_curves);
         let sections = sections::hinges(building, structure, &bodies, &decision, (&hinges, &mut curves));
+        levers::put_in(&hinges, &found, &mut curves);
         let webs = webs_of(building, &around.planes, &floors, (&bodies, &decision), &mut curves);
         let event_rules = event_rules::of(building, rules, &decision, (&bodies, &sections), &webs)?;
         hinges.extend(sections);

@@ -23,6 +23,7 @@ mod grillage;
 mod joints;
 mod junction;
 pub mod known;
+mod levers;
 mod nearest;
 mod panels;
 mod rigid;

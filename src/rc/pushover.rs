@@ -9,7 +9,8 @@
 //! section. It is found from the motion of the far section while the hinge flows: the pole of its plane
 //! displacement between two rotations. The envelope is given about this point: with `l` the distance of the sections, the rotation is
 //! `atan2(l sin θ, l cos θ - c)` for the chord rotation θ, and the moment there is `M (1 - c / l)`, as the moment vanishes at the far
-//! section. Work is the same in both descriptions. The rotation is that of the chord, not of the section, so that the
+//! section. Work of the push is the same in both descriptions; that of the axial force is not, since it has a moment about the hinge and none about the end section,
+//! which models put in ([`crate::curve::ResistanceCurve::at_distance`]). The rotation is that of the chord, not of the section, so that the
 //! curve contains the flexibility of half the member and of the joint; an MBS hinge between rigid bodies then has the
 //! member's stiffness.
 //!

@@ -45,8 +45,8 @@ fn the_rules_about_events_stand_in_the_model() {
     let curve = |b: &Bushing| model.curves[b.bending[0].curve().unwrap()].clone();
     let (end, section) = (curve(bushing("C2-A2.bottom")), curve(bushing("C2-A2.section-1")));
     for (a, b) in end.levels.iter().zip(&section.levels) {
-        let most = |l: &fallwerk::curve::CapacityLevel| l.capacity.iter().map(|p| p[1]).fold(0.0, f64::max);
-        let lends = most(a) / most(b);
+        // where the axial force has no lever about the hinge of the end yet
+        let lends = a.capacity[0][1] / b.capacity[0][1];
         assert!((1.1..1.4).contains(&lends), "{lends}");
     }
     // a J2 material bears 1/sqrt(3) of its tensile stress in pure shear; ends of members flow in bending before

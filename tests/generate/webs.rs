@@ -13,6 +13,8 @@ use fallwerk::rules::Source;
 const FRONT: &str = "B1-A1-B1";
 /// Yield stress of the reference \[Pa\].
 const FLOWS_PA: f64 = 10.5e6;
+/// Resistance of webs that break away in any case over that of their faces.
+const WEAK: f64 = 0.3;
 
 fn overridden(targets: &[&str], more: &[(&str, OverrideAction)]) -> Building {
     let one = |target: &str, action: OverrideAction| Override {
@@ -155,7 +157,18 @@ fn webs_take_nothing_from_what_moves_as_one() {
 /// Until the first blow the histories are the same but for round-off; nothing gives way before a rule has asked for it; and with webs that hold the end is about the same.
 #[test]
 fn nothing_changes_before_a_beam_breaks_away() {
-    let (with, without) = (all_breaking().model, generated(&reference(|t| t)).unwrap().model);
+    let (mut with, without) = (all_breaking().model, generated(&reference(|t| t)).unwrap().model);
+    // the webs of the reference hold
+    for web in with.bushings.iter_mut().filter(|b| b.latent.is_some() && b.id.starts_with('B')) {
+        for axis in &mut web.bending {
+            if let Bending::Curve { strength_factor, .. } = axis {
+                *strength_factor *= WEAK;
+            }
+        }
+        web.shear_capacity_n = web.shear_capacity_n.map(|both| both.map(|n| WEAK * n));
+        web.tensile_capacity_n = web.tensile_capacity_n.map(|n| WEAK * n);
+        web.compressive_capacity_n = web.compressive_capacity_n.map(|n| WEAK * n);
+    }
     let (a, b) = (simulate(&with).unwrap(), simulate(&without).unwrap());
     let first_s = a.events.iter().find(|e| matches!(e.kind, EventKind::Rule { .. })).unwrap().time_s;
     let before = a.times_s.iter().filter(|t| **t < first_s).count();
