@@ -7,14 +7,15 @@
 
 use super::axes::{FloorAxes, MEETS_M};
 use crate::base::geom::Aabb;
-use crate::building::{Building, MemberKind};
+use crate::building::tracked::is_taken_away;
+use crate::building::{Building, Member, MemberKind};
 
 /// How much a joint bends in comparison with its beams: without a column, with one on it, with one under it, with both.
 const SHARES: [f64; 4] = [1.0, 0.95, 0.6, 0.5];
 /// A column nearer to the crossing of two axes than this, along both of them, stands there \[m\].
 const NEAR_M: f64 = 0.75;
 
-/// The columns that stand on and under the joints of a floor when those with charges are gone.
+/// The columns that stand on and under the joints of a floor when those that are cut or charged are gone.
 #[derive(Debug)]
 pub struct BeamJoints {
     on: Vec<Aabb>,
@@ -24,8 +25,8 @@ pub struct BeamJoints {
 impl BeamJoints {
     /// Of a floor between two heights.
     pub fn of(building: &Building, [low_m, high_m]: [f64; 2]) -> Self {
-        let goes = |id: &str| building.events.iter().any(|charge| charge.member == id);
-        let columns = building.members.iter().filter(|m| m.kind == MemberKind::Column && !goes(&m.id));
+        let stands = |m: &&Member| m.kind == MemberKind::Column && !is_taken_away(building, &m.id);
+        let columns = building.members.iter().filter(stands);
         let meets = |s: &&Aabb| s.min[2] <= high_m + MEETS_M && s.max[2] >= low_m - MEETS_M;
         let middle_m = 0.5 * (low_m + high_m);
         let (on, under) = columns.map(|m| &m.solid).filter(meets).partition(|s| s.center()[2] > middle_m);
