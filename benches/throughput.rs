@@ -105,6 +105,7 @@ fn mbs_frame(storeys: usize) -> f64 {
             reactions: false,
             sleep_speed_m_s: None,
             relative_inertia_rad_s: None,
+            soft_after_m: None,
         },
     };
     for storey in 0..storeys {

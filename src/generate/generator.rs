@@ -22,7 +22,6 @@ use crate::graph::frame::Frame;
 use crate::graph::{Demands, Structure};
 use crate::library::derive_contact::WantedContact;
 use crate::library::{Entry, Store};
-use crate::mbs::frequency::STEP_FRACTION;
 use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
 use crate::mbs::run::LARGEST_RELATED_STEP_S;
 use crate::rc::around::{self, Surroundings};
@@ -288,8 +287,12 @@ impl<'a> Generator<'a> {
     }
 }
 
-/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: that of steps of [`LARGEST_RELATED_STEP_S`]. What moves at 40 rad/s, as whole floors do, slows down by 1e-3.
-const RELATIVE_RAD_S: f64 = 2.0 * STEP_FRACTION / LARGEST_RELATED_STEP_S;
+/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: 0.8 of the limit of steps of [`LARGEST_RELATED_STEP_S`]. Fast vibrations gather below it, and the nearer it is to the limit the more of the energy of
+/// those that a charge sets off is lost in steps. What moves at 40 rad/s, as whole floors do, is slower by 1.5e-3.
+const RELATIVE_RAD_S: f64 = 0.8 * 2.0 / LARGEST_RELATED_STEP_S;
+
+/// Mean displacement from which springs may be softer \[m\]: how a building falls is settled then.
+const SOFT_AFTER_M: f64 = 0.5;
 
 fn settings(building: &Building) -> RunSettings {
     RunSettings {
@@ -301,5 +304,6 @@ fn settings(building: &Building) -> RunSettings {
         reactions: false,
         sleep_speed_m_s: None,
         relative_inertia_rad_s: Some(RELATIVE_RAD_S),
+        soft_after_m: Some(SOFT_AFTER_M),
     }
 }

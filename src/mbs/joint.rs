@@ -251,6 +251,20 @@ impl JointData {
         self.frames[1] = math::qmul(self.frames[1], self.relative);
     }
 
+    /// Takes smaller stiffnesses along its axes \[N/m\] and keeps its forces; returns by how much its elastic energy grows \[J\].
+    pub(super) fn soften(&mut self, translation: V3, bodies: &[BodyState]) -> f64 {
+        let mut stretch = self.stance(bodies).gap;
+        stretch[0] -= self.crushed;
+        let ratio = |k: usize| if translation[k] > 0.0 { self.translation[k] / translation[k] } else { 1.0 };
+        let more: V3 = std::array::from_fn(|k| (ratio(k) - 1.0) * stretch[k]);
+        let energy_j: f64 = (0..3).map(|k| 0.5 * self.translation[k] * stretch[k] * more[k]).sum();
+        self.elastic_j += energy_j;
+        self.strained[0] = math::add(self.strained[0], more);
+        self.points[0] = math::sub(self.points[0], math::mul(&math::qmat(self.frames[0]), more));
+        self.translation = translation;
+        energy_j
+    }
+
     /// Takes over the history of a joint between the same points of other bodies.
     pub fn adopt(&mut self, old: &Self) {
         let (a, b, points, frames) = (self.a, self.b, self.points, self.frames);

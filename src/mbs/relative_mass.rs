@@ -13,18 +13,18 @@
 use super::block_solve::{BlockSolve, SIZE};
 use super::ideal::factor::BlockFactor;
 use super::joint::Row;
-use super::lanes::{Lane, ZERO};
+use super::lanes::{LANES, Lane, ZERO, put};
 use super::math::{self, M3, V3};
 use super::shared_mass::{Shared, UPRIGHT};
 use super::system::{BodyData, BodyState};
-use crate::base::isa::Isa;
+use crate::base::isa::{Isa, for_each_isa};
 use std::collections::BTreeSet;
 
 /// The bodies, their `D`, and the factors of `M + D`.
 #[derive(Debug, Clone)]
 pub(super) struct Relative {
-    /// `g` of each spring between bodies with its inertia `k / ω²`: their places, and what the stretch is of a unit motion of either.
-    springs: Vec<Spring>,
+    /// The springs between bodies.
+    springs: Vec<Together>,
     /// What floors share: places of two motions, and the inertia.
     floors: Vec<(usize, usize, f64)>,
     solve: BlockSolve,
@@ -33,7 +33,7 @@ pub(super) struct Relative {
     inertia: Vec<M3>,
     /// How each body has turned since.
     turned: Vec<M3>,
-    /// Memory: one node a body, and the forces before.
+    /// Memory: one node a body, the ground last, and the forces before.
     x: Vec<Lane>,
     plain: Vec<[V3; 2]>,
 }
@@ -43,6 +43,15 @@ pub(super) struct Relative {
 struct Spring {
     ends: [(usize, [f64; SIZE]); 2],
     inertia: f64,
+}
+
+/// Up to eight springs between the same two bodies.
+#[derive(Debug, Clone)]
+struct Together {
+    ends: [usize; 2],
+    /// What their stretches are of the motions of either.
+    of: [[Lane; SIZE]; 2],
+    inertia: Lane,
 }
 
 impl Relative {
@@ -94,13 +103,13 @@ impl Relative {
         }
         factor.factorise();
         (factor.dependent == 0).then(|| Self {
-            springs,
+            springs: Together::all(&springs),
             floors,
             solve: BlockSolve::new(&factor),
             start: (0..n).map(|i| states[i].r).collect(),
             inertia,
             turned: vec![M3::default(); n],
-            x: vec![ZERO; n],
+            x: vec![ZERO; n + 1],
             plain: vec![[[0.0; 3]; 2]; n],
         })
     }
@@ -108,7 +117,7 @@ impl Relative {
     /// Changes forces to those with which each body has its acceleration by its own inertia alone.
     pub fn act(&mut self, isa: Isa, states: &mut [BodyState], data: &[BodyData]) {
         self.turn(states);
-        for (i, body) in states[..self.x.len()].iter().enumerate() {
+        for (i, body) in states[..self.plain.len()].iter().enumerate() {
             self.plain[i] = [body.force, body.torque];
             // as in `Shared::act`: what turns momenta against the axes
             let t = &self.turned[i];
@@ -117,7 +126,7 @@ impl Relative {
             self.x[i] = [force[0], force[1], force[2], torque[0], torque[1], torque[2], 0.0, 0.0];
         }
         self.solve.solve(isa, &mut self.x);
-        for (i, body) in states[..self.x.len()].iter_mut().enumerate() {
+        for (i, body) in states[..self.plain.len()].iter_mut().enumerate() {
             let (t, x) = (&self.turned[i], &self.x[i]);
             let force = math::scale(data[i].mass, math::mul(t, [x[0], x[1], x[2]]));
             let torque = math::mul(t, math::mul(&self.inertia[i], [x[3], x[4], x[5]]));
@@ -140,20 +149,15 @@ impl Relative {
     }
 
     /// What velocities and angular velocities add to the kinetic energy \[J\].
-    pub fn energy_j(&mut self, states: &[BodyState], velocity: impl Fn(usize) -> [V3; 2]) -> f64 {
+    pub fn energy_j(&mut self, isa: Isa, states: &[BodyState], velocity: impl Fn(usize) -> [V3; 2]) -> f64 {
         self.turn(states);
-        for (i, x) in self.x.iter_mut().enumerate() {
-            let [v, w] = velocity(i).map(|v| math::mul_t(&self.turned[i], v));
-            *x = [v[0], v[1], v[2], w[0], w[1], w[2], 0.0, 0.0];
+        for (i, turned) in self.turned.iter().enumerate() {
+            let [v, w] = velocity(i).map(|v| math::mul_t(turned, v));
+            self.x[i] = [v[0], v[1], v[2], w[0], w[1], w[2], 0.0, 0.0];
         }
-        let of = |(i, g): &(usize, [f64; SIZE])| -> f64 {
-            self.x.get(*i).map_or(0.0, |x| (0..SIZE).map(|k| g[k] * x[k]).sum())
-        };
-        let springs: f64 =
-            self.springs.iter().map(|s| s.inertia * (of(&s.ends[0]) + of(&s.ends[1])).powi(2)).sum();
         let at = |i: usize| self.x[i / SIZE][i % SIZE];
         let floors: f64 = self.floors.iter().map(|(i, j, value)| value * at(*i) * at(*j)).sum();
-        0.5 * (springs + floors)
+        0.5 * (squares(isa, &self.springs, &self.x) + floors)
     }
 
     /// What the forces of a step add to the kinetic energy of a body and of its part of `D` in a time \[s, J\]: with `a = (M + D)⁻¹ f` that of all is `½ t² f a`, and the forces before and after [`Self::act`] tell both.
@@ -174,6 +178,47 @@ impl Relative {
         };
         (0..self.start.len()).any(leans)
     }
+}
+
+impl Together {
+    fn all(springs: &[Spring]) -> Vec<Self> {
+        let pair = |s: &Spring| s.ends.map(|(i, _)| i);
+        let same = springs.chunk_by(|s, t| pair(s) == pair(t)).flat_map(|own| own.chunks(LANES));
+        let of = |own: &[Spring]| {
+            let mut all = Self { ends: pair(&own[0]), of: [[ZERO; SIZE]; 2], inertia: ZERO };
+            for (l, spring) in own.iter().enumerate() {
+                put(&mut all.of[0], l, spring.ends[0].1);
+                put(&mut all.of[1], l, spring.ends[1].1);
+                all.inertia[l] = spring.inertia;
+            }
+            all
+        };
+        same.map(of).collect()
+    }
+}
+
+for_each_isa! {
+    /// Sum of all squares of stretches times inertia.
+    fn squares = squares_any(springs: &[Together], x: &[Lane]) -> f64
+}
+
+#[inline(always)]
+fn squares_any(springs: &[Together], x: &[Lane]) -> f64 {
+    let mut sum = ZERO;
+    for s in springs {
+        let mut stretch = ZERO;
+        for (i, of) in s.ends.iter().zip(&s.of) {
+            for k in 0..SIZE {
+                for l in 0..LANES {
+                    stretch[l] += of[k][l] * x[*i][k];
+                }
+            }
+        }
+        for l in 0..LANES {
+            sum[l] += s.inertia[l] * stretch[l] * stretch[l];
+        }
+    }
+    sum.iter().sum()
 }
 
 /// Adds to the block of a pair of bodies what a row and a column of it tell.

@@ -203,9 +203,9 @@ impl System {
 
     /// Kinetic energy of what bodies have together, for velocities \[J\].
     pub(super) fn shared_j(&mut self, velocity: impl Fn(usize, &BodyState, &BodyData) -> [V3; 2]) -> f64 {
-        let Self { shared, relative, bodies, data, .. } = self;
+        let Self { isa, shared, relative, bodies, data, .. } = self;
         if let Some(relative) = relative {
-            return relative.energy_j(bodies, |i| velocity(i, &bodies[i], &data[i]));
+            return relative.energy_j(*isa, bodies, |i| velocity(i, &bodies[i], &data[i]));
         }
         shared.iter_mut().map(|s| s.energy_j(bodies, |i| velocity(i, &bodies[i], &data[i]))).sum()
     }

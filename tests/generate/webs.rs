@@ -157,7 +157,9 @@ fn webs_take_nothing_from_what_moves_as_one() {
 /// Until the first blow the histories are the same but for round-off; nothing gives way before a rule has asked for it; and with webs that hold the end is about the same.
 #[test]
 fn nothing_changes_before_a_beam_breaks_away() {
-    let (mut with, without) = (all_breaking().model, generated(&reference(|t| t)).unwrap().model);
+    let (mut with, mut without) = (all_breaking().model, generated(&reference(|t| t)).unwrap().model);
+    // springs become softer one by one: a span in two of them stays stiffer than in one
+    (with.settings.soft_after_m, without.settings.soft_after_m) = (None, None);
     // the webs of the reference hold
     for web in with.bushings.iter_mut().filter(|b| b.latent.is_some() && b.id.starts_with('B')) {
         for axis in &mut web.bending {

@@ -17,5 +17,6 @@ mod motion;
 mod relative;
 mod shared_mass;
 mod sleep;
+mod soften;
 mod statics;
 mod support;

@@ -150,6 +150,10 @@ impl Model {
             });
             list.without_ideal(self, "settings.relative_inertia_rad_s");
         }
+        if let Some(v) = s.soft_after_m {
+            list.positive("settings.soft_after_m", v);
+            list.without_ideal(self, "settings.soft_after_m");
+        }
         if list.0.is_empty() { Ok(()) } else { Err(ModelError::Invalid(list.0)) }
     }
 }

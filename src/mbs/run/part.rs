@@ -92,10 +92,10 @@ impl Run<'_> {
     #[cold]
     fn part(&mut self, parting: &Parting) -> Result<(), SolveError> {
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
-        self.system.give_back_forces();
-        self.is_loose = true;
-        self.end_relating();
-        self.released += self.system.end_sharing(self.last_step, |_, _| true);
+        (self.is_loose, self.is_soft) = (true, false);
+        if self.system.relative.is_some() || !self.system.shared.is_empty() {
+            self.forces_with(|_, _| true);
+        }
         self.synchronise();
         let was: Vec<Option<usize>> = self.latent.bushings.clone();
         let (system, model) = self.latent.part(self.file, &self.system, parting)?;
@@ -117,7 +117,6 @@ impl Run<'_> {
         let highest = frequency::highest_rad_s(&mut self.system);
         self.step_limit =
             choose_step(&self.model, highest, self.share).map_err(|e| usable_step(e, self.file, highest))?;
-        self.result.time_step_s = self.result.time_step_s.min(self.step_limit);
         for (bushing, _) in &parting.live {
             if self.strength[*bushing] != 1.0 {
                 self.weaken(*bushing, 1.0)?;

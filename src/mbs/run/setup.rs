@@ -92,7 +92,6 @@ pub(super) fn outputs(settings: &RunSettings) -> usize {
 pub(super) fn empty_result(
     model: &Model,
     hinges: &[(usize, usize)],
-    step_limit: f64,
     frequency: f64,
     preload_iterations: Option<usize>,
 ) -> RunResult {
@@ -137,7 +136,7 @@ pub(super) fn empty_result(
         events: Vec::new(),
         first_ground_contact_s: None,
         steps: 0,
-        time_step_s: step_limit,
+        time_step_s: 0.0,
         highest_frequency_rad_s: frequency,
         preload_iterations,
         cpu_s: 0.0,

@@ -91,6 +91,7 @@ pub fn model(side: usize, end_time_s: f64, time_step_s: f64) -> Model {
             reactions: false,
             sleep_speed_m_s: None,
             relative_inertia_rad_s: None,
+            soft_after_m: None,
         },
     }
 }
