@@ -51,8 +51,8 @@ fn what_falls_strikes_the_ground_at_the_same_time_and_comes_to_rest_as_without()
     });
     let largest = apart.fold(0.0, f64::max);
     println!("{largest} m apart");
-    // 4 MN on a spring of 8e8 N/m, as soft as steps of 1.5 ms need below a column of 1,200 kg, is 10 kJ: that lifts both floors by 4 cm
-    assert!(largest < 0.042, "{largest}");
+    // 4 MN on a spring of 1.1e9 N/m, as soft as steps of 1.5 ms need at a column of 1,200 kg, are 7.3 kJ; three of them lift 26 t by 8 cm at most
+    assert!(largest < 0.08, "{largest}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::mbs::system::System;
 use crate::mbs::{frequency, math};
 
 /// Share of the stiffness with which bodies on one spring alone would be as fast as steps allow: a column has one at either end.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.7;
 /// By how much longer steps may become at least.
 const WORTH_IT: f64 = 1.05;
 
