@@ -244,11 +244,16 @@ impl JointData {
 
     /// Moves its points and axes in its bodies so that poses that were free of stress strain it by a gap \[m\] and a rotation \[rad\] along its axes.
     pub fn strain(&mut self, gap: V3, theta: V3) {
-        self.strained = [gap, theta];
-        let frame = math::qmat(self.frames[0]);
-        self.points[0] = math::sub(self.points[0], math::mul(&frame, gap));
+        self.strained = [[0.0; 3], theta];
+        self.stretch(gap);
         self.relative = math::qexp(theta);
         self.frames[1] = math::qmul(self.frames[1], self.relative);
+    }
+
+    /// Moves its point in the first body so that it has a gap \[m\] along its axes more.
+    fn stretch(&mut self, gap: V3) {
+        self.strained[0] = math::add(self.strained[0], gap);
+        self.points[0] = math::sub(self.points[0], math::mul(&math::qmat(self.frames[0]), gap));
     }
 
     /// Takes smaller stiffnesses along its axes \[N/m\] and keeps its forces; returns by how much its elastic energy grows \[J\].
@@ -259,8 +264,7 @@ impl JointData {
         let more: V3 = std::array::from_fn(|k| (ratio(k) - 1.0) * stretch[k]);
         let energy_j: f64 = (0..3).map(|k| 0.5 * self.translation[k] * stretch[k] * more[k]).sum();
         self.elastic_j += energy_j;
-        self.strained[0] = math::add(self.strained[0], more);
-        self.points[0] = math::sub(self.points[0], math::mul(&math::qmat(self.frames[0]), more));
+        self.stretch(more);
         self.translation = translation;
         energy_j
     }

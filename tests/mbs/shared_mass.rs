@@ -2,7 +2,7 @@
 
 use super::support::*;
 use fallwerk::mbs::model::*;
-use fallwerk::mbs::result::RunResult;
+use fallwerk::mbs::result::{EventKind, RunResult};
 use fallwerk::mbs::{error::SolveError, simulate};
 use std::f64::consts::PI;
 
@@ -149,6 +149,45 @@ fn a_break_keeps_the_momenta_and_books_the_energy() {
     };
     let after = 0.5 * MASS_KG * (speed(0) + speed(1));
     assert!((after / along - 1.0).abs() < 1e-6, "{after} {along}");
+}
+
+/// Where other bodies part under their load, sharing ends everywhere, with the momenta and the energy of the full step.
+#[test]
+fn it_ends_without_loss_where_other_bodies_part() {
+    let mut m = halves();
+    m.shared_masses.push(shared());
+    m.settings.output_interval_s = 5e-3;
+    m.bodies[0].angular_velocity_rad_s = [0.0, 0.02, 0.0];
+    m.bodies[1].angular_velocity_rad_s = [0.0, 0.02, 0.0];
+    // two cubes of 2,500 kg as one on a soft spring: 1 m/s pulls the outer one with 35 kN, half of it too much
+    for (id, x) in [("inner", 20.0), ("outer", 21.0)] {
+        m.bodies.push(Body { velocity_m_s: [1.0, 0.0, 0.0], ..solid(id, [x, 0.0, 0.0], [1.0; 3]) });
+    }
+    let along = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let spring = |id: &str, a: Option<&str>, b: &str, x: f64, k: f64| Bushing {
+        axes: along,
+        ..joint(id, a, b, [x, 0.0, 0.0], k, 1e7, [elastic(1e7), elastic(1e7)])
+    };
+    m.bushings.push(spring("soft", None, "inner", 19.5, 1e6));
+    m.bushings.push(Bushing {
+        latent: Some("section".into()),
+        tensile_capacity_n: Some(17.5e3),
+        ..spring("section", Some("inner"), "outer", 20.5, 1e8)
+    });
+    // what the sum of all energies gains as the section parts: the energy that its bushing begins with
+    let gained_j = |m: &Model| {
+        let run = simulate(m).unwrap();
+        let live = run.events.iter().find(|e| matches!(e.kind, EventKind::Live { .. })).expect("it parts");
+        let n = run.times_s.iter().position(|t| *t > live.time_s).unwrap();
+        assert!(n > 4, "{live:?}");
+        run.energies.total_j(n) - run.energies.total_j(n - 1)
+    };
+    let shares_j = gained_j(&m);
+    m.shared_masses.clear();
+    let alone_j = gained_j(&m);
+    let vibrating_j = (0..2).map(|i| 0.5 * m.bodies[i].inertia_kg_m2[1][1] * 0.02_f64.powi(2)).sum::<f64>();
+    println!("{shares_j} J with sharing, {alone_j} J without, {vibrating_j} J of the halves");
+    assert!((shares_j - alone_j).abs() < 1e-3 * vibrating_j);
 }
 
 #[test]

@@ -12,7 +12,7 @@
 //! | `rules` | what contacts and fractures change by the rules of a model |
 //! | `part` | latent bushings: bodies that part |
 //! | `relate` | inertia that bodies have together: when it begins and ends |
-//! | `soften` | springs of what has come down
+//! | `soften` | springs of what has come down |
 //! | `output` | histories, the energy balance |
 //! | `work` | what is computed of bodies and latent sections, and what is left out |
 

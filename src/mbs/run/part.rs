@@ -93,9 +93,7 @@ impl Run<'_> {
     fn part(&mut self, parting: &Parting) -> Result<(), SolveError> {
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
         (self.is_loose, self.is_soft) = (true, false);
-        if self.system.relative.is_some() || !self.system.shared.is_empty() {
-            self.forces_with(|_, _| true);
-        }
+        self.end_all_sharing();
         self.synchronise();
         let was: Vec<Option<usize>> = self.latent.bushings.clone();
         let (system, model) = self.latent.part(self.file, &self.system, parting)?;

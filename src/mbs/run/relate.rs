@@ -55,6 +55,13 @@ impl Run<'_> {
         }
     }
 
+    /// Ends all sharing of inertia, in the present poses; inertia against relative motion too once it may not begin again.
+    pub(super) fn end_all_sharing(&mut self) {
+        if self.system.relative.is_some() || !self.system.shared.is_empty() {
+            self.forces_with(|_, _| true);
+        }
+    }
+
     /// The step without inertia against relative motion \[s\].
     fn plain_limit(&self) -> f64 {
         if self.system.shared.is_empty() {

@@ -20,16 +20,12 @@ impl Run<'_> {
         let Some(distance_m) = self.file.settings.soft_after_m else { return };
         let is_fixed = self.is_soft || self.file.settings.time_step_s.is_some();
         let longest_s = self.share * LARGEST_SOFT_STEP_S;
-        if is_fixed || self.system.relative.is_some() || WORTH_IT * self.step_limit > longest_s {
-            return;
-        }
-        if self.mean_path_m() < distance_m {
+        let may_gain = self.system.relative.is_none() && WORTH_IT * self.step_limit <= longest_s;
+        if is_fixed || !may_gain || self.mean_path_m() < distance_m {
             return;
         }
         self.is_soft = true;
-        if !self.system.shared.is_empty() {
-            self.forces_with(|_, _| true);
-        }
+        self.end_all_sharing();
         for i in 0..self.system.joints.len() {
             if let Some(soft) = softer(&self.system.joints[i], &self.system) {
                 let System { joints, bodies, .. } = &mut self.system;
