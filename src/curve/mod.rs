@@ -9,6 +9,7 @@
 //! Sign conventions: axial force `N` is positive in **compression**. Units: rad, N m, N.
 
 pub mod beam;
+mod bearing;
 pub mod between;
 pub mod capacity;
 pub mod cyclic;

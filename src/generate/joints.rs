@@ -107,6 +107,14 @@ impl Entries {
     }
 }
 
+/// Share of the compressive capacity of an entry that is left over the plastic rotation \[rad\], about the axis that bears it for longer.
+fn left_under_compression(entry: &Entry) -> Vec<[f64; 2]> {
+    let Some(capacity_n) = entry.compressive_capacity_n else { return Vec::new() };
+    let lists = entry.axes.iter().map(|axis| axis.curve.left_under_compression(capacity_n));
+    let first_break = |list: &Vec<[f64; 2]>| list.get(1).map_or(0.0, |p| p[0]);
+    lists.max_by(|a, b| first_break(a).total_cmp(&first_break(b))).unwrap_or_default()
+}
+
 /// Force at which the section of an entry flows as a whole \[N\] over plastic rotation \[rad\]: its law hardens with the strain of the outer fibres of a row of elements, `θ h / (2 s)`.
 fn crushing(entry: &Entry) -> Vec<[f64; 2]> {
     let Some(most_n) = entry.compressive_capacity_n else { return Vec::new() };
@@ -384,6 +392,8 @@ pub fn hinges(
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
             compressive_hardening: capacity(entry.tensile_elongation_m)
                 .map_or_else(Vec::new, |crushed_m| hardening(law, crushed_m)),
+            compressive_fading: capacity(entry.compressive_capacity_n)
+                .map_or_else(Vec::new, |_| left_under_compression(entry)),
             crushing_shortening_m: capacity(entry.tensile_elongation_m),
             associated_flow: true,
             origin: Origin {

@@ -9,6 +9,7 @@ use super::mid_beam::MidBeam;
 use super::model::Bushing;
 use super::stance::{Stance, bend, loads, stance, torque};
 use super::system::BodyState;
+use crate::base::piecewise::interpolate;
 use crate::curve::hinge::AxisLaw;
 use crate::curve::{CapacityTable, Hinge2};
 
@@ -49,6 +50,9 @@ pub struct JointData {
     /// Plastic elongation so far, and shortening at the compressive capacity \[m\].
     elongated: f64,
     pressed: f64,
+    /// Share of it that is left over the plastic rotation of the hinge, and now.
+    fading: Option<Box<[[f64; 2]]>>,
+    left: f64,
     /// Such shortening at which it is crushed \[m\].
     crushing_shortening: f64,
     /// Compression at which the axial spring flows now \[N\].
@@ -114,6 +118,8 @@ impl JointData {
             shear: [0.0; 2],
             elongated: 0.0,
             pressed: 0.0,
+            fading: (!joint.compressive_fading.is_empty()).then(|| joint.compressive_fading.clone().into()),
+            left: 1.0,
             crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
             compressive_capacity: compressive_most
                 * joint.compressive_hardening.first().map_or(1.0, |p| p[1]),
@@ -338,7 +344,7 @@ impl JointData {
         self.axial_force = -self.outward * k[0] * gap[0];
         self.harden(k[0]);
         let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
-        let admissible = self.axial_force.clamp(lowest, self.compressive_capacity);
+        let admissible = self.axial_force.clamp(lowest, self.left * self.compressive_capacity);
         if admissible != self.axial_force {
             let flow = (self.axial_force - admissible) / k[0];
             self.axial_force = admissible;
@@ -361,16 +367,17 @@ impl JointData {
     /// Finds the compression at which the axial spring flows in this step, for its stiffness \[N/m\]: where its elastic unloading meets the hardening curve.
     #[inline]
     fn harden(&mut self, stiffness: f64) {
-        if self.axial_force <= self.compressive_capacity {
+        let left = self.left;
+        if self.axial_force <= left * self.compressive_capacity {
             return;
         }
         let Some(hardening) = &self.hardening else { return };
         // capacity plus elastic unloading grows along the curve: the first point beyond the trial force ends the segment in which they meet
         let trial = self.axial_force + stiffness * self.pressed;
-        let upper = hardening.partition_point(|[x, n]| n + stiffness * x <= trial);
+        let upper = hardening.partition_point(|[x, n]| left * n + stiffness * x <= trial);
         let Some([x0, n0]) = upper.checked_sub(1).map(|i| hardening[i]) else { return };
         self.compressive_capacity = hardening.get(upper).map_or(n0, |[x1, n1]| {
-            let share = (trial - n0 - stiffness * x0) / (n1 - n0 + stiffness * (x1 - x0));
+            let share = (trial - left * n0 - stiffness * x0) / (left * (n1 - n0) + stiffness * (x1 - x0));
             n0 + share * (n1 - n0)
         });
     }
@@ -423,7 +430,8 @@ impl JointData {
                 (force, ease, [f64::INFINITY; 2])
             }
         };
-        let force = [force[0].max(-self.tensile_capacity), force[1].min(self.compressive_capacity)];
+        let force =
+            [force[0].max(-self.tensile_capacity), force[1].min(self.left * self.compressive_capacity)];
         (!self.is_pulled_apart() && !self.is_crushed()).then_some(ElasticRange { force, ease, ends })
     }
 
@@ -441,6 +449,9 @@ impl JointData {
         let laws = self.laws(tables);
         let step = self.hinge.step(laws, own, self.axial_force);
         self.flowing = step.flowing;
+        if let Some(fading) = self.fading.as_ref().filter(|_| step.flowing) {
+            self.left = interpolate(fading, self.hinge.alpha_rad);
+        }
         if self.is_associated && step.flowing {
             self.shortened = self.hinge.shortened_m(laws, step.flow_rad, self.axial_force);
         }

@@ -3,7 +3,6 @@
 use fallwerk::bench::buildings::{Row, Settled, markdown, measure};
 use fallwerk::library::Store;
 use fallwerk::rules::RuleBase;
-use fallwerk::validate::LIMIT_ENERGY;
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -26,7 +25,7 @@ fn random_small_buildings_hold() {
         assert_eq!(row.faults(), Vec::<String>::new(), "number {}: {}", row.number, row.words);
         let settled: &Settled = row.outcome.as_ref().unwrap();
         println!("{} ({}): {settled:?}", row.number, row.words);
-        assert!(settled.finished.energy_error < LIMIT_ENERGY && settled.finished.passing.is_seen());
+        assert!(settled.finished.energy_error < 0.01 && settled.finished.passing.is_seen());
     }
     // but for run times, the same with one thread
     let untimed = |rows: &[Row]| {

@@ -3,6 +3,7 @@
 use super::support::*;
 use fallwerk::curve::hinge::AxisLaw;
 use fallwerk::curve::*;
+use fallwerk::mbs::model::{Body, Bushing};
 use fallwerk::mbs::simulate;
 
 fn softening_table() -> CapacityTable {
@@ -290,4 +291,68 @@ fn a_softened_hinge_that_lengthens_its_member_dissipates() {
     let turned = result.hinges[0].plastic_rotation_rad.last().unwrap();
     let back = plastic.windows(2).map(|w| w[0] - w[1]).fold(0.0, f64::max);
     assert!(*turned > 0.22 && back < 1e-6 * plastic.last().unwrap(), "{turned} rad, {back} J back");
+}
+
+/// A block of 40 t on a column whose foot turns by 0.1 rad: what the column still bears is less than the block weighs from 0.05 rad on.
+#[test]
+fn a_column_that_has_turned_bears_less() {
+    let (mass, inertia, stiff) = (40e3, 40e3 / 6.0, 2e9);
+    let weight = mass * G;
+    let (moment, speed, capacity) = (inertia / 0.2, 1.0, 1.6 * weight);
+    let left = |turned: f64| if turned < 0.1 { 1.0 - 7.5 * turned } else { 0.25 };
+    let mut m = model("fading", 0.5, 0.001);
+    m.settings.time_step_s = Some(5e-5);
+    m.settings.preload = true;
+    let law = ResistanceCurve { stiffness_nm_rad: 2e9, ..curve(&[[0.0, moment], [1.0, moment]], 1.0) };
+    m.curves.insert("foot".into(), law);
+    let block = solid("block", [0.0, 0.0, 1.0], [1.0; 3]);
+    m.bodies.push(Body {
+        mass_kg: mass,
+        inertia_kg_m2: box_inertia(mass, [1.0; 3]),
+        angular_velocity_rad_s: [speed, 0.0, 0.0],
+        ..block
+    });
+    // on the centre of the block, so that turning does not lower it
+    m.bushings.push(Bushing {
+        compressive_capacity_n: Some(capacity),
+        compressive_fading: vec![[0.0, 1.0], [0.1, 0.25]],
+        ..joint("column", None, "block", [0.0, 0.0, 1.0], stiff, 1e9, [hinge("foot"), elastic(1e8)])
+    });
+    track(&mut m, "block", [0.0, 0.0, 1.0]);
+    let result = simulate(&m).unwrap();
+    let turned = *result.hinges[0].plastic_rotation_rad.last().unwrap();
+    assert!((turned - 0.5 * inertia * speed * speed / moment).abs() < 1e-3, "{turned}");
+    // m z'' = capacity left - weight, once that is less
+    let (mut sunk, mut fall, mut borne_j) = (0.0, 0.0, 0.0);
+    let step = 1e-5;
+    for i in 0..50_000 {
+        let time = (step * (f64::from(i) + 0.5)).min(0.2);
+        let bears = (capacity * left(speed * time - 2.5 * speed * time * time)).min(weight);
+        fall += step * (G - bears / mass);
+        sunk += step * fall;
+        borne_j += bears * step * fall;
+    }
+    let found = -result.tracked[0].displacement_m.last().unwrap()[2];
+    println!("{found:.5} m ({sunk:.5}), {turned:.5} rad");
+    assert!((found / sunk - 1.0).abs() < 5e-3, "{found} {sunk}");
+    let plastic_j = result.energies.plastic_j.last().unwrap();
+    let bent_j = moment * turned;
+    assert!(((plastic_j - bent_j) / borne_j - 1.0).abs() < 5e-3, "{plastic_j} {bent_j} {borne_j}");
+    assert!(result.energy_error < 1e-4, "{}", result.energy_error);
+
+    type Change = fn(&mut Bushing);
+    let wrong: [Change; 6] = [
+        |b| b.compressive_fading[0][1] = 0.9,
+        |b| b.compressive_fading[0][0] = 0.01,
+        |b| b.compressive_fading[1][1] = 1.1,
+        |b| b.compressive_fading[1][1] = 0.0,
+        |b| b.compressive_capacity_n = None,
+        |b| b.bending[0] = elastic(1e8),
+    ];
+    for change in wrong {
+        let mut m = m.clone();
+        change(&mut m.bushings[0]);
+        let said = m.check().unwrap_err().to_string();
+        assert!(said.starts_with("bushings[0].compressive_fading: "), "{said}");
+    }
 }

@@ -169,6 +169,7 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
         list.positive(&format!("{path}.compressive_capacity_n"), c);
     }
     check_hardening(model, joint, &format!("{path}.compressive_hardening"), list);
+    check_fading(model, joint, &format!("{path}.compressive_fading"), list);
     if let Some(id) = &joint.joint {
         check_held(model, joint, id, path, list);
     }
@@ -186,6 +187,24 @@ fn check_hardening(model: &Model, bushing: &Bushing, path: &str, list: &mut List
     list.require(bushing.compressive_capacity_n.is_some() && bushing.joint.is_none(), path, || {
         "needs compressive_capacity_n, and no joint that holds the point: leave it out".into()
     });
+    list.without_ideal(model, path);
+}
+
+/// Shares of the compressive capacity that are left over plastic rotation.
+fn check_fading(model: &Model, bushing: &Bushing, path: &str, list: &mut List) {
+    let points = &bushing.compressive_fading;
+    let [Some(first), Some(last)] = [points.first(), points.last()] else { return };
+    let fades = points.windows(2).all(|p| p[1][0] > p[0][0] && p[1][1] <= p[0][1]);
+    let is_sound = *first == [0.0, 1.0] && last[1] > 0.0 && last[0].is_finite() && fades;
+    list.require(is_sound, path, || {
+        format!("is {points:?}, expected plastic rotations that grow from 0 and shares above 0 that do not grow, from 1 on")
+    });
+    let has_hinge = bushing.bending.iter().any(|b| b.curve().is_some()) && bushing.beam.is_none();
+    list.require(
+        bushing.compressive_capacity_n.is_some() && bushing.joint.is_none() && has_hinge,
+        path,
+        || "needs compressive_capacity_n and a curve about axis 1 or 2, no beam, and no joint that holds the point: leave it out".into(),
+    );
     list.without_ideal(model, path);
 }
 

@@ -228,6 +228,10 @@ pub struct Bushing {
     /// How it hardens up to there: share of the compressive capacity at which it flows, from what is above 0 up to 1, over plastic shortening \[m\], from 0 on; both grow. Empty: it flows at the capacity.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compressive_hardening: Vec<[f64; 2]>,
+    /// Share of its compressive capacity that is left over the plastic rotation \[rad\] of its hinge, from `[0, 1]` on, rotations rising and shares falling, above 0: what of a section is broken bears no axial force either
+    /// ([`crate::curve::ResistanceCurve::left_under_compression`]). Empty: all of it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub compressive_fading: Vec<[f64; 2]>,
     /// Plastic shortening \[m\] that the member bears at its compressive capacity before it is crushed: the joint then separates, and body `b`, which is the member, touches no other body; not in models with ideal joints and forces; `None`: any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crushing_shortening_m: Option<f64>,
@@ -336,6 +340,7 @@ impl Bushing {
             shear_capacity_n: None,
             compressive_capacity_n: None,
             compressive_hardening: Vec::new(),
+            compressive_fading: Vec::new(),
             crushing_shortening_m: None,
             associated_flow: false,
             carry_over: None,

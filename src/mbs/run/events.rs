@@ -129,6 +129,7 @@ impl Run<'_> {
                 self.relate();
             }
             self.forces();
+            self.resolve();
         }
         Ok(())
     }

@@ -259,6 +259,8 @@ struct Run<'a> {
     /// Length of the last step, zero right after a start \[s\].
     last_step: f64,
     step_limit: f64,
+    /// Step with which vibrations are as well resolved as the energy turned over asks for ([`Self::resolve`]) \[s\].
+    finer_step: f64,
     /// That of bodies that have no inertia against relative motion, and that of bodies that share none at all \[s\].
     shared_limit: f64,
     alone_limit: f64,
@@ -348,6 +350,7 @@ impl<'a> Run<'a> {
             time: 0.0,
             last_step: 0.0,
             step_limit,
+            finer_step: f64::INFINITY,
             shared_limit: step_limit,
             alone_limit,
             is_loose: false,
@@ -434,7 +437,7 @@ impl<'a> Run<'a> {
     /// The same, or up to the time at which a body parts: the steps then begin anew.
     fn advance(&mut self, end: f64) -> Result<bool, SolveError> {
         let span = end - self.time;
-        let count = (span / self.step_limit - 1e-9).ceil().max(1.0);
+        let count = (span / self.step_limit.min(self.finer_step) - 1e-9).ceil().max(1.0);
         let h = span / count;
         let begin = self.time;
         let census = self.census();
