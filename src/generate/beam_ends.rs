@@ -8,7 +8,7 @@ use crate::building::{Building, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::mbs::model::{Beam, Bending, Span};
 use crate::rc::around::{SAME_PLANE_M, edges_between};
-use crate::rc::layers::{Held, Layer, Layers, POLE, Rows};
+use crate::rc::layers::{Held, Layer, Layers, POLE, Pushes, Rows};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How the names of curves of beams begin.
@@ -53,6 +53,8 @@ pub struct YieldingEnds<'a> {
     /// Curves by id, and their ids by the numbers that they follow from, as text.
     curves: BTreeMap<String, ResistanceCurve>,
     known: BTreeMap<String, String>,
+    /// Pushes of the sections, by the numbers that they follow from.
+    pushes: BTreeMap<String, Pushes>,
     names: BTreeSet<String>,
     /// Moments of the slab and of all of a cut, by curve.
     moments: BTreeMap<String, Option<[f64; 2]>>,
@@ -63,8 +65,8 @@ impl<'a> YieldingEnds<'a> {
     pub fn new(planes: &'a [Vec<f64>; 3], ends: &'a [MemberEnd]) -> Self {
         let mut of_member: BTreeMap<usize, Vec<&MemberEnd>> = BTreeMap::new();
         ends.iter().for_each(|e| of_member.entry(e.member).or_default().push(e));
-        let (curves, known, names, moments) = Default::default();
-        Self { planes, ends: of_member, curves, known, names, moments }
+        let (curves, known, pushes, names, moments) = Default::default();
+        Self { planes, ends: of_member, curves, known, pushes, names, moments }
     }
 
     /// The curves of all cuts that were asked for.
@@ -87,13 +89,14 @@ impl<'a> YieldingEnds<'a> {
             return elastic;
         }
         // sections that differ by round-off only are the same
-        let numbers = section.numbers().chain([row_m, half_length_m, stiffness_nm_rad]);
-        let words = [format!("{:?} ", cut.held)].into_iter().chain(numbers.map(|x| format!("{x:.8e} ")));
-        let curve = self.known.entry(words.collect()).or_insert_with(|| {
+        let mut words = format!("{:?}", cut.held);
+        section.numbers().chain([row_m]).for_each(|x| words.push_str(&format!(" {x:.8e}")));
+        let own = format!("{words} {half_length_m:.8e} {stiffness_nm_rad:.8e}");
+        let curve = self.known.entry(own).or_insert_with(|| {
             let name = format!("{BEAM_CURVES}{id}");
+            let pushes = self.pushes.entry(words).or_insert_with(|| section.pushes(row_m, cut.held));
             // the moment is naught in the middle of the span, where the cut is
-            let rows = Rows { row_m, shear_span_m: half_length_m, held: cut.held };
-            self.curves.insert(name.clone(), section.curve(&rows, stiffness_nm_rad));
+            self.curves.insert(name.clone(), pushes.curve(half_length_m, stiffness_nm_rad));
             name
         });
         let bending = Bending::Curve { curve: curve.clone(), strength_factor: 1.0 };

@@ -192,34 +192,39 @@ impl<'a> Layers<'a> {
 
     /// Resistance of the rows of elements of an end, the smaller of both senses of bending, for a given elastic stiffness \[N m/rad\].
     pub fn curve(&self, rows: &Rows, stiffness_nm_rad: f64) -> ResistanceCurve {
-        let levels = LEVELS.into_par_iter().map(|share| self.weaker(rows, share)).collect();
-        ResistanceCurve { stiffness_nm_rad, levels, cyclic: None }
+        self.pushes(rows.row_m, rows.held).curve(rows.shear_span_m, stiffness_nm_rad)
     }
 
     /// The level at a share of the squash load, the smaller of both senses of bending.
     pub fn weaker(&self, rows: &Rows, share: f64) -> CapacityLevel {
-        let of = |sense: f64| self.level(rows, share * self.squash_n, sense);
-        let (sagging, hogging) = rayon::join(|| of(1.0), || of(-1.0));
-        if hogging.peak_nm() < sagging.peak_nm() { hogging } else { sagging }
+        self.pushed(rows.row_m, rows.held, share).weaker(rows, self.bending_nm2)
     }
 
-    /// Bending under an axial force \[N\] (compression positive) in one sense.
-    fn level(&self, rows: &Rows, axial_force_n: f64, sense: f64) -> CapacityLevel {
+    /// Pushes of rows of a length \[m\], of which curves for any way to the point without moment follow ([`Pushes::curve`]).
+    pub fn pushes(&self, row_m: f64, held: Held) -> Pushes {
+        let levels = LEVELS.into_par_iter().map(|share| self.pushed(row_m, held, share)).collect();
+        Pushes { row_m, held, bending_nm2: self.bending_nm2, levels }
+    }
+
+    /// Pushes under a share of the squash load in both senses of bending.
+    fn pushed(&self, row_m: f64, held: Held, share: f64) -> Pushed {
+        let axial_force_n = share * self.squash_n;
+        let of = |sense: f64| self.push_in(row_m, held, axial_force_n, sense);
+        let (sagging, hogging) = rayon::join(|| of(1.0), || of(-1.0));
+        Pushed { axial_force_n, senses: [sagging, hogging] }
+    }
+
+    /// Pushes under an axial force \[N\] (compression positive) in one sense, of the first row and of another one.
+    fn push_in(&self, row_m: f64, held: Held, axial_force_n: f64, sense: f64) -> [Vec<[f64; 2]>; 2] {
         let share = axial_force_n / self.squash_n;
         let push = |is_first: bool| {
             // the same share of its own squash load: what is lent was measured on moments
-            let lent = self.lent(|layer| rows.held.lends(layer, is_first, share));
-            lent.push(rows.row_m, share * lent.squash_n, sense)
+            let lent = self.lent(|layer| held.lends(layer, is_first, share));
+            lent.push(row_m, share * lent.squash_n, sense)
         };
-        let mut first = push(true);
-        let other = if rows.held == Held::AtJoint { push(false) } else { first.clone() };
-        rows.spread(&mut first, &other);
-        let mut level = finished(&first, axial_force_n);
-        if matches!(rows.held, Held::AtJoint | Held::OverColumns) {
-            let elastic_rad = rows.row_m * level.peak_nm() / self.bending_nm2;
-            round_off(&mut level, elastic_rad);
-        }
-        level
+        let first = push(true);
+        let other = if held == Held::AtJoint { push(false) } else { first.clone() };
+        [first, other]
     }
 
     /// The same section with other strengths, by layer a factor.
@@ -284,6 +289,51 @@ impl<'a> Layers<'a> {
             l.area_m2 * (s.stress_pa * (l.at_m - self.middle_m) + s.bending_pa * l.depth_m / 6.0)
         };
         states.iter().zip(&self.layers).map(of).sum()
+    }
+}
+
+/// Pushes of a section, which take nearly all of the time of its curves.
+#[derive(Debug, Clone)]
+pub struct Pushes {
+    row_m: f64,
+    held: Held,
+    bending_nm2: f64,
+    levels: Vec<Pushed>,
+}
+
+impl Pushes {
+    /// The curve of an end whose pole is so far from the point without moment \[m\], for a given elastic stiffness \[N m/rad\].
+    pub fn curve(&self, shear_span_m: f64, stiffness_nm_rad: f64) -> ResistanceCurve {
+        let rows = Rows { row_m: self.row_m, shear_span_m, held: self.held };
+        let levels = self.levels.iter().map(|pushed| pushed.weaker(&rows, self.bending_nm2)).collect();
+        ResistanceCurve { stiffness_nm_rad, levels, cyclic: None }
+    }
+}
+
+/// Pushes under one axial force.
+#[derive(Debug, Clone)]
+struct Pushed {
+    axial_force_n: f64,
+    /// In both senses of bending, of the first row and of another one.
+    senses: [[Vec<[f64; 2]>; 2]; 2],
+}
+
+impl Pushed {
+    /// The level of the weaker sense.
+    fn weaker(&self, rows: &Rows, bending_nm2: f64) -> CapacityLevel {
+        let [sagging, hogging] = [0, 1].map(|sense| self.level(&self.senses[sense], rows, bending_nm2));
+        if hogging.peak_nm() < sagging.peak_nm() { hogging } else { sagging }
+    }
+
+    fn level(&self, [first, other]: &[Vec<[f64; 2]>; 2], rows: &Rows, bending_nm2: f64) -> CapacityLevel {
+        let mut points = first.clone();
+        rows.spread(&mut points, other);
+        let mut level = finished(&points, self.axial_force_n);
+        if matches!(rows.held, Held::AtJoint | Held::OverColumns) {
+            let elastic_rad = rows.row_m * level.peak_nm() / bending_nm2;
+            round_off(&mut level, elastic_rad);
+        }
+        level
     }
 }
 

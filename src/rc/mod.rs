@@ -38,7 +38,7 @@ mod symmetry;
 pub mod torsion;
 
 pub use cut::EndModel;
-pub use pushover::{EndCurves, PushoverError, derive};
+pub use pushover::{EndCurves, PushoverError, derive, push};
 pub use section_file::RcSection;
 pub use series::{Series, SeriesOptions};
 pub use springs::{SpringOptions, Springs};

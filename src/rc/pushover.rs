@@ -39,6 +39,8 @@ const RAMPS: [f64; 2] = [0.1, 0.4];
 const POLE_ROTATIONS: [f64; 2] = [0.08, 0.2];
 /// Largest distance of the hinge from the end section, in section depths.
 pub(super) const POLE_LIMIT_DEPTHS: f64 = 1.5;
+/// Interval of rotation over which shortening is measured \[rad\].
+const SINKS: f64 = 0.02;
 /// Interval over which section forces are averaged \[rad\], elastic and later.
 const SAMPLE: [f64; 2] = [2.0e-4, 4.0e-3];
 
@@ -55,6 +57,9 @@ pub struct Push {
     pub kinetic_share: f64,
     /// Distance from the end section of the point about which the far section turned while the hinge flowed \[m\].
     pub pole_m: Option<f64>,
+    /// Chord rotation from which on the member gets shorter by more than its depth for each radian, so that it turns about no point of its section: what is left of it does not bear the axial force \[rad\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sinks_rad: Option<f64>,
 }
 
 /// All curves of one member end.
@@ -197,8 +202,11 @@ pub fn torsion_constant(section_m: [f64; 2]) -> f64 {
     a * b.powi(3) * (16.0 / 3.0 - 3.36 * b / a * (1.0 - b.powi(4) / (12.0 * a.powi(4))))
 }
 
-/// One push about the direction `axis + 1 + bending`; also returns the axial stiffness.
-pub(super) fn push(
+/// One push about the direction `axis + 1 + bending` under an axial force \[N\] (compression positive), in the sense 1 or -1; also returns the axial stiffness \[N/m\].
+///
+/// # Errors
+/// If there is no state under the axial force, or the run does not stay finite.
+pub fn push(
     model: &EndModel,
     bending: usize,
     axial_force_n: f64,
@@ -208,7 +216,7 @@ pub(super) fn push(
     let apply = |body: &mut Dynamics| {
         let (base, tip) = (section_center(model, body), tip_center(model, body));
         let chord: [f64; 3] = std::array::from_fn(|i| tip[i] - base[i]);
-        let length = chord.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let length = chord_m(model, body);
         for (n, share) in &model.tip_nodes {
             body.applied_n[*n] = std::array::from_fn(|i| -axial_force_n * share * chord[i] / length);
         }
@@ -225,6 +233,8 @@ pub(super) fn push(
     let start = tip_center(model, &body);
     let mut recorder = Recorder::default();
     let mut poses: Vec<([f64; 2], f64)> = Vec::new();
+    let depth_m = model.section_m[1 - bending];
+    let (mut told, mut sinks_rad) = ([0.0; 2], None);
     loop {
         let rotation = chord_rotation(model, &body, start, direction);
         let speed = speed_at(body.time_s) * model.length_m * rotation.cos().max(0.1);
@@ -237,6 +247,13 @@ pub(super) fn push(
         body.step(false);
         if body.steps.is_multiple_of(8) {
             recorder.add(rotation, section_moment(model, &body, direction));
+            if rotation - told[0] >= SINKS {
+                let shorter_m = model.length_m - chord_m(model, &body);
+                if told[0] > 0.0 && shorter_m - told[1] > depth_m * (rotation - told[0]) {
+                    sinks_rad = sinks_rad.or(Some(told[0]));
+                }
+                told = [rotation, shorter_m];
+            }
         }
         if body.steps.is_multiple_of(1024) {
             if body.broken_node().is_some() {
@@ -263,6 +280,7 @@ pub(super) fn push(
                 failed,
                 kinetic_share: recorder.kinetic,
                 pole_m,
+                sinks_rad,
             };
             return Ok((push, axial_stiffness));
         }
@@ -324,6 +342,12 @@ impl Recorder {
         let n = self.points.len();
         n > 8 && self.points[n - 3..].iter().all(|p| p[1] < FAILED_SHARE * self.peak)
     }
+}
+
+/// From the centre of the end section to that of the far one \[m\].
+fn chord_m(model: &EndModel, body: &Dynamics) -> f64 {
+    let (base, tip) = (section_center(model, body), tip_center(model, body));
+    (0..3).map(|i| (tip[i] - base[i]).powi(2)).sum::<f64>().sqrt()
 }
 
 fn section_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {

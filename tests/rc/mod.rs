@@ -2,6 +2,7 @@
 
 mod anchorage;
 mod around;
+mod bearing;
 mod crushing;
 mod cyclic;
 mod layers;
