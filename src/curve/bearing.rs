@@ -17,8 +17,7 @@ impl ResistanceCurve {
     #[must_use]
     pub fn left_under_compression(&self, capacity_n: f64) -> Vec<[f64; 2]> {
         let share = |level: &CapacityLevel| level.axial_force_n / capacity_n;
-        let mut pushes =
-            self.levels.iter().rev().filter(|l| (0.0..1.0).contains(&share(l)) && l.axial_force_n > 0.0);
+        let mut pushes = self.levels.iter().rev().filter(|l| share(l) > 0.0 && share(l) < 1.0);
         let Some(last) = pushes.next() else { return Vec::new() };
         let (least, breaks_rad) = (share(last), last.breaks_rad());
         let of_share = |n: f64| breaks_rad * (least + 0.5) / (n + 0.5);
@@ -27,7 +26,7 @@ impl ResistanceCurve {
         left.extend(shares.map(|n| [of_share(n), n]));
         for level in std::iter::once(last).chain(pushes) {
             let end = level.fracture_rotation_rad;
-            if left.last().is_none_or(|p| end > p[0]) {
+            if end > left[left.len() - 1][0] {
                 left.push([end, share(level)]);
             }
         }

@@ -107,9 +107,8 @@ impl Entries {
     }
 }
 
-/// Share of the compressive capacity of an entry that is left over the plastic rotation \[rad\], about the axis that bears it for longer.
-fn left_under_compression(entry: &Entry) -> Vec<[f64; 2]> {
-    let Some(capacity_n) = entry.compressive_capacity_n else { return Vec::new() };
+/// Share of the compressive capacity \[N\] of an entry that is left over the plastic rotation \[rad\], about the axis that bears it for longer.
+fn left_under_compression(entry: &Entry, capacity_n: f64) -> Vec<[f64; 2]> {
     let lists = entry.axes.iter().map(|axis| axis.curve.left_under_compression(capacity_n));
     let first_break = |list: &Vec<[f64; 2]>| list.get(1).map_or(0.0, |p| p[0]);
     lists.max_by(|a, b| first_break(a).total_cmp(&first_break(b))).unwrap_or_default()
@@ -393,7 +392,7 @@ pub fn hinges(
             compressive_hardening: capacity(entry.tensile_elongation_m)
                 .map_or_else(Vec::new, |crushed_m| hardening(law, crushed_m)),
             compressive_fading: capacity(entry.compressive_capacity_n)
-                .map_or_else(Vec::new, |_| left_under_compression(entry)),
+                .map_or_else(Vec::new, |most_n| left_under_compression(entry, most_n)),
             crushing_shortening_m: capacity(entry.tensile_elongation_m),
             associated_flow: true,
             origin: Origin {

@@ -50,15 +50,15 @@ pub struct JointData {
     /// Plastic elongation so far, and shortening at the compressive capacity \[m\].
     elongated: f64,
     pressed: f64,
-    /// Share of it that is left over the plastic rotation of the hinge, and now.
-    fading: Option<Box<[[f64; 2]]>>,
-    left: f64,
     /// Such shortening at which it is crushed \[m\].
     crushing_shortening: f64,
-    /// Compression at which the axial spring flows now \[N\].
+    /// Compression at which the axial spring flows now, if the hinge has not turned \[N\].
     pub(super) compressive_capacity: f64,
     /// The same over plastic shortening \[m\] as it hardens; none: it does not.
     hardening: Option<Box<[[f64; 2]]>>,
+    /// Share of it that is left over the plastic rotation of the hinge \[rad\], and now.
+    fading: Option<Box<[[f64; 2]]>>,
+    left: f64,
     /// Plastic shortening less elongation, in the sense of the gap along axis 0 \[m\].
     pub crushed: f64,
     /// Energy dissipated by crushing and stretching \[J\].
@@ -118,14 +118,14 @@ impl JointData {
             shear: [0.0; 2],
             elongated: 0.0,
             pressed: 0.0,
-            fading: (!joint.compressive_fading.is_empty()).then(|| joint.compressive_fading.clone().into()),
-            left: 1.0,
             crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
             compressive_capacity: compressive_most
                 * joint.compressive_hardening.first().map_or(1.0, |p| p[1]),
             hardening: (!joint.compressive_hardening.is_empty()).then(|| {
                 joint.compressive_hardening.iter().map(|[x, f]| [*x, f * compressive_most]).collect()
             }),
+            fading: (!joint.compressive_fading.is_empty()).then(|| joint.compressive_fading.clone().into()),
+            left: 1.0,
             crushed: 0.0,
             crush_j: 0.0,
             is_associated: joint.associated_flow,

@@ -57,7 +57,7 @@ pub struct Push {
     pub kinetic_share: f64,
     /// Distance from the end section of the point about which the far section turned while the hinge flowed \[m\].
     pub pole_m: Option<f64>,
-    /// Chord rotation from which on the member gets shorter by more than its depth for each radian, so that it turns about no point of its section: what is left of it does not bear the axial force \[rad\].
+    /// Chord rotation about the end section from which on the member gets shorter by more than its depth for each radian, so that it turns about no point of its section: what is left of it does not bear the axial force \[rad\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sinks_rad: Option<f64>,
 }
@@ -214,9 +214,7 @@ pub fn push(
 ) -> Result<(Push, f64), PushoverError> {
     let mut body = Dynamics::new(&model.mesh, 0.0, RigidSurfaces::default(), false);
     let apply = |body: &mut Dynamics| {
-        let (base, tip) = (section_center(model, body), tip_center(model, body));
-        let chord: [f64; 3] = std::array::from_fn(|i| tip[i] - base[i]);
-        let length = chord_m(model, body);
+        let (chord, length) = chord(model, body);
         for (n, share) in &model.tip_nodes {
             body.applied_n[*n] = std::array::from_fn(|i| -axial_force_n * share * chord[i] / length);
         }
@@ -248,7 +246,7 @@ pub fn push(
         if body.steps.is_multiple_of(8) {
             recorder.add(rotation, section_moment(model, &body, direction));
             if rotation - told[0] >= SINKS {
-                let shorter_m = model.length_m - chord_m(model, &body);
+                let shorter_m = model.length_m - chord(model, &body).1;
                 if told[0] > 0.0 && shorter_m - told[1] > depth_m * (rotation - told[0]) {
                     sinks_rad = sinks_rad.or(Some(told[0]));
                 }
@@ -344,10 +342,11 @@ impl Recorder {
     }
 }
 
-/// From the centre of the end section to that of the far one \[m\].
-fn chord_m(model: &EndModel, body: &Dynamics) -> f64 {
+/// From the centre of the end section to that of the far one, and how far that is \[m\].
+fn chord(model: &EndModel, body: &Dynamics) -> ([f64; 3], f64) {
     let (base, tip) = (section_center(model, body), tip_center(model, body));
-    (0..3).map(|i| (tip[i] - base[i]).powi(2)).sum::<f64>().sqrt()
+    let chord: [f64; 3] = std::array::from_fn(|i| tip[i] - base[i]);
+    (chord, chord.iter().map(|c| c * c).sum::<f64>().sqrt())
 }
 
 fn section_center(model: &EndModel, body: &Dynamics) -> [f64; 3] {

@@ -1,5 +1,6 @@
 //! Up to which rotation a column end bears an axial force: pushes against the strain of the layer that breaks first.
 
+use fallwerk::base::piecewise::interpolate;
 use fallwerk::building::ends::End;
 use fallwerk::curve::{CapacityLevel, ResistanceCurve};
 use fallwerk::fe::mesh::Mesh;
@@ -26,11 +27,9 @@ fn large_forces_are_borne_until_the_first_layer_breaks() {
     let curve = ResistanceCurve { stiffness_nm_rad: 1e8, levels: vec![level], cyclic: None };
     let left = curve.left_under_compression(capacity_n);
     println!("0.34: {:?} to {:.3}, {left:.3?}", small.sinks_rad, small.points.last().unwrap()[0]);
+    let turned: Vec<[f64; 2]> = left.iter().rev().map(|[rotation, share]| [*share, *rotation]).collect();
     for share in SHARES {
-        // where the line of shares falls below this one
-        let upper = left.iter().position(|p| p[1] < share).unwrap();
-        let ([a, m], [b, n]) = (left[upper - 1], left[upper]);
-        let wanted = a + (b - a) * (m - share) / (m - n);
+        let wanted = interpolate(&turned, share);
         let found = pushed(share).sinks_rad.expect("it sinks");
         println!("{share}: sinks from {found:.3} rad on, first layer broken at {wanted:.3}");
         // not before a layer has broken, and soon after

@@ -129,7 +129,6 @@ impl Run<'_> {
                 self.relate();
             }
             self.forces();
-            self.resolve();
         }
         Ok(())
     }

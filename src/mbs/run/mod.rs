@@ -403,6 +403,7 @@ impl<'a> Run<'a> {
                 self.output()?;
             }
             self.events_at(end)?;
+            self.resolve();
         }
         Ok(())
     }

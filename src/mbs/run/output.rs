@@ -103,7 +103,6 @@ impl Run<'_> {
             self.books = Balance::new(scale_j);
         }
         let error = self.books.note(e, kick, kinetic + gravity.abs() + plastic.abs());
-        self.resolve();
         (self.result.energy_error, self.result.energy_growth) = (self.books.error, self.books.growth);
         if error.is_nan() || error > self.options.energy_limit {
             return Err(self.energy_error(error));
