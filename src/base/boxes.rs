@@ -67,9 +67,7 @@ impl Boxes {
         if range.is_empty() {
             return;
         }
-        let near = |own: &Aabb| {
-            (0..3).all(|i| (own.min[i] - solid.max[i]).max(solid.min[i] - own.max[i]) < distance_m)
-        };
+        let near = |own: &Aabb| own.is_nearer(solid, distance_m);
         let (count, (bounds, after)) = (range.len(), &self.bounds[*node]);
         if !near(bounds) {
             *node = *after;

@@ -50,6 +50,11 @@ impl Aabb {
         }
     }
 
+    /// Whether another box is nearer than a distance along all axes \[m\].
+    pub fn is_nearer(&self, other: &Self, distance_m: f64) -> bool {
+        (0..3).all(|i| (self.min[i] - other.max[i]).max(other.min[i] - self.max[i]) < distance_m)
+    }
+
     /// Whether a point lies inside or within `tolerance` of the box \[m\].
     pub fn contains(&self, point: [f64; 3], tolerance: f64) -> bool {
         (0..3).all(|i| point[i] >= self.min[i] - tolerance && point[i] <= self.max[i] + tolerance)

@@ -97,12 +97,17 @@ pub struct NearMiss {
 /// area \[m²\] of the narrowest gap. What lies inside another member (a column's head under a slab) does not
 /// count, which is why gross solids will not do.
 pub fn near_miss(a: &[Aabb], b: &[Aabb]) -> Option<(usize, f64, f64)> {
-    let [of_a, of_b] = [a, b].map(|boxes| boxes.iter().copied().reduce(Aabb::around));
-    let near = |own: &Aabb, other: Option<Aabb>| other.is_some_and(|other| are_near(own, &other));
-    let b: Vec<&Aabb> = b.iter().filter(|y| near(y, of_a)).collect();
+    // of the one with fewer boxes first: a slab has hundreds of times as many as a column
+    let around = |boxes: &mut dyn Iterator<Item = &Aabb>| boxes.copied().reduce(Aabb::around);
+    let (a, b) = if a.len() <= b.len() {
+        let of_a = around(&mut a.iter())?;
+        (a.iter().collect::<Vec<_>>(), b.iter().filter(|y| are_near(y, &of_a)).collect::<Vec<_>>())
+    } else {
+        let of_b = around(&mut b.iter())?;
+        (a.iter().filter(|x| are_near(x, &of_b)).collect(), b.iter().collect())
+    };
     let mut found: Option<(usize, f64, f64)> = None;
-    let a = a.iter().filter(|x| near(x, of_b));
-    for (axis, gap, area) in a.flat_map(|x| b.iter().filter_map(|y| facing(x, y))) {
+    for (axis, gap, area) in a.iter().flat_map(|x| b.iter().filter_map(|y| facing(x, y))) {
         found = match found {
             Some((old, least, sum)) if axis == old && (gap - least).abs() < COORDINATE_TOLERANCE_M => {
                 Some((axis, least, sum + area))

@@ -9,8 +9,6 @@ use crate::graph::frame::LineLoad;
 
 /// Carriers as near as this share a sample point's load \[m\]: the diagonals of a symmetric panel.
 const TIE_M: f64 = 1e-9;
-/// Sample points along each side of a block of them.
-const BLOCK: usize = 8;
 
 /// The loads of a span that fall on a stretch of it.
 pub(super) fn on_stretch(loads: &[([f64; 2], f64)], from: f64, to: f64) -> Vec<LineLoad> {
@@ -107,58 +105,23 @@ impl Builder<'_> {
         }
     }
 
-    /// Those of some spans that may be the nearest to a point of a small box.
-    fn nearest_among(&self, candidates: &[usize], carriers: &[usize], block: &Aabb) -> Vec<usize> {
-        let (center, size) = (block.center(), block.size());
-        let distance = |i: usize| project(&self.spans[carriers[i]], [center[0], center[1]]).0;
-        let least = candidates.iter().map(|i| distance(*i)).fold(f64::INFINITY, f64::min);
-        // of a point half a diagonal away no span is nearer by more than that, and none farther
-        let most = least + size[0].hypot(size[1]) + 2.0 * TIE_M;
-        candidates.iter().copied().filter(|i| distance(*i) <= most).collect()
-    }
-
     /// A slab: sample points of equal volume in each cell, each to the nearest carriers.
     fn place_slab(&mut self, slab: usize) -> bool {
         let (carriers, weight) = (self.carriers(slab), self.specific_weight(slab));
         if carriers.is_empty() {
             return self.place_slab_on_joints(slab, weight);
         }
-        let mut bins: Vec<Vec<f64>> =
-            carriers.iter().map(|c| vec![0.0; bin_count(&self.spans[*c])]).collect();
         let places = Boxes::of(carriers.iter().map(|c| in_plan(&self.spans[*c])));
+        let spans: Vec<&Span> = carriers.iter().map(|c| &self.spans[*c]).collect();
+        let mut shares = Shares::of(&spans);
         for cell in self.structure.boxes(slab) {
-            let candidates = self.nearest_to(cell, &carriers, &places);
+            let mut candidates = self.nearest_to(cell, &carriers, &places);
             let samples = Samples::of(cell, weight);
-            let of_block: Vec<Vec<usize>> = (0..samples.blocks())
-                .map(|block| self.nearest_among(&candidates, &carriers, &samples.block(block)))
-                .collect();
-            let mut near: Vec<(usize, f64, f64)> = Vec::with_capacity(candidates.len());
-            for (point, force, block) in samples.each() {
-                near.clear();
-                near.extend(of_block[block].iter().map(|i| {
-                    let (distance, along) = project(&self.spans[carriers[*i]], point);
-                    (*i, distance, along)
-                }));
-                let least = near.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-                near.retain(|p| p.1 < least + TIE_M);
-                for &(i, _, along) in &near {
-                    let share = force / near.len() as f64;
-                    let span = &self.spans[carriers[i]];
-                    let [low, high] = span.range;
-                    let place = (along - low) / (high - low);
-                    if place <= 0.0 || place >= 1.0 {
-                        let node = if place <= 0.0 { span.nodes.first() } else { span.nodes.last() };
-                        node.into_iter().for_each(|(_, n)| self.nodes[*n].load[2] -= share);
-                    } else {
-                        // A sample on the border of two bins goes half to each: symmetric panels stay so.
-                        let exact = place * bins[i].len() as f64;
-                        let last = bins[i].len() - 1;
-                        for side in [-TIE_M, TIE_M] {
-                            bins[i][((exact + side) as usize).min(last)] += 0.5 * share;
-                        }
-                    }
-                }
-            }
+            shares.take(&samples, samples.count.map(|n| [0, n]), &mut candidates, 0);
+        }
+        let Shares { bins, nodes, .. } = shares;
+        for (node, force) in nodes {
+            self.nodes[node].load[2] -= force;
         }
         for (carrier, bins) in carriers.iter().zip(bins) {
             let span = &mut self.spans[*carrier];
@@ -178,7 +141,7 @@ impl Builder<'_> {
         let joints = self.joints_in_slab(slab);
         let nodes: Vec<usize> = joints.iter().map(|j| self.joints[*j].node).collect();
         for cell in self.structure.boxes(slab) {
-            for (point, force, _) in Samples::of(cell, weight).each() {
+            for (point, force) in Samples::of(cell, weight).each() {
                 let distance = |n: usize| {
                     let at = self.nodes[n].point_m;
                     (at[0] - point[0]).hypot(at[1] - point[1])
@@ -205,50 +168,102 @@ fn bin_count(span: &Span) -> usize {
     ((span.range[1] - span.range[0]) / LOAD_BIN_M).ceil().max(1.0) as usize
 }
 
-/// Points of equal weight in a cell, along x first, in square blocks of [`BLOCK`] points a side.
+/// What carriers of a slab bear of it.
+struct Shares<'a> {
+    spans: &'a [&'a Span],
+    /// Forces on stretches of the spans \[N\].
+    bins: Vec<Vec<f64>>,
+    /// Nodes with the forces on them, in the order in which they came \[N\].
+    nodes: Vec<(usize, f64)>,
+}
+
+impl<'a> Shares<'a> {
+    fn of(spans: &'a [&'a Span]) -> Self {
+        Self { spans, bins: spans.iter().map(|s| vec![0.0; bin_count(s)]).collect(), nodes: Vec::new() }
+    }
+
+    /// A rectangle of sample points, each to its nearest carriers; these are among those from a place of a list on. It is halved until one carrier is the
+    /// nearest to all of its points, or one point is left: the work is that of the lines between the carriers' shares, not of the area.
+    fn take(&mut self, samples: &Samples, part: [[usize; 2]; 2], candidates: &mut Vec<usize>, from: usize) {
+        let [x, y] = part.map(|[low, high]| high - low);
+        let middle = [0, 1].map(|i| samples.at(i, 0.5 * (part[i][0] + part[i][1]) as f64));
+        let distance = |i: usize| project(self.spans[i], middle).0;
+        let least = candidates[from..].iter().map(|i| distance(*i)).fold(f64::INFINITY, f64::min);
+        // of a point half a diagonal away no span is nearer by more than that, and none farther
+        let [a, b] = [0, 1].map(|i| samples.step_m[i] * [x, y][i].saturating_sub(1) as f64);
+        let most = least + (a * a + b * b).sqrt() + TIE_M;
+        let end = candidates.len();
+        for place in from..end {
+            if distance(candidates[place]) < most {
+                candidates.push(candidates[place]);
+            }
+        }
+        if x * y == 1 {
+            let share = samples.force / (candidates.len() - end) as f64;
+            candidates[end..].iter().for_each(|i| self.bear(*i, middle[self.spans[*i].axis], share));
+        } else if let [only] = candidates[end..] {
+            let axis = self.spans[only].axis;
+            let force = samples.force * [y, x][axis] as f64;
+            (part[axis][0]..part[axis][1])
+                .for_each(|k| self.bear(only, samples.at(axis, k as f64 + 0.5), force));
+        } else {
+            let long = usize::from(y > x);
+            let [low, high] = part[long];
+            for half in [[low, low.midpoint(high)], [low.midpoint(high), high]] {
+                let mut piece = part;
+                piece[long] = half;
+                self.take(samples, piece, candidates, end);
+            }
+        }
+        candidates.truncate(end);
+    }
+
+    /// A force on a span, `along` it \[m, N\].
+    fn bear(&mut self, i: usize, along: f64, force: f64) {
+        let span = self.spans[i];
+        let [low, high] = span.range;
+        let place = (along - low) / (high - low);
+        if place <= 0.0 || place >= 1.0 {
+            let node = if place <= 0.0 { span.nodes.first() } else { span.nodes.last() };
+            self.nodes.extend(node.map(|(_, n)| (*n, force)));
+            return;
+        }
+        // A sample on the border of two bins goes half to each: symmetric panels stay so.
+        let exact = place * self.bins[i].len() as f64;
+        let last = self.bins[i].len() - 1;
+        for side in [-TIE_M, TIE_M] {
+            self.bins[i][((exact + side) as usize).min(last)] += 0.5 * force;
+        }
+    }
+}
+
+/// Points of equal weight in the middles of the fields of a cell.
 struct Samples<'a> {
     cell: &'a Aabb,
     count: [usize; 2],
+    step_m: [f64; 2],
     force: f64,
 }
 
 impl<'a> Samples<'a> {
     fn of(cell: &'a Aabb, specific_weight: f64) -> Self {
-        let along = |size: f64| (size / LOAD_SAMPLE_M - COORDINATE_TOLERANCE_M).ceil().clamp(1.0, 400.0);
-        let [x, y, _] = cell.size().map(along);
-        let force = specific_weight * cell.volume() / (x * y);
-        Self { cell, count: [x as usize, y as usize], force }
+        let size = cell.size();
+        let along = |i: usize| (size[i] / LOAD_SAMPLE_M - COORDINATE_TOLERANCE_M).ceil().clamp(1.0, 400.0);
+        let count = [0, 1].map(along);
+        let force = specific_weight * cell.volume() / (count[0] * count[1]);
+        let step_m = [0, 1].map(|i| size[i] / count[i]);
+        Self { cell, count: count.map(|n| n as usize), step_m, force }
     }
 
-    /// Points with the force on each \[N\] and the number of its block.
-    fn each(&self) -> impl Iterator<Item = ([f64; 2], f64, usize)> {
-        let wide = self.count[0].div_ceil(BLOCK);
-        (0..self.count[0] * self.count[1]).map(move |index| {
-            let place = [index % self.count[0], index / self.count[0]];
-            let point = [0, 1].map(|i| self.at(i, place[i] as f64 + 0.5));
-            (point, self.force, place[0] / BLOCK + wide * (place[1] / BLOCK))
-        })
-    }
-
-    /// Number of blocks.
-    fn blocks(&self) -> usize {
-        self.count[0].div_ceil(BLOCK) * self.count[1].div_ceil(BLOCK)
-    }
-
-    /// The box of a block.
-    fn block(&self, number: usize) -> Aabb {
-        let wide = self.count[0].div_ceil(BLOCK);
-        let first = [number % wide * BLOCK, number / wide * BLOCK];
-        let mut solid = *self.cell;
-        for i in 0..2 {
-            solid.min[i] = self.at(i, first[i] as f64);
-            solid.max[i] = self.at(i, (first[i] + BLOCK).min(self.count[i]) as f64);
-        }
-        solid
+    /// Points with the force on each \[N\], along x first.
+    fn each(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let place = |index: usize| [index % self.count[0], index / self.count[0]];
+        (0..self.count[0] * self.count[1])
+            .map(move |index| ([0, 1].map(|i| self.at(i, place(index)[i] as f64 + 0.5)), self.force))
     }
 
     fn at(&self, axis: usize, place: f64) -> f64 {
-        self.cell.min[axis] + self.cell.size()[axis] * place / self.count[axis] as f64
+        self.cell.min[axis] + self.step_m[axis] * place
     }
 }
 
@@ -256,5 +271,5 @@ impl<'a> Samples<'a> {
 fn project(span: &Span, point: [f64; 2]) -> (f64, f64) {
     let (along, across) = (point[span.axis], point[1 - span.axis] - span.line[1 - span.axis]);
     let beyond = (span.range[0] - along).max(along - span.range[1]).max(0.0);
-    (if beyond > 0.0 { beyond.hypot(across) } else { across.abs() }, along)
+    (if beyond > 0.0 { (beyond * beyond + across * across).sqrt() } else { across.abs() }, along)
 }
