@@ -31,6 +31,7 @@ pub mod partition;
 mod plan;
 mod read;
 pub mod schema;
+mod storeys;
 mod structure;
 pub mod tracked;
 pub mod turned;

@@ -297,7 +297,7 @@ pub struct Member {
     pub solid: Aabb,
     /// Long axis of a column or beam, normal of a slab, wall or footing: 0 = x, 1 = y, 2 = z; 0 of a bar in any direction, whose own first axis is the long one.
     pub axis: usize,
-    /// Storey number from 1, if the member came from a grid.
+    /// Storey number from 1, of the grid that the member comes from; in a building without a grid by the levels of its floors.
     pub storey: Option<u32>,
     /// Openings of a plate, as boxes that cut through the solid along `axis` \[m\].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -66,12 +66,13 @@ impl Partition {
     }
 
     /// The joint block where beams frame into a column belongs to the first of these beams, over the
-    /// column's whole section: the column's clear height ends at the soffit of the deepest beam.
+    /// column's whole section: the column's clear height ends at the soffit of the deepest beam. A beam that is cut away in preparation is cut clear of it.
     fn give_joints_to_beams(&mut self, building: &Building) {
         let n = self.count();
         let of_kind =
             |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew());
-        let beams = Boxes::numbered(of_kind(MemberKind::Beam).map(|(index, beam)| (index, beam.solid)));
+        let beams = of_kind(MemberKind::Beam).filter(|(_, beam)| !building.is_cut(&beam.id));
+        let beams = Boxes::numbered(beams.map(|(index, beam)| (index, beam.solid)));
         for (column_index, column) in of_kind(MemberKind::Column) {
             for beam_index in beams.near(&column.solid, COORDINATE_TOLERANCE_M) {
                 let beam = &building.members[beam_index];
@@ -98,7 +99,9 @@ impl Partition {
         let within = |solid: &Aabb| -> [std::ops::Range<usize>; 3] {
             std::array::from_fn(|i| cells_within(&planes[i], solid.min[i], solid.max[i]))
         };
-        let rank = |index: usize| precedence(building.members[index].kind);
+        // what is cut away in preparation leaves to others what it shares with them
+        let is_cut: Vec<bool> = building.members.iter().map(|m| building.is_cut(&m.id)).collect();
+        let rank = |index: usize| (!is_cut[index]).then(|| precedence(building.members[index].kind));
         for (index, member) in building.members.iter().enumerate().filter(|(_, m)| !m.is_skew()) {
             let range = within(&member.solid);
             let openings: Vec<_> = member.openings.iter().map(within).collect();

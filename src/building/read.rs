@@ -6,7 +6,7 @@ use super::members::{Members, members};
 use super::model::{
     Building, Charge, Ground, Material, Obstacle, Override, Preparation, Section, Settings, Support,
 };
-use super::{check, overrides, plan, structure};
+use super::{check, overrides, plan, storeys, structure};
 use crate::base::diagnostic::{Diagnostic, Diagnostics};
 use crate::base::source::{Source, Unreadable};
 use crate::base::tree::{self, Format, Node};
@@ -140,12 +140,14 @@ impl Draft {
         fn defined<T: Clone>(defined: &Defined<T>) -> Option<std::collections::BTreeMap<String, T>> {
             defined.iter().map(|(id, d)| Some((id.clone(), d.item.1.clone()?))).collect()
         }
+        let mut members = items(&self.members.list);
+        storeys::number(&mut members);
         Some(Building {
             name: self.name.clone()?,
             description: self.description.clone(),
             materials: defined(&self.materials)?,
             sections: defined(&self.sections)?,
-            members: items(&self.members.list),
+            members,
             supports: items(&self.supports),
             ground: self.ground?,
             obstacles: items(&self.obstacles),

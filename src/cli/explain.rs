@@ -2,11 +2,11 @@
 
 use super::compose::entry_words;
 use super::knowledge::KnowledgeArgs;
-use super::{Failure, Outcome, explain_events, knowledge, print};
+use super::{Failure, Outcome, explain_events, explain_joint, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
 use crate::base::json;
 use crate::building::Building;
-use crate::generate::{EventReason, Generated, Reason, StaysWhole, Unasked, web_of};
+use crate::generate::{EventReason, Generated, Jointless, Reason, StaysWhole, Unasked, web_of};
 use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
@@ -64,6 +64,9 @@ pub struct TraceFile {
     /// Why beams stay one with their slabs.
     #[serde(default)]
     pub stays: Vec<StaysWhole>,
+    /// Why ends have no joint.
+    #[serde(default)]
+    pub jointless: Vec<Jointless>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
 }
@@ -83,11 +86,15 @@ pub struct EntryFacts {
     pub inputs_hash: String,
     /// Version of the program that computed it.
     pub program_version: String,
+    /// Where its curves come from, if they were made without a run: what else is told is then that of their source.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made: Option<String>,
 }
 
 impl EntryFacts {
-    fn of(entry: &Entry) -> Self {
+    fn of(entry: &Entry, made: Option<&String>) -> Self {
         Self {
+            made: made.cloned(),
             words: entry_words(entry),
             quality: entry.quality.clone(),
             validity: entry.validity,
@@ -110,13 +117,20 @@ impl TraceFile {
             entries: generated
                 .entries
                 .iter()
-                .map(|(key, entry)| (key.clone(), EntryFacts::of(entry)))
+                .map(|(key, entry)| (key.clone(), EntryFacts::of(entry, generated.scaled.get(key))))
                 .collect(),
             event_rules: generated.event_rules.clone(),
             unasked: generated.unasked.clone(),
             stays: generated.stays.clone(),
+            jointless: generated.jointless.clone(),
             notes: generated.notes.clone(),
         }
+    }
+
+    /// What rules say of an end that no part stands for, with that end alone.
+    fn jointless_at(&self, end: &str) -> Vec<Jointless> {
+        let about = self.jointless.iter().filter(|j| j.ends.iter().any(|e| e == end));
+        about.map(|j| Jointless { ends: vec![end.to_string()], ..j.clone() }).collect()
     }
 
     /// The trace beside a model file; `None` if there is no such file.
@@ -140,11 +154,12 @@ enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The body or joint with this id, else the body that a member is part of, or the member of an end without a joint.
+    /// The body or joint with this id, else the joint of an end, the body that a member is part of, or that of an end without a joint.
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
             .or_else(|| model.bushings.iter().find(|j| j.id == id).map(Self::Joint))
+            .or_else(|| model.bushings.iter().find(|j| is_at(j, id)).map(Self::Joint))
             .or_else(|| body(&|b| b.origin.members.iter().any(|m| m == id)))
             .or_else(|| {
                 let (member, _) = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end))?;
@@ -181,6 +196,12 @@ impl<'a> Part<'a> {
     }
 }
 
+/// Whether a joint is that of an end: one of the two of a wall, or that of a beam which yields at its ends.
+fn is_at(joint: &Bushing, end: &str) -> bool {
+    let number = joint.id.strip_prefix(end).and_then(|rest| rest.strip_prefix('-'));
+    number.is_some_and(|n| n.parse::<usize>().is_ok()) || joint.hinges().contains(&end)
+}
+
 /// Names of the ends of columns and beams.
 const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
 
@@ -200,6 +221,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let whole: Vec<StaysWhole> = whole
         .map(|s| StaysWhole { beams: s.beams.iter().filter(is_asked).cloned().collect(), why: s.why.clone() })
         .collect();
+    let none: Vec<Jointless> = trace.iter().flat_map(|t| t.jointless_at(&arguments.part)).collect();
     let events = events(arguments, &model, &part, trace)?;
     if arguments.json {
         let value = json!({
@@ -210,12 +232,14 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "reasons": reasons,
             "entries": entries,
             "stays": whole,
+            "without_joint": none,
             "events": events,
         });
         print(&format!("{value:#}\n"));
     } else {
-        let words = text(&arguments.part, &part, &reasons, &entries);
-        print(&(words + &whole_text(&whole) + &events.text() + &review_text(&review)));
+        let words = text(&arguments.part, (&model, &part), &reasons, &entries);
+        let none: String = none.iter().map(none_text).collect();
+        print(&(words + &none + &whole_text(&whole) + &events.text() + &review_text(&review)));
     }
     Ok(Outcome::Done)
 }
@@ -255,6 +279,19 @@ fn reviewed(model: &Path, asked: &str, part: &Part) -> Result<Vec<(usize, Item)>
     let about = |id: &String| id == asked || (asked == part.id() && (part.origin().members.contains(id)));
     let own = review.items.into_iter().filter(|item| item.subjects.iter().any(about));
     Ok(own.map(|item| (count, item)).collect())
+}
+
+fn none_text(none: &Jointless) -> String {
+    let sure = sure_words(none.confidence, &none.rule);
+    format!("  {}: rule {} -> {}{sure}\n    {}\n", none.ends.join(", "), none.rule, none.action, none.words)
+}
+
+/// How sure a learned rule is, and where its evidence is told.
+fn sure_words(confidence: Option<f64>, rule: &str) -> String {
+    let words = |c: f64| {
+        format!(" (right in {:.0} % of cases by its studies: `fallwerk rules show {rule}`)", 100.0 * c)
+    };
+    confidence.map_or(String::new(), words)
 }
 
 fn whole_text(beams: &[StaysWhole]) -> String {
@@ -338,13 +375,13 @@ fn looked_up(part: &Part, arguments: &Arguments) -> Result<Found, Failure> {
         return Ok((reasons, BTreeMap::new()));
     }
     let store = knowledge::library(arguments.knowledge.library.as_deref(), false)?;
-    let facts = |key: &String| (key.clone(), store.get(key).ok().map(|e| EntryFacts::of(&e)));
+    let facts = |key: &String| (key.clone(), store.get(key).ok().map(|e| EntryFacts::of(&e, None)));
     Ok((reasons, origin.entries.iter().map(facts).collect()))
 }
 
 fn text(
     asked: &str,
-    part: &Part,
+    (model, part): (&Model, &Part),
     reasons: &[Reason],
     entries: &BTreeMap<String, Option<EntryFacts>>,
 ) -> String {
@@ -352,16 +389,22 @@ fn text(
     if asked != part.id() {
         let members = &part.origin().members;
         let end = !members.iter().any(|m| m == asked);
-        let words = if end { "has no joint; it lies in" } else { "is part of" };
-        text += &format!("{asked} {words} {}\n", part.id());
+        let of_end = || model.bushings.iter().filter(|j| is_at(j, asked)).map(|j| j.id.as_str());
+        let (words, part) = match part {
+            Part::Joint(_) => ("yields in", of_end().collect::<Vec<_>>().join(", ")),
+            Part::Body(_) if end => ("has no joint; it lies in", part.id().to_string()),
+            Part::Body(_) => ("is part of", part.id().to_string()),
+        };
+        text += &format!("{asked} {words} {part}\n");
     }
     text += &format!("{}: {}\n  stands for {}\n", part.id(), part.words(), part.origin().members.join(", "));
+    if let Part::Joint(joint) = part {
+        text += &explain_joint::resistance_text(model, joint);
+    }
     for (r, subjects) in grouped(reasons) {
         let what = if r.action.is_empty() { String::new() } else { format!(" -> {}", r.action) };
         let outside = if r.in_range { "" } else { " (outside the rule's range of evidence)" };
-        let sure = r
-            .confidence
-            .map_or(String::new(), |c| format!(" (right in {:.0} % of cases by its studies)", 100.0 * c));
+        let sure = sure_words(r.confidence, &r.rule);
         let who = match r.is_of_analyst() {
             true => format!("analyst's override{what} ({})", r.instead_words()),
             false => format!("rule {}{what}{sure}{outside}", r.rule),
@@ -402,16 +445,24 @@ fn entry_text(f: &EntryFacts) -> String {
     quality.extend(f.quality.kinetic_energy_ratio.map(|x| format!("kinetic over internal energy {x:.3}")));
     quality.extend(f.quality.asymmetry.map(|x| format!("difference between the senses of rotation {x:.3}")));
     quality.extend(f.quality.mesh_sensitivity.map(|x| format!("sensitivity to the mesh {x:.3}")));
+    let made = match &f.made {
+        Some(made) => {
+            format!("no entry of its own: curves {made}, computed by version {}", f.program_version)
+        }
+        None => format!(
+            "computed by version {} from inputs {}",
+            f.program_version,
+            f.inputs_hash.get(..16).unwrap_or(&f.inputs_hash)
+        ),
+    };
     format!(
         "    {}\n    peak moment {} kN m; axial force {:.0} to {:.0} kN, rotation up to {:.3} rad\n    \
-         quality: {}\n    computed by version {} from inputs {}\n",
+         quality: {}\n    {made}\n",
         f.words,
         peaks.join(" and "),
         f.validity.axial_force_n[0] / 1e3,
         f.validity.axial_force_n[1] / 1e3,
         f.validity.rotation_rad.map_or(0.0, |range| range[1]),
         quality.join(", "),
-        f.program_version,
-        f.inputs_hash.get(..16).unwrap_or(&f.inputs_hash),
     )
 }

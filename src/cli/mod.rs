@@ -11,6 +11,7 @@ mod check;
 pub mod compose;
 pub mod explain;
 mod explain_events;
+mod explain_joint;
 mod export;
 pub mod fe;
 mod fe_against;

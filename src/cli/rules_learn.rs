@@ -7,6 +7,7 @@ use crate::learn::{Case, Learned, file_names, learn};
 use crate::rules::diff::{Change, changes};
 use crate::rules::{Problems, RuleBase};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -46,7 +47,8 @@ pub fn learned(arguments: &LearnArgs) -> Result<String, Failure> {
     }
     let rules = files.iter().filter(|(name, _)| name.ends_with(".toml"));
     let count: usize = rules.map(|(_, text)| text.matches("[[rule]]").count()).sum();
-    Ok(format!("{} studies, {count} rules in {}\n", cases.len(), arguments.output.display()))
+    let studies = if cases.len() == 1 { "1 study".to_string() } else { format!("{} studies", cases.len()) };
+    Ok(format!("{studies}, {count} rules in {}\n", arguments.output.display()))
 }
 
 fn told(problems: Problems) -> Failure {
@@ -70,7 +72,21 @@ pub fn cases(kb: &Path, plans: &[PathBuf]) -> Result<Vec<Case>, Failure> {
     if records.is_empty() {
         return Err(Failure::input(format!("{} has no study records (*.json)", kb.display())));
     }
-    records.par_iter().map(|record| case(record, kb, plans)).collect()
+    let cases: Vec<Case> =
+        records.par_iter().map(|record| case(record, kb, plans)).collect::<Result<_, _>>()?;
+    // a building counts once: in what supports a rule, and in which part of a cross-validation it is
+    let mut first: BTreeMap<&str, &Path> = BTreeMap::new();
+    for (case, record) in cases.iter().zip(&records) {
+        if let Some(other) = first.insert(&case.study.building, record) {
+            return Err(Failure::input(format!(
+                "{} and {} are records of the same building, {}: remove one of them",
+                other.display(),
+                record.display(),
+                case.study.building
+            )));
+        }
+    }
+    Ok(cases)
 }
 
 fn case(record: &Path, kb: &Path, plans: &[PathBuf]) -> Result<Case, Failure> {

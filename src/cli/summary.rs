@@ -125,7 +125,7 @@ fn review_text(review: &Review) -> String {
     let tried = match (review.runs, review.most_runs) {
         (0, 0) => "none turned round (--review)".to_string(),
         (0, _) => "none of which can be turned round".to_string(),
-        (runs, _) => format!("{runs} turned round in a run of its own"),
+        (runs, _) => format!("{runs} turned round, each in a run of its own"),
     };
     let mut text = format!("  review     {count} decisions worth a look, {tried}; all in review.json\n");
     for item in review.items.iter().take(REVIEW_SHOWN) {

@@ -29,7 +29,7 @@ pub mod probe;
 pub mod quality;
 mod recorder;
 pub mod relaxation;
-mod removal;
+pub mod removal;
 pub mod restart;
 pub mod result;
 pub mod run;

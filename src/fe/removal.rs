@@ -4,22 +4,31 @@ use super::dynamics::{Death, Dynamics};
 use super::mesh::Mesh;
 use super::recorder::Recorder;
 use super::result::ElementDeath;
-use crate::building::{Building, Charge};
+use crate::building::{Building, Charge, Member, MemberKind};
 use serde::{Deserialize, Serialize};
 
-/// Elements that a charge removes: those of its member, of a stretch those with their centre on it.
-pub(super) fn hit(building: &Building, mesh: &Mesh, charge: &Charge) -> Vec<usize> {
+/// Elements that a charge removes: those of its member, of a stretch those with their centre on it. The joint blocks over columns, which belong to a beam in the mesh, stay unless a stretch
+/// takes them in: what stands on them does not lose its support by a beam.
+pub fn hit(building: &Building, mesh: &Mesh, charge: &Charge) -> Vec<usize> {
     let Some(part) = building.members.iter().position(|m| m.id == charge.member) else { return Vec::new() };
+    let member = &building.members[part];
+    let columns: Vec<&Member> = match member.kind {
+        MemberKind::Beam => building.members.iter().filter(|m| m.kind == MemberKind::Column).collect(),
+        _ => Vec::new(),
+    };
     let on_stretch = |e: &usize| {
-        let along = building.members[part].along_m(mesh.center(*e));
-        charge.stretch_m.is_none_or(|[from, to]| along >= from && along <= to)
+        let center = mesh.center(*e);
+        match charge.stretch_m {
+            Some([from, to]) => (from..=to).contains(&member.along_m(center)),
+            None => !columns.iter().any(|c| c.solid.contains(center, 0.0)),
+        }
     };
     (0..mesh.elements.len()).filter(|e| mesh.elements[*e].part == part).filter(on_stretch).collect()
 }
 
 /// Charges: which elements go when.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Removal {
+pub struct Removal {
     /// `(time, elements)` not yet finished.
     pending: Vec<(f64, Vec<usize>)>,
     /// Elements whose removal has begun.
@@ -27,13 +36,13 @@ pub(super) struct Removal {
 }
 
 impl Removal {
-    pub fn new(building: &Building, mesh: &Mesh) -> Self {
+    pub(super) fn new(building: &Building, mesh: &Mesh) -> Self {
         let pending = building.events.iter().map(|c| (c.time_s, hit(building, mesh, c))).collect();
         Self { pending, begun: vec![false; mesh.elements.len()] }
     }
 
     /// Whether each of so many elements is to be removed.
-    pub fn removes(&self, elements: usize) -> Vec<bool> {
+    pub(super) fn removes(&self, elements: usize) -> Vec<bool> {
         let mut removes = vec![false; elements];
         self.pending.iter().flat_map(|(_, hit)| hit).for_each(|e| removes[*e] = true);
         removes
@@ -41,7 +50,13 @@ impl Removal {
 
     /// Lowers the acting share of elements under removal; at the end takes their mass away. Their stress is frozen first: a column that kept
     /// its stiffness would be pressed harder as its share falls, and shed its load within a small part of the duration at the very end.
-    pub fn apply(&mut self, mesh: &Mesh, body: &mut Dynamics, duration_s: f64, recorder: &mut Recorder) {
+    pub(super) fn apply(
+        &mut self,
+        mesh: &Mesh,
+        body: &mut Dynamics,
+        duration_s: f64,
+        recorder: &mut Recorder,
+    ) {
         let now = body.time_s;
         let mut finished = Vec::new();
         self.pending.retain(|(start, elements)| {

@@ -102,6 +102,8 @@ pub struct Decision {
     overruled: BTreeMap<String, Overruled>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
+    /// Rules outside their range of evidence, and whether they decide there: the first subject with what is outside, and how many more.
+    beyond: BTreeMap<(String, bool), (String, usize)>,
 }
 
 impl Decision {
@@ -166,6 +168,7 @@ impl Decision {
             let members = members.join(", ");
             format!("rule `{rule}` has {members} break away from a slab, which only beams can: ask for `member.kind == 'beam'` in its condition")
         }));
+        this.notes.extend(this.beyond.iter().map(beyond_words));
         if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
     }
 
@@ -267,14 +270,17 @@ impl Decision {
         let ruled = trace.decision(aspect).map(|f| f.action);
         let answer = answers.about(&subject.id, ruled);
         let overruled = |f: &&Firing| answer.is_some() && f.action.spec().aspect == aspect;
-        for firing in trace.standing().filter(|f| !f.in_range && !overruled(f)) {
+        let standing: BTreeSet<&str> = trace.standing().map(|f| f.rule.as_str()).collect();
+        for firing in trace.firings.iter().filter(|f| !f.in_range && !overruled(f)) {
+            let decides = standing.contains(firing.rule.as_str());
+            // what a rule that was not learned would say outside its range is of no interest where another one decides
+            if !decides && firing.confidence.is_none() {
+                continue;
+            }
             let why: Vec<&str> = firing.outside.iter().chain(&firing.missing).map(String::as_str).collect();
-            self.notes.push(format!(
-                "rule `{}` is used outside its range of evidence for {} ({})",
-                firing.rule,
-                subject.id,
-                why.join(", ")
-            ));
+            let first = || (format!("{} ({})", subject.id, why.join(", ")), 0);
+            let key = (firing.rule.clone(), decides);
+            self.beyond.entry(key).and_modify(|(_, more)| *more += 1).or_insert_with(first);
         }
         self.traces.insert(subject.id.clone(), trace);
         let Some(answer) = answer else { return ruled };
@@ -285,7 +291,7 @@ impl Decision {
     }
 
     /// The firings of rules about a subject that count.
-    fn standing(&self, id: &str) -> impl Iterator<Item = &Firing> {
+    pub(super) fn standing(&self, id: &str) -> impl Iterator<Item = &Firing> {
         let overruled = self.overruled.get(id).map(|o| o.aspect);
         let firings = self.traces.get(id).into_iter().flat_map(Trace::standing);
         firings.filter(move |f| Some(f.action.spec().aspect) != overruled)
@@ -414,6 +420,17 @@ impl Decision {
             instead_of: superseded.collect(),
         })
     }
+}
+
+/// What to know of a rule outside its range of evidence.
+fn beyond_words(((rule, decides), (first, more)): (&(String, bool), &(String, usize))) -> String {
+    let what = if *decides {
+        "is used outside its range of evidence"
+    } else {
+        "is not used outside its range of evidence"
+    };
+    let more = if *more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("rule `{rule}` {what}: {first}{more}")
 }
 
 /// A decision that this version of the generator cannot carry out.

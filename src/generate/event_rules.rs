@@ -43,7 +43,7 @@ pub fn of(
     let columns = decision.sections().flat_map(of_column).collect();
     let watched = [
         Watched { kind: "column", bodies: columns, bushings: ids(hinges) },
-        Watched { kind: "beam", bodies: webs.bodies.clone(), bushings: ids(&webs.bushings) },
+        Watched { kind: "beam", bodies: webs.parting[0].clone(), bushings: webs.parting[1].clone() },
     ];
     let mut list: Vec<EventRule> = Vec::new();
     for own in watched.iter().filter(|w| !w.bushings.is_empty()) {

@@ -10,8 +10,8 @@ use super::joints::{self, Query};
 use super::known::Known;
 use super::levers;
 use super::{
-    Accuracy, Division, EventReason, GenerateError, Generated, Parts, StaysWhole, Wishes, bending_floors,
-    contact, event_rules, events, sections, tracked, unasked, walls, webs_of,
+    Accuracy, Division, EventReason, GenerateError, Generated, Jointless, Parts, StaysWhole, Wishes,
+    bending_floors, charges, contact, event_rules, sections, tracked, unasked, walls, webs_of,
 };
 use crate::base::hash::ContentHash;
 use crate::building::ends::{MemberEnd, member_ends};
@@ -165,8 +165,10 @@ impl<'a> Generator<'a> {
         notes.extend(remarks.iter().cloned());
         stages.end("bodies", 0.0);
         let place = joints::Place { building, partition, mesh, bodies: &bodies };
-        let hinged: Vec<&MemberEnd> =
-            ends.iter().filter(|e| present[e.member] && decision.hinges.contains_key(&e.id)).collect();
+        let (hinged, loose): (Vec<&MemberEnd>, Vec<&MemberEnd>) = ends
+            .iter()
+            .filter(|e| present[e.member] && decision.hinges.contains_key(&e.id))
+            .partition(|end| joints::is_joined(&place, end));
         library.begin();
         let asked: Vec<(&MemberEnd, bool)> =
             hinged.iter().map(|end| (*end, library.is_at_hand(&end.id))).collect();
@@ -194,8 +196,11 @@ impl<'a> Generator<'a> {
         let of_faces = struck.wanted.iter().map(|(id, wanted)| library.asked(id, None, || face(wanted)));
         let found = joints::entries(of_ends.chain(of_lines).chain(of_faces), self.store, library, progress)?;
         stages.end("keys", found.curves_s);
-        notes.extend(found.scaled.iter().map(joints::Scaled::note));
+        notes.extend(joints::Scaled::notes(&found.scaled));
         let so_far = notes.len();
+        let free =
+            |end: &&MemberEnd| format!("{} touches neither a member nor a support: no joint there", end.id);
+        notes.extend(loose.iter().map(free));
         if (0..building.members.len()).any(|m| joints::is_ground(building, m)) {
             notes.push(
                 "footings that are held are ground in this model, and nothing comes into contact with them"
@@ -208,7 +213,8 @@ impl<'a> Generator<'a> {
                 building.settings.removal_duration_s
             ));
         }
-        let mut hinges = joints::hinges(&place, &hinged, &found, &decision, &mut notes)?;
+        notes.extend(soon_over(building));
+        let mut hinges = joints::hinges(&place, &hinged, &found, &decision)?;
         for (first, line) in &lines {
             let entry = &found.entries[&found.of_end[&line.id]];
             hinges.push(line.bushing(
@@ -249,6 +255,8 @@ impl<'a> Generator<'a> {
         let live: BTreeSet<&str> = hinges.iter().flat_map(Bushing::hinges).chain(decided).collect();
         let overloaded = doubts::overloaded(demands, &live);
         notes.extend(overloaded.iter().map(|(end, ratio)| doubts::overloaded_words(end, *ratio, &decision)));
+        let (events, taking_nothing) = charges::events(building, &clusters, (&bodies, &floors))?;
+        notes.extend(taking_nothing);
         let model = Model {
             schema: MODEL_SCHEMA.to_string(),
             name: building.name.clone(),
@@ -259,7 +267,7 @@ impl<'a> Generator<'a> {
             bushings: hinges,
             forces: Vec::new(),
             contact,
-            events: events(building, &bodies),
+            events,
             event_rules,
             tracked: tracked(building, partition, &bodies),
             settings: settings(building),
@@ -267,6 +275,7 @@ impl<'a> Generator<'a> {
         };
         stages.end("joints", 0.0);
         let trace = decision.reasons(rules, &model);
+        let jointless = Jointless::all(&decision, ends, &trace, rules);
         let event_rules = EventReason::all(&model, rules);
         let stays = StaysWhole::all(building, rules, (&decision, &stays), &webs.bodies);
         let unasked = unasked::of(building, rules, (&self.known, *accuracy), (&decision, &stays))?;
@@ -283,7 +292,21 @@ impl<'a> Generator<'a> {
         stages.end("reasons", 0.0);
         stages.list.push(("curves", found.curves_s));
         let (derived, entries, stages) = (found.derived, found.entries, stages.list);
-        Ok(Generated { model, trace, event_rules, unasked, stays, notes, doubts, derived, entries, stages })
+        let scaled = found.scaled.into_iter().map(|s| (s.key, s.words)).collect();
+        Ok(Generated {
+            model,
+            trace,
+            event_rules,
+            unasked,
+            stays,
+            jointless,
+            scaled,
+            notes,
+            doubts,
+            derived,
+            entries,
+            stages,
+        })
     }
 }
 
@@ -293,6 +316,22 @@ const RELATIVE_RAD_S: f64 = 0.8 * 2.0 / LARGEST_RELATED_STEP_S;
 
 /// Mean displacement from which springs may be softer \[m\]: how a building falls is settled then.
 const SOFT_AFTER_M: f64 = 0.5;
+
+/// Time after the last charge that tells whether a building stands \[s\]: it has fallen freely by 1.2 m then.
+const TELLING_S: f64 = 0.5;
+
+/// That a run ends soon after the last charge.
+fn soon_over(building: &Building) -> Option<String> {
+    let last = building.events.iter().max_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
+    let end_s = building.settings.end_time_s;
+    let is_soon = last.time_s <= end_s && end_s - last.time_s < TELLING_S;
+    is_soon.then(|| {
+        format!(
+            "charge `{}` is fired at {} s and the run ends at settings.end_time = {end_s} s: too soon to tell whether the building stands",
+            last.id, last.time_s
+        )
+    })
+}
 
 fn settings(building: &Building) -> RunSettings {
     RunSettings {

@@ -86,10 +86,29 @@ pub struct Scaled {
     pub distance: f64,
 }
 
+/// Entries of a kind made without a run of which notes speak, the farthest ones.
+const NOTED: usize = 3;
+
 impl Scaled {
-    /// What an analyst should know.
-    pub fn note(&self) -> String {
-        format!("{}: no entry of its own, curves {}", self.end, self.words)
+    /// What an analyst should know of all of them.
+    pub fn notes(all: &[Self]) -> Vec<String> {
+        let mut kinds: BTreeMap<&str, Vec<&Self>> = BTreeMap::new();
+        for own in all {
+            kinds.entry(own.key.split('/').next().unwrap_or_default()).or_default().push(own);
+        }
+        let mut notes = Vec::new();
+        for (kind, mut own) in kinds {
+            own.sort_by(|a, b| b.distance.total_cmp(&a.distance));
+            let note = |s: &&Self| format!("{}: no entry of its own, curves {}", s.end, s.words);
+            notes.extend(own.iter().take(NOTED).map(note));
+            let more = own.len().saturating_sub(NOTED);
+            if more > 0 {
+                notes.push(format!(
+                    "{more} more of {kind} have no entries of their own, and nearer ones to scale: `fallwerk explain` tells of each"
+                ));
+            }
+        }
+        notes
     }
 }
 
@@ -348,23 +367,24 @@ pub fn entries(
     Ok(found)
 }
 
+/// Whether there is something that an end may be joined to: a body, or the ground.
+pub fn is_joined(place: &Place, end: &MemberEnd) -> bool {
+    let beyond = end.beyond(place.partition);
+    let stands = || stands(place.building, end.member, (end.axis, end.point_m), beyond);
+    beyond.and_then(|m| place.bodies.of(m, end.point_m)).is_some() || stands()
+}
+
 /// One joint for each hinged end.
 pub fn hinges(
     place: &Place,
     ends: &[&MemberEnd],
     found: &Entries,
     decision: &Decision,
-    notes: &mut Vec<String>,
 ) -> Result<Vec<Bushing>, GenerateError> {
     let mut joints = Vec::new();
     for end in ends {
         let Some(own) = place.bodies.of(end.member, end.point_m) else { continue };
-        let beyond = end.beyond(place.partition);
-        let other = beyond.and_then(|m| place.bodies.of(m, end.point_m));
-        if other.is_none() && !stands(place.building, end.member, (end.axis, end.point_m), beyond) {
-            notes.push(format!("{} touches neither a member nor a support: no joint there", end.id));
-            continue;
-        }
+        let other = end.beyond(place.partition).and_then(|m| place.bodies.of(m, end.point_m));
         let key = &found.of_end[&end.id];
         let entry = found
             .entries

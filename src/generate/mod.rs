@@ -10,6 +10,7 @@ mod beam_ends;
 mod beam_joints;
 pub mod bodies;
 mod cells;
+mod charges;
 mod crossing;
 mod crushing;
 mod decide;
@@ -20,6 +21,7 @@ mod floor_mass;
 mod floors;
 mod generator;
 mod grillage;
+mod jointless;
 mod joints;
 mod junction;
 pub mod known;
@@ -42,6 +44,7 @@ pub use decide::{Decision, Reason, Superseded};
 pub use doubts::{Alternative, Doubt, Why};
 pub use event_reasons::EventReason;
 pub use generator::Generator;
+pub use jointless::Jointless;
 pub use rigid::rigid_elements;
 pub use unasked::Unasked;
 pub use webs::{StaysWhole, web_of};
@@ -50,7 +53,7 @@ pub use wish::{Accuracy, Derive, Wishes};
 use crate::building::ends::MemberEnd;
 use crate::building::partition::Partition;
 use crate::building::tracked::{Tracked, tracked_points};
-use crate::building::{Building, Charge, MemberKind};
+use crate::building::{Building, MemberKind};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
 use crate::graph::frame::Frame;
@@ -58,8 +61,7 @@ use crate::graph::{Connection, Structure};
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::{
-    BodyContact, Bushing, Contact, Event, GroundPlane, Model, ObstacleBox, Origin, RESTITUTION, SharedMass,
-    TrackedPoint,
+    BodyContact, Bushing, Contact, GroundPlane, Model, ObstacleBox, RESTITUTION, SharedMass, TrackedPoint,
 };
 use crate::rules::RuleBase;
 use beam_ends::YieldingEnds;
@@ -83,6 +85,10 @@ pub struct Generated {
     pub unasked: Vec<Unasked>,
     /// Why beams stay one with their slabs.
     pub stays: Vec<StaysWhole>,
+    /// Why ends have no joint.
+    pub jointless: Vec<Jointless>,
+    /// Where curves come from that were made without a run, by the key of the entry.
+    pub scaled: BTreeMap<String, String>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
     /// Decisions of which an analyst might doubt.
@@ -142,6 +148,18 @@ pub enum GenerateError {
         "charge `{0}` removes a stretch of `{1}`: the MBS model takes whole members away only; give the charge without a stretch, or split the member"
     )]
     Stretch(String, String),
+    /// A charge on a part of a body.
+    #[error(
+        "charge `{charge}` is on `{member}`, which is one body with other members in the MBS model ({body}): give charges to all of these members, or to columns, walls and beams only; the FE model can take it away alone"
+    )]
+    Shared {
+        /// The charge.
+        charge: String,
+        /// Its member.
+        member: String,
+        /// The body, or the first of those that it is divided into.
+        body: String,
+    },
     /// A member is turned out of the axes.
     #[error("{0}")]
     Skew(String),
@@ -248,6 +266,10 @@ impl Parts<'_> {
             let name = bodies::name(building, cluster);
             let division = self.division(cluster, &name, without, &mut notes)?;
             let away: Vec<usize> = cluster.iter().copied().filter(|m| decision.breaks_away(*m)).collect();
+            let charged_or = |away: &[usize]| -> Vec<usize> {
+                let parts = |m: &usize| away.contains(m) || charges::takes_web(building, cluster, *m);
+                cluster.iter().copied().filter(parts).collect()
+            };
             if !matches!(division, Some(Floor::Bends(_))) {
                 let why = format!(
                     "the floor {name} does not bend; `merge_elastic` has it bend, and so does `--accuracy balanced`"
@@ -276,9 +298,10 @@ impl Parts<'_> {
             let pieces = if whole { cells } else { cells.with(cluster) }.pieces(structure);
             let bends = matches!(floor, Floor::Bends(_));
             let (webs, bare) = match bends {
-                true => webs::of_floor(building, cluster, &pieces, decision),
+                true => webs::of_floor(building, &charged_or(&away), &pieces),
                 false => Default::default(),
             };
+            let bare: Vec<usize> = bare.into_iter().filter(|m| decision.breaks_away(*m)).collect();
             stays.add(building, &bare, "no slab lies on it where it is clear of columns", decision)?;
             let own = pieces.iter().enumerate().map(|(i, p)| {
                 let named = (p.name(&name), rules.clone());
@@ -286,8 +309,7 @@ impl Parts<'_> {
             });
             let first = bodies.add_pieces(cluster, pieces.clone(), own.collect());
             let of_web = |w: &Web| {
-                let rules = decision.fired(&web_of(&building.members[w.member].id));
-                w.body(building, structure, &pieces, rules)
+                w.body(building, structure, &pieces, decision.fired(&w.question(building, decision)))
             };
             bodies.add_parts(webs.iter().map(of_web));
             if bends {
@@ -439,24 +461,6 @@ fn webs_of(
         all.add(building, planes, (webs, *first), (bodies, decision), curves);
     }
     all
-}
-
-/// Charges take whole bodies away, each once: a body may be of several members with charges.
-fn events(building: &Building, bodies: &Bodies) -> Vec<Event> {
-    let mut gone = BTreeSet::new();
-    let event = |charge: &Charge| {
-        let member = building.members.iter().position(|m| m.id == charge.member)?;
-        let own: Vec<usize> = bodies.all_of(member).into_iter().filter(|b| gone.insert(*b)).collect();
-        (!own.is_empty()).then(|| Event {
-            id: charge.id.clone(),
-            time_s: charge.time_s,
-            release: Vec::new(),
-            weaken: Vec::new(),
-            remove_bodies: own.iter().map(|i| bodies.list[*i].id.clone()).collect(),
-            origin: Origin { members: vec![charge.member.clone()], ..Origin::default() },
-        })
-    };
-    building.events.iter().filter_map(event).collect()
 }
 
 fn tracked(building: &Building, partition: &Partition, bodies: &Bodies) -> Vec<TrackedPoint> {

@@ -3,6 +3,8 @@
 //! What rules say of a beam after the first contact is asked beforehand. The web of such a beam, which is what lies below its slab, is a body of its own in each piece of a floor that bends, between joint blocks over columns. It is one with the piece by latent
 //! bushings: two along its upper face, each in the middle of one half, and one at each end that meets a joint block. Nobody looks at them until a rule about contacts or fractures fires for the beam ([`super::event_rules`]).
 //!
+//! The web of a beam with a charge is such a body as well, which the charge takes away ([`super::charges`]).
+//!
 //! A face of area `A` bears `σ_y A` along its normal, `σ_y A / √3` across (von Mises) and the plastic moment `σ_y b h² / 4` about either of its axes; it separates where the outer fibre of the row of elements beside it, of length `l`, reaches the critical plastic strain
 //! `ε`: after an elongation `ε l` or a rotation `2 ε l / h`. It is as stiff as twice the way from the middle of the web to that of the slab, or to the joint block.
 //!
@@ -64,15 +66,10 @@ struct Seam {
     point_m: [f64; 3],
 }
 
-/// The webs of a floor, and the beams of which some are asked for and there are none.
-pub fn of_floor(
-    building: &Building,
-    members: &[usize],
-    pieces: &[Piece],
-    decision: &Decision,
-) -> (Vec<Web>, Vec<usize>) {
+/// The webs of some beams of a floor, and those of them that have none.
+pub fn of_floor(building: &Building, beams: &[usize], pieces: &[Piece]) -> (Vec<Web>, Vec<usize>) {
     let (mut webs, mut without) = (Vec::new(), Vec::new());
-    for member in members.iter().copied().filter(|m| decision.breaks_away(*m)) {
+    for member in beams.iter().copied() {
         let of_piece = |(p, piece): (usize, &Piece)| in_piece(building, member, p, piece);
         let mut own: Vec<Web> = pieces.iter().enumerate().flat_map(of_piece).collect();
         let axis = building.members[member].axis;
@@ -218,6 +215,12 @@ impl Web {
         of_boxes(building, structure, &boxes, self.id.clone(), rules)
     }
 
+    /// The subject of the rules for which it is a body of its own: that its beam may break away, or the beam, which has a charge.
+    pub fn question(&self, building: &Building, decision: &Decision) -> String {
+        let beam = &building.members[self.member].id;
+        if decision.breaks_away(self.member) { web_of(beam) } else { beam.clone() }
+    }
+
     /// A place just beyond one of its ends \[m\].
     fn beyond(&self, building: &Building, side: usize) -> [f64; 3] {
         let (axis, mut at) = (building.members[self.member].axis, self.solid.center());
@@ -240,7 +243,7 @@ impl Web {
         building: &Building,
         planes: &[Vec<f64>; 3],
         piece: &Body,
-        (rules, curves): (&[String], &mut BTreeMap<String, ResistanceCurve>),
+        (origin, curves): (&Origin, &mut BTreeMap<String, ResistanceCurve>),
     ) -> Vec<Bushing> {
         let axis = building.members[self.member].axis;
         let size = self.solid.size();
@@ -276,11 +279,7 @@ impl Web {
             let id = format!("{}.{}", self.id, ["start", "end"][side]);
             list.push(face.bushing(building, id, point_m, piece, curves));
         }
-        let question = web_of(&building.members[self.member].id);
-        for bushing in &mut list {
-            bushing.origin =
-                Origin { members: vec![question.clone()], rules: rules.to_vec(), entries: Vec::new() };
-        }
+        list.iter_mut().for_each(|bushing| bushing.origin = origin.clone());
         list
     }
 }
@@ -349,6 +348,8 @@ pub struct Webs {
     pub bodies: Vec<String>,
     /// The latent bushings between them.
     pub bushings: Vec<Bushing>,
+    /// Bodies and latent bushings of those that may break away.
+    pub parting: [Vec<String>; 2],
 }
 
 impl Webs {
@@ -362,10 +363,17 @@ impl Webs {
         curves: &mut BTreeMap<String, ResistanceCurve>,
     ) {
         for web in webs {
-            let rules = decision.fired(&web_of(&building.members[web.member].id));
+            let question = web.question(building, decision);
+            let (rules, members) = (decision.fired(&question), vec![question]);
+            let origin = Origin { members, rules, entries: Vec::new() };
             let piece = &bodies.list[first + web.piece];
+            let own = web.bushings(building, planes, piece, (&origin, curves));
+            if decision.breaks_away(web.member) {
+                self.parting[0].push(web.id.clone());
+                self.parting[1].extend(own.iter().map(|b| b.id.clone()));
+            }
             self.bodies.push(web.id.clone());
-            self.bushings.extend(web.bushings(building, planes, piece, (&rules, curves)));
+            self.bushings.extend(own);
         }
     }
 }

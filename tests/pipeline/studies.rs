@@ -59,7 +59,7 @@ fn studies_are_run_once_and_the_same_on_any_number_of_threads() {
     // one is lost: only that is run again
     fs::remove_file(room.path().join("kb").join(&records[0])).unwrap();
     let (out, err) = run(&["--kb", "kb", "--threads", "1"]);
-    assert!(out.contains("wrote 1 records") && err.contains("1 of 2 buildings"), "{out}{err}");
+    assert!(out.contains("wrote 1 record to") && err.contains("1 of 2 buildings"), "{out}{err}");
     run(&["--kb", "other", "--threads", "1"]);
     let mut turned = 0;
     for name in &records {

@@ -1,0 +1,106 @@
+//! What charges take out of floors, and what is left of joints that a beam has been cut away from.
+
+use super::*;
+use fallwerk::building::{Charge, Preparation};
+use fallwerk::fe::mesh::Mesh;
+use fallwerk::fe::removal::hit;
+use fallwerk::mbs::simulate;
+
+const FRONT: &str = "B1-A1-B1";
+
+fn charge(member: &str, time_s: f64) -> Charge {
+    Charge { id: format!("at-{member}"), member: member.into(), stretch_m: None, time_s }
+}
+
+/// The reference building with other charges.
+fn charged(members: &[(&str, f64)]) -> Building {
+    Building { events: members.iter().map(|(m, t)| charge(m, *t)).collect(), ..reference(|t| t) }
+}
+
+fn removed<'a>(generated: &'a Generated, event: &str) -> Vec<&'a str> {
+    let event = generated.model.events.iter().find(|e| e.id == event).unwrap_or_else(|| panic!("{event}"));
+    event.remove_bodies.iter().map(String::as_str).collect()
+}
+
+/// The web goes, with its share of the springs; slab, joints and the other beams stay, and the frame with them.
+#[test]
+fn a_charge_on_a_beam_takes_its_web_and_no_more() {
+    let (rules, mut store, _cache) = knowledge();
+    let mut generate = |accuracy| {
+        let wishes = Wishes { derive: Derive::Similar, accuracy };
+        generate(&charged(&[(FRONT, 0.0)]), &rules, &mut store, wishes, &|_| {}).unwrap()
+    };
+    let balanced = generate(Accuracy::Balanced);
+    balanced.model.check().expect("a sound model");
+    assert_eq!(removed(&balanced, "at-B1-A1-B1"), ["B1-A1-B1/1", "B1-A1-B1/2"]);
+    assert!(balanced.model.event_rules.iter().all(|r| r.bodies.iter().all(|b| !b.starts_with(FRONT))));
+    let web: f64 = balanced.model.bodies.iter().filter(|b| b.id.starts_with(FRONT)).map(|b| b.mass_kg).sum();
+    // 0.3 m by 0.25 m below the slab, 5.6 m between the columns
+    assert!((web - 2500.0 * 0.3 * 0.25 * 5.6).abs() < 1e-6, "{web}");
+    let mut model = balanced.model;
+    model.settings.end_time_s = 0.3;
+    let run = simulate(&model).expect("it stands");
+    let most = |t: &fallwerk::mbs::result::TrackedHistory| {
+        t.displacement_m.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs()))
+    };
+    let largest = run.tracked.iter().map(most).fold(0.0, f64::max);
+    assert!(largest > 1e-6 && largest < 2e-3, "{largest}");
+    assert!(run.energy_error < 1e-3, "{}", run.energy_error);
+    let fast = generate(Accuracy::Fast);
+    if fast.model.bodies.iter().any(|b| b.id == "S1") {
+        assert!(fast.model.events.is_empty());
+        assert!(fast.notes.iter().any(|n| n.contains("takes nothing away: `B1-A1-B1` stays a part of S1")));
+    }
+}
+
+/// A floor goes when the last of its members does; a part of it alone cannot.
+#[test]
+fn a_floor_goes_as_a_whole_or_not_at_all() {
+    let error = generated(&charged(&[("S1", 0.0)])).expect_err("beams would go too");
+    let words = error.to_string();
+    assert!(words.contains("charge `at-S1` is on `S1`, which is one body with other members"), "{words}");
+    let beams = ["B1-A1-B1", "B1-A2-B2", "B1-A1-A2", "B1-B1-B2"];
+    let mut all: Vec<(&str, f64)> = beams.iter().map(|b| (*b, 0.1)).collect();
+    all.insert(0, ("S1", 0.2));
+    let whole = generated(&charged(&all)).unwrap();
+    whole.model.check().expect("a sound model");
+    assert_eq!(removed(&whole, "at-S1"), ["S1/1-1", "S1/1-2", "S1/2-1", "S1/2-2"]);
+    assert_eq!(removed(&whole, "at-B1-B1-B2"), ["B1-B1-B2/1", "B1-B1-B2/2"]);
+}
+
+/// In the FE model joint blocks over columns stay, which belong to the beam in the mesh.
+#[test]
+fn joints_outlive_a_beam_that_is_blasted_or_cut() {
+    let building = charged(&[(FRONT, 0.0)]);
+    let (mesh, _) = Mesh::of(&building, 0.4);
+    let gone = hit(&building, &mesh, &building.events[0]);
+    assert!(!gone.is_empty());
+    for element in gone {
+        let x = mesh.center(element)[0];
+        assert!(x > 0.2 && x < 5.8, "{x}");
+    }
+    let preparation = vec![Preparation::Cut { member: FRONT.into() }];
+    let cut = Building { preparation, ..charged(&[("C3-A1", 0.0)]) };
+    let partition = Partition::of(&cut);
+    let owner = |x: f64| partition.member_at([x, 0.0, 3.2]).map(|m| cut.members[m].id.clone());
+    assert_eq!((owner(0.0), owner(6.0)), (Some("C1-A1".into()), Some("C1-B1".into())));
+    assert_eq!(owner(3.0).as_deref(), Some(FRONT));
+    let (rules, mut store, _cache) = knowledge();
+    let model = generate(&cut, &rules, &mut store, Derive::Similar, &|_| {}).unwrap().model;
+    assert!(model.bushings.iter().any(|b| b.id == "C1-A1.top"));
+    let mut still = model;
+    (still.events, still.settings.end_time_s) = (Vec::new(), 0.02);
+    simulate(&still).expect("it stands before the charges");
+}
+
+/// A column on which nothing rests has a joint at its foot alone.
+#[test]
+fn a_free_end_has_no_joint() {
+    let stub = "[[members]]\nid = \"K\"\nkind = \"column\"\nsection = \"column\"\nfrom = [0, 0, 10.5]\nto = [0, 0, 12]\n\n[[supports]]";
+    let building = reference(|t| t.replacen("[[supports]]", stub, 1));
+    let (rules, mut store, _cache) = knowledge();
+    let generated = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    let has = |id: &str| generated.model.bushings.iter().any(|b| b.id == id);
+    assert!(has("K.bottom") && !has("K.top"));
+    assert!(generated.notes.iter().any(|n| n.starts_with("K.top touches neither a member nor a support")));
+}
