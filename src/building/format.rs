@@ -407,6 +407,7 @@ pub const GRID: Table = Table {
             "[{ from = [2, 2], to = [4, 3] }]",
             "Openings of all slabs, such as a stairwell.",
         ),
+        may("without_bays", OPENINGS, "[{ from = [6, 5], to = [12, 10] }]", "Bays left out, between axes."),
     ],
 };
 

@@ -5,8 +5,10 @@
 //! column's face where a beam along x runs over that column, and runs over the column itself elsewhere: then
 //! the block above a column always belongs to one beam ([`super::partition`]).
 
+use super::bays::{Bays, Block};
 use super::fields::Fields;
 use super::model::{Member, MemberKind, SectionShape};
+use super::partition::COORDINATE_TOLERANCE_M;
 use crate::base::diagnostic::Diagnostic;
 use crate::base::geom::Aabb;
 use crate::base::units::{Dimension, show};
@@ -26,6 +28,7 @@ pub struct Grid<'a> {
     slab: Option<(&'a str, f64)>,
     overhang: f64,
     slab_openings: Vec<[[f64; 2]; 2]>,
+    bays: Bays,
 }
 
 /// Shapes of the sections that the grid names; `None` if there is none or it has errors.
@@ -81,6 +84,7 @@ impl<'a> Grid<'a> {
             return None;
         }
         let (x, y, heights, base) = (x?, y?, heights?, base?);
+        let bays = Bays::read(fields, [&x, &y], found)?;
         let count = heights.len() * x.len() * y.len() * 3;
         if count > MAX_MEMBERS {
             let message = format!("the grid makes about {count} members");
@@ -109,6 +113,7 @@ impl<'a> Grid<'a> {
             slab,
             overhang,
             slab_openings: super::openings::rectangles(fields, "slab_openings")?,
+            bays,
         })
     }
 
@@ -118,15 +123,21 @@ impl<'a> Grid<'a> {
         for storey in 1..self.levels.len() {
             self.columns(storey, &mut members);
             self.beams(storey, &mut members);
-            self.slab(storey, &mut members);
+            self.slabs(storey, &mut members);
         }
         members
+    }
+
+    /// The slab over the whole grid, whatever bays are built, in which its openings have to lie.
+    pub fn whole_slab(&self) -> Option<Member> {
+        let whole = Bays::all([self.x.len(), self.y.len()]);
+        self.slab_of(1, &whole, &whole.blocks()[0], "S1".to_string())
     }
 
     fn columns(&self, storey: usize, members: &mut Vec<Member>) {
         let (section, [width, depth]) = self.column;
         for (i, &x) in self.x.iter().enumerate() {
-            for (j, &y) in self.y.iter().enumerate() {
+            for (j, &y) in self.y.iter().enumerate().filter(|(j, _)| self.bays.has_column(i, *j)) {
                 let solid = Aabb {
                     min: [clean(x - 0.5 * width), clean(y - 0.5 * depth), self.levels[storey - 1]],
                     max: [clean(x + 0.5 * width), clean(y + 0.5 * depth), self.levels[storey]],
@@ -140,8 +151,9 @@ impl<'a> Grid<'a> {
         let Some((section, [width, depth])) = self.beam else { return };
         let top = self.levels[storey];
         let (half_x, half_y) = (0.5 * self.column.1[0], 0.5 * self.column.1[1]);
-        for j in (0..self.y.len()).filter(|&j| self.has_beams(j, self.y.len())) {
-            for i in 1..self.x.len() {
+        let has_beam = |along: usize, from: [usize; 2]| self.bays.has_beam(along, from, self.perimeter_only);
+        for j in 0..self.y.len() {
+            for i in (1..self.x.len()).filter(|i| has_beam(0, [i - 1, j])) {
                 let solid = Aabb {
                     min: [clean(self.x[i - 1] - half_x), clean(self.y[j] - 0.5 * width), clean(top - depth)],
                     max: [clean(self.x[i] + half_x), clean(self.y[j] + 0.5 * width), top],
@@ -151,17 +163,17 @@ impl<'a> Grid<'a> {
             }
         }
         // Where a beam along x runs over the column, the beam along y ends at the column's face.
-        let crossed = |j: usize| self.x.len() > 1 && self.has_beams(j, self.y.len());
-        let reach = |j: usize| if crossed(j) { -half_y } else { half_y };
-        for i in (0..self.x.len()).filter(|&i| self.has_beams(i, self.x.len())) {
-            for j in 1..self.y.len() {
+        let crossed = |i: usize, j: usize| has_beam(0, [i, j]) || (i > 0 && has_beam(0, [i - 1, j]));
+        let reach = |i: usize, j: usize| if crossed(i, j) { -half_y } else { half_y };
+        for i in 0..self.x.len() {
+            for j in (1..self.y.len()).filter(|j| has_beam(1, [i, j - 1])) {
                 let solid = Aabb {
                     min: [
                         clean(self.x[i] - 0.5 * width),
-                        clean(self.y[j - 1] - reach(j - 1)),
+                        clean(self.y[j - 1] - reach(i, j - 1)),
                         clean(top - depth),
                     ],
-                    max: [clean(self.x[i] + 0.5 * width), clean(self.y[j] + reach(j)), top],
+                    max: [clean(self.x[i] + 0.5 * width), clean(self.y[j] + reach(i, j)), top],
                 };
                 let id = format!("B{storey}-{}-{}", axis_point(i, j - 1), axis_point(i, j));
                 members.push(member(id, MemberKind::Beam, section, solid, 1, storey));
@@ -169,19 +181,28 @@ impl<'a> Grid<'a> {
         }
     }
 
-    fn has_beams(&self, axis: usize, axes: usize) -> bool {
-        !self.perimeter_only || axis == 0 || axis + 1 == axes
+    /// The slabs: one, or one for each rectangle of bays of a plan that is none.
+    fn slabs(&self, storey: usize, members: &mut Vec<Member>) {
+        let blocks = self.bays.blocks();
+        let id = |[[i0, j0], [i1, j1]]: &Block| match blocks.len() {
+            1 => format!("S{storey}"),
+            _ => format!("S{storey}-{}-{}", axis_point(*i0, *j0), axis_point(*i1, *j1)),
+        };
+        members.extend(blocks.iter().filter_map(|block| self.slab_of(storey, &self.bays, block, id(block))));
     }
 
-    fn slab(&self, storey: usize, members: &mut Vec<Member>) {
-        let Some((section, thickness)) = self.slab else { return };
-        let ends =
-            |axes: &[f64]| (clean(axes[0] - self.overhang), clean(axes[axes.len() - 1] + self.overhang));
-        let ((x0, x1), (y0, y1), top) = (ends(&self.x), ends(&self.y), self.levels[storey]);
+    fn slab_of(&self, storey: usize, bays: &Bays, block: &Block, id: String) -> Option<Member> {
+        let (section, thickness) = self.slab?;
+        let edges = |along: usize, axes: &[f64]| bays.edges(block, along, axes, self.overhang);
+        let ([x0, x1], [y0, y1], top) = (edges(0, &self.x), edges(1, &self.y), self.levels[storey]);
         let solid = Aabb { min: [x0, y0, clean(top - thickness)], max: [x1, y1, top] };
-        let mut slab = member(format!("S{storey}"), MemberKind::Slab, section, solid, 2, storey);
-        slab.openings = self.slab_openings.iter().map(|r| super::openings::through(&slab, *r)).collect();
-        members.push(slab);
+        let mut slab = member(id, MemberKind::Slab, section, solid, 2, storey);
+        // of an opening each slab has its part
+        let own = |r: &[[f64; 2]; 2]| {
+            super::openings::through(&slab, *r).intersection(&slab.solid, COORDINATE_TOLERANCE_M)
+        };
+        slab.openings = self.slab_openings.iter().filter_map(own).collect();
+        Some(slab)
     }
 }
 

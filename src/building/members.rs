@@ -91,8 +91,8 @@ fn grid(
     let grid = Grid::read(fields, ground_level, &shapes, found)?;
     let span = fields.node.span;
     let made = grid.members();
-    if let Some(slab) = made.iter().find(|m| m.kind == MemberKind::Slab) {
-        openings::check(fields, "slab_openings", slab, found)?;
+    if let Some(slab) = grid.whole_slab() {
+        openings::check(fields, "slab_openings", &slab, found)?;
     }
     Some(made.into_iter().map(|item| Placed { item, span }).collect())
 }

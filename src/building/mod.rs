@@ -14,6 +14,7 @@
 //! assert!(errors.to_string().contains("Fallwerk reads version 1"));
 //! ```
 
+mod bays;
 mod check;
 pub mod clear;
 mod connect;

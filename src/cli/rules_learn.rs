@@ -18,7 +18,7 @@ pub struct LearnArgs {
     #[arg(long, value_name = "DIR", default_value = "kb/studies")]
     pub kb: PathBuf,
     /// Folders of the building files of the studies
-    #[arg(long, value_name = "DIR", default_values = ["kb/plan", "buildings"])]
+    #[arg(long, value_name = "DIR", default_values = ["kb/plan", "kb/irregular", "buildings"])]
     pub plan: Vec<PathBuf>,
     /// Folder for the rules, the review list and the report
     #[arg(short, long, value_name = "DIR", default_value = "rules/learned")]

@@ -29,6 +29,9 @@ enum Verb {
         /// Number of scenes
         #[arg(long, default_value_t = 120)]
         count: u32,
+        /// Plans like an L, T or U in place of rectangles: a series of its own
+        #[arg(long)]
+        irregular: bool,
         /// Folder for the building files
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
@@ -72,7 +75,7 @@ enum Verb {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     match &arguments.verb {
-        Verb::Plan { seed, count, output } => plan(*seed, *count, output)?,
+        Verb::Plan { seed, count, irregular, output } => plan(*seed, *count, *irregular, output)?,
         Verb::Run { buildings, kb, threads, again } => {
             return study_run::run(buildings, kb, *threads, *again);
         }
@@ -83,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn plan(seed: u32, count: u32, folder: &Path) -> Result<(), Failure> {
+fn plan(seed: u32, count: u32, irregular: bool, folder: &Path) -> Result<(), Failure> {
     if !(1..=MOST_SCENES).contains(&count) {
         return Err(Failure::input(format!("--count: {count} is not between 1 and {MOST_SCENES}")));
     }
@@ -91,7 +94,7 @@ fn plan(seed: u32, count: u32, folder: &Path) -> Result<(), Failure> {
         |path: &Path, e: std::io::Error| Failure::input(format!("cannot write {}: {e}", path.display()));
     std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
     for number in 1..=count {
-        let scene = Scene::of(seed, number);
+        let scene = if irregular { Scene::irregular(seed, number) } else { Scene::of(seed, number) };
         let file = folder.join(format!("{}.toml", scene.name()));
         write_atomic(&file, scene.toml().as_bytes()).map_err(|e| failed(&file, e))?;
     }

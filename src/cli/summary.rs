@@ -6,6 +6,7 @@ use super::verdict::{collapse_words, percent, verdict};
 use crate::building::Building;
 use crate::generate::{Generated, Unasked};
 use crate::mbs::RunResult;
+use crate::mbs::result::EventKind;
 use crate::review::Review;
 use crate::study::COLLAPSE_DROP_M;
 use serde_json::{Value, json};
@@ -37,6 +38,17 @@ impl Summary<'_> {
         let mut rules = BTreeMap::new();
         self.generated.trace.iter().for_each(|t| *rules.entry(t.rule.as_str()).or_insert(0) += 1);
         rules
+    }
+
+    /// When an obstacle is struck first, and which.
+    fn obstacle_contact(&self) -> Option<(f64, &str)> {
+        let obstacles = &self.generated.model.contact.obstacles;
+        self.mbs.events.iter().find_map(|event| match &event.kind {
+            EventKind::Contact { b, .. } if obstacles.iter().any(|o| o.id == *b) => {
+                Some((event.time_s, b.as_str()))
+            }
+            _ => None,
+        })
     }
 
     fn mbs_collapsed(&self) -> bool {
@@ -74,10 +86,15 @@ pub fn as_text(s: &Summary) -> String {
     );
     match s.comparison {
         Some(c) => text += &comparison_text(c),
-        None => match s.mbs.first_ground_contact_s {
-            Some(t) => text += &format!("  contact    first ground contact at {t:.3} s\n"),
-            None => text += "  contact    nothing reaches the ground\n",
-        },
+        None => {
+            let ground = match s.mbs.first_ground_contact_s {
+                Some(t) => format!("first ground contact at {t:.3} s"),
+                None => "nothing reaches the ground".to_string(),
+            };
+            let obstacle =
+                s.obstacle_contact().map(|(t, id)| format!("; obstacle \"{id}\" is struck at {t:.3} s"));
+            text += &format!("  contact    {ground}{}\n", obstacle.unwrap_or_default());
+        }
     }
     text += &review_text(s.review);
     for note in &s.generated.notes {

@@ -364,7 +364,9 @@ fn firing(rule: &Rule, subject: &Subject) -> Firing {
                     other => other.to_string(),
                 };
                 let unit = match features::find(name).map(|f| f.kind) {
-                    Some(features::FeatureType::Number { unit }) if unit != "1" => format!(" {unit}"),
+                    Some(features::FeatureType::Number { unit }) if !["1", "count"].contains(&unit) => {
+                        format!(" {unit}")
+                    }
                     _ => String::new(),
                 };
                 outside.push(format!("{name} is {value}{unit}, evidence from {low} to {high}{unit}"));

@@ -9,7 +9,7 @@ use SubjectKind::{ContactEvent, FractureEvent, Member, MemberEnd, Section};
 /// Type of a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FeatureType {
-    /// A number in the given unit (`1` for a ratio).
+    /// A number in the given unit (`1` for a ratio, `count` for how many or which one).
     Number {
         /// SI unit.
         unit: &'static str,
@@ -72,6 +72,7 @@ impl Feature {
     pub fn type_words(&self) -> String {
         match self.kind {
             FeatureType::Number { unit: "1" } => "a ratio".to_string(),
+            FeatureType::Number { unit: "count" } => "a count".to_string(),
             FeatureType::Number { unit } => format!("a number in {unit}"),
             FeatureType::Names(names) => format!("one of '{}'", names.join("', '")),
             FeatureType::Flag => "true or false".to_string(),
@@ -248,7 +249,7 @@ pub const CATALOGUE: &[Feature] = &[
     ).positive(),
     number("member.slenderness", "1", PARTS, "clear length over least width of the section").positive(),
     number("member.span_over_depth", "1", PARTS, "of a beam: clear length over depth").positive(),
-    number("member.storey", "1", PARTS, "storey, counted from 1 below").positive(),
+    number("member.storey", "count", PARTS, "storey, counted from 1 below").positive(),
     number("member.storey_share", "1", PARTS, "storey over number of storeys").share(),
     number(
         "member.strain_rate",
@@ -275,7 +276,7 @@ pub const CATALOGUE: &[Feature] = &[
         &[Section],
         "largest strain rate around the section over the time considered",
     ).positive(),
-    number("storeys", "1", ALL, "number of storeys of the building").positive(),
+    number("storeys", "count", ALL, "number of storeys of the building").positive(),
     names(
         "wish.accuracy",
         &["fast", "balanced", "fine"],

@@ -1,6 +1,7 @@
 //! The building file: reading, messages, the reference building.
 
 mod bad;
+mod bays;
 mod commands;
 mod mutate;
 mod reference;

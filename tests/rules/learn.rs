@@ -134,7 +134,11 @@ fn root(path: &str) -> PathBuf {
 }
 
 fn arguments(kb: PathBuf, output: &Path) -> LearnArgs {
-    LearnArgs { kb, plan: vec![root("kb/plan"), root("buildings")], output: output.to_path_buf() }
+    LearnArgs {
+        kb,
+        plan: vec![root("kb/plan"), root("kb/irregular"), root("buildings")],
+        output: output.to_path_buf(),
+    }
 }
 
 fn read(folder: &Path) -> Vec<(String, String)> {
@@ -152,7 +156,8 @@ fn the_rules_of_the_repository_come_out_of_its_studies_to_the_byte() {
     let listed = fs::read_dir(root("rules/learned")).unwrap().count();
     assert_eq!(listed, again.len(), "files in rules/learned that learning does not write");
     // with one thread as well
-    let studies = cases(&root("kb/studies"), &[root("kb/plan"), root("buildings")]).unwrap();
+    let studies =
+        cases(&root("kb/studies"), &[root("kb/plan"), root("kb/irregular"), root("buildings")]).unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let alone = pool.install(|| learn(&studies, &RuleBase::seed().unwrap())).unwrap();
     let mut files = alone.files;

@@ -8,10 +8,12 @@
 //! |---|---|
 //! | this one | coordinates, the frame and the blasting plan |
 //! | `design` | sizes and bars from spans and loads |
+//! | `outline` | plans other than rectangles, a series of their own |
 //! | `small` | small buildings with random removals and obstacles, outside the plan |
 //! | `text` | the building file |
 
 mod design;
+mod outline;
 mod small;
 mod text;
 
@@ -110,6 +112,8 @@ pub struct Scene {
     pub has_wall: bool,
     /// An opening in the slabs of the last bay.
     pub has_opening: bool,
+    /// Bays that are not built, between axes along x and y, of a plan that is no rectangle.
+    pub without: Vec<[[usize; 2]; 2]>,
 }
 
 /// What a coordinate of a scene decides; the order is that of the sequence, whose first numbers cover best.
@@ -136,6 +140,7 @@ enum Of {
     ObstacleHeight,
     Wall,
     Opening,
+    Outline,
 }
 
 /// A point of the sequence.
@@ -190,6 +195,11 @@ impl Scene {
     pub fn of(seed: u32, number: u32) -> Self {
         let point = Point { seed, number };
         let bays = [Of::BaysX, Of::BaysY].map(|of| point.choice(of, &[(1, 0.4), (2, 0.35), (3, 0.25)]));
+        Self::with_bays(&point, bays)
+    }
+
+    fn with_bays(point: &Point, bays: [usize; 2]) -> Self {
+        let Point { seed, number } = *point;
         let most = MOST_COLUMNS / ((bays[0] + 1) * (bays[1] + 1));
         // low buildings more often: a storey more costs as much as they do
         let storeys = 1 + (MOST_STOREYS * point.at(Of::Storeys).powf(1.5)) as usize;
@@ -197,7 +207,7 @@ impl Scene {
         let spans = [Of::SpanX, Of::SpanY].map(|of| point.module(of, SPAN_M));
         let uneven = point.is(Of::Uneven, 0.2);
         let axes_m = [0, 1].map(|d| axes(bays[d], spans[d], uneven));
-        let heights_m = heights(&point, storeys);
+        let heights_m = heights(point, storeys);
         let beams =
             point.choice(Of::Beams, &[(Beams::Perimeter, 0.4), (Beams::All, 0.35), (Beams::None, 0.25)]);
         let ratio = 0.12 + 0.18 * point.at(Of::AxialRatio);
@@ -222,14 +232,20 @@ impl Scene {
             blocks: Vec::new(),
             has_wall: point.is(Of::Wall, 0.15),
             has_opening: point.is(Of::Opening, 0.15),
+            without: Vec::new(),
         };
-        scene.blasts = scene.charges(&point);
+        scene.blasts = scene.charges(point);
         scene
     }
 
     /// Its name.
     pub fn name(&self) -> String {
-        format!("{}{}-{:03}", if self.small { "b" } else { "s" }, self.seed, self.number)
+        let series = match (self.small, self.without.is_empty()) {
+            (true, _) => "b",
+            (_, true) => "s",
+            (_, false) => "i",
+        };
+        format!("{series}{}-{:03}", self.seed, self.number)
     }
 
     /// Rows of ground-floor columns from the front to the rear: their places on the axis of the fall.
@@ -342,6 +358,16 @@ mod tests {
         assert!((1..=8).all(|n| storeys.contains(&n)), "{storeys:?}");
         let columns = |s: &Scene| s.axes_m[0].len() * s.axes_m[1].len() * s.heights_m.len();
         assert!(scenes.iter().all(|s| columns(s) <= MOST_COLUMNS));
+    }
+
+    #[test]
+    fn every_irregular_scene_is_a_building_without_errors() {
+        for number in 1..=120 {
+            let scene = Scene::irregular(1, number);
+            assert!(!scene.blasts.is_empty() && !scene.without.is_empty());
+            let read = parse(&scene.toml(), Format::Toml, &scene.name());
+            assert!(read.is_ok(), "{}: {:?}", scene.name(), read.err().map(|e| e.to_string()));
+        }
     }
 
     #[test]

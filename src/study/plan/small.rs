@@ -78,6 +78,7 @@ impl Scene {
             blocks: Vec::new(),
             has_wall: r.is(0.2),
             has_opening: r.is(0.25),
+            without: Vec::new(),
         }
     }
 

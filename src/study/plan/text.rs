@@ -13,7 +13,11 @@ impl Scene {
         let what = if self.small {
             format!("Building {} of `fallwerk bench buildings --seed {}`", self.number, self.seed)
         } else {
-            format!("Scene {} of the plan with seed {} (`fallwerk study plan`)", self.number, self.seed)
+            let option = if self.without.is_empty() { "" } else { " --irregular" };
+            format!(
+                "Scene {} of the plan with seed {} (`fallwerk study plan{option}`)",
+                self.number, self.seed
+            )
         };
         let mut text = format!(
             "# {what}; for keys and units see `three-storey-frame.toml`.\n\nschema = 1\nname = \"{}\"\n",
@@ -109,6 +113,15 @@ critical_plastic_strain = {}
         );
         if self.beams != Beams::None {
             text.push_str("beam_section = \"beam\"\n");
+        }
+        if !self.without.is_empty() {
+            let point = |[i, j]: [usize; 2]| format!("[{}, {}]", self.axes_m[0][i], self.axes_m[1][j]);
+            let out = |[a, b]: &[[usize; 2]; 2]| format!("{{ from = {}, to = {} }}", point(*a), point(*b));
+            let _ = writeln!(
+                text,
+                "without_bays = [{}]",
+                self.without.iter().map(out).collect::<Vec<_>>().join(", ")
+            );
         }
         if self.has_opening {
             let around = |axes: &[f64]| {
