@@ -9,7 +9,8 @@ use crate::building::ends::{self, MemberEnd};
 use crate::building::{Building, MemberKind};
 use crate::graph::{Connection, End};
 use crate::mbs::Model;
-use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, Trace, Value};
+use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, SubjectError, Trace, Value};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -120,18 +121,25 @@ impl Decision {
         let mut this = Self { merges: none.clone(), bends: none, ..Self::default() };
         let mut gaps = Vec::new();
         let wished = |subject: &Subject| subject.clone().with("wish.accuracy", accuracy.name());
-        for (index, subject) in known.members.iter().enumerate() {
-            match this.ask(rules, answers, &wished(subject), Aspect::Body)? {
+        // what the rules say of a subject depends on it alone; answers are taken in their order
+        let traced = |subject: Subject| rules.trace(&subject).map(|trace| (subject, trace));
+        let asked = |list: &[Subject]| -> Vec<Result<(Subject, Trace), SubjectError>> {
+            list.par_iter().map(|subject| traced(wished(subject))).collect()
+        };
+        for (index, asked) in asked(&known.members).into_iter().enumerate() {
+            let (subject, trace) = asked?;
+            match this.answered(answers, &subject, trace, Aspect::Body) {
                 Some(Action::MergeRigid) => this.merges[index] = true,
                 Some(Action::MergeElastic) => (this.merges[index], this.bends[index]) = (true, true),
                 Some(Action::RigidBody) => {}
-                Some(other) => return Err(unsupported(subject, other)),
-                None => gaps.push(subject.id.clone()),
+                Some(other) => return Err(unsupported(&subject, other)),
+                None => gaps.push(subject.id),
             }
         }
-        for (end, subject) in places.iter().zip(&known.ends) {
+        for (end, asked) in places.iter().zip(asked(&known.ends)) {
             let column = is_column(building, end.member);
-            let answer = this.ask(rules, answers, &wished(subject), Aspect::Rotation)?;
+            let (subject, trace) = asked?;
+            let answer = this.answered(answers, &subject, trace, Aspect::Rotation);
             match answer {
                 Some(Action::Hinge) if column => {
                     this.hinges.insert(end.id.clone(), this.fired(&end.id));
@@ -148,7 +156,7 @@ impl Decision {
                     let upper = end.end == ends::End::Upper;
                     this.rigid.insert((end.member, if upper { End::High } else { End::Low }));
                 }
-                Some(other) => return Err(unsupported(subject, other)),
+                Some(other) => return Err(unsupported(&subject, other)),
                 None => gaps.push(end.id.clone()),
             }
         }
@@ -156,11 +164,16 @@ impl Decision {
             this.divide(rules, index, &wished(subject))?;
         }
         let mut others: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-        for (index, subject) in known.members.iter().enumerate() {
+        let later = |subject: &Subject| {
+            let later = Subject { id: web_of(&subject.id), ..wished(subject) };
+            traced(later.with("collapse.phase", "after_contact"))
+        };
+        let webs: Vec<Result<(Subject, Trace), SubjectError>> = known.members.par_iter().map(later).collect();
+        for (index, asked) in webs.into_iter().enumerate() {
             let is_beam = building.members[index].kind == MemberKind::Beam;
-            match this.break_away(rules, answers, &wished(subject))? {
+            match this.break_away(answers, asked?) {
                 Some(_) if is_beam => _ = this.webs.insert(index),
-                Some(rule) => others.entry(rule).or_default().push(&subject.id),
+                Some(rule) => others.entry(rule).or_default().push(&known.members[index].id),
                 None => {}
             }
         }
@@ -213,24 +226,14 @@ impl Decision {
         Ok(())
     }
 
-    /// Asks the rules, or the analyst, whether a member may break away from its slab after the first contact; the rule that says so.
-    fn break_away(
-        &mut self,
-        rules: &RuleBase,
-        answers: &Answers,
-        subject: &Subject,
-    ) -> Result<Option<String>, GenerateError> {
-        let later = Subject { id: web_of(&subject.id), ..subject.clone() };
-        let later = later.with("collapse.phase", "after_contact");
-        let mut trace = rules.trace(&later)?;
+    /// Whether a member may break away from its slab after the first contact, by the rules or the analyst; the rule that says so.
+    fn break_away(&mut self, answers: &Answers, (later, mut trace): (Subject, Trace)) -> Option<String> {
         // what the rules say of its body is asked elsewhere
         trace.firings.retain(|f| f.action == Action::BreakAway);
         if trace.firings.is_empty() && answers.about(&later.id, None).is_none() {
-            return Ok(None);
+            return None;
         }
-        Ok(self
-            .answered(answers, &later, trace, Aspect::Parting)
-            .and(self.fired(&later.id).into_iter().next()))
+        self.answered(answers, &later, trace, Aspect::Parting).and(self.fired(&later.id).into_iter().next())
     }
 
     /// Whether a beam may break away from its slab.
@@ -248,18 +251,7 @@ impl Decision {
         self.sections.get(&member)
     }
 
-    /// Asks the analyst and the rules about a subject; the answer to one question.
-    fn ask(
-        &mut self,
-        rules: &RuleBase,
-        answers: &Answers,
-        subject: &Subject,
-        aspect: Aspect,
-    ) -> Result<Option<Action>, GenerateError> {
-        Ok(self.answered(answers, subject, rules.trace(subject)?, aspect))
-    }
-
-    /// The same where the rules have been asked.
+    /// The answer to a question about a subject, by the analyst or the rules, which have been asked.
     fn answered(
         &mut self,
         answers: &Answers,

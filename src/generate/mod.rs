@@ -69,6 +69,7 @@ use bodies::Bodies;
 use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use webs::{Stays, Web, Webs};
 
@@ -437,15 +438,19 @@ fn bending_floors(
     (springs, yielding): (&mut Vec<Bushing>, &mut YieldingEnds),
     contact: &mut Contact,
 ) -> Vec<SharedMass> {
-    let mut shared = Vec::new();
     for Divided { floor, first, pieces, webs } in floors {
         if let Floor::Bends(grillage) = floor {
             springs.extend(grillage.springs(building, frame, (pieces, webs), (bodies, *first), yielding));
             contact.pairs.extend(grillage::corners(pieces, bodies, *first));
-            shared.push(floor_mass::shared(building, grillage.axes(), pieces, (bodies, *first)));
         }
     }
-    shared
+    let shared = |own: &Divided| match &own.floor {
+        Floor::Bends(grillage) => {
+            Some(floor_mass::shared(building, grillage.axes(), &own.pieces, (bodies, own.first)))
+        }
+        Floor::Folds(_) => None,
+    };
+    floors.par_iter().filter_map(shared).collect()
 }
 
 /// The webs of the floors that bend, with their latent bushings.

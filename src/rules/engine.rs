@@ -67,8 +67,6 @@ pub struct Trace {
     pub kind: SubjectKind,
     /// Rules that fired, in the order of evaluation.
     pub firings: Vec<Firing>,
-    /// Rules about this kind of subject that did not.
-    pub silent: Vec<Silent>,
     /// Questions that must have an answer and have none.
     pub undecided: Vec<Aspect>,
 }
@@ -202,7 +200,18 @@ impl RuleBase {
         self.trace(subject).map(|trace| trace.firings)
     }
 
-    /// As [`RuleBase::evaluate`], with the rules that did not fire and what stays undecided.
+    /// The rules about this kind of subject that do not fire for it, and what is not known that they ask for.
+    pub fn silent(&self, subject: &Subject) -> Vec<Silent> {
+        let about = self.rules.iter().filter(|rule| rule.applies_to == subject.kind);
+        let silent = |rule: &Rule| match holds(&rule.condition, subject) {
+            Some(true) => None,
+            Some(false) => Some(Silent { rule: rule.id.clone(), missing: Vec::new() }),
+            None => Some(Silent { rule: rule.id.clone(), missing: missing(rule, subject) }),
+        };
+        about.filter_map(silent).collect()
+    }
+
+    /// As [`RuleBase::evaluate`], with what stays undecided.
     ///
     /// # Errors
     /// As [`RuleBase::evaluate`].
@@ -212,14 +221,11 @@ impl RuleBase {
             subject: subject.id.clone(),
             kind: subject.kind,
             firings: Vec::new(),
-            silent: Vec::new(),
             undecided: Vec::new(),
         };
         for rule in self.rules.iter().filter(|rule| rule.applies_to == subject.kind) {
-            match holds(&rule.condition, subject) {
-                Some(true) => trace.firings.push(firing(rule, subject)),
-                Some(false) => trace.silent.push(Silent { rule: rule.id.clone(), missing: Vec::new() }),
-                None => trace.silent.push(Silent { rule: rule.id.clone(), missing: missing(rule, subject) }),
+            if holds(&rule.condition, subject) == Some(true) {
+                trace.firings.push(firing(rule, subject));
             }
         }
         self.overrule(&mut trace.firings);

@@ -285,9 +285,9 @@ pub const CATALOGUE: &[Feature] = &[
     ),
 ];
 
-/// The feature with this name.
+/// The feature with this name. The catalogue is in the order of the names.
 pub fn find(name: &str) -> Option<&'static Feature> {
-    CATALOGUE.iter().find(|feature| feature.name == name)
+    CATALOGUE.binary_search_by(|feature| feature.name.cmp(name)).ok().map(|place| &CATALOGUE[place])
 }
 
 /// The known name most like an unknown one, if any is like it.
