@@ -93,6 +93,8 @@ fn overlap(
         (above && below).then_some(("cross: one passes through the other", volume.clone(), remedy))
     };
     match (a.kind, b.kind) {
+        // those of one floor of a grid may reach over each other at inner corners: what they share belongs to the first
+        (Slab, Slab) if a.storey.is_some() && a.storey == b.storey => None,
         (Column, Column) | (Slab, Slab) | (Footing, Footing) | (Slab, Footing) | (Footing, Slab) => plain,
         (Wall, Wall) if a.axis == b.axis => plain,
         // Two beams of one line may meet over a column; crossing beams make a joint anywhere.

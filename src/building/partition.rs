@@ -54,10 +54,11 @@ impl Partition {
     }
 
     /// The same on given planes, which must contain all faces of the solids: a cell belongs to the
-    /// member of highest precedence (the first of equals) that contains it, but see `give_joints_to_beams`. Turned members are left out.
+    /// member of highest precedence (the first of equals) that contains it, but see `give_joints_to_beams` and `give_heads_to_slabs`. Turned members are left out.
     pub fn on_planes(building: &Building, planes: [Vec<f64>; 3]) -> Self {
         let mut partition = Self::with_planes(planes, building);
         partition.give_joints_to_beams(building);
+        partition.give_heads_to_slabs(building);
         partition.own = vec![Vec::new(); building.members.len()];
         for (index, owner) in partition.owner.iter().enumerate() {
             owner.iter().for_each(|member| partition.own[*member].push(index));
@@ -87,6 +88,37 @@ impl Partition {
                                 *slot = Some(beam_index);
                             }
                         }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where a slab ends over a column, the column's head belongs to the slab over its whole section as well: it would else go on beside the slab, with a part of its section and nothing above.
+    fn give_heads_to_slabs(&mut self, building: &Building) {
+        let n = self.count();
+        let of_kind =
+            |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew());
+        let slabs = of_kind(MemberKind::Slab).filter(|(_, slab)| !building.is_cut(&slab.id));
+        let slabs = Boxes::numbered(slabs.map(|(index, slab)| (index, slab.solid)));
+        for (column_index, column) in of_kind(MemberKind::Column) {
+            for slab_index in slabs.near(&column.solid, COORDINATE_TOLERANCE_M) {
+                let slab = &building.members[slab_index];
+                let Some(common) = column.solid.intersection(&slab.solid, COORDINATE_TOLERANCE_M) else {
+                    continue;
+                };
+                let section =
+                    [0, 1].map(|i| cells_within(&self.planes[i], column.solid.min[i], column.solid.max[i]));
+                for k in cells_within(&self.planes[2], common.min[2], common.max[2]) {
+                    let [x, y] = section.clone();
+                    let layer: Vec<usize> =
+                        y.flat_map(|j| x.clone().map(move |i| (k * n[1] + j) * n[0] + i)).collect();
+                    // none in an opening of the slab
+                    if layer.iter().any(|cell| self.owner[*cell] == Some(slab_index)) {
+                        let own = layer.into_iter().filter(|cell| self.owner[*cell] == Some(column_index));
+                        own.collect::<Vec<_>>()
+                            .into_iter()
+                            .for_each(|cell| self.owner[cell] = Some(slab_index));
                     }
                 }
             }

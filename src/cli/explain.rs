@@ -10,7 +10,7 @@ use crate::generate::{EventReason, Generated, Jointless, Reason, StaysWhole, Una
 use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
-use crate::mbs::model::{Body, Bushing, Origin};
+use crate::mbs::model::{Body, Bushing, Event, Origin};
 use crate::review::{Item, REVIEW_SCHEMA, Review};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -221,6 +221,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let whole: Vec<StaysWhole> = whole
         .map(|s| StaysWhole { beams: s.beams.iter().filter(is_asked).cloned().collect(), why: s.why.clone() })
         .collect();
+    let about =
+        |note: &&String| note.strip_prefix(&arguments.part).is_some_and(|rest| rest.starts_with([' ', ':']));
+    let notes: Vec<String> = trace.iter().flat_map(|t| t.notes.iter().filter(about)).cloned().collect();
     let none: Vec<Jointless> = trace.iter().flat_map(|t| t.jointless_at(&arguments.part)).collect();
     let events = events(arguments, &model, &part, trace)?;
     if arguments.json {
@@ -233,12 +236,15 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "entries": entries,
             "stays": whole,
             "without_joint": none,
+            "notes": notes,
             "events": events,
         });
         print(&format!("{value:#}\n"));
     } else {
         let words = text(&arguments.part, (&model, &part), &reasons, &entries);
-        let none: String = none.iter().map(none_text).collect();
+        let mut none: String = none.iter().map(none_text).collect();
+        none += &taken_text(&model, &arguments.part, &part);
+        none.extend(notes.iter().map(|note| format!("  note: {note}\n")));
         print(&(words + &none + &whole_text(&whole) + &events.text() + &review_text(&review)));
     }
     Ok(Outcome::Done)
@@ -279,6 +285,23 @@ fn reviewed(model: &Path, asked: &str, part: &Part) -> Result<Vec<(usize, Item)>
     let about = |id: &String| id == asked || (asked == part.id() && (part.origin().members.contains(id)));
     let own = review.items.into_iter().filter(|item| item.subjects.iter().any(about));
     Ok(own.map(|item| (count, item)).collect())
+}
+
+/// What charges on the members of a part take away.
+fn taken_text(model: &Model, asked: &str, part: &Part) -> String {
+    let about = |e: &&Event| {
+        e.origin.members.iter().any(|m| m == asked) || e.remove_bodies.iter().any(|b| b == part.id())
+    };
+    let line = |e: &Event| {
+        let bodies = e.remove_bodies.join(", ");
+        format!(
+            "  charge {} on {} takes away at {} s: {bodies}\n",
+            e.id,
+            e.origin.members.join(", "),
+            e.time_s
+        )
+    };
+    model.events.iter().filter(about).map(line).collect()
 }
 
 fn none_text(none: &Jointless) -> String {

@@ -151,7 +151,7 @@ pub enum GenerateError {
     Stretch(String, String),
     /// A charge on a part of a body.
     #[error(
-        "charge `{charge}` is on `{member}`, which is one body with other members in the MBS model ({body}): give charges to all of these members, or to columns, walls and beams only; the FE model can take it away alone"
+        "charge `{charge}` is on `{member}`, which is one body with other members in the MBS model ({body}): give charges to all of these members, or to columns, walls and beams with a slab on them only; the FE model can take it away alone"
     )]
     Shared {
         /// The charge.

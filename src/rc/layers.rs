@@ -305,7 +305,9 @@ impl Pushes {
     /// The curve of an end whose pole is so far from the point without moment \[m\], for a given elastic stiffness \[N m/rad\].
     pub fn curve(&self, shear_span_m: f64, stiffness_nm_rad: f64) -> ResistanceCurve {
         let rows = Rows { row_m: self.row_m, shear_span_m, held: self.held };
-        let levels = self.levels.iter().map(|pushed| pushed.weaker(&rows, self.bending_nm2)).collect();
+        // the force acts in the centre of stiffness: beside a weakened part a large one leaves no moment in one sense
+        let levels = self.levels.iter().map(|pushed| pushed.weaker(&rows, self.bending_nm2));
+        let levels = levels.filter(|level| level.peak_nm() > 0.0).collect();
         ResistanceCurve { stiffness_nm_rad, levels, cyclic: None }
     }
 }

@@ -36,6 +36,34 @@ fn an_angle_is_a_frame_whose_slabs_meet() {
     assert!(none, "something stands where nothing is built");
 }
 
+/// Slabs reach over each other at inner corners: what they share is counted once, and is no overlap.
+#[test]
+fn steps_and_corners_that_touch_are_buildings() {
+    let slabs = |without: &str| -> f64 {
+        let building = example(&format!("without_bays = [{without}]"));
+        let volumes = Partition::of(&building).volumes(building.members.len());
+        let of_slabs = building.members.iter().zip(&volumes).filter(|(m, _)| m.kind == MemberKind::Slab);
+        of_slabs.map(|(_, v)| v).sum::<f64>() / (3.0 * 0.25)
+    };
+    // two bays across a corner, which share the square over its column
+    let two = slabs("{ from = [6, 0], to = [12, 5] }, { from = [0, 5], to = [6, 10] }");
+    assert!((two - (2.0 * 6.4 * 5.4 - 0.16)).abs() < 1e-9, "{two}");
+    let text = EXAMPLE.replacen("x = [0, 6] ", "x = [0, 6, 12, 18] ", 1).replacen(
+        "y = [0, 5] ",
+        "y = [0, 5, 10] ",
+        1,
+    );
+    let steps =
+        "[grid]\nwithout_bays = [{ from = [12, 0], to = [18, 5] }, { from = [0, 5], to = [6, 10] }]\n";
+    let building = parse(&text.replacen("[grid]\n", steps, 1), Format::Toml, "steps").unwrap();
+    let volumes = Partition::of(&building).volumes(building.members.len());
+    let all =
+        building.members.iter().zip(&volumes).filter(|(m, _)| m.kind == MemberKind::Slab).map(|(_, v)| v);
+    // both rows are 12.4 m by 5.4 m and share a strip of 6.4 m by 0.4 m
+    let area = all.sum::<f64>() / (3.0 * 0.25);
+    assert!((area - (2.0 * 12.4 * 5.4 - 6.4 * 0.4)).abs() < 1e-9, "{area}");
+}
+
 #[test]
 fn what_lies_between_all_axes_is_the_whole_grid() {
     // the frame of the key, not of its absence: the last bay of a longer grid is left out

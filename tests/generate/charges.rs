@@ -104,3 +104,48 @@ fn a_free_end_has_no_joint() {
     assert!(has("K.bottom") && !has("K.top"));
     assert!(generated.notes.iter().any(|n| n.starts_with("K.top touches neither a member nor a support")));
 }
+
+/// Where a slab ends on the axes of columns their heads are its own: nothing goes on beside it, and the columns are joined to it.
+#[test]
+fn a_flat_slab_that_ends_over_its_columns_stands_on_them() {
+    let edge = |t: String| {
+        t.replacen("beams = \"perimeter\"", "beams = \"none\"", 1).replacen(
+            "slab_overhang = \"200 mm\"",
+            "slab_overhang = 0",
+            1,
+        )
+    };
+    let building = Building { events: vec![charge("C1-A1", 0.0)], ..reference(edge) };
+    let partition = Partition::of(&building);
+    let owner = |p: [f64; 3]| partition.member_at(p).map(|m| building.members[m].id.clone());
+    assert_eq!(owner([-0.1, -0.1, 3.4]).as_deref(), Some("S1"));
+    assert_eq!(owner([-0.1, -0.1, 3.2]).as_deref(), Some("C1-A1"));
+    let (rules, mut store, _cache) = knowledge();
+    let mut model = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap().model;
+    assert!(model.bushings.iter().any(|b| b.id == "C1-B1.top"));
+    model.settings.end_time_s = 0.1;
+    simulate(&model).expect("it stands before the charge");
+}
+
+/// A weakened beam has less resistance than its slab: large axial forces leave it no moment in one sense, and are no levels of its curve.
+#[test]
+fn floors_with_weakened_beams_are_generated() {
+    let preparation = vec![Preparation::Weaken { member: "B1-A2-B2".into(), strength_factor: 0.5 }];
+    let building = Building { preparation, ..charged(&[(FRONT, 0.0)]) };
+    let (rules, mut store, _cache) = knowledge();
+    let model = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap().model;
+    model.check().expect("a sound model");
+}
+
+/// Of a floor that goes as a whole each charge before the last is told.
+#[test]
+fn charges_before_the_last_of_a_floor_are_told() {
+    let all: Vec<(&str, f64)> = ["S1", "B1-A1-B1", "B1-A2-B2", "B1-A1-A2", "B1-B1-B2"]
+        .into_iter()
+        .zip([0.1, 0.0, 0.0, 0.0, 0.3])
+        .collect();
+    let generated = generated(&charged(&all)).unwrap();
+    let note = "charge `at-S1` takes nothing away at its time: `S1` goes with its floor, at the last of the charges on it (`at-B1-B1-B2`)";
+    assert!(generated.notes.iter().any(|n| n == note), "{:?}", generated.notes);
+    assert!(removed(&generated, "at-B1-B1-B2").contains(&"S1/1-1"));
+}
