@@ -20,6 +20,8 @@ use std::collections::BTreeMap;
 
 /// Least share of their bending stiffness that springs along the axes keep.
 const LEAST_KEPT: f64 = 0.3;
+/// Least share of their stiffnesses that is left to them by each panel: beside an opening there is less slab in a cut than a panel takes for its own.
+const LEAST_LEFT: f64 = 0.05;
 /// Largest Poisson's ratio that is coupled: the twist keeps `1 - 3 ν`.
 const MOST_COUPLED: f64 = 0.3;
 /// How much of the resistance of springs across is taken from those along: all of it where a span is bent one way, nothing where its ends are clamped and sink, since springs across do not turn then.
@@ -119,8 +121,10 @@ impl Panel {
             let width_m = 0.5 * self.share * self.sides_m[1 - axis];
             for cut in pair {
                 let Cut { sum, given, .. } = &mut cuts[*cut];
-                sum.bending += width_m * (self.plate_nm() * (1.0 - along) - self.bending_nm);
-                sum.torsion -= 2.0 * width_m * self.poisson * self.plate_nm();
+                let left = |stiffness: f64, more: f64| (stiffness + more).max(LEAST_LEFT * stiffness);
+                sum.bending =
+                    left(sum.bending, width_m * (self.plate_nm() * (1.0 - along) - self.bending_nm));
+                sum.torsion = left(sum.torsion, -2.0 * width_m * self.poisson * self.plate_nm());
                 given.width_m += GIVEN * width_m * along;
             }
         }
@@ -132,7 +136,9 @@ impl Panel {
         let length_m = a.hypot(b);
         let stiffness_nm_rad = self.stiffness_nm_rad();
         let width_m = 0.5 * self.share * self.poisson * length_m;
+        // beside an opening a cut may have no slab at the faces of its columns
         let slabs = self.cuts.iter().flatten().filter_map(|i| cuts[*i].given.slab.as_ref());
+        let slabs = slabs.filter(|slab| slab.per_width_nm_m > 0.0);
         let weakest = slabs.min_by(|s, t| s.per_width_nm_m.total_cmp(&t.per_width_nm_m));
         let bending = match weakest {
             Some(slab) => {
@@ -178,7 +184,7 @@ impl Cut {
         };
         let curve = curve.clone();
         let per_width_nm_m = slab_nm / self.plane.slab_m;
-        let strength_factor = 1.0 - self.given.width_m * per_width_nm_m / whole_nm;
+        let strength_factor = (1.0 - self.given.width_m * per_width_nm_m / whole_nm).max(LEAST_LEFT);
         self.given.slab = Some(Yielding { curve: curve.clone(), whole_nm, per_width_nm_m });
         Bending::Curve { curve, strength_factor }
     }

@@ -149,3 +149,21 @@ fn charges_before_the_last_of_a_floor_are_told() {
     assert!(generated.notes.iter().any(|n| n == note), "{:?}", generated.notes);
     assert!(removed(&generated, "at-B1-B1-B2").contains(&"S1/1-1"));
 }
+
+/// An opening at the edge of a flat slab, over the axis of a column, leaves a cut less slab than the panels beside it would take.
+#[test]
+fn openings_leave_stiffnesses_positive() {
+    let open = |t: String| {
+        t.replacen("beams = \"perimeter\"", "beams = \"none\"", 1)
+            .replacen("x = [0, 6] ", "x = [0, 6, 12] ", 1)
+            .replacen(
+                "slab_section = \"slab\"",
+                "slab_section = \"slab\"\nslab_openings = [{ from = [4, 3], to = [8, 5] }]",
+                1,
+            )
+    };
+    let building = Building { events: vec![charge("C1-A1", 0.0)], ..reference(open) };
+    let (rules, mut store, _cache) = knowledge();
+    let model = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap().model;
+    model.check().expect("a sound model");
+}
