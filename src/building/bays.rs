@@ -16,7 +16,7 @@ pub struct Bays {
 }
 
 /// Bays from one pair of axes to another: places among the axes along x and y.
-pub type Block = [[usize; 2]; 2];
+pub type BayRange = [[usize; 2]; 2];
 
 impl Bays {
     /// All between so many axes along x and y.
@@ -25,8 +25,15 @@ impl Bays {
         Self { count, built: vec![true; count[0] * count[1]] }
     }
 
+    /// Leaves the bays of a block out.
+    pub fn leave_out(&mut self, [[i0, j0], [i1, j1]]: BayRange) {
+        for j in j0..j1 {
+            self.built[j * self.count[0] + i0..j * self.count[0] + i1].fill(false);
+        }
+    }
+
     /// Those of a grid but for the rectangles of its key `without_bays`; `None` after an error.
-    pub fn read(fields: Fields<'_>, axes: [&[f64]; 2], found: &mut Vec<Diagnostic>) -> Option<Self> {
+    pub(super) fn read(fields: Fields<'_>, axes: [&[f64]; 2], found: &mut Vec<Diagnostic>) -> Option<Self> {
         let mut bays = Self::all(axes.map(<[f64]>::len));
         let corners = openings::rectangles(fields, "without_bays")?;
         let nodes = fields.child("without_bays").map_or(&[][..], Node::items);
@@ -37,10 +44,10 @@ impl Bays {
             };
             let range = |d: usize| {
                 let [a, b] = [on_axis(d, rectangle[0][d])?, on_axis(d, rectangle[1][d])?];
-                (a != b).then(|| a.min(b)..a.max(b))
+                (a != b).then(|| [a.min(b), a.max(b)])
             };
             match (range(0), range(1)) {
-                (Some(x), Some(y)) => y.for_each(|j| x.clone().for_each(|i| bays.built[j * bays.count[0] + i] = false)),
+                (Some([i0, i1]), Some([j0, j1])) => bays.leave_out([[i0, j0], [i1, j1]]),
                 _ => found.push(
                     Diagnostic::error("bad-bays", "this rectangle is not one of bays")
                         .at(node.span, "its corners are not on different axes along x and y")
@@ -93,11 +100,11 @@ impl Bays {
     }
 
     /// Rectangles of bays that cover what is built: rows along x, joined with the next ones where these are alike. One for a grid without bays.
-    pub fn blocks(&self) -> Vec<Block> {
+    pub fn blocks(&self) -> Vec<BayRange> {
         if self.is_whole() {
             return vec![[[0, 0], self.count]];
         }
-        let mut blocks: Vec<Block> = Vec::new();
+        let mut blocks: Vec<BayRange> = Vec::new();
         for j in 0..self.count[1] {
             let mut i = 0;
             while i < self.count[0] {
@@ -115,7 +122,7 @@ impl Bays {
     }
 
     /// Edges of the slab over a block along a direction, lower and upper \[m\]. It reaches beyond its axes where a bay beside it is not built, and begins where such a neighbour ends.
-    pub fn edges(&self, block: &Block, along: usize, axes: &[f64], overhang_m: f64) -> [f64; 2] {
+    pub fn edges(&self, block: &BayRange, along: usize, axes: &[f64], overhang_m: f64) -> [f64; 2] {
         let [low, high] = [block[0][along], block[1][along]];
         let reaches = |outside: isize, of: [usize; 2]| {
             (of[0]..of[1].max(of[0] + 1)).any(|k| match along {
@@ -146,10 +153,10 @@ impl Bays {
 mod tests {
     use super::*;
 
-    /// Two by two bays without that at the far corner, and three in a row without the middle one above.
+    /// The bays between so many axes without some single ones.
     fn without(axes: [usize; 2], out: &[[usize; 2]]) -> Bays {
         let mut bays = Bays::all(axes);
-        out.iter().for_each(|[i, j]| bays.built[j * bays.count[0] + i] = false);
+        out.iter().for_each(|[i, j]| bays.leave_out([[*i, *j], [i + 1, j + 1]]));
         bays
     }
 

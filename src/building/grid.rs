@@ -5,7 +5,7 @@
 //! column's face where a beam along x runs over that column, and runs over the column itself elsewhere: then
 //! the block above a column always belongs to one beam ([`super::partition`]).
 
-use super::bays::{Bays, Block};
+use super::bays::{BayRange, Bays};
 use super::fields::Fields;
 use super::model::{Member, MemberKind, SectionShape};
 use super::partition::COORDINATE_TOLERANCE_M;
@@ -184,14 +184,14 @@ impl<'a> Grid<'a> {
     /// The slabs: one, or one for each rectangle of bays of a plan that is none.
     fn slabs(&self, storey: usize, members: &mut Vec<Member>) {
         let blocks = self.bays.blocks();
-        let id = |[[i0, j0], [i1, j1]]: &Block| match blocks.len() {
+        let id = |[[i0, j0], [i1, j1]]: &BayRange| match blocks.len() {
             1 => format!("S{storey}"),
             _ => format!("S{storey}-{}-{}", axis_point(*i0, *j0), axis_point(*i1, *j1)),
         };
         members.extend(blocks.iter().filter_map(|block| self.slab_of(storey, &self.bays, block, id(block))));
     }
 
-    fn slab_of(&self, storey: usize, bays: &Bays, block: &Block, id: String) -> Option<Member> {
+    fn slab_of(&self, storey: usize, bays: &Bays, block: &BayRange, id: String) -> Option<Member> {
         let (section, thickness) = self.slab?;
         let edges = |along: usize, axes: &[f64]| bays.edges(block, along, axes, self.overhang);
         let ([x0, x1], [y0, y1], top) = (edges(0, &self.x), edges(1, &self.y), self.levels[storey]);

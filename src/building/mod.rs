@@ -37,6 +37,7 @@ mod structure;
 pub mod tracked;
 pub mod turned;
 
+pub use bays::{BayRange, Bays};
 pub use fields::Fields;
 pub use grid::column_id;
 pub use inclined::Inclined;

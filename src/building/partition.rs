@@ -54,11 +54,12 @@ impl Partition {
     }
 
     /// The same on given planes, which must contain all faces of the solids: a cell belongs to the
-    /// member of highest precedence (the first of equals) that contains it, but see `give_joints_to_beams` and `give_heads_to_slabs`. Turned members are left out.
+    /// member of highest precedence (the first of equals) that contains it, but see `give_blocks`. Turned members are left out.
     pub fn on_planes(building: &Building, planes: [Vec<f64>; 3]) -> Self {
         let mut partition = Self::with_planes(planes, building);
-        partition.give_joints_to_beams(building);
-        partition.give_heads_to_slabs(building);
+        for kind in [MemberKind::Beam, MemberKind::Slab] {
+            partition.give_blocks(building, kind);
+        }
         partition.own = vec![Vec::new(); building.members.len()];
         for (index, owner) in partition.owner.iter().enumerate() {
             owner.iter().for_each(|member| partition.own[*member].push(index));
@@ -66,59 +67,36 @@ impl Partition {
         partition
     }
 
-    /// The joint block where beams frame into a column belongs to the first of these beams, over the
-    /// column's whole section: the column's clear height ends at the soffit of the deepest beam. A beam that is cut away in preparation is cut clear of it.
-    fn give_joints_to_beams(&mut self, building: &Building) {
+    /// Gives blocks of columns over their whole section to beams, then to slabs that meet there, the first of each kind first.
+    ///
+    /// The joint block where beams frame into a column belongs to the first of these beams: the column's clear height ends at the soffit of the deepest beam. Where a slab ends over a column, the
+    /// column's head belongs to the slab: it would else go on beside the slab, with a part of its section and nothing above. What is cut away in preparation is cut clear of columns.
+    fn give_blocks(&mut self, building: &Building, kind: MemberKind) {
         let n = self.count();
         let of_kind =
             |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew());
-        let beams = of_kind(MemberKind::Beam).filter(|(_, beam)| !building.is_cut(&beam.id));
-        let beams = Boxes::numbered(beams.map(|(index, beam)| (index, beam.solid)));
+        let takers = of_kind(kind).filter(|(_, taker)| !building.is_cut(&taker.id));
+        let takers = Boxes::numbered(takers.map(|(index, taker)| (index, taker.solid)));
         for (column_index, column) in of_kind(MemberKind::Column) {
-            for beam_index in beams.near(&column.solid, COORDINATE_TOLERANCE_M) {
-                let beam = &building.members[beam_index];
-                let Some(common) = column.solid.intersection(&beam.solid, COORDINATE_TOLERANCE_M) else {
+            let section =
+                [0, 1].map(|i| cells_within(&self.planes[i], column.solid.min[i], column.solid.max[i]));
+            for taker in takers.near(&column.solid, COORDINATE_TOLERANCE_M) {
+                let solid = &building.members[taker].solid;
+                let Some(common) = column.solid.intersection(solid, COORDINATE_TOLERANCE_M) else {
                     continue;
                 };
                 for k in cells_within(&self.planes[2], common.min[2], common.max[2]) {
-                    for j in cells_within(&self.planes[1], column.solid.min[1], column.solid.max[1]) {
-                        for i in cells_within(&self.planes[0], column.solid.min[0], column.solid.max[0]) {
-                            let slot = &mut self.owner[(k * n[1] + j) * n[0] + i];
-                            if *slot == Some(column_index) {
-                                *slot = Some(beam_index);
-                            }
-                        }
+                    let row = |j: usize| section[0].clone().map(move |i| (k * n[1] + j) * n[0] + i);
+                    let layer: Vec<usize> = section[1].clone().flat_map(row).collect();
+                    // none in an opening of a slab
+                    if kind == MemberKind::Slab && layer.iter().all(|cell| self.owner[*cell] != Some(taker)) {
+                        continue;
                     }
-                }
-            }
-        }
-    }
-
-    /// Where a slab ends over a column, the column's head belongs to the slab over its whole section as well: it would else go on beside the slab, with a part of its section and nothing above.
-    fn give_heads_to_slabs(&mut self, building: &Building) {
-        let n = self.count();
-        let of_kind =
-            |kind| building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind && !m.is_skew());
-        let slabs = of_kind(MemberKind::Slab).filter(|(_, slab)| !building.is_cut(&slab.id));
-        let slabs = Boxes::numbered(slabs.map(|(index, slab)| (index, slab.solid)));
-        for (column_index, column) in of_kind(MemberKind::Column) {
-            for slab_index in slabs.near(&column.solid, COORDINATE_TOLERANCE_M) {
-                let slab = &building.members[slab_index];
-                let Some(common) = column.solid.intersection(&slab.solid, COORDINATE_TOLERANCE_M) else {
-                    continue;
-                };
-                let section =
-                    [0, 1].map(|i| cells_within(&self.planes[i], column.solid.min[i], column.solid.max[i]));
-                for k in cells_within(&self.planes[2], common.min[2], common.max[2]) {
-                    let [x, y] = section.clone();
-                    let layer: Vec<usize> =
-                        y.flat_map(|j| x.clone().map(move |i| (k * n[1] + j) * n[0] + i)).collect();
-                    // none in an opening of the slab
-                    if layer.iter().any(|cell| self.owner[*cell] == Some(slab_index)) {
-                        let own = layer.into_iter().filter(|cell| self.owner[*cell] == Some(column_index));
-                        own.collect::<Vec<_>>()
-                            .into_iter()
-                            .for_each(|cell| self.owner[cell] = Some(slab_index));
+                    for cell in layer {
+                        let slot = &mut self.owner[cell];
+                        if *slot == Some(column_index) {
+                            *slot = Some(taker);
+                        }
                     }
                 }
             }

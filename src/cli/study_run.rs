@@ -78,7 +78,8 @@ pub fn run(paths: &[PathBuf], kb: &Path, threads: Option<u16>, again: bool) -> R
     if let [(_, Ok(study))] = &outcomes[..] {
         print(&described(study));
     }
-    let (count, s) = (outcomes.len() - failed, if outcomes.len() - failed == 1 { "" } else { "s" });
+    let count = outcomes.len() - failed;
+    let s = if count == 1 { "" } else { "s" };
     print(&format!("wrote {count} record{s} to {}\n", kb.display()));
     Ok(if failed > 0 { Outcome::CheckFailed } else { Outcome::Done })
 }

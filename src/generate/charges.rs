@@ -4,16 +4,23 @@
 //! springs of its floor; the slab stays. A floor goes as a whole where all of its members have charges, with the last of them.
 
 use super::bodies::Bodies;
-use super::webs::Web;
 use super::{Divided, GenerateError};
 use crate::building::{Building, Charge, MemberKind};
 use crate::mbs::model::{Event, Origin};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Whether a member is a beam with a charge, of a cluster of several.
-pub fn takes_web(building: &Building, cluster: &[usize], member: usize) -> bool {
-    let own = &building.members[member];
-    cluster.len() > 1 && own.kind == MemberKind::Beam && building.events.iter().any(|e| e.member == own.id)
+/// The first charge on each member, by its place in the building file.
+pub fn first_on(building: &Building) -> Vec<Option<usize>> {
+    let numbers: BTreeMap<&str, usize> =
+        building.members.iter().enumerate().map(|(index, m)| (m.id.as_str(), index)).collect();
+    let mut first: Vec<Option<usize>> = vec![None; building.members.len()];
+    for (index, charge) in building.events.iter().enumerate() {
+        let Some(member) = numbers.get(charge.member.as_str()) else { continue };
+        if first[*member].is_none_or(|held| charge.time_s < building.events[held].time_s) {
+            first[*member] = Some(index);
+        }
+    }
+    first
 }
 
 /// The events of the charges, each body once, and notes about those that take nothing.
@@ -25,13 +32,21 @@ pub fn events(
     clusters: &[Vec<usize>],
     (bodies, floors): (&Bodies, &[Divided]),
 ) -> Result<(Vec<Event>, Vec<String>), GenerateError> {
+    let mut webs: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    for web in floors.iter().flat_map(|floor| &floor.webs) {
+        webs.entry(web.member).or_default().push(web.id.clone());
+    }
+    let first = first_on(building);
+    let mut place: BTreeMap<&str, (usize, Option<usize>)> = BTreeMap::new();
+    for cluster in clusters {
+        let last = last_of(building, cluster, &first);
+        place.extend(cluster.iter().map(|m| (building.members[*m].id.as_str(), (*m, last))));
+    }
     let (mut gone, mut events, mut notes) = (BTreeSet::new(), Vec::new(), Vec::new());
     for (index, charge) in building.events.iter().enumerate() {
-        let Some(member) = building.members.iter().position(|m| m.id == charge.member) else { continue };
-        let Some(cluster) = clusters.iter().find(|c| c.contains(&member)) else { continue };
-        let webs = floors.iter().flat_map(|f| &f.webs).filter(|w| w.member == member);
-        let mut own: Vec<String> = webs.map(|w: &Web| w.id.clone()).collect();
-        match last_of(building, cluster) {
+        let Some((member, last)) = place.get(charge.member.as_str()).copied() else { continue };
+        let mut own = webs.get(&member).cloned().unwrap_or_default();
+        match last {
             Some(last) if last == index => {
                 own.extend(bodies.all_of(member).into_iter().map(|i| bodies.list[i].id.clone()));
             }
@@ -58,16 +73,11 @@ pub fn events(
     Ok((events, notes))
 }
 
-/// The last of the charges on a cluster, if all of its members have one.
-fn last_of(building: &Building, cluster: &[usize]) -> Option<usize> {
-    let of = |m: &usize| {
-        let own = building.events.iter().enumerate().filter(|(_, e)| e.member == building.members[*m].id);
-        own.min_by(|a, b| a.1.time_s.total_cmp(&b.1.time_s))
-    };
-    let all: Option<Vec<(usize, &Charge)>> = cluster.iter().map(of).collect();
-    all?.into_iter()
-        .max_by(|a, b| a.1.time_s.total_cmp(&b.1.time_s).then(a.0.cmp(&b.0)))
-        .map(|(index, _)| index)
+/// The last of the first charges on the members of a cluster, if all of them have one.
+fn last_of(building: &Building, cluster: &[usize], first: &[Option<usize>]) -> Option<usize> {
+    let all: Option<Vec<usize>> = cluster.iter().map(|m| first[*m]).collect();
+    let time_s = |index: usize| building.events[index].time_s;
+    all?.into_iter().max_by(|a, b| time_s(*a).total_cmp(&time_s(*b)).then(a.cmp(b)))
 }
 
 /// What to know of a charge on a beam that cannot be taken out of its floor.

@@ -262,9 +262,8 @@ impl Decision {
         let ruled = trace.decision(aspect).map(|f| f.action);
         let answer = answers.about(&subject.id, ruled);
         let overruled = |f: &&Firing| answer.is_some() && f.action.spec().aspect == aspect;
-        let standing: BTreeSet<&str> = trace.standing().map(|f| f.rule.as_str()).collect();
         for firing in trace.firings.iter().filter(|f| !f.in_range && !overruled(f)) {
-            let decides = standing.contains(firing.rule.as_str());
+            let decides = trace.standing().any(|f| f.rule == firing.rule);
             // what a rule that was not learned would say outside its range is of no interest where another one decides
             if !decides && firing.confidence.is_none() {
                 continue;

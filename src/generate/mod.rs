@@ -262,15 +262,12 @@ impl Parts<'_> {
         let (mut bodies, mut floors, mut notes) =
             (Bodies::new(building.members.len()), Vec::new(), Vec::new());
         let mut stays = Stays::default();
+        let charged = charges::first_on(building);
         for cluster in clusters {
             let rules = decision.rules_of(building, cluster);
             let name = bodies::name(building, cluster);
             let division = self.division(cluster, &name, without, &mut notes)?;
             let away: Vec<usize> = cluster.iter().copied().filter(|m| decision.breaks_away(*m)).collect();
-            let charged_or = |away: &[usize]| -> Vec<usize> {
-                let parts = |m: &usize| away.contains(m) || charges::takes_web(building, cluster, *m);
-                cluster.iter().copied().filter(parts).collect()
-            };
             if !matches!(division, Some(Floor::Bends(_))) {
                 let why = format!(
                     "the floor {name} does not bend; `merge_elastic` has it bend, and so does `--accuracy balanced`"
@@ -299,7 +296,15 @@ impl Parts<'_> {
             let pieces = if whole { cells } else { cells.with(cluster) }.pieces(structure);
             let bends = matches!(floor, Floor::Bends(_));
             let (webs, bare) = match bends {
-                true => webs::of_floor(building, &charged_or(&away), &pieces),
+                true => {
+                    let is_charged = |m: usize| {
+                        let is_beam = building.members[m].kind == MemberKind::Beam;
+                        cluster.len() > 1 && is_beam && charged[m].is_some()
+                    };
+                    let parts = |m: &usize| decision.breaks_away(*m) || is_charged(*m);
+                    let beams: Vec<usize> = cluster.iter().copied().filter(parts).collect();
+                    webs::of_floor(building, &beams, &pieces)
+                }
                 false => Default::default(),
             };
             let bare: Vec<usize> = bare.into_iter().filter(|m| decision.breaks_away(*m)).collect();

@@ -133,5 +133,5 @@ fn facing(a: &Aabb, b: &Aabb) -> Option<(usize, f64, f64)> {
 
 /// Whether two gross solids are within the near-miss distance of each other in all directions.
 pub fn are_near(a: &Aabb, b: &Aabb) -> bool {
-    (0..3).all(|i| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]) < NEAR_MISS_M)
+    a.is_nearer(b, NEAR_MISS_M)
 }

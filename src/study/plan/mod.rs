@@ -17,6 +17,7 @@ mod outline;
 mod small;
 mod text;
 
+use crate::building::BayRange;
 use design::Sizes;
 
 /// Longest edge of a bay and shortest \[m\], and their module.
@@ -113,7 +114,7 @@ pub struct Scene {
     /// An opening in the slabs of the last bay.
     pub has_opening: bool,
     /// Bays that are not built, between axes along x and y, of a plan that is no rectangle.
-    pub without: Vec<[[usize; 2]; 2]>,
+    pub without: Vec<BayRange>,
 }
 
 /// What a coordinate of a scene decides; the order is that of the sequence, whose first numbers cover best.

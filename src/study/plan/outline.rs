@@ -3,6 +3,7 @@
 //! They are a series of their own, so that the scenes of the plan stay what they are. All else is as there, but that they have two or three bays each way and neither shear wall nor opening.
 
 use super::{Blast, Of, Point, Scene};
+use crate::building::Bays;
 
 /// Which bays are left out, seen from above.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +42,9 @@ impl Scene {
         };
         scene.without = vec![[[columns[0], rows[0]], [columns[1], rows[1]]]];
         (scene.has_wall, scene.has_opening) = (false, false);
-        let standing = |axes: [usize; 2]| scene.has_column(axes);
+        let mut built = Bays::all(bays.map(|n| n + 1));
+        scene.without.iter().for_each(|out| built.leave_out(*out));
+        let standing = |[i, j]: [usize; 2]| built.has_column(i, j);
         let mut blasts: Vec<Blast> =
             scene.blasts.iter().filter(|blast| standing(blast.axes)).copied().collect();
         if blasts.is_empty() {
@@ -52,16 +55,5 @@ impl Scene {
         }
         scene.blasts = blasts;
         scene
-    }
-
-    /// Whether a column stands where two axes meet: at a bay that is built.
-    fn has_column(&self, axes: [usize; 2]) -> bool {
-        let count = [0, 1].map(|d| self.axes_m[d].len() - 1);
-        let built = |bay: [usize; 2]| {
-            let out = |[from, to]: &[[usize; 2]; 2]| (0..2).all(|d| (from[d]..to[d]).contains(&bay[d]));
-            (0..2).all(|d| bay[d] < count[d]) && !self.without.iter().any(out)
-        };
-        let near = |d: usize| axes[d].saturating_sub(1)..=axes[d];
-        near(0).any(|i| near(1).any(|j| built([i, j])))
     }
 }

@@ -1,7 +1,7 @@
 //! The building file of a scene.
 
 use super::{Beams, Scene, milli};
-use crate::building::column_id;
+use crate::building::{BayRange, column_id};
 use std::fmt::Write;
 
 /// Simulated time after the last charge \[s\], and more for each storey.
@@ -116,7 +116,7 @@ critical_plastic_strain = {}
         }
         if !self.without.is_empty() {
             let point = |[i, j]: [usize; 2]| format!("[{}, {}]", self.axes_m[0][i], self.axes_m[1][j]);
-            let out = |[a, b]: &[[usize; 2]; 2]| format!("{{ from = {}, to = {} }}", point(*a), point(*b));
+            let out = |[a, b]: &BayRange| format!("{{ from = {}, to = {} }}", point(*a), point(*b));
             let _ = writeln!(
                 text,
                 "without_bays = [{}]",
