@@ -554,15 +554,15 @@ pub const OVERRIDE: Table = Table {
             "targets",
             Kind::List(&Kind::MemberPattern, 1, 1000),
             "[\"C1-A2.top\"]",
-            "Ends of columns (`.bottom`, `.top`) and beams (`.start`, `.end`), walls, beams, or floors, each named by any of its slabs \
-             or beams; `*` stands for any characters.",
+            "Ends of columns and walls (`.bottom`, `.top`) and beams (`.start`, `.end`), strips of slabs (`S1:C1-A1|C1-B1`), walls, beams, \
+             or floors, each named by any of its slabs or beams; `*` stands for any characters.",
         ),
         must(
             "action",
             Kind::Choice(&ACTIONS, ACTIONS_OF_RULES),
             "\"elastic_connection\"",
             "Column end: hinge, elastic_connection, rigid_connection. Beam end: latent_hinge (the floor may fold there), \
-             rigid_connection. Floor: merge_rigid, merge_elastic (it bends). Beam: break_away (from its slab, after a contact or \
+             rigid_connection. Strip, wall end: latent_hinge (it yields), elastic_connection. Floor: merge_rigid, merge_elastic (it bends). Beam: break_away (from its slab, after a contact or \
              fracture). Wall: rigid_body, merge_rigid (one body with its floors).",
         ),
         must(

@@ -94,6 +94,9 @@ impl<'a> Grid<'a> {
             return None;
         }
         let (beams, overhang) = (beams?, fields.number_or("slab_overhang", 0.0)?);
+        if slab.is_some() && !have_width(fields, [&x, &y], overhang, found) {
+            return None;
+        }
         let wants_beams = beams != "none";
         if (wants_beams && beam.is_none()) || (fields.child("slab_section").is_some() && slab.is_none()) {
             return None;
@@ -255,6 +258,17 @@ fn check_axes(
                 .push(Diagnostic::error("overlap", message).at(item.span, show(distance, Dimension::Length)));
         }
     }
+}
+
+/// Whether slabs over axes have a width: one axis has none but for the overhang.
+fn have_width(fields: Fields<'_>, axes: [&[f64]; 2], overhang_m: f64, found: &mut Vec<Diagnostic>) -> bool {
+    let flat = ["x", "y"].into_iter().zip(axes).find(|(_, axes)| axes.len() == 1 && overhang_m <= 0.0);
+    let Some((key, _)) = flat else { return true };
+    let error = Diagnostic::error("no-width", format!("the slabs have no width along {key}"))
+        .at(fields.span(key), "one axis, and no overhang")
+        .help("give `slab_overhang`, half the width of a slab over one axis, or leave out `slab_section`");
+    found.push(error);
+    false
 }
 
 fn check_heights(fields: Fields<'_>, heights: Option<&[f64]>, deepest: f64, found: &mut Vec<Diagnostic>) {

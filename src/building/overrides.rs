@@ -1,12 +1,13 @@
 //! What the analyst decides in place of the rules: `[[overrides]]`, and which of them cannot be.
 //!
-//! A target is a member end, a wall, a beam, or any slab or beam for the floor that it belongs to. An action that fits none of them, a target that is taken
+//! A target is a member end, the strip of a slab between two columns, the foot or head of a wall, a wall, a beam, or any slab or beam for the floor that it belongs to. An action that fits none of them, a target that is taken
 //! away, and decisions that exclude each other are errors here, so that the generator can carry out what is left.
 
 use super::connect::{touch, unsupported_groups};
 use super::ends::{MemberEnd, end_names, member_ends};
 use super::fields::{Fields, Placed};
 use super::format::OVERRIDE;
+use super::lines::of_slabs;
 use super::members::Members;
 use super::model::{Building, Member, MemberKind, Override, OverrideAction, Preparation};
 use super::partition::Partition;
@@ -42,11 +43,17 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
+    /// Whether it is a strip of a slab, or the foot or head of a wall.
+    fn is_line(&self) -> bool {
+        self.is_end && matches!(self.member.kind, MemberKind::Slab | MemberKind::Wall)
+    }
+
     /// What may be decided about it.
     fn actions(&self) -> &'static [OverrideAction] {
         match (self.member.kind, self.is_end) {
             (MemberKind::Column, true) => &[Hinge, ElasticConnection, RigidConnection],
             (MemberKind::Beam, true) => &[LatentHinge, RigidConnection],
+            (MemberKind::Slab | MemberKind::Wall, true) => &[LatentHinge, ElasticConnection],
             (MemberKind::Slab, false) => &[MergeRigid, MergeElastic],
             (MemberKind::Beam, false) => &[MergeRigid, MergeElastic, BreakAway],
             (MemberKind::Wall, false) => &[RigidBody, MergeRigid],
@@ -57,6 +64,7 @@ impl Target<'_> {
     fn words(&self) -> String {
         let kind = self.member.kind.name();
         match (self.is_end, self.member.kind) {
+            (true, MemberKind::Slab) => "a strip of a slab between two columns".to_string(),
             (true, _) => format!("the end of a {kind}"),
             (false, MemberKind::Slab | MemberKind::Beam) => format!("a {kind}, which stands for its floor"),
             _ => format!("a {kind}"),
@@ -90,7 +98,14 @@ fn targets(members: &Members) -> Vec<Target<'_>> {
         let names = end_names(member.kind).filter(|_| !member.is_skew());
         names.into_iter().flatten().map(move |end| Target { name: name(end), member, is_end: true })
     });
-    whole.chain(ends).collect()
+    let list: Vec<&Member> = all().collect();
+    let strips = of_slabs(&list).into_iter();
+    let strips = strips.map(|line| Target { name: line.id, member: list[line.member], is_end: true });
+    let walls = all().filter(|m| m.kind == MemberKind::Wall && !m.is_skew()).flat_map(|member| {
+        let name = |end: &str| format!("{}.{end}", member.id);
+        ["bottom", "top"].map(|end| Target { name: name(end), member, is_end: true })
+    });
+    whole.chain(ends).chain(walls).chain(strips).collect()
 }
 
 /// Whether an action is about ends.
@@ -139,7 +154,7 @@ fn twice(target: &str, span: Span, first: Span) -> Diagnostic {
         .help("leave one of them out")
 }
 
-/// The targets that a pattern names and an action fits. A pattern with `*` names ends or members, as the action has it.
+/// The targets that a pattern names and an action fits. A pattern with `*` names ends or members, as the action has it, and lines of slabs and walls where it fits them.
 fn selected<'a, 'b>(
     pattern: &str,
     span: Span,
@@ -149,8 +164,11 @@ fn selected<'a, 'b>(
     found: &mut Vec<Diagnostic>,
 ) -> Vec<&'b Target<'a>> {
     let hits: Vec<&Target> = known.iter().filter(|t| matches(pattern, &t.name)).collect();
-    let of_kind: Vec<&Target> =
-        hits.iter().copied().filter(|t| t.is_end == is_of_ends(action) || !pattern.contains('*')).collect();
+    let is_meant = |t: &&Target| {
+        let fits_line = !t.is_line() || t.actions().contains(&action);
+        !pattern.contains('*') || (t.is_end == is_of_ends(action) && fits_line)
+    };
+    let of_kind: Vec<&Target> = hits.iter().copied().filter(is_meant).collect();
     let (fitting, unfit): (Vec<&Target>, Vec<&Target>) =
         of_kind.iter().partition(|t| t.actions().contains(&action));
     if let Some(first) = unfit.first().or(hits.first().filter(|_| of_kind.is_empty())) {
@@ -169,7 +187,7 @@ fn selected<'a, 'b>(
         let help = match near {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!(
-                "members are for instance {}; ends are written `COLUMN.bottom`, `COLUMN.top`, `BEAM.start`, `BEAM.end`",
+                "members are for instance {}; ends are written `COLUMN.bottom`, `COLUMN.top`, `BEAM.start`, `BEAM.end`, strips of slabs `SLAB:COLUMN|COLUMN`",
                 quoted(&known[0].name)
             ),
         };
@@ -181,7 +199,7 @@ fn selected<'a, 'b>(
 /// The member that a target belongs to.
 fn member_of<'a>(draft: &'a Draft, target: &str) -> Option<&'a Member> {
     let find = |id: &str| draft.members.list.iter().map(|m| &m.item).find(|m| m.id == id);
-    find(target).or_else(|| find(target.rsplit_once('.')?.0))
+    find(target).or_else(|| find(target.rsplit_once('.')?.0)).or_else(|| find(target.split_once(':')?.0))
 }
 
 /// Overrides of what charges or cuts take away.

@@ -49,7 +49,7 @@ fn of_kind(kind: &Kind) -> Value {
     match kind {
         Kind::Text(limit) => json!({ "type": "string", "maxLength": limit }),
         Kind::Id | Kind::Reference(_) => json!({ "type": "string", "pattern": "^[A-Za-z0-9_.-]{1,80}$" }),
-        Kind::MemberPattern => json!({ "type": "string", "pattern": "^[A-Za-z0-9_.*-]{1,80}$" }),
+        Kind::MemberPattern => json!({ "type": "string", "pattern": "^[A-Za-z0-9_.*:|-]{1,242}$" }),
         Kind::Version => json!({ "const": SCHEMA_VERSION as i64 }),
         Kind::Quantity(quantity) => of_quantity(quantity),
         Kind::Count(min, max) => json!({ "type": "integer", "minimum": min, "maximum": max }),

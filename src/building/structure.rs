@@ -50,6 +50,11 @@ pub fn is_id(text: &str) -> bool {
     !text.is_empty() && text.len() <= 80 && text.chars().all(allowed)
 }
 
+/// Whether a text may name members, their ends and strips of slabs (`SLAB:COLUMN|COLUMN`), `*` standing for any characters.
+fn is_pattern(text: &str) -> bool {
+    text.replace('*', "x").split([':', '|']).all(is_id)
+}
+
 struct Walk {
     found: Vec<Diagnostic>,
     /// Noun of the table that the whole file is.
@@ -83,7 +88,7 @@ impl Walk {
             Kind::Text(limit) => self.text(node, name, *limit, key),
             Kind::Id | Kind::Reference(_) => self.id(node, name, key),
             Kind::MemberPattern => {
-                if node.text().is_none_or(|t| t.is_empty() || !is_id(&t.replace('*', "x"))) {
+                if !node.text().is_some_and(is_pattern) {
                     self.wrong_type(node, name, "a member id, or a pattern such as \"C1-*\"", key);
                 }
             }

@@ -31,7 +31,7 @@ pub const TRACE_SCHEMA: u32 = 1;
 pub struct Arguments {
     /// The model file
     model: PathBuf,
-    /// Id of a body, joint or member
+    /// Id of a body, joint, member, member end (`C1-A1.top`) or strip of a slab (`S1:C1-A1|C1-B1`)
     part: String,
     #[command(flatten)]
     knowledge: KnowledgeArgs,
@@ -154,7 +154,7 @@ enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The body or joint with this id, else the joint of an end, the body that a member is part of, or that of an end without a joint.
+    /// The body or joint with this id, else the joint of an end, the body that a member is part of, a joint on a line of a slab, or the body of an end or line without a joint.
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
@@ -162,7 +162,12 @@ impl<'a> Part<'a> {
             .or_else(|| model.bushings.iter().find(|j| is_at(j, id)).map(Self::Joint))
             .or_else(|| body(&|b| b.origin.members.iter().any(|m| m == id)))
             .or_else(|| {
-                let (member, _) = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end))?;
+                let of_line = |j: &&Bushing| j.origin.members.iter().any(|m| m == id);
+                model.bushings.iter().find(of_line).map(Self::Joint)
+            })
+            .or_else(|| {
+                let end = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end));
+                let (member, _) = end.or_else(|| id.split_once(':'))?;
                 body(&|b| b.origin.members.iter().any(|m| m == member))
             })
     }

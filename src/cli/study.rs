@@ -3,8 +3,9 @@
 use super::{Failure, Outcome, print, study_compare, study_run};
 use crate::base::json;
 use crate::base::output::write_atomic;
-use crate::study::Study;
+use crate::fe::result::FeEnergies;
 use crate::study::plan::Scene;
+use crate::study::{EndZone, Study};
 use std::path::{Path, PathBuf};
 
 /// Most scenes of a plan: the length of the sequence.
@@ -159,16 +160,46 @@ pub(super) fn described(study: &Study) -> String {
         "  {}; first ground contact: {contact}",
         if facts.collapsed { "collapses" } else { "does not collapse" }
     );
-    let mut zones: Vec<_> = facts.ends.iter().filter_map(|e| e.first_s.map(|t| (t, e))).collect();
+    if let Some(energies) = &study.energies {
+        let words = |e: &FeEnergies| {
+            format!(
+                "gravity {:.4} MJ, internal {:.4}, kinetic {:.4}, contact {:.4}",
+                1e-6 * e.gravity_j,
+                1e-6 * e.internal_j,
+                1e-6 * e.kinetic_j,
+                1e-6 * e.contact_j
+            )
+        };
+        if let Some(first) = &energies.first_contact {
+            let _ = writeln!(text, "  energies at the first contact: {}", words(first));
+        }
+        let _ = writeln!(text, "  energies at the end: {}", words(&energies.end));
+    }
+    let rate = facts.critical_rate_1_s;
+    let _ = writeln!(text, "  zones above {rate} 1/s at member ends:");
+    zones(&facts.ends, &mut text);
+    if facts.lines.iter().any(|l| l.first_s.is_some()) {
+        let _ = writeln!(text, "  zones above {rate} 1/s in strips of slabs and at feet and heads of walls:");
+        zones(&facts.lines, &mut text);
+    }
+    text
+}
+
+/// Those zones that exceed the critical rate, in order of time.
+fn zones(list: &[EndZone], text: &mut String) {
+    use std::fmt::Write;
+    let mut zones: Vec<_> = list.iter().filter_map(|e| e.first_s.map(|t| (t, e))).collect();
     zones.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.id.cmp(&b.1.id)));
-    let _ = writeln!(text, "  zones above {} 1/s at member ends:", facts.critical_rate_1_s);
     for (time, end) in zones {
-        let fracture = end.fracture_s.map_or(String::new(), |t| format!(", fractured at {t:.3} s"));
+        let bore = end.fracture_force.map_or(String::new(), |f| {
+            let [axial_kn, bending_knm] = [1e-3 * f.axial_n, 1e-3 * f.bending_nm];
+            format!(" (it bore {axial_kn:.0} kN and {bending_knm:.0} kN m before)")
+        });
+        let fracture = end.fracture_s.map_or(String::new(), |t| format!(", fractured at {t:.3} s{bore}"));
         let _ = writeln!(
             text,
             "    {:<16} from {time:.2} s, up to {:.2} 1/s, plastic strain {:.3}{fracture}",
             end.id, end.peak_rate_1_s, end.plastic_strain
         );
     }
-    text
 }

@@ -327,6 +327,21 @@ impl Blocks {
         std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
     }
 
+    /// The same of some elements, block by block.
+    pub fn element_forces(&self, elements: &[usize], x: &[[f64; 3]]) -> Vec<(usize, [[f64; 3]; 8])> {
+        let mut places: Vec<(u32, u8, usize)> =
+            elements.iter().map(|e| (self.place[*e].0, self.place[*e].1, *e)).collect();
+        places.sort_unstable();
+        let mut list = Vec::with_capacity(places.len());
+        for of_block in places.chunk_by(|a, b| a.0 == b.0) {
+            let (force, _) = self.still(of_block[0].0 as usize, x);
+            let own =
+                |lane: usize| std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane]));
+            list.extend(of_block.iter().map(|(_, lane, e)| (*e, own(*lane as usize))));
+        }
+        list
+    }
+
     /// Bound of the largest squared frequency of each element at the positions `x` \[1/s²\]; 0 where it does not act.
     pub fn element_bounds_1_s2(&self, x: &[[f64; 3]]) -> Vec<f64> {
         let mut bounds = vec![0.0; self.elements()];

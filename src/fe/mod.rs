@@ -33,6 +33,7 @@ pub mod removal;
 pub mod restart;
 pub mod result;
 pub mod run;
+pub mod section_force;
 pub mod shapes;
 pub mod split;
 pub mod stiffness;

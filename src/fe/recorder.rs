@@ -7,6 +7,7 @@ use super::mesh::{Mesh, Snapped};
 use super::probe::Probe;
 use super::result::{ElementDeath, FeEnergies, FeRun, FeSummary, History, KeptFrame, StrainRates, Touch};
 use super::run::FeError;
+use super::section_force::Sections;
 use super::split::Split;
 use super::strain_rate::StrainWindow;
 use super::truss::BarRupture;
@@ -36,6 +37,7 @@ pub(super) struct Recorder {
     frames: Vec<KeptFrame>,
     rates: StrainRates,
     window: StrainWindow,
+    sections: Sections,
     pub(super) deaths: Vec<ElementDeath>,
     ruptures: Vec<BarRupture>,
     pub(super) removed: Vec<bool>,
@@ -81,6 +83,7 @@ impl Recorder {
             frames: Vec::new(),
             rates: StrainRates::new(mesh.elements.len(), building.settings.critical_strain_rate_1_s),
             window: StrainWindow::new(&body.x),
+            sections: Sections::of(building, mesh),
             deaths: Vec::new(),
             ruptures: Vec::new(),
             removed: vec![false; mesh.elements.len()],
@@ -173,6 +176,7 @@ impl Recorder {
         }
         let rates = self.window.finish(mesh, |e| body.blocks.share(e) > 0.0, &body.x, interval);
         self.rates.add(time_s, &rates);
+        self.sections.look(&body.blocks, &self.removed, &body.x, time_s);
         if self.keep_every > 0 && output.is_multiple_of(self.keep_every) {
             self.frames.push(kept_frame(output, body, &rates, self.rates.critical_1_s));
         }
@@ -289,6 +293,7 @@ impl Recorder {
             strain_rates: self.rates,
             plastic_strain,
             deaths: self.deaths,
+            broken: self.sections.broken,
             ruptures: self.ruptures,
             touches: self.touches,
             energies: self.energies,

@@ -6,6 +6,7 @@ use super::erosion::ErosionTable;
 use super::hybrid::HybridRecord;
 use super::mass_scaling::MassScaling;
 use super::mesh::{Mesh, Snapped};
+use super::section_force::BrokenSection;
 use super::truss::BarRupture;
 use crate::base::cpu::Elapsed;
 use serde::{Deserialize, Serialize};
@@ -32,6 +33,8 @@ pub struct FeRun {
     pub plastic_strain: Vec<f64>,
     /// Element deaths in order.
     pub deaths: Vec<ElementDeath>,
+    /// Sections of columns, beams and walls of which elements failed, in order, with what they bore before.
+    pub broken: Vec<BrokenSection>,
     /// Ruptures of bars in order.
     pub ruptures: Vec<BarRupture>,
     /// First contact of each part with ground or obstacle, in order.
@@ -154,6 +157,28 @@ pub struct FeEnergies {
     pub free_kinetic_j: f64,
     /// What is missing.
     pub residual_j: f64,
+}
+
+impl FeEnergies {
+    /// All of them by a function.
+    #[must_use]
+    pub fn map(self, of: impl Fn(f64) -> f64) -> Self {
+        Self {
+            kinetic_j: of(self.kinetic_j),
+            internal_j: of(self.internal_j),
+            eroded_j: of(self.eroded_j),
+            hourglass_j: of(self.hourglass_j),
+            viscous_j: of(self.viscous_j),
+            gravity_j: of(self.gravity_j),
+            contact_j: of(self.contact_j),
+            friction_j: of(self.friction_j),
+            removed_j: of(self.removed_j),
+            released_j: of(self.released_j),
+            eroded_elastic_j: of(self.eroded_elastic_j),
+            free_kinetic_j: of(self.free_kinetic_j),
+            residual_j: of(self.residual_j),
+        }
+    }
 }
 
 /// Statistics of a run.

@@ -87,7 +87,10 @@ impl Spread<'_> {
         let member = end
             .map(|e| e.member)
             .or_else(|| self.building.members.iter().position(|m| m.id == decided.target));
-        let Some(member) = member else { return };
+        // strips of slabs, feet and heads of walls
+        let Some(member) = member else {
+            return answers.enter(&decided.target, decided, decided.action, false);
+        };
         let bar_or_slab = matches!(self.building.members[member].kind, MemberKind::Slab | MemberKind::Beam);
         let floor: &[usize] =
             self.floors.iter().find(|f| bar_or_slab && f.contains(&member)).map_or(&[], Vec::as_slice);

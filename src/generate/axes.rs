@@ -4,28 +4,15 @@
 //! too strong for that (ARCHITECTURE.md has the figures). With a piece in the middle of each span and of each panel the floor is a coarse grillage (Hambly, Bridge Deck Behaviour, 1976, chapter 3) with its yield lines.
 
 use crate::base::geom::Aabb;
+use crate::building::rows::{MEETS_M, Row, SAME_ROW_M, rows};
 use crate::building::{Building, MemberKind};
 use std::collections::BTreeSet;
-
-/// Columns nearer to each other than this along x or y stand on one axis \[m\].
-const SAME_AXIS_M: f64 = 0.75;
-/// How far a member may be above or below a floor that it meets \[m\].
-pub const MEETS_M: f64 = 1e-3;
-
-/// An axis of columns, or of none.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Axis {
-    /// Its place \[m\].
-    pub at_m: f64,
-    /// Mean width of the columns on it; none: zero \[m\].
-    pub width_m: f64,
-}
 
 /// The axes of a floor along x and y.
 #[derive(Debug, Clone)]
 pub struct FloorAxes {
     /// In order.
-    pub list: [Vec<Axis>; 2],
+    pub list: [Vec<Row>; 2],
     /// What they are.
     pub kind: Kind,
 }
@@ -68,7 +55,7 @@ impl FloorAxes {
                 _ => {}
             }
         }
-        let along = |i: usize| on_axes(columns.iter().map(|s| [s.center()[i], s.size()[i]]).collect());
+        let along = |i: usize| rows(columns.iter().map(|s| [s.center()[i], s.size()[i]]).collect());
         let list = [along(0), along(1)];
         let floor = Spans { columns, beams, walls, list: &list };
         let kind = match (floor.any_without_beam(), everywhere) {
@@ -83,7 +70,7 @@ impl FloorAxes {
     pub fn gap(&self, cell: [usize; 2], i: usize) -> Gap {
         let [own, next] = [0, 1].map(|k| self.list[i][cell[i] + k]);
         let has_columns = self.list[1 - i][cell[1 - i]].width_m > 0.0;
-        let half = |axis: Axis| if has_columns { 0.5 * axis.width_m } else { 0.0 };
+        let half = |axis: Row| if has_columns { 0.5 * axis.width_m } else { 0.0 };
         let faces_m = [own.at_m + half(own), next.at_m - half(next)];
         // a span has one axis without columns at most, in its middle
         let parts = if own.width_m > 0.0 && next.width_m > 0.0 { 1.0 } else { 2.0 };
@@ -97,7 +84,7 @@ struct Spans<'a> {
     columns: Vec<Aabb>,
     beams: Vec<Aabb>,
     walls: Vec<Aabb>,
-    list: &'a [Vec<Axis>; 2],
+    list: &'a [Vec<Row>; 2],
 }
 
 impl Spans<'_> {
@@ -121,7 +108,7 @@ impl Spans<'_> {
 
     /// The axes along x or y that a member stands on.
     fn near(&self, i: usize, solid: &Aabb) -> Vec<usize> {
-        let is_on = |axis: &Axis| (solid.center()[i] - axis.at_m).abs() < SAME_AXIS_M;
+        let is_on = |axis: &Row| (solid.center()[i] - axis.at_m).abs() < SAME_ROW_M;
         (0..self.list[i].len()).filter(|k| is_on(&self.list[i][*k])).collect()
     }
 
@@ -136,11 +123,11 @@ impl Spans<'_> {
     }
 
     /// The axes along x or y, and those in the middles between them; none where a wall in the span holds the floor.
-    fn with_middles(&self, i: usize) -> Vec<Axis> {
+    fn with_middles(&self, i: usize) -> Vec<Row> {
         let mut all = self.list[i].clone();
         let is_held =
             |at_m: &f64| self.walls.iter().any(|w| w.size()[i] > w.size()[1 - i] && crosses(w, i, *at_m));
-        all.extend(self.middles(i).filter(|m| !is_held(m)).map(|at_m| Axis { at_m, width_m: 0.0 }));
+        all.extend(self.middles(i).filter(|m| !is_held(m)).map(|at_m| Row { at_m, width_m: 0.0 }));
         all.sort_by(|a, b| a.at_m.total_cmp(&b.at_m));
         all
     }
@@ -151,30 +138,9 @@ fn crosses(solid: &Aabb, i: usize, at_m: f64) -> bool {
     solid.min[i] < at_m && solid.max[i] > at_m
 }
 
-/// Places and widths gathered on axes, in order.
-pub fn on_axes(mut places: Vec<[f64; 2]>) -> Vec<Axis> {
-    places.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut groups: Vec<Vec<[f64; 2]>> = Vec::new();
-    for place in places {
-        match groups.last_mut().filter(|g| place[0] - g[0][0] < SAME_AXIS_M) {
-            Some(group) => group.push(place),
-            None => groups.push(vec![place]),
-        }
-    }
-    let mean = |g: &[[f64; 2]], i: usize| g.iter().map(|p| p[i]).sum::<f64>() / g.len() as f64;
-    groups.iter().map(|g| Axis { at_m: mean(g, 0), width_m: mean(g, 1) }).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn columns_out_of_line_stand_on_one_axis() {
-        let axes = on_axes(vec![[5.0, 0.4], [0.0, 0.4], [0.2, 0.6], [5.0, 0.4]]);
-        assert_eq!(axes.len(), 2);
-        assert!((axes[0].at_m - 0.1).abs() < 1e-12 && (axes[0].width_m - 0.5).abs() < 1e-12, "{axes:?}");
-    }
 
     fn column(x: f64, y: f64) -> Aabb {
         Aabb { min: [x - 0.2, y - 0.2, 0.0], max: [x + 0.2, y + 0.2, 3.0] }
@@ -188,7 +154,7 @@ mod tests {
     fn spans_without_a_beam_get_middles_but_over_walls() {
         let columns: Vec<Aabb> =
             [0.0, 6.0, 12.0].iter().flat_map(|x| [column(*x, 0.0), column(*x, 5.0)]).collect();
-        let along = |i: usize| on_axes(columns.iter().map(|s| [s.center()[i], s.size()[i]]).collect());
+        let along = |i: usize| rows(columns.iter().map(|s| [s.center()[i], s.size()[i]]).collect());
         let list = [along(0), along(1)];
         let perimeter = vec![
             beam([0.0, 0.0], [12.0, 0.0]),

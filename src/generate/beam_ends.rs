@@ -44,6 +44,18 @@ pub struct Ends {
     pub elongation_m: Option<f64>,
 }
 
+impl Ends {
+    /// Of beams that do not yield, for the stiffness against rotation of their middle \[N m/rad\].
+    pub fn elastic(stiffness_nm_rad: f64) -> Self {
+        Self {
+            bending: Bending::Elastic { stiffness_nm_rad },
+            beam: None,
+            squash_n: None,
+            elongation_m: None,
+        }
+    }
+}
+
 /// The beams of all floors that bend, and their curves.
 pub struct YieldingEnds<'a> {
     /// Planes of the mesh along x, y and z \[m\].
@@ -76,12 +88,7 @@ impl<'a> YieldingEnds<'a> {
 
     /// The ends of the beams in a cut, for the stiffness against rotation of its middle \[N m/rad\].
     pub fn of(&mut self, building: &Building, id: &str, cut: &BeamCut, stiffness_nm_rad: f64) -> Ends {
-        let elastic = Ends {
-            bending: Bending::Elastic { stiffness_nm_rad },
-            beam: None,
-            squash_n: None,
-            elongation_m: None,
-        };
+        let elastic = Ends::elastic(stiffness_nm_rad);
         let row_m = self.row_m(cut);
         let Some((section, _)) = self.weaker(building, cut) else { return elastic };
         let half_length_m = 0.5 * (cut.faces_m[1] - cut.faces_m[0]) - POLE * row_m;

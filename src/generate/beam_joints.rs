@@ -5,8 +5,9 @@
 //!
 //! Half of a joint belongs to each of its beams, also where there is only one.
 
-use super::axes::{FloorAxes, MEETS_M};
+use super::axes::FloorAxes;
 use crate::base::geom::Aabb;
+use crate::building::rows::MEETS_M;
 use crate::building::tracked::is_taken_away;
 use crate::building::{Building, Member, MemberKind};
 
@@ -45,7 +46,8 @@ impl BeamJoints {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate::axes::{Axis, Kind};
+    use crate::building::rows::Row;
+    use crate::generate::axes::Kind;
 
     #[test]
     fn columns_on_and_under_a_joint_hold_its_beams() {
@@ -54,7 +56,7 @@ mod tests {
             on: vec![column(5.0, [3.5, 6.5]), column(10.0, [3.5, 6.5])],
             under: vec![column(10.0, [0.0, 3.0]), column(15.1, [0.0, 3.0])],
         };
-        let axis = |at_m: f64| Axis { at_m, width_m: 0.4 };
+        let axis = |at_m: f64| Row { at_m, width_m: 0.4 };
         let list = [[0.0, 5.0, 10.0, 15.0].map(axis).to_vec(), vec![axis(0.0)]];
         let axes = FloorAxes { list, kind: Kind::Columns };
         for (i, share) in SHARES.iter().enumerate().map(|(i, s)| ([0, 1, 3, 2][i], s)) {

@@ -1,9 +1,9 @@
 //! What of a floor crosses a cut between two of its pieces: beams with their flanges, strips, and the slab beside them.
 
-use super::axes::MEETS_M;
 use super::cells::Piece;
 use super::junction;
 use super::panels::Given;
+use crate::building::rows::MEETS_M;
 use crate::building::{Building, MemberKind};
 use crate::graph::frame::Element;
 use crate::graph::shear_lag::{Stretch, bending_n_m2};
@@ -36,6 +36,9 @@ pub struct Cut {
     pub sum: Crossing,
     /// What of the resistance of its slab springs across panels have.
     pub given: Given,
+    /// The lines of slabs that it is on, and whether what crosses it may yield.
+    pub lines: Vec<String>,
+    pub yields: bool,
 }
 
 /// Sums over the beams that cross a cut.

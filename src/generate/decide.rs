@@ -9,7 +9,8 @@ use crate::building::ends::{self, MemberEnd};
 use crate::building::{Building, MemberKind};
 use crate::graph::{Connection, End};
 use crate::mbs::Model;
-use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, SubjectError, Trace, Value};
+use crate::rules::features::MEMBER_KINDS;
+use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, SubjectError, SubjectKind, Trace, Value};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -91,6 +92,8 @@ pub struct Decision {
     pub elastic: BTreeSet<String>,
     /// Beam ends at which floors may fold, with the ids of the rules that say so.
     pub latent: BTreeMap<String, Vec<String>>,
+    /// Lines of slabs, and feet and heads of walls, that stay elastic.
+    pub elastic_lines: BTreeSet<String>,
     /// Columns that may break between their ends once something has happened to them.
     sections: BTreeMap<usize, Sections>,
     /// Beams that may break away from their slab then.
@@ -107,6 +110,51 @@ pub struct Decision {
     beyond: BTreeMap<(String, bool), (String, usize)>,
 }
 
+/// Who is asked about what.
+struct Questions<'a> {
+    building: &'a Building,
+    places: &'a [MemberEnd],
+    known: &'a Known,
+    accuracy: Accuracy,
+    rules: &'a RuleBase,
+    answers: &'a Answers,
+}
+
+/// A subject with what the rules say of it.
+type Asked = Result<(Subject, Trace), SubjectError>;
+
+impl Questions<'_> {
+    /// With the level of detail that is wished for.
+    fn wished(&self, subject: &Subject) -> Subject {
+        subject.clone().with("wish.accuracy", self.accuracy.name())
+    }
+
+    fn traced(&self, subject: Subject) -> Asked {
+        self.rules.trace(&subject).map(|trace| (subject, trace))
+    }
+
+    /// What the rules say of a subject depends on it alone: they are asked side by side, and answers are taken in their order.
+    fn ask(&self, list: &[Subject]) -> Vec<Asked> {
+        list.par_iter().map(|subject| self.traced(self.wished(subject))).collect()
+    }
+
+    /// What they say of members that may break away from their slabs after the first contact: those of which any rule may say so, or of which the analyst does.
+    fn ask_later(&self) -> Vec<(usize, Asked)> {
+        let kinds = parting(self.rules, self.accuracy);
+        let may_part = |i: &usize| {
+            let member = &self.building.members[*i];
+            kinds.contains(&member.kind.name()) || self.answers.about(&web_of(&member.id), None).is_some()
+        };
+        let later = |i: usize| {
+            let subject = &self.known.members[i];
+            let later = Subject { id: web_of(&subject.id), ..self.wished(subject) };
+            (i, self.traced(later.with("collapse.phase", "after_contact")))
+        };
+        let members: Vec<usize> = (0..self.known.members.len()).filter(may_part).collect();
+        members.into_par_iter().map(later).collect()
+    }
+}
+
 impl Decision {
     /// Asks the rules. An end of a member that merges with its neighbours needs no decision of its own.
     pub fn of(
@@ -119,70 +167,92 @@ impl Decision {
     ) -> Result<Self, GenerateError> {
         let none = vec![false; building.members.len()];
         let mut this = Self { merges: none.clone(), bends: none, ..Self::default() };
+        let questions = Questions { building, places, known, accuracy, rules, answers };
         let mut gaps = Vec::new();
-        let wished = |subject: &Subject| subject.clone().with("wish.accuracy", accuracy.name());
-        // what the rules say of a subject depends on it alone; answers are taken in their order
-        let traced = |subject: Subject| rules.trace(&subject).map(|trace| (subject, trace));
-        let asked = |list: &[Subject]| -> Vec<Result<(Subject, Trace), SubjectError>> {
-            list.par_iter().map(|subject| traced(wished(subject))).collect()
-        };
-        for (index, asked) in asked(&known.members).into_iter().enumerate() {
-            let (subject, trace) = asked?;
-            match this.answered(answers, &subject, trace, Aspect::Body) {
-                Some(Action::MergeRigid) => this.merges[index] = true,
-                Some(Action::MergeElastic) => (this.merges[index], this.bends[index]) = (true, true),
+        this.of_members(&questions, &mut gaps)?;
+        this.of_ends(&questions, &mut gaps)?;
+        this.of_lines(&questions, &mut gaps)?;
+        for (index, subject) in known.members.iter().enumerate().filter(|(i, _)| is_column(building, *i)) {
+            this.divide(rules, index, &questions.wished(subject))?;
+        }
+        this.of_webs(&questions)?;
+        this.notes.extend(this.beyond.iter().map(beyond_words));
+        if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
+    }
+
+    /// How members become bodies.
+    fn of_members(&mut self, asked: &Questions<'_>, gaps: &mut Vec<String>) -> Result<(), GenerateError> {
+        for (index, said) in asked.ask(&asked.known.members).into_iter().enumerate() {
+            let (subject, trace) = said?;
+            match self.answered(asked.answers, &subject, trace, Aspect::Body) {
+                Some(Action::MergeRigid) => self.merges[index] = true,
+                Some(Action::MergeElastic) => (self.merges[index], self.bends[index]) = (true, true),
                 Some(Action::RigidBody) => {}
                 Some(other) => return Err(unsupported(&subject, other)),
                 None => gaps.push(subject.id),
             }
         }
-        for (end, asked) in places.iter().zip(asked(&known.ends)) {
-            let column = is_column(building, end.member);
-            let (subject, trace) = asked?;
-            let answer = this.answered(answers, &subject, trace, Aspect::Rotation);
-            match answer {
+        Ok(())
+    }
+
+    /// How the ends of columns and beams resist rotation.
+    fn of_ends(&mut self, asked: &Questions<'_>, gaps: &mut Vec<String>) -> Result<(), GenerateError> {
+        for (end, said) in asked.places.iter().zip(asked.ask(&asked.known.ends)) {
+            let column = is_column(asked.building, end.member);
+            let (subject, trace) = said?;
+            match self.answered(asked.answers, &subject, trace, Aspect::Rotation) {
                 Some(Action::Hinge) if column => {
-                    this.hinges.insert(end.id.clone(), this.fired(&end.id));
+                    self.hinges.insert(end.id.clone(), self.fired(&end.id));
                 }
                 Some(Action::ElasticConnection) if column => {
-                    this.hinges.insert(end.id.clone(), this.fired(&end.id));
-                    this.elastic.insert(end.id.clone());
+                    self.hinges.insert(end.id.clone(), self.fired(&end.id));
+                    self.elastic.insert(end.id.clone());
                 }
                 Some(Action::LatentHinge) if !column => {
-                    this.latent.insert(end.id.clone(), this.fired(&end.id));
+                    self.latent.insert(end.id.clone(), self.fired(&end.id));
                 }
                 Some(Action::RigidConnection) if !column => {}
-                Some(Action::RigidConnection) if this.overruled.contains_key(&end.id) => {
+                Some(Action::RigidConnection) if self.overruled.contains_key(&end.id) => {
                     let upper = end.end == ends::End::Upper;
-                    this.rigid.insert((end.member, if upper { End::High } else { End::Low }));
+                    self.rigid.insert((end.member, if upper { End::High } else { End::Low }));
                 }
                 Some(other) => return Err(unsupported(&subject, other)),
                 None => gaps.push(end.id.clone()),
             }
         }
-        for (index, subject) in known.members.iter().enumerate().filter(|(i, _)| is_column(building, *i)) {
-            this.divide(rules, index, &wished(subject))?;
+        Ok(())
+    }
+
+    /// Whether lines of slabs and ends of walls yield.
+    fn of_lines(&mut self, asked: &Questions<'_>, gaps: &mut Vec<String>) -> Result<(), GenerateError> {
+        for said in asked.ask(&asked.known.lines) {
+            let (subject, trace) = said?;
+            match self.answered(asked.answers, &subject, trace, Aspect::Rotation) {
+                Some(Action::LatentHinge) => {}
+                Some(Action::ElasticConnection) => _ = self.elastic_lines.insert(subject.id),
+                Some(other) => return Err(unsupported(&subject, other)),
+                None => gaps.push(subject.id),
+            }
         }
+        Ok(())
+    }
+
+    /// Which beams may break away from their slabs.
+    fn of_webs(&mut self, asked: &Questions<'_>) -> Result<(), GenerateError> {
         let mut others: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-        let later = |subject: &Subject| {
-            let later = Subject { id: web_of(&subject.id), ..wished(subject) };
-            traced(later.with("collapse.phase", "after_contact"))
-        };
-        let webs: Vec<Result<(Subject, Trace), SubjectError>> = known.members.par_iter().map(later).collect();
-        for (index, asked) in webs.into_iter().enumerate() {
-            let is_beam = building.members[index].kind == MemberKind::Beam;
-            match this.break_away(answers, asked?) {
-                Some(_) if is_beam => _ = this.webs.insert(index),
-                Some(rule) => others.entry(rule).or_default().push(&known.members[index].id),
+        for (index, said) in asked.ask_later() {
+            let member = &asked.building.members[index];
+            match self.break_away(asked.answers, said?) {
+                Some(_) if member.kind == MemberKind::Beam => _ = self.webs.insert(index),
+                Some(rule) => others.entry(rule).or_default().push(&member.id),
                 None => {}
             }
         }
-        this.notes.extend(others.iter().map(|(rule, members)| {
+        self.notes.extend(others.iter().map(|(rule, members)| {
             let members = members.join(", ");
             format!("rule `{rule}` has {members} break away from a slab, which only beams can: ask for `member.kind == 'beam'` in its condition")
         }));
-        this.notes.extend(this.beyond.iter().map(beyond_words));
-        if gaps.is_empty() { Ok(this) } else { Err(GenerateError::Gap(gaps)) }
+        Ok(())
     }
 
     /// Asks the rules where a column may break between its ends after the first contact. Only one with hinges at its ends can: what it bears is known from there.
@@ -383,7 +453,8 @@ impl Decision {
             }
         }
         for subject in self.overruled.keys().filter(|id| !told.contains(id.as_str())) {
-            let member = subject.rsplit_once('.').map_or(subject.as_str(), |(member, _)| member);
+            let parts = subject.split_once(':').or_else(|| subject.rsplit_once('.'));
+            let member = parts.map_or(subject.as_str(), |(member, _)| member);
             let body = model.bodies.iter().find(|b| b.origin.members.iter().any(|m| m == member));
             reasons.extend(body.and_then(|body| self.of_analyst(subject, &body.id, &[])));
         }
@@ -411,6 +482,18 @@ impl Decision {
             instead_of: superseded.collect(),
         })
     }
+}
+
+/// Kinds of members that a rule may have break away from their slabs.
+fn parting(rules: &RuleBase, accuracy: Accuracy) -> Vec<&'static str> {
+    let may = |kind: &&&str| {
+        let subject = Subject::new(SubjectKind::Member, kind)
+            .with("member.kind", **kind)
+            .with("collapse.phase", "after_contact")
+            .with("wish.accuracy", accuracy.name());
+        rules.possible(&subject).any(|rule| rule.action == Action::BreakAway)
+    };
+    MEMBER_KINDS.iter().filter(may).copied().collect()
 }
 
 /// What to know of a rule outside its range of evidence.

@@ -3,11 +3,12 @@
 //! The mass between the axes of columns moves as the floor bends: along x and along y by the cubic of a beam whose ends move with the pieces, and by the product of both in a panel. Where all four pieces about a
 //! panel move as one rigid body, so does the mass.
 
-use super::axes::{Axis, FloorAxes};
+use super::axes::FloorAxes;
 use super::bodies::Bodies;
 use super::cells::{Piece, by_cell};
 use crate::base::geom::Aabb;
 use crate::building::Building;
+use crate::building::rows::Row;
 use crate::mbs::model::{MassBlock, SharedMass};
 use std::collections::BTreeMap;
 
@@ -100,7 +101,7 @@ fn moved(
 }
 
 /// What the axes on both sides of a place do to it: rigidly with an axis up to the faces of its columns and beyond the last one, by the cubic of a clamped beam between faces.
-fn shares(axes: &[Axis], at_m: f64) -> Vec<Share> {
+fn shares(axes: &[Row], at_m: f64) -> Vec<Share> {
     let after = axes.partition_point(|a| a.at_m <= at_m);
     let rigid = |k: usize| vec![(k, [1.0, at_m - axes[k].at_m])];
     if after == 0 {
@@ -129,7 +130,7 @@ mod tests {
     /// The entries of the consistent mass matrix of a beam between faces, which the axes move rigidly (Przemieniecki 1968, eq. 11.17).
     #[test]
     fn mass_between_axes_moves_as_a_clamped_beam() {
-        let axes = [Axis { at_m: 1.0, width_m: 0.4 }, Axis { at_m: 7.0, width_m: 0.6 }];
+        let axes = [Row { at_m: 1.0, width_m: 0.4 }, Row { at_m: 7.0, width_m: 0.6 }];
         let (start, length) = (1.2, 5.5);
         let n = 4000;
         let mut sums = [[0.0; 4]; 4];
@@ -158,7 +159,7 @@ mod tests {
 
     #[test]
     fn axes_move_their_columns_and_what_is_beyond_them_rigidly() {
-        let axes = [Axis { at_m: 1.0, width_m: 0.4 }, Axis { at_m: 7.0, width_m: 0.6 }];
+        let axes = [Row { at_m: 1.0, width_m: 0.4 }, Row { at_m: 7.0, width_m: 0.6 }];
         for (at, axis) in [(0.5, 0), (1.0, 0), (1.15, 0), (6.8, 1), (7.4, 1)] {
             let moved = shares(&axes, at);
             assert_eq!(moved.len(), 1, "{at}");

@@ -9,12 +9,14 @@ use super::floors::Line;
 use super::joints::{self, Query};
 use super::known::Known;
 use super::levers;
+use super::lines::{Lines, obeyed};
 use super::{
     Accuracy, Division, EventReason, GenerateError, Generated, Jointless, Parts, StaysWhole, Wishes,
     bending_floors, charges, contact, event_rules, sections, tracked, unasked, walls, webs_of,
 };
 use crate::base::hash::ContentHash;
 use crate::building::ends::{MemberEnd, member_ends};
+use crate::building::lines::{Line as PlateLine, lines as plate_lines};
 use crate::building::{Building, Override};
 use crate::fe::mesh::Mesh;
 use crate::graph::demand::Solved;
@@ -38,6 +40,7 @@ pub struct Generator<'a> {
     accuracy: Accuracy,
     structure: Structure,
     ends: Vec<MemberEnd>,
+    plates: Vec<PlateLine>,
     demands: Demands,
     /// The building without what is cut away in preparation.
     frame: Frame,
@@ -87,10 +90,11 @@ impl<'a> Generator<'a> {
         let structure = Structure::of(building);
         stages.end("graph", 0.0);
         let ends = member_ends(building, &structure.partition);
+        let plates = plate_lines(building, &structure.partition);
         stages.end("ends", 0.0);
         let solved = || {
             let Solved { demands, frame } = Solved::of(&structure, building);
-            (Known::of(building, &structure, &ends, &demands), demands, frame)
+            (Known::of(building, &structure, (&ends, &plates), &demands), demands, frame)
         };
         let meshed = || {
             let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
@@ -107,6 +111,7 @@ impl<'a> Generator<'a> {
             accuracy,
             structure,
             ends,
+            plates,
             demands,
             frame,
             known,
@@ -132,7 +137,18 @@ impl<'a> Generator<'a> {
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Generated, GenerateError> {
         let Self {
-            building, rules, accuracy, structure, ends, demands, frame, mesh, around, library, ..
+            building,
+            rules,
+            accuracy,
+            structure,
+            ends,
+            plates,
+            demands,
+            frame,
+            mesh,
+            around,
+            library,
+            ..
         } = self;
         let (building, rules, partition) = (*building, *rules, &structure.partition);
         let mut stages = Stages { began: Instant::now(), ..self.stages.clone() };
@@ -225,7 +241,7 @@ impl<'a> Generator<'a> {
                 building,
             )?);
         }
-        let (walls, wall_curves) = walls::springs(building, structure, &bodies, &around.planes);
+        let (walls, wall_curves) = walls::springs(&place, structure, &decision, &around.planes);
         if !walls.is_empty() {
             notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
         }
@@ -243,9 +259,17 @@ impl<'a> Generator<'a> {
         let mut contact = contact(building);
         contact.crushing = struck.faces(building, &bodies, &found);
         let mut yielding = YieldingEnds::new(&around.planes, ends);
-        let shared_masses =
-            bending_floors(building, frame, &floors, &bodies, (&mut hinges, &mut yielding), &mut contact);
+        let of_slabs = Lines::of(plates, &decision);
+        let shared_masses = bending_floors(
+            building,
+            frame,
+            &floors,
+            &bodies,
+            (&mut hinges, &of_slabs, &mut yielding),
+            &mut contact,
+        );
         curves.extend(yielding.into_curves());
+        obeyed(plates, &decision, &hinges)?;
         hinges.extend(webs.bushings);
         let used: BTreeSet<&String> =
             hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();

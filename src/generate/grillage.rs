@@ -9,12 +9,13 @@
 //! are in their stiffness already. At the finest level of detail all floors have such pieces, those with beams in all spans with springs in the centres of their sections. Left out: yield in the plane of a floor and by torsion.
 
 use super::axes::{FloorAxes, Gap, Kind};
-use super::beam_ends::{BeamCut, YieldingEnds};
+use super::beam_ends::{BeamCut, Ends, YieldingEnds};
 use super::beam_joints::BeamJoints;
 use super::bodies::Bodies;
 use super::cells::{Cells, Piece, by_cell, diagonals, neighbours};
 use super::crossing::{Crossing, Cut, InPlane, in_the_middle};
 use super::joints::axes;
+use super::lines::Lines;
 use super::panels::{Given, Panel};
 use super::twist;
 use super::webs::{Web, share_of};
@@ -88,9 +89,10 @@ impl Grillage {
         frame: &Frame,
         (pieces, webs): (&[Piece], &[Web]),
         (bodies, first): (&Bodies, usize),
-        yielding: &mut YieldingEnds,
+        (places, yielding): (&Lines, &mut YieldingEnds),
     ) -> Vec<Bushing> {
         let mut cuts = self.cuts(building, frame, pieces);
+        cuts.iter_mut().for_each(|cut| places.of_cut(&self.cells.members, cut));
         let panels = if self.axes.kind == Kind::OpenSpans { Panel::all(&cuts) } else { Vec::new() };
         panels.iter().for_each(|p| p.take(&mut cuts));
         if self.axes.kind == Kind::Columns {
@@ -159,8 +161,21 @@ impl Grillage {
                 };
                 bends_m += half_m(0) + half_m(1);
             }
-            let (pieces, given) = ([a, b], Given::default());
-            Some(Cut { axis, pieces, point_m, faces_m, held, axes_m, length_m, bends_m, plane, sum, given })
+            Some(Cut {
+                axis,
+                pieces: [a, b],
+                point_m,
+                faces_m,
+                held,
+                axes_m,
+                length_m,
+                bends_m,
+                plane,
+                sum,
+                given: Given::default(),
+                lines: Vec::new(),
+                yields: true,
+            })
         };
         neighbours(pieces).into_iter().filter_map(between).collect()
     }
@@ -179,9 +194,12 @@ fn spring(
     let [turn_in_plane, sideways] = in_the_middle([plane.bending; 2], plane.shear, length_m);
     let [of_a, of_b] = cut.pieces.map(|p| &bodies[p]);
     let id = format!("{}|{}", of_a.id, of_b.id);
-    let ends = yielding.of(building, &id, &cut.beam(pieces), turn);
+    let ends =
+        if cut.yields { yielding.of(building, &id, &cut.beam(pieces), turn) } else { Ends::elastic(turn) };
     let vertical = cut.give(building, pieces, ends.bending, yielding);
     let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
+    let mut members = of_a.origin.members.clone();
+    members.append(&mut cut.lines);
     Bushing {
         axial_stiffness_n_m: cut.plane.axial / length_m,
         shear_stiffness_n_m: if axis == 0 { [sideways, shear] } else { [shear, sideways] },
@@ -192,7 +210,7 @@ fn spring(
         tensile_elongation_m: ends.elongation_m,
         compressive_capacity_n: ends.squash_n,
         associated_flow: true,
-        origin: Origin { entries: Vec::new(), ..of_a.origin.clone() },
+        origin: Origin { entries: Vec::new(), members, ..of_a.origin.clone() },
         ..Bushing::free(id, Some(of_a.id.clone()), of_b.id.clone(), cut.point_m, axes(axis, 1.0))
     }
 }

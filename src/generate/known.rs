@@ -3,12 +3,14 @@
 //!
 //! Each feature is found by sorting or by looking up in a tree, so that the cost grows as `n log n` with the number of members.
 
-use super::axes::on_axes;
 use super::is_column;
+use super::known_lines::Lines;
 use super::nearest::Nearest;
 use super::stretch::stretches;
 use crate::building::ends::{End, MemberEnd, member_ends};
+use crate::building::lines::{Line, lines};
 use crate::building::partition::Partition;
+use crate::building::rows::rows;
 use crate::building::{Building, Member, MemberKind, Obstacle, Preparation};
 use crate::graph::demand::StateSummary;
 use crate::graph::{Demands, EndDemand, EndState, Structure, demands};
@@ -25,31 +27,41 @@ pub struct Known {
     pub members: Vec<Subject>,
     /// Of the ends of columns and beams, in their order.
     pub ends: Vec<Subject>,
+    /// Of the lines of slabs, and the feet and heads of walls.
+    pub lines: Vec<Subject>,
 }
 
 impl Known {
     /// Of a building of which structure, ends and demands have been found.
-    pub fn of(building: &Building, structure: &Structure, ends: &[MemberEnd], demands: &Demands) -> Self {
+    pub fn of(
+        building: &Building,
+        structure: &Structure,
+        (ends, of_plates): (&[MemberEnd], &[Line]),
+        demands: &Demands,
+    ) -> Self {
         let site = Site::of(building, ends, demands);
         let lengths = clear_lengths(building, &structure.partition);
         let members: Vec<Subject> = (0..building.members.len()).map(|i| site.member(i, lengths[i])).collect();
         let joints = Joints::of(building, ends);
+        let known = Lines::of(&site, of_plates, &joints);
+        let lines = of_plates.iter().map(|line| known.subject(line, &members[line.member])).collect();
         let ends = (0..ends.len()).map(|i| site.end(i, &members, &joints, &structure.partition)).collect();
-        Self { members, ends }
+        Self { members, ends, lines }
     }
 
     /// Of a building alone: its elastic demands are computed, no FE run and no library is needed.
     pub fn of_building(building: &Building) -> Self {
         let structure = Structure::of(building);
         let ends = member_ends(building, &structure.partition);
-        Self::of(building, &structure, &ends, &demands(&structure, building))
+        let plates = lines(building, &structure.partition);
+        Self::of(building, &structure, (&ends, &plates), &demands(&structure, building))
     }
 }
 
 /// What the parts of a building have in common, and the look-up tables.
-struct Site<'a> {
-    building: &'a Building,
-    ends: &'a [MemberEnd],
+pub(super) struct Site<'a> {
+    pub building: &'a Building,
+    pub ends: &'a [MemberEnd],
     /// Demands of the ends, by id.
     demands: BTreeMap<&'a str, &'a EndDemand>,
     /// The building as a whole.
@@ -73,7 +85,7 @@ impl<'a> Site<'a> {
     fn of(building: &'a Building, ends: &'a [MemberEnd], demands: &'a Demands) -> Self {
         let columns = || building.members.iter().filter(|m| m.kind == MemberKind::Column);
         let span = |axis: usize| {
-            let axes = on_axes(columns().map(|m| [m.solid.center()[axis], 0.0]).collect());
+            let axes = rows(columns().map(|m| [m.solid.center()[axis], 0.0]).collect());
             axes.windows(2).map(|w| w[1].at_m - w[0].at_m).fold(0.0, f64::max)
         };
         let depths = |kind: MemberKind| {
@@ -211,13 +223,13 @@ impl<'a> Site<'a> {
     }
 
     /// Distance in plan to the nearest column that a charge takes away, in longest spans.
-    fn charge_distance(&self, plan: [f64; 2]) -> Option<f64> {
+    pub fn charge_distance(&self, plan: [f64; 2]) -> Option<f64> {
         let (distance, ..) = self.removed.to(plan).filter(|_| self.span_m > 0.0)?;
         Some(distance / self.span_m)
     }
 
     /// Whether a charge takes a column away below a place.
-    fn over_charge(&self, point: [f64; 3]) -> bool {
+    pub fn over_charge(&self, point: [f64; 3]) -> bool {
         self.removed.to([point[0], point[1]]).is_some_and(|(_, at, (half, level))| {
             (0..2).all(|i| (point[i] - at[i]).abs() <= half[i] + JOINT_TOLERANCE_M)
                 && level < point[2] - JOINT_TOLERANCE_M
@@ -251,13 +263,23 @@ impl<'a> Site<'a> {
             .with("end.over_charge", self.over_charge(end.point_m))
             .with_known("end.charge_distance", self.charge_distance(plan))
             .with_known("end.demand_ratio", after(index).map(|s| s.section.ratio))
-            .with_known("end.law_demand_ratio", after(index).map(|s| s.homogenised.ratio))
+            .with_known("end.law_demand_ratio", self.law_ratio(index))
             .with_known(
                 "end.demand_ratio_before",
                 self.demand(index).and_then(|d| Some(d.before?.section.ratio)),
             )
             .with_known("end.column_demand_ratio", columns)
             .with_known("end.joint_strength", self.joint_strength(index, joints))
+    }
+
+    /// Whether a member stands on a support.
+    pub fn is_held(&self, member: usize) -> bool {
+        self.held.contains(self.building.members[member].id.as_str())
+    }
+
+    /// Demand ratio of an end after the removal, by the homogenised law.
+    pub fn law_ratio(&self, end: usize) -> Option<f64> {
+        Some(self.demand(end)?.after?.homogenised.ratio)
     }
 
     fn demand(&self, end: usize) -> Option<&EndDemand> {
@@ -313,7 +335,7 @@ fn clear_lengths(building: &Building, partition: &Partition) -> Vec<Option<f64>>
 }
 
 /// Which ends of beams and columns meet.
-struct Joints {
+pub(super) struct Joints {
     /// Column ends at the joints of beam ends.
     columns: BTreeMap<usize, Vec<usize>>,
     /// Beam ends at the joints of column ends.
@@ -346,6 +368,11 @@ impl Joints {
             this.columns.insert(i, own);
         }
         this
+    }
+
+    /// Column ends at the joint of a beam end.
+    pub fn columns_at(&self, end: usize) -> impl Iterator<Item = usize> + Clone {
+        self.columns.get(&end).into_iter().flatten().copied()
     }
 
     /// Beam ends and column ends at the joint of an end.

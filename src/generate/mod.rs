@@ -25,7 +25,9 @@ mod jointless;
 mod joints;
 mod junction;
 pub mod known;
+mod known_lines;
 mod levers;
+mod lines;
 mod nearest;
 mod panels;
 mod rigid;
@@ -69,6 +71,7 @@ use bodies::Bodies;
 use cells::Piece;
 use floors::{Grid, Line};
 use grillage::Grillage;
+use lines::Lines;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use webs::{Stays, Web, Webs};
@@ -440,12 +443,13 @@ fn bending_floors(
     frame: &Frame,
     floors: &[Divided],
     bodies: &Bodies,
-    (springs, yielding): (&mut Vec<Bushing>, &mut YieldingEnds),
+    (springs, lines, yielding): (&mut Vec<Bushing>, &Lines, &mut YieldingEnds),
     contact: &mut Contact,
 ) -> Vec<SharedMass> {
     for Divided { floor, first, pieces, webs } in floors {
         if let Floor::Bends(grillage) = floor {
-            springs.extend(grillage.springs(building, frame, (pieces, webs), (bodies, *first), yielding));
+            let own = grillage.springs(building, frame, (pieces, webs), (bodies, *first), (lines, yielding));
+            springs.extend(own);
             contact.pairs.extend(grillage::corners(pieces, bodies, *first));
         }
     }

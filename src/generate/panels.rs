@@ -230,6 +230,8 @@ mod tests {
                 plane,
                 sum,
                 given: Given::default(),
+                lines: Vec::new(),
+                yields: true,
             }
         };
         let cells = |axis: usize| {

@@ -2,7 +2,7 @@
 //!
 //! A column stands while it and all below it in its place are there. A floor whose columns go one row after the other hangs over the rest like a cantilever, as long as the rows that have gone are wide.
 
-use super::axes::on_axes;
+use crate::building::rows::rows;
 use crate::building::{Building, Member, MemberKind};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,7 +11,7 @@ pub fn stretches(building: &Building) -> BTreeMap<Option<u32>, f64> {
     let columns: Vec<&Member> = building.members.iter().filter(|m| m.kind == MemberKind::Column).collect();
     let axes = [0, 1].map(|i| {
         let places = columns.iter().map(|m| [m.solid.center()[i], 0.0]).collect();
-        on_axes(places).iter().map(|axis| axis.at_m).collect::<Vec<f64>>()
+        rows(places).iter().map(|axis| axis.at_m).collect::<Vec<f64>>()
     });
     let stacks = stacks(&columns, &axes);
     let edges = edges(building);

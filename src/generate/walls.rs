@@ -9,7 +9,8 @@
 //! In shear a wall stays elastic.
 
 use super::bodies::Bodies;
-use super::joints::{axes, stands};
+use super::decide::Decision;
+use super::joints::{Place, axes, stands};
 use crate::base::geom::Aabb;
 use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
@@ -27,9 +28,9 @@ const LEVELS: [f64; 7] = [-0.95, -0.75, -0.4, 0.0, 0.4, 0.75, 0.95];
 
 /// The springs of all walls that are bodies of their own, and their curves by id, for the planes of a mesh along x, y and z \[m\].
 pub fn springs(
-    building: &Building,
+    &Place { building, bodies, .. }: &Place<'_>,
     structure: &Structure,
-    bodies: &Bodies,
+    decision: &Decision,
     planes: &[Vec<f64>; 3],
 ) -> (Vec<Bushing>, BTreeMap<String, ResistanceCurve>) {
     let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
@@ -37,7 +38,7 @@ pub fn springs(
     for (wall, member) in walls {
         let solid = structure.boxes(wall).iter().copied().reduce(Aabb::around);
         let Some(half) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
-        let own = of_wall(building, structure, bodies, &half);
+        let own = of_wall(building, structure, (bodies, decision), &half);
         if !own.is_empty() {
             curves.insert(curve_id(&member.id), half.curve(planes));
         }
@@ -103,6 +104,20 @@ impl<'a> Half<'a> {
         }
     }
 
+    /// A spring of it that does not yield.
+    fn elastic(&self, spring: Bushing) -> Bushing {
+        let out_of_plane = Bending::Elastic { stiffness_nm_rad: self.out_of_plane() };
+        let [about_x, about_y] = spring.bending;
+        Bushing {
+            bending: if self.along == 0 { [out_of_plane, about_y] } else { [about_x, out_of_plane] },
+            tensile_capacity_n: None,
+            tensile_elongation_m: None,
+            compressive_capacity_n: None,
+            associated_flow: false,
+            ..spring
+        }
+    }
+
     /// Bending out of the plane, by the elements across its thickness.
     fn curve(&self, planes: &[Vec<f64>; 3]) -> ResistanceCurve {
         let edges = |axis: usize| edges_between(&planes[axis], [self.solid.min[axis], self.solid.max[axis]]);
@@ -121,7 +136,12 @@ impl<'a> Half<'a> {
     }
 }
 
-fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, half: &Half) -> Vec<Bushing> {
+fn of_wall(
+    building: &Building,
+    structure: &Structure,
+    (bodies, decision): (&Bodies, &Decision),
+    half: &Half,
+) -> Vec<Bushing> {
     let (mut list, mut feet) = (Vec::new(), [None, None]);
     let (wall, solid, along) = (half.wall, half.solid, half.along);
     let size = solid.size();
@@ -138,8 +158,13 @@ fn of_wall(building: &Building, structure: &Structure, bodies: &Bodies, half: &H
             if other.is_none() && !stands(building, wall, (2, point_m), next) || other == Some(body) {
                 continue;
             }
-            let id = format!("{}.{name}-{}", building.members[wall].id, side + 1);
+            let line = format!("{}.{name}", building.members[wall].id);
+            let id = format!("{line}-{}", side + 1);
             let mut own = spring(building, bodies, half, [other, Some(body)], (id, point_m));
+            if decision.elastic_lines.contains(&line) {
+                own = half.elastic(own);
+            }
+            own.origin.members.push(line);
             if end == 0 {
                 feet[side] = Some(own.id.clone());
             } else {

@@ -217,6 +217,8 @@ fn words(question: &Question, answer: &Answer, conditions: &[String]) -> String 
         ("column-ends" | "column-ends-late", _) => "The end of a column",
         ("floors", _) => "A floor",
         ("columns", _) => "A column",
+        ("slab-lines", _) => "A strip of a slab between columns",
+        ("wall-ends", _) => "The foot or head of a wall",
         _ => "A slab or beam",
     };
     let when = if question.phase == "before_contact" {

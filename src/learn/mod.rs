@@ -22,7 +22,9 @@ pub mod rate;
 mod report;
 pub mod tree;
 
-use crate::building::Building;
+use crate::building::lines::{Line, lines};
+use crate::building::partition::Partition;
+use crate::building::{Building, MemberKind};
 use crate::generate::known::Known;
 use crate::rules::features::{self, FeatureType};
 use crate::rules::{Problems, RuleBase, Source, Subject, Value};
@@ -30,8 +32,9 @@ use crate::study::Study;
 use crate::study::floors::{FloorMotion, floors};
 use draft::Draft;
 use prune::{Validated, validated};
-use questions::{EXPECTED, QUESTIONS, Question};
+use questions::{ANY_PHASE, EXPECTED, QUESTIONS, Question};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use tree::{Column, Kind, RULE_BUILDINGS, Row, Table, YES_BUILDINGS};
 
 /// A study with what was known of its building before.
@@ -41,6 +44,10 @@ pub struct Case {
     pub study: Study,
     /// Features of the building's members and ends.
     pub known: Known,
+    /// Lines of slabs and walls, in the order of their features.
+    pub lines: Vec<Line>,
+    /// Ids of its beams.
+    beams: BTreeSet<String>,
     /// How its floors moved.
     pub floors: Vec<FloorMotion>,
 }
@@ -48,7 +55,19 @@ pub struct Case {
 impl Case {
     /// Of a record and the building that it is of.
     pub fn of(study: Study, building: &Building) -> Self {
-        Self { known: Known::of_building(building), floors: floors(&study, building), study }
+        let beams = building.members.iter().filter(|m| m.kind == MemberKind::Beam);
+        Self {
+            known: Known::of_building(building),
+            lines: lines(building, &Partition::of(building)),
+            beams: beams.map(|m| m.id.clone()).collect(),
+            floors: floors(&study, building),
+            study,
+        }
+    }
+
+    /// Whether a member is a beam.
+    pub fn is_beam(&self, member: &str) -> bool {
+        self.beams.contains(member)
     }
 }
 
@@ -149,7 +168,10 @@ fn table(question: &Question, cases: &[Case], held: &RuleBase) -> Table {
     let mut rows = Vec::new();
     for (building, case) in cases.iter().enumerate() {
         for (subject, yes) in (question.places)(case) {
-            let subject = subject.clone().with("collapse.phase", question.phase);
+            let mut subject = subject.clone();
+            if question.phase != ANY_PHASE {
+                subject = subject.with("collapse.phase", question.phase);
+            }
             rows.push(Row {
                 building,
                 values: columns.iter().map(|column| value(&subject, column)).collect(),
@@ -202,6 +224,9 @@ fn rounded(x: f64) -> f64 {
 impl Question {
     /// The condition that all its rules have.
     fn common(&self) -> String {
+        if self.phase == ANY_PHASE {
+            return self.condition.to_string();
+        }
         format!("collapse.phase == '{}' and {}", self.phase, self.condition)
     }
 

@@ -4,7 +4,7 @@
 //! differently contradict each other unless one has the higher priority.
 
 use super::value::SubjectKind;
-use SubjectKind::{ContactEvent, FractureEvent, Member, MemberEnd, Section};
+use SubjectKind::{ContactEvent, FractureEvent, Member, MemberEnd, Section, SlabLine, WallEnd};
 use serde::Serialize;
 
 /// The question an action answers.
@@ -46,7 +46,7 @@ impl Aspect {
         match kind {
             Member => &[Self::Body],
             MemberEnd => &[Self::Rotation, Self::Translation],
-            Section => &[Self::Rotation],
+            Section | SlabLine | WallEnd => &[Self::Rotation],
             ContactEvent | FractureEvent => &[Self::Change, Self::Rigidity],
         }
     }
@@ -213,17 +213,17 @@ pub static CATALOGUE: &[ActionSpec] = &[
         action: Action::LatentHinge,
         name: "latent_hinge",
         aspect: Aspect::Rotation,
-        subjects: &[MemberEnd, Section],
+        subjects: &[MemberEnd, Section, SlabLine, WallEnd],
         parameters: &[optional("demand_share", ParameterType::Positive("1"))],
-        meaning: "a section that becomes a hinge when its demand reaches (a share of) its resistance",
+        meaning: "a section that becomes a hinge, or a line of a slab or wall that yields, when its demand reaches (a share of) its resistance",
     },
     ActionSpec {
         action: Action::ElasticConnection,
         name: "elastic_connection",
         aspect: Aspect::Rotation,
-        subjects: &[MemberEnd],
+        subjects: &[MemberEnd, SlabLine, WallEnd],
         parameters: &[],
-        meaning: "the elastic springs of the hinge that would stand there; it does not yield",
+        meaning: "the elastic springs of the hinge or line that would stand there; it does not yield",
     },
     ActionSpec {
         action: Action::RigidConnection,

@@ -187,6 +187,8 @@ fn member_kinds(subject: SubjectKind) -> &'static [&'static str] {
     match subject {
         SubjectKind::MemberEnd => &["column", "beam"],
         SubjectKind::Section => &["column", "beam", "slab", "wall"],
+        SubjectKind::SlabLine => &["slab"],
+        SubjectKind::WallEnd => &["wall"],
         _ => MEMBER_KINDS,
     }
 }

@@ -139,6 +139,7 @@ impl RuleBase {
             source("bodies.toml", include_str!("../../rules/seed/bodies.toml")),
             source("events.toml", include_str!("../../rules/seed/events.toml")),
             source("hinges.toml", include_str!("../../rules/seed/hinges.toml")),
+            source("lines.toml", include_str!("../../rules/seed/lines.toml")),
             source("springs.toml", include_str!("../../rules/seed/springs.toml")),
         ])
     }

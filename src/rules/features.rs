@@ -4,7 +4,7 @@
 //! loaded, and subjects when they are evaluated.
 
 use super::value::{SubjectKind, Value};
-use SubjectKind::{ContactEvent, FractureEvent, Member, MemberEnd, Section};
+use SubjectKind::{ContactEvent, FractureEvent, Member, MemberEnd, Section, SlabLine, WallEnd};
 
 /// Type of a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,9 +83,10 @@ impl Feature {
 /// Names of `member.kind`.
 pub const MEMBER_KINDS: &[&str] = &["column", "beam", "slab", "wall", "footing"];
 
-const ALL: &[SubjectKind] = &[Member, MemberEnd, Section, ContactEvent, FractureEvent];
-const PARTS: &[SubjectKind] = &[Member, MemberEnd, Section];
-const WHOLE: &[SubjectKind] = &[Member, MemberEnd];
+const ALL: &[SubjectKind] = &SubjectKind::ALL;
+const PARTS: &[SubjectKind] = &[Member, MemberEnd, Section, SlabLine, WallEnd];
+const WHOLE: &[SubjectKind] = &[Member, MemberEnd, SlabLine, WallEnd];
+const LINES: &[SubjectKind] = &[SlabLine, WallEnd];
 const EVENTS: &[SubjectKind] = &[ContactEvent, FractureEvent];
 
 const fn number(
@@ -219,6 +220,35 @@ pub const CATALOGUE: &[Feature] = &[
         "whether the part broke at an end or in between",
     ),
     number(
+        "line.beam_demand_ratio",
+        "1",
+        &[SlabLine],
+        "largest end.law_demand_ratio of the ends of the beam that runs along the line; unknown without one",
+    ).positive(),
+    number(
+        "line.charge_distance",
+        "1",
+        LINES,
+        "distance in plan of its middle to the nearest column that a charge takes away, over the longest span between columns",
+    ).positive(),
+    flag("line.clamped", &[WallEnd], "the wall stands on a support there"),
+    number(
+        "line.demand_ratio",
+        "1",
+        &[SlabLine],
+        "w l² / 8 of the slab's weight over its plastic moment, as if it bridged its stretch between the columns that stand after the removal by itself; twice the stretch where it hangs over the last of them",
+    ).positive(),
+    flag("line.has_beam", &[SlabLine], "a beam runs along the line from column to column"),
+    number(
+        "line.length",
+        "m",
+        LINES,
+        "of a slab: between the faces of its columns; of a wall: its clear height",
+    ).positive(),
+    flag("line.over_charge", &[SlabLine], "a charge takes away one of its columns, or a column below one"),
+    names("line.position", &["bottom", "top"], &[WallEnd], "foot or head of the wall"),
+    number("line.slenderness", "1", LINES, "line.length over thickness").positive(),
+    number(
         "member.axial_ratio",
         "1",
         PARTS,
@@ -280,7 +310,7 @@ pub const CATALOGUE: &[Feature] = &[
     names(
         "wish.accuracy",
         &["fast", "balanced", "fine"],
-        &[Member, MemberEnd],
+        WHOLE,
         "the level of detail that the analyst asks for",
     ),
 ];

@@ -54,6 +54,10 @@ pub enum SubjectKind {
     MemberEnd,
     /// A section along a member where it may break.
     Section,
+    /// A strip of a slab between two neighbouring columns, across which it may yield.
+    SlabLine,
+    /// The foot or the head of a wall.
+    WallEnd,
     /// Something has met something.
     ContactEvent,
     /// A part has broken.
@@ -62,8 +66,15 @@ pub enum SubjectKind {
 
 impl SubjectKind {
     /// All kinds.
-    pub const ALL: [Self; 5] =
-        [Self::Member, Self::MemberEnd, Self::Section, Self::ContactEvent, Self::FractureEvent];
+    pub const ALL: [Self; 7] = [
+        Self::Member,
+        Self::MemberEnd,
+        Self::Section,
+        Self::SlabLine,
+        Self::WallEnd,
+        Self::ContactEvent,
+        Self::FractureEvent,
+    ];
 
     /// The name in rule files.
     pub fn name(self) -> &'static str {
@@ -71,6 +82,8 @@ impl SubjectKind {
             Self::Member => "member",
             Self::MemberEnd => "member_end",
             Self::Section => "section",
+            Self::SlabLine => "slab_line",
+            Self::WallEnd => "wall_end",
             Self::ContactEvent => "contact_event",
             Self::FractureEvent => "fracture_event",
         }

@@ -5,11 +5,14 @@
 //! within it does not count.
 
 pub mod floors;
+mod lines;
 pub mod plan;
 pub mod record;
 mod rotation;
+mod zone;
 
 pub use record::Study;
+pub use zone::{EndZone, TURNED_RAD};
 
 use crate::building::Building;
 use crate::building::ends::{MemberEnd, member_ends};
@@ -17,62 +20,9 @@ use crate::building::partition::Partition;
 use crate::fe::dynamics::Death;
 use crate::fe::mesh::Mesh;
 use crate::fe::result::{FeRun, Touch};
+use lines::Elements;
 use serde::{Deserialize, Serialize};
-
-/// What the FE run shows at one member end: elements of the member within [`END_DEPTHS`] section depths of the end.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EndZone {
-    /// Member end id.
-    pub id: String,
-    /// Member id.
-    pub member: String,
-    /// Centre of the end face, undeformed \[m\].
-    pub point_m: [f64; 3],
-    /// First time at which an element exceeded the critical strain rate \[s\]; `None`: the end stayed rigid.
-    pub first_s: Option<f64>,
-    /// Largest strain rate \[1/s\].
-    pub peak_rate_1_s: f64,
-    /// Largest plastic strain at the end of the run.
-    pub plastic_strain: f64,
-    /// Eroded share of the elements at the end of the run.
-    pub eroded: f64,
-    /// Time at which a whole layer of the member had eroded \[s\].
-    pub fracture_s: Option<f64>,
-    /// Largest angle by which bending takes the member off the joint behind the end up to the first contact \[rad\]; `None`: too little is left of it at the end of the run.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rotation_before_contact_rad: Option<f64>,
-    /// The same over the whole run \[rad\].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rotation_rad: Option<f64>,
-}
-
-/// Rotation from which an end counts as a hinge \[rad\]; the same order as the rotation capacity of reinforced
-/// concrete in EN 1992-1-1, figure 5.6N.
-pub const TURNED_RAD: f64 = 0.02;
-
-impl EndZone {
-    /// Whether the end has turned before the first contact; `None`: not known.
-    ///
-    /// A hinge is what turns. Of ends that turn slowly (0.02 rad in half a second are some 0.1 1/s in a zone two depths long) the strain rate knows nothing. Where too little is left of an end for a
-    /// rotation, the time at which it exceeded the critical rate stands for it.
-    pub fn turns_before(&self, contact_s: Option<f64>) -> Option<bool> {
-        match self.rotation_before_contact_rad {
-            Some(rotation) => Some(rotation > TURNED_RAD),
-            None if self.eroded > 0.0 => {
-                Some(self.first_s.is_some_and(|time| contact_s.is_none_or(|contact| time < contact)))
-            }
-            None => None,
-        }
-    }
-
-    /// The same over the whole run; an end of which too little is left has broken.
-    pub fn turns(&self) -> Option<bool> {
-        match self.rotation_rad {
-            Some(rotation) => Some(rotation > TURNED_RAD),
-            None => (self.eroded > 0.0).then_some(true),
-        }
-    }
-}
+use zone::{ElementHistory, Place, zone};
 
 /// What the FE run shows in a member away from its ends.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -94,6 +44,9 @@ pub struct Facts {
     pub first_contact_s: Option<f64>,
     /// Zones at member ends, removed members left out.
     pub ends: Vec<EndZone>,
+    /// Lines of slabs between columns, feet and heads of walls, removed members left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<EndZone>,
     /// Members.
     pub members: Vec<MemberFacts>,
     /// First contact of each member with ground and obstacles.
@@ -115,7 +68,8 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
         removed
     };
     let history = ElementHistory::of(run);
-    let ends: Vec<MemberEnd> = member_ends(building, &Partition::of(building));
+    let partition = Partition::of(building);
+    let ends: Vec<MemberEnd> = member_ends(building, &partition);
     let contact = run.summary.first_ground_contact_s.unwrap_or(f64::INFINITY);
     let mut dead = vec![false; run.mesh.elements.len()];
     run.deaths.iter().for_each(|d| dead[d.element] = true);
@@ -128,7 +82,9 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
         }
         elements.iter().for_each(|e| in_end[*e] = true);
         let turned = rotation::turned(building, run, &dead, end, contact);
-        zones.push(zone(building, run, &history, end, &elements).turned(turned));
+        let MemberEnd { member, axis, point_m, .. } = *end;
+        let place = Place { id: &end.id, member, axis, point_m };
+        zones.push(zone(building, run, &history, &place, &elements).turned(turned));
     }
     let members = (0..building.members.len())
         .filter_map(|part| {
@@ -148,6 +104,14 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
         critical_rate_1_s: run.strain_rates.critical_1_s,
         first_contact_s: run.summary.first_ground_contact_s,
         ends: zones,
+        lines: lines::zones(
+            building,
+            &partition,
+            run,
+            &history,
+            &Elements { removed: &removed, dead: &dead },
+            contact,
+        ),
         members,
         contacts: run.touches.clone(),
         collapsed: run.tracked.iter().any(fall),
@@ -186,49 +150,4 @@ pub fn rigid_elements(building: &Building, mesh: &Mesh, facts: &Facts) -> Vec<bo
         end_zone(mesh, &end).for_each(|e| rigid[e] = still);
     }
     rigid
-}
-
-/// First time above the critical rate, peak rate and death time of each element.
-struct ElementHistory<'a> {
-    first_s: &'a [Option<f64>],
-    peak: &'a [f32],
-    death_s: Vec<f64>,
-}
-
-impl<'a> ElementHistory<'a> {
-    fn of(run: &'a FeRun) -> Self {
-        let mut death_s = vec![f64::INFINITY; run.mesh.elements.len()];
-        run.deaths.iter().for_each(|d| death_s[d.element] = death_s[d.element].min(d.time_s));
-        Self { first_s: &run.strain_rates.first_s, peak: &run.strain_rates.peak_1_s, death_s }
-    }
-}
-
-fn zone(
-    building: &Building,
-    run: &FeRun,
-    history: &ElementHistory<'_>,
-    end: &MemberEnd,
-    elements: &[usize],
-) -> EndZone {
-    let largest = |f: &dyn Fn(usize) -> f64| elements.iter().map(|e| f(*e)).fold(0.0, f64::max);
-    let first = elements.iter().filter_map(|e| history.first_s[*e]).fold(f64::INFINITY, f64::min);
-    let mut layers = std::collections::BTreeMap::<i64, f64>::new();
-    for e in elements {
-        let at = (run.mesh.center(*e)[end.axis] * 1e6).round() as i64;
-        let last = layers.entry(at).or_insert(0.0);
-        *last = last.max(history.death_s[*e]);
-    }
-    let fracture = layers.values().copied().fold(f64::INFINITY, f64::min);
-    EndZone {
-        id: end.id.clone(),
-        member: building.members[end.member].id.clone(),
-        point_m: end.point_m,
-        first_s: first.is_finite().then_some(first),
-        peak_rate_1_s: short(largest(&|e| f64::from(history.peak[e]))),
-        plastic_strain: short(largest(&|e| run.plastic_strain[e])),
-        eroded: share(elements, |e| history.death_s[e].is_finite()),
-        fracture_s: fracture.is_finite().then_some(fracture),
-        rotation_before_contact_rad: None,
-        rotation_rad: None,
-    }
 }

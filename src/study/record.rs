@@ -1,7 +1,7 @@
 //! A study as a record in `kb/studies/`: the evidence behind rules.
 
 use super::Facts;
-use crate::fe::result::{FeRun, History};
+use crate::fe::result::{FeEnergies, FeRun, History};
 use serde::{Deserialize, Serialize, Serializer};
 
 /// Version of the record format.
@@ -30,10 +30,40 @@ pub struct Study {
     pub steps: u64,
     /// Energy error of the run.
     pub energy_error: f64,
+    /// Energies; the first records have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energies: Option<Energies>,
     /// Facts.
     pub facts: Facts,
     /// How the tracked points move.
     pub motion: Motion,
+}
+
+/// Energies of a run, with four digits.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Energies {
+    /// At the last output before the first ground contact, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_contact: Option<FeEnergies>,
+    /// At the end.
+    pub end: FeEnergies,
+}
+
+impl Energies {
+    /// Of a run; `None` if it has none.
+    fn of(run: &FeRun) -> Option<Self> {
+        let before = |contact_s| {
+            let outputs = run.times_s.partition_point(|t| *t <= contact_s);
+            run.energies.get(outputs.checked_sub(1)?).map(|e| e.map(four_digits))
+        };
+        let first_contact = run.summary.first_ground_contact_s.and_then(before);
+        Some(Self { first_contact, end: run.energies.last()?.map(four_digits) })
+    }
+}
+
+/// A number to four digits.
+fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 /// Displacements of the tracked points.
@@ -130,6 +160,7 @@ impl Study {
             elements: run.summary.elements,
             steps: run.summary.steps,
             energy_error: run.summary.energy_error,
+            energies: Energies::of(run),
             facts,
             motion: Motion::of(run),
         }
@@ -143,6 +174,14 @@ mod tests {
     fn text(displacement_m: [f64; 3]) -> String {
         let history = History { id: "p".into(), displacement_m: vec![displacement_m], debris_s: None };
         serde_json::to_value(&points(&[history], 1)[0]).unwrap()["displacement_mm"].to_string()
+    }
+
+    #[test]
+    fn energies_have_four_digits() {
+        let words = |x: f64| four_digits(x).to_string();
+        assert_eq!(words(1_234_567.0), "1235000");
+        assert_eq!(words(-0.000_123_46), "-0.0001235");
+        assert_eq!(words(0.0), "0");
     }
 
     #[test]

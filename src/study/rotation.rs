@@ -30,7 +30,7 @@ pub struct Turned {
     pub rad: f64,
 }
 
-/// Largest rotations up to `until_s` and over the whole run; `None` without frames, or where too little is left of a side at the end of the run.
+/// Largest rotations of a member end up to `until_s` and over the whole run; `None` without frames, or where too little is left of a side at the end of the run.
 pub fn turned(
     building: &Building,
     run: &FeRun,
@@ -38,27 +38,40 @@ pub fn turned(
     end: &MemberEnd,
     until_s: f64,
 ) -> Option<Turned> {
-    let (mesh, first) = (&run.mesh, run.frames.first()?);
-    let lives = |e: &usize| !dead[*e];
+    let mesh = &run.mesh;
     let along = |e: usize| (mesh.center(e)[end.axis] - end.point_m[end.axis]) * end.outward;
     let zone = (END_DEPTHS * end.depth_m).min(0.5 * end.clear_m);
     let own =
         (0..mesh.elements.len()).filter(|e| mesh.elements[*e].part == end.member && along(*e) >= 0.5 * zone);
-    let own = nodes(run, own.filter(|e| along(*e) <= 2.0 * zone).filter(lives));
+    let own: Vec<usize> = own.filter(|e| along(*e) <= 2.0 * zone).collect();
     let around = joint(building, mesh, end);
-    let is_held = around.is_empty();
-    let around = nodes(run, around.into_iter().filter(lives));
-    if own.len() < FEWEST || (!is_held && around.len() < FEWEST) {
+    let around = Some(around).filter(|joint| !joint.is_empty());
+    folded(run, dead, &[around, Some(own)], end.axis, until_s)
+}
+
+/// Largest angles by which bending takes the axis of one of some sets of elements off that of the next one, up to `until_s` and over the whole run; a set that is `None` is held. `None` as for [`turned`].
+pub fn folded(
+    run: &FeRun,
+    dead: &[bool],
+    sets: &[Option<Vec<usize>>],
+    axis: usize,
+    until_s: f64,
+) -> Option<Turned> {
+    let first = run.frames.first()?;
+    let alive = |set: &Vec<usize>| nodes(run, set.iter().copied().filter(|e| !dead[*e]));
+    let sets: Vec<Option<Vec<usize>>> = sets.iter().map(|set| set.as_ref().map(alive)).collect();
+    if sets.iter().flatten().any(|set| set.len() < FEWEST) {
         return None;
     }
     let mut turned = Turned { until_rad: 0.0, rad: 0.0 };
     for frame in &run.frames {
         let point = |p: [f32; 3]| Vector3::from(p.map(f64::from));
-        let of = |set: &[usize]| {
-            rotation(set.iter().map(|n| (point(first.nodes_m[*n]), point(frame.nodes_m[*n]))))
+        let of = |set: &Option<Vec<usize>>| match set {
+            Some(set) => rotation(set.iter().map(|n| (point(first.nodes_m[*n]), point(frame.nodes_m[*n])))),
+            None => Matrix3::identity(),
         };
-        let against = if is_held { Matrix3::identity() } else { of(&around) };
-        let angle = bending(&of(&own), &against, end.axis);
+        let turns: Vec<Matrix3<f64>> = sets.iter().map(of).collect();
+        let angle = turns.windows(2).map(|pair| bending(&pair[1], &pair[0], axis)).fold(0.0, f64::max);
         turned.rad = turned.rad.max(angle);
         if run.times_s[frame.output] <= until_s {
             turned.until_rad = turned.until_rad.max(angle);

@@ -69,6 +69,12 @@ fn studies_are_run_once_and_the_same_on_any_number_of_threads() {
         let known = |key: &str| ends.iter().filter(|e| e[key].is_number()).count();
         assert_eq!(known("rotation_rad"), known("rotation_before_contact_rad"));
         turned += known("rotation_rad");
+        let energies = &study["energies"];
+        assert!(energies["end"]["gravity_j"].as_f64().unwrap() > 0.0, "{energies}");
+        // the strips between the columns of a floor, where some are left
+        let lines = study["facts"]["lines"].as_array().unwrap();
+        let slabs = lines.iter().filter(|l| l["id"].as_str().unwrap().contains(":C"));
+        assert!(slabs.clone().count() >= 1 && slabs.clone().all(|l| l["peak_rate_1_s"].is_number()));
         let points = study["motion"]["points"].as_array().unwrap();
         assert!(
             points.iter().all(|p| p["displacement_mm"].as_array().unwrap().len() == 3 * 4),

@@ -41,7 +41,7 @@ fn the_rules_of_the_repository_pass_their_check() {
 fn comparisons_that_decide_nothing_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let seed = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules/seed");
-    for file in ["bodies.toml", "events.toml", "hinges.toml", "springs.toml"] {
+    for file in ["bodies.toml", "events.toml", "hinges.toml", "lines.toml", "springs.toml"] {
         fs::copy(seed.join(file), folder.path().join(file)).unwrap();
     }
     let when = "when = \"member.kind == 'wall' and (member.length >= 0 or member.storey_share > 2)\"";

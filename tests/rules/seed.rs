@@ -21,8 +21,9 @@ fn they_have_no_gap_and_each_has_a_source() {
     let gaps: Vec<String> = rules.gaps().iter().map(ToString::to_string).collect();
     assert!(gaps.is_empty(), "{gaps:#?}");
     for rule in rules.rules() {
-        let known =
-            ["seed paper, section", "assumption: ", "GSA, "].iter().any(|s| rule.source.starts_with(s));
+        let sources =
+            ["seed paper, section", "assumption: ", "GSA, ", "Johansen, ", "Paulay and Priestley, "];
+        let known = sources.iter().any(|s| rule.source.starts_with(s));
         assert!(known, "{}: {}", rule.id, rule.source);
         assert!(rule.id.starts_with("seed/"));
     }
