@@ -1,11 +1,12 @@
 //! Where slabs and walls may yield: strips of a slab between neighbouring columns, and the feet and heads of walls.
 
+use super::connect::unsupported_groups;
 use super::model::{Building, Member, MemberKind};
 use super::partition::Partition;
 use super::rows::{MEETS_M, Row, rows};
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A place across which a slab or a wall bends.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,8 +15,8 @@ pub struct Line {
     pub id: String,
     /// Index of the slab or wall.
     pub member: usize,
-    /// The columns that a slab is between there, by index; none of a wall.
-    pub columns: Option<[usize; 2]>,
+    /// The columns in the two places that a slab is between there, by index, the lowest ones, which it is called after, first; none of a wall.
+    pub columns: Option<[Vec<usize>; 2]>,
     /// Direction in which it is passed on: from column to column, or upwards.
     pub axis: usize,
     /// What may bend: a slab between the faces of its columns, a wall in the half of its height next to its end \[m\].
@@ -57,11 +58,14 @@ pub fn lines(building: &Building, partition: &Partition) -> Vec<Line> {
     lines
 }
 
-/// Those of the slabs among some members.
+/// Those of the slabs among some members, by floor, direction and row.
 pub fn of_slabs(members: &[&Member]) -> Vec<Line> {
     let columns = of_kind(members, MemberKind::Column).map(|column| (column, members[column].solid));
     let columns = Boxes::numbered(columns);
-    of_kind(members, MemberKind::Slab).flat_map(|slab| of_slab(members, &columns, slab)).collect()
+    let is_slab: Vec<bool> = members.iter().map(|m| m.kind == MemberKind::Slab && !m.is_skew()).collect();
+    // slabs that touch are one floor
+    let floors = unsupported_groups(members, &is_slab, &vec![false; members.len()]);
+    floors.iter().flat_map(|floor| of_floor(members, &columns, floor)).collect()
 }
 
 /// The members of a kind that are not turned out of the axes.
@@ -69,68 +73,87 @@ fn of_kind<'a>(members: &'a [&Member], kind: MemberKind) -> impl Iterator<Item =
     (0..members.len()).filter(move |i| members[*i].kind == kind && !members[*i].is_skew())
 }
 
-fn of_slab(members: &[&Member], columns: &Boxes, slab: usize) -> Vec<Line> {
-    let solid = members[slab].solid;
+/// Columns that stand in one place of a floor, one on the other or side by side, the lowest first.
+type Place = Vec<usize>;
+
+fn of_floor(members: &[&Member], columns: &Boxes, slabs: &[usize]) -> Vec<Line> {
     let of = |column: usize| &members[column].solid;
-    let inside = |c: &usize| (0..2).all(|i| (solid.min[i]..=solid.max[i]).contains(&of(*c).center()[i]));
-    let mut columns = columns.near(&solid, MEETS_M);
-    columns.retain(inside);
-    columns.sort_unstable();
-    let rows = [0, 1].map(|i| rows(columns.iter().map(|c| [of(*c).center()[i], of(*c).size()[i]]).collect()));
-    // of the columns in a place the lowest one gives the name
-    let mut at = BTreeMap::<[usize; 2], usize>::new();
-    for column in columns {
-        let centre = of(column).center();
-        let held = at.entry([0, 1].map(|i| Row::nearest(&rows[i], centre[i]))).or_insert(column);
-        if of(column).min[2] < of(*held).min[2] {
-            *held = column;
-        }
+    let carries =
+        |c: &Aabb, s: &Aabb| (0..2).all(|i| c.max[i] > s.min[i] + MEETS_M && c.min[i] < s.max[i] - MEETS_M);
+    let mut own = BTreeSet::new();
+    for solid in slabs.iter().map(|slab| &members[*slab].solid) {
+        own.extend(columns.near(solid, MEETS_M).into_iter().filter(|c| carries(of(*c), solid)));
     }
+    let rows = [0, 1].map(|i| rows(own.iter().map(|c| [of(*c).center()[i], of(*c).size()[i]]).collect()));
     let mut list = Vec::new();
-    for (place, from) in &at {
-        for axis in 0..2 {
-            let mut next = *place;
-            next[axis] += 1;
-            let Some(to) = at.get(&next) else { continue };
-            let strip = strip(&rows[1 - axis], place[1 - axis], [solid.min[1 - axis], solid.max[1 - axis]]);
-            list.extend(between(members, slab, [*from, *to], (axis, strip)));
+    for axis in 0..2 {
+        let across = 1 - axis;
+        // by row, then along it
+        let mut places = BTreeMap::<[usize; 2], Place>::new();
+        for column in &own {
+            let centre = of(*column).center();
+            let at = [across, axis].map(|i| Row::nearest(&rows[i], centre[i]));
+            places.entry(at).or_default().push(*column);
+        }
+        places.values_mut().for_each(|place| place.sort_by(|a, b| of(*a).min[2].total_cmp(&of(*b).min[2])));
+        let all: Vec<([usize; 2], Place)> = places.into_iter().collect();
+        for pair in all.windows(2).filter(|pair| pair[0].0[0] == pair[1].0[0]) {
+            let row = pair[0].0[0];
+            let ends = [&pair[0].1, &pair[1].1];
+            list.extend(between(
+                members,
+                slabs,
+                ends,
+                (axis, strip(&rows[across], row), rows[across][row].at_m),
+            ));
         }
     }
     list
 }
 
-/// The line of a slab between two columns along an axis, in a strip of it.
+/// The line of a floor between two places along an axis, in a strip across it about the middle of a row \[m\]; none where no slab is half-way.
 fn between(
     members: &[&Member],
-    slab: usize,
-    columns: [usize; 2],
-    (axis, strip_m): (usize, [f64; 2]),
+    slabs: &[usize],
+    places: [&Place; 2],
+    (axis, strip_m, row_m): (usize, [f64; 2], f64),
 ) -> Option<Line> {
-    let member = members[slab];
-    let [from, to] = columns.map(|c| members[c]);
-    let (a, b) = (&from.solid, &to.solid);
+    let solids = |place: &'_ Place| place.iter().map(|c| members[*c].solid).collect::<Vec<Aabb>>();
+    let [a, b] = places.map(solids);
+    let low_m = a.iter().map(|c| c.max[axis]).fold(f64::NEG_INFINITY, f64::max);
+    let high_m = b.iter().map(|c| c.min[axis]).fold(f64::INFINITY, f64::min);
+    let across = 1 - axis;
+    let half_way = |s: &Aabb| {
+        let mut at = [row_m; 2];
+        at[axis] = 0.5 * (low_m + high_m);
+        (0..2).all(|i| (s.min[i] - MEETS_M..=s.max[i] + MEETS_M).contains(&at[i]))
+    };
+    let slab = *slabs.iter().find(|slab| half_way(&members[**slab].solid))?;
+    let (id, solid) = (&members[slab].id, members[slab].solid);
     let part = |[low, high]: [f64; 2]| {
-        let mut part = member.solid;
+        let mut part = solid;
         (part.min[axis], part.max[axis]) = (low, high);
-        (part.min[1 - axis], part.max[1 - axis]) = (strip_m[0], strip_m[1]);
+        part.min[across] = part.min[across].max(strip_m[0]);
+        part.max[across] = part.max[across].min(strip_m[1]);
         part
     };
-    let faces_m = [a.max[axis], b.min[axis]];
-    (faces_m[0] < faces_m[1]).then(|| Line {
-        id: format!("{}:{}|{}", member.id, from.id, to.id),
+    let [from, to] = places.map(|place| &members[place[0]].id);
+    (low_m < high_m).then(|| Line {
+        id: format!("{id}:{from}|{to}"),
         member: slab,
-        columns: Some(columns),
+        columns: Some(places.map(Clone::clone)),
         axis,
-        clear: part(faces_m),
-        behind: [Some(part([a.center()[axis], faces_m[0]])), Some(part([faces_m[1], b.center()[axis]]))],
-        depth_m: member.solid.size()[2],
+        clear: part([low_m, high_m]),
+        behind: [Some(part([a[0].center()[axis], low_m])), Some(part([high_m, b[0].center()[axis]]))],
+        depth_m: solid.size()[2],
     })
 }
 
-/// The strip of a slab about one of its rows of columns: to the middle between the rows, or to its edges \[m\].
-fn strip(rows: &[Row], own: usize, edges_m: [f64; 2]) -> [f64; 2] {
+/// The strip of a floor about one of its rows of columns: to the middle between the rows, or as far as it goes \[m\].
+fn strip(rows: &[Row], own: usize) -> [f64; 2] {
     let middle = |i: usize| Some(0.5 * (rows.get(i)?.at_m + rows.get(i + 1)?.at_m));
-    [own.checked_sub(1).and_then(middle).unwrap_or(edges_m[0]), middle(own).unwrap_or(edges_m[1])]
+    let low = own.checked_sub(1).and_then(middle).unwrap_or(f64::NEG_INFINITY);
+    [low, middle(own).unwrap_or(f64::INFINITY)]
 }
 
 /// The foot and the head of a wall.
@@ -175,15 +198,64 @@ mod tests {
         assert_eq!(lines.len(), 12);
         let first = &lines[0];
         assert_eq!(first.id, "S1:C1-A1|C1-B1");
-        let names = first.columns.unwrap().map(|c| building.members[c].id.as_str());
-        assert_eq!(names, ["C1-A1", "C1-B1"]);
-        let [a, b] = first.columns.unwrap().map(|c| building.members[c].solid);
+        let places = first.columns.as_ref().unwrap();
+        let names =
+            places.each_ref().map(|p| p.iter().map(|c| building.members[*c].id.as_str()).collect::<Vec<_>>());
+        assert_eq!(names, [["C1-A1", "C2-A1"], ["C1-B1", "C2-B1"]]);
+        let [a, b] = places.each_ref().map(|p| building.members[p[0]].solid);
         assert!((first.clear_m() - (b.min[0] - a.max[0])).abs() < 1e-12);
         // strips share out the slab across their span
-        let (other, slab) = (&lines[2], &building.members[first.member].solid);
+        let (other, slab) = (&lines[1], &building.members[first.member].solid);
         assert_eq!(other.axis, 0);
         assert_eq!((first.clear.min[1], other.clear.max[1]), (slab.min[1], slab.max[1]));
         assert_eq!(first.clear.max[1], other.clear.min[1]);
+    }
+
+    /// A slab and columns of 0.4 m in some places.
+    fn floor(edges: [[f64; 2]; 2], places: &[[f64; 2]]) -> Vec<Member> {
+        let base = building::parse(building::EXAMPLE, Format::Toml, "example.toml").unwrap();
+        let like = |id: &str| base.members.iter().find(|m| m.id == id).unwrap().clone();
+        let solid = Aabb { min: [edges[0][0], edges[1][0], 3.0], max: [edges[0][1], edges[1][1], 3.2] };
+        let slab = Member { id: "S".into(), solid, ..like("S1") };
+        let column = |(i, [x, y]): (usize, &[f64; 2])| {
+            let solid = Aabb { min: [x - 0.2, y - 0.2, 0.0], max: [x + 0.2, y + 0.2, 3.0] };
+            Member { id: format!("C{i}"), solid, ..like("C1-A1") }
+        };
+        places.iter().enumerate().map(column).chain([slab]).collect()
+    }
+
+    fn ids(members: &[Member]) -> Vec<String> {
+        of_slabs(&members.iter().collect::<Vec<_>>()).into_iter().map(|l| l.id).collect()
+    }
+
+    #[test]
+    fn neighbours_are_next_in_their_row_whatever_stands_in_others() {
+        let grid = [[0.0, 0.0], [5.0, 0.0], [0.0, 5.0], [5.0, 5.0], [2.5, 5.0]];
+        assert_eq!(
+            ids(&floor([[0.0, 5.0], [0.0, 5.0]], &grid)),
+            ["S:C0|C1", "S:C2|C4", "S:C4|C3", "S:C0|C2", "S:C1|C3"]
+        );
+        // on the very edge, by round-off beyond it
+        let members = floor([[0.1, 5.0], [0.3, 5.0]], &[[0.1, 0.1 + 0.2], [5.0, 0.3]]);
+        assert_eq!(ids(&members), ["S:C0|C1"]);
+    }
+
+    #[test]
+    fn strips_go_on_from_slab_to_slab_but_not_over_a_gap() {
+        let mut members =
+            floor([[-0.3, 5.3], [-0.3, 0.3]], &[[0.0, 0.0], [5.0, 0.0], [0.0, 5.0], [5.0, 5.0]]);
+        let wing = Aabb { min: [-0.3, 0.3, 3.0], max: [0.3, 5.3, 3.2] };
+        members.push(Member { id: "T".into(), solid: wing, ..members[4].clone() });
+        // C1|C3 and C2|C3 are bridged by nothing
+        assert_eq!(ids(&members), ["S:C0|C1", "T:C0|C2"]);
+    }
+
+    #[test]
+    fn columns_side_by_side_are_one_place() {
+        let members = floor([[-0.3, 9.3], [-0.3, 0.3]], &[[0.0, 0.0], [0.5, 0.0], [9.0, 0.0]]);
+        let lines = of_slabs(&members.iter().collect::<Vec<_>>());
+        assert_eq!((lines.len(), lines[0].columns.as_ref().unwrap()[0].len()), (1, 2));
+        assert!((lines[0].clear_m() - (9.0 - 0.2 - 0.7)).abs() < 1e-9, "{}", lines[0].clear_m());
     }
 
     #[test]

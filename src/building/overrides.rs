@@ -20,6 +20,7 @@ use crate::base::tree::Node;
 use OverrideAction::{
     BreakAway, ElasticConnection, Hinge, LatentHinge, MergeElastic, MergeRigid, RigidBody, RigidConnection,
 };
+use std::collections::BTreeMap;
 
 /// Names of the actions that an analyst may write.
 pub const ACTIONS: [&str; 8] = {
@@ -180,8 +181,8 @@ fn selected<'a, 'b>(
     } else if hits.is_empty() && members.complete && !known.is_empty() {
         let star = pattern.contains('*');
         let message = match star {
-            true => format!("no member or member end matches {}", quoted(pattern)),
-            false => format!("there is no member or member end {}", quoted(pattern)),
+            true => format!("no member, member end or strip of a slab matches {}", quoted(pattern)),
+            false => format!("there is no member, member end or strip of a slab {}", quoted(pattern)),
         };
         let near = closest(pattern, known.iter().map(|t| t.name.as_str()));
         let help = match near {
@@ -232,11 +233,21 @@ pub fn together(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(building) = draft.building().filter(|b| !b.overrides.is_empty()) else { return };
     let partition = Partition::of(&building);
     let ends = member_ends(&building, &partition);
-    let site = Site { building: &building, floors: floors(&building), ends: &ends };
+    let site = Site {
+        building: &building,
+        floors: floors(&building),
+        ends: ends.iter().map(|e| (e.id.as_str(), e)).collect(),
+        members: building.members.iter().enumerate().map(|(i, m)| (m.id.as_str(), i)).collect(),
+    };
+    let lines: Vec<bool> = draft.overrides.iter().map(|o| site.of_line(&o.item.target).is_some()).collect();
     for (i, later) in draft.overrides.iter().enumerate() {
         found.extend(site.without_neighbour(&later.item, &partition).map(|e| e.at(later.span, "")));
-        let wrong = |first: &&Placed<Override>| site.excludes(&first.item, &later.item).is_some();
-        let Some(first) = draft.overrides[..i].iter().find(wrong) else { continue };
+        // what is decided about one line says nothing about others
+        let wrong = |(k, first): &(usize, &Placed<Override>)| {
+            !(lines[i] && lines[*k]) && site.excludes(&first.item, &later.item).is_some()
+        };
+        let before = draft.overrides[..i].iter().enumerate();
+        let Some((_, first)) = before.into_iter().find(wrong) else { continue };
         let why = site.excludes(&first.item, &later.item).unwrap_or_default();
         let [a, b] =
             [&first.item, &later.item].map(|o| format!("`{}` of {}", o.action.name(), quoted(&o.target)));
@@ -253,7 +264,8 @@ struct Site<'a> {
     building: &'a Building,
     /// For each slab and beam a number of its floor.
     floors: Vec<Option<usize>>,
-    ends: &'a [MemberEnd],
+    ends: BTreeMap<&'a str, &'a MemberEnd>,
+    members: BTreeMap<&'a str, usize>,
 }
 
 /// Slabs and beams that touch are one floor; `None` for other members.
@@ -271,17 +283,46 @@ fn floors(building: &Building) -> Vec<Option<usize>> {
 
 impl Site<'_> {
     fn end(&self, target: &str) -> Option<&MemberEnd> {
-        self.ends.iter().find(|e| e.id == target)
+        self.ends.get(target).copied()
     }
 
     /// The floor of a slab, beam or beam end.
     fn floor(&self, target: &str) -> Option<usize> {
         let member = self.end(target).map(|e| e.member);
-        self.floors[member.or_else(|| self.building.members.iter().position(|m| m.id == target))?]
+        self.floors[member.or_else(|| self.members.get(target).copied())?]
+    }
+
+    /// The slab or wall of a strip or an end of a wall.
+    fn of_line(&self, target: &str) -> Option<usize> {
+        if let Some((slab, _)) = target.split_once(':') {
+            return self.members.get(slab).copied();
+        }
+        let wall = self.members.get(target.rsplit_once('.')?.0).copied();
+        wall.filter(|m| !self.ends.contains_key(target) && self.building.members[*m].kind == MemberKind::Wall)
+    }
+
+    /// Why what is decided about a line and about something else exclude each other.
+    fn excludes_line(&self, member: usize, other: &Override) -> Option<&'static str> {
+        let is_wall = self.building.members[member].kind == MemberKind::Wall;
+        match other.action {
+            MergeRigid if is_wall && other.target == self.building.members[member].id => {
+                Some("a wall that is one body with its floors has no joint at its ends")
+            }
+            MergeRigid | LatentHinge if !is_wall && self.floor(&other.target) == self.floors[member] => {
+                Some("a floor that is one body or folds at lines does not bend in strips")
+            }
+            _ => None,
+        }
     }
 
     /// Why two overrides exclude each other.
     fn excludes(&self, a: &Override, b: &Override) -> Option<&'static str> {
+        match [a, b].map(|o| self.of_line(&o.target)) {
+            [None, None] => {}
+            [Some(line), None] => return self.excludes_line(line, b),
+            [None, Some(line)] => return self.excludes_line(line, a),
+            [Some(_), Some(_)] => return None,
+        }
         let of_floor = |o: &Override| self.end(&o.target).is_none();
         match (self.floor(&a.target), self.floor(&b.target)) {
             (Some(p), Some(q)) if p == q => match (of_floor(a), of_floor(b)) {

@@ -89,7 +89,12 @@ impl Walk {
             Kind::Id | Kind::Reference(_) => self.id(node, name, key),
             Kind::MemberPattern => {
                 if !node.text().is_some_and(is_pattern) {
-                    self.wrong_type(node, name, "a member id, or a pattern such as \"C1-*\"", key);
+                    self.wrong_type(
+                        node,
+                        name,
+                        "a member id, or a pattern such as \"C1-*\" or \"S1:*\"",
+                        key,
+                    );
                 }
             }
             Kind::Version => self.version(node),

@@ -31,7 +31,7 @@ pub const TRACE_SCHEMA: u32 = 1;
 pub struct Arguments {
     /// The model file
     model: PathBuf,
-    /// Id of a body, joint, member, member end (`C1-A1.top`) or strip of a slab (`S1:C1-A1|C1-B1`)
+    /// Id of a body, joint, member, end of a member (`C1-A1.top`, `W1.bottom`) or strip of a slab (`S1:C1-A1|C1-B1`)
     part: String,
     #[command(flatten)]
     knowledge: KnowledgeArgs,
@@ -154,7 +154,7 @@ enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The body or joint with this id, else the joint of an end, the body that a member is part of, a joint on a line of a slab, or the body of an end or line without a joint.
+    /// The body or joint with this id, else the joint of an end, the body that a member is part of, a joint on a line of a slab, or the body of an end without a joint.
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
@@ -166,8 +166,7 @@ impl<'a> Part<'a> {
                 model.bushings.iter().find(of_line).map(Self::Joint)
             })
             .or_else(|| {
-                let end = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end));
-                let (member, _) = end.or_else(|| id.split_once(':'))?;
+                let (member, _) = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end))?;
                 body(&|b| b.origin.members.iter().any(|m| m == member))
             })
     }
@@ -344,7 +343,8 @@ fn review_text(items: &[(usize, Item)]) -> String {
 }
 
 fn unknown(model: &Model, id: &str) -> Failure {
-    let members = model.bodies.iter().flat_map(|b| b.origin.members.iter().map(String::as_str));
+    let origins = model.bodies.iter().map(|b| &b.origin).chain(model.bushings.iter().map(|j| &j.origin));
+    let members = origins.flat_map(|origin| origin.members.iter().map(String::as_str));
     let ids = model.bodies.iter().map(|b| b.id.as_str()).chain(model.bushings.iter().map(|j| j.id.as_str()));
     let help = match closest(id, ids.chain(members)) {
         Some(near) => format!("did you mean `{near}`?"),
@@ -417,9 +417,13 @@ fn text(
     if asked != part.id() {
         let members = &part.origin().members;
         let end = !members.iter().any(|m| m == asked);
-        let of_end = || model.bushings.iter().filter(|j| is_at(j, asked)).map(|j| j.id.as_str());
+        let is_here = |j: &&Bushing| is_at(j, asked) || j.origin.members.iter().any(|m| m == asked);
+        let here: Vec<&Bushing> = model.bushings.iter().filter(is_here).collect();
+        let joints = || here.iter().map(|j| j.id.as_str()).collect::<Vec<_>>().join(", ");
+        let yields = here.iter().any(|j| j.bending.iter().any(|b| b.curve().is_some()));
         let (words, part) = match part {
-            Part::Joint(_) => ("yields in", of_end().collect::<Vec<_>>().join(", ")),
+            Part::Joint(_) if yields => ("yields in", joints()),
+            Part::Joint(_) => ("is elastic in", joints()),
             Part::Body(_) if end => ("has no joint; it lies in", part.id().to_string()),
             Part::Body(_) => ("is part of", part.id().to_string()),
         };

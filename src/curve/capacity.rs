@@ -117,7 +117,8 @@ impl CapacityTable {
         if force <= self.force[0] {
             return AxialLevel { below: 0, weight: 0.0, out_of_range: force < self.force[0] };
         }
-        if force >= self.force[last] {
+        // also if it is no number, which whoever looks at the moments finds out
+        if force >= self.force[last] || force.is_nan() {
             return AxialLevel {
                 below: last.saturating_sub(1),
                 weight: if last == 0 { 0.0 } else { 1.0 },
@@ -145,7 +146,7 @@ impl CapacityTable {
         let last = self.force.len() - 1;
         let (levels, force_n) = if axial_force_n < self.force[0] {
             ([0, 0], [f64::NEG_INFINITY, self.force[0]])
-        } else if axial_force_n >= self.force[last] {
+        } else if axial_force_n >= self.force[last] || axial_force_n.is_nan() {
             ([last, last], [self.force[last], f64::INFINITY])
         } else {
             let i = hint.force as usize;
@@ -278,5 +279,21 @@ mod tests {
         let single = ResistanceCurve { levels: curve.levels[..1].to_vec(), ..curve };
         let table = CapacityTable::new(&single, 1.0).unwrap();
         assert_eq!(table.shortening_m(table.level(1e5, &mut CapacityHint::default()), plastic_nm, 1e5), 0.0);
+    }
+
+    /// A run that goes wrong is told by whoever looks at its residuals; its curves do not panic before.
+    #[test]
+    fn a_force_that_is_no_number_has_a_level() {
+        let level = |n: f64| {
+            let capacity = vec![[0.0, 1.0], [0.1, 0.5]];
+            CapacityLevel { axial_force_n: n, capacity, fracture_rotation_rad: 0.1 }
+        };
+        for levels in [vec![level(0.0)], vec![level(0.0), level(1e3)]] {
+            let curve = ResistanceCurve { stiffness_nm_rad: 1e3, levels, cyclic: None };
+            let table = CapacityTable::new(&curve, 1.0).unwrap();
+            let hint = &mut CapacityHint::default();
+            assert_eq!(table.level(f64::NAN, hint).below, curve.levels.len().saturating_sub(2));
+            assert!(table.nearby(0.01, f64::NAN, hint).is_none());
+        }
     }
 }

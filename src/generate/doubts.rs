@@ -168,6 +168,9 @@ impl Doubt {
         list.extend(known.members.iter().filter_map(|subject| site.break_away(&subject.id)));
         let of_ends = known.ends.iter().zip(ends);
         list.extend(of_ends.filter_map(|(end, place)| site.doubt(end, building.members[place.member].kind)));
+        // of lines just what the analyst decides: no rule has them elastic, so that nothing could be otherwise
+        let of_lines = known.lines.iter().filter(|line| decision.is_of_analyst(&line.id));
+        list.extend(of_lines.filter_map(|line| site.doubt(line, MemberKind::Slab)));
         list.extend(found.scaled.iter().filter(|s| s.distance > FAR).map(|scaled| {
             let ends = found.of_end.iter().filter(|(_, key)| **key == scaled.key);
             Self {

@@ -269,14 +269,16 @@ impl<'a> Generator<'a> {
             &mut contact,
         );
         curves.extend(yielding.into_curves());
-        obeyed(plates, &decision, &hinges)?;
+        notes.extend(obeyed(plates, &decision, &hinges)?);
         hinges.extend(webs.bushings);
         let used: BTreeSet<&String> =
             hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
         curves.retain(|id, _| used.contains(id));
-        // an end that the analyst wants elastic has no hinge in the model either, and is not rigid
+        // an end that the analyst wants elastic has no hinge in the model either, and is not rigid; nor is that of a wall on springs
         let decided = decision.hinges.keys().map(String::as_str);
-        let live: BTreeSet<&str> = hinges.iter().flat_map(Bushing::hinges).chain(decided).collect();
+        let joined = hinges.iter().flat_map(|j| &j.origin.members).map(String::as_str);
+        let live: BTreeSet<&str> =
+            hinges.iter().flat_map(Bushing::hinges).chain(decided).chain(joined).collect();
         let overloaded = doubts::overloaded(demands, &live);
         notes.extend(overloaded.iter().map(|(end, ratio)| doubts::overloaded_words(end, *ratio, &decision)));
         let (events, taking_nothing) = charges::events(building, &clusters, (&bodies, &floors))?;

@@ -279,7 +279,12 @@ impl<'a> Site<'a> {
 
     /// Demand ratio of an end after the removal, by the homogenised law.
     pub fn law_ratio(&self, end: usize) -> Option<f64> {
-        Some(self.demand(end)?.after?.homogenised.ratio)
+        self.law_ratio_of(&self.ends[end].id)
+    }
+
+    /// The same of an end by its id, walls included.
+    pub fn law_ratio_of(&self, id: &str) -> Option<f64> {
+        Some(self.demands.get(id)?.after?.homogenised.ratio)
     }
 
     fn demand(&self, end: usize) -> Option<&EndDemand> {

@@ -132,11 +132,14 @@ impl Generated {
     }
 }
 
+/// Most ids that an error lists.
+const MOST_LISTED: usize = 8;
+
 /// A model that cannot be generated.
 #[derive(Debug, thiserror::Error)]
 pub enum GenerateError {
     /// No rule says what a part becomes.
-    #[error("no rule decides about {}: add a rule under rules/ that applies to it, or describe the part otherwise", .0.join(", "))]
+    #[error("no rule decides about {}: add a rule under rules/ that applies to it (`fallwerk rules check` tells for which kinds of subject there is none), or describe the part otherwise", listed(.0))]
     Gap(Vec<String>),
     /// A rule decides something that the generator cannot do.
     #[error("a rule decides `{0}` for {1}, which the generator does not support yet")]
@@ -171,7 +174,9 @@ pub enum GenerateError {
     #[error("the override of {0} cannot be carried out: {1}")]
     Override(String, String),
     /// A column ends in the air.
-    #[error("member end {0} touches nothing")]
+    #[error(
+        "member end {0} touches nothing, or nothing of it is in the mesh (`fallwerk check --mesh` names planes that are too close)"
+    )]
     Loose(String),
     /// A rule about events compares what is not known before them.
     #[error(transparent)]
@@ -182,6 +187,13 @@ pub enum GenerateError {
     /// The store failed.
     #[error(transparent)]
     Store(#[from] StoreError),
+}
+
+/// The first of some ids, and how many more there are.
+fn listed(ids: &[String]) -> String {
+    let more = ids.len().saturating_sub(MOST_LISTED);
+    let first = ids[..ids.len() - more].join(", ");
+    if more > 0 { format!("{first} and {more} more") } else { first }
 }
 
 /// Generates the model of a building. `progress` hears what is being derived.

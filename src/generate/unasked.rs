@@ -75,6 +75,8 @@ pub fn of(
     let mut list = late(SubjectKind::Member, "", false);
     list.extend(late(SubjectKind::MemberEnd, "ends of ", true));
     list.extend(late(SubjectKind::Section, "sections of ", false));
+    list.extend(late(SubjectKind::SlabLine, "strips of ", true));
+    list.extend(late(SubjectKind::WallEnd, "feet and heads of ", true));
     let never_break = decision.sections().next().is_none();
     let beams = building.members.iter().filter(|m| m.kind == MemberKind::Beam).count();
     let some_part = stays.iter().map(|s| s.beams.len()).sum::<usize>() < beams;

@@ -34,7 +34,7 @@ use draft::Draft;
 use prune::{Validated, validated};
 use questions::{ANY_PHASE, EXPECTED, QUESTIONS, Question};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use tree::{Column, Kind, RULE_BUILDINGS, Row, Table, YES_BUILDINGS};
 
 /// A study with what was known of its building before.
@@ -46,8 +46,8 @@ pub struct Case {
     pub known: Known,
     /// Lines of slabs and walls, in the order of their features.
     pub lines: Vec<Line>,
-    /// Ids of its beams.
-    beams: BTreeSet<String>,
+    /// Axes of its beams, by their ids.
+    beams: BTreeMap<String, usize>,
     /// How its floors moved.
     pub floors: Vec<FloorMotion>,
 }
@@ -59,15 +59,15 @@ impl Case {
         Self {
             known: Known::of_building(building),
             lines: lines(building, &Partition::of(building)),
-            beams: beams.map(|m| m.id.clone()).collect(),
+            beams: beams.map(|m| (m.id.clone(), m.axis)).collect(),
             floors: floors(&study, building),
             study,
         }
     }
 
-    /// Whether a member is a beam.
-    pub fn is_beam(&self, member: &str) -> bool {
-        self.beams.contains(member)
+    /// Axis of a beam; none of another member.
+    pub fn axis_of_beam(&self, member: &str) -> Option<usize> {
+        self.beams.get(member).copied()
     }
 }
 

@@ -336,19 +336,20 @@ const ON_LINE_M: f64 = 1e-3;
 const BELOW_M: f64 = 1.0;
 
 /// Slab lines or wall ends, and whether they yield, with the ends of the beams that run along them.
-fn lines<'a>(case: &'a Case, kind: SubjectKind) -> Vec<(&'a Subject, bool)> {
+fn lines(case: &Case, kind: SubjectKind) -> Vec<(&Subject, bool)> {
     let facts = &case.study.facts;
     let zones: BTreeMap<&str, &EndZone> = facts.lines.iter().map(|zone| (zone.id.as_str(), zone)).collect();
-    let beams: Vec<&EndZone> = (facts.ends.iter())
-        .filter(|zone| zone.plastic_strain > YIELDED && case.is_beam(&zone.member))
-        .collect();
-    let of = |(subject, line): (&'a Subject, &Line)| {
-        let zone = zones.get(subject.id.as_str())?;
-        let yields = zone.plastic_strain > YIELDED || beams.iter().any(|beam| is_along(line, beam.point_m));
-        Some((subject, yields))
-    };
-    let own = case.known.lines.iter().zip(&case.lines).filter(|(subject, _)| subject.kind == kind);
-    own.filter_map(of).collect()
+    let yielding = facts.ends.iter().filter(|zone| zone.plastic_strain > YIELDED);
+    let beams: Vec<(usize, [f64; 3])> =
+        yielding.filter_map(|zone| Some((case.axis_of_beam(&zone.member)?, zone.point_m))).collect();
+    let mut list = Vec::new();
+    for (subject, line) in case.known.lines.iter().zip(&case.lines).filter(|(s, _)| s.kind == kind) {
+        if let Some(zone) = zones.get(subject.id.as_str()) {
+            let with_beam = || beams.iter().any(|(axis, at)| *axis == line.axis && is_along(line, *at));
+            list.push((subject, zone.plastic_strain > YIELDED || with_beam()));
+        }
+    }
+    list
 }
 
 /// Whether the end of a beam at a place is on a line of a slab.

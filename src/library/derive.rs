@@ -59,13 +59,13 @@ pub enum DeriveError {
 }
 
 impl Wanted {
-    /// Describes a column end; `None` for one without own volume.
+    /// Describes a column end; `None` for one without own volume, or of which nothing is in the mesh.
     pub fn of(building: &Building, partition: &Partition, mesh: &Mesh, end: &MemberEnd) -> Option<Self> {
         let member = &building.members[end.member];
         let model = EndModel::cut_from(building, partition, mesh, end.member, end.end)?;
         let section = building.sections[&member.section].clone();
         let law = building.law_of(member).clone();
-        let strength = model.mesh.elements[model.section_elements[0]].strength;
+        let strength = model.mesh.elements[*model.section_elements.first()?].strength;
         let shares = &crate::rc::pushover::AXIAL_SHARES;
         let (features, inputs) =
             described(building, section, law, strength, &model, model.section_m, shares)?;

@@ -214,8 +214,8 @@ pub static CATALOGUE: &[ActionSpec] = &[
         name: "latent_hinge",
         aspect: Aspect::Rotation,
         subjects: &[MemberEnd, Section, SlabLine, WallEnd],
-        parameters: &[optional("demand_share", ParameterType::Positive("1"))],
-        meaning: "a section that becomes a hinge, or a line of a slab or wall that yields, when its demand reaches (a share of) its resistance",
+        parameters: &[],
+        meaning: "a section that becomes a hinge, or a line of a slab or wall that yields, when its demand reaches its resistance",
     },
     ActionSpec {
         action: Action::ElasticConnection,

@@ -210,7 +210,7 @@ pub const CATALOGUE: &[Feature] = &[
     number(
         "floor.slenderness",
         "1",
-        &[Member],
+        &[Member, SlabLine],
         "of a slab or beam: longest stretch of its floor between columns that stand, or beyond the last of them, before and after each charge, over the depth of the deepest beam, or of the slab where there is none",
     ).positive(),
     names(
@@ -235,8 +235,8 @@ pub const CATALOGUE: &[Feature] = &[
     number(
         "line.demand_ratio",
         "1",
-        &[SlabLine],
-        "w l² / 8 of the slab's weight over its plastic moment, as if it bridged its stretch between the columns that stand after the removal by itself; twice the stretch where it hangs over the last of them",
+        LINES,
+        "of a slab: w l² / 8 of its weight over its plastic moment, as if it bridged its stretch between the columns that stand after the removal by itself; twice the stretch where it hangs over the last of them. Of the end of a wall: elastic demand after the removal over the capacity of the homogenised law",
     ).positive(),
     flag("line.has_beam", &[SlabLine], "a beam runs along the line from column to column"),
     number(
@@ -245,7 +245,7 @@ pub const CATALOGUE: &[Feature] = &[
         LINES,
         "of a slab: between the faces of its columns; of a wall: its clear height",
     ).positive(),
-    flag("line.over_charge", &[SlabLine], "a charge takes away one of its columns, or a column below one"),
+    flag("line.over_charge", &[SlabLine], "charges take away the columns at one of its ends, or columns below them"),
     names("line.position", &["bottom", "top"], &[WallEnd], "foot or head of the wall"),
     number("line.slenderness", "1", LINES, "line.length over thickness").positive(),
     number(

@@ -104,7 +104,7 @@ impl fmt::Display for SubjectKind {
 /// Something to decide about, with what is known of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Subject {
-    /// Id of the member, end (`C1/bottom`), section or event.
+    /// Id of the member, end (`C1.bottom`), section, line (`S1:C1-A1|C1-B1`) or event.
     pub id: String,
     /// Kind.
     pub kind: SubjectKind,

@@ -3,7 +3,7 @@
 use super::{share, short};
 use crate::building::Building;
 use crate::fe::result::FeRun;
-use crate::fe::section_force::SectionForce;
+use crate::fe::section_force::{BrokenSection, SectionForce};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -70,13 +70,17 @@ pub(super) struct ElementHistory<'a> {
     pub first_s: &'a [Option<f64>],
     peak: &'a [f32],
     death_s: Vec<f64>,
+    /// Which of the broken sections each is part of.
+    broken: BTreeMap<usize, &'a BrokenSection>,
 }
 
 impl<'a> ElementHistory<'a> {
     pub(super) fn of(run: &'a FeRun) -> Self {
         let mut death_s = vec![f64::INFINITY; run.mesh.elements.len()];
         run.deaths.iter().for_each(|d| death_s[d.element] = death_s[d.element].min(d.time_s));
-        Self { first_s: &run.strain_rates.first_s, peak: &run.strain_rates.peak_1_s, death_s }
+        let of_section = |s: &'a BrokenSection| s.elements.iter().map(move |e| (*e, s));
+        let broken = run.broken.iter().flat_map(of_section).collect();
+        Self { first_s: &run.strain_rates.first_s, peak: &run.strain_rates.peak_1_s, death_s, broken }
     }
 }
 
@@ -106,7 +110,6 @@ pub(super) fn zone(
     }
     let fracture =
         layers.into_values().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(time, _)| time.is_finite());
-    let of_layer = |e: usize| run.broken.iter().find(|section| section.elements.contains(&e));
     EndZone {
         id: place.id.to_string(),
         member: building.members[place.member].id.clone(),
@@ -116,7 +119,9 @@ pub(super) fn zone(
         plastic_strain: short(largest(&|e| run.plastic_strain[e])),
         eroded: share(elements, |e| history.death_s[e].is_finite()),
         fracture_s: fracture.map(|(time, _)| time),
-        fracture_force: fracture.and_then(|(_, e)| of_layer(e)).map(|section| section.force.rounded()),
+        fracture_force: fracture
+            .and_then(|(_, e)| history.broken.get(&e))
+            .map(|section| section.force.rounded()),
         rotation_before_contact_rad: None,
         rotation_rad: None,
     }

@@ -2,7 +2,7 @@
 
 use super::{knowledge, reference};
 use fallwerk::base::tree::Format;
-use fallwerk::building::{Building, Override, OverrideAction, parse};
+use fallwerk::building::{Building, EXAMPLE, Override, OverrideAction, parse};
 use fallwerk::generate::known::Known;
 use fallwerk::generate::{ANALYST, Accuracy, Derive, Generated, Wishes, generate};
 use fallwerk::mbs::model::{Bending, Bushing};
@@ -151,4 +151,29 @@ fn features_of_strips_tell_beams_charges_and_what_the_slab_bridges() {
     assert!((ratio / by_hand(clear_m, t_m) - 1.0).abs() < 0.05, "{ratio} {}", by_hand(clear_m, t_m));
     // the side hangs over the rear column: as a span of twice its length, and what is beyond it
     assert!(side.number("line.demand_ratio").unwrap() > 2.0 * ratio);
+}
+
+#[test]
+fn beams_belong_to_the_strips_of_their_own_floor() {
+    let mut building = reference(|t| t);
+    building.members.retain(|m| !m.id.starts_with("B2-"));
+    let known = Known::of_building(&building);
+    for (floor, has_beam) in [("S1:", true), ("S2:", false), ("S3:", true)] {
+        let strips: Vec<&Subject> = known.lines.iter().filter(|s| s.id.starts_with(floor)).collect();
+        assert_eq!(strips.len(), 4);
+        for strip in strips {
+            assert_eq!(strip.features.get("line.has_beam"), Some(&Value::Flag(has_beam)), "{}", strip.id);
+            assert_eq!(strip.number("line.beam_demand_ratio").is_some(), has_beam, "{}", strip.id);
+        }
+    }
+}
+
+#[test]
+fn what_a_floor_is_and_what_its_strips_do_may_exclude_each_other() {
+    let chapter = "[[overrides]]\ntargets = [\"S1\"]\naction = \"merge_rigid\"\nreason = \"stiff\"\n\n[[overrides]]\ntargets = [\"S1:*\"]\naction = \"latent_hinge\"\nreason = \"worn\"\n\n[settings]";
+    let text = EXAMPLE.replace("[settings]", chapter);
+    let error = parse(&text, Format::Toml, "reference").unwrap_err();
+    let words = error.render(false);
+    assert!(words.contains("contradiction") && words.contains("does not bend in strips"), "{words}");
+    assert!(parse(&text.replace("\"S1\"", "\"S2\""), Format::Toml, "reference").is_ok());
 }
