@@ -110,13 +110,31 @@ fn reaches(start: &Rule, goal: &Rule, by_id: &BTreeMap<&str, &Rule>) -> bool {
 }
 
 fn never(rules: &[Rule]) -> Vec<Problem> {
-    let refuted = |rule: &&Rule| logic::cases(&rule.condition, false).is_some_and(|cases| cases.is_empty());
-    let words = |rule: &Rule| {
-        let decided = decided(rule).into_iter().find(|(_, holds)| !holds);
-        let why = decided.map(|(words, _)| format!("; {words}")).unwrap_or_default();
-        format!("the condition of `{}` can never hold{why}", rule.id)
-    };
-    rules.iter().filter(refuted).map(|rule| at(rule, words(rule))).collect()
+    let mut found = Vec::new();
+    for rule in rules {
+        let Some(cases) = logic::cases(&rule.condition, false) else { continue };
+        if cases.is_empty() {
+            let decided = decided(rule).into_iter().find(|(_, holds)| !holds);
+            let why = decided.map(|(words, _)| format!("; {words}")).unwrap_or_default();
+            found.push(at(rule, format!("the condition of `{}` can never hold{why}", rule.id)));
+        } else if cases.iter().all(|case| is_of_other_kind(case, rule.applies_to)) {
+            let kinds = member_kinds(rule.applies_to).join(" or a ");
+            let (id, subject) = (&rule.id, rule.applies_to);
+            found.push(at(
+                rule,
+                format!("the condition of `{id}` can never hold; a {subject} belongs to a {kinds}"),
+            ));
+        }
+    }
+    found
+}
+
+/// Whether a case asks for members of kinds that have no such subjects.
+fn is_of_other_kind(case: &Conjunction, subject: SubjectKind) -> bool {
+    let kinds = member_kinds(subject);
+    let none =
+        |names: &std::collections::BTreeSet<String>| !names.iter().any(|n| kinds.contains(&n.as_str()));
+    case.iter().any(|atom| matches!(atom, Atom::OneOf(name, names) if name == "member.kind" && none(names)))
 }
 
 /// Comparisons that the range of their feature decides, which their author has hardly meant.

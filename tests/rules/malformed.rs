@@ -34,6 +34,10 @@ fn faults_of_one_rule_are_named_with_what_would_be_right() {
             &["when = \"member.kind == 'beam' and member.slenderness < -1\""],
             "the condition of `a` can never hold; the comparison `member.slenderness < -1` of `a` never holds: `member.slenderness` is at least 0",
         ),
+        (
+            &["applies_to = \"slab_line\"", "action = \"latent_hinge\"", "when = \"member.kind == 'beam'\""],
+            "the condition of `a` can never hold; a slab_line belongs to a slab",
+        ),
         (&["when = \"member.storey_share > 1\""], "`member.storey_share` is from 0 to 1"),
         (&["applies_to = \"members\""], "unknown kind of subject `members`; did you mean `member`?"),
         (&["action = \"hnge\""], "unknown action `hnge`; did you mean `hinge`?"),

@@ -5,6 +5,7 @@ mod engine;
 mod facts;
 mod learn;
 mod malformed;
+mod records;
 mod seed;
 
 use fallwerk::rules::{RuleBase, Source};
