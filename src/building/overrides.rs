@@ -246,8 +246,8 @@ pub fn together(draft: &Draft, found: &mut Vec<Diagnostic>) {
         let wrong = |(k, first): &(usize, &Placed<Override>)| {
             !(lines[i] && lines[*k]) && site.excludes(&first.item, &later.item).is_some()
         };
-        let before = draft.overrides[..i].iter().enumerate();
-        let Some((_, first)) = before.into_iter().find(wrong) else { continue };
+        let mut before = draft.overrides[..i].iter().enumerate();
+        let Some((_, first)) = before.find(wrong) else { continue };
         let why = site.excludes(&first.item, &later.item).unwrap_or_default();
         let [a, b] =
             [&first.item, &later.item].map(|o| format!("`{}` of {}", o.action.name(), quoted(&o.target)));

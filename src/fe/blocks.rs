@@ -324,7 +324,7 @@ impl Blocks {
     pub fn element_force(&self, element: usize, x: &[[f64; 3]]) -> [[f64; 3]; 8] {
         let (block, lane) = self.place[element];
         let (force, _) = self.still(block as usize, x);
-        std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
+        of_lane(&force, lane)
     }
 
     /// The same of some elements, block by block.
@@ -335,9 +335,7 @@ impl Blocks {
         let mut list = Vec::with_capacity(places.len());
         for of_block in places.chunk_by(|a, b| a.0 == b.0) {
             let (force, _) = self.still(of_block[0].0 as usize, x);
-            let own =
-                |lane: usize| std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane]));
-            list.extend(of_block.iter().map(|(_, lane, e)| (*e, own(*lane as usize))));
+            list.extend(of_block.iter().map(|(_, lane, e)| (*e, of_lane(&force, *lane))));
         }
         list
     }
@@ -613,4 +611,9 @@ fn block(mesh: &Mesh, concretes: &ConcretePoints, elements: &[usize]) -> Block {
     let material = PackedMaterial::new(&material);
     let concrete = concretes.block(&mesh.laws[table], elements);
     Block { state, material, nodes: [[0; 8]; LANES], full, concrete, largest_bound: 0.0, acts: true }
+}
+
+/// Forces on the nodes of one of the elements of a block \[N\].
+fn of_lane(force: &BlockForce, lane: u8) -> [[f64; 3]; 8] {
+    std::array::from_fn(|node| std::array::from_fn(|i| force[3 * node + i][lane as usize]))
 }

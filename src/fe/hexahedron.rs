@@ -143,6 +143,19 @@ pub fn to_local(rows: &[Vec3; 3], a: Vec3) -> Vec3 {
     [dot(rows[0], a), dot(rows[1], a), dot(rows[2], a)]
 }
 
+/// Nodes of a cube of edge 1, for tests.
+#[cfg(test)]
+pub(super) const UNIT_CUBE: [Vec3; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;

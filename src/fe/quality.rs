@@ -233,28 +233,18 @@ pub fn sliver_note(building: &Building, quality: &Quality, size_m: f64) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const UNIT: [Point; 8] = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [1.0, 0.0, 1.0],
-        [1.0, 1.0, 1.0],
-        [0.0, 1.0, 1.0],
-    ];
+    use crate::fe::hexahedron::UNIT_CUBE;
 
     #[test]
     fn a_cube_is_perfect() {
-        let m = measure(&UNIT, 1.0);
+        let m = measure(&UNIT_CUBE, 1.0);
         assert_eq!((m.edge_m, m.aspect, m.scaled_jacobian, m.warpage_deg), ([1.0, 1.0], 1.0, 1.0, 0.0));
     }
 
     /// A shear by 45 degrees: the angle between two edges gives sin 45°; faces stay plane.
     #[test]
     fn a_sheared_cube_has_the_sine_of_its_angle() {
-        let m = measure(&UNIT.map(|[x, y, z]| [x + z, y, z]), 1.0);
+        let m = measure(&UNIT_CUBE.map(|[x, y, z]| [x + z, y, z]), 1.0);
         assert!((m.scaled_jacobian - 0.5_f64.sqrt()).abs() < 1e-12);
         assert!(m.warpage_deg < 1e-9 && (m.aspect - 2.0_f64.sqrt()).abs() < 1e-12);
     }
@@ -262,7 +252,7 @@ mod tests {
     /// One corner lifted out of the top face by 1: divided through this corner, the triangles of the face meet at 60°, the other way at `acos(1 / sqrt 3)`.
     #[test]
     fn a_lifted_corner_warps_its_faces() {
-        let mut nodes = UNIT;
+        let mut nodes = UNIT_CUBE;
         nodes[6][2] = 2.0;
         let m = measure(&nodes, 1.0);
         assert!((m.warpage_deg - 60.0).abs() < 1e-9, "{}", m.warpage_deg);
@@ -270,7 +260,7 @@ mod tests {
 
     #[test]
     fn a_corner_pushed_through_has_no_positive_jacobian() {
-        let mut nodes = UNIT;
+        let mut nodes = UNIT_CUBE;
         nodes[6] = [-0.5, -0.5, 0.5];
         assert!(measure(&nodes, 1.0).scaled_jacobian < 0.0);
     }

@@ -152,27 +152,17 @@ mod tests {
     use crate::building;
     use crate::fe::contact::RigidSurfaces;
     use crate::fe::dynamics::Dynamics;
+    use crate::fe::hexahedron::UNIT_CUBE;
     use crate::fe::relaxation::static_state;
-
-    const CORNERS: [Vec3; 8] = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [1.0, 0.0, 1.0],
-        [1.0, 1.0, 1.0],
-        [0.0, 1.0, 1.0],
-    ];
 
     /// What a cube along an axis bears, with forces on the nodes of its upper face and the opposite ones on those of its lower face.
     fn bears(axis: usize, force: impl Fn(Vec3) -> Vec3) -> SectionForce {
         let mut forces = [[0.0; 3]; 8];
-        for (i, at) in CORNERS.iter().enumerate() {
+        for (i, at) in UNIT_CUBE.iter().enumerate() {
             let sign = if UPPER[axis].contains(&i) { 1.0 } else { -1.0 };
             forces[i] = force(*at).map(|f| sign * f);
         }
-        resultant(&[(std::array::from_fn(|i| i), forces)], axis, &CORNERS).unwrap()
+        resultant(&[(std::array::from_fn(|i| i), forces)], axis, &UNIT_CUBE).unwrap()
     }
 
     #[test]

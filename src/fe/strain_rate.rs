@@ -104,24 +104,14 @@ fn mid_strain(g: &[Vec3; 3]) -> [f64; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const CUBE: [Vec3; 8] = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [1.0, 0.0, 1.0],
-        [1.0, 1.0, 1.0],
-        [0.0, 1.0, 1.0],
-    ];
+    use crate::fe::hexahedron::UNIT_CUBE;
 
     #[test]
     fn rotation_strains_nothing_and_shear_is_measured() {
         let (s, c) = 0.7f64.sin_cos();
-        let turned = CUBE.map(|p| [c * p[0] - s * p[1], s * p[0] + c * p[1], p[2] + 3.0]);
-        assert!(net_strain(&CUBE, &turned) < 1e-14);
-        let sheared = CUBE.map(|p| [p[0] + 1e-6 * p[2], p[1], p[2]]);
-        assert!((net_strain(&CUBE, &sheared) - 1e-6 / 3f64.sqrt()).abs() < 1e-12);
+        let turned = UNIT_CUBE.map(|p| [c * p[0] - s * p[1], s * p[0] + c * p[1], p[2] + 3.0]);
+        assert!(net_strain(&UNIT_CUBE, &turned) < 1e-14);
+        let sheared = UNIT_CUBE.map(|p| [p[0] + 1e-6 * p[2], p[1], p[2]]);
+        assert!((net_strain(&UNIT_CUBE, &sheared) - 1e-6 / 3f64.sqrt()).abs() < 1e-12);
     }
 }
