@@ -154,7 +154,7 @@ enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The body or joint with this id, else the joint of an end, the body that a member is part of, a joint on a line of a slab, or the body of an end without a joint.
+    /// The body or joint with this id, else the joint of an end, the body that a member is part of, a joint on a line of a slab, or the body of an end or strip without a joint.
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
@@ -166,7 +166,8 @@ impl<'a> Part<'a> {
                 model.bushings.iter().find(of_line).map(Self::Joint)
             })
             .or_else(|| {
-                let (member, _) = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end))?;
+                let end_of = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end)).map(|(m, _)| m);
+                let member = end_of.or_else(|| slab_of_strip(model, id))?;
                 body(&|b| b.origin.members.iter().any(|m| m == member))
             })
     }
@@ -204,6 +205,14 @@ impl<'a> Part<'a> {
 fn is_at(joint: &Bushing, end: &str) -> bool {
     let number = joint.id.strip_prefix(end).and_then(|rest| rest.strip_prefix('-'));
     number.is_some_and(|n| n.parse::<usize>().is_ok()) || joint.hinges().contains(&end)
+}
+
+/// The slab of a strip (`S1:C1-A1|C1-B1`), if the model stands for both columns.
+fn slab_of_strip<'a>(model: &Model, id: &'a str) -> Option<&'a str> {
+    let (slab, columns) = id.split_once(':')?;
+    let (one, other) = columns.split_once('|')?;
+    let is_known = |name: &str| model.bodies.iter().any(|b| b.origin.members.iter().any(|m| m == name));
+    (is_known(one) && is_known(other)).then_some(slab)
 }
 
 /// Names of the ends of columns and beams.

@@ -9,7 +9,7 @@ use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::mbs::model::{Beam, Bending, Span};
 use crate::rc::around::{SAME_PLANE_M, edges_between};
 use crate::rc::layers::{Held, Layer, Layers, POLE, Pushes, Rows};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// How the names of curves of beams begin.
 pub const BEAM_CURVES: &str = "beam/";
@@ -56,17 +56,35 @@ impl Ends {
     }
 }
 
+/// Numbers without what round-off may change: 30 bits of each, as nine decimal digits have.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+struct Numbers(Vec<u64>);
+
+impl Numbers {
+    fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
+        const DROPPED: u32 = f64::MANTISSA_DIGITS - 1 - 30;
+        let kept = |x: f64| (x.to_bits() + (1 << (DROPPED - 1))) >> DROPPED;
+        Self(numbers.into_iter().map(kept).collect())
+    }
+
+    fn with(&self, numbers: impl IntoIterator<Item = f64>) -> Self {
+        Self(self.0.iter().copied().chain(Self::of(numbers).0).collect())
+    }
+}
+
 /// The beams of all floors that bend, and their curves.
 pub struct YieldingEnds<'a> {
     /// Planes of the mesh along x, y and z \[m\].
     planes: &'a [Vec<f64>; 3],
     /// Ends by member.
     ends: BTreeMap<usize, Vec<&'a MemberEnd>>,
-    /// Curves by id, and their ids by the numbers that they follow from, as text.
+    /// Curves by id, and their ids by the numbers that they follow from.
     curves: BTreeMap<String, ResistanceCurve>,
-    known: BTreeMap<String, String>,
+    known: HashMap<Numbers, String>,
+    /// The same of shares that springs across panels have, by curve and numbers.
+    across: HashMap<(String, Numbers), String>,
     /// Pushes of the sections, by the numbers that they follow from.
-    pushes: BTreeMap<String, Pushes>,
+    pushes: HashMap<Numbers, Pushes>,
     names: BTreeSet<String>,
     /// Moments of the slab and of all of a cut, by curve.
     moments: BTreeMap<String, Option<[f64; 2]>>,
@@ -77,8 +95,8 @@ impl<'a> YieldingEnds<'a> {
     pub fn new(planes: &'a [Vec<f64>; 3], ends: &'a [MemberEnd]) -> Self {
         let mut of_member: BTreeMap<usize, Vec<&MemberEnd>> = BTreeMap::new();
         ends.iter().for_each(|e| of_member.entry(e.member).or_default().push(e));
-        let (curves, known, pushes, names, moments) = Default::default();
-        Self { planes, ends: of_member, curves, known, pushes, names, moments }
+        let (curves, known, across, pushes, names, moments) = Default::default();
+        Self { planes, ends: of_member, curves, known, across, pushes, names, moments }
     }
 
     /// The curves of all cuts that were asked for.
@@ -95,13 +113,11 @@ impl<'a> YieldingEnds<'a> {
         if half_length_m <= 0.0 {
             return elastic;
         }
-        // sections that differ by round-off only are the same
-        let mut words = format!("{:?}", cut.held);
-        section.numbers().chain([row_m]).for_each(|x| words.push_str(&format!(" {x:.8e}")));
-        let own = format!("{words} {half_length_m:.8e} {stiffness_nm_rad:.8e}");
+        let of_section = Numbers::of(section.numbers().chain([row_m, f64::from(cut.held as u8)]));
+        let own = of_section.with([half_length_m, stiffness_nm_rad]);
         let curve = self.known.entry(own).or_insert_with(|| {
             let name = format!("{BEAM_CURVES}{id}");
-            let pushes = self.pushes.entry(words).or_insert_with(|| section.pushes(row_m, cut.held));
+            let pushes = self.pushes.entry(of_section).or_insert_with(|| section.pushes(row_m, cut.held));
             // the moment is naught in the middle of the span, where the cut is
             self.curves.insert(name.clone(), pushes.curve(half_length_m, stiffness_nm_rad));
             name
@@ -157,9 +173,9 @@ impl<'a> YieldingEnds<'a> {
 
     /// Enters what springs across panels have of a curve: a share of its resistance without axial force, and a stiffness of their own \[N m/rad\]; its id.
     pub fn across(&mut self, curve: &str, share: f64, stiffness_nm_rad: f64) -> String {
-        let key = format!("{curve} {share:.8e} {stiffness_nm_rad:.8e}");
-        let count = self.known.len();
-        let id = self.known.entry(key).or_insert_with(|| format!("{curve}/across-{count}"));
+        let key = (curve.to_string(), Numbers::of([share, stiffness_nm_rad]));
+        let count = self.known.len() + self.across.len();
+        let id = self.across.entry(key).or_insert_with(|| format!("{curve}/across-{count}"));
         if let Some(of) = self.curves.get(curve).filter(|_| !self.curves.contains_key(id)) {
             let force = |l: &&CapacityLevel| l.axial_force_n.abs();
             let mut level = of.levels.iter().min_by(|l, m| force(l).total_cmp(&force(m))).cloned();

@@ -3,8 +3,9 @@
 //! A column or a wall is a body of its own. A beam is one with its slab: what goes is its web (`webs`), from joint block to joint block, with its share of the
 //! springs of its floor; the slab stays. A floor goes as a whole where all of its members have charges, with the last of them.
 
+use super::GenerateError;
 use super::bodies::Bodies;
-use super::{Divided, GenerateError};
+use super::division::Divided;
 use crate::building::{Building, Charge, MemberKind};
 use crate::mbs::model::{Event, Origin};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,20 +1,14 @@
 //! One building, its rules and the library: what is found once, and the models that come of it, whatever is decided otherwise.
 
 use super::analyst::Answers;
-use super::beam_ends::YieldingEnds;
-use super::crushing::Struck;
 use super::decide::Decision;
+use super::division::{Division, Parts};
 use super::doubts::{self, Doubt};
-use super::floors::Line;
-use super::joints::{self, Query};
+use super::draft::{Assembled, Draft};
 use super::known::Known;
-use super::levers;
-use super::lines::{Lines, obeyed};
 use super::{
-    Accuracy, Division, EventReason, GenerateError, Generated, Jointless, Parts, StaysWhole, Wishes,
-    bending_floors, charges, contact, event_rules, sections, tracked, unasked, walls, webs_of,
+    Accuracy, EventReason, GenerateError, Generated, Jointless, StaysWhole, Wishes, joints, unasked,
 };
-use crate::base::hash::ContentHash;
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::lines::{Line as PlateLine, lines as plate_lines};
 use crate::building::{Building, Override};
@@ -22,31 +16,32 @@ use crate::fe::mesh::Mesh;
 use crate::graph::demand::Solved;
 use crate::graph::frame::Frame;
 use crate::graph::{Demands, Structure};
-use crate::library::derive_contact::WantedContact;
 use crate::library::{Entry, Store};
-use crate::mbs::model::{Bending, Bushing, MODEL_SCHEMA, Model, RunSettings, TOLERANCE};
-use crate::mbs::run::LARGEST_RELATED_STEP_S;
-use crate::rc::around::{self, Surroundings};
+use crate::rc::around::Surroundings;
 use crate::rules::RuleBase;
-use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
+/// What is found of a building before anything is decided.
+pub(super) struct Basis<'a> {
+    pub building: &'a Building,
+    pub rules: &'a RuleBase,
+    pub accuracy: Accuracy,
+    pub structure: Structure,
+    pub ends: Vec<MemberEnd>,
+    pub plates: Vec<PlateLine>,
+    pub demands: Demands,
+    /// The building without what is cut away in preparation.
+    pub frame: Frame,
+    pub known: Known,
+    pub mesh: Mesh,
+    pub around: Surroundings,
+}
+
 /// What models of a building are generated from.
 pub struct Generator<'a> {
-    building: &'a Building,
-    rules: &'a RuleBase,
+    basis: Basis<'a>,
     store: &'a mut Store,
-    accuracy: Accuracy,
-    structure: Structure,
-    ends: Vec<MemberEnd>,
-    plates: Vec<PlateLine>,
-    demands: Demands,
-    /// The building without what is cut away in preparation.
-    frame: Frame,
-    known: Known,
-    mesh: Mesh,
-    around: Surroundings,
     library: joints::Known,
     stages: Stages,
 }
@@ -67,6 +62,38 @@ impl Stages {
     fn end(&mut self, name: &'static str, aside_s: f64) {
         self.list.push((name, self.began.elapsed().as_secs_f64() - aside_s));
         self.began = Instant::now();
+    }
+}
+
+impl Basis<'_> {
+    /// Whether a member is not cut away in preparation.
+    pub fn is_present(&self, member: usize) -> bool {
+        !self.building.is_cut(&self.building.members[member].id)
+    }
+
+    /// Members that are one body by what has been decided, but for those that are ground.
+    fn clusters(&self, decision: &Decision) -> Vec<Vec<usize>> {
+        let present: Vec<bool> = (0..self.building.members.len()).map(|m| self.is_present(m)).collect();
+        self.structure
+            .clusters(|c| c.members.iter().all(|m| present[*m]) && decision.joined(c))
+            .into_iter()
+            .filter(|members| members.iter().all(|m| present[*m] && !self.structure.boxes(*m).is_empty()))
+            .filter(|members| !members.iter().all(|m| joints::is_ground(self.building, *m)))
+            .collect()
+    }
+
+    /// The bodies of some clusters. Floors without curves for their lines stay in one piece.
+    fn divided(
+        &self,
+        clusters: &[Vec<usize>],
+        decision: &Decision,
+        library: &joints::Known,
+    ) -> Result<Division, GenerateError> {
+        let Self { building, structure, mesh, ends, accuracy, .. } = self;
+        let parts = Parts { building, structure, mesh, clusters, ends, decision, accuracy: *accuracy };
+        let division = parts.divided(&BTreeSet::new())?;
+        let without = division.without_curves(library)?;
+        if without.is_empty() { Ok(division) } else { parts.divided(&without) }
     }
 }
 
@@ -104,22 +131,9 @@ impl<'a> Generator<'a> {
         stages.end("demands, mesh", 0.0);
         let library = joints::Known::of(store, derive);
         stages.end("library", 0.0);
-        Ok(Self {
-            building,
-            rules,
-            store,
-            accuracy,
-            structure,
-            ends,
-            plates,
-            demands,
-            frame,
-            known,
-            mesh,
-            around,
-            library,
-            stages,
-        })
+        let basis =
+            Basis { building, rules, accuracy, structure, ends, plates, demands, frame, known, mesh, around };
+        Ok(Self { basis, store, library, stages })
     }
 
     /// From now on no curves are computed; those of some entries are at hand, beside what the library has.
@@ -136,189 +150,38 @@ impl<'a> Generator<'a> {
         overrides: &[Override],
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Generated, GenerateError> {
-        let Self {
-            building,
-            rules,
-            accuracy,
-            structure,
-            ends,
-            plates,
-            demands,
-            frame,
-            mesh,
-            around,
-            library,
-            ..
-        } = self;
-        let (building, rules, partition) = (*building, *rules, &structure.partition);
-        let mut stages = Stages { began: Instant::now(), ..self.stages.clone() };
+        let Self { basis, store, library, stages } = self;
+        let basis = &*basis;
+        let Basis { building, rules, accuracy, structure, ends, known, .. } = basis;
+        let (building, rules) = (*building, *rules);
+        let mut stages = Stages { began: Instant::now(), ..stages.clone() };
         let answers = Answers::of(building, overrides, structure, ends);
-        let decision = Decision::of(building, ends, &self.known, *accuracy, rules, &answers)?;
+        let decision = Decision::of(building, ends, known, *accuracy, rules, &answers)?;
         stages.end("decisions", 0.0);
-        let present: Vec<bool> = building.members.iter().map(|m| !building.is_cut(&m.id)).collect();
-        let clusters: Vec<Vec<usize>> = structure
-            .clusters(|c| c.members.iter().all(|m| present[*m]) && decision.joined(c))
-            .into_iter()
-            .filter(|members| members.iter().all(|m| present[*m] && !structure.boxes(*m).is_empty()))
-            .filter(|members| !members.iter().all(|m| joints::is_ground(building, *m)))
-            .collect();
-        let mut notes = decision.notes.clone();
-        let parts = Parts {
-            building,
-            structure,
-            mesh,
-            clusters: &clusters,
-            ends,
-            decision: &decision,
-            accuracy: *accuracy,
-        };
-        let mut division = parts.divided(&BTreeSet::new())?;
-        let without = division.without_curves(library)?;
-        if !without.is_empty() {
-            division = parts.divided(&without)?;
-        }
-        let Division { bodies, floors, lines, stays, notes: mut remarks } = division;
-        notes.extend(remarks.iter().cloned());
+        let clusters = basis.clusters(&decision);
+        let division = basis.divided(&clusters, &decision, library)?;
         stages.end("bodies", 0.0);
-        let place = joints::Place { building, partition, mesh, bodies: &bodies };
-        let (hinged, loose): (Vec<&MemberEnd>, Vec<&MemberEnd>) = ends
-            .iter()
-            .filter(|e| present[e.member] && decision.hinges.contains_key(&e.id))
-            .partition(|end| joints::is_joined(&place, end));
-        library.begin();
-        let asked: Vec<(&MemberEnd, bool)> =
-            hinged.iter().map(|end| (*end, library.is_at_hand(&end.id))).collect();
-        let signature = |(end, at_hand): &(&MemberEnd, bool)| {
-            let near = if *at_hand { None } else { around.near(mesh, end) }?;
-            let beyond = end.beyond(partition).map(|m| building.members[m].kind);
-            Some(around::signature(building, mesh, end, beyond, &near))
-        };
-        let signatures: Vec<Option<ContentHash>> = asked.par_iter().map(signature).collect();
-        let of_ends = hinged.iter().zip(signatures).map(|(end, signature)| {
-            let query = || match around.near(mesh, end) {
-                Some(near) => joints::query(&place, &mesh.piece(&near).0, end),
-                None => joints::query(&place, mesh, end),
-            };
-            library.asked(&end.id, signature, query)
-        });
-        let strip = |line: &Line| Ok(Query::Strip(line.wanted.clone()));
-        let of_lines = lines.iter().map(|(_, line)| library.asked(&line.id, None, || strip(line)));
-        let struck = if event_rules::puts_contact_in(building, rules)? {
-            Struck::of(building, ends, &decision).known_to(library, &mut notes)?
-        } else {
-            Struck::default()
-        };
-        let face = |wanted: &WantedContact| Ok(Query::Contact(wanted.clone()));
-        let of_faces = struck.wanted.iter().map(|(id, wanted)| library.asked(id, None, || face(wanted)));
-        let found = joints::entries(of_ends.chain(of_lines).chain(of_faces), self.store, library, progress)?;
-        stages.end("keys", found.curves_s);
-        notes.extend(joints::Scaled::notes(&found.scaled));
-        let so_far = notes.len();
-        let free =
-            |end: &&MemberEnd| format!("{} touches neither a member nor a support: no joint there", end.id);
-        notes.extend(loose.iter().map(free));
-        if (0..building.members.len()).any(|m| joints::is_ground(building, m)) {
-            notes.push(
-                "footings that are held are ground in this model, and nothing comes into contact with them"
-                    .into(),
-            );
-        }
-        if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
-            notes.push(format!(
-                "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",
-                building.settings.removal_duration_s
-            ));
-        }
-        notes.extend(soon_over(building));
-        let mut hinges = joints::hinges(&place, &hinged, &found, &decision)?;
-        for (first, line) in &lines {
-            let entry = &found.entries[&found.of_end[&line.id]];
-            hinges.push(line.bushing(
-                &bodies.list,
-                *first,
-                entry,
-                joints::curve_id(&entry.key, 0),
-                building,
-            )?);
-        }
-        let (walls, wall_curves) = walls::springs(&place, structure, &decision, &around.planes);
-        if !walls.is_empty() {
-            notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
-        }
-        remarks.extend(notes[so_far..].iter().cloned());
-        hinges.extend(walls);
-        let mut curves = found.curves();
-        joints::without_joint(&place, &hinged, &mut hinges, &mut curves);
-        joints::carry_over(&place, &hinged, &mut hinges);
-        curves.extend(wall_curves);
-        let sections = sections::hinges(building, structure, &bodies, &decision, (&hinges, &mut curves));
-        levers::put_in(&hinges, &found, &mut curves);
-        let webs = webs_of(building, &around.planes, &floors, (&bodies, &decision), &mut curves);
-        let event_rules = event_rules::of(building, rules, &decision, (&bodies, &sections), &webs)?;
-        hinges.extend(sections);
-        let mut contact = contact(building);
-        contact.crushing = struck.faces(building, &bodies, &found);
-        let mut yielding = YieldingEnds::new(&around.planes, ends);
-        let of_slabs = Lines::of(plates, &decision);
-        let shared_masses = bending_floors(
-            building,
-            frame,
-            &floors,
-            &bodies,
-            (&mut hinges, &of_slabs, &mut yielding),
-            &mut contact,
-        );
-        curves.extend(yielding.into_curves());
-        notes.extend(obeyed(plates, &decision, &hinges)?);
-        hinges.extend(webs.bushings);
-        let used: BTreeSet<&String> =
-            hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
-        curves.retain(|id, _| used.contains(id));
-        // an end that the analyst wants elastic has no hinge in the model either, and is not rigid; nor is that of a wall on springs
-        let decided = decision.hinges.keys().map(String::as_str);
-        let joined = hinges.iter().flat_map(|j| &j.origin.members).map(String::as_str);
-        let live: BTreeSet<&str> =
-            hinges.iter().flat_map(Bushing::hinges).chain(decided).chain(joined).collect();
-        let overloaded = doubts::overloaded(demands, &live);
-        notes.extend(overloaded.iter().map(|(end, ratio)| doubts::overloaded_words(end, *ratio, &decision)));
-        let (events, taking_nothing) = charges::events(building, &clusters, (&bodies, &floors))?;
-        notes.extend(taking_nothing);
-        let model = Model {
-            schema: MODEL_SCHEMA.to_string(),
-            name: building.name.clone(),
-            gravity_m_s2: [0.0, 0.0, -building.settings.gravity_m_s2],
-            shared_masses,
-            curves,
-            joints: Vec::new(),
-            bushings: hinges,
-            forces: Vec::new(),
-            contact,
-            events,
-            event_rules,
-            tracked: tracked(building, partition, &bodies),
-            settings: settings(building),
-            bodies: bodies.list,
-        };
+        let mut notes = decision.notes.clone();
+        notes.extend(division.notes.iter().cloned());
+        let draft = Draft::of(basis, &decision, &clusters, division);
+        let mut curves = draft.curves(store, library, progress)?;
+        stages.end("keys", curves.found.curves_s);
+        notes.append(&mut curves.notes);
+        let Assembled { model, webs, stays, overloaded, notes: about, remarks } = draft.assembled(&curves)?;
+        let found = curves.found;
+        notes.extend(about);
         stages.end("joints", 0.0);
         let trace = decision.reasons(rules, &model);
         let jointless = Jointless::all(&decision, ends, &trace, rules);
         let event_rules = EventReason::all(&model, rules);
         let stays = StaysWhole::all(building, rules, (&decision, &stays), &webs.bodies);
-        let unasked = unasked::of(building, rules, (&self.known, *accuracy), (&decision, &stays))?;
-        let sources = doubts::Sources {
-            building,
-            structure,
-            ends,
-            decision: &decision,
-            overloaded: &overloaded,
-            found: &found,
-            known: &self.known,
-        };
+        let unasked = unasked::of(building, rules, (known, *accuracy), (&decision, &stays))?;
+        let (decision, overloaded, found_ref) = (&decision, &overloaded, &found);
+        let sources =
+            doubts::Sources { building, structure, ends, decision, overloaded, found: found_ref, known };
         let doubts = Doubt::all(&sources, remarks);
         stages.end("reasons", 0.0);
         stages.list.push(("curves", found.curves_s));
-        let (derived, entries, stages) = (found.derived, found.entries, stages.list);
-        let scaled = found.scaled.into_iter().map(|s| (s.key, s.words)).collect();
         Ok(Generated {
             model,
             trace,
@@ -326,49 +189,12 @@ impl<'a> Generator<'a> {
             unasked,
             stays,
             jointless,
-            scaled,
+            scaled: found.scaled.into_iter().map(|s| (s.key, s.words)).collect(),
             notes,
             doubts,
-            derived,
-            entries,
-            stages,
+            derived: found.derived,
+            entries: found.entries,
+            stages: stages.list,
         })
-    }
-}
-
-/// Frequency below which inertia against relative motion keeps all others \[rad/s\]: 0.8 of the limit of steps of [`LARGEST_RELATED_STEP_S`]. Fast vibrations gather below it, and the nearer it is to the limit the more of the energy of
-/// those that a charge sets off is lost in steps. What moves at 40 rad/s, as whole floors do, is slower by 1.5e-3.
-const RELATIVE_RAD_S: f64 = 0.8 * 2.0 / LARGEST_RELATED_STEP_S;
-
-/// Mean displacement from which springs may be softer \[m\]: how a building falls is settled then.
-const SOFT_AFTER_M: f64 = 0.5;
-
-/// Time after the last charge that tells whether a building stands \[s\]: it has fallen freely by 1.2 m then.
-const TELLING_S: f64 = 0.5;
-
-/// That a run ends soon after the last charge.
-fn soon_over(building: &Building) -> Option<String> {
-    let last = building.events.iter().max_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
-    let end_s = building.settings.end_time_s;
-    let is_soon = last.time_s <= end_s && end_s - last.time_s < TELLING_S;
-    is_soon.then(|| {
-        format!(
-            "charge `{}` is fired at {} s and the run ends at settings.end_time = {end_s} s: too soon to tell whether the building stands",
-            last.id, last.time_s
-        )
-    })
-}
-
-fn settings(building: &Building) -> RunSettings {
-    RunSettings {
-        end_time_s: building.settings.end_time_s,
-        output_interval_s: building.settings.output_interval_s,
-        preload: true,
-        time_step_s: None,
-        tolerance: TOLERANCE,
-        reactions: false,
-        sleep_speed_m_s: None,
-        relative_inertia_rad_s: Some(RELATIVE_RAD_S),
-        soft_after_m: Some(SOFT_AFTER_M),
     }
 }

@@ -82,15 +82,14 @@ impl Grillage {
         if clear_m[0] < clear_m[1] { clear_m } else { axes_m }
     }
 
-    /// The springs between the pieces, whose bodies begin at some place in the list, between their webs, and across the panels of a slab that bends both ways.
-    pub fn springs(
+    /// The cuts between the pieces on the lines of slabs, and the panels of a slab that bends both ways, which have what they couple of the cuts.
+    pub fn layout(
         &self,
         building: &Building,
         frame: &Frame,
-        (pieces, webs): (&[Piece], &[Web]),
-        (bodies, first): (&Bodies, usize),
-        (places, yielding): (&Lines, &mut YieldingEnds),
-    ) -> Vec<Bushing> {
+        pieces: &[Piece],
+        places: &Lines,
+    ) -> (Vec<Cut>, Vec<Panel>) {
         let mut cuts = self.cuts(building, frame, pieces);
         cuts.iter_mut().for_each(|cut| places.of_cut(&self.cells.members, cut));
         let panels = if self.axes.kind == Kind::OpenSpans { Panel::all(&cuts) } else { Vec::new() };
@@ -98,14 +97,7 @@ impl Grillage {
         if self.axes.kind == Kind::Columns {
             twist::without_joints(&mut cuts);
         }
-        let own = &bodies.list[first..first + pieces.len()];
-        let mut springs = Vec::new();
-        for cut in &mut cuts {
-            let spring = spring(building, (cut, pieces), own, yielding);
-            springs.extend(cut.with_webs(building, (spring, pieces), webs, yielding));
-        }
-        springs.extend(panels.iter().flat_map(|p| p.springs(&cuts, own, yielding)));
-        springs
+        (cuts, panels)
     }
 
     /// The cuts between the pieces, and what bends there.
@@ -179,6 +171,24 @@ impl Grillage {
         };
         neighbours(pieces).into_iter().filter_map(between).collect()
     }
+}
+
+/// The springs between the pieces of a floor, whose bodies begin at some place in the list, between their webs, and across its panels.
+pub fn springs(
+    building: &Building,
+    (mut cuts, panels): (Vec<Cut>, Vec<Panel>),
+    (pieces, webs): (&[Piece], &[Web]),
+    (bodies, first): (&Bodies, usize),
+    yielding: &mut YieldingEnds,
+) -> Vec<Bushing> {
+    let own = &bodies.list[first..first + pieces.len()];
+    let mut springs = Vec::new();
+    for cut in &mut cuts {
+        let spring = spring(building, (cut, pieces), own, yielding);
+        springs.extend(cut.with_webs(building, (spring, pieces), webs, yielding));
+    }
+    springs.extend(panels.iter().flat_map(|p| p.springs(&cuts, own, yielding)));
+    springs
 }
 
 /// The spring of a cut between two of the bodies of a floor.

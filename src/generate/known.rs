@@ -15,6 +15,7 @@ use crate::building::{Building, Member, MemberKind, Obstacle, Preparation};
 use crate::graph::demand::StateSummary;
 use crate::graph::{Demands, EndDemand, EndState, Structure, demands};
 use crate::rules::{Subject, SubjectKind, Value};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How far apart the ends of a beam and a column at one joint may be beyond their sizes \[m\].
@@ -41,11 +42,13 @@ impl Known {
     ) -> Self {
         let site = Site::of(building, ends, demands);
         let lengths = clear_lengths(building, &structure.partition);
-        let members: Vec<Subject> = (0..building.members.len()).map(|i| site.member(i, lengths[i])).collect();
+        let own = |i: usize| site.member(i, lengths[i]);
+        let members: Vec<Subject> = (0..building.members.len()).into_par_iter().map(own).collect();
         let joints = Joints::of(building, ends);
         let known = Lines::of(&site, of_plates, &joints);
         let lines = of_plates.iter().map(|line| known.subject(line, &members[line.member])).collect();
-        let ends = (0..ends.len()).map(|i| site.end(i, &members, &joints, &structure.partition)).collect();
+        let end = |i: usize| site.end(i, &members, &joints, &structure.partition);
+        let ends = (0..ends.len()).into_par_iter().map(end).collect();
         Self { members, ends, lines }
     }
 

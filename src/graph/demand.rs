@@ -12,6 +12,7 @@ use super::paths::{charged_members, cut_members};
 use super::structure::Structure;
 use crate::building::{Building, Material, MemberKind};
 use crate::material::section_capacity::{CompressedEdge, FibreSection, HomogenisedCapacity};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -158,7 +159,7 @@ fn state(
         unknowns: solution.unknowns,
         unplaced: ideal.unplaced.clone(),
     };
-    let ends = ideal.ends.iter().zip(&structure.ends).map(|(place, end)| {
+    let ends = ideal.ends.par_iter().zip(&structure.ends).map(|(place, end)| {
         let (element, side) = (*place)?;
         let forces = solution.forces[element][side];
         Some(EndState {

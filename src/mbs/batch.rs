@@ -101,9 +101,10 @@ pub fn run(
     if let Some(row) = table.rows.first() {
         varied(model, &table.names, row)?;
     }
+    let options = SolverOptions { brief: true, ..*options };
     let one = |row: &Vec<f64>| {
         let own = varied(model, &table.names, row)?;
-        let result = simulate_with(&own, options).map(|r| Summary::of(&r));
+        let result = simulate_with(&own, &options).map(|r| Summary::of(&r));
         done();
         Ok(result)
     };

@@ -33,7 +33,7 @@ pub enum SolveError {
     },
     /// The preload did not converge.
     #[error(
-        "no static equilibrium found: largest residual at body \"{body}\", {residual:.1e} of the weight; the dead load exceeds what the hinges carry, or the structure buckles"
+        "no static equilibrium found: the nearest state leaves {residual:.1e} of the weight at body \"{body}\"; the dead load exceeds what the hinges carry, or the structure buckles"
     )]
     Preload {
         /// Body with the largest residual.

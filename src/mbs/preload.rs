@@ -26,9 +26,9 @@ pub enum PreloadError {
     },
     /// Newton's method did not converge (overload or buckling).
     NoConvergence {
-        /// The body with the largest residual.
+        /// The body with the largest residual of the pass that came nearest.
         body: usize,
-        /// The residual relative to the weight.
+        /// That residual relative to the weight.
         residual: f64,
     },
 }
@@ -49,7 +49,7 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
         Unsolvable::Failed(_) => PreloadError::NoConvergence { body: 0, residual: f64::NAN },
     })?;
     let virgin = system.joints.clone();
-    let mut last = (0, f64::INFINITY);
+    let mut nearest = (0, f64::INFINITY);
     for iteration in 0..ITERATIONS {
         // what members carry over follows the moments: their leans are those of the first pass
         evaluate(system, &virgin);
@@ -57,26 +57,15 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
         if carried > 0.0 {
             evaluate(system, &virgin);
         }
-        let mut residual = vec![0.0; 6 * n];
-        last = (0, 0.0);
-        for i in 0..n {
-            let body = &system.bodies[i];
-            for k in 0..3 {
-                residual[6 * i + k] = body.force[k];
-                residual[6 * i + 3 + k] = body.torque[k] / length;
-            }
-            let own = residual[6 * i..6 * i + 6].iter().map(|f| f.abs());
-            // unlike `max`, it keeps what is not a number
-            let size = own.fold(0.0_f64, |most, f| if most.is_nan() || f <= most { most } else { f });
-            if size > last.1 || size.is_nan() {
-                last = (i, size);
-            }
-        }
+        let (residual, last) = unbalanced(system, length);
         if last.1 <= TOLERANCE * weight && carried <= TOLERANCE * weight * length {
             return Ok(iteration);
         }
         if !last.1.is_finite() {
             break;
+        }
+        if last.1 < nearest.1 {
+            nearest = last;
         }
         let step = factor.solve(&residual);
         for i in 0..n {
@@ -87,7 +76,25 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
             body.rotate(std::array::from_fn(|k| step[6 * i + 3 + k] / length));
         }
     }
-    Err(PreloadError::NoConvergence { body: last.0, residual: last.1 / weight })
+    Err(PreloadError::NoConvergence { body: nearest.0, residual: nearest.1 / weight })
+}
+
+/// Forces and moments without a counterpart, moments over `length`, and the body with the largest of them; what is not a number is the largest of all.
+fn unbalanced(system: &System, length: f64) -> (Vec<f64>, (usize, f64)) {
+    let mut residual = Vec::with_capacity(6 * system.count());
+    let mut last = (0, 0.0);
+    // the ground is behind the last of them
+    for (i, body) in system.bodies.iter().take(system.count()).enumerate() {
+        residual.extend(body.force);
+        residual.extend(body.torque.map(|t| t / length));
+        let own = residual[6 * i..].iter().map(|f| f.abs());
+        // unlike `max`, it keeps what is not a number
+        let size = own.fold(0.0_f64, |most, f| if most.is_nan() || f <= most { most } else { f });
+        if size > last.1 || size.is_nan() {
+            last = (i, size);
+        }
+    }
+    (residual, last)
 }
 
 /// Forces of virgin joints, which keep their leans.

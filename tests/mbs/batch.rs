@@ -4,7 +4,7 @@ use super::support::*;
 use fallwerk::mbs::batch::{self, Table, varied};
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::parameter::apply;
-use fallwerk::mbs::{SolverOptions, simulate};
+use fallwerk::mbs::{SolverOptions, simulate, simulate_with};
 
 fn falling() -> Model {
     let mut m = model("fall", 0.5, 0.1);
@@ -49,6 +49,10 @@ fn a_batch_gives_what_single_runs_give_and_a_bad_row_hurts_no_other() {
         let wanted = 0.5 * table.rows[i][0] - 0.5 * G * 0.25;
         assert!((alone.tracked[0].displacement_m[5][2] - wanted).abs() < 1e-9);
     }
+    let brief = SolverOptions { brief: true, ..SolverOptions::default() };
+    let (all, few) = (simulate(&m).unwrap(), simulate_with(&m, &brief).unwrap());
+    assert!(few.frames.is_empty() && !all.frames.is_empty());
+    assert_eq!((few.tracked, few.energies, few.steps), (all.tracked, all.energies, all.steps));
     let short = Table { rows: vec![vec![1.0]], ..table };
     let text = batch::run(&m, &short, &SolverOptions::default(), &|| {}).unwrap_err().to_string();
     assert_eq!(text, "row 1 has 1 values, expected 2, one for each name");

@@ -115,6 +115,21 @@ fn a_mechanism_names_its_loosest_body() {
     }
 }
 
+/// The passes run away from what the hinges cannot carry; the error tells of the nearest of them, not of numbers that overflowed.
+#[test]
+fn an_overload_names_the_nearest_state() {
+    let mut m = table_frame();
+    m.bushings.retain(|j| !j.id.ends_with('2') && !j.id.ends_with('3'));
+    m.bodies.retain(|b| b.id != "column2" && b.id != "column3");
+    match simulate(&m) {
+        Err(error @ SolveError::Preload { residual, .. }) => {
+            assert!(residual > 0.0 && residual < 1.0, "{error}");
+            assert!(error.to_string().contains("the dead load exceeds what the hinges carry"), "{error}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn tension_separates_a_joint() {
     let mut m = model("tension", 0.3, 0.01);

@@ -258,6 +258,10 @@ fn decisions_of_the_analyst_are_told_with_their_reasons() {
         top.contains("C2-A1.top: analyst's override -> rigid_connection") && top.contains("haunched"),
         "{top}"
     );
+    let strip = explain("S2:C2-A2|C2-B2");
+    assert!(strip.starts_with("S2:C2-A2|C2-B2 has no joint; it lies in S2\n"), "{strip}");
+    let (code, _, err) = fallwerk(room.path(), &["explain", "run/model.json", "S2:C2-A2|C9-B2"]);
+    assert!(code == 2 && err.contains("S2:C2-A2|C9-B2"), "{err}");
 }
 
 /// What rules about contacts and fractures say of a column, what is never asked of a floor, and what fired.

@@ -6,6 +6,7 @@ use crate::base::geom::Aabb;
 use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::graph::frame::LineLoad;
+use rayon::prelude::*;
 
 /// Carriers as near as this share a sample point's load \[m\]: the diagonals of a symmetric panel.
 const TIE_M: f64 = 1e-9;
@@ -28,12 +29,15 @@ impl Builder<'_> {
         for (index, span) in self.spans.iter().enumerate().filter(|(_, span)| span.ends.is_some()) {
             spans_of[span.member].push(index);
         }
-        for member in 0..self.building.members.len() {
-            if !self.left(member) || self.structure.boxes(member).is_empty() {
-                continue;
-            }
+        let here = |m: &usize| self.left(*m) && !self.structure.boxes(*m).is_empty();
+        let members: Vec<usize> = (0..self.building.members.len()).filter(here).collect();
+        let is_slab = |m: &&usize| self.member(**m).kind == MemberKind::Slab;
+        let slabs: Vec<usize> = members.iter().filter(is_slab).copied().collect();
+        // where a slab's weight goes depends on where spans are alone, not on what they bear
+        let mut of_slabs = slabs.par_iter().map(|s| self.on_carriers(*s)).collect::<Vec<_>>().into_iter();
+        for member in members {
             let placed = match self.member(member).kind {
-                MemberKind::Slab => self.place_slab(member),
+                MemberKind::Slab => self.place_slab(member, of_slabs.next().flatten()),
                 MemberKind::Footing => self.place_footing(member),
                 _ => self.place_bar(member, &spans_of[member]),
             };
@@ -105,11 +109,11 @@ impl Builder<'_> {
         }
     }
 
-    /// A slab: sample points of equal volume in each cell, each to the nearest carriers.
-    fn place_slab(&mut self, slab: usize) -> bool {
+    /// What the carriers of a slab bear of it: sample points of equal volume in each cell, each to the nearest carriers. None without carriers.
+    fn on_carriers(&self, slab: usize) -> Option<OnCarriers> {
         let (carriers, weight) = (self.carriers(slab), self.specific_weight(slab));
         if carriers.is_empty() {
-            return self.place_slab_on_joints(slab, weight);
+            return None;
         }
         let places = Boxes::of(carriers.iter().map(|c| in_plan(&self.spans[*c])));
         let spans: Vec<&Span> = carriers.iter().map(|c| &self.spans[*c]).collect();
@@ -120,11 +124,19 @@ impl Builder<'_> {
             shares.take(&samples, samples.count.map(|n| [0, n]), &mut candidates, 0);
         }
         let Shares { bins, nodes, .. } = shares;
+        Some(OnCarriers { bins: carriers.into_iter().zip(bins).collect(), nodes })
+    }
+
+    /// A slab: on its carriers.
+    fn place_slab(&mut self, slab: usize, shares: Option<OnCarriers>) -> bool {
+        let Some(OnCarriers { bins, nodes }) = shares else {
+            return self.place_slab_on_joints(slab, self.specific_weight(slab));
+        };
         for (node, force) in nodes {
             self.nodes[node].load[2] -= force;
         }
-        for (carrier, bins) in carriers.iter().zip(bins) {
-            let span = &mut self.spans[*carrier];
+        for (carrier, bins) in bins {
+            let span = &mut self.spans[carrier];
             let width = (span.range[1] - span.range[0]) / bins.len() as f64;
             let loads = bins.iter().enumerate().map(|(i, force)| {
                 let from = span.range[0] + width * i as f64;
@@ -169,17 +181,28 @@ fn bin_count(span: &Span) -> usize {
 }
 
 /// What carriers of a slab bear of it.
+struct OnCarriers {
+    /// Spans with the forces on stretches of them \[N\].
+    bins: Vec<(usize, Vec<f64>)>,
+    /// Nodes with the forces on them, in the order in which they came \[N\].
+    nodes: Vec<(usize, f64)>,
+}
+
+/// The same while it is found.
 struct Shares<'a> {
     spans: &'a [&'a Span],
     /// Forces on stretches of the spans \[N\].
     bins: Vec<Vec<f64>>,
     /// Nodes with the forces on them, in the order in which they came \[N\].
     nodes: Vec<(usize, f64)>,
+    /// Distances of the candidates of a rectangle \[m\].
+    distances_m: Vec<f64>,
 }
 
 impl<'a> Shares<'a> {
     fn of(spans: &'a [&'a Span]) -> Self {
-        Self { spans, bins: spans.iter().map(|s| vec![0.0; bin_count(s)]).collect(), nodes: Vec::new() }
+        let bins = spans.iter().map(|s| vec![0.0; bin_count(s)]).collect();
+        Self { spans, bins, nodes: Vec::new(), distances_m: Vec::new() }
     }
 
     /// A rectangle of sample points, each to its nearest carriers; these are among those from a place of a list on. It is halved until one carrier is the
@@ -187,17 +210,19 @@ impl<'a> Shares<'a> {
     fn take(&mut self, samples: &Samples, part: [[usize; 2]; 2], candidates: &mut Vec<usize>, from: usize) {
         let [x, y] = part.map(|[low, high]| high - low);
         let middle = [0, 1].map(|i| samples.at(i, 0.5 * (part[i][0] + part[i][1]) as f64));
-        let distance = |i: usize| project(self.spans[i], middle).0;
-        let least = candidates[from..].iter().map(|i| distance(*i)).fold(f64::INFINITY, f64::min);
+        let scratch = self.distances_m.len();
+        self.distances_m.extend(candidates[from..].iter().map(|i| project(self.spans[*i], middle).0));
+        let least = self.distances_m[scratch..].iter().copied().fold(f64::INFINITY, f64::min);
         // of a point half a diagonal away no span is nearer by more than that, and none farther
         let [a, b] = [0, 1].map(|i| samples.step_m[i] * [x, y][i].saturating_sub(1) as f64);
         let most = least + (a * a + b * b).sqrt() + TIE_M;
         let end = candidates.len();
         for place in from..end {
-            if distance(candidates[place]) < most {
+            if self.distances_m[scratch + place - from] < most {
                 candidates.push(candidates[place]);
             }
         }
+        self.distances_m.truncate(scratch);
         if x * y == 1 {
             let share = samples.force / (candidates.len() - end) as f64;
             candidates[end..].iter().for_each(|i| self.bear(*i, middle[self.spans[*i].axis], share));

@@ -26,6 +26,7 @@ use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Member, MemberKind};
 use joints::Joint;
 use petgraph::unionfind::UnionFind;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// Length of the stretches over which a slab's load on a beam is taken as uniform \[m\].
@@ -146,13 +147,9 @@ impl Builder<'_> {
 
     /// A span for each clear length of a bar that is left. Its ends stand side by side in `ends`.
     fn add_bars(&mut self) {
-        let structure = self.structure;
-        for (pair, ends) in structure.ends.chunks_exact(2).enumerate() {
+        let span = |(pair, ends): (usize, &[MemberEnd])| {
             let low: &MemberEnd = &ends[0];
-            if !self.left(low.member) {
-                continue;
-            }
-            self.spans.push(Span {
+            self.left(low.member).then(|| Span {
                 member: low.member,
                 name: low.member_id.clone(),
                 axis: low.axis,
@@ -163,8 +160,9 @@ impl Builder<'_> {
                 ends: Some([2 * pair, 2 * pair + 1]),
                 nodes: Vec::new(),
                 loads: Vec::new(),
-            });
-        }
+            })
+        };
+        self.spans = self.structure.ends.par_chunks_exact(2).enumerate().filter_map(span).collect();
     }
 
     /// Elastic section of a bar; a beam with the slab as its flange.
@@ -196,7 +194,6 @@ impl Builder<'_> {
         if beam.kind != MemberKind::Beam {
             return None;
         }
-        let across = 1 - end.axis;
         let span_m = end.clear_length_m;
         let poisson = self.building.law_of(beam).poisson_ratio;
         let mut found: Option<SlabBeside> = None;
@@ -206,13 +203,13 @@ impl Builder<'_> {
                 continue;
             }
             // from half of the span on the outstand counts for a few per cent only
-            let outstands = [-1.0, 1.0].map(|side| self.outstand_m(beam, slab, across, side, 0.5 * span_m));
+            let outstands = self.outstands_m(beam, slab, 0.5 * span_m);
             let acting = |outstand: f64, wave_m: f64| {
                 flange::effective_width_m(outstand, wave_m, poisson).min(outstand)
             };
             let width_m: f64 = outstands.iter().map(|o| acting(*o, span_m)).sum();
             let wave_m = flange::ONE_SENSE * span_m;
-            let far = [-1.0, 1.0].map(|side| self.outstand_m(beam, slab, across, side, 0.5 * wave_m));
+            let far = self.outstands_m(beam, slab, 0.5 * wave_m);
             let long_m: f64 = far.iter().map(|o| acting(*o, wave_m)).sum();
             let (low, high) =
                 (slab.solid.min[2].max(beam.solid.min[2]), slab.solid.max[2].min(beam.solid.max[2]));
@@ -231,23 +228,30 @@ impl Builder<'_> {
         found
     }
 
-    /// Slab beside a beam, to its edge or to halfway to the next parallel beam \[m\]; what is beyond `most_m` may be left out.
-    fn outstand_m(&self, beam: &Member, slab: &Member, across: usize, side: f64, most_m: f64) -> f64 {
-        let (face, edge) = if side < 0.0 {
-            (-beam.solid.min[across], -slab.solid.min[across])
-        } else {
-            (beam.solid.max[across], slab.solid.max[across])
-        };
+    /// Slab on either side of a beam, to its edge or to halfway to the next parallel beam \[m\]; what is beyond `most_m` may be left out.
+    fn outstands_m(&self, beam: &Member, slab: &Member, most_m: f64) -> [f64; 2] {
+        let across = 1 - beam.axis;
         // the slab over which a beam may be as far away as it can matter
         let mut strip = slab.solid;
         strip.min[across] = strip.min[across].max(beam.solid.min[across] - 2.0 * most_m);
         strip.max[across] = strip.max[across].min(beam.solid.max[across] + 2.0 * most_m);
         let beams = self.beams.near(&strip, COORDINATE_TOLERANCE_M).into_iter().map(|b| self.member(b));
-        let neighbour = beams.filter(|other| other.axis == beam.axis && meet(&other.solid, &slab.solid));
-        let gaps = neighbour
-            .map(|o| if side < 0.0 { -o.solid.max[across] } else { o.solid.min[across] } - face)
-            .filter(|gap| *gap > COORDINATE_TOLERANCE_M);
-        gaps.fold((edge - face).max(0.0), |least, gap| least.min(0.5 * gap))
+        let others = beams.filter(|o| o.axis == beam.axis && meet(&o.solid, &slab.solid));
+        let mut least = [
+            beam.solid.min[across] - slab.solid.min[across],
+            slab.solid.max[across] - beam.solid.max[across],
+        ]
+        .map(|outstand| outstand.max(0.0));
+        for other in others {
+            let gaps = [
+                beam.solid.min[across] - other.solid.max[across],
+                other.solid.min[across] - beam.solid.max[across],
+            ];
+            for (least, gap) in least.iter_mut().zip(gaps).filter(|(_, gap)| *gap > COORDINATE_TOLERANCE_M) {
+                *least = least.min(0.5 * gap);
+            }
+        }
+        least
     }
 
     /// One diaphragm for each set of slabs that share a node.

@@ -315,10 +315,12 @@ impl Record {
         result.times_s.push(time);
         let orientation = |i: usize| math::qrenormalise([body(i)[3], body(i)[4], body(i)[5], body(i)[6]]);
         let all = 0..model.bodies.len();
-        result.frames.push(Frame {
-            position_m: all.clone().map(|i| [body(i)[0], body(i)[1], body(i)[2]]).collect(),
-            orientation: all.map(orientation).collect(),
-        });
+        if !options.brief {
+            result.frames.push(Frame {
+                position_m: all.clone().map(|i| [body(i)[0], body(i)[1], body(i)[2]]).collect(),
+                orientation: all.map(orientation).collect(),
+            });
+        }
         for (history, (i, local)) in result.tracked.iter_mut().zip(tracked) {
             let point = super::motion::point_at(state, *i, *local);
             history.displacement_m.push(math::sub(point, history.origin_m));

@@ -68,6 +68,8 @@ pub struct SolverOptions {
     pub hold_latent: bool,
     /// Whether latent bushings that are watched are looked at in every step, also where a bound of their loads tells that nothing can part: the same result.
     pub look_always: bool,
+    /// Whether histories of poses, hinges and crushed ends may be left out of the result, which is the same otherwise.
+    pub brief: bool,
 }
 
 impl Default for SolverOptions {
@@ -78,6 +80,7 @@ impl Default for SolverOptions {
             repeat: false,
             hold_latent: false,
             look_always: false,
+            brief: false,
         }
     }
 }

@@ -19,16 +19,24 @@ impl Run<'_> {
             });
         }
         self.result.times_s.push(self.time);
-        let poses: Vec<_> = (0..self.file.bodies.len()).map(|i| self.piece(i)).collect();
-        self.result.frames.push(Frame {
-            position_m: poses.iter().map(|(x, _)| *x).collect(),
-            orientation: poses.iter().map(|(_, q)| *q).collect(),
-        });
         for k in 0..self.tracked.len() {
             let point = self.place_of(self.tracked[k]);
             let history = &mut self.result.tracked[k];
             history.displacement_m.push(math::sub(point, history.origin_m));
         }
+        if !self.options.brief {
+            self.histories();
+        }
+        self.balance()
+    }
+
+    /// Records poses, hinges and crushed ends.
+    fn histories(&mut self) {
+        let poses: Vec<_> = (0..self.file.bodies.len()).map(|i| self.piece(i)).collect();
+        self.result.frames.push(Frame {
+            position_m: poses.iter().map(|(x, _)| *x).collect(),
+            orientation: poses.iter().map(|(_, q)| *q).collect(),
+        });
         for (history, crushed) in self.result.crushed.iter_mut().zip(self.contacts.crushed()) {
             history.depth_m.push(crushed.depth_m);
             history.energy_j.push(crushed.energy_j);
@@ -59,7 +67,6 @@ impl Run<'_> {
             history.plastic_rotation_rad.push(joint.hinge.alpha_rad);
             history.axial_force_n.push(if joint.alive { joint.axial_force } else { 0.0 });
         }
-        self.balance()
     }
 
     /// Records the energies and checks their sum.
