@@ -154,7 +154,7 @@ enum Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    /// The body or joint with this id, else the joint of an end, the body that a member is part of, a joint on a line of a slab, or the body of an end or strip without a joint.
+    /// The body or joint with this id, else the joint of an end, the body that a member is part of, a joint on a line of a slab, or the body of an end without a joint.
     fn find(model: &'a Model, id: &str) -> Option<Self> {
         let body = |f: &dyn Fn(&&Body) -> bool| model.bodies.iter().find(f).map(Self::Body);
         body(&|b| b.id == id)
@@ -166,10 +166,16 @@ impl<'a> Part<'a> {
                 model.bushings.iter().find(of_line).map(Self::Joint)
             })
             .or_else(|| {
-                let end_of = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end)).map(|(m, _)| m);
-                let member = end_of.or_else(|| slab_of_strip(model, id))?;
+                let (member, _) = id.rsplit_once('.').filter(|(_, end)| END_NAMES.contains(end))?;
                 body(&|b| b.origin.members.iter().any(|m| m == member))
             })
+    }
+
+    /// The body of the slab of a strip (`S1:C1-A1|C1-B1`) without a joint that a trace knows.
+    fn of_strip(model: &'a Model, trace: Option<&TraceFile>, id: &str) -> Option<Self> {
+        let (slab, _) =
+            id.split_once(':').filter(|_| trace.is_some_and(|t| !t.jointless_at(id).is_empty()))?;
+        model.bodies.iter().find(|b| b.origin.members.iter().any(|m| m == slab)).map(Self::Body)
     }
 
     fn id(&self) -> &'a str {
@@ -207,14 +213,6 @@ fn is_at(joint: &Bushing, end: &str) -> bool {
     number.is_some_and(|n| n.parse::<usize>().is_ok()) || joint.hinges().contains(&end)
 }
 
-/// The slab of a strip (`S1:C1-A1|C1-B1`), if the model stands for both columns.
-fn slab_of_strip<'a>(model: &Model, id: &'a str) -> Option<&'a str> {
-    let (slab, columns) = id.split_once(':')?;
-    let (one, other) = columns.split_once('|')?;
-    let is_known = |name: &str| model.bodies.iter().any(|b| b.origin.members.iter().any(|m| m == name));
-    (is_known(one) && is_known(other)).then_some(slab)
-}
-
 /// Names of the ends of columns and beams.
 const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
 
@@ -222,8 +220,10 @@ const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     arguments.knowledge.exist()?;
     let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
-    let part = Part::find(&model, &arguments.part).ok_or_else(|| unknown(&model, &arguments.part))?;
     let trace = TraceFile::beside(&arguments.model)?;
+    let part = Part::find(&model, &arguments.part)
+        .or_else(|| Part::of_strip(&model, trace.as_ref(), &arguments.part))
+        .ok_or_else(|| unknown(&model, &arguments.part))?;
     let (reasons, entries) = match &trace {
         Some(trace) => known(&arguments.part, &part, trace),
         None => looked_up(&part, arguments)?,

@@ -56,14 +56,14 @@ impl Ends {
     }
 }
 
-/// Numbers without what round-off may change: 30 bits of each, as nine decimal digits have.
+/// Numbers to 30 bits each, as nine decimal digits have: what differs by round-off is the same but at the edge of two of them.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct Numbers(Vec<u64>);
 
 impl Numbers {
     fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
         const DROPPED: u32 = f64::MANTISSA_DIGITS - 1 - 30;
-        let kept = |x: f64| (x.to_bits() + (1 << (DROPPED - 1))) >> DROPPED;
+        let kept = |x: f64| x.to_bits().wrapping_add(1 << (DROPPED - 1)) >> DROPPED;
         Self(numbers.into_iter().map(kept).collect())
     }
 

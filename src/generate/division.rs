@@ -263,13 +263,11 @@ pub fn bending_floors(
     (springs, lines, yielding): (&mut Vec<Bushing>, &Lines, &mut YieldingEnds),
     contact: &mut Contact,
 ) -> Vec<SharedMass> {
-    let bends = |own: &'_ Divided| matches!(own.floor, Floor::Bends(_));
-    let layout = |own: &Divided| match &own.floor {
-        Floor::Bends(grillage) => Some(grillage.layout(building, frame, &own.pieces, lines)),
+    let laid_out = floors.par_iter().filter_map(|own| match &own.floor {
+        Floor::Bends(grillage) => Some((own, grillage.layout(building, frame, &own.pieces, lines))),
         Floor::Folds(_) => None,
-    };
-    let layouts: Vec<_> = floors.par_iter().filter_map(layout).collect();
-    for (Divided { first, pieces, webs, .. }, layout) in floors.iter().filter(|f| bends(f)).zip(layouts) {
+    });
+    for (Divided { first, pieces, webs, .. }, layout) in laid_out.collect::<Vec<_>>() {
         let own = (bodies, *first);
         springs.extend(grillage::springs(building, layout, (pieces, webs), own, yielding));
         contact.pairs.extend(grillage::corners(pieces, bodies, *first));

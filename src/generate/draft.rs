@@ -61,8 +61,8 @@ pub(super) struct Assembled {
     pub remarks: Vec<String>,
 }
 
-/// Joints and the curves that they follow.
-type Joints = (Vec<Bushing>, BTreeMap<String, ResistanceCurve>);
+/// Bushings and the curves that they follow.
+type Bushings = (Vec<Bushing>, BTreeMap<String, ResistanceCurve>);
 
 impl<'a> Draft<'a> {
     /// Of the bodies of a building.
@@ -134,7 +134,7 @@ impl<'a> Draft<'a> {
         let Basis { building, rules, structure, plates, demands, around, .. } = self.basis;
         let (bodies, floors) = (&self.division.bodies, &self.division.floors);
         let mut notes = self.notes();
-        let (mut hinges, mut curves) = self.joints(found, &mut notes)?;
+        let (mut hinges, mut curves) = self.bushings(found, &mut notes)?;
         let mut remarks = self.division.notes.clone();
         remarks.extend(notes.iter().cloned());
         let sections = sections::hinges(building, structure, bodies, self.decision, (&hinges, &mut curves));
@@ -197,7 +197,7 @@ impl<'a> Draft<'a> {
     }
 
     /// The joints at the ends of columns and walls, and at the lines at which floors may fold.
-    fn joints(&self, found: &Entries, notes: &mut Vec<String>) -> Result<Joints, GenerateError> {
+    fn bushings(&self, found: &Entries, notes: &mut Vec<String>) -> Result<Bushings, GenerateError> {
         let (Basis { building, structure, around, .. }, place) = (self.basis, self.place());
         let mut hinges = joints::hinges(&place, &self.hinged, found, self.decision)?;
         for (first, line) in &self.division.lines {

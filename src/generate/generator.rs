@@ -152,7 +152,7 @@ impl<'a> Generator<'a> {
     ) -> Result<Generated, GenerateError> {
         let Self { basis, store, library, stages } = self;
         let basis = &*basis;
-        let Basis { building, rules, accuracy, structure, ends, known, .. } = basis;
+        let Basis { building, rules, accuracy, structure, ends, plates, known, .. } = basis;
         let (building, rules) = (*building, *rules);
         let mut stages = Stages { began: Instant::now(), ..stages.clone() };
         let answers = Answers::of(building, overrides, structure, ends);
@@ -172,7 +172,7 @@ impl<'a> Generator<'a> {
         notes.extend(about);
         stages.end("joints", 0.0);
         let trace = decision.reasons(rules, &model);
-        let jointless = Jointless::all(&decision, ends, &trace, rules);
+        let jointless = Jointless::all(building, (ends, plates), &decision, &trace, rules);
         let event_rules = EventReason::all(&model, rules);
         let stays = StaysWhole::all(building, rules, (&decision, &stays), &webs.bodies);
         let unasked = unasked::of(building, rules, (known, *accuracy), (&decision, &stays))?;

@@ -1,13 +1,15 @@
-//! Why member ends have no joint of their own.
+//! Why member ends, and strips of slabs, have no joint of their own.
 
 use super::Reason;
 use super::decide::Decision;
+use crate::building::Building;
 use crate::building::ends::MemberEnd;
-use crate::rules::RuleBase;
+use crate::building::lines::Line;
+use crate::rules::{Action, Firing, RuleBase};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a rule said of ends that no part of the model stands for, once for all of them.
+/// What a rule said of ends that no part of the model stands for, or of the slab of strips that do not bend, once for all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Jointless {
     /// Rule id.
@@ -19,27 +21,39 @@ pub struct Jointless {
     /// How sure the rule is, if it was learned from studies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
-    /// The ends.
+    /// The ends and strips.
     pub ends: Vec<String>,
 }
 
 impl Jointless {
-    /// All of a building, but for the ends of which the reasons of the parts speak.
-    pub fn all(decision: &Decision, ends: &[MemberEnd], reasons: &[Reason], rules: &RuleBase) -> Vec<Self> {
+    /// All of a building, but for the ends and strips of which the reasons of the parts speak.
+    pub fn all(
+        building: &Building,
+        (ends, plates): (&[MemberEnd], &[Line]),
+        decision: &Decision,
+        reasons: &[Reason],
+        rules: &RuleBase,
+    ) -> Vec<Self> {
         let told: BTreeSet<&str> = reasons.iter().map(|r| r.subject.as_str()).collect();
         let mut groups: BTreeMap<(String, &'static str), Self> = BTreeMap::new();
+        let mut enter = |id: &str, firing: &Firing| {
+            let action = firing.action.spec().name;
+            let group = groups.entry((firing.rule.clone(), action)).or_insert_with(|| Self {
+                rule: firing.rule.clone(),
+                action: action.to_string(),
+                words: rules.rule(&firing.rule).map(|r| r.words.clone()).unwrap_or_default(),
+                confidence: firing.confidence,
+                ends: Vec::new(),
+            });
+            group.ends.push(id.to_string());
+        };
         for end in ends.iter().filter(|e| !told.contains(e.id.as_str())) {
-            for firing in decision.standing(&end.id) {
-                let action = firing.action.spec().name;
-                let group = groups.entry((firing.rule.clone(), action)).or_insert_with(|| Self {
-                    rule: firing.rule.clone(),
-                    action: action.to_string(),
-                    words: rules.rule(&firing.rule).map(|r| r.words.clone()).unwrap_or_default(),
-                    confidence: firing.confidence,
-                    ends: Vec::new(),
-                });
-                group.ends.push(end.id.clone());
-            }
+            decision.standing(&end.id).for_each(|firing| enter(&end.id, firing));
+        }
+        for strip in plates.iter().filter(|l| l.columns.is_some() && !told.contains(l.id.as_str())) {
+            let of_slab = decision.standing(&building.members[strip.member].id);
+            let is_whole = |f: &&Firing| matches!(f.action, Action::MergeRigid | Action::RigidBody);
+            of_slab.filter(is_whole).for_each(|firing| enter(&strip.id, firing));
         }
         groups.into_values().collect()
     }

@@ -49,7 +49,8 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
         Unsolvable::Failed(_) => PreloadError::NoConvergence { body: 0, residual: f64::NAN },
     })?;
     let virgin = system.joints.clone();
-    let mut nearest = (0, f64::INFINITY);
+    // the first pass has moved nothing: what it leaves is weight, and says nothing of resistance
+    let mut nearest: Option<(usize, f64)> = None;
     for iteration in 0..ITERATIONS {
         // what members carry over follows the moments: their leans are those of the first pass
         evaluate(system, &virgin);
@@ -64,8 +65,9 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
         if !last.1.is_finite() {
             break;
         }
-        if last.1 < nearest.1 {
-            nearest = last;
+        let open = last.1 + carried / length;
+        if iteration > 0 && nearest.is_none_or(|(_, least)| open < least) {
+            nearest = Some((last.0, open));
         }
         let step = factor.solve(&residual);
         for i in 0..n {
@@ -76,7 +78,8 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
             body.rotate(std::array::from_fn(|k| step[6 * i + 3 + k] / length));
         }
     }
-    Err(PreloadError::NoConvergence { body: nearest.0, residual: nearest.1 / weight })
+    let (body, residual) = nearest.unwrap_or((0, f64::INFINITY));
+    Err(PreloadError::NoConvergence { body, residual: residual / weight })
 }
 
 /// Forces and moments without a counterpart, moments over `length`, and the body with the largest of them; what is not a number is the largest of all.

@@ -333,7 +333,7 @@ impl Record {
             history.moment_nm.push(now.map_or([0.0; 3], |h| h.moment_nm));
             history.plastic_rotation_rad.push(now.map_or([0.0; 3], |h| h.plastic_rad));
         }
-        for history in &mut result.hinges {
+        for history in result.hinges.iter_mut().filter(|_| !options.brief) {
             let now = seen.bushings.iter().find(|(id, _)| id_of(model, *id) == history.joint);
             let now = now.map(|(_, b)| *b);
             history.rotation_rad.push(now.map_or([0.0; 2], |b| b.rotation_rad));

@@ -46,10 +46,11 @@ impl Run<'_> {
                 broken.push(i);
                 let end = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
                 self.released += joint.open();
-                let cause = if joint.hinge.fractured {
-                    FractureCause::Rotation
-                } else if joint.is_crushed() {
+                // what is crushed touches nothing from now on, also where it breaks by rotation in the same step
+                let cause = if joint.is_crushed() {
                     FractureCause::Compression
+                } else if joint.hinge.fractured {
+                    FractureCause::Rotation
                 } else if joint.is_sheared_off() {
                     FractureCause::Shear
                 } else {

@@ -41,6 +41,7 @@ impl Run<'_> {
             history.depth_m.push(crushed.depth_m);
             history.energy_j.push(crushed.energy_j);
         }
+        // for what is recorded here alone: no step may rely on it, runs may leave histories out
         self.latent.weigh(&self.system);
         for (history, (bushing, hinge)) in self.result.hinges.iter_mut().zip(&self.hinges) {
             let Some(running) = self.latent.bushings[*bushing] else {
