@@ -76,12 +76,12 @@ pub fn passing(model: &Model, result: &RunResult) -> Passing {
     };
     let level = model.contact.ground.as_ref().map(|g| g.level_m);
     let mut ties = Ties::of(model, result);
-    let mut joined = ties.joined();
+    let (mut joined, mut crushed) = (ties.joined(), ties.crushed_bodies());
     let mut allowed = Allowed::default();
     let mut shapes = Shapes::of(model, result);
     for (output, (frame, time_s)) in result.frames.iter().zip(&result.times_s).enumerate() {
         if ties.at(*time_s) {
-            joined = ties.joined();
+            (joined, crushed) = (ties.joined(), ties.crushed_bodies());
         }
         shapes.at(model, output);
         let solids = placed((model, &shapes), frame, &ties.alive);
@@ -96,7 +96,7 @@ pub fn passing(model: &Model, result: &RunResult) -> Passing {
         for (i, j) in near(&solids) {
             let (Some(a), Some(b)) = (&solids[i], &solids[j]) else { continue };
             let may = match (a.body, b.body) {
-                (Some(x), Some(y)) if [x, y].iter().any(|i| ties.crushed.contains(i)) => false,
+                (Some(x), Some(y)) if [x, y].iter().any(|i| crushed.contains(i)) => false,
                 (Some(x), Some(y)) => !apart.contains(&key(x, y)) && !joined.pairs.contains(&key(x, y)),
                 _ => true,
             };
@@ -286,6 +286,8 @@ impl Allowed {
 struct Ties {
     /// Connections that are there: id, bodies (none: the ground), and whether both are pieces of one body at the start.
     list: Vec<(String, [Option<usize>; 2], bool)>,
+    /// Latent bushings whose pieces are one body yet.
+    whole: BTreeSet<String>,
     /// Bodies that are there, and those that are crushed, which touch no other bodies.
     alive: Vec<bool>,
     crushed: BTreeSet<usize>,
@@ -298,6 +300,8 @@ enum End {
     Of(String),
     /// The same, with the second of its bodies.
     Crushed(String),
+    /// Of what made two pieces one body.
+    Whole(String),
     /// Of a body; an output at the same time comes first.
     Body(usize),
 }
@@ -326,11 +330,14 @@ impl Ties {
                 Some((e.time_s, End::Crushed(joint.clone())))
             }
             EventKind::Fracture { joint, .. } => Some((e.time_s, End::Of(joint.clone()))),
+            EventKind::Live { joint, .. } => Some((e.time_s, End::Whole(joint.clone()))),
             _ => None,
         }));
         ends.sort_by(|a, b| b.0.total_cmp(&a.0));
         let alive = vec![true; model.bodies.len()];
-        Self { list: joints.chain(bushings).collect(), alive, crushed: BTreeSet::new(), ends }
+        let latent = model.bushings.iter().filter(|b| b.latent.is_some());
+        let whole = latent.map(|b| b.id.clone()).collect();
+        Self { list: joints.chain(bushings).collect(), whole, alive, crushed: BTreeSet::new(), ends }
     }
 
     /// Goes on to an output; whether anything has ended.
@@ -344,6 +351,7 @@ impl Ties {
                     self.crushed.extend(own.filter_map(|(_, bodies, _)| bodies[1]));
                     self.list.retain(|(own, ..)| own != id);
                 }
+                End::Whole(id) if *end_s <= time_s => _ = self.whole.remove(id),
                 End::Body(body) if *end_s < time_s - 1e-9 => {
                     self.alive[*body] = false;
                     self.list.retain(|(_, bodies, _)| !bodies.contains(&Some(*body)));
@@ -353,6 +361,19 @@ impl Ties {
             self.ends.pop();
         }
         self.ends.len() < count
+    }
+
+    /// Bodies that touch no others now: those that are crushed, with what is one body with them yet.
+    fn crushed_bodies(&self) -> BTreeSet<usize> {
+        let mut sets = UnionFind::<usize>::new(self.alive.len());
+        for (id, bodies, _) in &self.list {
+            if let (true, [Some(a), Some(b)]) = (self.whole.contains(id), bodies) {
+                sets.union(*a, *b);
+            }
+        }
+        let labels = sets.into_labeling();
+        let roots: BTreeSet<usize> = self.crushed.iter().map(|body| labels[*body]).collect();
+        (0..labels.len()).filter(|body| roots.contains(&labels[*body])).collect()
     }
 
     /// Who is joined now; pieces of a body that parted do not touch what the others of their set are joined to.
@@ -427,5 +448,22 @@ mod tests {
         assert_eq!(beyond(0.1, false), 0.0);
         assert_eq!(beyond(0.2, true), 0.0);
         assert!((beyond(0.23, true) - 0.03).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_one_with_a_crushed_body_touches_nothing_until_it_parts() {
+        let join = |id: &str, a: usize, b: usize, latent: bool| (id.to_string(), [Some(a), Some(b)], latent);
+        let mut ties = Ties {
+            list: vec![join("foot", 0, 1, false), join("middle", 1, 2, true)],
+            whole: BTreeSet::from(["middle".to_string()]),
+            alive: vec![true; 3],
+            crushed: BTreeSet::new(),
+            ends: vec![(2.0, End::Whole("middle".into())), (1.0, End::Crushed("foot".into()))],
+        };
+        assert!(!ties.at(0.5) && ties.crushed_bodies().is_empty());
+        assert!(ties.at(1.5));
+        assert_eq!(ties.crushed_bodies(), BTreeSet::from([1, 2]));
+        assert!(ties.at(2.5));
+        assert_eq!(ties.crushed_bodies(), BTreeSet::from([1]));
     }
 }
