@@ -363,28 +363,27 @@ impl Ties {
         self.ends.len() < count
     }
 
-    /// Bodies that touch no others now: those that are crushed, with what is one body with them yet.
-    fn crushed_bodies(&self) -> BTreeSet<usize> {
+    /// The set that each body is in, of those that some connections make one.
+    fn sets(&self, is_one: impl Fn(&str, bool) -> bool) -> Vec<usize> {
         let mut sets = UnionFind::<usize>::new(self.alive.len());
-        for (id, bodies, _) in &self.list {
-            if let (true, [Some(a), Some(b)]) = (self.whole.contains(id), bodies) {
+        for (id, bodies, pieces) in &self.list {
+            if let (true, [Some(a), Some(b)]) = (is_one(id, *pieces), bodies) {
                 sets.union(*a, *b);
             }
         }
-        let labels = sets.into_labeling();
+        sets.into_labeling()
+    }
+
+    /// Bodies that touch no others now: those that are crushed, with what is one body with them yet.
+    fn crushed_bodies(&self) -> BTreeSet<usize> {
+        let labels = self.sets(|id, _| self.whole.contains(id));
         let roots: BTreeSet<usize> = self.crushed.iter().map(|body| labels[*body]).collect();
         (0..labels.len()).filter(|body| roots.contains(&labels[*body])).collect()
     }
 
     /// Who is joined now; pieces of a body that parted do not touch what the others of their set are joined to.
     fn joined(&self) -> Joined {
-        let mut sets = UnionFind::<usize>::new(self.alive.len());
-        for (_, bodies, pieces) in &self.list {
-            if let (true, [Some(a), Some(b)]) = (*pieces, bodies) {
-                sets.union(*a, *b);
-            }
-        }
-        let labels = sets.into_labeling();
+        let labels = self.sets(|_, pieces| pieces);
         let of = |body: usize| -> Vec<usize> {
             let together = |i: &usize| labels[*i] == labels[body];
             (0..labels.len()).filter(together).collect()
