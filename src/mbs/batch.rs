@@ -4,7 +4,8 @@
 
 use super::parameter::{ParameterError, apply};
 use super::result::{EventKind, RunResult};
-use super::run::{SolverOptions, simulate_with};
+use super::run::{SolverOptions, simulate_varied, simulate_with};
+use super::tables::Tables;
 use super::{Model, SolveError};
 use rayon::prelude::*;
 
@@ -102,9 +103,15 @@ pub fn run(
         varied(model, &table.names, row)?;
     }
     let options = SolverOptions { brief: true, ..*options };
+    // curves are checked and compiled once; what is wrong with them is a complaint of each run
+    let known = model.check().ok().and_then(|()| Tables::of(model).ok());
     let one = |row: &Vec<f64>| {
         let own = varied(model, &table.names, row)?;
-        let result = simulate_with(&own, &options).map(|r| Summary::of(&r));
+        let result = match &known {
+            Some(known) => simulate_varied(&own, &options, known),
+            None => simulate_with(&own, &options),
+        };
+        let result = result.map(|r| Summary::of(&r));
         done();
         Ok(result)
     };

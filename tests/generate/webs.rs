@@ -50,7 +50,8 @@ fn body<'a>(model: &'a Model, id: &str) -> &'a Body {
 
 /// The model that runs first.
 fn merged(model: &Model) -> Model {
-    merge(model, &model.bushings.iter().map(|b| b.latent.is_some()).collect::<Vec<_>>()).model
+    let latent: Vec<bool> = model.bushings.iter().map(|b| b.latent.is_some()).collect();
+    Model { curves: model.curves.clone(), ..merge(model, &latent).model }
 }
 
 /// Half a beam of 0.3 m by 0.25 m below its slab, from the face of its column to the middle of 6 m: 2.8 m.

@@ -6,7 +6,6 @@ use fallwerk::mbs::latent::{Latent, compounds};
 use fallwerk::mbs::math;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::{EventKind, FractureCause};
-use fallwerk::mbs::system::System;
 use fallwerk::mbs::{RunResult, SolverOptions, simulate, simulate_with};
 
 const LENGTH: f64 = 9.0;
@@ -169,7 +168,7 @@ fn nothing_jumps_when_a_body_parts() {
     spin(&mut m, about, [0.0; 3], [0.5 * LENGTH, 0.0, 0.0]);
     m.gravity_m_s2 = [0.0; 3];
     let (mut latent, merged) = Latent::new(&m).unwrap();
-    let system = System::new(&merged.unwrap()).unwrap();
+    let system = latent.compile(&merged.unwrap()).unwrap();
     let parting = latent.parting(&system, 1);
     let (mut parted, _) = latent.part(&m, &system, &parting).unwrap();
     parted.reset_forces();

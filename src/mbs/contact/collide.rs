@@ -347,14 +347,16 @@ fn balls(a: (f64, &Placed), b: (f64, &Placed), reach: f64, found: &mut Vec<Found
     Some(n)
 }
 
-/// Up to so many solids the tree need not be kept in good shape.
-const FEW: u32 = 64;
+/// Up to so many solids all are compared with each other, which takes a third of what a tree does.
+const FEW: usize = 128;
 
-/// Bounds of all solids in a tree; tells which pairs of them came to overlap.
-#[derive(Clone, Default)]
-pub struct Broad {
-    tree: Bvh,
-    work: BvhWorkspace,
+/// Bounds of all solids; tells which pairs of them came to overlap.
+#[derive(Clone)]
+pub enum Broad {
+    /// Bounds of few, and which of them were set since the last call.
+    Few(Vec<[V3; 2]>, Vec<bool>),
+    /// A tree of many.
+    Many(Box<(Bvh, BvhWorkspace)>),
 }
 
 impl std::fmt::Debug for Broad {
@@ -364,20 +366,56 @@ impl std::fmt::Debug for Broad {
 }
 
 impl Broad {
+    /// Of so many solids.
+    pub fn new(count: usize) -> Self {
+        if count <= FEW {
+            let nowhere = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+            Self::Few(vec![nowhere; count], vec![false; count])
+        } else {
+            Self::Many(Box::default())
+        }
+    }
+
     /// Sets the bounds of a solid; they must not lie within the old ones.
     pub fn set(&mut self, index: usize, bounds: [V3; 2]) {
-        let [low, high] = bounds.map(vector);
-        self.tree.insert_or_update_partially(Aabb::new(low, high), index as u32, 1e-9);
+        match self {
+            Self::Few(all, changed) => (all[index], changed[index]) = (bounds, true),
+            Self::Many(tree) => {
+                let [low, high] = bounds.map(vector);
+                tree.0.insert_or_update_partially(Aabb::new(low, high), index as u32, 1e-9);
+            }
+        }
     }
 
     /// Calls `meet` for each pair that overlaps and has at least one solid whose bounds were set since the last call.
     pub fn changed_pairs(&mut self, mut meet: impl FnMut(usize, usize)) {
-        self.tree.refit(&mut self.work);
-        self.tree.traverse_bvtt_single_tree::<true>(&mut self.work, &mut |a, b| meet(a as usize, b as usize));
-        if self.tree.leaf_count() > FEW {
-            self.tree.optimize_incremental(&mut self.work);
+        match self {
+            Self::Few(all, changed) => {
+                for (a, of_a) in all.iter().enumerate().filter(|(a, _)| changed[*a]) {
+                    for (b, of_b) in all.iter().enumerate() {
+                        let is_new = b > a || b < a && !changed[b];
+                        if is_new && overlap(of_a, of_b) {
+                            meet(a, b);
+                        }
+                    }
+                }
+                changed.fill(false);
+            }
+            Self::Many(tree) => {
+                let (tree, work) = &mut **tree;
+                tree.refit(work);
+                tree.traverse_bvtt_single_tree::<true>(work, &mut |a, b| meet(a as usize, b as usize));
+                tree.optimize_incremental(work);
+            }
         }
     }
+}
+
+/// Whether bounds overlap.
+pub fn overlap([low_a, high_a]: &[V3; 2], [low_b, high_b]: &[V3; 2]) -> bool {
+    // all comparisons are made: none of them can be foretold
+    let along = |k: usize| (low_a[k] <= high_b[k]) & (low_b[k] <= high_a[k]);
+    along(0) & along(1) & along(2)
 }
 
 fn vector(v: V3) -> Vector {
@@ -391,4 +429,41 @@ fn array(v: Vector) -> V3 {
 fn pose(at: &Placed) -> Pose {
     let [w, x, y, z] = at.q;
     Pose::from_parts(vector(at.x), Rotation::from_xyzw(x, y, z, w))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::random::Random;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn few_solids_and_a_tree_find_the_same_pairs() {
+        let count = 60;
+        let mut random = Random::of(7);
+        let mut both = [Broad::new(count), Broad::Many(Box::default())];
+        let mut at: Vec<[V3; 2]> = vec![[[0.0; 3]; 2]; count];
+        let mut found = 0;
+        for round in 0..40 {
+            let moved: Vec<usize> = (0..count).filter(|_| round == 0 || random.share() < 0.3).collect();
+            for i in &moved {
+                let low: V3 = std::array::from_fn(|_| 10.0 * random.share());
+                at[*i] = [low, low.map(|v| v + 0.2 + 2.0 * random.share())];
+                both.iter_mut().for_each(|broad| broad.set(*i, at[*i]));
+            }
+            let [few, many] = both.each_mut().map(|broad| {
+                let mut pairs = BTreeSet::new();
+                broad.changed_pairs(|a, b| assert!(pairs.insert((a.min(b), a.max(b)))));
+                pairs
+            });
+            let overlaps = |(a, b): &(usize, usize)| overlap(&at[*a], &at[*b]);
+            let is_new = |(a, b): &(usize, usize)| moved.contains(a) || moved.contains(b);
+            let all = (0..count).flat_map(|b| (0..b).map(move |a| (a, b)));
+            let expected: BTreeSet<_> = all.filter(is_new).filter(overlaps).collect();
+            assert_eq!(few, expected);
+            assert_eq!(many, expected);
+            found += few.len();
+        }
+        assert!(found > 200, "{found}");
+    }
 }

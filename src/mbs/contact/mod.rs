@@ -229,7 +229,7 @@ impl ContactSet {
             budget: vec![f64::NEG_INFINITY; ground],
             ahead: vec![0.0; ground],
             entered: vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; count],
-            broad: Broad::default(),
+            broad: Broad::new(count),
             finder: Finder::default(),
             pairs: Vec::new(),
             order: Vec::new(),

@@ -273,8 +273,7 @@ impl ContactSet {
             if rank <= planes || !moved[a] && !moved[b] {
                 return true;
             }
-            let ([low_a, high_a], [low_b, high_b]) = (entered[a], entered[b]);
-            let overlap = (0..3).all(|k| low_a[k] <= high_b[k] && low_b[k] <= high_a[k]);
+            let overlap = collide::overlap(&entered[a], &entered[b]);
             if !overlap {
                 free.push(entry.slot);
             }

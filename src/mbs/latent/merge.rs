@@ -58,7 +58,7 @@ pub fn held_together(model: &Model, latent: &[bool]) -> Vec<usize> {
 
 /// Joins the bodies between latent bushings; each body takes the id of its first piece.
 ///
-/// The mass, centre and momenta of a body are the sums over its pieces, so that pieces that move as one go on as they did.
+/// Curves, tracked points, events and their rules are left to the model of the file. The mass, centre and momenta of a body are the sums over its pieces, so that pieces that move as one go on as they did.
 pub fn merge(model: &Model, latent: &[bool]) -> Merged {
     let index = places(model);
     let at = |id: &str| index.get(id).copied();
@@ -86,12 +86,20 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
     let renamed = |id: &str| at(id).map_or_else(|| id.to_string(), |i| bodies[places[i].body].id.clone());
     let mut bushings = Vec::with_capacity(latent.len());
     let mut own = Model {
+        schema: model.schema.clone(),
+        name: model.name.clone(),
+        gravity_m_s2: model.gravity_m_s2,
         bodies: Vec::new(),
+        shared_masses: Vec::new(),
+        curves: BTreeMap::new(),
+        joints: model.joints.clone(),
         bushings: Vec::new(),
-        tracked: Vec::new(),
+        forces: model.forces.clone(),
+        contact: model.contact.clone(),
         events: Vec::new(),
         event_rules: Vec::new(),
-        ..model.clone()
+        tracked: Vec::new(),
+        settings: model.settings.clone(),
     };
     for (bushing, latent) in model.bushings.iter().zip(latent) {
         bushings.push((!latent).then_some(own.bushings.len()));
@@ -102,7 +110,6 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
             own.bushings.push(bushing);
         }
     }
-    own.shared_masses.clear();
     if !model.shared_masses.is_empty() {
         let whole =
             held_together(model, &model.bushings.iter().map(|b| b.latent.is_some()).collect::<Vec<_>>());

@@ -27,6 +27,7 @@ use super::joint::JointData;
 use super::math::{self, V3};
 use super::model::{Bushing, Model};
 use super::system::System;
+use super::tables::Tables;
 use crate::curve::{CurveError, ResistanceCurve};
 use bound::Attached;
 use demand::Demand;
@@ -75,6 +76,8 @@ pub struct Latent {
     peak: Vec<f64>,
     /// Compound and piece in it of each solid of the running model.
     solids: Vec<Option<(usize, usize)>>,
+    /// Curves that are compiled already.
+    known: Tables,
 }
 
 impl Latent {
@@ -83,6 +86,11 @@ impl Latent {
     /// # Errors
     /// If a curve cannot be compiled.
     pub fn new(file: &Model) -> Result<(Self, Option<Model>), CurveError> {
+        Self::with_tables(file, &Tables::default())
+    }
+
+    /// The same with what is compiled already.
+    pub fn with_tables(file: &Model, known: &Tables) -> Result<(Self, Option<Model>), CurveError> {
         let held: Vec<bool> = file.bushings.iter().map(|b| b.latent.is_some()).collect();
         let is_any = held.contains(&true);
         let (bodies, alone) = (0..file.bodies.len(), |body| Place { body, pose: None });
@@ -102,8 +110,9 @@ impl Latent {
             counted: [0; 2],
             looks_always: false,
             looks: [0; 2],
-            whole: is_any.then(|| System::new(file)).transpose()?,
+            whole: is_any.then(|| System::with_tables(file, known.clone())).transpose()?,
             solids: Vec::new(),
+            known: known.clone(),
         };
         if !is_any {
             return Ok((latent, None));
@@ -118,7 +127,8 @@ impl Latent {
     /// # Errors
     /// If a curve cannot be compiled.
     pub fn compile(&self, model: &Model) -> Result<System, CurveError> {
-        System::with_tables(model, self.whole.as_ref().map(|w| w.tables.clone()).unwrap_or_default())
+        let tables = self.whole.as_ref().map_or(&self.known, |w| &w.tables);
+        System::with_tables(model, tables.clone())
     }
 
     /// Whether none gives way from now on, whatever it bears; events of the file still part bodies.
@@ -134,8 +144,8 @@ impl Latent {
 
     /// The model with the bushings that are latent now.
     fn rebuild(&mut self, file: &Model) -> Model {
-        let before = std::mem::take(&mut self.compounds);
-        let felt = |piece: usize| {
+        let mut before = std::mem::take(&mut self.compounds);
+        let felt = |before: &[Compound], piece: usize| {
             let old = before
                 .iter()
                 .find_map(|c| self.pieces[c.body].iter().position(|p| *p == piece).map(|k| c.contact[k]));
@@ -156,7 +166,13 @@ impl Latent {
             let bushings: Vec<usize> = (0..self.held.len()).filter(|b| inside(*b)).collect();
             let joints: Vec<&JointData> = bushings.iter().map(|b| &whole.joints[*b]).collect();
             let center = merged.model.bodies[body].position_m;
-            let demand = Demand::new(&whole.bodies, &whole.data, own, &joints, center);
+            // what has not changed need not be found again
+            let same = |c: &Compound| c.bushings == bushings && self.pieces[c.body] == *own;
+            let contact: Vec<[V3; 2]> = own.iter().map(|p| felt(&before, *p)).collect();
+            let demand = match before.iter().position(same) {
+                Some(old) => before.swap_remove(old).demand,
+                None => Demand::new(&whole.bodies, &whole.data, own, &joints, center),
+            };
             let piece_of = |body: usize| own.iter().position(|p| *p == body);
             let mut attached = Vec::new();
             for (b, running) in merged.bushings.iter().enumerate() {
@@ -166,7 +182,6 @@ impl Latent {
                 attached.extend(piece_of(joint.a).map(at(false)));
                 attached.extend(piece_of(joint.b).map(at(true)));
             }
-            let contact: Vec<[V3; 2]> = own.iter().map(|p| felt(*p)).collect();
             let now = contact.clone();
             compounds.push(Compound {
                 body,

@@ -39,6 +39,7 @@ use super::result::RunResult;
 use super::shared_mass::Shared;
 use super::sleep::Sleep;
 use super::system::{BodyState, System};
+use super::tables::Tables;
 use super::{frequency, step};
 use crate::base::cpu::ThreadClock;
 use std::borrow::Cow;
@@ -98,15 +99,29 @@ pub fn simulate_carefully(model: &Model) -> Result<RunResult, SolveError> {
 /// Checks and runs a model with options.
 pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
     model.check()?;
+    simulate_checked(model, options, &Tables::default())
+}
+
+/// Runs a model whose curves are right and partly compiled.
+pub(super) fn simulate_varied(
+    model: &Model,
+    options: &SolverOptions,
+    known: &Tables,
+) -> Result<RunResult, SolveError> {
+    model.check_varied()?;
+    simulate_checked(model, options, known)
+}
+
+fn simulate_checked(model: &Model, options: &SolverOptions, known: &Tables) -> Result<RunResult, SolveError> {
     if model.is_ideal() {
         return ideal::run::simulate(model, options);
     }
     let clock = ThreadClock::start();
-    let (mut share, mut outcome) = (1.0, once(model, options, 1.0));
+    let (mut share, mut outcome) = (1.0, once(model, options, (1.0, known)));
     let may_repeat = options.repeat && model.settings.time_step_s.is_none();
     while may_repeat && share > LEAST_SHARE && is_too_coarse(&outcome) {
         share *= 0.5;
-        outcome = better(outcome, once(model, options, share), share);
+        outcome = better(outcome, once(model, options, (share, known)), share);
     }
     let (mut result, _) = outcome?;
     result.cpu_s = clock.elapsed_s();
@@ -125,9 +140,9 @@ const GROWTH: f64 = 1e-3;
 /// How the remark about a repeated run begins.
 pub const REPEATED: &str = "repeated with";
 
-/// A run with a share of the automatic step.
-fn once(model: &Model, options: &SolverOptions, share: f64) -> Outcome {
-    let mut run = Run::new(model, options, share)?;
+/// A run with a share of the automatic step, and tables that are known.
+fn once(model: &Model, options: &SolverOptions, (share, known): (f64, &Tables)) -> Outcome {
+    let mut run = Run::new(model, options, (share, known))?;
     run.go()?;
     run.result.contact_work = run.contacts.work.into();
     let remarks = closing_remarks(&run.books, Some(run.contacts.work));
@@ -271,6 +286,8 @@ struct Run<'a> {
     is_loose: bool,
     /// Whether springs are softer now ([`Self::soften`]).
     is_soft: bool,
+    /// Whether bodies have moved as far as the model asks for that.
+    has_come_down: bool,
     /// Share of the automatic step that is taken.
     share: f64,
     /// Where the bodies of the file are at `t = 0` \[m\], and the centres of those that run.
@@ -294,8 +311,12 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(file: &'a Model, options: &'a SolverOptions, share: f64) -> Result<Self, SolveError> {
-        let (mut latent, merged) = Latent::new(file)?;
+    fn new(
+        file: &'a Model,
+        options: &'a SolverOptions,
+        (share, known): (f64, &Tables),
+    ) -> Result<Self, SolveError> {
+        let (mut latent, merged) = Latent::with_tables(file, known)?;
         latent.hold(options.hold_latent);
         latent.look_always(options.look_always);
         let model = merged.map_or(Cow::Borrowed(file), Cow::Owned);
@@ -358,6 +379,7 @@ impl<'a> Run<'a> {
             alone_limit,
             is_loose: false,
             is_soft: false,
+            has_come_down: false,
             share,
             tracked,
             hinges,
@@ -541,9 +563,13 @@ impl<'a> Run<'a> {
         self.displaced.clear();
         if let Some(relative) = &self.system.relative {
             let system = &self.system;
-            let has_tilted = relative.is_over(&system.bodies, &system.data);
-            self.is_loose |= has_tilted;
-            if self.is_loose || !parted.is_empty() || system.shared.iter().any(|s| is_over(s, system)) {
+            self.is_loose |= relative.sleeps(&system.data);
+            let has_turned = relative.has_turned(&system.bodies, &system.data);
+            if self.is_loose
+                || has_turned
+                || !parted.is_empty()
+                || system.shared.iter().any(|s| is_over(s, system))
+            {
                 self.end_relating();
             }
         }

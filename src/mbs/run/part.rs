@@ -112,9 +112,7 @@ impl Run<'_> {
         self.contacts.resume_crushed(crushed.into_iter());
         connect(&mut self.contacts, &self.system, &self.latent);
         self.origin = self.centers();
-        let highest = frequency::highest_rad_s(&mut self.system);
-        self.step_limit =
-            choose_step(&self.model, highest, self.share).map_err(|e| usable_step(e, self.file, highest))?;
+        self.choose_step()?;
         for (bushing, _) in &parting.live {
             if self.strength[*bushing] != 1.0 {
                 self.weaken(*bushing, 1.0)?;
@@ -128,6 +126,19 @@ impl Run<'_> {
                 self.released -= joint.elastic_j + joint.hinge.dissipated_j + joint.crush_j;
             }
         }
+        self.soften();
+        Ok(())
+    }
+
+    /// The step with what has parted; none yet where springs are made softer in the end.
+    fn choose_step(&mut self) -> Result<(), SolveError> {
+        if self.has_come_down {
+            self.step_limit = 0.0;
+            return Ok(());
+        }
+        let highest = frequency::highest_rad_s(&mut self.system);
+        self.step_limit =
+            choose_step(&self.model, highest, self.share).map_err(|e| usable_step(e, self.file, highest))?;
         Ok(())
     }
 

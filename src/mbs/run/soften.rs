@@ -21,9 +21,10 @@ impl Run<'_> {
         let is_fixed = self.is_soft || self.file.settings.time_step_s.is_some();
         let longest_s = self.share * LARGEST_SOFT_STEP_S;
         let may_gain = self.system.relative.is_none() && WORTH_IT * self.step_limit <= longest_s;
-        if is_fixed || !may_gain || self.mean_path_m() < distance_m {
+        if is_fixed || !may_gain || !self.has_come_down && self.mean_path_m() < distance_m {
             return;
         }
+        self.has_come_down = true;
         self.is_soft = true;
         self.end_all_sharing();
         for i in 0..self.system.joints.len() {

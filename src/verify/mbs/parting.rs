@@ -63,7 +63,7 @@ fn split() -> Result<Vec<Figure>, String> {
     let m = pieces();
     m.check().map_err(|e| e.to_string())?;
     let (mut latent, whole) = Latent::new(&m).map_err(|e| e.to_string())?;
-    let mut system = System::new(&whole.ok_or("nothing is latent")?).map_err(|e| e.to_string())?;
+    let mut system = latent.compile(&whole.ok_or("nothing is latent")?).map_err(|e| e.to_string())?;
     // where the file does not have it, so that no pose is a special one
     system.bodies[0].x = [100.0, -50.0, 20.0];
     system.bodies[0].rotate([0.3, 1.2, -0.7]);
