@@ -22,7 +22,7 @@ use crate::base::isa::{Isa, for_each_isa};
 use std::collections::BTreeSet;
 
 /// Cosine of the angle by which a body may turn until the inertia is found anew: 0.1 rad.
-const NEAR: f64 = 0.995;
+pub(super) const NEAR: f64 = 0.995;
 
 /// The bodies, their `D`, and the factors of `M + D`.
 #[derive(Debug, Clone)]
@@ -174,11 +174,11 @@ impl Relative {
         0.5 * time_s * time_s * (along + math::dot(math::mul_t(&body.r, torque), turn))
     }
 
-    /// Whether it is to be found anew: a body has turned.
-    pub fn has_turned(&self, states: &[BodyState], data: &[BodyData]) -> bool {
+    /// Whether a body has turned by more than an angle of a cosine since it was found.
+    pub fn has_turned(&self, cosine: f64, states: &[BodyState], data: &[BodyData]) -> bool {
         let turned = |i: usize| {
             let trace: f64 = (0..3).map(|k| math::dot(states[i].r[k], self.start[i][k])).sum();
-            data[i].alive && 0.5 * (trace - 1.0) < NEAR
+            data[i].alive && 0.5 * (trace - 1.0) < cosine
         };
         (0..self.start.len()).any(turned)
     }

@@ -35,8 +35,9 @@ use super::latent::Latent;
 use super::math;
 use super::model::{Event, Model};
 use super::preload;
+use super::relative_mass::NEAR;
 use super::result::RunResult;
-use super::shared_mass::Shared;
+use super::shared_mass::{Shared, UPRIGHT};
 use super::sleep::Sleep;
 use super::system::{BodyState, System};
 use super::tables::Tables;
@@ -284,6 +285,8 @@ struct Run<'a> {
     alone_limit: f64,
     /// Whether inertia against relative motion has ended for good.
     is_loose: bool,
+    /// Whether a body has leaned by more than [`UPRIGHT`] under it.
+    is_falling: bool,
     /// Whether springs are softer now ([`Self::soften`]).
     is_soft: bool,
     /// Whether bodies have moved as far as the model asks for that.
@@ -378,6 +381,7 @@ impl<'a> Run<'a> {
             shared_limit: step_limit,
             alone_limit,
             is_loose: false,
+            is_falling: false,
             is_soft: false,
             has_come_down: false,
             share,
@@ -564,7 +568,9 @@ impl<'a> Run<'a> {
         if let Some(relative) = &self.system.relative {
             let system = &self.system;
             self.is_loose |= relative.sleeps(&system.data);
-            let has_turned = relative.has_turned(&system.bodies, &system.data);
+            let near = if self.is_falling { NEAR } else { UPRIGHT };
+            let has_turned = relative.has_turned(near, &system.bodies, &system.data);
+            self.is_falling |= has_turned;
             if self.is_loose
                 || has_turned
                 || !parted.is_empty()
