@@ -185,12 +185,15 @@ impl Settled {
         let e = &result.energies;
         let last = result.times_s.len() - 1;
         let speed_m_s = (2.0 * e.kinetic_j[last] / mass).sqrt();
-        let spent = |i: usize| e.plastic_j[i] + e.contact_damping_j[i] + e.friction_j[i] + e.released_j[i];
         let before = last.saturating_sub((1.0 / model.settings.output_interval_s).round() as usize);
+        let over = |energy: &[f64]| energy[last] - energy[before];
+        // what inertia against relative motion begins with is released with a minus: it must not make up for what hinges take
+        let spent_j =
+            over(&e.plastic_j) + over(&e.contact_damping_j) + over(&e.friction_j) + over(&e.released_j).abs();
         let kinetic = e.kinetic_j[before..].iter().copied().fold(0.0, f64::max);
         let end = if speed_m_s < REST_M_S {
             End::Rest
-        } else if spent(last) - spent(before) < SWING_SHARE * kinetic {
+        } else if spent_j < SWING_SHARE * kinetic {
             End::Swings
         } else {
             End::Moves
