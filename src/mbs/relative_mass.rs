@@ -1,13 +1,13 @@
 //! Inertia against relative motion, which slows the fastest vibrations down so that steps may be longer.
 //!
-//! A building that stands, or has not begun to tilt, moves at some tens of rad/s, and its stiffest springs vibrate at thousands, which bound the explicit step. With `D = K / ω²` of all springs on top of the mass
+//! A building that stands or falls, and touches nothing yet, moves at some tens of rad/s, and its stiffest springs vibrate at thousands, which bound the explicit step. With `D = K / ω²` of all springs on top of the mass
 //! every mode of frequency `ω_1` has `ω_1 / sqrt(1 + ω_1²/ω²) < ω` (stiffness-proportional mass scaling; Macek and Aubert, Earthq. Eng. Struct. Dyn. 24 (1995) 1315): slow ones are slower by `ω_1² / 2 ω²`, static
 //! states and rigid motions are what they were, since `D` has nothing to do with either. It is the same as an implicit (trapezoidal) treatment of the elastic springs in a leapfrog.
 //!
 //! With `M` of the bodies accelerations are `a = (M + D)⁻¹ f`; the integrator gets the forces `M a`, so that bodies keep their own masses in everything else. `M + D` is factorised once, in the poses of that time and in axes that turn with each body.
 //! What bodies of a floor share ([`super::shared_mass`]) is part of `D`.
 //!
-//! It ends for good, for all bodies together, where one of them is touched, falls asleep or parts at a latent bushing: from then on steps are as short as without. After a charge, a fracture, where sharing in a floor ends and where a body has turned by more than [`NEAR`] it begins anew in the poses of that time
+//! It ends for good, for all bodies together, where one of them is touched, falls asleep, turns by more than [`MOST_TURN_RAD`] in a step or parts at a latent bushing: from then on steps are as short as without. After a charge, a fracture, where sharing in a floor ends and where a body has turned by more than [`NEAR`] it begins anew in the poses of that time
 //! (`run/relate.rs`). So a building falls with it up to its first contact: hinges that flow have inertia against their rotation that their springs no longer ask for, `K / ω²` of 100 kg m² where floors have 2e5 about the same hinges, and where bodies have turned against each other by `φ` since, springs between them see a relative
 //! velocity of `φ v` that is none, half a per cent of the kinetic energy at most. Where velocities of the file strain stiff springs it never begins: `D` would have `½ v D v` that nothing has paid for (3 % of the energy of a building of which all bodies move along x in proportion to their height at 2 m/s for 10 m).
 
@@ -22,7 +22,9 @@ use crate::base::isa::{Isa, for_each_isa};
 use std::collections::BTreeSet;
 
 /// Cosine of the angle by which a body may turn until the inertia is found anew: 0.1 rad.
-pub(super) const NEAR: f64 = 0.995;
+const NEAR: f64 = 0.995;
+/// Rotation in a step from which the springs of bodies that turn take energy from them \[rad\]: of two that turn about each other on a stiff one, 1e-5 of it in a second at half as much, 6e-4 at twice as much.
+const MOST_TURN_RAD: f64 = 0.02;
 
 /// The bodies, their `D`, and the factors of `M + D`.
 #[derive(Debug, Clone)]
@@ -174,19 +176,32 @@ impl Relative {
         0.5 * time_s * time_s * (along + math::dot(math::mul_t(&body.r, torque), turn))
     }
 
-    /// Whether a body has turned by more than an angle of a cosine since it was found.
-    pub fn has_turned(&self, cosine: f64, states: &[BodyState], data: &[BodyData]) -> bool {
-        let turned = |i: usize| {
-            let trace: f64 = (0..3).map(|k| math::dot(states[i].r[k], self.start[i][k])).sum();
-            data[i].alive && 0.5 * (trace - 1.0) < cosine
-        };
-        (0..self.start.len()).any(turned)
+    /// Whether a body has turned by more than [`NEAR`] since it was found.
+    pub fn has_turned(&self, states: &[BodyState], data: &[BodyData]) -> bool {
+        have_turned(&self.start, NEAR, states, data)
     }
 
-    /// Whether it is over: a body sleeps.
-    pub fn sleeps(&self, data: &[BodyData]) -> bool {
-        data[..self.start.len()].iter().any(|d| d.alive && d.asleep)
+    /// Whether it is over after a step \[s\]: a body sleeps, or turns by more than [`MOST_TURN_RAD`] in one.
+    pub fn is_over(&self, step_s: f64, states: &[BodyState], data: &[BodyData]) -> bool {
+        let sleeps = |d: &BodyData| d.alive && d.asleep;
+        data[..self.start.len()].iter().any(sleeps) || spins(step_s, &states[..self.start.len()], data)
     }
+}
+
+/// Whether a body has turned by more than an angle of a cosine from an orientation.
+pub(super) fn have_turned(from: &[M3], cosine: f64, states: &[BodyState], data: &[BodyData]) -> bool {
+    let turned = |(from, (state, data)): (&M3, (&BodyState, &BodyData))| {
+        let trace: f64 = (0..3).map(|k| math::dot(state.r[k], from[k])).sum();
+        data.alive && 0.5 * (trace - 1.0) < cosine
+    };
+    from.iter().zip(states.iter().zip(data)).any(turned)
+}
+
+/// Whether a body turns by more than [`MOST_TURN_RAD`] in a step \[s\].
+pub(super) fn spins(step_s: f64, states: &[BodyState], data: &[BodyData]) -> bool {
+    let fast =
+        |(state, data): (&BodyState, &BodyData)| data.alive && math::norm(state.w) * step_s > MOST_TURN_RAD;
+    states.iter().zip(data).any(fast)
 }
 
 impl Together {

@@ -85,21 +85,16 @@ impl Model {
 
     /// Checks every number and reference; returns all complaints at once.
     pub fn check(&self) -> Result<(), ModelError> {
-        let mut list = List::default();
-        for (id, curve) in &self.curves {
-            if let Err(error) = curve.check() {
-                list.add(format!("curves.{id}"), error.to_string());
-            }
-        }
-        self.check_all_but_curves(list)
+        self.check_with(true)
     }
 
     /// The same where the curves are known to be right.
     pub(super) fn check_varied(&self) -> Result<(), ModelError> {
-        self.check_all_but_curves(List::default())
+        self.check_with(false)
     }
 
-    fn check_all_but_curves(&self, mut list: List) -> Result<(), ModelError> {
+    fn check_with(&self, curves: bool) -> Result<(), ModelError> {
+        let mut list = List::default();
         list.require(self.schema == MODEL_SCHEMA, "schema", || {
             format!("is \"{}\", expected \"{MODEL_SCHEMA}\"", self.schema)
         });
@@ -113,6 +108,11 @@ impl Model {
         list.unique("tracked", self.tracked.iter().map(|t| t.id.as_str()));
         for (i, body) in self.bodies.iter().enumerate() {
             check_body(body, &format!("bodies[{i}]"), &mut list);
+        }
+        for (id, curve) in self.curves.iter().filter(|_| curves) {
+            if let Err(error) = curve.check() {
+                list.add(format!("curves.{id}"), error.to_string());
+            }
         }
         let known: BTreeSet<&str> = self.bodies.iter().map(|b| b.id.as_str()).collect();
         connection::check(self, &known, &mut list);

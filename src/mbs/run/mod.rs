@@ -35,7 +35,7 @@ use super::latent::Latent;
 use super::math;
 use super::model::{Event, Model};
 use super::preload;
-use super::relative_mass::NEAR;
+use super::relative_mass::have_turned;
 use super::result::RunResult;
 use super::shared_mass::{Shared, UPRIGHT};
 use super::sleep::Sleep;
@@ -47,7 +47,7 @@ use std::borrow::Cow;
 
 /// Largest automatic step \[s\]: in it a body at 10 m/s moves by a centimetre, one that turns at 10 rad/s by a hundredth of a radian.
 pub const LARGEST_STEP_S: f64 = 1e-3;
-/// The same with inertia against relative motion, while nothing has tilted or been touched.
+/// The same with inertia against relative motion, while nothing has been touched.
 pub const LARGEST_RELATED_STEP_S: f64 = 2.5e-3;
 /// The same once springs are softer ([`Run::soften`]).
 const LARGEST_SOFT_STEP_S: f64 = 1.5e-3;
@@ -285,7 +285,8 @@ struct Run<'a> {
     alone_limit: f64,
     /// Whether inertia against relative motion has ended for good.
     is_loose: bool,
-    /// Whether a body has leaned by more than [`UPRIGHT`] under it.
+    /// Orientations at `t = 0`, and whether a body has turned by more than [`UPRIGHT`] since, under it.
+    upright: Vec<math::M3>,
     is_falling: bool,
     /// Whether springs are softer now ([`Self::soften`]).
     is_soft: bool,
@@ -381,6 +382,7 @@ impl<'a> Run<'a> {
             shared_limit: step_limit,
             alone_limit,
             is_loose: false,
+            upright: Vec::new(),
             is_falling: false,
             is_soft: false,
             has_come_down: false,
@@ -391,6 +393,7 @@ impl<'a> Run<'a> {
             books: Balance::default(),
             preloading: file.settings.preload,
         };
+        run.upright = run.system.bodies[..n].iter().map(|b| b.r).collect();
         run.start = (0..file.bodies.len()).map(|i| run.piece(i).0).collect();
         for k in 0..run.tracked.len() {
             run.result.tracked[k].origin_m = run.place_of(run.tracked[k]);
@@ -567,10 +570,11 @@ impl<'a> Run<'a> {
         self.displaced.clear();
         if let Some(relative) = &self.system.relative {
             let system = &self.system;
-            self.is_loose |= relative.sleeps(&system.data);
-            let near = if self.is_falling { NEAR } else { UPRIGHT };
-            let has_turned = relative.has_turned(near, &system.bodies, &system.data);
-            self.is_falling |= has_turned;
+            let (bodies, data) = (&system.bodies, &system.data);
+            self.is_loose |= relative.is_over(self.step_limit, bodies, data);
+            let begins_to_fall = !self.is_falling && have_turned(&self.upright, UPRIGHT, bodies, data);
+            self.is_falling |= begins_to_fall;
+            let has_turned = begins_to_fall || relative.has_turned(bodies, data);
             if self.is_loose
                 || has_turned
                 || !parted.is_empty()

@@ -130,12 +130,8 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The step with what has parted; none yet where springs are made softer in the end.
+    /// The step with what has parted.
     fn choose_step(&mut self) -> Result<(), SolveError> {
-        if self.has_come_down {
-            self.step_limit = 0.0;
-            return Ok(());
-        }
         let highest = frequency::highest_rad_s(&mut self.system);
         self.step_limit =
             choose_step(&self.model, highest, self.share).map_err(|e| usable_step(e, self.file, highest))?;

@@ -2,6 +2,7 @@
 
 use super::{LARGEST_RELATED_STEP_S, Run, step};
 use crate::mbs::contact::ContactEnergy;
+use crate::mbs::relative_mass::spins;
 use crate::mbs::system::BodyState;
 use crate::mbs::{frequency, math};
 
@@ -12,7 +13,7 @@ const MOST_AT_BEGIN: f64 = 1e-3;
 /// Share of the energy turned over that the forces of half a step may have in them, which falls with the square of the step: by as much a full step may seem to lose after a charge. By what share of a step it is shortened at most.
 const VIBRATION: f64 = 7e-3;
 const FINEST: f64 = 0.5;
-/// Share of the stability limit that steps have once something has tilted. Vibrations of the springs have `1 / sqrt(1 - (ωh/2)²)` of their amplitude in a leapfrog, 1.3 times here and 1.7 times with 0.8 of the limit, and hinges that flow all the time would flow and break by it: the first contact of s1-003, 1.5265 s with steps of
+/// Share of the stability limit that steps have once something has turned. Vibrations of the springs have `1 / sqrt(1 - (ωh/2)²)` of their amplitude in a leapfrog, 1.3 times here and 1.7 times with 0.8 of the limit, and hinges that flow all the time would flow and break by it: the first contact of s1-003, 1.5265 s with steps of
 /// 0.05 ms, is at 1.529 s with this and at 1.502 s with that.
 const FALLING: f64 = 0.64;
 /// By how much longer steps have to be for inertia against relative motion.
@@ -25,7 +26,8 @@ impl Run<'_> {
         let fraction = if self.is_falling { FALLING } else { frequency::STEP_FRACTION };
         let step = self.share * (fraction * 2.0 / most).min(LARGEST_RELATED_STEP_S);
         let is_worth_it = step > WORTH_IT * self.plain_limit();
-        if self.is_loose || self.file.settings.time_step_s.is_some() || !is_worth_it {
+        let spins = spins(step, &self.system.bodies[..self.system.count()], &self.system.data);
+        if self.is_loose || self.file.settings.time_step_s.is_some() || !is_worth_it || spins {
             return;
         }
         self.released += self.system.relate(Some(most), self.last_step);
