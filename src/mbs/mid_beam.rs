@@ -14,6 +14,8 @@ pub(super) struct MidBeam {
     /// What its weight adds, and the share of it that is borne: none in free fall.
     load: SpanLoad,
     pub borne: f64,
+    /// Smoothed acceleration of its floor along gravity where it is, over gravity.
+    pub falls: f64,
     /// Work done against it \[J\].
     pub against_load_j: f64,
     /// The hinges.
@@ -32,7 +34,7 @@ impl MidBeam {
         let across = outward * math::dot(joint.axes[3 - axis], gravity);
         let load = beam.span.map(|s| SpanLoad::uniform(s.mass_kg_m * across, s.length_m, lever_m));
         let (load, ends) = (load.unwrap_or_default(), BeamEnds::default());
-        Some(Box::new(Self { axis, lever_m, load, borne: 1.0, against_load_j: 0.0, ends }))
+        Some(Box::new(Self { axis, lever_m, load, borne: 1.0, falls: 0.0, against_load_j: 0.0, ends }))
     }
 
     /// The other axis across, along which it bears shear.

@@ -130,7 +130,7 @@ impl System {
         let inverses = InverseBlock::all(&data);
         let (gravity, isa) = (model.gravity_m_s2, Isa::best());
         let (moved, act) = (Moved::default(), Act::default());
-        let weight = Weight::new(&joints, &bodies);
+        let weight = Weight::new(&joints, ground);
         let carries = CarryOver::all(&model.bushings, &joints);
         let lanes = lanes(&blocks, joints.len());
         Ok(Self {
@@ -269,8 +269,9 @@ impl System {
 
     /// Finds out how much of their weight the spans of beams bear, after a step \[s\].
     pub fn weigh(&mut self, h_s: f64) {
-        let Self { weight, joints, bodies, data, gravity, blocks, lanes, .. } = self;
-        weight.follow(joints, bodies, data, (*gravity, h_s), |i, joint| {
+        let Self { weight, joints, bodies, data, gravity, blocks, lanes, shared, .. } = self;
+        let is_consistent = |ends| shared.iter().any(|s| s.joins(ends));
+        weight.follow(joints, bodies, data, (*gravity, h_s), is_consistent, |i, joint| {
             if joint.alive {
                 let [block, lane] = lanes[i];
                 blocks[block].bear(lane, joint);

@@ -1,10 +1,16 @@
 //! How much of its weight a span bears: all of it where it is held up, none in free fall.
 //!
-//! A piece of a floor that falls freely has no weight for its beams to bear ([`crate::curve::beam`]). The share follows from how fast both bodies of a beam gain speed along gravity, smoothed over
-//! [`SMOOTHED_S`] so that impacts and vibrations do not count, and is one up to half of free fall: what stands and swings bears its weight in every step, with a potential.
+//! A piece of a floor that falls freely has no weight for its beams to bear ([`crate::curve::beam`]). The share follows from how fast its floor gains speed along gravity where the span is, smoothed over
+//! [`SMOOTHED_S`] so that impacts do not count, and is one up to half of free fall: what stands and swings bears its weight in every step, with a potential.
+//!
+//! Bodies that share the inertia of their span ([`super::shared_mass`]) resist a uniform acceleration with the same moments that its weight has, so that nothing bends in free fall: the span bears all of its weight there as
+//! well. Less of it would leave these moments without a counterpart.
+//!
+//! A floor is what spans connect, and what counts of it is the acceleration of the rigid body that has its momentum and angular momentum. Vibrations of its pieces against each other change neither. With the
+//! accelerations of the pieces themselves a floor in free fall drives its own vibrations, since the share follows them with a delay.
 
 use super::joint::JointData;
-use super::math::{self, V3};
+use super::math::{self, M3, V3};
 use super::system::{BodyData, BodyState};
 
 /// Time over which accelerations are smoothed \[s\].
@@ -12,52 +18,125 @@ const SMOOTHED_S: f64 = 0.05;
 /// Acceleration over gravity up to which all of the weight is borne.
 const HELD: f64 = 0.5;
 
-/// What is known of the accelerations of all bodies.
+/// The floors whose spans have a weight.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weight {
-    /// Joints with beams that their weight bends.
+    floors: Vec<Floor>,
+}
+
+/// Bodies that spans with a weight connect.
+#[derive(Debug, Clone, Default)]
+struct Floor {
+    bodies: Vec<usize>,
     joints: Vec<usize>,
-    /// Momentum after the last step \[kg m/s\], and smoothed acceleration along gravity over it, of each body.
-    bodies: Vec<(V3, f64)>,
+    /// Mass \[kg\], momentum \[kg m/s\] and angular momentum about the centre \[kg m²/s\] of the last step; none: it begins.
+    last: Option<(f64, V3, V3)>,
 }
 
 impl Weight {
-    /// Of bodies at rest, or that have moved steadily.
-    pub fn new(joints: &[JointData], bodies: &[BodyState]) -> Self {
-        let is_loaded = |j: &JointData| j.beam.as_ref().is_some_and(|b| b.is_loaded());
-        Self {
-            joints: (0..joints.len()).filter(|i| is_loaded(&joints[*i])).collect(),
-            bodies: bodies.iter().map(|b| (b.p, 0.0)).collect(),
+    /// Of all joints; what they bear is in them.
+    pub fn new(joints: &[JointData], bodies: usize) -> Self {
+        let is_loaded = |j: &JointData| j.alive && j.beam.as_ref().is_some_and(|b| b.is_loaded());
+        let loaded: Vec<usize> = (0..joints.len()).filter(|i| is_loaded(&joints[*i])).collect();
+        let mut floors: Vec<Floor> = Vec::new();
+        for i in loaded {
+            let ends = [joints[i].a, joints[i].b];
+            let (met, mut others): (Vec<_>, Vec<_>) =
+                floors.into_iter().partition(|f| f.bodies.iter().any(|b| ends.contains(b)));
+            let mut floor = Floor { joints: vec![i], ..Floor::default() };
+            floor.bodies.extend(ends.iter().filter(|b| **b < bodies));
+            for other in met {
+                floor.bodies.extend(other.bodies);
+                floor.joints.extend(other.joints);
+            }
+            others.push(floor);
+            floors = others;
         }
+        for floor in &mut floors {
+            floor.bodies.sort_unstable();
+            floor.bodies.dedup();
+            floor.joints.sort_unstable();
+        }
+        Self { floors }
     }
 
-    /// After a step of `h` \[s\]; `tell` hears of the joints whose share has changed.
+    /// After a step of `h` \[s\]: spans between bodies with consistent inertia bear all of their weight, others what their floor's acceleration leaves. `tell` hears of the joints whose share has changed.
     pub fn follow(
         &mut self,
         joints: &mut [JointData],
         bodies: &[BodyState],
         data: &[BodyData],
         (gravity, h): (V3, f64),
+        is_consistent: impl Fn([usize; 2]) -> bool,
         mut tell: impl FnMut(usize, &JointData),
     ) {
         let g2 = math::dot(gravity, gravity);
-        if self.joints.is_empty() || g2 == 0.0 {
+        if self.floors.is_empty() || g2 == 0.0 {
             return;
         }
         let weight = (h / SMOOTHED_S).min(1.0);
-        for ((last, falls), (body, data)) in self.bodies.iter_mut().zip(bodies.iter().zip(data)) {
-            let gained = math::dot(math::sub(body.p, *last), gravity) * data.inverse_mass / (h * g2);
-            *falls += weight * (gained - *falls);
-            *last = body.p;
-        }
-        for i in &self.joints {
-            let joint = &mut joints[*i];
-            let falls = 0.5 * (self.bodies[joint.a].1 + self.bodies[joint.b].1);
-            let Some(beam) = &mut joint.beam else { continue };
-            let borne = ((1.0 - falls) / (1.0 - HELD)).clamp(0.0, 1.0);
-            if borne != std::mem::replace(&mut beam.borne, borne) {
-                tell(*i, joint);
+        for floor in &mut self.floors {
+            let Some(fall) = floor.fall(bodies, data, h) else { continue };
+            for i in &floor.joints {
+                let joint = &mut joints[*i];
+                let place = math::scale(0.5, math::add(bodies[joint.a].x, bodies[joint.b].x));
+                let Some(beam) = &mut joint.beam else { continue };
+                beam.falls += weight * (math::dot(fall.at(place), gravity) / g2 - beam.falls);
+                let held = ((1.0 - beam.falls) / (1.0 - HELD)).clamp(0.0, 1.0);
+                let borne = if is_consistent([joint.a, joint.b]) { 1.0 } else { held };
+                if borne != std::mem::replace(&mut beam.borne, borne) {
+                    tell(*i, joint);
+                }
             }
         }
+    }
+}
+
+/// The acceleration of a rigid body.
+struct Fall {
+    centre: V3,
+    acceleration: V3,
+    turning: V3,
+}
+
+impl Fall {
+    /// At a place \[m/s²\].
+    fn at(&self, place: V3) -> V3 {
+        math::add(self.acceleration, math::cross(self.turning, math::sub(place, self.centre)))
+    }
+}
+
+impl Floor {
+    /// How it fell in the last step of `h` \[s\]; nothing in its first.
+    fn fall(&mut self, bodies: &[BodyState], data: &[BodyData], h: f64) -> Option<Fall> {
+        let own = || self.bodies.iter().map(|i| (&bodies[*i], &data[*i])).filter(|(_, d)| d.alive);
+        let (mut mass, mut moment, mut momentum) = (0.0, [0.0; 3], [0.0; 3]);
+        for (body, data) in own() {
+            mass += data.mass;
+            moment = math::axpy(moment, data.mass, body.x);
+            momentum = math::add(momentum, body.p);
+        }
+        let centre = math::scale(1.0 / mass, moment);
+        let (mut inertia, mut spin): (M3, V3) = ([[0.0; 3]; 3], [0.0; 3]);
+        for (body, data) in own() {
+            let arm = math::sub(body.x, centre);
+            spin = math::add(spin, math::add(body.l, math::cross(arm, body.p)));
+            let turned = math::matmul(&math::matmul(&body.r, &data.inertia), &math::transpose(&body.r));
+            let square = math::dot(arm, arm);
+            for i in 0..3 {
+                for j in 0..3 {
+                    let steiner = if i == j { square } else { 0.0 } - arm[i] * arm[j];
+                    inertia[i][j] += turned[i][j] + data.mass * steiner;
+                }
+            }
+        }
+        // where a body went, so did its momentum
+        let (_, p, l) = self.last.replace((mass, momentum, spin)).filter(|(was, ..)| *was == mass)?;
+        let rate = |now: V3, before: V3| math::scale(1.0 / h, math::sub(now, before));
+        Some(Fall {
+            centre,
+            acceleration: math::scale(1.0 / mass, rate(momentum, p)),
+            turning: math::mul(&math::inverse(&inertia), rate(spin, l)),
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! Bodies that share inertia: a beam of two rigid halves has the frequencies of a finite element.
 
 use super::support::*;
+use fallwerk::curve::ResistanceCurve;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::{EventKind, RunResult};
 use fallwerk::mbs::{error::SolveError, simulate};
@@ -105,6 +106,34 @@ fn halves_with_shared_mass_vibrate_as_a_finite_element() {
         let found = frequency(&run, weights).powi(2) / unit;
         assert!((found / wanted - 1.0).abs() < 3e-3, "{found} {wanted}");
         assert!(run.energy_error < 1e-4, "{}", run.energy_error);
+    }
+}
+
+/// Consistent inertia resists a uniform acceleration with the moments that the weight of a span has between clamped ends, so that nothing bends in free fall.
+#[test]
+fn halves_with_shared_mass_fall_without_bending() {
+    let mut m = halves();
+    m.gravity_m_s2 = [0.0, 0.0, -G];
+    (m.bodies.pop(), m.bushings.pop());
+    let turn = BENDING_N_M2 / LENGTH_M;
+    m.curves.insert(
+        "end".into(),
+        ResistanceCurve { stiffness_nm_rad: turn, ..curve(&[[0.0, 1e9], [1.0, 1e9]], 2.0) },
+    );
+    m.bushings[0].bending = [hinge("end"), elastic(turn)];
+    m.bushings[0].beam = Some(Beam {
+        half_length_m: 0.5 * LENGTH_M,
+        ends: ["start".into(), "end".into()],
+        span: Some(Span { length_m: LENGTH_M, mass_kg_m: MASS_KG / LENGTH_M }),
+    });
+    m.shared_masses.push(shared());
+    let run = simulate(&m).unwrap();
+    let sag_m = MASS_KG / LENGTH_M * G * LENGTH_M.powi(4) / (384.0 * BENDING_N_M2);
+    for (i, t) in run.times_s.iter().enumerate() {
+        for point in &run.tracked {
+            let off = point.displacement_m[i][2] + 0.5 * G * t * t;
+            assert!(off.abs() < 1e-6 * sag_m, "{off} m at {t} s");
+        }
     }
 }
 
