@@ -493,3 +493,28 @@ fn a_hinge_on_an_ideal_joint_opens_it_and_is_checked() {
         assert!(complaint.contains(part), "{complaint}");
     }
 }
+
+#[test]
+fn a_blow_across_the_plane_of_a_mechanism_is_borne_by_its_joints() {
+    let ball = |id: &str, y: f64, speed_m_s: f64| Body {
+        inertia_kg_m2: [[0.004, 0.0, 0.0], [0.0, 0.004, 0.0], [0.0, 0.0, 0.004]],
+        mass_kg: 1.0,
+        velocity_m_s: [0.0, speed_m_s, 0.0],
+        shapes: vec![Shape::Sphere { center_m: [0.0; 3], radius_m: 0.1 }],
+        ..solid(id, [0.0, y, -1.0], [1.0; 3])
+    };
+    let mut m = model("blow", 1.0, 0.1);
+    m.gravity_m_s2 = [0.0; 3];
+    m.bodies = vec![ball("bob", 0.0, 0.0), ball("ball", -2.0, 5.0)];
+    let hinge = ideal("hinge", JointKind::Revolute, None, "bob", [0.0; 3]);
+    m.joints.push(Joint { axis: Some([0.0, 1.0, 0.0]), ..hinge });
+    m.contact.bodies = Some(BodyContact { friction: 0.0, restitution: 0.5 });
+    track(&mut m, "bob", [0.0, 0.0, -1.0]);
+    track(&mut m, "ball", [0.0, -2.0, -1.0]);
+    let result = simulate(&m).unwrap();
+    let [bob, ball] = [0, 1].map(|i| result.tracked[i].displacement_m[10]);
+    assert!(bob.iter().map(|u| u.abs()).fold(0.0, f64::max) < 1e-6, "the bearing holds: {bob:?}");
+    // 1.8 m towards it, and back at half of the speed
+    let back = 1.8 - 2.5 * (1.0 - 1.8 / 5.0);
+    assert!((ball[1] - back).abs() < 1e-3, "{ball:?} {back}");
+}

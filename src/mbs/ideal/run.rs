@@ -79,8 +79,9 @@ impl<'a> Run<'a> {
         let mechanism = compile::mechanism(model);
         let settings = &model.settings;
         let given = Motion::state(&mechanism);
-        let mut marcher =
-            Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, settings.reactions)?;
+        // contacts may push across the plane of a mechanism, where nothing but its joints holds it
+        let in_space = settings.reactions || has_contact(model);
+        let mut marcher = Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, in_space)?;
         if has_contact(model) {
             let set = ContactSet::new(model, options.contact);
             marcher.touching = Some(Touching::new(set, settings.tolerance));
