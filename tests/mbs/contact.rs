@@ -398,3 +398,43 @@ fn faces_meet_after_the_hinge_between_them_broke() {
     let apart = end.position_m[1][2] - end.position_m[0][2];
     assert!((apart - EDGE).abs() < 1e-4, "face on face: {apart}");
 }
+
+#[test]
+fn what_passes_an_edge_is_not_struck() {
+    for height_m in [2.0, 2.3, 2.6, 2.9, 3.2, 3.5] {
+        let mut m = model("past an edge", 1.2, 0.05);
+        m.bodies.push(solid("slab", [-1.002, 0.0, 0.1 + height_m], [2.0, 2.0, 0.2]));
+        m.contact.obstacles.push(ObstacleBox {
+            id: "wall".into(),
+            min_m: [0.0, -5.0, -20.0],
+            max_m: [0.3, 5.0, 0.0],
+            friction: 0.5,
+            restitution: 0.1,
+        });
+        track(&mut m, "slab", [0.0, 0.0, 0.1 + height_m]);
+        let run = simulate(&m).unwrap();
+        let [x, y, z] = *run.tracked[0].displacement_m.last().unwrap();
+        assert!(x.abs() + y.abs() < 1e-12 && (z + 0.5 * G * 1.44).abs() < 1e-9, "{height_m} m: {x} {y} {z}");
+        // a wall that reaches a centimetre farther is struck
+        m.contact.obstacles[0].min_m[0] = -0.012;
+        let run = simulate(&m).unwrap();
+        assert!(run.tracked[0].displacement_m.last().unwrap()[2] > -0.45 * G * 1.44, "{height_m} m");
+    }
+}
+
+#[test]
+fn what_hangs_above_the_ground_on_a_joint_strikes_it() {
+    let mut m = model("pendulum over the ground", 1.0, 0.05);
+    m.bodies.push(solid("bob", [1.0, 0.0, 1.5], [0.2; 3]));
+    let free = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    m.bushings.push(Bushing {
+        axial_stiffness_n_m: 1e6,
+        ..Bushing::free("rod".into(), None, "bob".into(), [1.0, 0.0, 1.5], free)
+    });
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+    track(&mut m, "bob", [1.0, 0.0, 1.5]);
+    let run = simulate(&m).unwrap();
+    let end = run.tracked[0].displacement_m.last().unwrap();
+    assert!((end[2] + 1.4).abs() < 1e-3, "{end:?}");
+    assert!(run.first_ground_contact_s.is_some_and(|t| (t - (2.0 * 1.4 / G).sqrt()).abs() < 2e-3));
+}

@@ -236,6 +236,33 @@ pub fn edge_separation(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> f64 {
     gap
 }
 
+/// The direction from the first to the second of two solids along which they are farthest apart, or least in each other: one of those that can part boxes, for others the one between their origins.
+pub fn widest_gap(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> V3 {
+    let d = math::sub(b.1.x, a.1.x);
+    let (Solid::Box(_), Solid::Box(_)) = (a.0, b.0) else {
+        return math::scale(1.0 / math::norm(d).max(f64::MIN_POSITIVE), d);
+    };
+    let [of_a, of_b] = [a.1, b.1].map(|at| math::transpose(&at.r));
+    let edges = of_a.iter().flat_map(|i| of_b.iter().map(move |j| math::cross(*i, *j)));
+    let crossed = edges.filter_map(|n| {
+        let square = math::dot(n, n);
+        (square >= PARALLEL).then(|| math::scale(1.0 / square.sqrt(), n))
+    });
+    let outwards = |n: V3| if math::dot(n, d) < 0.0 { math::scale(-1.0, n) } else { n };
+    let all = of_a.into_iter().chain(of_b).chain(crossed).map(outwards);
+    let (_, along) = all.fold((f64::NEG_INFINITY, [0.0; 3]), |best, n| {
+        let gap = gap_along(a, b, n);
+        if gap > best.0 { (gap, n) } else { best }
+    });
+    along
+}
+
+/// The gap between two solids along a direction of unit length from the first to the second \[m\].
+pub fn gap_along(a: (&Solid, &Placed), b: (&Solid, &Placed), along: V3) -> f64 {
+    let d = math::dot(math::sub(b.1.x, a.1.x), along);
+    d - a.0.reach(a.1, along) - b.0.reach(b.1, math::scale(-1.0, along))
+}
+
 /// Square of the sine of the angle between edges up to which they are parallel.
 const PARALLEL: f64 = 1e-6;
 

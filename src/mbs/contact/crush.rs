@@ -211,10 +211,10 @@ impl ContactSet {
         faces.filter(|(_, c)| *c > LEAST_COSINE).max_by(|p, q| p.1.total_cmp(&q.1)).map(|(f, _)| f)
     }
 
-    /// Notes by how much the points that bear all they can shorten their faces, with the gaps at the end of the step, and lets them touch there; whether any did.
-    pub(super) fn crush(&mut self) -> bool {
+    /// Notes by how much the points that bear all they can shorten their faces, with the gaps at the end of the step, and lets them touch there.
+    pub(super) fn crush(&mut self) {
         if self.faces.all.is_empty() {
-            return false;
+            return;
         }
         for k in 0..self.rows.blocks.len() {
             let block = self.rows.blocks[k];
@@ -234,7 +234,6 @@ impl ContactSet {
                 self.faces.any_pending = true;
             }
         }
-        self.faces.any_pending
     }
 }
 

@@ -7,6 +7,7 @@
 //! | `collide` | solids, their bounds and contact points (the only file that knows `parry3d`) |
 //! | `surface` | friction and restitution of each pair, who passes through whom |
 //! | `pair` | pairs of solids and their points over time |
+//! | `passing` | solids that pass an edge of each other within a step |
 //! | `rows` | the impulses of a step |
 //! | `search` | conjugate directions where sweeps settle slowly |
 //! | `links` | impulses on bodies that ideal joints hold together |
@@ -35,6 +36,7 @@ mod crush;
 mod impact;
 mod links;
 mod pair;
+mod passing;
 mod roll;
 mod rows;
 mod search;
@@ -68,7 +70,7 @@ struct Collider {
     thickness: f64,
     /// What it is to others.
     partner: Partner,
-    /// Whether its body may not touch the ground while an intact connection joins both: not what begins above the ground while other solids of the body stand on it, such as the upper half of a column that folds at its foot.
+    /// Whether it stands on the ground at the start, which it may not touch while an intact connection joins its body to it.
     tied: bool,
 }
 

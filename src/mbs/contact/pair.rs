@@ -293,8 +293,8 @@ impl ContactSet {
         if entry >= self.plane_pairs {
             self.place(self.pairs[slot].b as usize, bodies);
         }
-        let limit = if entry < self.plane_pairs {
-            self.look_at_plane(slot, bodies, h, within)
+        let (limit, allowed) = if entry < self.plane_pairs {
+            (self.look_at_plane(slot, bodies, h, within), allowed)
         } else {
             self.look_at_solids(slot, bodies, h, within)
         };
@@ -358,9 +358,9 @@ impl ContactSet {
         f64::NEG_INFINITY
     }
 
-    /// The same of two solids.
-    fn look_at_solids(&mut self, slot: usize, bodies: &[Moving], h: f64, within: Within) -> f64 {
-        let reach = within.reach;
+    /// The same of two solids, and what their points may close beyond their own approach: zero if none of them takes part since the solids pass each other.
+    fn look_at_solids(&mut self, slot: usize, bodies: &[Moving], h: f64, within: Within) -> (f64, f64) {
+        let (reach, allowed) = (within.reach, within.allowed);
         let pair = &self.pairs[slot];
         let (a, b) = (pair.a as usize, pair.b as usize);
         let [of_a, of_b] = [self.colliders[a].body, self.colliders[b].body];
@@ -371,7 +371,7 @@ impl ContactSet {
                 let pair = &mut self.pairs[slot];
                 pair.forget();
                 pair.fresh = false;
-                return travelled + apart;
+                return (travelled + apart, allowed);
             }
             self.search(slot, reach);
         }
@@ -396,6 +396,7 @@ impl ContactSet {
         pair.offset = if pair.fresh { depth } else { pair.offset.min(depth) };
         pair.fresh = false;
         let first = self.rows.rows.len() as u32;
+        let mut closes_s = f64::INFINITY;
         for k in 0..usize::from(pair.count) {
             let gap = gaps[k] + pair.offset;
             let speed = math::dot(
@@ -408,17 +409,24 @@ impl ContactSet {
                     pair.points[k].mass = masses(&inverse, &arms[k], n);
                 }
                 self.rows.rows.push(row(&pair.points[k], arms[k], gap, n, h, k));
+                closes_s = if speed < 0.0 { closes_s.min(-gap / speed) } else { closes_s };
             }
         }
-        self.rows.close_block([of_a, of_b], first, slot, pair.surface, n);
+        let (offset, surface) = (pair.offset, pair.surface);
+        let is_coming = least > self.settings.margin_m && offset == 0.0 && within.from == f64::NEG_INFINITY;
+        if is_coming && self.pass_by([a, b], bodies, (closes_s, h), allowed) {
+            self.rows.rows.truncate(first as usize);
+            return (f64::NEG_INFINITY, 0.0);
+        }
+        self.rows.close_block([of_a, of_b], first, slot, surface, n);
         if least > reach {
             let apart = self.separation([a, b], reach);
             if apart > reach {
                 self.pairs[slot].forget();
-                return travelled + apart;
+                return (travelled + apart, allowed);
             }
         }
-        f64::NEG_INFINITY
+        (f64::NEG_INFINITY, allowed)
     }
 
     /// A lower bound of the distance of two solids, a good one if it is not above `reach` \[m\].

@@ -16,6 +16,8 @@ use crate::mbs::math::{self, V3};
 /// Depth from which more of a gap is opened at once \[m\], and that share.
 pub(super) const DEEP_M: f64 = 5e-4;
 const DEEP_RATE: f64 = 0.8;
+/// Way in a step from which a point closes \[m\].
+const SINKS_M: f64 = 1e-5;
 
 /// Velocity and angular velocity of a body, or displacement and turn.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -301,24 +303,42 @@ impl Rows {
         largest
     }
 
-    /// Sets the gaps to those after a step of `h` \[s\]; the smallest one that is too small.
-    pub fn look_ahead(&mut self, h: f64) -> f64 {
-        let mut worst = 0.0_f64;
+    /// The smallest gap after a step of `h` \[s\] of points that close in it, but for those that bear all that their face can \[m\].
+    pub fn sinks_to(&self, h: f64) -> f64 {
+        let mut least = 0.0_f64;
         for block in &self.blocks {
             let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
-            let [shift_a, shift_b] = block.bodies.map(|i| &self.shift[i as usize]);
+            for row in &self.rows[block.first as usize..(block.first + block.count) as usize] {
+                let way = h * math::dot(row.relative(a, b), block.normal);
+                if way < -SINKS_M && row.normal < block.cap {
+                    least = least.min(row.gap + way);
+                }
+            }
+        }
+        least
+    }
+
+    /// Sets the gaps to those after a step of `h` \[s\], displacements left out.
+    pub fn look_ahead(&mut self, h: f64) {
+        for block in &self.blocks {
+            let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
             for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
                 row.gap += h * math::dot(row.relative(a, b), block.normal);
-                let open = row.gap + math::dot(row.relative(shift_a, shift_b), block.normal);
+            }
+        }
+    }
+
+    /// The smallest gap that is too small after [`Self::look_ahead`], what was crushed, and the displacements so far \[m\].
+    pub fn worst(&self) -> f64 {
+        let mut worst = 0.0_f64;
+        for block in &self.blocks {
+            let [a, b] = block.bodies.map(|i| &self.shift[i as usize]);
+            for row in &self.rows[block.first as usize..(block.first + block.count) as usize] {
+                let open = row.gap + math::dot(row.relative(a, b), block.normal);
                 worst = worst.min(if row.exact { -open.abs() } else { open });
             }
         }
         worst
-    }
-
-    /// The smallest gap that is too small after [`Self::look_ahead`] and what was crushed then.
-    pub fn worst(&self) -> f64 {
-        self.rows.iter().map(|row| if row.exact { -row.gap.abs() } else { row.gap }).fold(0.0, f64::min)
     }
 
     /// Displacements that open what [`Self::look_ahead`] found closed, by a share `rate` a visit.

@@ -1,6 +1,6 @@
 //! A step: which pairs, impulses, rebound, gaps, energies.
 
-use super::rows::Motion;
+use super::rows::{DEEP_M, Motion};
 use super::{ContactSet, Linked, Moving, TooDeep};
 use crate::mbs::math::{self, V3};
 
@@ -21,6 +21,12 @@ const STRUCK_FROM: f64 = 4.0;
 const WHOLE_EVERY: usize = 3;
 /// Least velocity that errors are compared with \[m/s\].
 const LEAST_SCALE_M_S: f64 = 1e-3;
+
+/// What forces add to the velocity of a body in a step, of the one that has most of it \[m/s\]: errors of velocities are compared with it.
+fn scale_m_s(bodies: &[Moving]) -> f64 {
+    let kick = bodies.iter().map(|b| math::dot(b.kick_v, b.kick_v)).fold(0.0, f64::max).sqrt();
+    (2.0 * kick).max(LEAST_SCALE_M_S)
+}
 
 impl ContactSet {
     /// Velocities with contact, and the displacements that open gaps, for a step of `h` \[s\] from the given poses.
@@ -184,18 +190,37 @@ impl ContactSet {
                 is_settled = self.sweeps(bodies);
             }
         }
+        if self.may_search() && self.rows.sinks_to(h) < -DEEP_M {
+            is_settled = self.hold(bodies);
+        }
         is_settled
+    }
+
+    /// Goes on with conjugate directions where velocities that are left to the next step would let points sink deep; whether they settled.
+    #[cold]
+    fn hold(&mut self, bodies: &[Moving]) -> bool {
+        let count = self.rows.rows.len();
+        let tolerance_m_s = SEARCH_FROM * scale_m_s(bodies);
+        let (moved, left) = self.conjugate(self.settings.struck_visits / (2 * count), tolerance_m_s);
+        let sweeps = 2 * moved + 1;
+        self.work.sweeps += sweeps as u64;
+        self.work.visits += (sweeps * count) as u64;
+        left <= tolerance_m_s
+    }
+
+    /// Whether sweeps may go on in conjugate directions.
+    fn may_search(&self) -> bool {
+        !self.rows.are_linked() && !self.is_rolling
     }
 
     /// Sweeps, and conjugate directions after an impact; whether the last ones changed velocities by no more than what leaves them to the next step.
     pub(super) fn sweeps(&mut self, bodies: &[Moving]) -> bool {
         let s = self.settings;
-        let kick = bodies.iter().map(|b| math::dot(b.kick_v, b.kick_v)).fold(0.0, f64::max).sqrt();
-        let scale = (2.0 * kick).max(LEAST_SCALE_M_S);
+        let scale = scale_m_s(bodies);
         let mut change = self.rows.sweep(false, true);
         let mut done = 1;
         let count = self.rows.rows.len();
-        let may_search = !self.rows.are_linked() && !self.is_rolling;
+        let may_search = self.may_search();
         let is_unsteady = change > UNSTEADY * scale;
         if is_unsteady && change <= STRUCK_FROM * scale && may_search {
             let most = (s.visits / (2 * count)).clamp(s.sweeps / 2, s.most_sweeps / 2);
@@ -324,16 +349,11 @@ impl ContactSet {
     fn close(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
         self.check_depth()?;
         self.book(bodies, h);
-        let mut worst = self.rows.look_ahead(h);
-        if self.crush() {
-            worst = self.rows.worst();
-        }
+        self.rows.look_ahead(h);
+        self.crush();
+        let worst = self.rows.worst();
         if worst < -self.settings.slop_m || self.rows.rows.iter().any(|r| r.exact) {
-            let sweeps = if worst < -super::rows::DEEP_M {
-                self.settings.deep_sweeps
-            } else {
-                self.settings.gap_sweeps
-            };
+            let sweeps = if worst < -DEEP_M { self.settings.deep_sweeps } else { self.settings.gap_sweeps };
             self.rows.separate(sweeps, self.settings.gap_rate);
         }
         for i in self.rows.acting.iter().map(|i| *i as usize) {

@@ -97,13 +97,11 @@ fn key(a: usize, b: Partner) -> (usize, Partner) {
     }
 }
 
-/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it, all where none does.
+/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it.
 pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
     let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
     let turn = math::qmat(body.orientation);
     let height = |c: &[f64; 3]| body.position_m[2] + math::mul(&turn, *c)[2];
     let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
-    let stand: Vec<bool> = body.shapes.iter().map(stands).collect();
-    let none = !stand.contains(&true);
-    stand.into_iter().map(|stands| stands || none).collect()
+    body.shapes.iter().map(stands).collect()
 }
