@@ -7,17 +7,22 @@ use std::fmt;
 /// Why a text is no value of a kind.
 #[derive(Debug)]
 pub struct JsonError {
-    /// Path such as `bodies[3].mass_kg`; empty where the text is no JSON, or for the whole of it.
+    /// Path such as `bodies[3].mass_kg`; empty where the text is no JSON but for a number, or for the whole of it.
     pub path: String,
+    /// What is wrong with the text, with place and remedy, where that can be told better than the cause does.
+    pub complaint: Option<String>,
     /// The cause, with line and column where there is a text.
     pub source: serde_json::Error,
 }
 
 impl fmt::Display for JsonError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.path.is_empty() {
-            true => self.source.fmt(f),
-            false => write!(f, "{}: {}", self.path, self.source),
+        if !self.path.is_empty() {
+            write!(f, "{}: ", self.path)?;
+        }
+        match &self.complaint {
+            Some(complaint) => complaint.fmt(f),
+            None => self.source.fmt(f),
         }
     }
 }
@@ -36,7 +41,11 @@ pub fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, JsonError> {
     // paths cost time, and large files are mostly sound
     serde_json::from_str(text).map_err(|source| {
         let mut reader = serde_json::Deserializer::from_str(text);
-        placed(source, serde_path_to_error::deserialize::<_, T>(&mut reader).err())
+        let again = serde_path_to_error::deserialize::<_, T>(&mut reader).err();
+        let number = bad_number(text, &source);
+        let path = again.filter(|_| source.is_data() || number.is_some()).map(|e| words(e.path()));
+        let complaint = no_json(text).map(str::to_string).or(number);
+        JsonError { path: path.unwrap_or_default(), complaint, source }
     })
 }
 
@@ -47,16 +56,42 @@ pub fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, JsonError> {
 pub fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, JsonError> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = words(error.path());
-        JsonError { path, source: error.into_inner() }
+        JsonError { path, complaint: None, source: error.into_inner() }
     })
 }
 
-fn placed(
-    source: serde_json::Error,
-    again: Option<serde_path_to_error::Error<serde_json::Error>>,
-) -> JsonError {
-    let path = again.filter(|_| source.is_data()).map(|e| words(e.path())).unwrap_or_default();
-    JsonError { path, source }
+/// What is wrong with the begin of a text.
+fn no_json(text: &str) -> Option<&'static str> {
+    if text.starts_with('\u{feff}') {
+        return Some("begins with a byte order mark, which is no part of JSON: save it as UTF-8 without one");
+    }
+    text.trim().is_empty().then_some("is empty, expected JSON")
+}
+
+/// What is wrong with a number that JSON does not have, or that is too large.
+fn bad_number(text: &str, error: &serde_json::Error) -> Option<String> {
+    let word = word_at(text, error)?;
+    let place = format!("line {} column {}", error.line(), error.column());
+    let bare = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
+    if ["nan", "inf", "infinity"].contains(&bare.as_str()) {
+        return Some(format!(
+            "is {word} at {place}, which JSON does not have: write a finite number, or leave the key out if it may be"
+        ));
+    }
+    let is_too_large = word.parse::<f64>().is_ok_and(f64::is_infinite);
+    is_too_large.then(|| format!("is {word} at {place}, expected a number of at most 1.8e308"))
+}
+
+/// The word that an error of syntax is about.
+fn word_at<'a>(text: &'a str, error: &serde_json::Error) -> Option<&'a str> {
+    let line = text.lines().nth(error.line().checked_sub(1)?).filter(|_| error.is_syntax())?;
+    let is_part = |c: char| c.is_ascii_alphanumeric() || ['+', '-', '.'].contains(&c);
+    // columns count bytes from 1; that of a number is its last one or the one behind
+    let at = error.column().checked_sub(1)?.min(line.len());
+    let (before, behind) = (line.get(..at)?, line.get(at..)?);
+    let begin = before.trim_end_matches(is_part).len();
+    let end = at + behind.len() - behind.trim_start_matches(is_part).len();
+    line.get(begin..end).filter(|word| !word.is_empty())
 }
 
 /// A path; empty for the whole.
@@ -105,6 +140,24 @@ mod tests {
             (r#"{"bodies": [{}]}"#, "bodies[0]: missing field `mass_kg` at line 1 column 14"),
             ("{}", "missing field `bodies` at line 1 column 2"),
             (r#"{"bodies": [}"#, "expected value at line 1 column 13"),
+            (
+                r#"{"bodies": [{"mass_kg": NaN}]}"#,
+                "bodies[0].mass_kg: is NaN at line 1 column 25, which JSON does not have: write a finite number, or leave the key out if it may be",
+            ),
+            (
+                "{\"bodies\": [{\"mass_kg\": 1},\n{\"mass_kg\": -Infinity}]}",
+                "bodies[1].mass_kg: is -Infinity at line 2 column 14, which JSON does not have: write a finite number, or leave the key out if it may be",
+            ),
+            (
+                r#"{"bodies": [{"mass_kg": 1e999}]}"#,
+                "bodies[0].mass_kg: is 1e999 at line 1 column 29, expected a number of at most 1.8e308",
+            ),
+            ("", "is empty, expected JSON"),
+            (" \n", "is empty, expected JSON"),
+            (
+                "\u{feff}{}",
+                "begins with a byte order mark, which is no part of JSON: save it as UTF-8 without one",
+            ),
         ] {
             assert_eq!(said(text), expected);
         }

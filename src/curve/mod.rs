@@ -32,6 +32,7 @@ use serde::{Deserialize, Serialize};
 
 /// Resistance about one bending axis, odd-symmetric in the rotation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ResistanceCurve {
     /// Elastic rotational stiffness `K` \[N m/rad\], also the stiffness of unloading.
     pub stiffness_nm_rad: f64,
@@ -45,6 +46,7 @@ pub struct ResistanceCurve {
 
 /// Capacity at one constant axial force.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CapacityLevel {
     /// Axial force, compression positive \[N\].
     pub axial_force_n: f64,

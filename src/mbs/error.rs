@@ -63,12 +63,6 @@ pub enum SolveError {
         /// The interval \[s\].
         interval_s: f64,
     },
-    /// What the solver for ideal joints does not do.
-    #[error("{what}")]
-    Scope {
-        /// In words, with the remedy.
-        what: &'static str,
-    },
     /// Smooth motion cannot go on.
     #[error("{error} (longest step so far {longest_s:.1e} s)")]
     March {

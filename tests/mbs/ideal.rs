@@ -218,7 +218,10 @@ fn what_does_not_fit_is_refused_with_a_remedy() {
             },
             "\"ball\" is not the id of a bushing or a hinge",
         ),
-        (|m| m.settings.preload = true, "settings.preload is for models of bushings"),
+        (
+            |m| m.settings.preload = true,
+            "settings.preload: is true, which is for models without ideal joints and forces",
+        ),
         (|m| m.settings.tolerance = 0.0, "settings.tolerance: is 0, expected a positive number"),
         (
             |m| {

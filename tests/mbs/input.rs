@@ -99,6 +99,121 @@ fn whatever_may_be_met_has_a_name_of_its_own() {
     }
 }
 
+fn ideal_joint(id: &str, body_a: Option<&str>, body_b: &str) -> Joint {
+    Joint {
+        id: id.into(),
+        kind: JointKind::Spherical,
+        body_a: body_a.map(Into::into),
+        body_b: body_b.into(),
+        point_m: [0.0; 3],
+        axis: None,
+        axis_b: None,
+        point_b_m: None,
+        origin: Origin::default(),
+    }
+}
+
+fn spring(id: &str) -> Force {
+    Force::Spring {
+        id: id.into(),
+        body_a: None,
+        body_b: "a".into(),
+        point_a_m: [0.0; 3],
+        point_b_m: [0.0, 0.0, 1.0],
+        length_m: None,
+        stiffness_n_m: 1e4,
+        damping_n_s_m: 0.0,
+    }
+}
+
+/// Events release and weaken joints, bushings and forces by their name alone.
+#[test]
+fn whatever_may_be_released_has_a_name_of_its_own() {
+    let said = |joints: &[&str], bushing: &str, forces: &[&str]| {
+        let mut m = good();
+        m.bushings[0].id = bushing.into();
+        m.joints = joints.iter().map(|id| ideal_joint(id, None, "a")).collect();
+        m.forces = forces.iter().map(|id| spring(id)).collect();
+        m.check().map_or_else(|e| e.to_string(), |()| String::new())
+    };
+    assert_eq!(said(&["h"], "j", &["f", "a"]), "");
+    for (joints, bushing, forces, expected) in [
+        (&["j"][..], "j", &[][..], "bushings[0].id: \"j\" is also the id of joints[0]"),
+        (&[], "j", &["f", "j"], "forces[1].id: \"j\" is also the id of bushings[0]"),
+        (&["h"], "j", &["h"], "forces[0].id: \"h\" is also the id of joints[0]"),
+        (&["h", "h"], "j", &[], "joints[1].id: \"h\" is also the id of joints[0]"),
+        (&[], "j", &["f", "f"], "forces[1].id: \"f\" is also the id of forces[0]"),
+    ] {
+        assert_eq!(said(joints, bushing, forces), format!("{expected}: give one of them another id"));
+    }
+}
+
+#[test]
+fn a_hinge_opens_a_joint_between_its_own_bodies() {
+    let said = |body_a: Option<&str>, body_b: &str| {
+        let mut m = good();
+        m.bushings.clear();
+        m.bodies.extend(["b", "c"].map(|id| solid(id, [5.0, 0.0, 1.0], [1.0; 3])));
+        m.joints.push(ideal_joint("pin", Some("a"), "b"));
+        m.forces.push(Force::Hinge {
+            id: "h".into(),
+            body_a: body_a.map(Into::into),
+            body_b: body_b.into(),
+            stiffness_nm_rad: 1e6,
+            capacity: vec![[0.0, 1e3]],
+            fracture_rad: Some(0.1),
+            joint: Some("pin".into()),
+        });
+        m.check().map_or_else(|e| e.to_string(), |()| String::new())
+    };
+    assert_eq!(said(Some("a"), "b"), "");
+    assert_eq!(said(Some("b"), "a"), "");
+    let expected =
+        "forces[0].joint: \"pin\" joins other bodies, expected one between the two bodies of the hinge";
+    for (body_a, body_b) in [(Some("a"), "c"), (Some("c"), "b"), (None, "b")] {
+        assert_eq!(said(body_a, body_b), expected);
+    }
+}
+
+/// A rule about a pair that cannot meet says nothing, so that it is a mistake.
+#[test]
+fn pairs_that_cannot_meet_are_told() {
+    let said = |b: &str, ignore: bool, change: fn(&mut Model)| {
+        let mut m = good();
+        m.bodies.push(solid("b", [5.0, 0.0, 1.0], [1.0; 3]));
+        m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+        m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+        let (friction, restitution, rolling_m) = (Some(0.3), None, None);
+        m.contact.pairs.push(PairRule {
+            a: "a".into(),
+            b: b.into(),
+            ignore,
+            friction,
+            restitution,
+            rolling_m,
+        });
+        change(&mut m);
+        m.check().map_or_else(|e| e.to_string(), |()| String::new())
+    };
+    for b in ["b", "ground"] {
+        assert_eq!(said(b, false, |_| ()), "");
+    }
+    assert_eq!(
+        said("a", false, |_| ()),
+        "contact.pairs[0].b: is \"a\", the same as a; expected two that can meet"
+    );
+    assert_eq!(
+        said("ground", false, |m| m.contact.ground = None),
+        "contact.pairs[0].b: is \"ground\", but there is none: give contact.ground, or leave the rule out"
+    );
+    assert_eq!(
+        said("b", false, |m| m.contact.bodies = None),
+        "contact.pairs[0].b: is the body \"b\", but bodies do not touch each other: give contact.bodies, or leave the rule out"
+    );
+    // who has bodies pass through each other may still have all of them do so
+    assert_eq!(said("b", true, |m| m.contact.bodies = None), "");
+}
+
 fn event(id: &str, time_s: f64, remove_bodies: &[&str], release: &[&str]) -> Event {
     let list = |ids: &[&str]| ids.iter().map(|id| id.to_string()).collect();
     Event {
@@ -137,18 +252,7 @@ fn events_after_the_end_are_told() {
     bushings.events = vec![event("soon", 0.05, &[], &["j"]), event("at the end", 0.1, &["a"], &[])];
     let mut ideal = good();
     ideal.bushings.clear();
-    let kind = JointKind::Spherical;
-    ideal.joints.push(Joint {
-        id: "j".into(),
-        kind,
-        body_a: None,
-        body_b: "a".into(),
-        point_m: [0.0; 3],
-        axis: None,
-        axis_b: None,
-        point_b_m: None,
-        origin: Origin::default(),
-    });
+    ideal.joints.push(ideal_joint("j", None, "a"));
     for mut m in [bushings, ideal] {
         let late = |m: &Model| {
             let warnings = simulate(m).unwrap().warnings;
@@ -189,9 +293,46 @@ fn wrong_types_are_told_with_their_path() {
             "model.json: settings.end_time_s: invalid type: sequence",
         ),
         ("\"gravity_m_s2\"", "\"gravity\"", "model.json: gravity: unknown field `gravity`"),
+        (
+            "\"strength_factor\"",
+            "\"strenght_factor\"",
+            "bushings[0].bending[0]: unknown field `strenght_factor`, expected `curve` or `strength_factor`",
+        ),
+        ("\"stiffness_nm_rad\"", "\"stiffness\"", "curves.c.stiffness: unknown field `stiffness`"),
+        ("\"capacity\"", "\"capacities\"", "curves.c.levels[0].capacities: unknown field `capacities`"),
+        ("\"mass_kg\": 2500.0", "\"mass_kg\": NaN", "model.json: bodies[0].mass_kg: is NaN at line"),
+        ("\"end_time_s\": 0.1", "\"end_time_s\": 1e999", "model.json: settings.end_time_s: is 1e999 at line"),
     ] {
         let said = said(from, to);
         assert!(said.contains(expected), "{said}");
+    }
+}
+
+/// Files that are no models say what they are.
+#[test]
+fn what_is_no_model_is_told_as_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.json");
+    let building = "# A building.\n\nschema = 1\nname = \"house\"\n";
+    for (text, expected) in [
+        ("", "model.json: is empty, expected JSON"),
+        ("[]", "model.json: is a list, expected the keys of a model, {\"schema\": ...}"),
+        ("[1, 2]", "model.json: is a list,"),
+        (
+            building,
+            "model.json: is TOML, as building files are, expected a model in JSON: `fallwerk generate-mbs`",
+        ),
+        ("[[members]]\n", "model.json: is TOML,"),
+        ("\u{feff}{}", "model.json: begins with a byte order mark"),
+        ("{\"schema\": \"fallwerk-mbs/1\", \"bodys\": NaN}", "model.json: bodys: unknown field `bodys`"),
+        (
+            "{\"schema\": \"fallwerk-mbs/1\", \"bodys\": 1}",
+            "schema: is \"fallwerk-mbs/1\", expected \"fallwerk-mbs/2\"",
+        ),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        let said = Model::read(&path).unwrap_err().to_string();
+        assert!(said.contains(expected), "expected {expected:?} in {said:?}");
     }
 }
 

@@ -331,6 +331,15 @@ fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list
             if let Some(joint) = joint {
                 let joints: BTreeSet<&str> = model.joints.iter().map(|j| j.id.as_str()).collect();
                 list.among(&joints, joint, &format!("{path}.joint"), "an ideal joint");
+                if let Some(opened) = model.joints.iter().find(|j| j.id == *joint) {
+                    let ends = |a: &Option<String>, b: &String| BTreeSet::from([a.clone(), Some(b.clone())]);
+                    let same = ends(&opened.body_a, &opened.body_b) == ends(body_a, body_b);
+                    list.require(same, &format!("{path}.joint"), || {
+                        format!(
+                            "\"{joint}\" joins other bodies, expected one between the two bodies of the hinge"
+                        )
+                    });
+                }
             }
         }
         Force::Force { body, point_m, force_n, from_to_s, .. } => {

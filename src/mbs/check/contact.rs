@@ -38,6 +38,19 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
         let path = format!("contact.pairs[{i}]");
         list.known(known, &pair.a, &format!("{path}.a"));
         list.among(&partners, &pair.b, &format!("{path}.b"), "a body, plane or obstacle, or \"ground\"");
+        list.require(pair.a != pair.b, &format!("{path}.b"), || {
+            format!("is \"{}\", the same as a; expected two that can meet", pair.b)
+        });
+        list.require(pair.b != GROUND || contact.ground.is_some(), &format!("{path}.b"), || {
+            "is \"ground\", but there is none: give contact.ground, or leave the rule out".into()
+        });
+        let is_idle = contact.bodies.is_none() && !pair.ignore && known.contains(pair.b.as_str());
+        list.require(!is_idle, &format!("{path}.b"), || {
+            format!(
+                "is the body \"{}\", but bodies do not touch each other: give contact.bodies, or leave the rule out",
+                pair.b
+            )
+        });
         surface(pair.friction.unwrap_or(0.0), pair.restitution.unwrap_or(0.0), &path, list);
     }
     list.not_negative("contact.rolling_m", contact.rolling_m);

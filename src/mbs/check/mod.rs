@@ -33,6 +33,14 @@ pub enum ModelError {
         /// The cause, with its place.
         source: JsonError,
     },
+    /// The file is something else than a model.
+    #[error("{path}: {what}")]
+    NoModel {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what to do.
+        what: &'static str,
+    },
     /// A value is wrong; all complaints at once.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Invalid(Vec<Complaint>),
@@ -67,10 +75,12 @@ impl Model {
     pub fn read(path: &Path) -> Result<Self, ModelError> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ModelError::Read { path: path.to_owned(), source })?;
-        let parse = |source| ModelError::Parse { path: path.to_owned(), source };
-        // a file of another version is told so, not that its keys are unknown
-        let version: Version = json::from_text(&text).map_err(parse)?;
-        if let Some(found) = version.schema.filter(|s| s != MODEL_SCHEMA) {
+        if let Some(what) = something_else(&text) {
+            return Err(ModelError::NoModel { path: path.to_owned(), what });
+        }
+        // a file of another version is told so, not that its keys are unknown; what is no JSON at all is told with the keys of a model
+        let schema = json::from_text(&text).ok().and_then(|version: Version| version.schema);
+        if let Some(found) = schema.filter(|s| s != MODEL_SCHEMA) {
             let mut list = List::default();
             list.add(
                 "schema".into(),
@@ -78,7 +88,8 @@ impl Model {
             );
             return Err(ModelError::Invalid(list.0));
         }
-        let model: Self = json::from_text(&text).map_err(parse)?;
+        let model: Self =
+            json::from_text(&text).map_err(|source| ModelError::Parse { path: path.to_owned(), source })?;
         model.check()?;
         Ok(model)
     }
@@ -101,9 +112,7 @@ impl Model {
         list.finite("gravity_m_s2", &self.gravity_m_s2);
         list.require(!self.bodies.is_empty(), "bodies", || "is empty, expected at least one body".into());
         list.unique("bodies", self.bodies.iter().map(|b| b.id.as_str()));
-        list.unique("joints", self.joints.iter().map(|j| j.id.as_str()));
-        list.unique("bushings", self.bushings.iter().map(|j| j.id.as_str()));
-        list.unique("forces", self.forces.iter().map(|f| f.id()));
+        one_name_each(self, &mut list);
         list.unique("events", self.events.iter().map(|e| e.id.as_str()));
         list.unique("tracked", self.tracked.iter().map(|t| t.id.as_str()));
         for (i, body) in self.bodies.iter().enumerate() {
@@ -149,6 +158,9 @@ impl Model {
             });
         }
         list.positive("settings.tolerance", s.tolerance);
+        list.require(!s.preload || !self.is_ideal(), "settings.preload", || {
+            "is true, which is for models without ideal joints and forces: set it to false, the run begins in the poses of the file".into()
+        });
         if let Some(v) = s.sleep_speed_m_s {
             list.positive("settings.sleep_speed_m_s", v);
             list.without_ideal(self, "settings.sleep_speed_m_s");
@@ -167,10 +179,51 @@ impl Model {
     }
 }
 
+/// What a text is that neither is a model nor fails as one.
+fn something_else(text: &str) -> Option<&'static str> {
+    let first = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'))?;
+    let is_name = |word: &str| {
+        word.starts_with(|c: char| c.is_ascii_alphabetic())
+            && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+    };
+    let key = first.split_once('=').map(|(key, _)| key.trim());
+    let table = first.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+    if key.is_some_and(is_name) || table.is_some_and(|name| is_name(name.trim_matches(['[', ']']))) {
+        return Some(
+            "is TOML, as building files are, expected a model in JSON: `fallwerk generate-mbs` makes the model.json of a building",
+        );
+    }
+    first.starts_with('[').then_some(
+        "is a list, expected the keys of a model, {\"schema\": ...}: see \"Multibody model\" in docs/formats.md",
+    )
+}
+
 /// Least bound of all frequencies by inertia against relative motion \[rad/s\].
 const LEAST_RELATED_RAD_S: f64 = 200.0;
 /// Most outputs of a run: all of them are kept until its end.
 const MOST_OUTPUTS: f64 = 1e6;
+
+/// What an event can release or weaken has a name of its own among joints, bushings and forces: events and results tell them apart by nothing else.
+fn one_name_each(model: &Model, list: &mut List) {
+    let joints = model.joints.iter().map(|j| j.id.as_str()).enumerate().map(|of| ("joints", of));
+    let bushings = model.bushings.iter().map(|b| b.id.as_str()).enumerate().map(|of| ("bushings", of));
+    let forces = model.forces.iter().map(Force::id).enumerate().map(|of| ("forces", of));
+    let mut taken: BTreeMap<&str, (&str, usize)> = BTreeMap::new();
+    for (kind, (i, id)) in joints.chain(bushings).chain(forces) {
+        match taken.entry(id) {
+            Entry::Vacant(place) => {
+                place.insert((kind, i));
+            }
+            Entry::Occupied(first) => {
+                let (of, place) = first.get();
+                list.add(
+                    format!("{kind}[{i}].id"),
+                    format!("\"{id}\" is also the id of {of}[{place}]: give one of them another id"),
+                );
+            }
+        }
+    }
+}
 
 fn check_body(body: &Body, path: &str, list: &mut List) {
     list.positive(&format!("{path}.mass_kg"), body.mass_kg);

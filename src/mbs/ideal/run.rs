@@ -23,9 +23,8 @@ const VELOCITY: f64 = 1e-6;
 /// Runs a checked model.
 ///
 /// # Errors
-/// If the model has parts that this solver does not do, or the run goes wrong.
+/// If the run goes wrong.
 pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
-    scope(model)?;
     let clock = ThreadClock::start();
     let mut run = Run::new(model, options)?;
     if let Some(given_s) = model.settings.time_step_s {
@@ -39,15 +38,6 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
     let mut result = run.result;
     result.cpu_s = clock.elapsed_s();
     Ok(result)
-}
-
-fn scope(model: &Model) -> Result<(), SolveError> {
-    let what = if model.settings.preload {
-        "settings.preload is for models of bushings: set it to false; the run begins in the poses of the file"
-    } else {
-        return Ok(());
-    };
-    Err(SolveError::Scope { what })
 }
 
 struct Run<'a> {

@@ -282,7 +282,7 @@ pub struct Span {
 
 /// Rotational resistance about one bending axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Bending {
     /// Linear elastic.
     Elastic {
