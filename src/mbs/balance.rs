@@ -26,7 +26,7 @@ impl Balance {
         Self { turnover_j: scale_j.max(f64::MIN_POSITIVE), ..Self::default() }
     }
 
-    /// Takes in the last output, at which so much energy had been turned over, and in whose kinetic energy so much is what forces add in half a step: that rises and falls with every vibration, and is no growth. Returns the error of the sum there.
+    /// Takes in the last output, at which so much energy had been turned over, and in whose kinetic energy so much is what forces add in half a step: that rises and falls with every vibration, and is no growth; what contacts hold against forces they take with the next step only. Returns the error of the sum there.
     pub fn note(&mut self, energies: &EnergyHistory, kick_j: f64, turned_j: f64) -> f64 {
         let last = energies.kinetic_j.len() - 1;
         let total_j = energies.total_j(last);
@@ -36,7 +36,7 @@ impl Balance {
         // each of the two can be large where a contact is jammed, and they cancel each other then
         let taken_j = energies.contact_damping_j[last] + energies.friction_j[last];
         self.taken_j = self.taken_j.max(taken_j);
-        self.made_j = self.made_j.max(self.taken_j - taken_j);
+        self.made_j = self.made_j.max(self.taken_j - taken_j - kick_j);
         self.turnover_j = self.turnover_j.max(turned_j).max(taken_j);
         let grown = (total_j - self.start_j) / self.turnover_j;
         self.growth = self.growth.max(grown - kick_j / self.turnover_j);
@@ -100,6 +100,21 @@ mod tests {
         assert!(balance.check_contacts(1.0, 0.31, 1e-3).is_ok());
         let said = balance.check_contacts(1.0, 0.29, 1e-3).unwrap_err().to_string();
         assert!(said.contains("contacts have made 3.00e1 J"), "{said}");
+    }
+
+    /// A body at rest has what its weight adds in half a step of kinetic energy at each output, which its contacts have yet to take.
+    #[test]
+    fn contacts_that_hold_a_body_at_rest_make_no_energy() {
+        let kick_j = 0.2;
+        let rest = history(&[0.0, kick_j, kick_j], &[0.0, -kick_j, -kick_j]);
+        let mut balance = Balance::new(1.0);
+        for n in 1..=3 {
+            let until = history(&rest.kinetic_j[..n], &[0.0, -kick_j, -kick_j][..n]);
+            balance.note(&until, kick_j, until.kinetic_j[n - 1]);
+        }
+        assert_eq!(balance.made(), 0.0);
+        balance.note(&history(&[kick_j + 0.3], &[-kick_j - 0.3]), kick_j, 0.0);
+        assert!((balance.made() - 0.3).abs() < 1e-12, "{}", balance.made());
     }
 
     #[test]

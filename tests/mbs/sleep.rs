@@ -147,3 +147,45 @@ fn sleep_is_for_models_without_ideal_joints_and_forces() {
     m.settings.sleep_speed_m_s = Some(-1.0);
     assert!(simulate(&m).unwrap_err().to_string().contains("settings.sleep_speed_m_s"));
 }
+
+/// What rests has kinetic energy at outputs, which its weight adds in half a step and its contacts take with the next one: they make none.
+#[test]
+fn nothing_is_said_of_bodies_at_rest() {
+    let mut cube = on_ground("cube", 1.0);
+    cube.bodies.push(solid("a", [0.0, 0.0, 0.5], [1.0; 3]));
+    // a plank that leans on a wall, held by friction at its foot
+    let mut plank = on_ground("plank", 1.0);
+    let (lean, half) = (0.5_f64, [0.02, 0.3, 1.5]);
+    let wall_m = 0.0;
+    plank.contact.obstacles.push(ObstacleBox {
+        id: "wall".into(),
+        min_m: [wall_m, -5.0, -1.0],
+        max_m: [1.0, 5.0, 10.0],
+        friction: 0.4,
+        restitution: 0.0,
+    });
+    let across = half[0] * lean.cos() + half[2] * lean.sin();
+    let height = half[0] * lean.sin() + half[2] * lean.cos();
+    let mut leaning = solid("plank", [wall_m - across, 0.0, height], half.map(|h| 2.0 * h));
+    leaning.orientation = [(0.5 * lean).cos(), 0.0, (0.5 * lean).sin(), 0.0];
+    plank.bodies.push(leaning);
+    let mut slope = model("slope", 1.0, 0.01);
+    let (sin, cos) = 0.45_f64.sin_cos();
+    slope.contact.planes.push(ObstaclePlane {
+        id: "slope".into(),
+        point_m: [0.0; 3],
+        normal: [sin, 0.0, cos],
+        friction: 0.5,
+        restitution: 0.0,
+    });
+    let mut block = solid("block", [0.3 * sin, 0.0, 0.3 * cos], [1.0, 1.0, 0.6]);
+    block.orientation = [0.225_f64.cos(), 0.0, 0.225_f64.sin(), 0.0];
+    slope.bodies.push(block);
+    for m in [cube, plank, slope] {
+        let result = simulate(&m).unwrap();
+        let moved = result.frames.iter().map(|f| f.position_m[0]);
+        let moved = moved.map(|x| math::norm(math::sub(x, m.bodies[0].position_m))).fold(0.0, f64::max);
+        assert!(moved < 1e-3, "{}: {moved}", m.name);
+        assert!(result.warnings.is_empty(), "{}: {:?}", m.name, result.warnings);
+    }
+}
