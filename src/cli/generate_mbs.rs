@@ -23,7 +23,7 @@ use std::time::Instant;
 /// Runs of the MBS over which its run time is the median: one run takes some ten milliseconds, in which the scheduler counts.
 pub const MBS_RUNS: usize = 3;
 /// The result that costs most.
-const VALIDATION_FILE: &str = "validation.json";
+pub const VALIDATION_FILE: &str = "validation.json";
 
 /// Generate the MBS model of a building, run it and compare it with FE
 ///

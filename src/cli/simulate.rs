@@ -1,8 +1,11 @@
 //! `fallwerk simulate MODEL`: runs a multibody model file.
 
+use super::generate_mbs::VALIDATION_FILE;
 use super::knowledge::LatentArgs;
+use crate::base::output::{OutputError, OutputFolder};
 use crate::mbs::result::{EventKind, RunResult};
 use crate::mbs::{Model, SolveError, simulate_with};
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -11,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct SimulateArgs {
     /// The model file (JSON)
     pub model: PathBuf,
-    /// Folder for `result.json` and the histories as CSV
+    /// Folder for `result.json` and the histories as CSV; one of an earlier run is replaced
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Latent hinges
@@ -31,14 +34,9 @@ pub enum SimulateError {
     /// The model is wrong or the run stopped.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// An output file cannot be written.
-    #[error("cannot write {path}: {source}")]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: std::io::Error,
-    },
+    /// The result folder cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// The result cannot be put into JSON.
     #[error("cannot write the result as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -49,7 +47,7 @@ impl SimulateError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Solve(SolveError::Model(_) | SolveError::Curve(_) | SolveError::TimeStep { .. }) => 2,
-            Self::Write { .. } => 2,
+            Self::Output(_) => 2,
             Self::Solve(_) | Self::Json(_) => 1,
         }
     }
@@ -63,8 +61,9 @@ pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
         (options.contact.skip, model.settings.sleep_speed_m_s) = (false, None);
         options.look_always = true;
     }
+    let folder = args.output.as_deref().map(|target| result_folder(target, &args.model)).transpose()?;
     let result = simulate_with(&model, &options)?;
-    if let Some(folder) = &args.output {
+    if let Some(folder) = folder {
         write_files(folder, &result)?;
     }
     if args.json {
@@ -75,62 +74,75 @@ pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     Ok(())
 }
 
-fn write_files(folder: &Path, result: &RunResult) -> Result<(), SimulateError> {
-    std::fs::create_dir_all(folder).map_err(|source| SimulateError::Write { path: folder.into(), source })?;
-    let files = [
-        ("result.json", serde_json::to_string(result)?),
-        ("displacements.csv", displacements_csv(result)),
-        ("hinges.csv", hinges_csv(result)),
-        ("energies.csv", energies_csv(result)),
-    ];
-    for (name, text) in files {
-        let path = folder.join(name);
-        // Written aside and renamed, so that a reader never sees half a file.
-        let partial = folder.join(format!(".{name}.partial"));
-        std::fs::write(&partial, text)
-            .and_then(|()| std::fs::rename(&partial, &path))
-            .map_err(|source| SimulateError::Write { path, source })?;
+/// The folder for the results, checked before the run: what is replaced is never the model itself, nor a validation, which takes long.
+fn result_folder(target: &Path, model: &Path) -> Result<OutputFolder, SimulateError> {
+    let bad = |what| SimulateError::Output(OutputError::BadTarget { path: target.into(), what });
+    let is_within = |(file, folder): (PathBuf, PathBuf)| file.starts_with(folder);
+    if model.canonicalize().ok().zip(target.canonicalize().ok()).is_some_and(is_within) {
+        return Err(bad("holds the model, which would be replaced with all else in it; name another folder"));
     }
+    if target.join(VALIDATION_FILE).exists() {
+        return Err(bad("holds the results of a run with --validate; name another folder"));
+    }
+    Ok(OutputFolder::create(target)?)
+}
+
+fn write_files(folder: OutputFolder, result: &RunResult) -> Result<(), SimulateError> {
+    folder.write("result.json", serde_json::to_string(result)?.as_bytes())?;
+    folder.write("displacements.csv", displacements_csv(result).as_bytes())?;
+    folder.write("hinges.csv", hinges_csv(result).as_bytes())?;
+    folder.write("energies.csv", energies_csv(result).as_bytes())?;
+    folder.commit()?;
     Ok(())
 }
 
 /// Displacements of the tracked points, columns `time_s, <id>_x_m, ...`.
 pub fn displacements_csv(result: &RunResult) -> String {
-    let mut text = String::from("time_s");
-    for point in &result.tracked {
-        for axis in ["x", "y", "z"] {
-            let _ = write!(text, ",{}_{axis}_m", point.id);
-        }
-    }
-    table(text, result, |i, row| {
+    let of_point = |id: &str| ["x", "y", "z"].map(|axis| format!("{id}_{axis}_m"));
+    table(result.tracked.iter().flat_map(|p| of_point(&p.id)), result, |i, row| {
         row.extend(result.tracked.iter().flat_map(|p| p.displacement_m[i]));
     })
 }
 
-/// Hinge histories, columns `time_s, <joint>_rotation1_rad, ...`.
+/// Hinge histories, columns `time_s, <joint>_rotation1_rad, ...`, and those of hinges and torsion springs among the forces, `<id>_rotation1_rad, ...` about three axes.
 pub fn hinges_csv(result: &RunResult) -> String {
-    let mut text = String::from("time_s");
-    for hinge in &result.hinges {
-        for column in ["rotation1_rad", "rotation2_rad", "moment1_nm", "moment2_nm", "plastic_rad", "axial_n"]
-        {
-            let _ = write!(text, ",{}_{column}", hinge.joint);
-        }
-    }
-    table(text, result, |i, row| {
+    let of_hinge = ["rotation1_rad", "rotation2_rad", "moment1_nm", "moment2_nm", "plastic_rad", "axial_n"];
+    let of_turn = ["rotation", "moment", "plastic"].iter().zip(["rad", "nm", "rad"]);
+    let of_turn: Vec<String> =
+        of_turn.flat_map(|(what, unit)| [1, 2, 3].map(|axis| format!("{what}{axis}_{unit}"))).collect();
+    let hinges = result.hinges.iter().flat_map(|h| of_hinge.map(|column| format!("{}_{column}", h.joint)));
+    let turns = result.turns.iter().flat_map(|t| of_turn.iter().map(|column| format!("{}_{column}", t.id)));
+    table(hinges.chain(turns), result, |i, row| {
         for hinge in &result.hinges {
             row.extend(hinge.rotation_rad[i]);
             row.extend(hinge.moment_nm[i]);
             row.push(hinge.plastic_rotation_rad[i]);
             row.push(hinge.axial_force_n[i]);
         }
+        for turn in &result.turns {
+            row.extend(turn.rotation_rad[i]);
+            row.extend(turn.moment_nm[i]);
+            row.extend(turn.plastic_rotation_rad[i]);
+        }
     })
 }
 
-/// The energy balance.
+/// The energy balance: its terms, and their sum.
 pub fn energies_csv(result: &RunResult) -> String {
-    let header = "time_s,kinetic_j,gravity_j,joints_elastic_j,plastic_j,contact_elastic_j,contact_damping_j,friction_j,released_j,total_j";
+    let terms = [
+        "kinetic_j",
+        "gravity_j",
+        "joints_elastic_j",
+        "plastic_j",
+        "contact_elastic_j",
+        "contact_damping_j",
+        "friction_j",
+        "released_j",
+        "applied_j",
+        "total_j",
+    ];
     let e = &result.energies;
-    table(header.into(), result, |i, row| {
+    table(terms.into_iter().map(Into::into), result, |i, row| {
         row.extend([
             e.kinetic_j[i],
             e.gravity_j[i],
@@ -140,12 +152,23 @@ pub fn energies_csv(result: &RunResult) -> String {
             e.contact_damping_j[i],
             e.friction_j[i],
             e.released_j[i],
+            e.applied_j.get(i).copied().unwrap_or(0.0),
             e.total_j(i),
         ]);
     })
 }
 
-fn table(mut text: String, result: &RunResult, fill: impl Fn(usize, &mut Vec<f64>)) -> String {
+/// A column `time_s`, and others with so many values a row.
+fn table(
+    columns: impl Iterator<Item = String>,
+    result: &RunResult,
+    fill: impl Fn(usize, &mut Vec<f64>),
+) -> String {
+    let mut text = String::from("time_s");
+    for name in columns {
+        text.push(',');
+        text.push_str(&field(&name));
+    }
     text.push('\n');
     let mut row = Vec::new();
     for (i, time) in result.times_s.iter().enumerate() {
@@ -158,6 +181,14 @@ fn table(mut text: String, result: &RunResult, fill: impl Fn(usize, &mut Vec<f64
         text.push('\n');
     }
     text
+}
+
+/// A field of CSV (RFC 4180): in quotes where an id has what parts fields.
+fn field(name: &str) -> Cow<'_, str> {
+    match name.contains([',', '"', '\n', '\r']) {
+        true => Cow::Owned(format!("\"{}\"", name.replace('"', "\"\""))),
+        false => Cow::Borrowed(name),
+    }
 }
 
 fn counts(result: &RunResult) -> (usize, usize) {
@@ -223,4 +254,82 @@ fn summary_json(result: &RunResult) -> serde_json::Value {
             .map(|(id, u)| serde_json::json!({ "point": id, "displacement_m": u })),
         "warnings": result.warnings,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mbs::result::{EnergyHistory, HingeHistory, TrackedHistory, TurnHistory};
+
+    /// One output of a run with ids that need quotes.
+    fn result() -> RunResult {
+        let one = |v: f64| vec![v];
+        let text = r#"{"schema": "", "name": "", "times_s": [0.5], "tracked": [], "bodies": [], "frames": [],
+            "energies": {"kinetic_j": [1], "gravity_j": [2], "joints_elastic_j": [3], "plastic_j": [4],
+            "contact_elastic_j": [0], "contact_damping_j": [5], "friction_j": [6], "released_j": [7]},
+            "hinges": [], "events": [], "first_ground_contact_s": null, "steps": 1, "time_step_s": 1,
+            "highest_frequency_rad_s": 1, "preload_iterations": null, "cpu_s": 0, "energy_error": 0, "warnings": []}"#;
+        let result: RunResult = serde_json::from_str(text).unwrap();
+        RunResult {
+            energies: EnergyHistory { applied_j: one(8.0), ..result.energies.clone() },
+            tracked: vec![TrackedHistory {
+                id: "p,1".into(),
+                origin_m: [0.0; 3],
+                displacement_m: vec![[1.0, 2.0, 3.0]],
+            }],
+            hinges: vec![HingeHistory {
+                joint: "h\"2".into(),
+                rotation_rad: vec![[1.0, 2.0]],
+                moment_nm: vec![[3.0, 4.0]],
+                plastic_rotation_rad: one(5.0),
+                axial_force_n: one(6.0),
+            }],
+            turns: vec![TurnHistory {
+                id: "t".into(),
+                rotation_rad: vec![[7.0, 8.0, 9.0]],
+                moment_nm: vec![[10.0, 11.0, 12.0]],
+                plastic_rotation_rad: vec![[13.0, 14.0, 15.0]],
+            }],
+            ..result
+        }
+    }
+
+    /// Names and values of the one row.
+    fn read(text: &str) -> Vec<(String, f64)> {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let names = reader.headers().unwrap().clone();
+        let row = reader.records().next().unwrap().unwrap();
+        names.iter().zip(&row).map(|(n, v)| (n.to_string(), v.parse().unwrap())).collect()
+    }
+
+    #[test]
+    fn columns_have_the_ids_as_they_are() {
+        let point = read(&displacements_csv(&result()));
+        let expected = [("time_s", 0.5), ("p,1_x_m", 1.0), ("p,1_y_m", 2.0), ("p,1_z_m", 3.0)];
+        assert_eq!(point, expected.map(|(n, v)| (n.to_string(), v)));
+        let hinges = read(&hinges_csv(&result()));
+        assert_eq!(hinges[1], ("h\"2_rotation1_rad".to_string(), 1.0));
+    }
+
+    #[test]
+    fn hinges_among_the_forces_have_columns() {
+        let hinges = read(&hinges_csv(&result()));
+        assert_eq!(hinges.len(), 1 + 6 + 9);
+        for (column, value) in [
+            ("t_rotation1_rad", 7.0),
+            ("t_moment3_nm", 12.0),
+            ("t_plastic2_rad", 14.0),
+            ("h\"2_axial_n", 6.0),
+        ] {
+            assert!(hinges.contains(&(column.to_string(), value)), "{column}: {hinges:?}");
+        }
+    }
+
+    #[test]
+    fn the_terms_of_the_energy_balance_make_its_total() {
+        let energies = read(&energies_csv(&result()));
+        let value = |name: &str| energies.iter().find(|(n, _)| n == name).unwrap().1;
+        let terms: f64 = energies[1..energies.len() - 1].iter().map(|(_, v)| v).sum();
+        assert_eq!((value("applied_j"), value("total_j"), terms), (8.0, 36.0, 36.0));
+    }
 }

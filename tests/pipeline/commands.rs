@@ -194,6 +194,68 @@ fn write_model(folder: &Path, with_trace: bool) {
 }
 
 #[test]
+fn simulate_replaces_its_own_results_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    write_model(folder.path(), false);
+    let run = |target: &str| fallwerk(folder.path(), &["simulate", "model.json", "-o", target]);
+    for _ in 0..2 {
+        let (code, _, err) = run("out/run");
+        assert_eq!((code, err.as_str()), (0, ""));
+    }
+    let files = [".fallwerk-output", "displacements.csv", "energies.csv", "hinges.csv", "result.json"];
+    assert_eq!(names(&path("out/run")), files);
+    assert_eq!(names(&path("out")), ["run"]);
+
+    fs::create_dir(path("thesis")).unwrap();
+    fs::write(path("thesis/chapter.txt"), "years of work").unwrap();
+    // folders of this program that hold what a run of a model must not take away
+    for (name, file) in [("validated", "validation.json"), ("generated", "model.json")] {
+        fs::create_dir(path(name)).unwrap();
+        fs::write(path(name).join(fallwerk::base::output::MARKER), "").unwrap();
+        fs::copy(path("model.json"), path(name).join(file)).unwrap();
+    }
+    for (target, model, words) in [
+        ("thesis", "model.json", "not a result folder"),
+        ("validated", "model.json", "--validate"),
+        ("generated", "generated/model.json", "holds the model"),
+        ("model.json", "model.json", "not a folder"),
+    ] {
+        let (code, _, err) = fallwerk(folder.path(), &["simulate", model, "-o", target]);
+        assert_eq!(code, 2, "{err}");
+        assert!(err.contains(target) && err.contains(words), "{err}");
+    }
+    assert_eq!(names(&path("thesis")), ["chapter.txt"]);
+    assert_eq!(names(folder.path()), ["generated", "model.json", "out", "thesis", "validated"]);
+}
+
+/// What is wrong with a model file is bad input to all that read one, and a building file is told from a model.
+#[test]
+fn a_building_file_is_no_model() {
+    let room = room(str::to_string);
+    for command in [
+        &["simulate", "building.toml"][..],
+        &["explain", "building.toml", "C1-A1.top"],
+        &["export", "building.toml", "--to", "json"],
+    ] {
+        let (code, out, err) = fallwerk(room.path(), command);
+        assert_eq!((code, out.as_str()), (2, ""), "{err}");
+        assert!(err.contains("building.toml: is TOML, as building files are"), "{err}");
+    }
+    write_model(room.path(), false);
+    let model = fs::read_to_string(room.path().join("model.json")).unwrap();
+    let mut model: Value = serde_json::from_str(&model).unwrap();
+    model["settings"] = serde_json::json!({ "preload": true });
+    model["joints"] = serde_json::json!([
+        { "id": "pin", "kind": "fixed", "body_b": "C1", "point_m": [0.0, 0.0, 0.0] }
+    ]);
+    fs::write(room.path().join("model.json"), model.to_string()).unwrap();
+    let (code, _, err) = fallwerk(room.path(), &["simulate", "model.json"]);
+    assert_eq!(code, 2, "{err}");
+    assert!(err.contains("settings.preload: is true"), "{err}");
+}
+
+#[test]
 fn explain_names_members_rules_and_the_likely_meaning() {
     let folder = tempfile::tempdir().unwrap();
     write_model(folder.path(), true);
