@@ -197,10 +197,10 @@ mod tests {
             "bodies": [
                 {"id": "a", "mass_kg": 1, "inertia_kg_m2": [[1,0,0],[0,1,0],[0,0,1]], "position_m": [0,0,0]},
                 {"id": "b", "mass_kg": 1, "inertia_kg_m2": [[1,0,0],[0,1,0],[0,0,1]], "position_m": [1,0,0]}],
-            "joints": [{"id": "j", "kind": "fixed", "body_a": "a", "body_b": "b", "point_m": [0,0,0]},
+            "joints": [{"id": "j", "kind": "revolute", "body_b": "b", "point_m": [0,0,0], "axis": [1,0,0]},
                        {"id": "k", "kind": "spherical", "body_b": "b", "point_m": [0,0,0]}],
             "forces": [{"kind": "hinge", "id": "h", "body_b": "b", "stiffness_nm_rad": 1, "capacity": [[0, 8]], "joint": "j"}],
-            "events": [{"id": "now", "time_s": 0, "remove_bodies": ["a"], "weaken": [{"id": "h", "factor": 0.5}]},
+            "events": [{"id": "now", "time_s": 0, "remove_bodies": ["a"], "release": ["j"], "weaken": [{"id": "h", "factor": 0.5}]},
                        {"id": "then", "time_s": 0.5, "release": ["k"]}]}"#;
         let model: Model = serde_json::from_str(text).unwrap();
         model.check().unwrap();
