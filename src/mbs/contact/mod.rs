@@ -13,6 +13,7 @@
 //! | `links` | impulses on bodies that ideal joints hold together |
 //! | `impact` | impacts with rebound of bodies that no joint holds: rounds of Moreau's law |
 //! | `crush` | faces that get shorter under more than they bear |
+//! | `overlap` | which solids are inside others at the start |
 //! | `roll` | moments against rolling |
 //! | `solve` | a step: which pairs, impulses, gaps, energies |
 //!
@@ -35,6 +36,7 @@ mod collide;
 mod crush;
 mod impact;
 mod links;
+mod overlap;
 mod pair;
 mod passing;
 mod roll;
@@ -46,6 +48,7 @@ mod terms;
 
 pub use crush::Crushed;
 pub use links::Linked;
+pub use overlap::Overlap;
 pub use surface::Surface;
 pub use terms::{ContactEnergy, Hit, Moving, Partner, Settings, TooDeep, Touch, Work};
 

@@ -15,7 +15,7 @@ use crate::mbs::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
     TrackedHistory, TurnHistory,
 };
-use crate::mbs::run::{SAME, SolverOptions, closing_remarks, remark_on_late_events};
+use crate::mbs::run::{SAME, SolverOptions, closing_remarks, remark_on_late_events, remark_on_overlaps};
 
 /// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
 const VELOCITY: f64 = 1e-6;
@@ -81,6 +81,11 @@ impl<'a> Run<'a> {
         let start = marcher.motion.observe(&marcher.state);
         let mut result = empty(model);
         result.warnings = remarks(model, &marcher, &given);
+        if let Some(touching) = &marcher.touching {
+            let pose = |s: &[f64]| ([s[0], s[1], s[2]], math::qrenormalise([s[3], s[4], s[5], s[6]]));
+            let poses: Vec<_> = marcher.state.chunks_exact(STATE).map(pose).collect();
+            result.warnings.extend(remark_on_overlaps(model, &touching.set, &poses));
+        }
         let tracked = model.tracked.iter().map(|t| {
             let body = model.bodies.iter().position(|b| b.id == t.body).unwrap_or(0);
             let b = &mechanism.bodies[body];

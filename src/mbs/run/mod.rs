@@ -13,7 +13,7 @@
 //! | `part` | latent bushings: bodies that part |
 //! | `relate` | inertia that bodies have together: when it begins and ends |
 //! | `soften` | springs of what has come down |
-//! | `output` | histories, the energy balance |
+//! | `output` | histories, the energy balance, what begins inside something else |
 //! | `work` | what is computed of bodies and latent sections, and what is left out |
 
 mod events;
@@ -25,6 +25,7 @@ mod setup;
 mod soften;
 mod work;
 
+pub(super) use self::output::remark_on_overlaps;
 use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, outputs, preload_error, usable_step};
 use super::balance::Balance;
@@ -144,6 +145,7 @@ pub const REPEATED: &str = "repeated with";
 /// A run with a share of the automatic step, and tables that are known.
 fn once(model: &Model, options: &SolverOptions, (share, known): (f64, &Tables)) -> Outcome {
     let mut run = Run::new(model, options, (share, known))?;
+    run.result.warnings.extend(run.remark_on_start());
     run.go()?;
     run.result.contact_work = run.contacts.work.into();
     let remarks = closing_remarks(&run.books, Some(run.contacts.work));

@@ -3,12 +3,48 @@
 use super::Run;
 use super::setup::joints_of;
 use crate::mbs::balance::Balance;
+use crate::mbs::contact::{ContactSet, Overlap};
 use crate::mbs::error::SolveError;
+use crate::mbs::model::Model;
 use crate::mbs::result::Frame;
 use crate::mbs::system::BodyState;
 use crate::mbs::{math, step};
 
+/// Overlap at the start that is worth a warning, as a share of the thinner solid: members of buildings that are cut to each other overlap by less.
+const OVERLAP_WORTH_TELLING: f64 = 0.1;
+/// Pairs named in a remark.
+const NAMED: usize = 3;
+
+/// One remark on all solids that begin inside others, however many, with bodies in these positions \[m\] and orientations.
+pub(in crate::mbs) fn remark_on_overlaps(
+    model: &Model,
+    contacts: &ContactSet,
+    poses: &[(math::V3, math::Q)],
+) -> Option<String> {
+    let list = contacts.overlaps(OVERLAP_WORTH_TELLING, poses);
+    let id = |o: &Overlap| (model.bodies[o.a].id.as_str(), o.b.id(model));
+    let words = |o: &Overlap| format!("\"{}\" is {:.4} m inside \"{}\"", id(o).0, o.depth_m, id(o).1);
+    let mut named: Vec<String> = list.iter().take(NAMED).map(words).collect();
+    match list.len().saturating_sub(NAMED) {
+        0 => {}
+        1 => named.push("1 more pair overlaps".into()),
+        more => named.push(format!("{more} more pairs overlap")),
+    }
+    let last = named.pop()?;
+    let all = if named.is_empty() { last } else { format!("{} and {last}", named.join(", ")) };
+    Some(format!(
+        "at the start {all}, more than a tenth of the thinner solid: contacts keep such an overlap and do not push the solids apart; move them apart, or have them pass through each other (ignore in contact.pairs)"
+    ))
+}
+
 impl Run<'_> {
+    /// What is worth saying of the poses that the run begins in.
+    pub(super) fn remark_on_start(&self) -> Option<String> {
+        let bodies = &self.system.bodies[..self.system.count()];
+        let poses: Vec<_> = bodies.iter().map(|b| (b.x, b.q)).collect();
+        remark_on_overlaps(&self.model, &self.contacts, &poses)
+    }
+
     pub(super) fn output(&mut self) -> Result<(), SolveError> {
         let n = self.system.count();
         if let Some(i) = (0..n).find(|i| !finite(&self.system.bodies[*i])) {
