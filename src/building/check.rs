@@ -4,7 +4,7 @@
 use super::clear::Clear;
 use super::connect::unsupported_groups;
 use super::fields::Placed;
-use super::model::{Member, MemberKind, Preparation};
+use super::model::{Charge, Member, MemberKind, Preparation};
 use super::overrides;
 use super::partition::{COORDINATE_TOLERANCE_M, Partition};
 use super::plan::prepared;
@@ -277,20 +277,45 @@ fn events_on_removed(draft: &Draft, found: &mut Vec<Diagnostic>) {
                 Diagnostic::error("removed-twice", message).at(event.span, "").also(cut.span, "cut here"),
             );
         }
-        let whole = draft.events[..i].iter().find(|e| e.item.member == *member && e.item.stretch_m.is_none());
-        if let Some(first) = whole {
-            let message = format!(
-                "the event {} is on {}, which is already removed",
-                quoted(&event.item.id),
-                quoted(member)
-            );
-            found.push(
-                Diagnostic::error("removed-twice", message)
-                    .at(event.span, "")
-                    .also(first.span, "removed here"),
-            );
+        let earlier = |e: &&Placed<Charge>| e.item.member == *member && remove_both(&e.item, &event.item);
+        if let Some(first) = draft.events[..i].iter().find(earlier) {
+            found.push(twice(event, first));
         }
     }
+}
+
+/// Whether a charge on a member removes what an earlier one has removed; a later one may take the rest away.
+fn remove_both(earlier: &Charge, later: &Charge) -> bool {
+    match (earlier.stretch_m, later.stretch_m) {
+        (None, _) => true,
+        (Some(_), None) => later.time_s <= earlier.time_s,
+        (Some([a, b]), Some([c, d])) => a.max(c) < b.min(d),
+    }
+}
+
+/// That a charge removes what an earlier one has removed already.
+fn twice(event: &Placed<Charge>, first: &Placed<Charge>) -> Diagnostic {
+    let (id, member) = (quoted(&event.item.id), quoted(&event.item.member));
+    let (message, help) = match (event.item.stretch_m, first.item.stretch_m) {
+        (_, None) => (format!("the event {id} is on {member}, which is already removed"), ""),
+        (None, Some(_)) => (
+            format!(
+                "the event {id} removes all of {member} at the time at which another removes a part of it"
+            ),
+            "leave out the one with a `stretch`",
+        ),
+        (Some([a, b]), Some([c, d])) => (
+            format!(
+                "the event {id} removes {member} from {a} to {b} m, of which {} to {} m are already removed",
+                a.max(c),
+                b.min(d)
+            ),
+            "give stretches that do not overlap",
+        ),
+    };
+    let error =
+        Diagnostic::error("removed-twice", message).at(event.span, "").also(first.span, "removed here");
+    if help.is_empty() { error } else { error.help(help) }
 }
 
 fn removed_wholly(draft: &Draft, found: &mut Vec<Diagnostic>) {

@@ -485,7 +485,7 @@ pub const GROUND: Table = Table {
     noun: "[ground]",
     doc: "Rigid horizontal ground.",
     keys: &[
-        must("level", COORDINATE, "0", "Height of the surface."),
+        must("level", COORDINATE, "0", "Height of the surface; a grid without `base` stands on it."),
         must("friction", FRICTION, "0.5", "Coulomb friction coefficient."),
     ],
 };
@@ -583,7 +583,7 @@ pub const SETTINGS: Table = Table {
             "end_time",
             quantity(Dimension::Time, 0.001, 600.0, (0.5, 20.0)),
             "\"2.5 s\"",
-            "Simulated time after the first ignition; default 2.5 s.",
+            "Time at which the run ends, counted from its start in equilibrium at 0 s as the times of events are; default 2.5 s.",
         ),
         may(
             "output_interval",
@@ -599,9 +599,9 @@ pub const SETTINGS: Table = Table {
         ),
         may(
             "gravity",
-            quantity(Dimension::Acceleration, 0.0, 30.0, (9.7, 9.9)),
+            quantity(Dimension::Acceleration, 0.5, 30.0, (9.7, 9.9)),
             "\"9.81 m/s2\"",
-            "Gravity, downwards; default 9.81 m/s2.",
+            "Gravity, downwards; default 9.81 m/s2. Less than 0.5 m/s2 is refused: equilibrium under so little weight drowns in rounding.",
         ),
         may(
             "mesh_size",

@@ -403,7 +403,7 @@ pub struct Charge {
     /// Stretch of the member that is removed, along its axis from its lower end \[m\];
     /// `None` removes the whole member.
     pub stretch_m: Option<[f64; 2]>,
-    /// Ignition time \[s\].
+    /// Ignition time from the start of the run \[s\]; before [`Settings::end_time_s`].
     pub time_s: f64,
 }
 
@@ -470,7 +470,7 @@ impl OverrideAction {
 /// Simulation settings.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Simulated time after the first ignition \[s\].
+    /// Time at which the run ends \[s\]; it starts in equilibrium at zero, from which the times of charges count as well.
     pub end_time_s: f64,
     /// Interval of histories and frames \[s\].
     pub output_interval_s: f64,

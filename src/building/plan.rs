@@ -6,6 +6,7 @@ use super::members::Members;
 use super::model::{
     Charge, Face, Ground, Member, MemberKind, Meshing, Obstacle, Preparation, Refinement, Settings, Support,
 };
+use super::structure::is_id;
 use crate::base::diagnostic::{Diagnostic, closest, quoted};
 use crate::base::geom::Aabb;
 use crate::base::source::Span;
@@ -49,11 +50,6 @@ pub fn settings(root: &Node, found: &mut Vec<Diagnostic>) -> Settings {
             Diagnostic::error("out-of-range", format!("this output interval makes {frames:.0} frames"))
                 .at(span, format!("at most {MAX_FRAMES} are written"));
         found.push(error);
-    }
-    if settings.gravity_m_s2 == 0.0 {
-        let warning = Diagnostic::warning("no-gravity", "without gravity nothing collapses")
-            .at(fields.span("gravity"), "");
-        found.push(warning);
     }
     settings
 }
@@ -255,14 +251,12 @@ pub fn events(
             .help("add `[[events]]` with `id`, `member` and `time`");
         found.push(warning);
     }
-    let first = list.iter().map(|e| e.item.time_s).fold(f64::INFINITY, f64::min);
-    for event in list.iter().filter(|e| e.item.time_s >= first + end_time_s) {
-        let message =
-            format!("the event {} comes after the end of the simulated time", quoted(&event.item.id));
+    for event in list.iter().filter(|e| e.item.time_s >= end_time_s) {
+        let message = format!("the run ends before the event {}", quoted(&event.item.id));
         let error = Diagnostic::error("late-event", message)
             .at(event.span, format!("ignites at {}", show(event.item.time_s, Dimension::Time)))
             .help(format!(
-                "`settings.end_time` is {} after the first ignition",
+                "`settings.end_time` is {}, counted from the start of the run: give a later one, or an earlier `time`",
                 show(end_time_s, Dimension::Time)
             ));
         found.push(error);
@@ -274,7 +268,7 @@ pub fn events(
 fn event(fields: Fields<'_>, members: &Members, found: &mut Vec<Diagnostic>) -> Option<Placed<Charge>> {
     let id = fields.text("member")?;
     let member = members.list.iter().find(|m| m.item.id == id);
-    if member.is_none() && members.complete && !members.list.is_empty() {
+    if member.is_none() && is_id(id) && members.complete && !members.list.is_empty() {
         found.push(unknown_member(id, fields.span("member"), members));
     }
     let stretch_m = match fields.child("stretch") {

@@ -318,8 +318,13 @@ fn place_of_table(node: &Node, header: Span) -> Span {
 }
 
 fn bad_id(text: &str, span: Span) -> Diagnostic {
-    Diagnostic::error("bad-id", format!("{} cannot be an id", quoted(text)))
-        .at(span, "letters, digits, `-`, `_` and `.` only, at most 80")
+    let error = Diagnostic::error("bad-id", format!("{} cannot be an id", quoted(text)))
+        .at(span, "letters, digits, `-`, `_` and `.` only, at most 80");
+    if text.contains('*') {
+        error.help("no pattern is possible here: write one entry for each id")
+    } else {
+        error
+    }
 }
 
 /// "`a`, `b` or `c`".
