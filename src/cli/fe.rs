@@ -5,7 +5,7 @@ use super::fe_hybrid;
 use super::fe_places::{self as places, failure, unwritable};
 use super::knowledge::KnowledgeArgs;
 use super::progress::Progress;
-use super::verdict::{collapse_words, percent, seconds};
+use super::verdict::{outcome, outcome_words, percent, seconds, unfired};
 use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::isa::Isa;
@@ -190,11 +190,13 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     places::remove_checkpoint(output.path())?;
     let folder = output.commit().map_err(|e| unwritable(&e))?;
     let collapsed = fe.tracked.iter().any(|h| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M));
+    let unfired = unfired(&building, fe.times_s.last().copied().unwrap_or(0.0));
     if arguments.json {
         let mut value = json!(fe.summary);
         value["building"] = json!(building.name);
         value["form"] = json!(form_of(&fe));
-        value["collapsed"] = json!(collapsed);
+        value["collapsed"] = json!(outcome(collapsed, &unfired));
+        value["unfired"] = json!(unfired);
         if let Some(hybrid) = &fe.hybrid {
             value["hybrid"] = fe_hybrid::json(hybrid);
         }
@@ -209,7 +211,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     print(&format!(
         "{}: {} in the FE run\n{}  results: {}\n",
         building.name,
-        collapse_words(collapsed),
+        outcome_words(collapsed, &unfired),
         zones_words(&building, &fe)
             + &summary(&fe.summary)
             + &fe.hybrid.as_ref().map_or(String::new(), fe_hybrid::words)

@@ -2,13 +2,14 @@
 
 use super::compose::compared;
 use super::generate_mbs::{Comparison, MBS_RUNS};
-use super::verdict::{collapse_words, percent, verdict};
+use super::verdict::{collapse_words, energy_warning, energy_words, sites_words, verdict};
 use crate::building::Building;
 use crate::generate::{Generated, Unasked};
 use crate::mbs::RunResult;
 use crate::mbs::result::EventKind;
 use crate::review::Review;
 use crate::study::COLLAPSE_DROP_M;
+use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -82,8 +83,11 @@ pub fn as_text(s: &Summary) -> String {
         collapse_words(s.mbs_collapsed()),
         s.mbs.steps,
         1e3 * s.mbs.cpu_s,
-        percent(s.mbs.energy_error),
+        energy_words(s.mbs.energy_error),
     );
+    if let Some(warning) = energy_warning(s.mbs.energy_error) {
+        text += &format!("  warning    {warning}\n");
+    }
     match s.comparison {
         Some(c) => text += &comparison_text(c),
         None => {
@@ -163,12 +167,14 @@ fn review_text(review: &Review) -> String {
 fn comparison_text(c: &Comparison) -> String {
     let (v, fe) = (&c.validation, &c.fe.summary);
     let words = verdict(v);
+    let [precision, recall, f1] = sites_words(&v.hinges);
+    let [before, in_all] = [&v.turning_before_contact, &v.turning].map(|sites| sites_words(sites)[2].clone());
     format!(
         "  FE run     {} in {} steps of {} elements, {:.1} s wall, {:.1} s processor; energy error {}\n  \
          against FE error e up to the first contact of the FE run, from there to the end, over the whole run, over points that do not become debris\n\
          {}\
          {}  \
-         hinges     precision {:.2}, recall {:.2}, F1 {:.2} ({} FE zones, {} active hinges, {} common); of ends that turn by {} rad F1 {:.2} before the first contact, {:.2} in the whole run\n  \
+         hinges     against FE zones: precision {precision}, recall {recall}, F1 {f1} ({} FE zones, {} hinges that turn plastically by {ACTIVE_ROTATION_RAD} rad, {} common); of ends that turn by {} rad F1 {before} before the first contact, {in_all} in the whole run\n  \
          speed      MBS {:.0} times faster (processor time)\n  \
          verdict    {}\n",
         collapse_words(v.collapsed.fe),
@@ -176,18 +182,13 @@ fn comparison_text(c: &Comparison) -> String {
         fe.elements,
         v.wall_s.fe,
         v.cpu_s.fe,
-        percent(v.energy_error.fe),
+        energy_words(v.energy_error.fe),
         compared::table(v),
         compared::notes(v).iter().map(|note| format!("    {note}\n")).collect::<String>(),
-        v.hinges.precision,
-        v.hinges.recall,
-        v.hinges.f1,
         v.hinges.expected,
         v.hinges.found,
         v.hinges.common,
         crate::study::TURNED_RAD,
-        v.turning_before_contact.f1,
-        v.turning.f1,
         v.speed_ratio,
         words.headline,
     )
@@ -258,6 +259,8 @@ pub fn as_json(s: &Summary) -> Value {
             "steps": s.mbs.steps,
             "cpu_s": s.mbs.cpu_s,
             "energy_error": s.mbs.energy_error,
+            "energy_limit": LIMIT_ENERGY,
+            "energy_warning": energy_warning(s.mbs.energy_error),
             "first_ground_contact_s": s.mbs.first_ground_contact_s,
             "warnings": s.mbs.warnings,
         },

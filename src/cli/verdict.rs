@@ -1,6 +1,8 @@
 //! The comparison of both runs in words: checks against the limits of [`crate::validate`], and a verdict.
 
+use crate::building::Building;
 use crate::report::{Check, Status, Verdict};
+use crate::validate::measure::Sites;
 use crate::validate::{
     ACTIVE_ROTATION_RAD, HybridValidation, LIMIT_CONTACT_TIME, LIMIT_ENERGY, LIMIT_FOOTPRINT, LIMIT_HYBRID,
     LIMIT_HYBRID_TIME, LIMIT_SPEED, LIMIT_STANDING_M, LIMIT_TO_CONTACT, Validation,
@@ -20,6 +22,44 @@ fn check(label: &str, value: String, limit: String, status: Status, explanation:
 /// "collapses" or "does not collapse".
 pub fn collapse_words(collapsed: bool) -> &'static str {
     if collapsed { "collapses" } else { "does not collapse" }
+}
+
+/// Charges that a run to a time does not get to.
+pub fn unfired(building: &Building, end_s: f64) -> Vec<&str> {
+    building.events.iter().filter(|charge| charge.time_s >= end_s).map(|charge| charge.id.as_str()).collect()
+}
+
+/// What became of the building in a run, none where it stands but not all charges were fired.
+pub fn outcome(collapsed: bool, unfired: &[&str]) -> Option<bool> {
+    (collapsed || unfired.is_empty()).then_some(collapsed)
+}
+
+/// [`outcome`] in words.
+pub fn outcome_words(collapsed: bool, unfired: &[&str]) -> String {
+    match outcome(collapsed, unfired) {
+        Some(collapsed) => collapse_words(collapsed).into(),
+        None => format!("no verdict (the run ends before {})", unfired.join(", ")),
+    }
+}
+
+/// The energy error of a run, beside its limit where it is above it.
+pub fn energy_words(error: f64) -> String {
+    let words = percent(error);
+    if error <= LIMIT_ENERGY {
+        words
+    } else {
+        format!("{words}, above the limit of {:.0} %", 100.0 * LIMIT_ENERGY)
+    }
+}
+
+/// What an energy error above its limit means for the MBS run of a generated model.
+pub fn energy_warning(error: f64) -> Option<String> {
+    (error > LIMIT_ENERGY).then(|| {
+        format!(
+            "the energy error of the MBS run is {}: what the run shows is in doubt, and --validate counts it as a failed check; run model.json with a smaller settings.time_step_s (fallwerk simulate)",
+            energy_words(error)
+        )
+    })
 }
 
 /// A time or "none".
@@ -181,13 +221,25 @@ fn detail(v: &Validation) -> String {
         ),
     };
     format!(
-        "{collapse} Over the whole run e = {:.3}; the debris footprints overlap by {:.0} %. Hinges (plastic rotation above \
-         {ACTIVE_ROTATION_RAD} rad) against FE zones: precision {:.2}, recall {:.2}.",
+        "{collapse} Over the whole run e = {:.3}; the debris footprints overlap by {:.0} %. {} of {} FE zones have a hinge that turns plastically by more than \
+         {ACTIVE_ROTATION_RAD} rad; {} of {} such hinges stand in an FE zone.",
         v.e_total,
         100.0 * v.footprint_overlap,
-        v.hinges.precision,
-        v.hinges.recall,
+        v.hinges.common,
+        v.hinges.expected,
+        v.hinges.common,
+        v.hinges.found,
     )
+}
+
+/// Precision, recall and F1 of sites that were found; "-" for a share of nothing.
+pub fn sites_words(sites: &Sites) -> [String; 3] {
+    let share = |x: f64, of: usize| if of == 0 { "-".into() } else { format!("{x:.2}") };
+    [
+        share(sites.precision, sites.found),
+        share(sites.recall, sites.expected),
+        share(sites.f1, sites.found + sites.expected),
+    ]
 }
 
 /// A share in per cent with two or three digits.

@@ -109,3 +109,23 @@ fn switching_of_rigid_parts_can_be_left_out_and_says_so() {
     let (err, switching, checks) = run("on");
     assert!(!err.contains("for comparison only") && switching == Some(true) && checks > 0, "{err}");
 }
+
+/// A building that stands at the end of a run has not shown yet what the charges do that come later.
+#[test]
+fn there_is_no_verdict_before_all_charges_were_fired() {
+    let late = "[[events]]\nid = \"front-right\"\nmember = \"C1-B1\"\ntime = \"1 s\"";
+    let room = room(|text| {
+        let at_once = "[[events]]\nid = \"front-right\"\nmember = \"C1-B1\"\ntime = \"0 ms\"";
+        assert!(text.contains(at_once));
+        text.replace(at_once, late)
+    });
+    let (printed, ..) = short_run(room.path(), "short", &[]);
+    assert_eq!(
+        (&printed["collapsed"], &printed["unfired"]),
+        (&Value::Null, &Value::from(vec!["front-right"]))
+    );
+    let (code, out, err) =
+        fallwerk(room.path(), &["fe", "building.toml", "--end-time", "0.02", "-o", "again"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("no verdict (the run ends before front-right) in the FE run"), "{out}");
+}

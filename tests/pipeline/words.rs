@@ -1,6 +1,6 @@
 //! The verdict in words follows the limits of the validation.
 
-use fallwerk::cli::verdict::{checks, verdict};
+use fallwerk::cli::verdict::{checks, energy_warning, energy_words, sites_words, verdict};
 use fallwerk::report::Status;
 use fallwerk::validate::measure::Sites;
 use fallwerk::validate::{Both, HybridValidation, LIMIT_SPEED, VALIDATION_SCHEMA, Validation};
@@ -190,4 +190,27 @@ fn without_contact_the_phase_is_the_whole_run() {
     };
     assert!(v.agrees() && verdict(&v).headline.contains("up to the end of the run"));
     assert!(verdict(&v).detail.contains("does not collapse in either run"));
+}
+
+#[test]
+fn an_energy_error_above_its_limit_is_told_with_it() {
+    assert_eq!((energy_words(0.02).as_str(), energy_warning(0.02)), ("2.00 %", None));
+    assert_eq!(energy_words(0.0349), "3.49 %, above the limit of 2 %");
+    let said = energy_warning(0.0349).unwrap();
+    assert!(said.contains("above the limit of 2 %") && said.contains("settings.time_step_s"), "{said}");
+}
+
+#[test]
+fn a_share_of_nothing_is_no_number() {
+    let sites = |places: &[(bool, bool)]| sites_words(&Sites::of(places.iter().copied()));
+    assert_eq!(sites(&[(true, false), (false, false)]), ["-", "0.00", "0.00"]);
+    assert_eq!(sites(&[(false, false)]), ["-", "-", "-"]);
+    assert_eq!(sites(&[(true, true), (false, true)]), ["0.50", "1.00", "0.67"]);
+    let hinges = Sites::of([(true, false), (true, false)].into_iter());
+    let said = verdict(&Validation { hinges, ..good() }).detail;
+    assert!(
+        said.contains("0 of 2 FE zones have a hinge that turns plastically by more than 0.02 rad"),
+        "{said}"
+    );
+    assert!(!said.contains("precision") && !said.contains("1.00"), "{said}");
 }

@@ -15,7 +15,9 @@ use crate::mbs::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
     TrackedHistory, TurnHistory,
 };
-use crate::mbs::run::{SAME, SolverOptions, closing_remarks, remark_on_late_events, remark_on_overlaps};
+use crate::mbs::run::{
+    FINER_IDEAL, SAME, SolverOptions, closing_remarks, remark_on_late_events, remark_on_overlaps,
+};
 
 /// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
 const VELOCITY: f64 = 1e-6;
@@ -126,7 +128,7 @@ impl<'a> Run<'a> {
         self.result.contact_work = contacts.unwrap_or_default().into();
         self.result.warnings.extend(remark(&self.marcher.locked));
         self.result.warnings.extend(remark_on_late_events(self.model));
-        self.result.warnings.extend(closing_remarks(&self.record.books, contacts));
+        self.result.warnings.extend(closing_remarks(&self.record.books, contacts, FINER_IDEAL));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
     }

@@ -148,7 +148,7 @@ fn once(model: &Model, options: &SolverOptions, (share, known): (f64, &Tables)) 
     run.result.warnings.extend(run.remark_on_start());
     run.go()?;
     run.result.contact_work = run.contacts.work.into();
-    let remarks = closing_remarks(&run.books, Some(run.contacts.work));
+    let remarks = closing_remarks(&run.books, Some(run.contacts.work), FINER);
     run.result.warnings.extend(remark_on_late_events(model));
     run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
     run.result.warnings.extend(remarks);
@@ -189,30 +189,35 @@ const ENERGY_WORTH_TELLING: f64 = 1e-3;
 /// Depth of a contact worth a warning \[m\].
 const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
 
-/// What is worth saying of a run that came to its end.
-pub(super) fn closing_remarks(books: &Balance, contacts: Option<Work>) -> Vec<String> {
+/// Settings of a model of bushings that make its run finer, and where they stand; those of one of ideal joints.
+const FINER: &str = "settings.time_step_s in the model's file (model.json)";
+pub(super) const FINER_IDEAL: &str =
+    "settings.tolerance or settings.time_step_s in the model's file (model.json)";
+
+/// What is worth saying of a run that came to its end, and the settings that make it finer.
+pub(super) fn closing_remarks(books: &Balance, contacts: Option<Work>, finer: &str) -> Vec<String> {
     let mut list = Vec::new();
     let energy_error = books.error;
     if energy_error > ENERGY_WORTH_TELLING {
         list.push(format!(
-            "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller settings.tolerance or settings.time_step_s shows what that changes"
+            "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller {finer} shows what that changes"
         ));
     }
     if books.growth > GROWTH {
         list.push(format!(
-            "the energy grows by {:.1e} of that turned over; a smaller settings.time_step_s shows what that changes",
+            "the energy grows by {:.1e} of that turned over; a smaller {finer} shows what that changes",
             books.growth
         ));
     }
     if books.made() > ENERGY_WORTH_TELLING {
         list.push(format!(
-            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints, or rebound with friction; a smaller settings.tolerance or settings.time_step_s shows what that changes",
+            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints, or rebound with friction; a smaller {finer} shows what that changes",
             books.made()
         ));
     }
     if let Some(work) = contacts.filter(|w| w.deepest_m > DEPTH_WORTH_TELLING_M) {
         list.push(format!(
-            "contacts were up to {:.1} mm deep (heavy bodies on light ones, or impacts whose impulses did not settle in {} of {} steps); a smaller settings.time_step_s holds them better",
+            "contacts were up to {:.1} mm deep (heavy bodies on light ones, or impacts whose impulses did not settle in {} of {} steps); a smaller {finer} holds them better",
             1e3 * work.deepest_m,
             work.unfinished,
             work.steps
@@ -610,5 +615,27 @@ impl<'a> Run<'a> {
             }
         }
         if broken { self.fracture() } else { Vec::new() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tolerance is of ideal joints: models of bushings do not know it.
+    #[test]
+    fn remarks_name_settings_that_the_model_obeys() {
+        let mut books = Balance::new(1.0);
+        (books.error, books.growth) = (0.03, 0.03);
+        let work = Work { deepest_m: 0.1, ..Work::default() };
+        let said = closing_remarks(&books, Some(work), FINER);
+        assert_eq!(said.len(), 3, "{said:?}");
+        let in_file = |words: &String| words.contains("settings.time_step_s in the model's file");
+        assert!(said.iter().all(|words| in_file(words) && !words.contains("tolerance")), "{said:?}");
+        let ideal = closing_remarks(&books, None, FINER_IDEAL);
+        assert!(
+            ideal.iter().all(|words| in_file(words) && words.contains("settings.tolerance")),
+            "{ideal:?}"
+        );
     }
 }
