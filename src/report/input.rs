@@ -37,6 +37,8 @@ pub struct ReportInput {
     pub error: Option<ErrorMeasure>,
     /// Member ends and other sections at which a hinge may form.
     pub hinge_sites: Vec<HingeSite>,
+    /// Plastic rotation from which a hinge counts as yielded \[rad\]; `None`: any.
+    pub counted_rotation_rad: Option<f64>,
     /// Energy balance of the FE run.
     pub fe_energy: Option<FeEnergy>,
     /// Energy balance of the MBS run.
@@ -200,6 +202,8 @@ pub struct HingeSite {
     pub point_m: [f64; 3],
     /// MBS body that carries the marker in the 3D view; without one the nearest body does.
     pub body: Option<String>,
+    /// When a charge takes that body away, and the site with it \[s\]; `None`: never.
+    pub removed_s: Option<f64>,
     /// Whether FE shows a zone of accumulated damage here; `None`: not evaluated.
     pub fe_zone: Option<bool>,
     /// First time the zone exceeds the critical strain rate \[s\].
@@ -214,8 +218,10 @@ pub struct HingeSite {
     pub mbs_latent: bool,
     /// When it does \[s\]; `None`: never.
     pub mbs_live_s: Option<f64>,
-    /// First time the hinge yields \[s\]; `None`: it stayed elastic.
+    /// First time the hinge yields \[s\]; `None`: it stayed elastic, or turned too little to count.
     pub mbs_yielded_s: Option<f64>,
+    /// First time that a hinge yields which turns too little to count as yielded \[s\].
+    pub mbs_slight_s: Option<f64>,
     /// Largest accumulated plastic rotation \[rad\].
     pub mbs_max_plastic_rotation_rad: Option<f64>,
     /// Time at which the hinge separates \[s\].
@@ -241,6 +247,8 @@ pub struct FeEnergy {
     pub eroded_j: Vec<f64>,
     /// What the balance does not close.
     pub residual_j: Vec<f64>,
+    /// Largest residual over the energy turned over, as the checks have it; `None`: not known.
+    pub error: Option<f64>,
 }
 
 /// Energies of the MBS run \[J\]. Each list is empty (not recorded) or as long as `time_s`.
@@ -260,6 +268,8 @@ pub struct MbsEnergy {
     pub contact_j: Vec<f64>,
     /// What the balance does not close.
     pub residual_j: Vec<f64>,
+    /// Largest residual over the energy turned over, as the checks have it; `None`: not known.
+    pub error: Option<f64>,
 }
 
 /// What a run cost.

@@ -85,6 +85,8 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "points": points,
         "sites": input.hinge_sites.iter().map(site).collect::<Vec<_>>(),
         "agreement": agreement(&input.hinge_sites),
+        "slight": input.hinge_sites.iter().filter(|s| s.mbs_slight_s.is_some()).count(),
+        "counted_rad": input.counted_rotation_rad.map(|r| significant(r, 2)),
         "energy": json!({ "fe": energy.fe, "mbs": energy.mbs, "residuals": energy.residuals }),
         "review": review(&input.review),
         "left_out": input.left_out.iter().map(left_out).collect::<Vec<_>>(),
@@ -195,7 +197,7 @@ fn figures(input: &ReportInput) -> Vec<Figure> {
     }
     if let Some(a) = agreement(&input.hinge_sites) {
         let value = format!("{} of {}", a.both, a.both + a.fe_only);
-        let note = format!("{} yielded in MBS only, F1 {}", a.mbs_only, a.f1);
+        let note = format!("{} yielded in MBS only", a.mbs_only);
         out.push(Figure { label: "FE zones found as hinges", value, unit: "", note });
     }
     if let Some((ratio, basis)) = speed_ratio(input) {
@@ -332,6 +334,7 @@ fn site(s: &HingeSite) -> serde_json::Value {
     let (class, mark, words) = match (s.fe_zone, s.mbs_yielded_s.is_some()) {
         (Some(true), true) => ("pass", "●", "both"),
         (Some(true), false) if !s.mbs_hinge => ("fail", "▲", "FE only, no hinge there"),
+        (Some(true), false) if s.mbs_slight_s.is_some() => ("fail", "▲", "FE, MBS slightly"),
         (Some(true), false) => ("fail", "▲", "FE only"),
         (Some(false), true) => ("warn", "■", "MBS only"),
         (Some(false), false) => ("calm", "○", "neither"),
@@ -348,7 +351,7 @@ fn site(s: &HingeSite) -> serde_json::Value {
         "fe_rate": optional(s.fe_peak_strain_rate_1_s, 3),
         "fe_strain": optional(s.fe_max_plastic_strain, 3),
         "hinge": placed(s),
-        "mbs_first": optional_time(s.mbs_yielded_s),
+        "mbs_first": s.mbs_slight_s.map_or_else(|| optional_time(s.mbs_yielded_s), |t| format!("{} (slightly)", fixed(t, 3))),
         "mbs_rotation": optional(s.mbs_max_plastic_rotation_rad, 3),
         "mbs_fractured": optional_time(s.mbs_fractured_s),
     })

@@ -209,19 +209,15 @@ pub fn energy_charts(input: &ReportInput) -> Result<EnergyCharts, ReportError> {
     let all = fe.iter().chain(&mbs).flatten().flat_map(|e| e.1).copied().filter(|v| v.is_finite());
     let (lo, hi) = all.fold((0.0_f64, 0.0_f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
     let scale = prefixed(hi.max(-lo), "J");
-    let mut residuals = Vec::new();
-    for (name, list) in [("FE", &fe), ("MBS", &mbs)] {
-        let Some(list) = list else { continue };
-        let largest = |e: &[f64]| e.iter().filter(|v| v.is_finite()).fold(0.0_f64, |m, v| m.max(v.abs()));
-        let reference = list[..6].iter().map(|e| largest(e.1)).fold(0.0, f64::max);
-        if !list[6].1.is_empty() && reference > 0.0 {
-            let share = 100.0 * largest(list[6].1) / reference;
-            residuals.push(format!(
-                "{name}: the largest residual is {} % of the largest energy.",
-                significant(share, 2)
-            ));
-        }
-    }
+    let errors = [
+        ("FE", input.fe_energy.as_ref().and_then(|e| e.error)),
+        ("MBS", input.mbs_energy.as_ref().and_then(|e| e.error)),
+    ];
+    let residuals = errors.iter().filter_map(|(name, error)| {
+        let percent = significant(100.0 * error.filter(|e| e.is_finite())?, 2);
+        Some(format!("{name}: the largest residual is {percent} % of the energy turned over, the energy error of the checks."))
+    });
+    let residuals: Vec<String> = residuals.collect();
     let contact = |t: Option<f64>, class| {
         let x = t.filter(|t| t.is_finite());
         x.map(|x| Mark { x, label: format!("first contact {}", seconds(x)), class }).into_iter().collect()

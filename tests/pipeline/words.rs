@@ -1,9 +1,10 @@
 //! The verdict in words follows the limits of the validation.
 
 use fallwerk::cli::verdict::{checks, energy_warning, energy_words, sites_words, verdict};
+use fallwerk::mbs::model::{Beam, Bushing};
 use fallwerk::report::Status;
 use fallwerk::validate::measure::Sites;
-use fallwerk::validate::{Both, HybridValidation, LIMIT_SPEED, VALIDATION_SCHEMA, Validation};
+use fallwerk::validate::{Both, HybridValidation, LIMIT_SPEED, VALIDATION_SCHEMA, Validation, hinges_of};
 
 fn good() -> Validation {
     Validation {
@@ -213,4 +214,15 @@ fn a_share_of_nothing_is_no_number() {
         "{said}"
     );
     assert!(!said.contains("precision") && !said.contains("1.00"), "{said}");
+}
+
+/// A beam that bends in its middle has hinges at its ends, under whose names results tell of them.
+#[test]
+fn hinges_of_a_beam_are_at_its_ends() {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut bushing = Bushing::free("S1/1|S1/2".into(), None, "S1/2".into(), [0.0; 3], axes);
+    assert_eq!(hinges_of(&bushing), ["S1/1|S1/2"]);
+    let ends = ["B1.start", "B1.end"].map(String::from);
+    bushing.beam = Some(Beam { half_length_m: 2.0, ends, span: None });
+    assert_eq!(hinges_of(&bushing), ["B1.start", "B1.end"]);
 }

@@ -176,6 +176,7 @@ fn sites() -> Vec<HingeSite> {
                 member_end: format!("{} {end}", s.0),
                 point_m,
                 body: Some(s.0.clone()),
+                removed_s: None,
                 fe_zone: if n == 18 { None } else { Some(zone) },
                 fe_first_s: zone.then_some(t),
                 fe_peak_strain_rate_1_s: Some(if zone { 1.4 + 0.3 * n as f64 } else { 0.12 }),
@@ -184,6 +185,7 @@ fn sites() -> Vec<HingeSite> {
                 mbs_latent: false,
                 mbs_live_s: None,
                 mbs_yielded_s: (yields && n != 11).then_some(t + 0.02),
+                mbs_slight_s: None,
                 mbs_max_plastic_rotation_rad: yields.then_some(0.04 + 0.011 * n as f64),
                 mbs_fractured_s: n.is_multiple_of(4).then_some(t + 0.6),
             });
@@ -205,6 +207,7 @@ fn energies(input: &mut ReportInput) {
         external_work_j: of(&work),
         eroded_j: of(&|t| 0.03 * work(t)),
         residual_j: of(&|t| 0.004 * work(t)),
+        error: Some(0.004),
         time_s: time_s.clone(),
     });
     input.mbs_energy = Some(MbsEnergy {
@@ -214,6 +217,7 @@ fn energies(input: &mut ReportInput) {
         plastic_j: of(&|t| 0.16 * work(t)),
         contact_j: of(&|t| 0.8 * work(t) * (1.0 - share(t))),
         residual_j: of(&|t| 0.002 * work(t)),
+        error: None,
         time_s,
     });
 }

@@ -215,6 +215,35 @@ fn latent_sections_and_compounds_are_shown() {
     assert!(matches!(render(&input), Err(ReportError::Length { .. })));
 }
 
+/// A hinge that yields by less than counts is there, and says so; a site whose member a charge took away has no marker from then on.
+#[test]
+fn slight_hinges_and_removed_sites_are_told() {
+    let mut input = collapse::report(0.8, 5);
+    let page = render(&input).unwrap();
+    assert!(!page.contains("slightly"));
+    assert_eq!(head(&page)["markers"][0]["gone"], Value::Null);
+    let site = &mut input.hinge_sites[0];
+    (site.mbs_yielded_s, site.mbs_slight_s, site.removed_s) = (None, Some(1.25), Some(0.5));
+    input.counted_rotation_rad = Some(0.02);
+    let page = render(&input).unwrap();
+    for text in [
+        "1.250 (slightly)",
+        "FE, MBS slightly",
+        "1 hinge of the MBS yields slightly, by less than 0.020 rad, and does not count.",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert_eq!(head(&page)["markers"][0]["gone"], 0.5);
+}
+
+/// The page has one energy error of a run, that of the checks.
+#[test]
+fn the_energy_error_is_over_the_energy_turned_over() {
+    let page = render(&collapse::report(0.8, 5)).unwrap();
+    assert!(page.contains("FE: the largest residual is 0.40 % of the energy turned over"));
+    assert!(!page.contains("MBS: the largest residual") && !page.contains("of the largest energy"));
+}
+
 #[test]
 fn what_was_left_out_is_a_table_if_anything_was() {
     let mut input = collapse::report(0.8, 5);

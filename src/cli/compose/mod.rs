@@ -13,6 +13,7 @@ mod scene;
 pub use events::words as event_words;
 pub use model::entry_words;
 
+use self::scene::removed_s;
 use super::verdict;
 use crate::building::Building;
 use crate::fe::result::FeRun;
@@ -26,7 +27,7 @@ use crate::report::{
 };
 use crate::review::Review;
 use crate::study::Facts;
-use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, Validation};
+use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, SiteComparison, Validation, hinges_of};
 
 /// Everything that a report is made of.
 pub struct Pieces<'a> {
@@ -108,6 +109,7 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         scene: Some(scene::scene(p)),
         partition: Some(partition::partition(p)),
         hinge_sites: sites,
+        counted_rotation_rad: Some(ACTIVE_ROTATION_RAD),
     }
 }
 
@@ -151,15 +153,17 @@ fn histories(p: &Pieces) -> Vec<History> {
 
 /// All member ends of the FE facts, then hinges elsewhere (at members that a charge takes away).
 ///
-/// A hinge below [`ACTIVE_ROTATION_RAD`] is shown as not yielded, so that the page counts as [`Validation`] does.
+/// A hinge below [`ACTIVE_ROTATION_RAD`] is shown as one that yields slightly, so that the page counts as [`Validation`] does.
 fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
     let joints = &p.generated.model.bushings;
     let live_s = live_s(&p.generated.model, p.mbs);
     let latent = |id: &str| live_s.get(id).map(|t| Some(*t).filter(|t| t.is_finite()));
+    let counts = |site: &SiteComparison| site.plastic_rotation_rad > ACTIVE_ROTATION_RAD;
     let at_end = p.facts.ends.iter().zip(&p.validation.sites).map(|(zone, site)| HingeSite {
         member_end: zone.id.clone(),
         point_m: zone.point_m,
         body: joints.iter().find(|j| j.id == zone.id).map(|j| j.body_b.clone()),
+        removed_s: None,
         fe_zone: Some(site.fe_zone),
         fe_first_s: zone.first_s,
         fe_peak_strain_rate_1_s: Some(zone.peak_rate_1_s),
@@ -167,7 +171,8 @@ fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
         mbs_hinge: site.hinge,
         mbs_latent: latent(&zone.id).is_some(),
         mbs_live_s: latent(&zone.id).flatten(),
-        mbs_yielded_s: site.yield_s.filter(|_| site.plastic_rotation_rad > ACTIVE_ROTATION_RAD),
+        mbs_yielded_s: site.yield_s.filter(|_| counts(site)),
+        mbs_slight_s: site.yield_s.filter(|_| !counts(site)),
         mbs_max_plastic_rotation_rad: site.hinge.then_some(site.plastic_rotation_rad),
         mbs_fractured_s: site.fracture_s,
     });
@@ -176,10 +181,11 @@ fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
         p.mbs.events.iter().find(|e| is_it(&e.kind)).map(|e| e.time_s)
     };
     let known = |id: &str| p.facts.ends.iter().any(|z| z.id == id);
-    let elsewhere = joints.iter().filter(|j| !known(&j.id)).map(|j| HingeSite {
+    let elsewhere = joints.iter().filter(|j| !hinges_of(j).iter().any(|id| known(id))).map(|j| HingeSite {
         member_end: j.id.clone(),
         point_m: j.point_m,
         body: Some(j.body_b.clone()),
+        removed_s: removed_s(&p.generated.model, &j.body_b),
         mbs_hinge: true,
         mbs_latent: latent(&j.id).is_some(),
         mbs_live_s: latent(&j.id).flatten(),
@@ -201,6 +207,7 @@ fn fe_energy(run: &FeRun) -> FeEnergy {
         external_work_j: of(|e| e.gravity_j + e.removed_j),
         eroded_j: of(|e| e.eroded_j),
         residual_j: of(|e| e.residual_j),
+        error: Some(run.summary.energy_error),
     }
 }
 
@@ -218,6 +225,7 @@ fn mbs_energy(run: &RunResult) -> MbsEnergy {
         plastic_j: sum(&[&e.plastic_j, &e.released_j]),
         contact_j: sum(&[&e.contact_damping_j, &e.friction_j]),
         residual_j: (0..run.times_s.len()).map(|i| e.total_j(i) - e.total_j(0)).collect(),
+        error: Some(run.energy_error),
     }
 }
 

@@ -5,6 +5,7 @@ use super::partition::count_compounds;
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
 use crate::fe::result::{FeRun, KeptFrame};
+use crate::mbs::Model;
 use crate::mbs::latent;
 use crate::mbs::model::Body;
 use crate::mbs::result::CrushedHistory;
@@ -89,11 +90,14 @@ fn fe_scene(p: &Pieces) -> FeScene {
     }
 }
 
+/// When a charge takes a body away \[s\].
+pub(super) fn removed_s(model: &Model, body: &str) -> Option<f64> {
+    let events = model.events.iter().filter(|e| e.remove_bodies.iter().any(|b| b == body));
+    events.map(|e| e.time_s).reduce(f64::min)
+}
+
 fn mbs_scene(p: &Pieces) -> MbsScene {
     let model = &p.generated.model;
-    let removed_s = |body: &Body| {
-        model.events.iter().filter(|e| e.remove_bodies.contains(&body.id)).map(|e| e.time_s).reduce(f64::min)
-    };
     let body = |body: &Body| SceneBody {
         id: body.id.clone(),
         group: group_of_body(p.building, body),
@@ -106,7 +110,7 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
             })
             .collect(),
         appears_s: None,
-        removed_s: removed_s(body),
+        removed_s: removed_s(model, &body.id),
     };
     let poses = |frame: &crate::mbs::result::Frame| {
         let pairs = frame.position_m.iter().zip(&frame.orientation);

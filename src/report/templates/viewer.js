@@ -292,7 +292,7 @@
   const radius = Math.max(1, 0.5 * Math.hypot(...sub(upper, lower)));
   const views = { oblique: [-0.62, 0.27], front: [-Math.PI / 2, 0.06], side: [0, 0.06], top: [-Math.PI / 2, 1.55] };
   const state = { t: times[0], playing: false, yaw: 0, pitch: 0, distance: 1, target: centre, layout: "split", colour: "part" };
-  const lookFrom = (name) => Object.assign(state, { yaw: views[name][0], pitch: views[name][1], target: [...centre], distance: radius * 3.3 });
+  const lookFrom = (name) => Object.assign(state, { yaw: views[name][0], pitch: views[name][1], from: views[name], target: [...centre], distance: radius * 3.3 });
   lookFrom("oblique");
   const single = !fe || !mbs;
   if (single) {
@@ -368,6 +368,7 @@
     markersMbs = [];
     for (const m of head.markers) {
       const kind = kindOf(m);
+      if (m.gone !== null && state.t >= m.gone) continue; // a charge took its member away
       if (fe && m.node !== null) {
         // The nearest node carries the marker; its own distance from the node is kept.
         const now = [0, 1, 2].map((k) => fe.texels[4 * m.node + k]);
@@ -385,13 +386,23 @@
   const origin0 = (node, k) => fe.origin[k] + fe.q[node * 3 + k] * fe.step[k];
 
   // ---- drawing ------------------------------------------------------------------------------------------------------
+  const directions = (yaw, pitch) => {
+    const back = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
+    const right = unit(cross([0, 0, 1], back));
+    return { back, right, up: cross(back, right) };
+  };
+  const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => centre.map((c, i) => ((k >> i) & 1 ? upper : lower)[i] - c));
+  // Distance at which the whole box is visible from the last named view: that of the moment would change as one turns.
+  const fitting = (aspect) => {
+    const { back, right, up } = directions(...state.from), s = 1.06 / Math.tan(0.26);
+    return Math.max(...corners.map((c) => dot(c, back) + s * Math.max(Math.abs(dot(c, right)) / aspect, Math.abs(dot(c, up)))));
+  };
   const camera = (aspect) => {
     const { yaw, pitch, distance, target } = state;
-    const back = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
-    // A narrow view steps back so that the building's width stays visible.
-    const d = distance * Math.max(1, 1.05 / aspect);
+    const { back, right, up } = directions(yaw, pitch);
+    // A narrow view steps back so that the building stays visible.
+    const d = distance * Math.max(1, fitting(aspect) / (radius * 3.3));
     const eye = target.map((c, i) => c + back[i] * d);
-    const right = unit(cross([0, 0, 1], back)), up = cross(back, right);
     const view = new Float32Array([right[0], up[0], back[0], 0, right[1], up[1], back[1], 0, right[2], up[2], back[2], 0, -dot(right, eye), -dot(up, eye), -dot(back, eye), 1]);
     const near = Math.max(0.05, d - radius * 6), far = d + radius * 12, s = 1 / Math.tan(0.26);
     const projection = new Float32Array([s / aspect, 0, 0, 0, 0, s, 0, 0, 0, 0, -(far + near) / (far - near), -1, 0, 0, (-2 * far * near) / (far - near), 0]);
@@ -672,6 +683,7 @@
     if (number("t") !== null) seek(number("t"));
     if (number("yaw") !== null) state.yaw = number("yaw");
     if (number("pitch") !== null) state.pitch = number("pitch");
+    state.from = [state.yaw, state.pitch];
     if (number("zoom") > 0) state.distance = (radius * 3.3) / number("zoom");
     for (const name of ["layout", "colour"]) if (/^[a-z]+$/.test(wanted.get(name) ?? "")) choose(name, wanted.get(name));
     redraw();
