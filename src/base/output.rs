@@ -131,7 +131,7 @@ impl OutputFolder {
         recover(target, &name).map_err(at(target))?;
         may_replace(target)?;
         let temporary = parent.join(format!(".{name}.part-{}-{}", std::process::id(), next_number()));
-        fs::create_dir(&temporary).map_err(at(&temporary))?;
+        fs::create_dir(&temporary).map_err(at(target))?;
         Self::begin(target, temporary, false)
     }
 

@@ -458,6 +458,10 @@ fn text(
             Some(f) => text += &entry_text(f),
             None => text += "    not in the library\n",
         }
+        if let (Part::Joint(joint), Some(f)) = (part, facts) {
+            text += &explain_joint::extended_text(model, joint, key, f.validity.axial_force_n)
+                .unwrap_or_default();
+        }
     }
     text
 }

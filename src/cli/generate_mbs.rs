@@ -2,6 +2,7 @@
 
 use super::compose::{self, Pieces};
 use super::explain::TraceFile;
+use super::fe_places::unwritable;
 use super::knowledge::{CurveArgs, LatentArgs};
 use super::progress::Progress;
 use super::summary::{Summary, as_json, as_text};
@@ -86,13 +87,13 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, ""));
     keep_validation(arguments, &target)?;
-    let output = OutputFolder::create(&target).map_err(|e| Failure::input(e.to_string()))?;
+    let output = OutputFolder::create(&target).map_err(|e| unwritable(&e))?;
     let pool = thread_pool(arguments.threads)?;
     let progress = Progress::on_stderr();
     let result = pool.install(|| compute(arguments, &building, hybrid, &output, &progress));
     progress.finish();
     let computed = result?;
-    let folder = output.commit().map_err(|e| Failure::input(e.to_string()))?;
+    let folder = output.commit().map_err(|e| unwritable(&e))?;
     let summary = Summary {
         building: &building,
         generated: &computed.generated,

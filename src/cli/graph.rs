@@ -9,6 +9,11 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 
+/// Displacement above which a linear state is no state of the building \[m\]: columns of a storey that lean by a tenth of a radian.
+const LINEAR_M: f64 = 0.3;
+/// What is said of one that is larger.
+const LARGE: &str = " (linear theory means nothing at such displacements: the building falls)";
+
 /// Show members, connections, load paths and elastic demands of a building
 ///
 /// Finds which members touch, what stands on what, what hangs once the charges have gone off, and the
@@ -118,7 +123,11 @@ fn connections(out: &mut String, structure: &Structure) {
 
 fn bodies(out: &mut String, building: &Building, structure: &Structure) {
     let _ = writeln!(out, "\nStorey bodies (slabs with the beams that they touch)");
-    for set in structure.storey_bodies().iter().filter(|set| set.len() > 1) {
+    let all = structure.storey_bodies();
+    if all.iter().all(|set| set.len() < 2) {
+        let _ = writeln!(out, "  none: no slab touches a beam");
+    }
+    for set in all.iter().filter(|set| set.len() > 1) {
         let mass = structure.mass_of(set);
         let names: Vec<&str> = set.iter().map(|m| building.members[*m].id.as_str()).collect();
         let c = mass.center_m;
@@ -169,6 +178,7 @@ fn states(out: &mut String, demands: &Demands) {
                 } else {
                     format!("; resting on nothing: {}", unplaced.join(", "))
                 };
+                let rest = if *largest_displacement_m > LINEAR_M { format!("{LARGE}{rest}") } else { rest };
                 format!(
                     "weight {:.3} kN, supports {:.3} kN, largest displacement {:.2} mm{rest}",
                     weight_n / 1e3,

@@ -157,7 +157,21 @@ pub(super) fn run(
             (_, 1) => "another entry fits".to_string(),
             (_, count) => format!("{count} other entries fit"),
         };
-        words += &format!("\n  {what} it as well; they differ in {}: ask for these too", names.join(", "));
+        match &answer {
+            // zero of nothing is no match
+            Answer::Entry(found) if asks_for_nothing(&query) => {
+                words = format!(
+                    "{}\n  one of {} entries of this kind, as nothing was asked for that tells them apart; they differ in {}: ask for these (NAME=VALUE)",
+                    found.entry.key,
+                    rivals.count + 1,
+                    names.join(", ")
+                );
+            }
+            _ => {
+                words +=
+                    &format!("\n  {what} it as well; they differ in {}: ask for these too", names.join(", "))
+            }
+        }
         value["rivals"] = json!({ "count": rivals.count, "differ": names });
     }
     if let (Some(path), Some(entry)) = (&arguments.output, entry) {
@@ -167,6 +181,10 @@ pub(super) fn run(
     }
     report(json, out, value, &words)?;
     Ok(code)
+}
+
+fn asks_for_nothing(query: &Query) -> bool {
+    query.numbers.is_empty() && query.origin.is_none() && query.end.is_none() && query.adjoining.is_none()
 }
 
 fn told(answer: &Answer) -> (u8, String, Value, Option<&Entry>) {

@@ -1,7 +1,7 @@
 //! The three-storey reference frame.
 
 use super::buildings::{charge, reference};
-use fallwerk::building::Building;
+use fallwerk::building::{Building, MemberKind};
 use fallwerk::cli::graph::{Arguments, run};
 use fallwerk::graph::demand::StateSummary;
 use fallwerk::graph::paths::charged_members;
@@ -236,4 +236,22 @@ fn the_command_prints_both_states_and_json() {
     assert_eq!(json["connections"].as_array().unwrap().len(), 44);
     assert_eq!(json["removed"], serde_json::json!(["C1-A1", "C1-B1"]));
     assert_eq!(json["demands"]["after"]["state"], "equilibrium");
+}
+
+/// A heading with nothing below it would leave open whether anything was looked for; a linear state that far off is none.
+#[test]
+fn what_there_is_not_and_what_means_nothing_is_said() {
+    let arguments = Arguments { file: "three-storey-frame.toml".into(), json: false };
+    let mut building = reference();
+    let text = run(&arguments, &building);
+    let after = text.lines().find(|line| line.starts_with("  after")).unwrap();
+    assert!(after.contains("linear theory means nothing at such displacements"), "{after}");
+    assert_eq!(text.matches("linear theory").count(), 1, "{text}");
+    assert!(!text.contains("none: no slab touches a beam"));
+    building.members.retain(|m| m.kind != MemberKind::Beam);
+    let text = run(&arguments, &building);
+    assert!(
+        text.contains("(slabs with the beams that they touch)\n  none: no slab touches a beam\n"),
+        "{text}"
+    );
 }

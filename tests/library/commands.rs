@@ -174,7 +174,8 @@ fn find_tells_of_rivals_and_refuses_what_is_no_question() {
     assert_eq!((&value["answer"], &value["rivals"]["count"]), (&"between".into(), &1.into()), "{out}");
     assert_eq!(value["rivals"]["differ"], serde_json::json!(["rc.tie_spacing_m"]));
     let (_, out, _) = run(&[]);
-    assert!(out.contains("distance 0.0000: exact match"), "{out}");
+    assert!(out.contains("one of 4 entries of this kind, as nothing was asked for"), "{out}");
+    assert!(!out.contains("exact match"), "{out}");
 
     let refused = |words: &[&str], why: &str| {
         let (code, out, err) = run(words);

@@ -353,6 +353,20 @@ fn explain_tells_the_rules_about_events_and_what_fired() {
         |text: &str| text.lines().filter(|l| l.starts_with("  run:")).map(str::to_string).collect::<Vec<_>>();
     assert_eq!(tail(&column), tail(&explain("C2-A1.section-1")), "of the section as of the column");
     assert!(explain("C1-A2").contains("C1-A2.section-1 stayed latent"));
+    let foot = explain("C1-A2.bottom");
+    assert!(foot.contains("beyond the forces of the entry they are extended"), "{foot}");
+    let model: Value =
+        serde_json::from_str(&fs::read_to_string(room.path().join("run/model.json")).unwrap()).unwrap();
+    let joint = model["bushings"].as_array().unwrap().iter().find(|b| b["id"] == "C1-A2.bottom").unwrap();
+    let levels = &model["curves"][joint["bending"][0]["curve"].as_str().unwrap()]["levels"];
+    let points = levels.as_array().unwrap().iter().flat_map(|l| l["capacity"].as_array().unwrap());
+    let peak_nm = points.map(|p| p[1].as_f64().unwrap()).fold(0.0, f64::max);
+    let (_, told) = foot.split_once("bears up to ").unwrap();
+    let told_nm = 1e3 * told.split_once(' ').unwrap().0.parse::<f64>().unwrap();
+    assert!(
+        told_nm > 0.0 && told_nm < 0.99 * peak_nm,
+        "not under forces that it bears no more: {told_nm}, {peak_nm}"
+    );
     let floor = explain("S2");
     let not_asked = "seed/subdivide-floors-late are about the time after the first contact and are not asked for beams and slabs";
     assert!(floor.contains(not_asked) && !floor.contains("in the run, if"), "{floor}");
@@ -372,4 +386,13 @@ fn explain_tells_the_rules_about_events_and_what_fired() {
     fs::write(run.join("mbs.json"), "{").unwrap();
     let (code, _, err) = fallwerk(room.path(), &["explain", "run/model.json", "C2-A1"]);
     assert!(code == 2 && err.contains("mbs.json"), "{err}");
+}
+
+/// A result folder that cannot be made is told by the name that was asked for.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let room = room(str::to_string);
+    let (code, _, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "-o", "/proc/xx"]);
+    assert!(code == 2 && err.contains("/proc/xx") && !err.contains("part-"), "{err}");
 }
