@@ -118,7 +118,8 @@ fn leaning(capacity: Vec<[f64; 2]>, fracture_rad: Option<f64>) -> Model {
 #[test]
 fn plastic_work_of_a_softening_hinge_closes_the_balance_to_the_tolerance() {
     let mut m = leaning(vec![[0.0, 3e3], [0.1, 3e3], [0.4, 500.0]], None);
-    m.settings.tolerance = 1e-9;
+    // its points are bends in which steps are less exact
+    m.settings.tolerance = 1e-10;
     let result = simulate(&m).unwrap();
     assert!(result.energy_error < 1e-7, "{}", result.energy_error);
     let (turn, last) = (&result.turns[0], result.times_s.len() - 1);

@@ -21,3 +21,4 @@ mod sleep;
 mod soften;
 mod statics;
 mod support;
+mod turning;

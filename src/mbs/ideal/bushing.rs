@@ -1,9 +1,11 @@
 //! Compliant connections among ideal joints: the law of [`crate::mbs::joint`], whose history moves on at the end of each step only.
 
+use super::force::Exerted;
 use super::joint::{Pose, is_ground, pose_of};
+use super::turn::follow;
 use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
 use crate::mbs::joint::JointData;
-use crate::mbs::math::{V3, add, axpy, dot, qmat, qmul};
+use crate::mbs::math::{V3, axpy, dot, qmat, qmul};
 use crate::mbs::model::{Bending, Bushing};
 use crate::mbs::system::BodyState;
 
@@ -31,6 +33,8 @@ pub struct Held {
     committed: JointData,
     trial: JointData,
     factor: f64,
+    /// Rotation vector along its axes at the end of the last step, revolutions counted \[rad\].
+    turned: V3,
     /// Axial force of its joint at the pose that was evaluated last, compression positive \[N\].
     axial_force: f64,
 }
@@ -38,7 +42,7 @@ pub struct Held {
 /// A bushing with a curve at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BushingState {
-    /// Rotations and moments about its bending axes \[rad, N m\].
+    /// Rotations (revolutions counted) and moments about its bending axes \[rad, N m\].
     pub rotation_rad: [f64; 2],
     /// Moments.
     pub moment_nm: [f64; 2],
@@ -65,6 +69,7 @@ impl Held {
             committed,
             trial,
             factor: 1.0,
+            turned: [0.0; 3],
             axial_force: 0.0,
         };
         held.tables = held.compiled()?;
@@ -100,19 +105,14 @@ impl Held {
         self.tables = self.compiled().unwrap_or_else(|_| std::mem::take(&mut self.tables));
     }
 
-    /// Adds its forces to the bodies' loads; returns their power \[W\].
-    pub fn apply(&mut self, poses: &[Pose], loads: &mut [[V3; 2]]) -> f64 {
+    /// Adds its forces to the bodies' loads.
+    pub fn apply(&mut self, poses: &[Pose], loads: &mut Exerted<'_>) {
         let mut states = states(self.bodies, poses);
         self.trial.clone_from(&self.committed);
         self.trial.apply(&mut states, &self.tables);
-        let mut power = 0.0;
-        for (body, state) in self.bodies.into_iter().zip(&states).filter(|(b, _)| !is_ground(*b)) {
-            let [f, t] = &mut loads[body];
-            (*f, *t) = (add(*f, state.force), add(*t, state.torque));
-            let pose = pose_of(poses, body);
-            power += dot(state.force, pose.v) + dot(state.torque, pose.w);
+        for (body, state) in self.bodies.into_iter().zip(&states) {
+            loads.add(body, [state.force, state.torque]);
         }
-        power
     }
 
     /// The ideal joint that holds its point, by its place in the mechanism.
@@ -137,6 +137,7 @@ impl Held {
     /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
     pub fn commit(&mut self) -> Option<bool> {
         self.committed.clone_from(&self.trial);
+        self.turned = follow(self.trial.theta, self.turned);
         self.settle();
         self.is_broken().then_some(!self.trial.hinge.fractured)
     }
@@ -155,8 +156,9 @@ impl Held {
     pub fn at(&self, poses: &[Pose]) -> ([f64; 2], Option<BushingState>) {
         let mut there = self.committed.clone();
         there.apply(&mut states(self.bodies, poses), &self.tables);
+        let [_, first, second] = follow(there.theta, self.turned);
         let state = BushingState {
-            rotation_rad: [there.theta[1], there.theta[2]],
+            rotation_rad: [first, second],
             moment_nm: there.hinge.moment_nm,
             plastic_rad: there.hinge.alpha_rad,
             axial_force_n: there.axial_force,

@@ -239,13 +239,6 @@ impl Compiled {
     }
 }
 
-/// Angle of the second body against the first about axis 0 of their frames (axes as rows, in each body's frame) \[rad\], between -π and π.
-pub fn angle_rad(frames: &[M3; 2], poses: [&Pose; 2]) -> f64 {
-    let axis = |i: usize| mul(&poses[0].r, frames[0][i]);
-    let turned = mul(&poses[1].r, frames[1][1]);
-    dot(turned, axis(2)).atan2(dot(turned, axis(1)))
-}
-
 /// The points of a joint in motion.
 struct Points {
     arms: [V3; 2],

@@ -5,11 +5,12 @@
 
 use super::Mechanism;
 use super::method::{LEAPFROG, Method, method_for};
-use super::motion::{Motion, STATE, quaternion_rate};
+use super::motion::{Motion, STATE, WORKS, quaternion_rate};
 use super::touch::Touching;
 use crate::curve::CurveError;
 use crate::mbs::contact::TooDeep;
 use crate::mbs::math::{qexp, qmul, qrenormalise};
+use std::collections::BTreeMap;
 
 /// Limits of the change of a step, and the share of the step that the error would allow.
 const CHANGE: [f64; 2] = [0.2, 5.0];
@@ -136,7 +137,7 @@ pub struct Locked {
 pub struct Marcher {
     /// The mechanism; after a change of it or of the state comes a [`Marcher::restart`].
     pub motion: Motion,
-    /// The state; 13 numbers a body, then the work of applied forces.
+    /// The state; 13 numbers a body, then the works of forces.
     pub state: Vec<f64>,
     /// Time \[s\].
     pub time_s: f64,
@@ -146,6 +147,8 @@ pub struct Marcher {
     pub touching: Option<Touching>,
     /// Forces that flowed for the first time, with their times; for the caller to fetch.
     pub yields: Vec<(f64, usize)>,
+    /// Hinges and torsion springs that turned in a way that they have no measure of ([`Motion::confused`]), with the times when they first did.
+    pub confused: BTreeMap<usize, f64>,
     /// Each stage's state in turn, the last of which is the next state.
     next: Vec<f64>,
     pub(super) rates: Vec<Vec<f64>>,
@@ -228,6 +231,7 @@ impl Marcher {
             tally: Tally::default(),
             touching: None,
             yields: Vec::new(),
+            confused: BTreeMap::new(),
             method,
             tolerance,
             least_s: LEAST * span_s,
@@ -362,7 +366,12 @@ impl Marcher {
             }
             let opened = self.motion.commit();
             self.yields.extend(self.motion.yielded.drain(..).map(|id| (self.time_s, id)));
-            if !opened.is_empty() || cut.is_some() {
+            let confused = std::mem::take(&mut self.motion.confused);
+            for id in &confused {
+                self.confused.entry(*id).or_insert(self.time_s);
+            }
+            // the torques of a hinge that counts anew are others
+            if !opened.is_empty() || !confused.is_empty() || cut.is_some() {
                 fractured.extend(opened.into_iter().map(|id| (self.time_s, id)));
                 self.refresh();
                 self.connect();
@@ -387,10 +396,8 @@ impl Marcher {
             self.motion.project(&mut self.next);
         }
         if locked {
-            let work = self.state.len() - 1;
-            let balance_j = |state: &[f64]| self.motion.energy_j(state) - state[work];
             self.locked.times += 1;
-            self.locked.energy_j += balance_j(&self.state) - balance_j(&self.next);
+            self.locked.energy_j += self.motion.kept_j(&self.state) - self.motion.kept_j(&self.next);
             self.locked.last_s = self.time_s;
         }
         locked
@@ -431,8 +438,8 @@ impl Marcher {
         leap_positions(&self.state, before, step, &mut self.next);
         self.motion.take(&self.next);
         self.motion.rate_and_close(&self.state, before, step, after);
-        let (mut largest, last) = (0.0_f64, self.state.len() - 1);
-        for b in (0..last).step_by(STATE) {
+        let (mut largest, works) = (0.0_f64, self.state.len() - WORKS);
+        for b in (0..works).step_by(STATE) {
             for i in b + 7..b + STATE {
                 self.next[i] = self.state[i] + 0.5 * step * (before[i] + after[i]);
                 // the place of the number that this is the rate of: the rotation is of the size of 1
@@ -446,8 +453,10 @@ impl Marcher {
             after[b + 3..b + 7].copy_from_slice(&q);
         }
         // with the velocities of the end, not those that the rate at the start leads to
-        after[last] = self.motion.power(&self.next);
-        self.next[last] = self.state[last] + 0.5 * step * (before[last] + after[last]);
+        after[works..].copy_from_slice(&self.motion.power(&self.next));
+        for i in works..self.state.len() {
+            self.next[i] = self.state[i] + 0.5 * step * (before[i] + after[i]);
+        }
         largest
     }
 

@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`joint`] | kinds of joints and their constraint rows |
 //! | [`force`] | springs, dampers, torques, hinges that flow |
+//! | [`turn`] | by how much bodies are turned against each other, revolutions counted |
 //! | [`bushing`] | compliant connections |
 //! | [`factor`] | the sparse block factorisation of `S` |
 //! | [`planar`] | which parts move in a plane, so that rows across it can be left out |
@@ -33,6 +34,7 @@ pub mod run;
 mod solve;
 pub mod survey;
 pub mod touch;
+pub mod turn;
 
 use super::math::{M3, Q, V3};
 use force::{Force, HingeLaw};

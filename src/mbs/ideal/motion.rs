@@ -2,7 +2,7 @@
 
 use super::bushing::Held;
 use super::factor::{BlockFactor, SIDES, stride};
-use super::force::{Acting, HingeLaw};
+use super::force::{Acting, Exerted, HingeLaw};
 use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
 use super::planar::planes;
 use super::solve::{Loads, Sides};
@@ -15,8 +15,11 @@ use crate::mbs::math::{
 use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Numbers of a body in a state: position, orientation, velocity, angular velocity. Behind those of the bodies stands the work of the applied forces without gravity \[J\].
+/// Numbers of a body in a state: position, orientation, velocity, angular velocity.
 pub const STATE: usize = 13;
+
+/// Numbers behind those of the bodies: the work of all forces without gravity, springs and hinges included, and the part of it that dampers and applied forces do \[J\].
+pub const WORKS: usize = 2;
 
 /// What one pair of rows of `S` gets from a body that two joints share.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +77,8 @@ pub struct Motion {
     pub torn: Vec<usize>,
     /// Hinges that flowed for the first time, by their places in the mechanism; for the caller to fetch.
     pub yielded: Vec<usize>,
+    /// Hinges that count their rotations anew, and torsion springs whose axis points against itself, by their places in the mechanism; for the caller to fetch.
+    pub confused: Vec<usize>,
     /// Plastic work of hinges that are gone, and elastic energy of those that fractured \[J\].
     pub(super) spent_j: f64,
     pub(super) lost_j: f64,
@@ -88,8 +93,10 @@ pub struct Motion {
     /// Arms of the joints that hold a point only \[m\]; their rows need no general products.
     pub(super) arms: Vec<Option<[V3; 2]>>,
     pub(super) loads: Vec<[V3; 2]>,
-    /// Applied forces and torques, gravity aside, of the rate that was found last.
+    /// Forces and torques, gravity aside, of the rate that was found last; those of dampers and applied forces, if there are any.
     pub(super) applied: Vec<[V3; 2]>,
+    given: Vec<[V3; 2]>,
+    is_given: bool,
     pub(super) multipliers: Vec<f64>,
     /// Loads and multipliers of several right-hand sides.
     pub(super) sides: Vec<Loads>,
@@ -140,6 +147,7 @@ impl Motion {
             bushing_ids: (0..mechanism.bushings.len()).map(|i| mechanism.forces.len() + i).collect(),
             torn: Vec::new(),
             yielded: Vec::new(),
+            confused: Vec::new(),
             spent_j: 0.0,
             lost_j: 0.0,
             gone: vec![false; start.len()],
@@ -147,6 +155,8 @@ impl Motion {
             factor: BlockFactor::new(&[], &BTreeSet::new()),
             loads: vec![[[0.0; 3]; 2]; start.len()],
             applied: vec![[[0.0; 3]; 2]; start.len()],
+            given: vec![[[0.0; 3]; 2]; start.len()],
+            is_given: false,
             parts_bodies: Vec::new(),
             part: vec![None; start.len()],
             rows: Vec::new(),
@@ -157,6 +167,7 @@ impl Motion {
             wanted: Vec::new(),
             poses: start,
         };
+        motion.is_given = motion.forces.iter().any(Acting::is_given);
         motion.link();
         Ok(motion)
     }
@@ -243,17 +254,25 @@ impl Motion {
         &self.inverse[body]
     }
 
-    /// Applied force and torque on a body, gravity aside, of the rate that was found last \[N, N m\].
-    pub fn applied(&self, body: usize) -> [V3; 2] {
-        self.applied[body]
+    /// What forces, gravity aside, of the rate that was found last do to bodies with velocities or displacements (linear, angular): all, and those of dampers and applied forces
+    /// \[W or J\].
+    pub fn done(&self, of: impl Fn(usize) -> [V3; 2]) -> [f64; WORKS] {
+        let sum = |loads: &[[V3; 2]]| -> f64 {
+            let on_body = |(b, [force, torque]): (usize, &[V3; 2])| {
+                let [linear, angular] = of(b);
+                dot(*force, linear) + dot(*torque, angular)
+            };
+            loads.iter().enumerate().map(on_body).sum()
+        };
+        [sum(&self.applied), if self.is_given { sum(&self.given) } else { 0.0 }]
     }
 
-    /// Power of the applied forces of the rate that was found last, gravity aside, at the velocities of a state \[W\].
-    pub fn power(&self, state: &[f64]) -> f64 {
-        let of = |(s, [force, torque]): (&[f64], &[V3; 2])| {
-            dot(*force, [s[7], s[8], s[9]]) + dot(*torque, [s[10], s[11], s[12]])
-        };
-        state.chunks_exact(STATE).zip(&self.applied).map(of).sum()
+    /// Their power at the velocities of a state \[W\].
+    pub fn power(&self, state: &[f64]) -> [f64; WORKS] {
+        self.done(|b| {
+            let s = &state[STATE * b..STATE * (b + 1)];
+            [[s[7], s[8], s[9]], [s[10], s[11], s[12]]]
+        })
     }
 
     /// Weight of a body \[N\].
@@ -277,7 +296,7 @@ impl Motion {
             state.extend(b.velocity_m_s);
             state.extend(b.angular_velocity_rad_s);
         }
-        state.push(0.0);
+        state.extend([0.0; WORKS]);
         state
     }
 
@@ -362,20 +381,23 @@ impl Motion {
         self.write_rate(power, rate);
     }
 
-    /// Loads the bodies with the accelerations that they would have without joints; the power of the applied forces, gravity aside \[W\].
-    pub(super) fn load(&mut self) -> f64 {
+    /// Loads the bodies with the accelerations that they would have without joints; the power of the forces, gravity aside: all, and those of dampers and applied forces \[W\].
+    pub(super) fn load(&mut self) -> [f64; WORKS] {
         for (load, mass) in self.loads.iter_mut().zip(&self.mass) {
             *load = [scale(*mass, self.gravity), [0.0; 3]];
         }
         for (load, _) in self.loads.iter_mut().zip(&self.gone).filter(|(_, gone)| **gone) {
             *load = [[0.0; 3]; 2];
         }
-        let mut power = 0.0;
+        if self.is_given {
+            self.given.fill([[0.0; 3]; 2]);
+        }
+        let mut loads = Exerted { all: &mut self.loads, given: &mut self.given };
         for force in &mut self.forces {
-            power += force.apply(&self.poses, &self.laws, &mut self.loads);
+            force.apply(&self.poses, &self.laws, &mut loads);
         }
         for bushing in &mut self.bushings {
-            power += bushing.apply(&self.poses, &mut self.loads);
+            bushing.apply(&self.poses, &mut loads);
         }
         for ((applied, load), mass) in self.applied.iter_mut().zip(&self.loads).zip(&self.mass) {
             *applied = [axpy(load[0], -mass, self.gravity), load[1]];
@@ -387,20 +409,19 @@ impl Motion {
             let torque = sub(load[1], gyroscopic);
             *load = [scale(1.0 / self.mass[b], load[0]), mul(&self.inverse[b], torque)];
         }
-        power
+        self.done(|b| [self.poses[b].v, self.poses[b].w])
     }
 
     /// Writes the accelerations with which the bodies are loaded, and the velocities.
-    pub(super) fn write_rate(&mut self, power: f64, rate: &mut [f64]) {
+    pub(super) fn write_rate(&mut self, power: [f64; WORKS], rate: &mut [f64]) {
         self.feel();
         for ((rate, pose), a) in rate.chunks_exact_mut(STATE).zip(&self.poses).zip(&self.loads) {
             rate[..3].copy_from_slice(&pose.v);
             rate[7..10].copy_from_slice(&a[0]);
             rate[10..].copy_from_slice(&a[1]);
         }
-        if let Some(last) = rate.last_mut() {
-            *last = power;
-        }
+        let behind = rate.len() - WORKS;
+        rate[behind..].copy_from_slice(&power);
     }
 
     /// Tells bushings on ideal joints the forces of these.
@@ -425,11 +446,14 @@ impl Motion {
         let (mut broken, mut opened) = (Vec::new(), Vec::new());
         for (force, id) in self.forces.iter_mut().zip(&self.force_ids) {
             let flowed = force.has_flowed();
-            let beyond = force.commit(&self.laws);
+            let committed = force.commit(&self.laws);
             if !flowed && force.has_flowed() {
                 self.yielded.push(*id);
             }
-            if beyond.is_some_and(|beyond| beyond >= 0.0) {
+            if committed.anew || committed.lost {
+                self.confused.push(*id);
+            }
+            if committed.beyond.is_some_and(|beyond| beyond >= 0.0) {
                 broken.push(*id);
                 self.lost_j += force.elastic_j(&self.poses, &self.laws);
                 if let Acting::Hinge { joint: Some(joint), .. } = force {
@@ -545,7 +569,7 @@ impl Motion {
     pub fn balance_j(&self, state: &[f64]) -> f64 {
         let there = self.poses.iter().enumerate().filter(|(b, _)| !self.gone[*b]);
         let bodies: f64 = there.map(|(b, pose)| self.body_energy_j(b, pose)).sum();
-        bodies - state.last().copied().unwrap_or(0.0)
+        bodies - state[state.len() - WORKS]
     }
 }
 

@@ -127,6 +127,9 @@ impl<'a> Run<'a> {
         let contacts = self.marcher.touching.as_ref().map(|t| t.set.work);
         self.result.contact_work = contacts.unwrap_or_default().into();
         self.result.warnings.extend(remark(&self.marcher.locked));
+        self.result
+            .warnings
+            .extend(self.marcher.confused.iter().map(|(id, at)| remark_on_turn(self.model, *id, *at)));
         self.result.warnings.extend(remark_on_late_events(self.model));
         self.result.warnings.extend(closing_remarks(&self.record.books, contacts, FINER_IDEAL));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -364,8 +367,12 @@ impl Record {
         e.friction_j.push(self.contact_j[1]);
         let unbound_j = self.unbound_j + seen.lost_j;
         e.released_j.push(self.released_j + unbound_j + self.locked_j);
-        // the work of springs and hinges is in their energies
-        e.applied_j.push(start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j - unbound_j);
+        e.applied_j.push(if model.bushings.is_empty() {
+            0.0 - seen.given_j
+        } else {
+            // their law books what they take by trapezoids of its own
+            start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j - unbound_j
+        });
         let turned_j = seen.kinetic_j + gravity_j.abs() + seen.plastic_j;
         let error = self.books.note(e, 0.0, turned_j.max(seen.work_j.abs()));
         if error <= options.energy_limit {
@@ -470,6 +477,19 @@ fn remark(locked: &Locked) -> Option<String> {
             "joints stopped a motion {times} times, the last one at {last_s:.6} s: in a singular pose they allow it at first order only (three of their points on a line, say); it held {energy_j:.3e} J, booked as released. Leave a joint out if the mechanism is meant to move"
         )
     })
+}
+
+/// What is worth saying of a turn that a hinge or a torsion spring has no measure of.
+fn remark_on_turn(model: &Model, place: usize, time_s: f64) -> String {
+    let id = id_of(model, place);
+    match &model.forces[place] {
+        Force::Torsion { .. } => format!(
+            "torsion spring \"{id}\": at {time_s:.6} s its axis in one body points against that in the other, but for 20°; near 180° there is no rotation about it and the torque grows without bound: let a revolute, cylindrical or universal joint hold the axis"
+        ),
+        _ => format!(
+            "hinge \"{id}\": at {time_s:.6} s it came near a full revolution about several axes, where no rotation vector goes on: from there it is that of the shortest rotation, with the moments and the capacities left that it had; let a revolute joint hold one axis, or let the hinge break before (fracture_rad)"
+        ),
+    }
 }
 
 fn joints_of(model: &Model, body: &str) -> String {

@@ -3,7 +3,7 @@
 use super::bushing::{BushingState, Held};
 use super::force::{Acting, HingeState};
 use super::joint::{Pose, is_ground, pose_of};
-use super::motion::{Motion, STATE, read};
+use super::motion::{Motion, STATE, WORKS, read};
 use crate::mbs::math::{M3, V3, axpy, cross, dot, mul, mul_t, scale, sub};
 
 /// Steps of the power iteration for the highest frequency, and the margin on what it finds.
@@ -25,6 +25,8 @@ pub struct Observed {
     pub lost_j: f64,
     /// Work of all applied forces, springs and hinges included, gravity not \[J\].
     pub work_j: f64,
+    /// The part of it that applied forces and dampers do \[J\].
+    pub given_j: f64,
     /// Hinges and torsion springs by their place among the forces of the mechanism.
     pub hinges: Vec<(usize, HingeState)>,
     /// Bushings with curves by their place behind the forces of the mechanism.
@@ -62,9 +64,26 @@ impl Motion {
                 + hinges.iter().map(|(_, h)| h.dissipated_j).sum::<f64>()
                 + bushings.iter().map(|(_, (j, _))| j[1]).sum::<f64>(),
             lost_j: self.lost_j,
-            work_j: state.last().copied().unwrap_or(0.0),
+            work_j: state[state.len() - WORKS],
+            given_j: state[state.len() - 1],
             hinges,
             bushings: bushings.into_iter().filter_map(|(id, (_, state))| Some((id, state?))).collect(),
+        }
+    }
+
+    /// All energies of a state that follows on what was committed, less the work of dampers and applied forces \[J\]: constant, but for errors and what contacts and joints take.
+    pub fn total_j(&self, state: &[f64]) -> f64 {
+        let seen = self.observe(state);
+        seen.kinetic_j + seen.gravity_j + seen.elastic_j + seen.plastic_j + seen.lost_j - seen.given_j
+    }
+
+    /// What the balance of a run keeps constant of a state that follows on what was committed: [`Motion::total_j`], with bushings the work of all forces in place of what
+    /// they store and take \[J\].
+    pub fn kept_j(&self, state: &[f64]) -> f64 {
+        if self.bushings.is_empty() {
+            self.total_j(state)
+        } else {
+            self.energy_j(state) - state[state.len() - WORKS]
         }
     }
 
@@ -77,7 +96,7 @@ impl Motion {
         let springs: Vec<(Vec<usize>, f64, [Option<f64>; 2])> = self
             .forces
             .iter()
-            .filter_map(|f| f.stiffness(&self.laws).map(|(k, arms)| (f.bodies(), k, arms)))
+            .filter_map(|f| f.stiffness(&self.poses, &self.laws).map(|(k, arms)| (f.bodies(), k, arms)))
             .collect();
         let of_bushing = |b: &Held| {
             b.springs(&self.poses).map(|(k, arms)| (b.bodies.to_vec(), k, arms)).collect::<Vec<_>>()

@@ -5,9 +5,9 @@
 
 use super::march::{MarchError, Marcher};
 use super::method::{COARSE, LEAPFROG};
-use super::motion::{Motion, STATE};
+use super::motion::{Motion, STATE, WORKS};
 use crate::mbs::contact::{ContactSet, Moving, TooDeep, Touch};
-use crate::mbs::math::{self, V3, add, dot, norm, sub};
+use crate::mbs::math::{self, V3, add, norm, sub};
 use std::collections::BTreeSet;
 
 /// Longest step in contact \[s\], and that with a coarse tolerance.
@@ -155,7 +155,8 @@ impl Marcher {
             });
         }
         touching.set.solve_linked(&mut touching.moving, h, Some(&mut self.motion))?;
-        let work = self.state.len() - 1;
+        let works = self.state.len() - WORKS;
+        let before = self.motion.power(&self.state);
         let (mut largest, mut shift) = (0.0_f64, 0.0_f64);
         for (b, moving) in touching.moving.iter().enumerate() {
             let [v, w] = six(&self.state, b);
@@ -168,8 +169,9 @@ impl Marcher {
                 self.state[at + 10 + i] += change[1][i];
                 self.rates[0][at + i] += change[0][i];
             }
-            let [force, torque] = self.motion.applied(b);
-            self.rates[0][work] += dot(force, change[0]) + dot(torque, change[1]);
+        }
+        for (i, power) in self.motion.power(&self.state).into_iter().enumerate() {
+            self.rates[0][works + i] += power - before[i];
         }
         let far = shift > SHIFT;
         if shift > 0.0 {
@@ -185,16 +187,11 @@ impl Marcher {
 
     /// Displaces bodies to open gaps and books the work; `far`: with the forces and rates at the end of the displacements.
     fn open(&mut self, touching: &mut Touching, far: bool) {
-        let work = self.state.len() - 1;
-        let before_j = self.motion.energy_j(&self.state);
-        let done = |motion: &Motion, moving: &[Moving]| -> f64 {
-            let of_body = |(b, m): (usize, &Moving)| {
-                let [force, torque] = motion.applied(b);
-                dot(force, m.shift) + dot(torque, m.turn)
-            };
-            moving.iter().enumerate().map(of_body).sum()
-        };
-        let mut work_j = done(&self.motion, &touching.moving);
+        let works = self.state.len() - WORKS;
+        let [free_j, total_j] = [self.motion.energy_j(&self.state), self.motion.total_j(&self.state)];
+        let given =
+            |motion: &Motion, moving: &[Moving]| motion.done(|b| [moving[b].shift, moving[b].turn])[1];
+        let mut given_j = given(&self.motion, &touching.moving);
         for (b, moving) in touching.moving.iter().enumerate() {
             let at = STATE * b;
             (0..3).for_each(|i| self.state[at + i] += moving.shift[i]);
@@ -207,10 +204,12 @@ impl Marcher {
             self.motion.take(&self.state);
             self.motion.project(&mut self.state);
             self.refresh();
-            work_j = 0.5 * (work_j + done(&self.motion, &touching.moving));
+            given_j = 0.5 * (given_j + given(&self.motion, &touching.moving));
         }
-        touching.opened_j += work_j + before_j - self.motion.energy_j(&self.state);
-        self.state[work] += work_j;
+        self.state[works + 1] += given_j;
+        let opened_j = total_j - self.motion.total_j(&self.state);
+        touching.opened_j += opened_j;
+        self.state[works] += opened_j - (free_j - self.motion.energy_j(&self.state));
     }
 
     /// Tells the contacts which bodies are there and which joints and bushings connect.

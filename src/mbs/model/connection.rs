@@ -83,7 +83,7 @@ pub enum Force {
         #[serde(default)]
         damping_n_s_m: f64,
     },
-    /// About an axis of the first body: `k (θ - θ_0) + d θ'` against the turn of the second body since the initial pose, below half a revolution.
+    /// About an axis that both bodies carry: `k θ + d θ'` against the turn of the second body about it since the initial pose, revolutions counted.
     Torsion {
         /// Unique id.
         id: String,
@@ -101,7 +101,7 @@ pub enum Force {
         damping_nm_s_rad: f64,
     },
     /// Moments about three axes of the first body, each elastic up to a capacity that depends on the largest rotation about its axis so far;
-    /// rotations are the components of the rotation vector of the second body against the first since the initial pose.
+    /// rotations are the components of the rotation vector of the second body against the first since the initial pose, revolutions about one axis counted.
     Hinge {
         /// Unique id.
         id: String,
