@@ -77,7 +77,7 @@ pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
 /// The folder for the results, checked before the run: what is replaced is never the model itself, nor a validation, which takes long.
 fn result_folder(target: &Path, model: &Path) -> Result<OutputFolder, SimulateError> {
     let bad = |what| SimulateError::Output(OutputError::BadTarget { path: target.into(), what });
-    let is_within = |(file, folder): (PathBuf, PathBuf)| file.starts_with(folder);
+    let is_within = |(file, folder): (PathBuf, PathBuf)| file != folder && file.starts_with(folder);
     if model.canonicalize().ok().zip(target.canonicalize().ok()).is_some_and(is_within) {
         return Err(bad("holds the model, which would be replaced with all else in it; name another folder"));
     }
