@@ -114,7 +114,8 @@ fn halves_with_shared_mass_vibrate_as_a_finite_element() {
 fn halves_with_shared_mass_fall_without_bending() {
     let mut m = halves();
     m.gravity_m_s2 = [0.0, 0.0, -G];
-    (m.bodies.pop(), m.bushings.pop());
+    m.bodies.pop();
+    m.bushings.pop();
     let turn = BENDING_N_M2 / LENGTH_M;
     m.curves.insert(
         "end".into(),
