@@ -81,6 +81,26 @@ pub fn transpose(m: &M3) -> M3 {
     std::array::from_fn(|i| std::array::from_fn(|j| m[j][i]))
 }
 
+/// `R M Rᵀ`: a tensor of a body's frame in the frame that its orientation leads to.
+#[inline(always)]
+pub fn turned(r: &M3, m: &M3) -> M3 {
+    matmul(&matmul(r, m), &transpose(r))
+}
+
+/// Inertia tensor of a point mass about a centre from which it has an arm (Steiner) \[kg m²\].
+pub fn point_inertia(mass: f64, arm: V3) -> M3 {
+    let square = dot(arm, arm);
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| mass * (if i == j { square } else { 0.0 } - arm[i] * arm[j]))
+    })
+}
+
+/// `A + B`.
+#[inline]
+pub fn matadd(a: &M3, b: &M3) -> M3 {
+    std::array::from_fn(|i| add(a[i], b[i]))
+}
+
 /// Determinant.
 pub fn det(m: &M3) -> f64 {
     dot(m[0], cross(m[1], m[2]))

@@ -84,7 +84,7 @@ impl Relative {
         let inertia: Vec<M3> = (0..n)
             .map(|i| {
                 let r = &states[i].r;
-                math::matmul(&math::matmul(r, &data[i].inertia), &math::transpose(r))
+                math::turned(r, &data[i].inertia)
             })
             .collect();
         for i in 0..n {

@@ -91,7 +91,7 @@ impl Shared {
         let mut skew = Vec::new();
         for (k, i) in bodies.iter().enumerate() {
             let (r, data) = (&start.states[*i].r, &start.data[*i]);
-            let inverse = math::matmul(&math::matmul(r, &data.inverse_inertia), &math::transpose(r));
+            let inverse = math::turned(r, &data.inverse_inertia);
             // of a body that is free to turn about z
             let own = Matrix2::from_fn(|a, b| inverse[a][b]).try_inverse()?;
             all[(3 * k, 3 * k)] += data.mass;

@@ -274,7 +274,7 @@ impl See {
         for l in 0..LANES {
             let r = get_matrix(&self.r, l);
             let own = get_matrix(&inverse.inertia, l);
-            let all = math::matmul(&math::matmul(&r, &own), &math::transpose(&r));
+            let all = math::turned(&r, &own);
             put(&mut self.kick, l, math::scale(half_s, math::mul(&all, get(&self.torque, l))));
             for i in 0..3 {
                 put(&mut self.inverse[i], l, all[i]);

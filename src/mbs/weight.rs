@@ -12,6 +12,8 @@
 use super::joint::JointData;
 use super::math::{self, M3, V3};
 use super::system::{BodyData, BodyState};
+use petgraph::unionfind::UnionFind;
+use std::collections::BTreeMap;
 
 /// Time over which accelerations are smoothed \[s\].
 const SMOOTHED_S: f64 = 0.05;
@@ -38,25 +40,26 @@ impl Weight {
     pub fn new(joints: &[JointData], bodies: usize) -> Self {
         let is_loaded = |j: &JointData| j.alive && j.beam.as_ref().is_some_and(|b| b.is_loaded());
         let loaded: Vec<usize> = (0..joints.len()).filter(|i| is_loaded(&joints[*i])).collect();
-        let mut floors: Vec<Floor> = Vec::new();
-        for i in loaded {
-            let ends = [joints[i].a, joints[i].b];
-            let (met, mut others): (Vec<_>, Vec<_>) =
-                floors.into_iter().partition(|f| f.bodies.iter().any(|b| ends.contains(b)));
-            let mut floor = Floor { joints: vec![i], ..Floor::default() };
-            floor.bodies.extend(ends.iter().filter(|b| **b < bodies));
-            for other in met {
-                floor.bodies.extend(other.bodies);
-                floor.joints.extend(other.joints);
-            }
-            others.push(floor);
-            floors = others;
+        let mut together = UnionFind::new(bodies);
+        let own = |i: usize| [joints[i].a, joints[i].b].into_iter().filter(move |b| *b < bodies);
+        for i in &loaded {
+            own(*i).reduce(|a, b| {
+                together.union(a, b);
+                b
+            });
         }
-        for floor in &mut floors {
+        let mut floors: BTreeMap<usize, Floor> = BTreeMap::new();
+        for i in loaded {
+            let Some(any) = own(i).next() else { continue };
+            let floor = floors.entry(together.find(any)).or_default();
+            floor.joints.push(i);
+            floor.bodies.extend(own(i));
+        }
+        for floor in floors.values_mut() {
             floor.bodies.sort_unstable();
             floor.bodies.dedup();
-            floor.joints.sort_unstable();
         }
+        let floors = floors.into_values().collect();
         Self { floors }
     }
 
@@ -121,14 +124,8 @@ impl Floor {
         for (body, data) in own() {
             let arm = math::sub(body.x, centre);
             spin = math::add(spin, math::add(body.l, math::cross(arm, body.p)));
-            let turned = math::matmul(&math::matmul(&body.r, &data.inertia), &math::transpose(&body.r));
-            let square = math::dot(arm, arm);
-            for i in 0..3 {
-                for j in 0..3 {
-                    let steiner = if i == j { square } else { 0.0 } - arm[i] * arm[j];
-                    inertia[i][j] += turned[i][j] + data.mass * steiner;
-                }
-            }
+            let own = math::turned(&body.r, &data.inertia);
+            inertia = math::matadd(&inertia, &math::matadd(&own, &math::point_inertia(data.mass, arm)));
         }
         // where a body went, so did its momentum
         let (_, p, l) = self.last.replace((mass, momentum, spin)).filter(|(was, ..)| *was == mass)?;

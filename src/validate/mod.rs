@@ -14,7 +14,6 @@ use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
 use crate::fe::result::FeRun;
 use crate::mbs::Model;
-use crate::mbs::model::Bushing;
 use crate::mbs::result::{EventKind, RunResult};
 use crate::study::{COLLAPSE_DROP_M, Facts, TURNED_RAD};
 use measure::{Footprint, Sites};
@@ -266,11 +265,6 @@ fn fe_dissipated_j(run: &FeRun) -> f64 {
     end.internal_j + end.hourglass_j + end.viscous_j - end.contact_j - end.friction_j
 }
 
-/// Names under which results tell of the hinges of a bushing: its own, or those of the ends of the beam in whose middle it stands.
-pub fn hinges_of(bushing: &Bushing) -> &[String] {
-    bushing.beam.as_ref().map_or(std::slice::from_ref(&bushing.id), |beam| &beam.ends)
-}
-
 /// Member ends of both runs.
 fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteComparison> {
     let first = |joint: &str, fracture: bool| {
@@ -297,7 +291,7 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
                 turns: both(zone.turns(), f64::INFINITY),
                 id: zone.id.clone(),
                 fe_zone: zone.first_s.is_some(),
-                hinge: model.bushings.iter().any(|j| hinges_of(j).contains(&zone.id)),
+                hinge: model.bushings.iter().any(|j| j.names().contains(&zone.id)),
                 plastic_rotation_rad: turned
                     .map_or(0.0, |h| h.plastic_rotation_rad.iter().copied().fold(0.0, f64::max)),
                 yield_s: first(&zone.id, false),

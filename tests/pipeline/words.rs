@@ -4,7 +4,7 @@ use fallwerk::cli::verdict::{checks, energy_warning, energy_words, sites_words, 
 use fallwerk::mbs::model::{Beam, Bushing};
 use fallwerk::report::Status;
 use fallwerk::validate::measure::Sites;
-use fallwerk::validate::{Both, HybridValidation, LIMIT_SPEED, VALIDATION_SCHEMA, Validation, hinges_of};
+use fallwerk::validate::{Both, HybridValidation, LIMIT_SPEED, VALIDATION_SCHEMA, Validation};
 
 fn good() -> Validation {
     Validation {
@@ -221,8 +221,8 @@ fn a_share_of_nothing_is_no_number() {
 fn hinges_of_a_beam_are_at_its_ends() {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut bushing = Bushing::free("S1/1|S1/2".into(), None, "S1/2".into(), [0.0; 3], axes);
-    assert_eq!(hinges_of(&bushing), ["S1/1|S1/2"]);
+    assert_eq!(bushing.names(), ["S1/1|S1/2"]);
     let ends = ["B1.start", "B1.end"].map(String::from);
     bushing.beam = Some(Beam { half_length_m: 2.0, ends, span: None });
-    assert_eq!(hinges_of(&bushing), ["B1.start", "B1.end"]);
+    assert_eq!(bushing.names(), ["B1.start", "B1.end"]);
 }

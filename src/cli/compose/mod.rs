@@ -27,7 +27,7 @@ use crate::report::{
 };
 use crate::review::Review;
 use crate::study::Facts;
-use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, SiteComparison, Validation, hinges_of};
+use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, SiteComparison, Validation};
 
 /// Everything that a report is made of.
 pub struct Pieces<'a> {
@@ -181,7 +181,7 @@ fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
         p.mbs.events.iter().find(|e| is_it(&e.kind)).map(|e| e.time_s)
     };
     let known = |id: &str| p.facts.ends.iter().any(|z| z.id == id);
-    let elsewhere = joints.iter().filter(|j| !hinges_of(j).iter().any(|id| known(id))).map(|j| HingeSite {
+    let elsewhere = joints.iter().filter(|j| !j.names().iter().any(|id| known(id))).map(|j| HingeSite {
         member_end: j.id.clone(),
         point_m: j.point_m,
         body: Some(j.body_b.clone()),

@@ -74,7 +74,7 @@ fn check_sum(shared: &SharedMass, bodies: &BTreeMap<&str, &Body>, path: &str, li
     let own: Vec<&Body> = shared.bodies.iter().map(|id| bodies[id.as_str()]).collect();
     for (k, body) in own.iter().enumerate() {
         let r = math::qmat(body.orientation);
-        let inertia = math::matmul(&math::matmul(&r, &body.inertia_kg_m2), &math::transpose(&r));
+        let inertia = math::turned(&r, &body.inertia_kg_m2);
         all[(3 * k, 3 * k)] += body.mass_kg;
         let mut turns = all.fixed_view_mut::<2, 2>(3 * k + 1, 3 * k + 1);
         turns += Matrix2::from_fn(|a, b| inertia[a][b]);

@@ -78,6 +78,24 @@ struct Collider {
 }
 
 impl Collider {
+    /// Where it is with its body in a pose, or by itself if that never moves.
+    #[inline]
+    fn placed(&self, body: Option<Placed>) -> Placed {
+        match (body, &self.local) {
+            (Some(body), None) => body,
+            (Some(body), Some(local)) => {
+                let x = math::add(body.x, math::mul(&body.r, local.x));
+                if self.turned {
+                    Placed { x, q: math::qmul(body.q, local.q), r: math::matmul(&body.r, &local.r) }
+                } else {
+                    Placed { x, ..body }
+                }
+            }
+            (None, Some(local)) => *local,
+            (None, None) => Placed::HERE,
+        }
+    }
+
     /// Takes `depth_m` \[m\] off a box on one side.
     fn shorten(&mut self, axis: usize, sign: f64, depth_m: f64) {
         let Solid::Box(half) = &mut self.solid else { return };

@@ -29,15 +29,8 @@ struct Standing<'a> {
 
 impl<'a> Standing<'a> {
     fn of(index: usize, collider: &'a Collider, poses: &[(V3, Q)]) -> Self {
-        let local = collider.local.unwrap_or(Placed::HERE);
-        let at = poses.get(collider.body).map_or(local, |(x, q)| {
-            let r = math::qmat(*q);
-            Placed {
-                x: math::add(*x, math::mul(&r, local.x)),
-                q: math::qmul(*q, local.q),
-                r: math::matmul(&r, &local.r),
-            }
-        });
+        let body = poses.get(collider.body).map(|(x, q)| Placed { x: *x, q: *q, r: math::qmat(*q) });
+        let at = collider.placed(body);
         Self { index, collider, at, bounds: collider.solid.bounds(&at) }
     }
 

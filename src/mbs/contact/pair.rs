@@ -139,19 +139,8 @@ impl ContactSet {
             return;
         }
         let collider = &self.colliders[i];
-        self.placed[i] = match (bodies.get(collider.body), &collider.local) {
-            (Some(body), None) => Placed { x: body.x, q: body.q, r: body.r },
-            (Some(body), Some(local)) => {
-                let x = math::add(body.x, math::mul(&body.r, local.x));
-                if collider.turned {
-                    Placed { x, q: math::qmul(body.q, local.q), r: math::matmul(&body.r, &local.r) }
-                } else {
-                    Placed { x, q: body.q, r: body.r }
-                }
-            }
-            (None, Some(local)) => *local,
-            (None, None) => Placed::HERE,
-        };
+        let body = bodies.get(collider.body).map(|b| Placed { x: b.x, q: b.q, r: b.r });
+        self.placed[i] = collider.placed(body);
     }
 
     /// Enters new bounds of the solids that may leave theirs in this step, and the pairs that come of it.

@@ -9,8 +9,7 @@ use super::solve::{Loads, Sides};
 use super::{Mechanism, joint};
 use crate::curve::CurveError;
 use crate::mbs::math::{
-    M3, Q, V3, add, axpy, cross, dot, inverse, matmul, mul, mul_t, qmat, qmul, qrenormalise, scale, sub,
-    transpose,
+    M3, Q, V3, add, axpy, cross, dot, inverse, mul, mul_t, qmat, qmul, qrenormalise, scale, sub, turned,
 };
 use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
@@ -587,11 +586,6 @@ pub fn point_at(state: &[f64], body: usize, point: V3) -> V3 {
 pub(super) fn read(s: &[f64]) -> Pose {
     let q = qrenormalise([s[3], s[4], s[5], s[6]]);
     Pose { x: [s[0], s[1], s[2]], q, r: qmat(q), v: [s[7], s[8], s[9]], w: [s[10], s[11], s[12]] }
-}
-
-/// A tensor of the body frame in the global one.
-fn turned(r: &M3, tensor: &M3) -> M3 {
-    matmul(&matmul(r, tensor), &transpose(r))
 }
 
 /// Pairs of joints that share a moving body; and for each shared body `[joint, joint, side, side]`, a joint with itself included.

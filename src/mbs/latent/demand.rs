@@ -56,7 +56,7 @@ impl Demand {
             .iter()
             .map(|i| {
                 let r = &states[*i].r;
-                let inertia = math::matmul(&math::matmul(r, &data[*i].inertia), &math::transpose(r));
+                let inertia = math::turned(r, &data[*i].inertia);
                 Piece { mass: data[*i].mass, inertia, arm: math::sub(states[*i].x, center) }
             })
             .collect();

@@ -189,14 +189,8 @@ fn join(bodies: &[Body], own: &[usize]) -> Body {
     let (mut inertia, mut spin) = ([[0.0; 3]; 3], [0.0; 3]);
     for b in pieces() {
         let arm = math::sub(b.position_m, center);
-        let own = turned(&b.inertia_kg_m2, unit(b.orientation));
-        let square = math::dot(arm, arm);
-        for i in 0..3 {
-            for j in 0..3 {
-                let steiner = if i == j { square } else { 0.0 } - arm[i] * arm[j];
-                inertia[i][j] += own[i][j] + b.mass_kg * steiner;
-            }
-        }
+        let own = math::turned(&math::qmat(unit(b.orientation)), &b.inertia_kg_m2);
+        inertia = math::matadd(&inertia, &math::matadd(&own, &math::point_inertia(b.mass_kg, arm)));
         let orbit = math::scale(b.mass_kg, math::cross(arm, math::sub(b.velocity_m_s, velocity)));
         spin = math::add(spin, math::add(orbit, math::mul(&own, b.angular_velocity_rad_s)));
     }
@@ -214,12 +208,6 @@ fn join(bodies: &[Body], own: &[usize]) -> Body {
         })
         .collect();
     body
-}
-
-/// `R I Rᵀ`.
-fn turned(inertia: &M3, turn: Q) -> M3 {
-    let r = math::qmat(turn);
-    math::matmul(&math::matmul(&r, inertia), &math::transpose(&r))
 }
 
 /// A shape in the frame of the body that its own lies in at a pose.

@@ -348,13 +348,14 @@ impl Bushing {
         }
     }
 
-    /// Names of its hinges in results: its own, or those of the ends of its beam; none if it is elastic.
+    /// Names under which results tell of what it is: its own, or those of the ends of the beam in whose middle it stands.
+    pub fn names(&self) -> &[String] {
+        self.beam.as_ref().map_or(std::slice::from_ref(&self.id), |beam| &beam.ends)
+    }
+
+    /// Names of its hinges in results; none if it is elastic.
     pub fn hinges(&self) -> Vec<&str> {
         let has_curve = self.bending.iter().any(|b| b.curve().is_some());
-        match &self.beam {
-            _ if !has_curve => Vec::new(),
-            Some(beam) => beam.ends.iter().map(String::as_str).collect(),
-            None => vec![&self.id],
-        }
+        if has_curve { self.names().iter().map(String::as_str).collect() } else { Vec::new() }
     }
 }
