@@ -84,6 +84,54 @@ fn dropped_box_rebounds_with_its_restitution() {
     }
 }
 
+/// Boxes in a row, equal and a tenth of a metre apart, the first one on its way: each one hits the next with all corners at once, also where a step ends just then. Newton's
+/// law gives the velocities, impact by impact.
+#[test]
+fn faces_in_a_row_hand_on_what_newton_says() {
+    for (count, restitution) in [(3, 0.5), (4, 1.0), (5, 0.8), (4, 0.5)] {
+        let mut m = model("row", 2.0, 0.01);
+        m.gravity_m_s2 = [0.0; 3];
+        m.contact.bodies = Some(BodyContact { friction: 0.3, restitution });
+        for k in 0..count {
+            m.bodies.push(solid(&format!("b{k}"), [1.1 * f64::from(k), 0.0, 0.5], [1.0; 3]));
+        }
+        m.bodies[0].velocity_m_s = [2.0, 0.0, 0.0];
+        let expected = row_of_impacts(count as usize, restitution, 2.0);
+        let result = simulate(&m).unwrap();
+        let [before, after] = [2, 1].map(|back| &result.frames[result.frames.len() - back]);
+        for (b, expected) in expected.iter().enumerate() {
+            let speed = (after.position_m[b][0] - before.position_m[b][0]) / 0.01;
+            println!("{count} boxes, restitution {restitution}: {speed:.6} ({expected:.6})");
+            assert!((speed - expected).abs() < 1e-5, "{count}, {restitution}: {speed} {expected}");
+            assert!((after.orientation[b][0] - 1.0).abs() < 1e-12, "{:?}", after.orientation[b]);
+        }
+        assert!(result.energies.total_j(200) / result.energies.total_j(0) - 1.0 < 1e-9);
+    }
+}
+
+/// Velocities of equal boxes a tenth of a metre apart after some seconds, the first at 2 m/s.
+fn row_of_impacts(count: usize, restitution: f64, end_s: f64) -> Vec<f64> {
+    let (mut v, mut gap) = (vec![0.0_f64; count], vec![0.1_f64; count - 1]);
+    v[0] = 2.0;
+    let mut left_s = end_s;
+    loop {
+        let closing = (0..count - 1).filter(|i| v[*i] - v[i + 1] > 1e-12);
+        let Some((time, i)) =
+            closing.map(|i| (gap[i] / (v[i] - v[i + 1]), i)).min_by(|a, b| a.0.total_cmp(&b.0))
+        else {
+            return v;
+        };
+        if time > left_s {
+            return v;
+        }
+        left_s -= time;
+        (0..count - 1).for_each(|k| gap[k] -= time * (v[k] - v[k + 1]));
+        gap[i] = 0.0;
+        let [mean, half] = [0.5 * (v[i] + v[i + 1]), 0.5 * restitution * (v[i] - v[i + 1])];
+        (v[i], v[i + 1]) = (mean - half, mean + half);
+    }
+}
+
 #[test]
 fn a_stack_of_three_stays_at_rest() {
     let mut m = on_ground("stack", 3.0, 0.5);

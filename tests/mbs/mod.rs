@@ -14,6 +14,7 @@ mod ideal;
 mod input;
 mod latent;
 mod motion;
+mod near;
 mod overlap;
 mod relative;
 mod shared_mass;

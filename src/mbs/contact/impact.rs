@@ -21,6 +21,8 @@ const REST: f64 = 2.0;
 const ONCE_MORE: f64 = 1.0;
 /// Most rounds; the last one is without rebound and takes all points.
 const MOST_ROUNDS: usize = 24;
+/// Share of its way in the step by which a point may miss the other one and be hit with those that do not: corners of a face that meet at the end of a step, but for rounding.
+const TIE: f64 = 1e-4;
 /// Least of these speeds \[m/s\].
 const LEAST_M_S: f64 = 1e-9;
 
@@ -89,7 +91,7 @@ impl Approach {
         let target = self.after(restitution, time, h);
         // the velocity in the step has the half of the forces that comes after its middle
         let end = (target - pull * (0.5 * h - time)) * (h - time) + 0.5 * pull * (h - time) * (h - time);
-        (end > 0.0 && target > self.plain(h)).then_some((time, target))
+        (end >= 0.0 && target > self.plain(h)).then_some((time, target))
     }
 
     /// Velocity in the step after an impact at a time \[m/s\].
@@ -100,7 +102,7 @@ impl Approach {
 
     /// Least velocity in the step \[m/s\], and the time of an impact with rebound, infinite if there is none; nothing: it has no part in the round.
     fn aim(&self, restitution: f64, h: f64) -> Option<(f64, f64)> {
-        if self.end < 0.0 {
+        if self.end < TIE * (self.gap - self.end).max(0.0) {
             let rebound = self.rebound(restitution, h);
             return Some(rebound.map_or((self.plain(h), f64::INFINITY), |(time, target)| (target, time)));
         }

@@ -370,14 +370,27 @@ impl ContactSet {
         self.alarm == f64::INFINITY
     }
 
-    /// Whether nothing can touch while no body's path, angular velocity times radius included, is longer than `path_m`.
-    pub fn is_clear_for(&mut self, path_m: f64) -> bool {
-        if self.clock + 2.0 * path_m >= self.alarm {
-            self.count_slack();
+    /// Whether nothing can touch in a step in which the paths of all bodies, angular velocity times radius included, are no longer than these \[m\].
+    pub fn is_clear_for(&mut self, paths_m: &[f64]) -> bool {
+        if self.alarm.is_infinite() {
+            return self.alarm > 0.0;
         }
         let margin = self.settings.margin_m;
-        self.clock + 2.0 * path_m < self.alarm
-            && self.travel.iter().zip(&self.budget).all(|(t, budget)| t + path_m + margin <= *budget)
+        let late = |(i, path): (usize, &f64)| self.travel[i] + path + margin > self.budget[i];
+        if paths_m.iter().enumerate().any(late) {
+            return false;
+        }
+        let longest = paths_m.iter().copied().fold(0.0, f64::max);
+        if self.clock + 2.0 * longest >= self.alarm {
+            self.count_slack();
+        }
+        // the alarm is that of two bodies with the longest path
+        let until = |i: u32| self.travel[i as usize] + paths_m.get(i as usize).copied().unwrap_or(0.0);
+        let apart = |e: &Entry| {
+            let [a, b] = e.bodies;
+            self.is_still([a as usize, b as usize]) || until(a) + until(b) + margin < e.limit
+        };
+        self.clock + 2.0 * longest < self.alarm || self.order.iter().all(apart)
     }
 
     /// Puts a body to sleep, or wakes it. Pairs of bodies asleep are not looked at.
@@ -444,11 +457,26 @@ impl ContactSet {
         self.radius[body]
     }
 
-    /// Whether nothing can touch in a step of `h` \[s\] with these velocities and angular velocities of all bodies; if so, the paths are counted.
+    /// Whether work may be skipped.
+    pub fn may_skip(&self) -> bool {
+        self.settings.skip
+    }
+
+    /// [`ContactSet::is_clear_for`] the paths of a step that was made; if so, they are counted.
+    pub fn passes(&mut self, paths_m: &[f64]) -> bool {
+        let clear = self.is_clear_for(paths_m);
+        if clear && self.alarm < f64::INFINITY {
+            self.path[..paths_m.len()].copy_from_slice(paths_m);
+            self.pass(paths_m.iter().copied().fold(0.0, f64::max));
+        }
+        clear
+    }
+
+    /// Whether nothing can touch in a step of `h` \[s\] with these velocities and angular velocities of all bodies, and this may be made use of; if so, the paths are counted.
     #[inline]
     pub fn quiet(&mut self, h: f64, velocities: impl Iterator<Item = (V3, V3)>) -> bool {
-        if self.alarm.is_infinite() {
-            return self.alarm > 0.0;
+        if self.alarm.is_infinite() || !self.settings.skip {
+            return self.alarm == f64::INFINITY;
         }
         let margin = self.settings.margin_m;
         let mut largest = 0.0_f64;
@@ -463,15 +491,22 @@ impl ContactSet {
             self.count_slack();
         }
         let quiet = !late && self.clock + 2.0 * largest < self.alarm;
-        let quiet = quiet && self.settings.skip;
         if quiet {
-            self.work.quiet_steps += 1;
-            self.work.left_alone += self.order.iter().filter(|e| e.limit < f64::INFINITY).count() as u64;
-            self.clock += 2.0 * largest;
-            for (travel, path) in self.travel.iter_mut().zip(&self.path) {
-                *travel += path;
-            }
+            self.pass(largest);
         }
         quiet
+    }
+
+    /// Counts the paths of a step in which nothing can touch, the longest of which is given \[m\].
+    #[inline]
+    fn pass(&mut self, longest_m: f64) {
+        if self.settings.skip {
+            self.work.quiet_steps += 1;
+            self.work.left_alone += self.order.iter().filter(|e| e.limit < f64::INFINITY).count() as u64;
+        }
+        self.clock += 2.0 * longest_m;
+        for (travel, path) in self.travel.iter_mut().zip(&self.path) {
+            *travel += path;
+        }
     }
 }

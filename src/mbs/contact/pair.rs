@@ -18,7 +18,7 @@ const SOON: f64 = 0.5;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Point {
     /// On either solid, in its frame.
-    on: [V3; 2],
+    pub on: [V3; 2],
     id: u64,
     /// Inverse of the inverse effective masses along and across the normal.
     mass: [f64; 2],
@@ -81,7 +81,7 @@ pub(super) struct Pair {
     pub moment: V3,
     offset: f64,
     pub surface: Surface,
-    normal: [V3; 2],
+    pub normal: [V3; 2],
     /// A plane's normal in the solid's frame when the effective masses were found.
     weighed: V3,
     count: u8,
@@ -108,6 +108,11 @@ impl Pair {
             count: 0,
             points: [Point::default(); MOST_POINTS],
         }
+    }
+
+    /// How many points it has.
+    pub fn count(&self) -> usize {
+        usize::from(self.count)
     }
 
     pub fn forget(&mut self) {
@@ -287,7 +292,9 @@ impl ContactSet {
         } else {
             self.look_at_solids(slot, bodies, h, within)
         };
-        (self.order[entry].limit, self.order[entry].allowed) = (limit, allowed);
+        // the bound from before holds as well
+        let entry = &mut self.order[entry];
+        (entry.limit, entry.allowed) = (limit.max(entry.limit), allowed);
     }
 
     /// Returns the paths up to which it need not be looked at again.
@@ -299,8 +306,9 @@ impl ContactSet {
         let plane = self.planes[pair.b as usize];
         let n = math::scale(-1.0, plane.normal);
         let low = math::dot(at.x, plane.normal) - collider.solid.reach(at, n) - plane.level;
-        if low > reach && !pair.fresh {
+        if low > reach {
             pair.forget();
+            pair.fresh = false;
             return self.travel[collider.body] + low;
         }
         pair.offset = if pair.fresh { (-low).max(0.0) } else { pair.offset.min((-low).max(0.0)) };
@@ -363,7 +371,9 @@ impl ContactSet {
                 return (travelled + apart, allowed);
             }
             self.search(slot, reach);
+            self.meet_balls(slot, bodies, h);
         }
+        let round = [a, b].iter().all(|i| self.colliders[*i].solid.is_round());
         let pair = &mut self.pairs[slot];
         let (at_a, at_b) = (&self.placed[a], &self.placed[b]);
         let n = math::mul(&at_a.r, pair.normal[0]);
@@ -376,9 +386,11 @@ impl ContactSet {
             let on_a = math::add(at_a.x, math::mul(&at_a.r, point.on[0]));
             let on_b = math::add(at_b.x, math::mul(&at_b.r, point.on[1]));
             let gap = math::dot(math::sub(on_b, on_a), n);
-            let middle = math::scale(0.5, math::add(on_a, on_b));
             gaps[k] = gap;
-            arms[k] = [math::sub(middle, centre_a), math::sub(middle, centre_b)];
+            // points of balls are those that will meet, and not yet opposite each other
+            let middle = math::scale(0.5, math::add(on_a, on_b));
+            let at = if round { [on_a, on_b] } else { [middle; 2] };
+            arms[k] = [math::sub(at[0], centre_a), math::sub(at[1], centre_b)];
             least = least.min(gap);
         }
         let depth = if least < 0.0 { -least } else { 0.0 };
@@ -533,7 +545,7 @@ impl super::Rows {
 }
 
 /// Velocity of a point of a body \[m/s\].
-fn speed_of(bodies: &[Moving], body: usize, arm: V3) -> V3 {
+pub(super) fn speed_of(bodies: &[Moving], body: usize, arm: V3) -> V3 {
     bodies.get(body).map_or([0.0; 3], |b| math::add(b.v, math::cross(b.w, arm)))
 }
 

@@ -47,18 +47,11 @@ impl ContactSet {
         h: f64,
         mut mechanism: Option<&mut (dyn Linked + '_)>,
     ) -> Result<(), TooDeep> {
-        for (i, body) in bodies.iter_mut().enumerate() {
+        for body in bodies.iter_mut() {
             (body.shift, body.turn) = ([0.0; 3], [0.0; 3]);
-            self.spin[i] = h * math::norm(body.w) * self.radius[i];
-            self.path[i] = if body.alive { h * math::norm(body.v) + self.spin[i] } else { 0.0 };
-            self.growth[i] = 0.0;
         }
-        self.step += 1;
-        self.shorten();
-        self.enter_bounds(bodies, h);
-        self.rows.begin(bodies.len());
-        self.look_at_all(bodies, h);
-        let points = self.rows.rows.len();
+        self.begin(bodies, h);
+        let points = self.find(bodies, h);
         self.find_touched();
         if !self.touched.is_empty() {
             return Ok(());
@@ -96,6 +89,39 @@ impl ContactSet {
         self.alarm = if points > 0 { f64::NEG_INFINITY } else { self.clock };
         self.count_slack();
         Ok(())
+    }
+
+    /// Looks at what is near before a step with paths of at most these lengths \[m\], that is not solved unless something is: false if there are points.
+    pub fn glance(&mut self, bodies: &[Moving], h: f64, paths_m: &[f64]) -> bool {
+        self.begin(bodies, h);
+        for (path, most) in self.path.iter_mut().zip(paths_m) {
+            *path = path.max(*most);
+        }
+        if self.find(bodies, h) > 0 {
+            return false;
+        }
+        self.alarm = self.clock;
+        self.count_slack();
+        true
+    }
+
+    /// Begins a step of `h` \[s\].
+    fn begin(&mut self, bodies: &[Moving], h: f64) {
+        for (i, body) in bodies.iter().enumerate() {
+            self.spin[i] = h * math::norm(body.w) * self.radius[i];
+            self.path[i] = if body.alive { h * math::norm(body.v) + self.spin[i] } else { 0.0 };
+            self.growth[i] = 0.0;
+        }
+        self.step += 1;
+    }
+
+    /// Finds the points that may take part in a step of `h` \[s\]; how many there are.
+    fn find(&mut self, bodies: &[Moving], h: f64) -> usize {
+        self.shorten();
+        self.enter_bounds(bodies, h);
+        self.rows.begin(bodies.len());
+        self.look_at_all(bodies, h);
+        self.rows.rows.len()
     }
 
     /// How far any point of a body moves in a step of `h` \[s\] at most \[m\].

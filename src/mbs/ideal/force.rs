@@ -269,6 +269,8 @@ pub enum Acting {
         held: V3,
         /// When it was applied last.
         last: Turn,
+        /// Axes about which it flowed in the last step.
+        flowing: [bool; 3],
     },
     /// See [`Force::Force`].
     Force {
@@ -310,6 +312,7 @@ impl Acting {
                 factor: 1.0,
                 held: [0.0; 3],
                 last: Turn::near(NO_TURN, [0.0; 3]),
+                flowing: [false; 3],
             },
             Force::Force { body, point_m, force_n } => {
                 let p = pose_of(poses, body);
@@ -388,8 +391,9 @@ impl Acting {
                 *held = last.angle;
                 Committed { lost: last.is_lost(), ..Committed::default() }
             }
-            Self::Hinge { law, history, factor, held, last, .. } => {
+            Self::Hinge { law, history, factor, held, last, flowing, .. } => {
                 let law = &laws[*law];
+                *flowing = flows(law, history, last, *factor);
                 for (own, rotation) in history.iter_mut().zip(last.theta) {
                     *own = law.after(*own, rotation, *factor);
                 }
@@ -536,6 +540,12 @@ impl Acting {
         }
     }
 
+    /// Whether a hinge began or ceased to flow about an axis on the way to the pose in which it was applied last.
+    pub fn has_turned_over(&self, laws: &[HingeLaw]) -> bool {
+        let Self::Hinge { law, history, factor, last, flowing, .. } = self else { return false };
+        flows(&laws[*law], history, last, *factor) != *flowing
+    }
+
     /// Whether a hinge has flowed.
     pub fn has_flowed(&self) -> bool {
         self.dissipated_j() > 0.0
@@ -566,6 +576,11 @@ fn start_of(bodies: [usize; 2], poses: &[Pose]) -> Q {
 /// Rotation from the first to the second body since assembly, in the frame of the first.
 fn turned(poses: [&Pose; 2], start: Q) -> Q {
     qmul(qmul(qconj(poses[0].q), poses[1].q), qconj(start))
+}
+
+/// About which axes a hinge flows on its way to a turn.
+fn flows(law: &HingeLaw, history: &[History; 3], turn: &Turn, factor: f64) -> [bool; 3] {
+    [0, 1, 2].map(|i: usize| law.moment(history[i], turn.theta[i], factor).1.plastic != history[i].plastic)
 }
 
 /// Moments along the rotation vector of a hinge.

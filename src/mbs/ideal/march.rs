@@ -1,9 +1,10 @@
-//! Steps of Runge and Kutta with error control, and a projection onto the joints at the end of each.
+//! Steps of Runge and Kutta, or of the leapfrog, and a projection onto the joints at the end of each.
 //!
 //! The last of a step's evaluations is the first of the next one; its factorisation serves the projection as well. The evaluation belongs to the state before
 //! the projection, which moves it by less than the error of the step.
 
 use super::Mechanism;
+use super::control::{LEAST, error, first_step};
 use super::method::{LEAPFROG, Method, method_for};
 use super::motion::{Motion, STATE, WORKS, quaternion_rate};
 use super::touch::Touching;
@@ -11,24 +12,6 @@ use crate::curve::CurveError;
 use crate::mbs::contact::TooDeep;
 use crate::mbs::math::{qexp, qmul, qrenormalise};
 use std::collections::BTreeMap;
-
-/// Limits of the change of a step, and the share of the step that the error would allow.
-const CHANGE: [f64; 2] = [0.2, 5.0];
-const CAUTION: f64 = 0.9;
-/// Share of a step that was too long which the next ones may have, and how that rises with each of them.
-const CEILING: [f64; 2] = [0.95, 1.01];
-/// Steps over which progress is looked at, tried ones included, and the least share of the whole time that they have to take.
-const WATCHED: u64 = 50_000;
-const PROGRESS: f64 = 1e-3;
-/// Least tolerance of steps in contact, which are of second order.
-const TOUCH_TOLERANCE: f64 = 1e-6;
-/// Step within which a fracture is met \[s\].
-const FRACTURE_S: f64 = 1e-5;
-/// Powers of the errors of a step and of the one before it (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2).
-const PROPORTIONAL: f64 = 0.7;
-const INTEGRAL: f64 = 0.4;
-/// Smallest step over the whole time.
-const LEAST: f64 = 1e-12;
 
 /// What a run is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,24 +133,24 @@ pub struct Marcher {
     /// Hinges and torsion springs that turned in a way that they have no measure of ([`Motion::confused`]), with the times when they first did.
     pub confused: BTreeMap<usize, f64>,
     /// Each stage's state in turn, the last of which is the next state.
-    next: Vec<f64>,
+    pub(super) next: Vec<f64>,
     pub(super) rates: Vec<Vec<f64>>,
-    method: &'static Method,
-    tolerance: f64,
-    least_s: f64,
+    pub(super) method: &'static Method,
+    pub(super) tolerance: f64,
+    pub(super) least_s: f64,
     /// The step that the last one would follow with; zero before the first \[s\].
-    step: f64,
-    before: f64,
-    repeated: bool,
+    pub(super) step: f64,
+    pub(super) before: f64,
+    pub(super) repeated: bool,
     /// Step that was too long a while ago; rises slowly, so that a bound of stability is not tried again and again \[s\].
-    ceiling: f64,
+    pub(super) ceiling: f64,
     /// Highest frequency of springs and hinges \[rad/s\], and the bound of stability \[s\].
     pub(super) frequency: f64,
     limit_s: f64,
     /// Steps and time when progress was looked at last.
-    watched: (u64, f64),
+    pub(super) watched: (u64, f64),
     /// Steps of this length at most, whatever their error \[s\].
-    fixed_s: Option<f64>,
+    pub(super) fixed_s: Option<f64>,
     start_j: f64,
     /// Dependent rows at the end of the last step.
     dependent: usize,
@@ -327,7 +310,7 @@ impl Marcher {
             let step = if near { self.contact_step(step, until_s) } else { step };
             let step = if near {
                 self.jump(step)?;
-                self.leap_to_fracture(step)?
+                self.leap_to_event(step)?
             } else {
                 let Some(change) = self.attempt(step)? else { continue };
                 if !self.counted(step) {
@@ -403,28 +386,6 @@ impl Marcher {
         locked
     }
 
-    /// Stops a march that gets nowhere.
-    fn watch(&mut self) -> Result<(), MarchError> {
-        let steps = self.tally.steps[0] + self.tally.steps[1];
-        let (since, from_s) = self.watched;
-        if self.fixed_s.is_some() || steps < since + WATCHED {
-            return Ok(());
-        }
-        self.watched = (steps, self.time_s);
-        let span_s = self.time_s - from_s;
-        if span_s < PROGRESS * self.least_s / LEAST {
-            return Err(MarchError::Stuck { time_s: self.time_s, steps: steps - since, span_s });
-        }
-        Ok(())
-    }
-
-    /// Length of a step in contact that is at most `step`, and divides the time until the stop evenly.
-    fn contact_step(&self, step: f64, until_s: f64) -> f64 {
-        let longest = self.touching.as_ref().map_or(step, Touching::step_s);
-        let span = until_s - self.time_s;
-        span / (span / step.min(longest).min(self.leap_limit_s()) * (1.0 - 1e-9)).ceil().max(1.0)
-    }
-
     /// Tries a step: what the next one may change by, or nothing if it has to be tried again with a smaller one.
     fn attempt(&mut self, step: f64) -> Result<Option<f64>, MarchError> {
         let error = if self.method.is_leapfrog() { self.leap(step) } else { self.stages(step) };
@@ -432,7 +393,7 @@ impl Marcher {
     }
 
     /// A step of the leapfrog; its error over what is allowed. Forces that depend on velocities see those that the rate at the start leads to.
-    fn leap(&mut self, step: f64) -> f64 {
+    pub(super) fn leap(&mut self, step: f64) -> f64 {
         let (first, rest) = self.rates.split_at_mut(1);
         let (before, after) = (&first[0], &mut rest[0]);
         leap_positions(&self.state, before, step, &mut self.next);
@@ -460,30 +421,6 @@ impl Marcher {
         largest
     }
 
-    /// A step of the leapfrog after a jump, halved until it passes no fracture and its error is that of a contact step; its length.
-    fn leap_to_fracture(&mut self, mut step: f64) -> Result<f64, MarchError> {
-        loop {
-            let error = self.leap(step) * self.tolerance / self.tolerance.max(TOUCH_TOLERANCE);
-            if !error.is_finite() {
-                return Err(MarchError::NotFinite { time_s: self.time_s });
-            }
-            let exact = self.fixed_s.is_some() || error <= 1.0 || step <= FRACTURE_S;
-            if let Some(touching) = &mut self.touching {
-                touching.advise(if exact { step * error.max(1e-3).powf(-1.0 / 3.0) } else { 0.5 * step });
-            }
-            if !exact {
-                step *= 0.5;
-                self.tally.steps[1] += 1;
-                continue;
-            }
-            if step <= FRACTURE_S || self.motion.beyond().is_none_or(|beyond| beyond < 0.0) {
-                return Ok(step);
-            }
-            step *= 0.5;
-            self.tally.steps[1] += 1;
-        }
-    }
-
     /// The stages of a step; its error over what is allowed.
     fn stages(&mut self, step: f64) -> f64 {
         for (s, weights) in self.method.stages.iter().enumerate() {
@@ -493,45 +430,6 @@ impl Marcher {
         }
         let ends = [self.state.as_slice(), self.next.as_slice()];
         error(ends, &self.rates, step, self.tolerance, self.method)
-    }
-
-    /// What the next step may change by after an error, or nothing if this one has to be tried again with a smaller step.
-    fn judge(&mut self, step: f64, error: f64) -> Result<Option<f64>, MarchError> {
-        if self.fixed_s.is_some() {
-            let time_s = self.time_s;
-            return if error.is_finite() { Ok(Some(1.0)) } else { Err(MarchError::NotFinite { time_s }) };
-        }
-        let order = self.method.order;
-        if !error.is_finite() {
-            // a step too far into a singular pose; a smaller one stays before it
-            self.tally.steps[1] += 1;
-            self.step = CHANGE[0] * step;
-            if self.step < self.least_s {
-                return Err(MarchError::NotFinite { time_s: self.time_s });
-            }
-            return Ok(None);
-        }
-        let sized = error.max(1e-10);
-        if error > 1.0 {
-            self.tally.steps[1] += 1;
-            self.ceiling = step * CEILING[0];
-            self.step = step * (CAUTION * sized.powf(-1.0 / order)).clamp(CHANGE[0], 1.0);
-            self.repeated = true;
-            return Ok(None);
-        }
-        // a fracture is met by halving the step that passes it
-        if step > FRACTURE_S && self.motion.beyond().is_some_and(|beyond| beyond >= 0.0) {
-            self.tally.steps[1] += 1;
-            self.step = 0.5 * step;
-            return Ok(None);
-        }
-        // with the error of the step before, so that steps settle at a bound of stability instead of trying it again and again
-        let by_both = sized.powf(-PROPORTIONAL / order) * self.before.powf(INTEGRAL / order);
-        let most = if self.repeated { 1.0 } else { CHANGE[1] };
-        (self.before, self.repeated) = (sized, false);
-        self.ceiling *= CEILING[1];
-        let change = (CAUTION * by_both).clamp(CHANGE[0], most);
-        Ok(Some(change.min((self.ceiling / step).max(CHANGE[0]))))
     }
 
     /// Counts the step that was accepted.
@@ -604,27 +502,6 @@ fn combine(state: &[f64], k: &[Vec<f64>], a: &[f64], step: f64, out: &mut [f64])
             *o += step * a * k;
         }
     }
-}
-
-/// Largest estimated error of a step over what is allowed.
-fn error([state, next]: [&[f64]; 2], k: &[Vec<f64>], step: f64, tolerance: f64, method: &Method) -> f64 {
-    let mut largest: f64 = 0.0;
-    for (i, (a, b)) in state.iter().zip(next).enumerate() {
-        let sum: f64 = k.iter().zip(method.error).map(|(k, e)| e * k[i]).sum();
-        let share = (step * sum).abs() / (tolerance * (1.0 + a.abs().max(b.abs())));
-        if share.is_nan() {
-            return f64::NAN;
-        }
-        largest = largest.max(share);
-    }
-    largest
-}
-
-/// A first step from the size of the rates.
-fn first_step(state: &[f64], rate: &[f64], tolerance: f64) -> f64 {
-    let size = |v: &f64| 1.0 + v.abs();
-    let fastest = state.iter().zip(rate).map(|(s, r)| r.abs() / size(s)).fold(0.0, f64::max);
-    0.1 * tolerance.powf(0.2) / fastest.max(1e-3)
 }
 
 #[cfg(test)]

@@ -19,10 +19,12 @@
 //! | [`compile`] | from a model file |
 //! | [`run`] | a whole run of a model file: events, outputs, energy balance |
 //! | [`survey`] | energies, reactions, the highest frequency |
-//! | [`march`] | the Runge-Kutta steps with error control (`method`: their coefficients) |
+//! | [`march`] | steps of Runge and Kutta and of the leapfrog (`method`: their coefficients) |
+//! | `control` | lengths of steps: errors, events within them |
 
 pub mod bushing;
 pub mod compile;
+mod control;
 pub mod factor;
 pub mod force;
 pub mod joint;

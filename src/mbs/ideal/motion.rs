@@ -479,6 +479,11 @@ impl Motion {
         broken
     }
 
+    /// Whether a hinge began or ceased to flow on the way from what was committed to the state whose rate was taken last.
+    pub fn has_turned_over(&self) -> bool {
+        self.forces.iter().any(|f| f.has_turned_over(&self.laws))
+    }
+
     /// Takes joints and forces away, by their places in the mechanism.
     pub fn release(&mut self, joints: &[usize], forces: &[usize]) {
         let of = |list: &[usize], id: &usize| !list.contains(id);

@@ -4,7 +4,7 @@ use super::bushing::{BushingState, Held};
 use super::force::{Acting, HingeState};
 use super::joint::{Pose, is_ground, pose_of};
 use super::motion::{Motion, STATE, WORKS, read};
-use crate::mbs::math::{M3, V3, axpy, cross, dot, mul, mul_t, scale, sub};
+use crate::mbs::math::{M3, V3, axpy, cross, dot, mul, mul_t, norm, scale, sub};
 
 /// Steps of the power iteration for the highest frequency, and the margin on what it finds.
 const ITERATIONS: usize = 60;
@@ -75,6 +75,16 @@ impl Motion {
     pub fn total_j(&self, state: &[f64]) -> f64 {
         let seen = self.observe(state);
         seen.kinetic_j + seen.gravity_j + seen.elastic_j + seen.plastic_j + seen.lost_j - seen.given_j
+    }
+
+    /// What a step from one state to another, in which no joint opens and nothing touches, changes of all energies, as a share of those that are not potential energy of gravity, and of that in `rest_m` of
+    /// fall at least.
+    pub fn energy_error(&self, [from, to]: [&[f64]; 2], rest_m: f64) -> f64 {
+        let [before, after] = [from, to].map(|state| self.observe(state));
+        let own = |seen: &Observed| seen.kinetic_j + seen.elastic_j + seen.plastic_j;
+        let total = |seen: &Observed| own(seen) + seen.gravity_j - seen.given_j;
+        let rest_j = rest_m * norm(self.gravity) * self.mass.iter().sum::<f64>();
+        (total(&after) - total(&before)).abs() / own(&before).max(own(&after)).max(rest_j)
     }
 
     /// What the balance of a run keeps constant of a state that follows on what was committed: [`Motion::total_j`], with bushings the work of all forces in place of what

@@ -1,7 +1,8 @@
 //! Contact of bodies on ideal joints.
 //!
-//! While a bound on the bodies' paths says that nothing can meet, steps know nothing of contact. Else they are those of the leapfrog, each begun by a jump: impulses at the
-//! begin of the step change the velocities so that no gap closes in it, joints included, and displacements without velocity open what is closed.
+//! While a bound on the bodies' paths says that nothing can meet, steps know nothing of contact; where the bound is used up a glance at what is near renews it. Else steps are those
+//! of the leapfrog, each begun by a jump: impulses at the begin of the step change the velocities so that no gap closes in it, joints included, and displacements without
+//! velocity open what is closed.
 
 use super::march::{MarchError, Marcher};
 use super::method::{COARSE, LEAPFROG};
@@ -32,7 +33,8 @@ pub struct Touching {
     /// First contacts with their times \[s\]; for the caller to fetch.
     pub touches: Vec<(f64, Touch)>,
     moving: Vec<Moving>,
-    /// The bound on paths did not hold in the last smooth step.
+    /// Longest paths of the bodies in the next step \[m\]: those of the last smooth one at least, if the bound on paths did not hold in it.
+    paths_m: Vec<f64>,
     missed: bool,
 }
 
@@ -47,6 +49,7 @@ impl Touching {
             allowed_s: step_s,
             touches: Vec::new(),
             moving: Vec::new(),
+            paths_m: Vec::new(),
             missed: false,
         }
     }
@@ -81,16 +84,30 @@ fn six(numbers: &[f64], body: usize) -> [V3; 2] {
 impl Marcher {
     /// Whether something may touch within a step of `h` \[s\].
     pub(super) fn is_near(&mut self, h: f64) -> bool {
-        let Some(touching) = &mut self.touching else { return false };
-        if touching.set.is_idle() {
+        let Some(mut touching) = self.touching.take() else { return false };
+        let near = !touching.set.is_idle() && self.may_touch(&mut touching, h);
+        self.touching = Some(touching);
+        near
+    }
+
+    fn may_touch(&self, touching: &mut Touching, h: f64) -> bool {
+        let Touching { set, paths_m, missed, .. } = &mut *touching;
+        let missed = std::mem::take(missed);
+        paths_m.resize(self.motion.bodies(), 0.0);
+        for (b, longest_m) in paths_m.iter_mut().enumerate() {
+            let ([v, w], [a, alpha]) = (six(&self.state, b), six(&self.rates[0], b));
+            let path_m = h * (norm(v) + h * norm(a) + (norm(w) + h * norm(alpha)) * set.radius_m(b));
+            *longest_m = if missed { longest_m.max(path_m) } else { path_m };
+        }
+        if set.may_skip() && set.is_clear_for(paths_m) {
             return false;
         }
-        let path = |b: usize| {
-            let ([v, w], [a, alpha]) = (six(&self.state, b), six(&self.rates[0], b));
-            h * (norm(v) + h * norm(a) + (norm(w) + h * norm(alpha)) * touching.set.radius_m(b))
-        };
-        let longest = (0..self.motion.bodies()).map(path).fold(0.0, f64::max);
-        std::mem::take(&mut touching.missed) || !touching.set.is_clear_for(longest)
+        if set.has_points() {
+            return true;
+        }
+        self.place(touching, h);
+        let Touching { set, paths_m, moving, .. } = touching;
+        !set.glance(moving, h, paths_m) || !set.is_clear_for(paths_m)
     }
 
     /// Largest stable step of the leapfrog \[s\].
@@ -101,7 +118,7 @@ impl Marcher {
 
     /// Counts the paths of a smooth step whose stages are known; false if something may have touched in it.
     pub(super) fn counted(&mut self, h: f64) -> bool {
-        let Some(touching) = &mut self.touching else { return true };
+        let Some(touching) = self.touching.as_mut().filter(|t| !t.set.is_idle()) else { return true };
         let rates = &self.rates;
         let fastest = |b: usize, from: usize| {
             let of = |k: &Vec<f64>| norm([0, 1, 2].map(|i| k[STATE * b + from + i]));
@@ -112,8 +129,10 @@ impl Marcher {
             let of = |k: &Vec<f64>| 2.0 * (3..7).map(|i| k[STATE * b + i].powi(2)).sum::<f64>().sqrt();
             rates.iter().map(of).fold(0.0, f64::max)
         };
-        let bodies = (0..self.motion.bodies()).map(|b| ([fastest(b, 0), 0.0, 0.0], [spin(b), 0.0, 0.0]));
-        touching.missed = !touching.set.quiet(h, bodies);
+        for b in 0..self.motion.bodies() {
+            touching.paths_m[b] = h * (fastest(b, 0) + spin(b) * touching.set.radius_m(b));
+        }
+        touching.missed = !touching.set.passes(&touching.paths_m);
         !touching.missed
     }
 
@@ -131,7 +150,8 @@ impl Marcher {
         outcome.map_err(|deep| MarchError::Penetration { time_s, deep, step_s: h })
     }
 
-    fn impulses(&mut self, touching: &mut Touching, h: f64) -> Result<(), TooDeep> {
+    /// Says where the bodies are and how they move, with what forces add to their velocities in half a step.
+    fn place(&self, touching: &mut Touching, h: f64) {
         let half = 0.5 * h;
         touching.moving.clear();
         for b in 0..self.motion.bodies() {
@@ -154,6 +174,10 @@ impl Marcher {
                 turn: [0.0; 3],
             });
         }
+    }
+
+    fn impulses(&mut self, touching: &mut Touching, h: f64) -> Result<(), TooDeep> {
+        self.place(touching, h);
         touching.set.solve_linked(&mut touching.moving, h, Some(&mut self.motion))?;
         let works = self.state.len() - WORKS;
         let before = self.motion.power(&self.state);

@@ -1,0 +1,153 @@
+//! Lengths of steps: by their errors, by events within them, in contact.
+
+use super::march::{MarchError, Marcher};
+use super::method::Method;
+use super::touch::Touching;
+
+/// Limits of the change of a step, and the share of the step that the error would allow.
+const CHANGE: [f64; 2] = [0.2, 5.0];
+const CAUTION: f64 = 0.9;
+/// Share of a step that was too long which the next ones may have, and how that rises with each of them.
+const CEILING: [f64; 2] = [0.95, 1.01];
+/// Steps over which progress is looked at, tried ones included, and the least share of the whole time that they have to take.
+const WATCHED: u64 = 50_000;
+const PROGRESS: f64 = 1e-3;
+/// Least tolerance of steps in contact, which are of second order.
+const TOUCH_TOLERANCE: f64 = 1e-6;
+/// Step within which a fracture is met, or a hinge that begins or ceases to flow \[s\].
+const EVENT_S: f64 = 1e-5;
+/// Fall whose energy is the least that errors of the energy are compared with \[m\].
+const REST_M: f64 = 1e-3;
+/// Powers of the errors of a step and of the one before it (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.2).
+const PROPORTIONAL: f64 = 0.7;
+const INTEGRAL: f64 = 0.4;
+/// Smallest step over the whole time.
+pub(super) const LEAST: f64 = 1e-12;
+
+impl Marcher {
+    /// Stops a march that gets nowhere.
+    pub(super) fn watch(&mut self) -> Result<(), MarchError> {
+        let steps = self.tally.steps[0] + self.tally.steps[1];
+        let (since, from_s) = self.watched;
+        if self.fixed_s.is_some() || steps < since + WATCHED {
+            return Ok(());
+        }
+        self.watched = (steps, self.time_s);
+        let span_s = self.time_s - from_s;
+        if span_s < PROGRESS * self.least_s / LEAST {
+            return Err(MarchError::Stuck { time_s: self.time_s, steps: steps - since, span_s });
+        }
+        Ok(())
+    }
+
+    /// Length of a step in contact that is at most `step`, and divides the time until the stop evenly.
+    pub(super) fn contact_step(&self, step: f64, until_s: f64) -> f64 {
+        let longest = self.touching.as_ref().map_or(step, Touching::step_s);
+        let span = until_s - self.time_s;
+        span / (span / step.min(longest).min(self.leap_limit_s()) * (1.0 - 1e-9)).ceil().max(1.0)
+    }
+
+    /// A step of the leapfrog after a jump, halved until it passes no event and its error is that of a contact step; its length.
+    pub(super) fn leap_to_event(&mut self, mut step: f64) -> Result<f64, MarchError> {
+        let tolerance = self.tolerance.max(TOUCH_TOLERANCE);
+        loop {
+            let error = self.leap(step) * self.tolerance / tolerance;
+            if !error.is_finite() {
+                return Err(MarchError::NotFinite { time_s: self.time_s });
+            }
+            let exact = self.fixed_s.is_some() || error <= 1.0 || step <= EVENT_S;
+            if let Some(touching) = &mut self.touching {
+                touching.advise(if exact { step * error.max(1e-3).powf(-1.0 / 3.0) } else { 0.5 * step });
+            }
+            if !exact {
+                step *= 0.5;
+                self.tally.steps[1] += 1;
+                continue;
+            }
+            if !self.breaks(step) && (self.fixed_s.is_some() || !self.turns_over(step, tolerance)) {
+                return Ok(step);
+            }
+            step *= 0.5;
+            self.tally.steps[1] += 1;
+        }
+    }
+
+    /// What the next step may change by after an error, or nothing if this one has to be tried again with a smaller step.
+    pub(super) fn judge(&mut self, step: f64, error: f64) -> Result<Option<f64>, MarchError> {
+        if self.fixed_s.is_some() {
+            let time_s = self.time_s;
+            return if error.is_finite() { Ok(Some(1.0)) } else { Err(MarchError::NotFinite { time_s }) };
+        }
+        let order = self.method.order;
+        if !error.is_finite() {
+            // a step too far into a singular pose; a smaller one stays before it
+            self.tally.steps[1] += 1;
+            self.step = CHANGE[0] * step;
+            if self.step < self.least_s {
+                return Err(MarchError::NotFinite { time_s: self.time_s });
+            }
+            return Ok(None);
+        }
+        let sized = error.max(1e-10);
+        if error > 1.0 {
+            self.tally.steps[1] += 1;
+            self.ceiling = step * CEILING[0];
+            self.step = step * (CAUTION * sized.powf(-1.0 / order)).clamp(CHANGE[0], 1.0);
+            self.repeated = true;
+            return Ok(None);
+        }
+        // events are met by halving the step that passes them
+        if self.breaks(step) || self.turns_over(step, self.tolerance) {
+            self.tally.steps[1] += 1;
+            self.step = 0.5 * step;
+            return Ok(None);
+        }
+        // with the error of the step before, so that steps settle at a bound of stability instead of trying it again and again
+        let by_both = sized.powf(-PROPORTIONAL / order) * self.before.powf(INTEGRAL / order);
+        let most = if self.repeated { 1.0 } else { CHANGE[1] };
+        (self.before, self.repeated) = (sized, false);
+        self.ceiling *= CEILING[1];
+        let change = (CAUTION * by_both).clamp(CHANGE[0], most);
+        Ok(Some(change.min((self.ceiling / step).max(CHANGE[0]))))
+    }
+
+    /// Whether a hinge begins or ceases to flow in a step, at the cost of more energy than is allowed: the estimate of the error does not see a force that changes its slope early in the
+    /// step.
+    fn turns_over(&self, step: f64, tolerance: f64) -> bool {
+        step > EVENT_S
+            && self.motion.has_turned_over()
+            && self.motion.energy_error([&self.state, &self.next], REST_M) > tolerance
+    }
+
+    /// Whether a hinge fractures in a step that can be shorter.
+    fn breaks(&self, step: f64) -> bool {
+        step > EVENT_S && self.motion.beyond().is_some_and(|beyond| beyond >= 0.0)
+    }
+}
+
+/// Largest estimated error of a step over what is allowed.
+pub(super) fn error(
+    [state, next]: [&[f64]; 2],
+    k: &[Vec<f64>],
+    step: f64,
+    tolerance: f64,
+    method: &Method,
+) -> f64 {
+    let mut largest: f64 = 0.0;
+    for (i, (a, b)) in state.iter().zip(next).enumerate() {
+        let sum: f64 = k.iter().zip(method.error).map(|(k, e)| e * k[i]).sum();
+        let share = (step * sum).abs() / (tolerance * (1.0 + a.abs().max(b.abs())));
+        if share.is_nan() {
+            return f64::NAN;
+        }
+        largest = largest.max(share);
+    }
+    largest
+}
+
+/// A first step from the size of the rates.
+pub(super) fn first_step(state: &[f64], rate: &[f64], tolerance: f64) -> f64 {
+    let size = |v: &f64| 1.0 + v.abs();
+    let fastest = state.iter().zip(rate).map(|(s, r)| r.abs() / size(s)).fold(0.0, f64::max);
+    0.1 * tolerance.powf(0.2) / fastest.max(1e-3)
+}
