@@ -9,7 +9,8 @@ use crate::mbs::RunResult;
 use crate::mbs::result::EventKind;
 use crate::review::Review;
 use crate::study::COLLAPSE_DROP_M;
-use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY};
+use crate::validate::spread::UNDECIDED_M;
+use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY, Spread};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -27,6 +28,8 @@ pub struct Summary<'a> {
     pub review: &'a Review,
     /// The MBS run.
     pub mbs: &'a RunResult,
+    /// How far it comes apart with next to no change.
+    pub spread: Option<&'a Spread>,
     /// The FE run and the comparison, if there was one.
     pub comparison: Option<&'a Comparison>,
     /// The result folder.
@@ -87,6 +90,9 @@ pub fn as_text(s: &Summary) -> String {
     );
     if let Some(warning) = energy_warning(s.mbs.energy_error) {
         text += &format!("  warning    {warning}\n");
+    }
+    if let Some(spread) = s.spread.filter(|s| s.largest_m >= UNDECIDED_M) {
+        text += &format!("  rounding   {}\n", spread.words());
     }
     match s.comparison {
         Some(c) => text += &comparison_text(c),
@@ -262,6 +268,7 @@ pub fn as_json(s: &Summary) -> Value {
             "energy_limit": LIMIT_ENERGY,
             "energy_warning": energy_warning(s.mbs.energy_error),
             "first_ground_contact_s": s.mbs.first_ground_contact_s,
+            "spread": s.spread,
             "warnings": s.mbs.warnings,
         },
         "validation": validation,

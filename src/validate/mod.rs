@@ -5,10 +5,12 @@ pub mod left_out;
 pub mod measure;
 pub mod points;
 pub mod record;
+pub mod spread;
 
 pub use hybrid::HybridValidation;
 pub use left_out::LeftOut;
 pub use points::DebrisPoint;
+pub use spread::Spread;
 
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
@@ -136,6 +138,9 @@ pub struct Validation {
     /// What the runs left out.
     #[serde(default)]
     pub left_out: Vec<LeftOut>,
+    /// How far MBS runs come apart that differ by next to nothing.
+    #[serde(default)]
+    pub spread: Option<Spread>,
 }
 
 impl Validation {
@@ -193,6 +198,7 @@ impl Validation {
             sites,
             hybrid: None,
             left_out: left_out::of_fe(fe).into_iter().chain(left_out::of_mbs(mbs)).collect(),
+            spread: None,
         }
     }
 

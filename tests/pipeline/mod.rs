@@ -5,5 +5,6 @@ mod commands;
 mod fe_options;
 mod fe_refused;
 mod reference;
+mod spread;
 mod studies;
 mod words;

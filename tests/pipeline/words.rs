@@ -36,6 +36,7 @@ fn good() -> Validation {
         sites: Vec::new(),
         hybrid: None,
         left_out: Vec::new(),
+        spread: None,
     }
 }
 

@@ -40,7 +40,7 @@ pub fn runs(v: &Validation) -> Vec<ComparedRun> {
     [fe].into_iter().chain(hybrid).chain([mbs]).collect()
 }
 
-/// Which points are debris, and what rigid parts did.
+/// Which points are debris, how far rounding decides, and what rigid parts did.
 pub fn notes(v: &Validation) -> Vec<String> {
     let mut notes = Vec::new();
     match v.debris.as_slice() {
@@ -51,6 +51,7 @@ pub fn notes(v: &Validation) -> Vec<String> {
             named(points)
         )),
     }
+    notes.extend(v.spread.iter().map(|s| format!("MBS: {}.", s.words())));
     let Some(h) = &v.hybrid else { return notes };
     notes.push(format!(
         "Hybrid run: {:.0} % of the acting elements were rigid in the mean, {:.0} % of the element work was left out; {} switches changed the energy by \

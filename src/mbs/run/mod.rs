@@ -6,7 +6,8 @@
 //!
 //! | file | owns |
 //! |---|---|
-//! | this one | options, the time loop |
+//! | this one | the time loop |
+//! | `entry` | options, and finer runs where one was too coarse |
 //! | `setup` | the step, the empty result |
 //! | `events` | yield, fracture, contacts, removal and weakening |
 //! | `rules` | what contacts and fractures change by the rules of a model |
@@ -14,27 +15,32 @@
 //! | `relate` | inertia that bodies have together: when it begins and ends |
 //! | `soften` | springs of what has come down |
 //! | `output` | histories, the energy balance, what begins inside something else |
+//! | `remarks` | what is worth saying of a run |
 //! | `work` | what is computed of bodies and latent sections, and what is left out |
 
+mod entry;
 mod events;
 mod output;
 mod part;
 mod relate;
+mod remarks;
 mod rules;
 mod setup;
 mod soften;
 mod work;
 
+pub(super) use self::entry::simulate_varied;
+pub use self::entry::{REPEATED, SolverOptions, simulate, simulate_carefully, simulate_with};
 pub(super) use self::output::remark_on_overlaps;
+pub(super) use self::remarks::{FINER_IDEAL, closing_remarks, remark_on_late_events};
 use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, outputs, preload_error, usable_step};
 use super::balance::Balance;
-use super::contact::{ContactSet, Moving, Settings, Work};
+use super::contact::{ContactSet, Moving};
 use super::error::SolveError;
-use super::ideal;
 use super::latent::Latent;
 use super::math;
-use super::model::{Event, Model};
+use super::model::Model;
 use super::preload;
 use super::relative_mass::have_turned;
 use super::result::RunResult;
@@ -43,7 +49,6 @@ use super::sleep::Sleep;
 use super::system::{BodyState, System};
 use super::tables::Tables;
 use super::{frequency, step};
-use crate::base::cpu::ThreadClock;
 use std::borrow::Cow;
 
 /// Largest automatic step \[s\]: in it a body at 10 m/s moves by a centimetre, one that turns at 10 rad/s by a hundredth of a radian.
@@ -57,207 +62,6 @@ pub(super) const MOST_STEPS: f64 = 2e9;
 
 /// Times that are one time, as a share of the whole.
 pub(super) const SAME: f64 = 1e-12;
-
-/// Options that are not part of the model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SolverOptions {
-    /// Relative energy error above which the run stops.
-    pub energy_limit: f64,
-    /// How contact impulses are found.
-    pub contact: Settings,
-    /// Whether a run with the automatic step is repeated with half and a quarter of it where its energies grow, or where it stops for its energies or a contact that will not hold.
-    pub repeat: bool,
-    /// Whether latent bushings hold whatever they would have to bear, and no event rule is asked: for comparison only.
-    pub hold_latent: bool,
-    /// Whether latent bushings that are watched are looked at in every step, also where a bound of their loads tells that nothing can part: the same result.
-    pub look_always: bool,
-    /// Whether histories of poses, hinges and crushed ends may be left out of the result, which is the same otherwise.
-    pub brief: bool,
-}
-
-impl Default for SolverOptions {
-    fn default() -> Self {
-        Self {
-            energy_limit: 0.1,
-            contact: Settings::default(),
-            repeat: false,
-            hold_latent: false,
-            look_always: false,
-            brief: false,
-        }
-    }
-}
-
-/// Checks and runs a model.
-pub fn simulate(model: &Model) -> Result<RunResult, SolveError> {
-    simulate_with(model, &SolverOptions::default())
-}
-
-/// Checks and runs a model, and again with smaller steps where its energies do not hold ([`SolverOptions::repeat`]).
-pub fn simulate_carefully(model: &Model) -> Result<RunResult, SolveError> {
-    simulate_with(model, &SolverOptions { repeat: true, ..SolverOptions::default() })
-}
-
-/// Checks and runs a model with options.
-pub fn simulate_with(model: &Model, options: &SolverOptions) -> Result<RunResult, SolveError> {
-    model.check()?;
-    simulate_checked(model, options, &Tables::default())
-}
-
-/// Runs a model whose curves are right and partly compiled.
-pub(super) fn simulate_varied(
-    model: &Model,
-    options: &SolverOptions,
-    known: &Tables,
-) -> Result<RunResult, SolveError> {
-    model.check_varied()?;
-    simulate_checked(model, options, known)
-}
-
-fn simulate_checked(model: &Model, options: &SolverOptions, known: &Tables) -> Result<RunResult, SolveError> {
-    if model.is_ideal() {
-        return ideal::run::simulate(model, options);
-    }
-    let clock = ThreadClock::start();
-    let (mut share, mut outcome) = (1.0, once(model, options, (1.0, known)));
-    let may_repeat = options.repeat && model.settings.time_step_s.is_none();
-    while may_repeat && share > LEAST_SHARE && is_too_coarse(&outcome) {
-        share *= 0.5;
-        outcome = better(outcome, once(model, options, (share, known)), share);
-    }
-    let (mut result, _) = outcome?;
-    result.cpu_s = clock.elapsed_s();
-    Ok(result)
-}
-
-/// A result and by how much its energies grow, over what is turned over; or why there is none.
-type Outcome = Result<(RunResult, f64), SolveError>;
-
-/// Smallest share of the automatic step with which a run is repeated.
-const LEAST_SHARE: f64 = 0.25;
-/// Growth of the energies above which a run with the automatic step is repeated with half of it. Impacts load stiff joints within a step; what that makes falls with the step (random buildings of `bench buildings`: 1.7e-2, 2.7e-3 and
-/// 6.9e-4 at 1, 0.4 and 0.2 ms), which nothing tells before the impact. Energy that is lost instead is only told.
-const GROWTH: f64 = 1e-3;
-
-/// How the remark about a repeated run begins.
-pub const REPEATED: &str = "repeated with";
-
-/// A run with a share of the automatic step, and tables that are known.
-fn once(model: &Model, options: &SolverOptions, (share, known): (f64, &Tables)) -> Outcome {
-    let mut run = Run::new(model, options, (share, known))?;
-    run.result.warnings.extend(run.remark_on_start());
-    run.go()?;
-    run.result.contact_work = run.contacts.work.into();
-    let remarks = closing_remarks(&run.books, Some(run.contacts.work), FINER);
-    run.result.warnings.extend(remark_on_late_events(model));
-    run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
-    run.result.warnings.extend(remarks);
-    run.result.warnings.splice(0..0, run.remark_on_held());
-    run.close_latent();
-    Ok((run.result, run.books.growth))
-}
-
-/// Whether a smaller step may help.
-fn is_too_coarse(outcome: &Outcome) -> bool {
-    match outcome {
-        Ok((_, growth)) => *growth > GROWTH,
-        Err(why) => matches!(
-            why,
-            SolveError::Energy { .. } | SolveError::ContactEnergy { .. } | SolveError::Penetration { .. }
-        ),
-    }
-}
-
-/// The one of two runs whose energies grow less, the later one with a share of the automatic step.
-fn better(before: Outcome, after: Outcome, share: f64) -> Outcome {
-    let told = |was: String| format!("{REPEATED} {share} of the automatic step: with a longer one {was}");
-    match (before, after) {
-        (Ok((_, grew)), Ok((mut result, grows))) if grows < grew => {
-            result.warnings.push(told(format!("energies grew by {grew:.1e} of what is turned over")));
-            Ok((result, grows))
-        }
-        (Err(why), Ok((mut result, grows))) => {
-            result.warnings.push(told(format!("it stopped ({why})")));
-            Ok((result, grows))
-        }
-        (before, _) => before,
-    }
-}
-
-/// Energy error worth a warning.
-const ENERGY_WORTH_TELLING: f64 = 1e-3;
-/// Depth of a contact worth a warning \[m\].
-const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
-
-/// Settings of a model of bushings that make its run finer, and where they stand; those of one of ideal joints.
-const FINER: &str = "settings.time_step_s in the model's file (model.json)";
-pub(super) const FINER_IDEAL: &str =
-    "settings.tolerance or settings.time_step_s in the model's file (model.json)";
-
-/// What is worth saying of a run that came to its end, and the settings that make it finer.
-pub(super) fn closing_remarks(books: &Balance, contacts: Option<Work>, finer: &str) -> Vec<String> {
-    let mut list = Vec::new();
-    let energy_error = books.error;
-    if energy_error > ENERGY_WORTH_TELLING {
-        list.push(format!(
-            "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller {finer} shows what that changes"
-        ));
-    }
-    if books.growth > GROWTH {
-        list.push(format!(
-            "the energy grows by {:.1e} of that turned over; a smaller {finer} shows what that changes",
-            books.growth
-        ));
-    }
-    if books.made() > ENERGY_WORTH_TELLING {
-        list.push(format!(
-            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints, or rebound with friction; a smaller {finer} shows what that changes",
-            books.made()
-        ));
-    }
-    if let Some(work) = contacts.filter(|w| w.deepest_m > DEPTH_WORTH_TELLING_M) {
-        list.push(format!(
-            "contacts were up to {:.1} mm deep (heavy bodies on light ones, or impacts whose impulses did not settle in {} of {} steps); a smaller {finer} holds them better",
-            1e3 * work.deepest_m,
-            work.unfinished,
-            work.steps
-        ));
-    }
-    list
-}
-
-/// That events after the end do not happen, if there are any.
-pub(super) fn remark_on_late_events(model: &Model) -> Option<String> {
-    let end_s = model.settings.end_time_s;
-    let late: Vec<&Event> = model.events.iter().filter(|e| e.time_s > end_s * (1.0 + SAME)).collect();
-    let first = late.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
-    let others = match late.len() - 1 {
-        0 => "does not happen".into(),
-        more => format!("and {more} more do not happen"),
-    };
-    Some(format!(
-        "event \"{}\" at {} s {others}: the run ends before, at settings.end_time_s = {end_s}",
-        first.id, first.time_s
-    ))
-}
-
-/// Joints named in a remark.
-const NAMED: usize = 5;
-
-/// One remark on all joints outside the levels of their curves, however many.
-fn remark_on_levels(joints: &[(String, f64, f64)]) -> Option<String> {
-    let (first, time_s, force_n) = joints.first()?;
-    let named: Vec<&str> = joints.iter().skip(1).take(NAMED).map(|(id, ..)| id.as_str()).collect();
-    let more = joints.len() - 1 - named.len();
-    let others = match (named.is_empty(), more) {
-        (true, _) => String::new(),
-        (false, 0) => format!("; so do later {}", named.join(", ")),
-        (false, more) => format!("; so do later {} and {more} more", named.join(", ")),
-    };
-    Some(format!(
-        "joint \"{first}\" flows from t = {time_s:.4} s under an axial force ({force_n:.4e} N) outside the levels of its curve, where the nearest level is used{others}"
-    ))
-}
 
 struct Run<'a> {
     /// The model as it was given.
@@ -615,27 +419,5 @@ impl<'a> Run<'a> {
             }
         }
         if broken { self.fracture() } else { Vec::new() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The tolerance is of ideal joints: models of bushings do not know it.
-    #[test]
-    fn remarks_name_settings_that_the_model_obeys() {
-        let mut books = Balance::new(1.0);
-        (books.error, books.growth) = (0.03, 0.03);
-        let work = Work { deepest_m: 0.1, ..Work::default() };
-        let said = closing_remarks(&books, Some(work), FINER);
-        assert_eq!(said.len(), 3, "{said:?}");
-        let in_file = |words: &String| words.contains("settings.time_step_s in the model's file");
-        assert!(said.iter().all(|words| in_file(words) && !words.contains("tolerance")), "{said:?}");
-        let ideal = closing_remarks(&books, None, FINER_IDEAL);
-        assert!(
-            ideal.iter().all(|words| in_file(words) && words.contains("settings.tolerance")),
-            "{ideal:?}"
-        );
     }
 }

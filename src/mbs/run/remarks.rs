@@ -1,0 +1,104 @@
+//! What is worth saying of a run that came to its end.
+
+use super::SAME;
+use super::entry::GROWTH;
+use crate::mbs::balance::Balance;
+use crate::mbs::contact::Work;
+use crate::mbs::model::{Event, Model};
+
+/// Energy error worth a warning.
+const ENERGY_WORTH_TELLING: f64 = 1e-3;
+/// Depth of a contact worth a warning \[m\].
+const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
+
+/// Settings of a model of bushings that make its run finer, and where they stand; those of one of ideal joints.
+pub(super) const FINER: &str = "settings.time_step_s in the model's file (model.json)";
+pub(in crate::mbs) const FINER_IDEAL: &str =
+    "settings.tolerance or settings.time_step_s in the model's file (model.json)";
+
+/// What is worth saying of a run that came to its end, and the settings that make it finer.
+pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, finer: &str) -> Vec<String> {
+    let mut list = Vec::new();
+    let energy_error = books.error;
+    if energy_error > ENERGY_WORTH_TELLING {
+        list.push(format!(
+            "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller {finer} shows what that changes"
+        ));
+    }
+    if books.growth > GROWTH {
+        list.push(format!(
+            "the energy grows by {:.1e} of that turned over; a smaller {finer} shows what that changes",
+            books.growth
+        ));
+    }
+    if books.made() > ENERGY_WORTH_TELLING {
+        list.push(format!(
+            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints, or rebound with friction; a smaller {finer} shows what that changes",
+            books.made()
+        ));
+    }
+    if let Some(work) = contacts.filter(|w| w.deepest_m > DEPTH_WORTH_TELLING_M) {
+        list.push(format!(
+            "contacts were up to {:.1} mm deep (heavy bodies on light ones, or impacts whose impulses did not settle in {} of {} steps); a smaller {finer} holds them better",
+            1e3 * work.deepest_m,
+            work.unfinished,
+            work.steps
+        ));
+    }
+    list
+}
+
+/// That events after the end do not happen, if there are any.
+pub(in crate::mbs) fn remark_on_late_events(model: &Model) -> Option<String> {
+    let end_s = model.settings.end_time_s;
+    let late: Vec<&Event> = model.events.iter().filter(|e| e.time_s > end_s * (1.0 + SAME)).collect();
+    let first = late.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
+    let others = match late.len() - 1 {
+        0 => "does not happen".into(),
+        more => format!("and {more} more do not happen"),
+    };
+    Some(format!(
+        "event \"{}\" at {} s {others}: the run ends before, at settings.end_time_s = {end_s}",
+        first.id, first.time_s
+    ))
+}
+
+/// Joints named in a remark.
+const NAMED: usize = 5;
+
+/// One remark on all joints outside the levels of their curves, however many.
+pub(super) fn remark_on_levels(joints: &[(String, f64, f64)]) -> Option<String> {
+    let (first, time_s, force_n) = joints.first()?;
+    let named: Vec<&str> = joints.iter().skip(1).take(NAMED).map(|(id, ..)| id.as_str()).collect();
+    let more = joints.len() - 1 - named.len();
+    let others = match (named.is_empty(), more) {
+        (true, _) => String::new(),
+        (false, 0) => format!("; so do later {}", named.join(", ")),
+        (false, more) => format!("; so do later {} and {more} more", named.join(", ")),
+    };
+    Some(format!(
+        "joint \"{first}\" flows from t = {time_s:.4} s under an axial force ({force_n:.4e} N) outside the levels of its curve, where the nearest level is used{others}"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tolerance is of ideal joints: models of bushings do not know it.
+    #[test]
+    fn remarks_name_settings_that_the_model_obeys() {
+        let mut books = Balance::new(1.0);
+        (books.error, books.growth) = (0.03, 0.03);
+        let work = Work { deepest_m: 0.1, ..Work::default() };
+        let said = closing_remarks(&books, Some(work), FINER);
+        assert_eq!(said.len(), 3, "{said:?}");
+        let in_file = |words: &String| words.contains("settings.time_step_s in the model's file");
+        assert!(said.iter().all(|words| in_file(words) && !words.contains("tolerance")), "{said:?}");
+        let ideal = closing_remarks(&books, None, FINER_IDEAL);
+        assert!(
+            ideal.iter().all(|words| in_file(words) && words.contains("settings.tolerance")),
+            "{ideal:?}"
+        );
+    }
+}
