@@ -73,6 +73,9 @@ fn read(path: &Path) -> Result<Table, Failure> {
         .map_err(|e| fail(e.to_string()))?;
     let names: Vec<String> =
         reader.headers().map_err(|e| fail(e.to_string()))?.iter().map(str::to_string).collect();
+    if let Some(twice) = names.iter().enumerate().find(|(i, n)| names[..*i].contains(n)) {
+        return Err(fail(format!("column {} is \"{}\" again: give each name once", twice.0 + 1, twice.1)));
+    }
     let mut rows = Vec::new();
     for (i, record) in reader.records().enumerate() {
         let record = record.map_err(|e| fail(e.to_string()))?;

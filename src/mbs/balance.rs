@@ -10,6 +10,8 @@ pub struct Balance {
     start_j: f64,
     /// Energy turned over: the largest so far \[J\].
     turnover_j: f64,
+    /// Least energy that what contacts make is compared with \[J\].
+    contacts_j: f64,
     /// Most that contacts had taken \[J\].
     taken_j: f64,
     /// Largest amount by which contacts gave back of it \[J\].
@@ -21,9 +23,14 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// With the scale of a model in which nothing happens \[J\].
-    pub fn new(scale_j: f64) -> Self {
-        Self { turnover_j: scale_j.max(f64::MIN_POSITIVE), ..Self::default() }
+    /// With the scales of a model in which nothing happens: that of all energies, and of what contacts make, which is more, since weight that passes through a stack does work on it to and fro \[J\].
+    pub fn new(scale_j: f64, contacts_j: f64) -> Self {
+        Self { turnover_j: scale_j.max(f64::MIN_POSITIVE), contacts_j, ..Self::default() }
+    }
+
+    /// Work of the weight \[N\] of bodies on a tenth of their radii \[m\]: the least that what contacts make is compared with \[J\].
+    pub fn of_contacts(bodies: impl Iterator<Item = (f64, f64)>) -> f64 {
+        bodies.map(|(weight_n, radius_m)| 0.1 * weight_n * radius_m).sum()
     }
 
     /// Takes in the last output, at which so much energy had been turned over, and in whose kinetic energy so much is what forces add in half a step: that rises and falls with every vibration, and is no growth; what contacts hold against forces they take with the next step only. Returns the error of the sum there.
@@ -52,7 +59,7 @@ impl Balance {
     /// Energy that contacts made, as a share of that turned over. Contacts with friction and rebound only take energy; impulses that
     /// do not settle, as in a jammed mechanism, can make some.
     pub fn made(&self) -> f64 {
-        self.made_j / self.turnover_j
+        self.made_j / self.turnover_j.max(self.contacts_j)
     }
 
     /// The diagnosis if contacts have made more than a share.
@@ -90,7 +97,7 @@ mod tests {
     #[test]
     fn contacts_that_give_back_make_energy() {
         let all = history(&[100.0, 60.0, 90.0], &[0.0, 40.0, 10.0]);
-        let mut balance = Balance::new(1e-3);
+        let mut balance = Balance::new(1e-3, 0.0);
         for n in 1..=3 {
             let until = history(&all.kinetic_j[..n], &[0.0, 40.0, 10.0][..n]);
             let error = balance.note(&until, 0.0, until.kinetic_j[n - 1]);
@@ -107,7 +114,7 @@ mod tests {
     fn contacts_that_hold_a_body_at_rest_make_no_energy() {
         let kick_j = 0.2;
         let rest = history(&[0.0, kick_j, kick_j], &[0.0, -kick_j, -kick_j]);
-        let mut balance = Balance::new(1.0);
+        let mut balance = Balance::new(1.0, 0.0);
         for n in 1..=3 {
             let until = history(&rest.kinetic_j[..n], &[0.0, -kick_j, -kick_j][..n]);
             balance.note(&until, kick_j, until.kinetic_j[n - 1]);
@@ -118,8 +125,20 @@ mod tests {
     }
 
     #[test]
+    fn what_contacts_make_is_small_beside_what_bodies_weigh() {
+        let contacts_j = Balance::of_contacts([(100.0, 0.4), (50.0, 0.2)].into_iter());
+        assert!((contacts_j - 5.0).abs() < 1e-12);
+        let mut balance = Balance::new(1e-3, contacts_j);
+        for n in 1..=3 {
+            let taken = &[0.0, 0.05, 0.0][..n];
+            balance.note(&history(&[0.0, 0.0, 0.05][..n], taken), 0.0, 0.0);
+        }
+        assert!((balance.made() - 0.01).abs() < 1e-12, "{}", balance.made());
+    }
+
+    #[test]
     fn work_that_cancels_does_not_hide_an_error_of_the_sum() {
-        let mut balance = Balance::new(1e-3);
+        let mut balance = Balance::new(1e-3, 0.0);
         balance.note(&history(&[100.0], &[0.0]), 0.0, 100.0);
         let error = balance.note(&history(&[100.0, 90.0], &[0.0, 0.0]), 0.0, 90.0);
         assert!((error - 0.1).abs() < 1e-12, "{error}");

@@ -32,6 +32,8 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
     let parts: Vec<&str> = name.split('.').collect();
     let (list, rest) = (parts[0], &parts[1..]);
     let unknown = |what: &str| fail(format!("expected {what} here"));
+    let ids: Vec<String> = ids(model, list);
+    let (id, field) = member(name, &ids);
     match (list, rest) {
         ("gravity_m_s2", [place]) => {
             set(part(&mut model.gravity_m_s2, place), value).ok_or(unknown("0, 1 or 2"))
@@ -52,20 +54,44 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
                 _ => Err(unknown("friction or restitution")),
             }
         }
-        ("bodies", [id, field @ ..]) => {
-            each(&mut model.bodies, |b| &b.id, id, |b| body(b, field, value), name, "body", BODY)
+        ("bodies", [_, ..]) => {
+            each(&mut model.bodies, |b| &b.id, id, |b| body(b, &field, value), name, "body", BODY)
         }
-        ("bushings", [id, field @ ..]) => {
-            each(&mut model.bushings, |b| &b.id, id, |b| bushing(b, field, value), name, "bushing", BUSHING)
+        ("bushings", [_, ..]) => {
+            each(&mut model.bushings, |b| &b.id, id, |b| bushing(b, &field, value), name, "bushing", BUSHING)
         }
-        ("forces", [id, field @ ..]) => {
-            each(&mut model.forces, |f| f.id(), id, |f| force(f, field, value), name, "force", FORCE)
+        ("forces", [_, ..]) => {
+            each(&mut model.forces, |f| f.id(), id, |f| force(f, &field, value), name, "force", FORCE)
         }
-        ("events", [id, field @ ..]) => {
-            each(&mut model.events, |e| &e.id, id, |e| event(e, field, value), name, "event", "time_s")
+        ("events", [_, ..]) => {
+            each(&mut model.events, |e| &e.id, id, |e| event(e, &field, value), name, "event", "time_s")
         }
         _ => Err(fail(format!("expected a name that begins with {LISTS}, as in \"bodies.ID.mass_factor\""))),
     }
+}
+
+/// Ids of a list.
+fn ids(model: &Model, list: &str) -> Vec<String> {
+    match list {
+        "bodies" => model.bodies.iter().map(|b| b.id.clone()).collect(),
+        "bushings" => model.bushings.iter().map(|b| b.id.clone()).collect(),
+        "forces" => model.forces.iter().map(|f| f.id().to_string()).collect(),
+        "events" => model.events.iter().map(|e| e.id.clone()).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The id in a name, which may have dots of its own, and what follows it: the longest of the ids that the name goes on with, or else all up to the last word.
+fn member<'a>(name: &'a str, ids: &[String]) -> (&'a str, Vec<&'a str>) {
+    let rest = name.split_once('.').map_or("", |(_, rest)| rest);
+    let is_own =
+        |id: &&String| rest.strip_prefix(id.as_str()).is_some_and(|r| r.is_empty() || r.starts_with('.'));
+    let own = ids.iter().filter(is_own).map(String::len).max();
+    let at = own.unwrap_or_else(|| {
+        let words = rest.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('.');
+        words.rfind('.').unwrap_or(words.len())
+    });
+    (&rest[..at], rest[at..].split('.').skip(1).collect())
 }
 
 /// Applies something to the members of a list with an id, or to all; `*` passes over those that have no such number.

@@ -23,6 +23,14 @@ fn names_follow_the_file() {
     assert_eq!(apply(&mut m, "contact.ground.friction", 0.1).unwrap(), 1);
     assert_eq!((m.bodies[1].velocity_m_s[2], m.bodies[0].mass_kg), (-3.0, 5000.0));
     assert_eq!(m.bodies[0].inertia_kg_m2[0][0], 5000.0 / 6.0);
+    // ids of generated models have dots
+    (m.bodies[0].id, m.bodies[1].id) = ("C1-A1".into(), "C1-A1.top".into());
+    assert_eq!(apply(&mut m, "bodies.C1-A1.top.mass_kg", 7.0).unwrap(), 1);
+    assert_eq!(apply(&mut m, "bodies.C1-A1.position_m.1", 8.0).unwrap(), 1);
+    assert_eq!((m.bodies[1].mass_kg, m.bodies[0].position_m[1]), (7.0, 8.0));
+    let text = apply(&mut m, "bodies.C2-A1.top.velocity_m_s.2", 7.0).unwrap_err().to_string();
+    assert!(text.contains("\"C2-A1.top\" is not the id of a body (did you mean \"C1-A1.top\"?)"), "{text}");
+    (m.bodies[0].id, m.bodies[1].id) = ("a".into(), "b".into());
     for (name, expected) in [
         ("body.a.mass_kg", "begins with bodies, bushings"),
         ("bodies.c.mass_kg", "\"c\" is not the id of a body (did you mean"),

@@ -57,6 +57,27 @@ fn what_hangs_stays_and_its_joint_carries_the_weight() {
 }
 
 #[test]
+fn a_joint_carries_what_rests_on_its_body() {
+    let mut m = model("table", 1.0, 0.1);
+    m.settings.reactions = true;
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+    m.bodies.push(solid("table", [0.0; 3], [1.0, 1.0, 0.2]));
+    m.bodies.push(solid("block", [0.2, 0.0, 0.3], [0.4; 3]));
+    m.joints.push(ideal("wall", JointKind::Fixed, None, "table", [0.0; 3]));
+    let result = simulate(&m).unwrap();
+    let [table, block] = [0, 1].map(|b| m.bodies[b].mass_kg * G);
+    let last = &result.reactions[0];
+    let (force, torque) = (last.force_n.last().unwrap(), last.torque_nm.last().unwrap());
+    assert!((force[2] / (table + block) - 1.0).abs() < 1e-3, "{force:?} {}", table + block);
+    // upwards at the point, against the weight 0.2 m beside it along x
+    assert!((torque[1] / (0.2 * block) + 1.0).abs() < 2e-3 && torque[0].abs() < 1e-3 * block, "{torque:?}");
+    // nothing is borne of what has gone
+    m.events.push(Event { remove_bodies: vec!["block".into()], ..event("gone", 0.5) });
+    let force = simulate(&m).unwrap().reactions[0].force_n.last().copied().unwrap();
+    assert!((force[2] / table - 1.0).abs() < 1e-9, "{force:?}");
+}
+
+#[test]
 fn a_released_joint_lets_go_at_its_time() {
     let mut m = bob();
     m.events.push(Event { release: vec!["ball".into()], ..event("cut", 0.35) });
@@ -140,6 +161,9 @@ fn a_hinge_breaks_with_its_joint_and_says_so() {
     let turn = &result.turns[0];
     let after = result.times_s.iter().position(|t| *t >= broken.time_s).unwrap();
     assert!((turn.rotation_rad[after - 1][1] - 0.3).abs() < 0.01 && turn.moment_nm[after + 1] == [0.0; 3]);
+    let plastic = |i: usize| turn.plastic_rotation_rad[i][1];
+    assert!((plastic(after) - (0.3 - 3e3 / 2e7)).abs() < 1e-4, "{}", plastic(after));
+    assert_eq!(plastic(after), plastic(result.times_s.len() - 1));
     // free flight: the centre falls with g
     let z = |i: usize| result.frames[i].position_m[0][2];
     assert!((z(after + 3) - 2.0 * z(after + 2) + z(after + 1) + G * 1e-4).abs() < 1e-9);

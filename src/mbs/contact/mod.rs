@@ -426,6 +426,16 @@ impl ContactSet {
         }
     }
 
+    /// The same for each moving body.
+    pub fn each_impulse_on(&self, mut visit: impl FnMut(usize, V3, V3)) {
+        self.each_impulse(|solid, arm, p| {
+            let body = self.colliders[solid].body;
+            if body != self.ground {
+                visit(body, arm, p);
+            }
+        });
+    }
+
     /// Calls `visit` for each point of the last step that has an impulse.
     pub fn each_hit(&self, mut visit: impl FnMut(Hit)) {
         for block in &self.rows.blocks {

@@ -321,7 +321,8 @@ impl ContactSet {
         let normal = math::mul_t(&at.r, n);
         let turned = math::sub(normal, pair.weighed);
         let stale = self.settings.stale;
-        let keep = !collider.solid.is_round() && math::dot(turned, turned) <= stale * stale;
+        let round = collider.solid.is_round();
+        let keep = !round && math::dot(turned, turned) <= stale * stale;
         if !keep {
             pair.weighed = normal;
         }
@@ -332,11 +333,10 @@ impl ContactSet {
         for (foot, id) in &self.feet {
             let above = math::mul(&at.r, *foot);
             let gap = math::dot(math::add(at.x, above), plane.normal) - plane.level + pair.offset;
-            let arm = math::axpy(
-                math::sub(math::add(at.x, above), body.x),
-                -0.5 * (gap - pair.offset),
-                plane.normal,
-            );
+            let to_foot = math::sub(math::add(at.x, above), body.x);
+            // the foot of a ball is what will touch
+            let down = if round { 0.0 } else { 0.5 * (gap - pair.offset) };
+            let arm = math::axpy(to_foot, -down, plane.normal);
             let speed = math::dot(math::add(body.v, math::cross(body.w, arm)), plane.normal);
             if !within.holds(gap, h * speed) || usize::from(pair.count) == MOST_POINTS {
                 continue;
@@ -373,7 +373,7 @@ impl ContactSet {
             self.search(slot, reach);
             self.meet_balls(slot, bodies, h);
         }
-        let round = [a, b].iter().all(|i| self.colliders[*i].solid.is_round());
+        let round = [a, b].iter().any(|i| self.colliders[*i].solid.is_round());
         let pair = &mut self.pairs[slot];
         let (at_a, at_b) = (&self.placed[a], &self.placed[b]);
         let n = math::mul(&at_a.r, pair.normal[0]);
@@ -387,7 +387,7 @@ impl ContactSet {
             let on_b = math::add(at_b.x, math::mul(&at_b.r, point.on[1]));
             let gap = math::dot(math::sub(on_b, on_a), n);
             gaps[k] = gap;
-            // points of balls are those that will meet, and not yet opposite each other
+            // the point of a ball is what will touch, at the end of its radius, and not yet opposite the other one
             let middle = math::scale(0.5, math::add(on_a, on_b));
             let at = if round { [on_a, on_b] } else { [middle; 2] };
             arms[k] = [math::sub(at[0], centre_a), math::sub(at[1], centre_b)];

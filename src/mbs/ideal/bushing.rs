@@ -98,11 +98,14 @@ impl Held {
         self.given.bushing.bending.iter().zip(&self.given.curves).filter_map(of).collect()
     }
 
-    /// Multiplies its strength.
-    pub fn weaken(&mut self, by: f64) {
+    /// Multiplies its strength; what it bears above that flows off at once, at poses that it was applied in last.
+    pub fn weaken(&mut self, by: f64, poses: &[Pose]) {
         self.factor *= by;
         // a curve that was compiled once is compiled again
         self.tables = self.compiled().unwrap_or_else(|_| std::mem::take(&mut self.tables));
+        self.trial.clone_from(&self.committed);
+        self.trial.apply(&mut states(self.bodies, poses), &self.tables);
+        self.committed.clone_from(&self.trial);
     }
 
     /// Adds its forces to the bodies' loads.
@@ -145,6 +148,11 @@ impl Held {
     /// Whether it broke when it was applied last.
     pub fn is_broken(&self) -> bool {
         self.trial.hinge.fractured || self.trial.is_pulled_apart()
+    }
+
+    /// Plastic rotation of its hinge \[rad\].
+    pub fn plastic_rad(&self) -> f64 {
+        self.committed.hinge.alpha_rad
     }
 
     /// Whether its hinge has flowed.

@@ -557,6 +557,12 @@ impl Acting {
         history.iter().map(|h| h.dissipated_j).sum()
     }
 
+    /// Plastic rotations about its axes \[rad\].
+    pub fn plastic_rad(&self) -> V3 {
+        let Self::Hinge { history, .. } = self else { return [0.0; 3] };
+        history.map(|h| h.plastic)
+    }
+
     /// How far a hinge was beyond its fracture when it was applied last \[rad\]; `None` of other forces.
     pub fn beyond(&self, laws: &[HingeLaw]) -> Option<f64> {
         let Self::Hinge { law, last, .. } = self else { return None };

@@ -13,6 +13,9 @@ use crate::mbs::contact::TooDeep;
 use crate::mbs::math::{qexp, qmul, qrenormalise};
 use std::collections::BTreeMap;
 
+/// Steps that it takes to forget that joints stopped a motion, how many such times lead to steps of the leapfrog where there are hinges, and how many are remembered.
+const SHAKEN: [u32; 3] = [50, 2, 4];
+
 /// What a run is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct March {
@@ -152,8 +155,9 @@ pub struct Marcher {
     /// Steps of this length at most, whatever their error \[s\].
     pub(super) fixed_s: Option<f64>,
     start_j: f64,
-    /// Dependent rows at the end of the last step.
+    /// Dependent rows at the end of the last step, and steps until all times at which joints stopped a motion are forgotten.
     dependent: usize,
+    shaken: u32,
     /// What joints stopped as they left singular poses.
     pub locked: Locked,
 }
@@ -228,6 +232,7 @@ impl Marcher {
             fixed_s: None,
             start_j: 0.0,
             dependent: 0,
+            shaken: 0,
             locked: Locked::default(),
         };
         marcher.motion.take(&marcher.state);
@@ -307,10 +312,18 @@ impl Marcher {
             }
             self.watch()?;
             let near = self.is_near(step);
-            let step = if near { self.contact_step(step, until_s) } else { step };
-            let step = if near {
-                self.jump(step)?;
-                self.leap_to_event(step)?
+            // joints that stop motions again and again leave no smooth motion for error estimates
+            let shaken = self.method.is_of_stiff() && self.shaken > SHAKEN[0] * SHAKEN[1];
+            let leaps = near || shaken;
+            let step = if leaps { self.contact_step(step, until_s) } else { step };
+            self.motion.bear_nothing();
+            let step = if leaps {
+                if near {
+                    self.jump(step)?;
+                }
+                let step = self.leap_to_event(step)?;
+                self.step = if shaken { 1.5 * step } else { self.step };
+                step
             } else {
                 let Some(change) = self.attempt(step)? else { continue };
                 if !self.counted(step) {
@@ -326,8 +339,8 @@ impl Marcher {
                 from_s: self.time_s,
                 length_s: step,
                 ends: [&self.state, &self.next],
-                rates: if near { &self.rates[..two] } else { &self.rates },
-                method: if near { &LEAPFROG } else { self.method },
+                rates: if leaps { &self.rates[..two] } else { &self.rates },
+                method: if leaps { &LEAPFROG } else { self.method },
             };
             let cut = seen(&span, self);
             if let Some(at_s) = cut {
@@ -337,9 +350,15 @@ impl Marcher {
                 self.motion.project(&mut state);
                 (self.state, self.time_s) = (state, at_s);
             } else {
-                let locked = self.project_step(near || self.method.is_leapfrog());
+                let locked = self.project_step(leaps || self.method.is_leapfrog());
+                let [memory, _, most] = SHAKEN;
+                self.shaken = if locked {
+                    (self.shaken + memory).min(most * memory)
+                } else {
+                    self.shaken.saturating_sub(1)
+                };
                 self.state.copy_from_slice(&self.next);
-                let last = if near { 1 } else { self.rates.len() - 1 };
+                let last = if leaps { 1 } else { self.rates.len() - 1 };
                 self.rates.swap(0, last);
                 self.time_s += step;
                 if locked {

@@ -69,6 +69,11 @@ pub(super) const LEAPFROG: Method = Method { stages: &[&[]], error: &[], dense: 
 pub(super) const COARSE: f64 = 1e-4;
 
 impl Method {
+    /// Whether it is one of mechanisms with hinges.
+    pub(super) fn is_of_stiff(&self) -> bool {
+        self.order < FIFTH.order
+    }
+
     /// Whether it is the leapfrog.
     pub(super) fn is_leapfrog(&self) -> bool {
         self.error.is_empty()

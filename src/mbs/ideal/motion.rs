@@ -78,6 +78,10 @@ pub struct Motion {
     pub yielded: Vec<usize>,
     /// Hinges that count their rotations anew, and torsion springs whose axis points against itself, by their places in the mechanism; for the caller to fetch.
     pub confused: Vec<usize>,
+    /// Plastic rotations of hinges and bushings that broke, at that time, by their places in the mechanism \[rad\].
+    pub ended: BTreeMap<usize, V3>,
+    /// Impulses of joints over the step that contacts asked for in the last one, a multiplier for each row; empty: nothing touched.
+    borne: Vec<f64>,
     /// Plastic work of hinges that are gone, and elastic energy of those that fractured \[J\].
     pub(super) spent_j: f64,
     pub(super) lost_j: f64,
@@ -147,6 +151,8 @@ impl Motion {
             torn: Vec::new(),
             yielded: Vec::new(),
             confused: Vec::new(),
+            ended: BTreeMap::new(),
+            borne: Vec::new(),
             spent_j: 0.0,
             lost_j: 0.0,
             gone: vec![false; start.len()],
@@ -192,6 +198,7 @@ impl Motion {
         self.multipliers = vec![0.0; total];
         self.wanted = vec![[0.0; SIDES]; total];
         self.factor = factor;
+        self.borne.clear();
         self.find_parts();
     }
 
@@ -272,6 +279,24 @@ impl Motion {
             let s = &state[STATE * b..STATE * (b + 1)];
             [[s[7], s[8], s[9]], [s[10], s[11], s[12]]]
         })
+    }
+
+    /// Notes what joints bear of impulses on bodies, over the mass and inertia (linear, angular) of these, in a step of `h` \[s\], at the state that was taken.
+    pub(super) fn bear(&mut self, impulses: &[[V3; 2]], h: f64) {
+        self.loads.copy_from_slice(impulses);
+        self.accept(|_| 0.0);
+        self.borne.clear();
+        self.borne.extend(self.multipliers.iter().map(|m| m / h));
+    }
+
+    /// Forgets it.
+    pub(super) fn bear_nothing(&mut self) {
+        self.borne.clear();
+    }
+
+    /// Multipliers of the rate that was taken last, and of what contacts asked for in the last step.
+    pub(super) fn borne(&self, row: usize) -> [f64; 2] {
+        [self.multipliers[row], self.borne.get(row).copied().unwrap_or(0.0)]
     }
 
     /// Weight of a body \[N\].
@@ -455,6 +480,7 @@ impl Motion {
             if committed.beyond.is_some_and(|beyond| beyond >= 0.0) {
                 broken.push(*id);
                 self.lost_j += force.elastic_j(&self.poses, &self.laws);
+                self.ended.insert(*id, force.plastic_rad());
                 if let Acting::Hinge { joint: Some(joint), .. } = force {
                     opened.push(*joint);
                 }
@@ -469,6 +495,7 @@ impl Motion {
             if let Some(by_tension) = breaks {
                 broken.push(*id);
                 self.lost_j += bushing.at(&self.poses).0[0];
+                self.ended.insert(*id, [bushing.plastic_rad(), 0.0, 0.0]);
                 self.torn.extend(by_tension.then_some(*id));
                 opened.extend(bushing.joint());
             }
@@ -533,7 +560,7 @@ impl Motion {
     /// Multiplies the strength of a hinge or bushing by its place, if it is there.
     pub fn weaken(&mut self, id: usize, by: f64) {
         if let Some(at) = self.bushing_ids.iter().position(|b| *b == id) {
-            self.bushings[at].weaken(by);
+            self.bushings[at].weaken(by, &self.poses);
         } else if let Some(force) = self.force_mut(id) {
             force.weaken(by);
         }

@@ -10,7 +10,7 @@ use crate::mbs::balance::Balance;
 use crate::mbs::contact::{ContactSet, Partner};
 use crate::mbs::error::SolveError;
 use crate::mbs::math::{self, V3};
-use crate::mbs::model::{Bending, Bushing, Force, Model};
+use crate::mbs::model::{Bending, Body, Bushing, Force, Model};
 use crate::mbs::result::{
     EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
     TrackedHistory, TurnHistory,
@@ -76,7 +76,9 @@ impl<'a> Run<'a> {
         let mut marcher = Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, in_space)?;
         if has_contact(model) {
             let set = ContactSet::new(model, options.contact);
-            marcher.touching = Some(Touching::new(set, settings.tolerance));
+            let mut touching = Touching::new(set, settings.tolerance);
+            touching.tells_reactions = settings.reactions;
+            marcher.touching = Some(touching);
             marcher.connect();
             marcher.restart();
         }
@@ -96,6 +98,11 @@ impl<'a> Run<'a> {
         let mass: f64 = model.bodies.iter().map(|b| b.mass_kg).sum();
         // one millimetre of fall: the scale of a model in which nothing happens
         let scale_j = 1e-3 * mass * math::norm(model.gravity_m_s2) + start.kinetic_j + start.elastic_j;
+        let contacts_j = marcher.touching.as_ref().map_or(0.0, |touching| {
+            let weight = |b: &Body| b.mass_kg * math::norm(model.gravity_m_s2);
+            let bodies = model.bodies.iter().enumerate();
+            Balance::of_contacts(bodies.map(|(i, b)| (weight(b), touching.set.radius_m(i))))
+        });
         let record = Record {
             next: 0,
             start,
@@ -103,7 +110,7 @@ impl<'a> Run<'a> {
             unbound_j: 0.0,
             contact_j: [0.0; 2],
             locked_j: 0.0,
-            books: Balance::new(scale_j),
+            books: Balance::new(scale_j, contacts_j),
         };
         Ok(Self { model, options, tracked: tracked.collect(), record, marcher, result })
     }
@@ -332,15 +339,18 @@ impl Record {
             let now = seen.hinges.iter().find(|(hinge, _)| *hinge == id).map(|(_, h)| h);
             history.rotation_rad.push(now.map_or([0.0; 3], |h| h.rotation_rad));
             history.moment_nm.push(now.map_or([0.0; 3], |h| h.moment_nm));
-            history.plastic_rotation_rad.push(now.map_or([0.0; 3], |h| h.plastic_rad));
+            let before = history.plastic_rotation_rad.last().copied().unwrap_or([0.0; 3]);
+            let ended = motion.ended.get(&id).copied().unwrap_or(before);
+            history.plastic_rotation_rad.push(now.map_or(ended, |h| h.plastic_rad));
         }
         for history in result.hinges.iter_mut().filter(|_| !options.brief) {
-            let now = seen.bushings.iter().find(|(id, _)| id_of(model, *id) == history.joint);
-            let now = now.map(|(_, b)| *b);
+            let is_own = |id: &usize| id_of(model, *id) == history.joint;
+            let now = seen.bushings.iter().find(|(id, _)| is_own(id)).map(|(_, b)| *b);
+            let ended = motion.ended.iter().find(|(id, _)| is_own(id)).map(|(_, plastic)| plastic[0]);
             history.rotation_rad.push(now.map_or([0.0; 2], |b| b.rotation_rad));
             history.moment_nm.push(now.map_or([0.0; 2], |b| b.moment_nm));
             let before = history.plastic_rotation_rad.last().copied().unwrap_or(0.0);
-            history.plastic_rotation_rad.push(now.map_or(before, |b| b.plastic_rad));
+            history.plastic_rotation_rad.push(now.map_or(ended.unwrap_or(before), |b| b.plastic_rad));
             history.axial_force_n.push(now.map_or(0.0, |b| b.axial_force_n));
         }
         self.balance(model, options, [time, step], &seen, state, result)

@@ -170,19 +170,23 @@ impl Motion {
         bound.min(MARGIN * square.sqrt())
     }
 
-    /// Force and torque about its point of each joint that is there on its second body, global \[N, N m\], at the state whose rate was taken last.
+    /// Force and torque about its point of each joint that is there on its second body, global \[N, N m\], at the state whose rate was taken last, with what contacts asked for in the mean of the last step.
     pub fn reactions(&self) -> Vec<[V3; 2]> {
-        (0..self.joints.len()).map(|j| self.reaction(j)).collect()
+        (0..self.joints.len()).map(|j| self.reaction_to(j, |row| self.borne(row).iter().sum())).collect()
     }
 
-    /// The same of one joint.
+    /// The same of one joint without contacts.
     pub(super) fn reaction(&self, j: usize) -> [V3; 2] {
+        self.reaction_to(j, |row| self.borne(row)[0])
+    }
+
+    fn reaction_to(&self, j: usize, multiplier: impl Fn(usize) -> f64) -> [V3; 2] {
         let joint = &self.joints[j];
         let (mut force, mut torque) = ([0.0; 3], [0.0; 3]);
         let side = usize::from(!is_ground(joint.bodies[1]));
         for r in self.first[j]..self.first[j + 1] {
             let [linear, angular] = self.rows[r].of[side];
-            let factor = if side == 1 { -self.multipliers[r] } else { self.multipliers[r] };
+            let factor = if side == 1 { -multiplier(r) } else { multiplier(r) };
             (force, torque) = (axpy(force, factor, linear), axpy(torque, factor, angular));
         }
         let arm = joint.arm(side, pose_of(&self.poses, joint.bodies[side]));

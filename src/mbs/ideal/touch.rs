@@ -32,6 +32,8 @@ pub struct Touching {
     allowed_s: f64,
     /// First contacts with their times \[s\]; for the caller to fetch.
     pub touches: Vec<(f64, Touch)>,
+    /// Whether what joints bear of contacts is to be found.
+    pub tells_reactions: bool,
     moving: Vec<Moving>,
     /// Longest paths of the bodies in the next step \[m\]: those of the last smooth one at least, if the bound on paths did not hold in it.
     paths_m: Vec<f64>,
@@ -48,6 +50,7 @@ impl Touching {
             longest_s: step_s,
             allowed_s: step_s,
             touches: Vec::new(),
+            tells_reactions: false,
             moving: Vec::new(),
             paths_m: Vec::new(),
             missed: false,
@@ -179,6 +182,9 @@ impl Marcher {
     fn impulses(&mut self, touching: &mut Touching, h: f64) -> Result<(), TooDeep> {
         self.place(touching, h);
         touching.set.solve_linked(&mut touching.moving, h, Some(&mut self.motion))?;
+        if touching.tells_reactions {
+            self.bear(touching, h);
+        }
         let works = self.state.len() - WORKS;
         let before = self.motion.power(&self.state);
         let (mut largest, mut shift) = (0.0_f64, 0.0_f64);
@@ -207,6 +213,18 @@ impl Marcher {
             self.turn_rates();
         }
         Ok(())
+    }
+
+    /// Finds what joints bear of the impulses of the contacts.
+    fn bear(&mut self, touching: &Touching, h: f64) {
+        let moving = &touching.moving;
+        let mut impulses = vec![[[0.0; 3]; 2]; moving.len()];
+        touching.set.each_impulse_on(|body, arm, p| {
+            let [linear, angular] = &mut impulses[body];
+            *linear = math::axpy(*linear, moving[body].inverse_mass, p);
+            *angular = add(*angular, math::mul(&moving[body].inverse_inertia, math::cross(arm, p)));
+        });
+        self.motion.bear(&impulses, h);
     }
 
     /// Displaces bodies to open gaps and books the work; `far`: with the forces and rates at the end of the displacements.

@@ -144,7 +144,11 @@ impl Run<'_> {
             // One millimetre of fall: the scale of a model in which nothing happens.
             let mass: f64 = self.system.data.iter().map(|d| d.mass).sum();
             let scale_j = 1e-3 * mass * math::norm(self.system.gravity) + kinetic + joints;
-            self.books = Balance::new(scale_j);
+            let gravity = math::norm(self.system.gravity);
+            let weights = self.system.data.iter().take(self.system.count()).enumerate();
+            let contacts_j =
+                Balance::of_contacts(weights.map(|(i, d)| (d.mass * gravity, self.contacts.radius_m(i))));
+            self.books = Balance::new(scale_j, contacts_j);
         }
         let error = self.books.note(e, kick, kinetic + gravity.abs() + plastic.abs());
         (self.result.energy_error, self.result.energy_growth) = (self.books.error, self.books.growth);

@@ -88,7 +88,7 @@ mod tests {
     /// The tolerance is of ideal joints: models of bushings do not know it.
     #[test]
     fn remarks_name_settings_that_the_model_obeys() {
-        let mut books = Balance::new(1.0);
+        let mut books = Balance::new(1.0, 0.0);
         (books.error, books.growth) = (0.03, 0.03);
         let work = Work { deepest_m: 0.1, ..Work::default() };
         let said = closing_remarks(&books, Some(work), FINER);
