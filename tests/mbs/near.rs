@@ -2,6 +2,7 @@
 
 use super::support::*;
 use fallwerk::bench::mbs_trials::random;
+use fallwerk::bench::soundness::Finished;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::{RunResult, SolverOptions, simulate, simulate_with};
 
@@ -113,12 +114,15 @@ fn what_is_skipped_changes_nothing_on_ideal_joints() {
     }
 }
 
-/// Random hinge structures whose energy grew by 4e-4 to 1.6e-3 as long as steps that looked for contact were those of contact.
+/// Random hinge structures whose energy grew by 4e-4 to 1.6e-3 as long as steps that looked for contact were those of contact (17 to 1859), and such as are over ground and pass singular poses again and again (139 to 9503).
 #[test]
 fn random_structures_keep_their_energy() {
-    for seed in [17, 46, 184, 1859] {
-        let result = simulate(&random(seed)).unwrap();
-        println!("{seed}: energy error {:.1e} in {} steps", result.energy_error, result.steps);
-        assert!(result.energy_error < 1e-4, "{seed}: {}", result.energy_error);
+    for seed in [17, 46, 184, 1859, 139, 1378, 9503] {
+        let model = random(seed);
+        let result = simulate(&model).unwrap();
+        let shown = Finished::of(&model, &result);
+        let (error, depth_m) = (shown.energy_error, shown.passing.ground.depth_m);
+        println!("{seed}: energy error {error:.1e}, depth {depth_m:.1e} m, {} steps", result.steps);
+        assert!(error < 2e-4 && shown.growth < 1e-4 && depth_m < 1e-4, "{seed}: {shown:?}");
     }
 }

@@ -311,16 +311,13 @@ impl Marcher {
                 return Err(MarchError::Step { time_s: self.time_s, step_s: step });
             }
             self.watch()?;
-            let near = self.is_near(step);
             // joints that stop motions again and again leave no smooth motion for error estimates
             let shaken = self.method.is_of_stiff() && self.shaken > SHAKEN[0] * SHAKEN[1];
-            let leaps = near || shaken;
+            let leaps = self.is_near(step) || shaken;
             let step = if leaps { self.contact_step(step, until_s) } else { step };
             self.motion.bear_nothing();
             let step = if leaps {
-                if near {
-                    self.jump(step)?;
-                }
+                self.jump(step)?;
                 let step = self.leap_to_event(step)?;
                 self.step = if shaken { 1.5 * step } else { self.step };
                 step
