@@ -2,7 +2,7 @@
 
 use super::march::{MarchError, Marcher};
 use super::method::Method;
-use super::touch::Touching;
+use super::touch::{STEP_S, Touching};
 
 /// Limits of the change of a step, and the share of the step that the error would allow.
 const CHANGE: [f64; 2] = [0.2, 5.0];
@@ -40,9 +40,9 @@ impl Marcher {
         Ok(())
     }
 
-    /// Length of a step in contact that is at most `step`, and divides the time until the stop evenly.
+    /// Length of a step in contact, or of such a one where nothing can touch, that is at most `step`, and divides the time until the stop evenly.
     pub(super) fn contact_step(&self, step: f64, until_s: f64) -> f64 {
-        let longest = self.touching.as_ref().map_or(step, Touching::step_s);
+        let longest = self.touching.as_ref().map_or(STEP_S[0], Touching::step_s);
         let span = until_s - self.time_s;
         span / (span / step.min(longest).min(self.leap_limit_s()) * (1.0 - 1e-9)).ceil().max(1.0)
     }

@@ -12,7 +12,7 @@ use crate::mbs::math::{self, V3, add, norm, sub};
 use std::collections::BTreeSet;
 
 /// Longest step in contact \[s\], and that with a coarse tolerance.
-const STEP_S: [f64; 2] = [5e-4, 1e-3];
+pub(super) const STEP_S: [f64; 2] = [5e-4, 1e-3];
 /// Share of the stable step that is taken where steps change between those in contact and others: leapfrog steps that alternate excite vibrations near its limit.
 const ALTERNATING: f64 = 0.8;
 /// Change of a velocity from which accelerations are found anew within a step \[m/s, rad/s\].
