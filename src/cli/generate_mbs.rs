@@ -145,7 +145,7 @@ fn compute(
     let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
     write_json(output, "model.json", &generated.model)?;
     write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;
-    let (runs, wall_s) = run_mbs(&generated, &arguments.latent.options())?;
+    let (mut runs, wall_s) = run_mbs(&generated, &arguments.latent.options())?;
     let (mbs, spread) = (&runs[0], Spread::of(&runs));
     write_mbs(output, mbs)?;
     let review = match arguments.review {
@@ -157,8 +157,7 @@ fn compute(
     };
     write_json(output, "review.json", &review)?;
     if !arguments.validate {
-        let mbs = mbs.clone();
-        return Ok(Computed { generated, review, mbs, spread, comparison: None });
+        return Ok(Computed { generated, review, mbs: runs.swap_remove(0), spread, comparison: None });
     }
     let fe_run = |hybrid: Option<HybridSettings>, name: &str| {
         let options = FeOptions { keep_frames: true, hybrid, ..FeOptions::default() };
@@ -191,9 +190,9 @@ fn compute(
     let page = crate::report::render(&compose::report_input(&pieces))
         .map_err(|e| Failure::stopped(e.to_string()))?;
     write(output, "report.html", &page)?;
-    let (mbs, spread) = (mbs.clone(), validation.spread.clone());
+    let spread = validation.spread.clone();
     let comparison = Some(Comparison { fe, hybrid, facts, validation });
-    Ok(Computed { generated, review, mbs, spread, comparison })
+    Ok(Computed { generated, review, mbs: runs.swap_remove(0), spread, comparison })
 }
 
 /// Runs the model and, with gravity changed by next to nothing, some more times; the first result carries the median processor time. Also returns the median wall time \[s\].

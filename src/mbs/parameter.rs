@@ -32,8 +32,6 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
     let parts: Vec<&str> = name.split('.').collect();
     let (list, rest) = (parts[0], &parts[1..]);
     let unknown = |what: &str| fail(format!("expected {what} here"));
-    let ids: Vec<String> = ids(model, list);
-    let (id, field) = member(name, &ids);
     match (list, rest) {
         ("gravity_m_s2", [place]) => {
             set(part(&mut model.gravity_m_s2, place), value).ok_or(unknown("0, 1 or 2"))
@@ -55,29 +53,23 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
             }
         }
         ("bodies", [_, ..]) => {
-            each(&mut model.bodies, |b| &b.id, id, |b| body(b, &field, value), name, "body", BODY)
+            each(&mut model.bodies, |b| &b.id, |b, field| body(b, field, value), name, "body", BODY)
         }
-        ("bushings", [_, ..]) => {
-            each(&mut model.bushings, |b| &b.id, id, |b| bushing(b, &field, value), name, "bushing", BUSHING)
-        }
+        ("bushings", [_, ..]) => each(
+            &mut model.bushings,
+            |b| &b.id,
+            |b, field| bushing(b, field, value),
+            name,
+            "bushing",
+            BUSHING,
+        ),
         ("forces", [_, ..]) => {
-            each(&mut model.forces, |f| f.id(), id, |f| force(f, &field, value), name, "force", FORCE)
+            each(&mut model.forces, |f| f.id(), |f, field| force(f, field, value), name, "force", FORCE)
         }
         ("events", [_, ..]) => {
-            each(&mut model.events, |e| &e.id, id, |e| event(e, &field, value), name, "event", "time_s")
+            each(&mut model.events, |e| &e.id, |e, field| event(e, field, value), name, "event", "time_s")
         }
         _ => Err(fail(format!("expected a name that begins with {LISTS}, as in \"bodies.ID.mass_factor\""))),
-    }
-}
-
-/// Ids of a list.
-fn ids(model: &Model, list: &str) -> Vec<String> {
-    match list {
-        "bodies" => model.bodies.iter().map(|b| b.id.clone()).collect(),
-        "bushings" => model.bushings.iter().map(|b| b.id.clone()).collect(),
-        "forces" => model.forces.iter().map(|f| f.id().to_string()).collect(),
-        "events" => model.events.iter().map(|e| e.id.clone()).collect(),
-        _ => Vec::new(),
     }
 }
 
@@ -98,14 +90,14 @@ fn member<'a>(name: &'a str, ids: &[String]) -> (&'a str, Vec<&'a str>) {
 fn each<T>(
     list: &mut [T],
     id_of: impl Fn(&T) -> &str,
-    id: &str,
-    mut apply: impl FnMut(&mut T) -> Option<usize>,
+    apply: impl Fn(&mut T, &[&str]) -> Option<usize>,
     name: &str,
     kind: &str,
     fields: &str,
 ) -> Result<usize, ParameterError> {
     let fail = |what: String| ParameterError { name: name.into(), what };
     let ids: Vec<String> = list.iter().map(|m| id_of(m).to_string()).collect();
+    let (id, field) = member(name, &ids);
     let chosen: Vec<&mut T> =
         list.iter_mut().zip(&ids).filter(|(_, own)| id == "*" || *own == id).map(|(m, _)| m).collect();
     if chosen.is_empty() {
@@ -113,7 +105,7 @@ fn each<T>(
         let hint = near.map(|n| format!(" (did you mean \"{n}\"?)")).unwrap_or_default();
         return Err(fail(format!("\"{id}\" is not the id of a {kind}{hint}")));
     }
-    let count = chosen.into_iter().filter_map(&mut apply).sum();
+    let count = chosen.into_iter().filter_map(|m| apply(m, &field)).sum();
     if count == 0 { Err(fail(format!("no such number: expected {fields} after the id"))) } else { Ok(count) }
 }
 

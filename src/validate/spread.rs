@@ -6,6 +6,7 @@
 use super::points::PointErrors;
 use crate::fe::result::FeRun;
 use crate::mbs::Model;
+use crate::mbs::math::{norm, sub};
 use crate::mbs::result::RunResult;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +47,7 @@ impl Spread {
             runs.iter().filter_map(move |r| r.tracked.get(point).and_then(|t| t.displacement_m.last()))
         };
         let apart = |point: usize| {
-            let pairs = ends(point).flat_map(|a| ends(point).map(move |b| distance(a, b)));
+            let pairs = ends(point).flat_map(|a| ends(point).map(move |b| norm(sub(*a, *b))));
             pairs.fold(0.0, f64::max)
         };
         let mut all: Vec<(f64, &str)> =
@@ -93,8 +94,4 @@ impl Spread {
             self.largest_m, self.point, self.median_m
         )
     }
-}
-
-fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }

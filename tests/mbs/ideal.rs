@@ -6,20 +6,6 @@ use fallwerk::mbs::model::*;
 use fallwerk::mbs::result::EventKind;
 use fallwerk::mbs::{RunResult, simulate};
 
-fn ideal(id: &str, kind: JointKind, a: Option<&str>, b: &str, point_m: [f64; 3]) -> Joint {
-    Joint {
-        id: id.into(),
-        kind,
-        body_a: a.map(str::to_string),
-        body_b: b.into(),
-        point_m,
-        point_b_m: None,
-        axis: None,
-        axis_b: None,
-        origin: Origin::default(),
-    }
-}
-
 /// A cube of one metre and 2500 kg that hangs on a ball one metre above its centre.
 fn bob() -> Model {
     let mut m = model("bob", 1.0, 0.1);
@@ -27,17 +13,6 @@ fn bob() -> Model {
     m.joints.push(ideal("ball", JointKind::Spherical, None, "bob", [0.0, 0.0, 1.0]));
     track(&mut m, "bob", [0.0; 3]);
     m
-}
-
-fn event(id: &str, time_s: f64) -> Event {
-    Event {
-        id: id.into(),
-        time_s,
-        remove_bodies: Vec::new(),
-        release: Vec::new(),
-        weaken: Vec::new(),
-        origin: Origin::default(),
-    }
 }
 
 fn fall(result: &RunResult, i: usize) -> f64 {

@@ -6,25 +6,13 @@ use fallwerk::bench::soundness::Finished;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::{RunResult, SolverOptions, simulate, simulate_with};
 
-const BALL: [f64; 3] = [0.0, 0.0, 2.0];
-
 /// A beam on a ball joint with a hinge, without weight, above the ground, that turns about a skew axis.
 fn turning(omega: f64, stiffness_nm_rad: f64, capacity_nm: f64) -> Model {
     let mut m = model("turning", 1.0, 0.05);
     m.gravity_m_s2 = [0.0; 3];
     let beam = solid("beam", [0.0, 0.0, 2.0], [2.0, 0.3, 0.4]);
     m.bodies.push(Body { angular_velocity_rad_s: [0.2 * omega, 0.3 * omega, omega], ..beam });
-    m.joints.push(Joint {
-        id: "ball".into(),
-        kind: JointKind::Spherical,
-        body_a: None,
-        body_b: "beam".into(),
-        point_m: BALL,
-        point_b_m: None,
-        axis: None,
-        axis_b: None,
-        origin: Origin::default(),
-    });
+    m.joints.push(ideal("ball", JointKind::Spherical, None, "beam", [0.0, 0.0, 2.0]));
     m.forces.push(Force::Hinge {
         id: "hinge".into(),
         body_a: None,
@@ -77,7 +65,7 @@ fn a_hinge_that_flows_at_once_takes_what_its_capacity_does() {
 fn a_hinge_of_a_body_in_contact_takes_what_its_capacity_does() {
     let mut m = turning(2.0, 4e7, 500.0);
     m.contact.obstacles.push(ObstacleBox {
-        id: "stub".into(),
+        id: "post".into(),
         min_m: [-0.1, -0.1, 0.0],
         max_m: [0.1, 0.1, 1.9],
         friction: 0.0,
@@ -97,14 +85,8 @@ fn a_hinge_of_a_body_in_contact_takes_what_its_capacity_does() {
 fn what_is_skipped_changes_nothing_on_ideal_joints() {
     let mut falling = turning(2.0, 2e5, 500.0);
     falling.gravity_m_s2 = [0.0, 0.0, -G];
-    falling.events.push(Event {
-        id: "cut".into(),
-        time_s: 0.2,
-        remove_bodies: Vec::new(),
-        release: vec!["ball".into(), "hinge".into()],
-        weaken: Vec::new(),
-        origin: Origin::default(),
-    });
+    let release = vec!["ball".into(), "hinge".into()];
+    falling.events.push(Event { release, ..event("cut", 0.2) });
     for m in [falling, random(17), random(108)] {
         let [some, all] = [true, false].map(|skip| run(&m, skip));
         assert_eq!(some.frames, all.frames, "{}", m.name);

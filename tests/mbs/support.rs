@@ -53,6 +53,33 @@ pub fn joint(
     }
 }
 
+/// An ideal joint without an axis.
+pub fn ideal(id: &str, kind: JointKind, a: Option<&str>, b: &str, point_m: [f64; 3]) -> Joint {
+    Joint {
+        id: id.into(),
+        kind,
+        body_a: a.map(str::to_string),
+        body_b: b.into(),
+        point_m,
+        point_b_m: None,
+        axis: None,
+        axis_b: None,
+        origin: Origin::default(),
+    }
+}
+
+/// An event in which nothing happens yet.
+pub fn event(id: &str, time_s: f64) -> Event {
+    Event {
+        id: id.into(),
+        time_s,
+        remove_bodies: Vec::new(),
+        release: Vec::new(),
+        weaken: Vec::new(),
+        origin: Origin::default(),
+    }
+}
+
 pub fn elastic(stiffness_nm_rad: f64) -> Bending {
     Bending::Elastic { stiffness_nm_rad }
 }

@@ -103,16 +103,21 @@ impl Held {
         self.factor *= by;
         // a curve that was compiled once is compiled again
         self.tables = self.compiled().unwrap_or_else(|_| std::mem::take(&mut self.tables));
-        self.trial.clone_from(&self.committed);
-        self.trial.apply(&mut states(self.bodies, poses), &self.tables);
+        self.attempt(poses);
         self.committed.clone_from(&self.trial);
+    }
+
+    /// Evaluates its law at poses, from what it remembers; the bodies with its loads.
+    fn attempt(&mut self, poses: &[Pose]) -> [BodyState; 3] {
+        let mut states = states(self.bodies, poses);
+        self.trial.clone_from(&self.committed);
+        self.trial.apply(&mut states, &self.tables);
+        states
     }
 
     /// Adds its forces to the bodies' loads.
     pub fn apply(&mut self, poses: &[Pose], loads: &mut Exerted<'_>) {
-        let mut states = states(self.bodies, poses);
-        self.trial.clone_from(&self.committed);
-        self.trial.apply(&mut states, &self.tables);
+        let states = self.attempt(poses);
         for (body, state) in self.bodies.into_iter().zip(&states) {
             loads.add(body, [state.force, state.torque]);
         }

@@ -1,7 +1,8 @@
 //! From a model file to a mechanism.
 
 use super::bushing::Given;
-use super::force::{Force, HingeLaw};
+use super::force::Force;
+use super::hinge_law::HingeLaw;
 use super::joint::{Joint, Kind, frame_about};
 use super::{Body, GROUND, Mechanism};
 use crate::mbs::math::{V3, axpy, cross, dot, norm, scale, sub};

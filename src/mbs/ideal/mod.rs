@@ -8,7 +8,8 @@
 //! | file | owns |
 //! |---|---|
 //! | [`joint`] | kinds of joints and their constraint rows |
-//! | [`force`] | springs, dampers, torques, hinges that flow |
+//! | [`force`] | springs, dampers, torques, hinges |
+//! | [`hinge_law`] | how a hinge flows about one axis |
 //! | [`turn`] | by how much bodies are turned against each other, revolutions counted |
 //! | [`bushing`] | compliant connections |
 //! | [`factor`] | the sparse block factorisation of `S` |
@@ -27,6 +28,7 @@ pub mod compile;
 mod control;
 pub mod factor;
 pub mod force;
+pub mod hinge_law;
 pub mod joint;
 pub mod march;
 mod method;
@@ -39,7 +41,8 @@ pub mod touch;
 pub mod turn;
 
 use super::math::{M3, Q, V3};
-use force::{Force, HingeLaw};
+use force::Force;
+use hinge_law::HingeLaw;
 use joint::Joint;
 
 /// Index that stands for the ground.

@@ -2,7 +2,8 @@
 
 use super::bushing::Held;
 use super::factor::{BlockFactor, SIDES, stride};
-use super::force::{Acting, Exerted, HingeLaw};
+use super::force::{Acting, Exerted};
+use super::hinge_law::HingeLaw;
 use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
 use super::planar::planes;
 use super::solve::{Loads, Sides};

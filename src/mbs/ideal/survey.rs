@@ -33,6 +33,18 @@ pub struct Observed {
     pub bushings: Vec<(usize, BushingState)>,
 }
 
+impl Observed {
+    /// All energies but the potential one of gravity and what fractured hinges had \[J\].
+    fn own_j(&self) -> f64 {
+        self.kinetic_j + self.elastic_j + self.plastic_j
+    }
+
+    /// All energies, less the work of dampers and applied forces \[J\].
+    fn total_j(&self) -> f64 {
+        self.kinetic_j + self.gravity_j + self.elastic_j + self.plastic_j + self.lost_j - self.given_j
+    }
+}
+
 impl Motion {
     /// Energies and hinges at a state that follows on what was committed.
     pub fn observe(&self, state: &[f64]) -> Observed {
@@ -73,18 +85,15 @@ impl Motion {
 
     /// All energies of a state that follows on what was committed, less the work of dampers and applied forces \[J\]: constant, but for errors and what contacts and joints take.
     pub fn total_j(&self, state: &[f64]) -> f64 {
-        let seen = self.observe(state);
-        seen.kinetic_j + seen.gravity_j + seen.elastic_j + seen.plastic_j + seen.lost_j - seen.given_j
+        self.observe(state).total_j()
     }
 
     /// What a step from one state to another, in which no joint opens and nothing touches, changes of all energies, as a share of those that are not potential energy of gravity, and of that in `rest_m` of
     /// fall at least.
     pub fn energy_error(&self, [from, to]: [&[f64]; 2], rest_m: f64) -> f64 {
         let [before, after] = [from, to].map(|state| self.observe(state));
-        let own = |seen: &Observed| seen.kinetic_j + seen.elastic_j + seen.plastic_j;
-        let total = |seen: &Observed| own(seen) + seen.gravity_j - seen.given_j;
         let rest_j = rest_m * norm(self.gravity) * self.mass.iter().sum::<f64>();
-        (total(&after) - total(&before)).abs() / own(&before).max(own(&after)).max(rest_j)
+        (after.total_j() - before.total_j()).abs() / before.own_j().max(after.own_j()).max(rest_j)
     }
 
     /// What the balance of a run keeps constant of a state that follows on what was committed: [`Motion::total_j`], with bushings the work of all forces in place of what

@@ -1,7 +1,8 @@
 //! Hinges that flow, soften and fracture: a toppling column with a closed form, and a frame that falls.
 
 use super::Known;
-use crate::mbs::ideal::force::{Force, HingeLaw};
+use crate::mbs::ideal::force::Force;
+use crate::mbs::ideal::hinge_law::HingeLaw;
 use crate::mbs::ideal::joint::{Joint, Kind};
 use crate::mbs::ideal::march::{Course, March, march};
 use crate::mbs::ideal::{Body, GROUND, Mechanism};
