@@ -119,7 +119,7 @@ pub enum SolveError {
     },
     /// Contacts make energy.
     #[error(
-        "at t = {time_s:.6} s contacts have made {made_j:.2e} J, {share:.3} of the energy turned over, above {limit}: bodies are jammed between contacts and joints, and the impulses on them do not settle (a smaller settings.tolerance or settings.time_step_s, now {step_s:.3e}, may help, or joints that yield), or they rebound with much friction, where Newton's coefficient of restitution can make energy whatever the step (give less restitution or friction)"
+        "at t = {time_s:.6} s contacts have made {made_j:.2e} J, {share:.3} of the energy turned over, above {limit}: bodies are jammed between contacts and joints, and the impulses on them do not settle (a smaller settings.tolerance or settings.time_step_s, now {step_s:.3e}, may help, or joints that yield)"
     )]
     ContactEnergy {
         /// When \[s\].

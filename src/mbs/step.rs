@@ -185,9 +185,7 @@ pub fn meet(
     h: f64,
 ) -> Result<f64, TooDeep> {
     displaced.clear();
-    let n = system.count();
-    let System { isa, bodies, data, inverses, moved, .. } = &mut *system;
-    see_all(*isa, &bodies[..n], data, inverses, &mut moved.see, 0.5 * h, moving);
+    see(system, 0.5 * h, moving);
     contacts.solve(moving, h)?;
     if !contacts.touched.is_empty() {
         return Ok(0.0);
@@ -207,6 +205,40 @@ pub fn meet(
         }
     }
     Ok(half_work_j(system, displaced))
+}
+
+/// What contacts that go on bearing add in half a step of `h` \[s\], at the full step, to bodies that were not `resting`; `moving` is working memory. Returns the kinetic energy that they take \[J\].
+pub fn bear_half(
+    system: &mut System,
+    contacts: &ContactSet,
+    moving: &mut Vec<Moving>,
+    resting: &[bool],
+    h: f64,
+) -> f64 {
+    let mut bodies = system.bodies.clone();
+    kick(system, 0.5 * h, h);
+    see(system, 0.5 * h, moving);
+    let mut taken_j = 0.0;
+    for (i, [v, w]) in contacts.half_borne(moving, h, None).into_iter().flatten().enumerate() {
+        if resting[i] {
+            continue;
+        }
+        let (body, data) = (&mut bodies[i], &system.data[i]);
+        taken_j += kinetic_j(body, data, 0.0);
+        body.p = math::axpy(body.p, data.mass, v);
+        let turn = math::mul(&data.inertia, math::mul_t(&body.r, w));
+        body.l = math::add(body.l, math::mul(&body.r, turn));
+        taken_j -= kinetic_j(body, data, 0.0);
+    }
+    system.bodies = bodies;
+    taken_j
+}
+
+/// The bodies as contacts see them, half a step \[s\] of forces in their velocities.
+fn see(system: &mut System, half_s: f64, moving: &mut Vec<Moving>) {
+    let n = system.count();
+    let System { isa, bodies, data, inverses, moved, .. } = system;
+    see_all(*isa, &bodies[..n], data, inverses, &mut moved.see, half_s, moving);
 }
 
 for_each_isa! {

@@ -11,6 +11,7 @@ mod export;
 mod frame;
 mod hinge;
 mod ideal;
+mod impact;
 mod input;
 mod latent;
 mod motion;

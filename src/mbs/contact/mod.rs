@@ -12,8 +12,10 @@
 //! | `search` | conjugate directions where sweeps settle slowly |
 //! | `links` | impulses on bodies that ideal joints hold together |
 //! | `impact` | impacts with rebound of bodies that no joint holds: rounds of Moreau's law |
+//! | `strike` | impacts of bodies that ideal joints hold together, and jams |
 //! | `crush` | faces that get shorter under more than they bear |
 //! | `overlap` | which solids are inside others at the start |
+//! | `rest` | velocities at the full step |
 //! | `roll` | moments against rolling |
 //! | `solve` | a step: which pairs, impulses, gaps, energies |
 //!
@@ -39,10 +41,12 @@ mod links;
 mod overlap;
 mod pair;
 mod passing;
+mod rest;
 mod roll;
 mod rows;
 mod search;
 mod solve;
+mod strike;
 mod surface;
 mod terms;
 

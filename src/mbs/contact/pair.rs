@@ -573,7 +573,6 @@ fn row(point: &Point, arms: [V3; 2], gap: f64, n: V3, h: f64, k: usize) -> Row {
         normal: h * point.normal,
         tangent: math::scale(h, tangent),
         point: k as u32,
-        exact: false,
         hit_s: f64::INFINITY,
     }
 }

@@ -92,8 +92,6 @@ pub(super) struct Row {
     pub tangent: V3,
     /// Which point of its pair.
     pub point: u32,
-    /// Whether the distance at the end of the step is prescribed (an impact with rebound), else a lower bound.
-    pub exact: bool,
     /// When in the step its first impact with rebound is; infinite: there is none \[s\].
     pub hit_s: f64,
 }
@@ -110,9 +108,6 @@ impl Row {
 impl Row {
     /// When in the step it first touches \[s\].
     pub fn touch_s(&self) -> f64 {
-        if self.exact {
-            return 0.0;
-        }
         let speed = if self.target < 0.0 { -self.target } else { f64::INFINITY };
         self.hit_s.min(self.gap.max(0.0) / speed)
     }
@@ -335,7 +330,7 @@ impl Rows {
             let [a, b] = block.bodies.map(|i| &self.shift[i as usize]);
             for row in &self.rows[block.first as usize..(block.first + block.count) as usize] {
                 let open = row.gap + math::dot(row.relative(a, b), block.normal);
-                worst = worst.min(if row.exact { -open.abs() } else { open });
+                worst = worst.min(open);
             }
         }
         worst
@@ -355,12 +350,8 @@ impl Rows {
                 for i in block.first as usize..(block.first + block.count) as usize {
                     let row = &self.rows[i];
                     let gap = row.gap + math::dot(row.relative(&of_a, &of_b), n);
-                    let push = if row.exact {
-                        self.push[i] - gap * row.mass[0]
-                    } else {
-                        let share = if row.gap < -DEEP_M { DEEP_RATE } else { rate };
-                        (self.push[i] - share * gap * row.mass[0]).max(0.0)
-                    };
+                    let share = if row.gap < -DEEP_M { DEEP_RATE } else { rate };
+                    let push = (self.push[i] - share * gap * row.mass[0]).max(0.0);
                     let change = push - self.push[i];
                     if change != 0.0 {
                         self.push[i] = push;

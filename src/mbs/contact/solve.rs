@@ -34,19 +34,20 @@ impl ContactSet {
     /// # Errors
     /// If solids are in each other by half their thickness.
     pub fn solve(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
-        self.solve_linked(bodies, h, None)
+        self.solve_linked(bodies, [h; 2], None).map(|_| ())
     }
 
-    /// The same for bodies of which joints hold some together; their velocities before fit the joints, and those after do.
+    /// The same for bodies of which joints hold some together; their velocities before fit the joints, and those after do. An impact is at the begin of a step: where there is one within nothing is done but to find the time of
+    /// the first \[s\]. A step that was shortened for that is the first of two lengths, the second is that before \[s\].
     ///
     /// # Errors
     /// If solids are in each other by half their thickness.
     pub fn solve_linked(
         &mut self,
         bodies: &mut [Moving],
-        h: f64,
+        [h, whole_s]: [f64; 2],
         mut mechanism: Option<&mut (dyn Linked + '_)>,
-    ) -> Result<(), TooDeep> {
+    ) -> Result<Option<f64>, TooDeep> {
         for body in bodies.iter_mut() {
             (body.shift, body.turn) = ([0.0; 3], [0.0; 3]);
         }
@@ -54,7 +55,13 @@ impl ContactSet {
         let points = self.find(bodies, h);
         self.find_touched();
         if !self.touched.is_empty() {
-            return Ok(());
+            return Ok(None);
+        }
+        if mechanism.is_some()
+            && h == whole_s
+            && let Some(hit_s) = self.first_hit_s(bodies, h)
+        {
+            return Ok(Some(hit_s));
         }
         if points > 0 {
             self.cap(bodies, h);
@@ -75,8 +82,10 @@ impl ContactSet {
             }
             let is_settled = self.impulses(bodies, h, mechanism);
             if linked {
-                self.rebound_linked(bodies, h);
-                self.temper(bodies);
+                self.unjam(bodies);
+                if !self.rebound_linked(bodies, [h, whole_s]) {
+                    self.temper(bodies);
+                }
             } else {
                 if !is_settled {
                     self.temper(bodies);
@@ -88,7 +97,7 @@ impl ContactSet {
         self.count_paths(bodies, h);
         self.alarm = if points > 0 { f64::NEG_INFINITY } else { self.clock };
         self.count_slack();
-        Ok(())
+        Ok(None)
     }
 
     /// Looks at what is near before a step with paths of at most these lengths \[m\], that is not solved unless something is: false if there are points.
@@ -335,42 +344,6 @@ impl ContactSet {
         true
     }
 
-    /// Gives impacts of bodies that joints hold together their rebound, with the velocity and place that they have at the end of the step after an impact within it.
-    fn rebound_linked(&mut self, bodies: &[Moving], h: f64) {
-        let mut any = false;
-        let rows = &mut self.rows;
-        for block in rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
-            let at =
-                |i: u32, f: &dyn Fn(&Moving) -> Motion| bodies.get(i as usize).map_or(Motion::default(), f);
-            let [before_a, before_b] = block
-                .bodies
-                .map(|i| at(i, &|b| Motion { v: math::sub(b.v, b.kick_v), w: math::sub(b.w, b.kick_w) }));
-            let [kick_a, kick_b] = block.bodies.map(|i| at(i, &|b| Motion { v: b.kick_v, w: b.kick_w }));
-            for row in &mut rows.rows[block.first as usize..(block.first + block.count) as usize] {
-                let before = math::dot(row.relative(&before_a, &before_b), block.normal);
-                let kick = math::dot(row.relative(&kick_a, &kick_b), block.normal);
-                if row.normal <= 0.0 || -before <= REBOUND_FROM * kick.abs() + 1e-9 {
-                    continue;
-                }
-                let pull = 2.0 * kick / h;
-                let gap = row.gap.max(0.0);
-                let root = (before * before - 2.0 * pull * gap).max(0.0).sqrt();
-                let time = (2.0 * gap / (root - before)).min(h);
-                let speed = -block.restitution * (before + pull * time);
-                let end = speed * (h - time) + 0.5 * pull * (h - time) * (h - time);
-                let target = speed + pull * (0.5 * h - time);
-                if end > 0.0 && target > row.target {
-                    (row.target, row.exact) = (target, true);
-                    row.gap -= end;
-                    any = true;
-                }
-            }
-        }
-        if any {
-            self.sweeps(bodies);
-        }
-    }
-
     /// Gaps, energies, and what goes back to the bodies and pairs.
     fn close(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
         self.check_depth()?;
@@ -378,7 +351,7 @@ impl ContactSet {
         self.rows.look_ahead(h);
         self.crush();
         let worst = self.rows.worst();
-        if worst < -self.settings.slop_m || self.rows.rows.iter().any(|r| r.exact) {
+        if worst < -self.settings.slop_m {
             let sweeps = if worst < -DEEP_M { self.settings.deep_sweeps } else { self.settings.gap_sweeps };
             self.rows.separate(sweeps, self.settings.gap_rate);
         }
@@ -392,7 +365,7 @@ impl ContactSet {
     fn check_depth(&mut self) -> Result<(), TooDeep> {
         for block in &self.rows.blocks {
             let rows = &self.rows.rows[block.first as usize..(block.first + block.count) as usize];
-            let depth = rows.iter().filter(|r| !r.exact).map(|r| -r.gap).fold(0.0, f64::max);
+            let depth = rows.iter().map(|r| -r.gap).fold(0.0, f64::max);
             self.work.deepest_m = self.work.deepest_m.max(depth);
             let pair = &self.pairs[block.slot as usize];
             let other = if pair.plane { f64::INFINITY } else { self.colliders[pair.b as usize].thickness };

@@ -111,6 +111,8 @@ pub struct Work {
     pub searches: u64,
     /// Rounds of sweeps that ended before the tolerance was met.
     pub unfinished: u64,
+    /// Steps in which friction was left out where it jammed bodies on ideal joints.
+    pub jammed: u64,
     /// Deepest penetration seen at the begin of a step \[m\].
     pub deepest_m: f64,
 }

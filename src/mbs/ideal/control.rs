@@ -47,8 +47,9 @@ impl Marcher {
         span / (span / step.min(longest).min(self.leap_limit_s()) * (1.0 - 1e-9)).ceil().max(1.0)
     }
 
-    /// A step of the leapfrog after a jump, halved until it passes no event and its error is that of a contact step; its length.
-    pub(super) fn leap_to_event(&mut self, mut step: f64) -> Result<f64, MarchError> {
+    /// A step of the leapfrog after a jump, halved until it passes no event and its error is that of a contact step; its length. One that is `short` for an impact at its end says nothing about
+    /// the next one.
+    pub(super) fn leap_to_event(&mut self, mut step: f64, short: bool) -> Result<f64, MarchError> {
         let tolerance = self.tolerance.max(TOUCH_TOLERANCE);
         loop {
             let error = self.leap(step) * self.tolerance / tolerance;
@@ -56,15 +57,13 @@ impl Marcher {
                 return Err(MarchError::NotFinite { time_s: self.time_s });
             }
             let exact = self.fixed_s.is_some() || error <= 1.0 || step <= EVENT_S;
-            if let Some(touching) = &mut self.touching {
+            if let Some(touching) = self.touching.as_mut().filter(|_| !(short && exact)) {
                 touching.advise(if exact { step * error.max(1e-3).powf(-1.0 / 3.0) } else { 0.5 * step });
             }
-            if !exact {
-                step *= 0.5;
-                self.tally.steps[1] += 1;
-                continue;
-            }
-            if !self.breaks(step) && (self.fixed_s.is_some() || !self.turns_over(step, tolerance)) {
+            if exact && !self.breaks(step) && !self.turns_over(step, tolerance) {
+                if let Some(touching) = &mut self.touching {
+                    touching.last_s = step;
+                }
                 return Ok(step);
             }
             step *= 0.5;
@@ -114,7 +113,8 @@ impl Marcher {
     /// Whether a hinge begins or ceases to flow in a step, at the cost of more energy than is allowed: the estimate of the error does not see a force that changes its slope early in the
     /// step.
     fn turns_over(&self, step: f64, tolerance: f64) -> bool {
-        step > EVENT_S
+        self.fixed_s.is_none()
+            && step > EVENT_S
             && self.motion.has_turned_over()
             && self.motion.energy_error([&self.state, &self.next], REST_M) > tolerance
     }

@@ -180,6 +180,11 @@ impl Span<'_> {
         self.from_s + self.length_s
     }
 
+    /// Half of it if it is one of the leapfrog, else nothing: what forces add in that time to velocities rises and falls with every vibration \[s\].
+    pub fn kick_s(&self) -> f64 {
+        if self.method.is_leapfrog() { 0.5 * self.length_s } else { 0.0 }
+    }
+
     /// Writes the state at a time within.
     pub fn at(&self, time_s: f64, out: &mut [f64]) {
         let s = ((time_s - self.from_s) / self.length_s).clamp(0.0, 1.0);
@@ -246,6 +251,11 @@ impl Marcher {
     /// From now on steps of one length, as many as fill the time until the next stop evenly, without control of their error.
     pub fn fix(&mut self, step_s: f64) {
         self.fixed_s = Some(step_s);
+    }
+
+    /// Kinetic energy of what forces add to velocities in a time \[s, J\].
+    pub fn kick_j(&self, time_s: f64) -> f64 {
+        if time_s == 0.0 { 0.0 } else { self.motion.kick_j(&self.rates[0], time_s) }
     }
 
     /// Highest angular frequency of springs and hinges under the joints, with margin \[rad/s\].
@@ -317,9 +327,10 @@ impl Marcher {
             let step = if leaps { self.contact_step(step, until_s) } else { step };
             self.motion.bear_nothing();
             let step = if leaps {
-                self.jump(step)?;
-                let step = self.leap_to_event(step)?;
-                self.step = if shaken { 1.5 * step } else { self.step };
+                let length = self.jump(step)?;
+                let short = length < step;
+                let step = self.leap_to_event(length, short)?;
+                self.step = if shaken && !short { 1.5 * step } else { self.step };
                 step
             } else {
                 let Some(change) = self.attempt(step)? else { continue };

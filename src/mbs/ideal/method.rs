@@ -66,7 +66,7 @@ const FOURTH: Method = Method {
 pub(super) const LEAPFROG: Method = Method { stages: &[&[]], error: &[], dense: &[], order: 3.0, reach: 1.9 };
 
 /// Tolerance from which the leapfrog is taken.
-pub(super) const COARSE: f64 = 1e-4;
+pub(in crate::mbs) const COARSE: f64 = 1e-4;
 
 impl Method {
     /// Whether it is one of mechanisms with hinges.

@@ -44,6 +44,7 @@ use super::math::{M3, Q, V3};
 use force::Force;
 use hinge_law::HingeLaw;
 use joint::Joint;
+pub(super) use method::COARSE;
 
 /// Index that stands for the ground.
 pub const GROUND: usize = usize::MAX;

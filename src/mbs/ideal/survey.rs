@@ -88,6 +88,17 @@ impl Motion {
         self.observe(state).total_j()
     }
 
+    /// Kinetic energy of what accelerations, in the rates of a state, add to velocities in a time \[s, J\].
+    pub fn kick_j(&self, rates: &[f64], time_s: f64) -> f64 {
+        let of = |b: usize| {
+            let at = |i: usize| time_s * rates[STATE * b + i];
+            let w = mul_t(&self.poses[b].r, [at(10), at(11), at(12)]);
+            let v = [at(7), at(8), at(9)];
+            0.5 * (self.mass[b] * dot(v, v) + dot(w, mul(&self.inertia[b], w)))
+        };
+        (0..self.mass.len()).filter(|b| !self.is_gone(*b)).map(of).sum()
+    }
+
     /// What a step from one state to another, in which no joint opens and nothing touches, changes of all energies, as a share of those that are not potential energy of gravity, and of that in `rest_m` of
     /// fall at least.
     pub fn energy_error(&self, [from, to]: [&[f64]; 2], rest_m: f64) -> f64 {

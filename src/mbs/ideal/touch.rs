@@ -30,6 +30,8 @@ pub struct Touching {
     /// Longest step in contact, and that which the last error allows \[s\].
     longest_s: f64,
     allowed_s: f64,
+    /// The last step in contact \[s\].
+    pub(super) last_s: f64,
     /// First contacts with their times \[s\]; for the caller to fetch.
     pub touches: Vec<(f64, Touch)>,
     /// Whether what joints bear of contacts is to be found.
@@ -37,6 +39,7 @@ pub struct Touching {
     moving: Vec<Moving>,
     /// Longest paths of the bodies in the next step \[m\]: those of the last smooth one at least, if the bound on paths did not hold in it.
     paths_m: Vec<f64>,
+    /// Whether it did not.
     missed: bool,
 }
 
@@ -49,6 +52,7 @@ impl Touching {
             opened_j: 0.0,
             longest_s: step_s,
             allowed_s: step_s,
+            last_s: step_s,
             touches: Vec::new(),
             tells_reactions: false,
             moving: Vec::new(),
@@ -139,18 +143,36 @@ impl Marcher {
         !touching.missed
     }
 
-    /// The jump at the begin of a step of `h` \[s\].
+    /// The jump at the begin of a step of `h` \[s\], or of a shorter one that ends with the first impact within; its length \[s\].
     ///
     /// # Errors
     /// If bodies are too deep in each other.
-    pub(super) fn jump(&mut self, h: f64) -> Result<(), MarchError> {
-        let Some(mut touching) = self.touching.take() else { return Ok(()) };
-        let outcome = self.impulses(&mut touching, h);
+    pub(super) fn jump(&mut self, h: f64) -> Result<f64, MarchError> {
+        let Some(mut touching) = self.touching.take() else { return Ok(h) };
+        let outcome = match self.impulses(&mut touching, [h; 2]) {
+            Ok(Some(hit_s)) => self.impulses(&mut touching, [hit_s, h]).map(|_| hit_s),
+            whole => whole.map(|_| h),
+        };
         let time_s = self.time_s;
         let touches = std::mem::take(&mut touching.set.touches);
         touching.touches.extend(touches.into_iter().map(|t| (time_s + t.after_s, t)));
         self.touching = Some(touching);
         outcome.map_err(|deep| MarchError::Penetration { time_s, deep, step_s: h })
+    }
+
+    /// Brings velocities to those at the full step where contacts go on bearing ([`ContactSet::half_borne`]).
+    pub fn synchronise(&mut self) {
+        let Some(mut touching) = self.touching.take() else { return };
+        let h = touching.last_s;
+        self.place(&mut touching, h);
+        if let Some(halves) = touching.set.half_borne(&touching.moving, h, Some(&mut self.motion)) {
+            let before_j = self.motion.total_j(&self.state);
+            for (body, added) in self.state.chunks_exact_mut(STATE).zip(&halves) {
+                body[7..].iter_mut().zip(added.as_flattened()).for_each(|(v, a)| *v += a);
+            }
+            touching.set.energy.normal_j += before_j - self.motion.total_j(&self.state);
+        }
+        self.touching = Some(touching);
     }
 
     /// Says where the bodies are and how they move, with what forces add to their velocities in half a step.
@@ -179,9 +201,14 @@ impl Marcher {
         }
     }
 
-    fn impulses(&mut self, touching: &mut Touching, h: f64) -> Result<(), TooDeep> {
+    /// Impulses of a step of a length, which it has once it is shortened or had before \[s\]; or the time of an impact within, if there is one \[s\].
+    fn impulses(&mut self, touching: &mut Touching, lengths: [f64; 2]) -> Result<Option<f64>, TooDeep> {
+        let h = lengths[0];
         self.place(touching, h);
-        touching.set.solve_linked(&mut touching.moving, h, Some(&mut self.motion))?;
+        let hit_s = touching.set.solve_linked(&mut touching.moving, lengths, Some(&mut self.motion))?;
+        if hit_s.is_some() {
+            return Ok(hit_s);
+        }
         if touching.tells_reactions {
             self.bear(touching, h);
         }
@@ -212,7 +239,7 @@ impl Marcher {
         } else if largest > 0.0 {
             self.turn_rates();
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Finds what joints bear of the impulses of the contacts.

@@ -98,8 +98,10 @@ impl Run<'_> {
         let (mut any, was_related) = (false, self.system.relative.is_some());
         for event in file.events.iter().filter(|e| (e.time_s - time).abs() <= tolerance) {
             if !std::mem::replace(&mut any, true) {
+                self.resting.clear();
+                self.resting.extend(self.system.data.iter().map(|d| d.asleep));
                 self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
-                self.synchronise();
+                self.synchronise_held();
                 self.end_relating();
             }
             for id in &event.remove_bodies {
@@ -161,6 +163,16 @@ impl Run<'_> {
             (body.p, body.l) = step::synchronised(body, 0.5 * self.last_step);
         }
         self.last_step = 0.0;
+    }
+
+    /// The same with what contacts do in that half of a step where they go on bearing and bodies were not `resting`, as long as bodies have no inertia together: contacts act on their masses alone.
+    fn synchronise_held(&mut self) {
+        let h = self.last_step;
+        self.synchronise();
+        if h > 0.0 && self.system.shared.is_empty() && self.system.relative.is_none() {
+            let Self { system, contacts, moving, resting, .. } = self;
+            contacts.energy.normal_j += step::bear_half(system, contacts, moving, resting, h);
+        }
     }
 
     fn remove_body(&mut self, i: usize) {

@@ -33,8 +33,14 @@ pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, f
     }
     if books.made() > ENERGY_WORTH_TELLING {
         list.push(format!(
-            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints, or rebound with friction; a smaller {finer} shows what that changes",
+            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints; a smaller {finer} shows what that changes",
             books.made()
+        ));
+    }
+    if let Some(work) = contacts.filter(|w| w.jammed > 0) {
+        list.push(format!(
+            "friction was left out in {} of {} steps with contact, where bodies jammed between it and joints: impulses would have had no bound",
+            work.jammed, work.steps
         ));
     }
     if let Some(work) = contacts.filter(|w| w.deepest_m > DEPTH_WORTH_TELLING_M) {

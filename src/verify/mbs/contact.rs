@@ -107,7 +107,7 @@ fn body(model: &mut Model, mass_kg: f64, inertia: [f64; 3], position_m: [f64; 3]
 }
 
 /// A solid box of 2500 kg/m³.
-fn solid(model: &mut Model, position_m: [f64; 3], size: [f64; 3]) -> &mut Body {
+pub(super) fn solid(model: &mut Model, position_m: [f64; 3], size: [f64; 3]) -> &mut Body {
     let mass = 2500.0 * size.iter().product::<f64>();
     let s = size.map(|v| v * v * mass / 12.0);
     let shape = Shape::cuboid([0.0; 3], size.map(|v| 0.5 * v));

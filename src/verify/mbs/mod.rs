@@ -5,6 +5,7 @@ mod contact;
 mod hinges;
 mod iftomm;
 mod impact;
+mod linkages;
 pub mod models;
 mod pancake;
 mod parting;
@@ -24,6 +25,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(hinges::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());
+    all.extend(linkages::cases());
     all.extend(pancake::cases());
     all.extend(parting::cases());
     all.extend(chimney::cases());

@@ -1,0 +1,108 @@
+//! Impacts of bodies on ideal joints, and what contacts have left at rest; cases with closed forms are in `fallwerk verify mbs` (`impact-slider-crank`, `impact-rod`, `contact-support`).
+
+use super::support::*;
+use fallwerk::mbs::model::*;
+use fallwerk::mbs::simulate;
+
+const Y: [f64; 3] = [0.0, 1.0, 0.0];
+
+fn pin(id: &str, a: Option<&str>, b: &str, point_m: [f64; 3]) -> Joint {
+    Joint { axis: Some(Y), ..ideal(id, JointKind::Revolute, a, b, point_m) }
+}
+
+/// The tip of a double pendulum strikes the ground, again and again, without loss.
+#[test]
+fn a_double_pendulum_rebounds_without_loss() {
+    let mut m = model("double pendulum", 2.0, 0.05);
+    m.bodies.push(solid("upper", [0.5, 0.0, 1.5], [1.0, 0.1, 0.1]));
+    m.bodies.push(solid("lower", [1.5, 0.0, 1.5], [1.0, 0.1, 0.1]));
+    m.bodies[0].shapes.clear();
+    m.bodies[1].shapes = vec![Shape::Sphere { center_m: [0.5, 0.0, 0.0], radius_m: 0.1 }];
+    m.joints.push(pin("top", None, "upper", [0.0, 0.0, 1.5]));
+    m.joints.push(pin("middle", Some("upper"), "lower", [1.0, 0.0, 1.5]));
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.0, restitution: 1.0 });
+    let result = simulate(&m).unwrap();
+    let turned = result.energies.kinetic_j.iter().copied().fold(0.0, f64::max);
+    assert!(result.first_ground_contact_s.is_some());
+    let taken = result.energies.contact_damping_j.last().unwrap() / turned;
+    assert!(taken.abs() < 1e-9 && result.energy_error < 2e-5, "{taken} {}", result.energy_error);
+}
+
+/// Newton's coefficient of restitution gives energy to a double pendulum that strikes a rough floor with its tip and slips back (Kane and Levinson, Dynamics: Theory and Applications, 1985): here 0.7 of what it has.
+#[test]
+fn rebound_with_friction_makes_no_energy() {
+    let mut m = model("Kane", 0.02, 1e-3);
+    let (angles, spins) = ([0.44_f64, 0.27], [1.7, 3.8]);
+    let steps = angles.map(|a| [a.sin(), 0.0, -a.cos()]);
+    let pivot = [0.0, 0.0, 0.021 - steps[0][2] - steps[1][2]];
+    let along = |from: [f64; 3], link: usize, share: f64| [0, 1, 2].map(|i| from[i] + share * steps[link][i]);
+    let moves = |of: [f64; 3], link: usize, share: f64| {
+        let [x, _, z] = steps[link];
+        [of[0] + share * spins[link] * z, 0.0, of[2] - share * spins[link] * x]
+    };
+    let knee = (along(pivot, 0, 1.0), moves([0.0; 3], 0, 1.0));
+    for (link, (at, velocity)) in [(pivot, [0.0; 3]), knee].into_iter().enumerate() {
+        let mut body = solid(["upper", "lower"][link], along(at, link, 0.5), [0.1, 0.1, 1.0]);
+        body.velocity_m_s = moves(velocity, link, 0.5);
+        body.angular_velocity_rad_s = [0.0, spins[link], 0.0];
+        body.shapes.clear();
+        m.bodies.push(body);
+    }
+    m.bodies[1].shapes = vec![Shape::Sphere { center_m: along([0.0; 3], 1, 0.5), radius_m: 0.02 }];
+    m.joints.push(pin("top", None, "upper", pivot));
+    m.joints.push(pin("knee", Some("upper"), "lower", knee.0));
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.9 });
+    let result = simulate(&m).unwrap();
+    let e = &result.energies;
+    let taken = |i: usize| (e.contact_damping_j[i] + e.friction_j[i]) / e.kinetic_j[0];
+    assert!(result.first_ground_contact_s.is_some());
+    assert!((1..e.kinetic_j.len()).all(|i| taken(i) > -1e-6), "{:?}", e.contact_damping_j);
+    // it does leave the floor again
+    assert!(result.frames.last().unwrap().position_m[1][2] > m.bodies[1].position_m[2]);
+    assert!(result.energy_error < 1e-5, "{}", result.energy_error);
+}
+
+/// A block at rest that a force lifts from some time on.
+#[test]
+fn what_is_lifted_rises_from_rest() {
+    let mut m = model("lift", 0.5, 0.1);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+    m.bodies.push(solid("block", [0.0, 0.0, 0.5], [1.0; 3]));
+    let force_n = [0.0, 0.0, 2.0 * G * m.bodies[0].mass_kg];
+    m.forces.push(Force::Force {
+        id: "lift".into(),
+        body: "block".into(),
+        point_m: [0.0, 0.0, 0.5],
+        force_n,
+        from_to_s: Some([0.2, 1.0]),
+    });
+    let result = simulate(&m).unwrap();
+    for (t, frame) in result.times_s.iter().zip(&result.frames) {
+        let known = 0.5 * G * (t - 0.2).max(0.0).powi(2);
+        let risen = frame.position_m[0][2] - 0.5;
+        assert!((risen - known).abs() < 1e-6, "{t} s: {risen} {known}");
+    }
+}
+
+/// Stiff springs beside a force, with a tolerance that lets the leapfrog run past their vibrations, which are all the energy that there is.
+#[test]
+fn vibrations_that_a_coarse_tolerance_does_not_resolve_are_run_anew() {
+    use fallwerk::mbs::run::{REPEATED, simulate_carefully};
+    let mut m = model("anchor", 0.2, 0.02);
+    m.gravity_m_s2 = [0.0; 3];
+    m.settings.tolerance = 1e-3;
+    m.bodies.push(solid("mass", [0.0; 3], [0.7; 3]));
+    let elastic = elastic(1e8);
+    m.bushings.push(joint("anchor", None, "mass", [0.0; 3], 1e9, 1e8, [elastic.clone(), elastic]));
+    m.forces.push(Force::Force {
+        id: "pull".into(),
+        body: "mass".into(),
+        point_m: [0.0; 3],
+        force_n: [0.0, 0.0, 1e5],
+        from_to_s: None,
+    });
+    assert!(simulate(&m).is_err());
+    let result = simulate_carefully(&m).unwrap();
+    assert!(result.energy_error < 1e-3, "{}", result.energy_error);
+    assert!(result.warnings.iter().any(|w| w.starts_with(REPEATED)), "{:?}", result.warnings);
+}
