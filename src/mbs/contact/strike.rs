@@ -61,16 +61,9 @@ impl ContactSet {
         }
         let most_j = JAMMED * kinetic_j(bodies);
         let Rows { blocks, rows, motion, .. } = &mut self.rows;
-        // the mean of the velocities before and after the instant of contact
-        let mean = |i: u32| {
-            let half = |a: V3, b: V3, kick: V3| math::sub(math::scale(0.5, math::add(a, b)), kick);
-            let now = &motion[i as usize];
-            let of = |b: &Moving| Motion { v: half(b.v, now.v, b.kick_v), w: half(b.w, now.w, b.kick_w) };
-            bodies.get(i as usize).map_or(Motion::default(), of)
-        };
         let mut any = false;
         for block in blocks.iter_mut().filter(|b| b.linked != ALONE && b.friction > 0.0) {
-            let [a, b] = block.bodies.map(mean);
+            let [a, b] = block.bodies.map(|i| mean(bodies, motion, i));
             let (mut along_j, mut across_j) = (0.0, 0.0);
             for row in &rows[block.first as usize..(block.first + block.count) as usize] {
                 let u = row.relative(&a, &b);
@@ -97,7 +90,6 @@ impl ContactSet {
 
     /// Gives impacts at the begin of a step their rebound by Newton's coefficient of restitution; false if there are none.
     pub(super) fn rebound_linked(&mut self, bodies: &[Moving], [h, whole_s]: [f64; 2]) -> bool {
-        let before: Vec<Row> = self.rows.rows.clone();
         let mut any = false;
         let rows = &mut self.rows;
         for block in rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
@@ -116,9 +108,9 @@ impl ContactSet {
             }
         }
         if any {
-            let without = self.rows.motion.clone();
+            let (rows, motion) = (self.rows.rows.clone(), self.rows.motion.clone());
             self.sweeps(bodies);
-            self.bound(bodies, &before, &without);
+            self.bound(bodies, &rows, &motion);
         }
         any
     }
@@ -126,22 +118,18 @@ impl ContactSet {
     /// Takes rebound back to the largest share of it with which impulses make no energy. Newton's coefficient does not see to that where there is friction and joints lead a part of a blow aside (Kane and Levinson, Dynamics: Theory and Applications, 1985; Stronge,
     /// Proc. R. Soc. A 431 (1990) 169).
     fn bound(&mut self, bodies: &[Moving], plain: &[Row], without: &[Motion]) {
-        let start = |i: u32, k: f64| {
-            let of = |b: &Moving| Motion { v: math::axpy(b.v, k, b.kick_v), w: math::axpy(b.w, k, b.kick_w) };
-            bodies.get(i as usize).map_or(Motion::default(), of)
-        };
         // energy with a share s of the rebound: e[0] + e[1] s + e[2] s²
         let mut e = [0.0; 3];
         for block in &self.rows.blocks {
-            let first = block.bodies.map(|i| start(i, -2.0));
+            let [a, b] = block.bodies.map(|i| mean(bodies, without, i));
             let [from, to] = [without, &self.rows.motion].map(|m| block.bodies.map(|i| m[i as usize]));
             for i in block.first as usize..(block.first + block.count) as usize {
                 let (row, plain) = (&self.rows.rows[i], &plain[i]);
                 let p = math::axpy(plain.tangent, plain.normal, block.normal);
                 let more = math::sub(math::axpy(row.tangent, row.normal, block.normal), p);
-                let u = row.relative(&from[0], &from[1]);
-                let change = math::scale(0.5, math::sub(row.relative(&to[0], &to[1]), u));
-                let mean = math::scale(0.5, math::add(row.relative(&first[0], &first[1]), u));
+                let mean = row.relative(&a, &b);
+                let [u, with] = [from, to].map(|[a, b]| row.relative(&a, &b));
+                let change = math::scale(0.5, math::sub(with, u));
                 e[0] += math::dot(p, mean);
                 e[1] += math::dot(p, change) + math::dot(more, mean);
                 e[2] += math::dot(more, change);
@@ -160,6 +148,14 @@ impl ContactSet {
             now.w = math::axpy(was.w, share, math::sub(now.w, was.w));
         }
     }
+}
+
+/// Mean of the velocities of a body before and after the instant of contact, on which impulses do their work.
+fn mean(bodies: &[Moving], after: &[Motion], i: u32) -> Motion {
+    let half = |a: V3, b: V3, kick: V3| math::sub(math::scale(0.5, math::add(a, b)), kick);
+    let now = &after[i as usize];
+    let of = |b: &Moving| Motion { v: half(b.v, now.v, b.kick_v), w: half(b.w, now.w, b.kick_w) };
+    bodies.get(i as usize).map_or(Motion::default(), of)
 }
 
 /// Kinetic energy of all bodies with the velocities of the step \[J\].
