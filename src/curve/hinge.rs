@@ -32,6 +32,8 @@ pub struct Hinge2 {
     pub damage: f64,
     /// Whether the hinge has fractured: a damage of 1.
     pub fractured: bool,
+    /// Share of the last flow that was beyond fracture, and the energy that it dissipated \[J\].
+    pub beyond: [f64; 2],
     /// Whether an axial force lay outside the levels while the hinge was flowing.
     pub out_of_range: bool,
     hint: [CapacityHint; 2],
@@ -102,15 +104,21 @@ impl Hinge2 {
             let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
             let x = self.solve(laws, trial, length, levels, first);
             flow_rad = active.map(|e| e * (x / length));
+            let mut dissipated_j = 0.0;
             for (i, flow) in flow_rad.into_iter().enumerate() {
                 self.plastic_rad[i] += flow;
                 e[i] -= flow;
-                self.dissipated_j += 0.5 * (old[i] + k[i] * e[i]) * flow;
+                dissipated_j += 0.5 * (old[i] + k[i] * e[i]) * flow;
             }
+            self.dissipated_j += dissipated_j;
             self.alpha_rad += x;
             flowing = true;
-            self.damage += x / self.fracture_rotation_rad(laws, axial_force_n);
-            self.fractured |= self.damage >= 1.0;
+            let used = x / self.fracture_rotation_rad(laws, axial_force_n);
+            self.damage += used;
+            if self.damage >= 1.0 && !self.fractured {
+                let share = ((self.damage - 1.0) / used).min(1.0);
+                (self.fractured, self.beyond) = (true, [share, share * dissipated_j]);
+            }
         }
         self.moment_nm = [k[0] * e[0], k[1] * e[1]];
         let elastic_j = 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]);

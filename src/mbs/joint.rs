@@ -187,6 +187,23 @@ impl JointData {
         self.sheared2 >= 1.0
     }
 
+    /// Whether its axial spring is at its capacity.
+    pub(super) fn is_stretching(&self) -> bool {
+        let is_at_most = self.tensile_elongation > 0.0 && -self.axial_force >= self.tensile_capacity;
+        is_at_most || self.axial_force >= self.left * self.compressive_capacity
+    }
+
+    /// How much farther it was stretched or crushed than it bears \[m\].
+    pub(super) fn overrun_m(&self) -> f64 {
+        if self.is_crushed() {
+            self.pressed - self.crushing_shortening
+        } else if self.tensile_elongation > 0.0 {
+            (self.elongated - self.tensile_elongation).max(0.0)
+        } else {
+            0.0
+        }
+    }
+
     /// Whether it separates now.
     pub fn breaks(&self) -> bool {
         self.alive
@@ -243,7 +260,7 @@ impl JointData {
         loads(&at.frame, at.arms, theta, local, [self.rotation[0] * theta[0], m1, m2], c)
     }
 
-    fn stance(&self, bodies: &[BodyState]) -> Stance {
+    pub(super) fn stance(&self, bodies: &[BodyState]) -> Stance {
         let (a, b) = (&bodies[self.a], &bodies[self.b]);
         stance([(a.x, a.q, &a.r), (b.x, b.q, &b.r)], self.points, self.frames, self.relative)
     }

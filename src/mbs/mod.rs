@@ -8,6 +8,7 @@
 //! | [`system`] | the compiled model: compact arrays of bodies and joints |
 //! | [`joint`] | forces and energy of a compliant joint with its hinge law |
 //! | `stance` | where a joint is, and what its forces do to its bodies |
+//! | `snap` | when in a step a joint separates at a force, and what that changes |
 //! | `mid_beam` | a beam with hinges at its ends, as a joint in its middle |
 //! | `tables` | capacities that joints use, each compiled once |
 //! | `carry` | what the ends of a member carry over to each other |
@@ -51,6 +52,7 @@ pub mod result;
 pub mod run;
 mod shared_mass;
 pub mod sleep;
+mod snap;
 mod stance;
 pub mod step;
 pub mod system;

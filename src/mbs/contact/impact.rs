@@ -112,7 +112,7 @@ impl Approach {
 }
 
 impl Block {
-    fn range(&self) -> std::ops::Range<usize> {
+    pub(super) fn range(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 }
@@ -262,9 +262,10 @@ impl ContactSet {
 
     /// Scales the impulses of a round down to those that make no energy.
     fn damp(&mut self, h: f64) {
-        let [rolled, rolls] = self.roll_work(|i| self.impacts.before[i as usize]);
-        let (mut linear, mut square) = (rolled, rolls - rolled);
-        for block in &self.rows.blocks {
+        let (mut linear, mut square) = (0.0, 0.0);
+        for (k, block) in self.rows.blocks.iter().enumerate() {
+            let [rolled, rolls] = self.roll_work(k, |i| self.impacts.before[i as usize]);
+            (linear, square) = (linear + rolled, square + (rolls - rolled));
             let [kick_a, kick_b] = block.bodies.map(|i| &self.rows.kick[i as usize]);
             let [first_a, first_b] = block.bodies.map(|i| &self.impacts.before[i as usize]);
             let [now_a, now_b] = block.bodies.map(|i| &self.rows.motion[i as usize]);

@@ -5,11 +5,12 @@
 
 use super::rows::{Block, Motion, Rows};
 use crate::mbs::math::{self, V3};
+use std::collections::BTreeMap;
 
 /// A mechanism as contacts see it.
 pub trait Linked {
-    /// Whether joints hold a body.
-    fn is_linked(&self, body: usize) -> bool;
+    /// The mechanism that a body is in; none if no joint holds it.
+    fn part(&self, body: usize) -> Option<usize>;
 
     /// Mass of all bodies that joints connect with a body, itself included \[kg\].
     fn mass_kg(&self, body: usize) -> f64;
@@ -31,6 +32,8 @@ pub(super) struct Links {
     /// Of each linked row the directions and where their responses are: `list[ends[d]..ends[d + 1]]`.
     rows: Vec<([V3; 3], [usize; 4])>,
     list: Vec<(u32, Motion)>,
+    /// Pairs of bodies that joints connect, so many that all of a mechanism are.
+    pub joined: Vec<[u32; 2]>,
     scratch: Vec<(usize, [V3; 2])>,
 }
 
@@ -38,6 +41,18 @@ impl Links {
     pub fn clear(&mut self) {
         self.rows.clear();
         self.list.clear();
+        self.joined.clear();
+    }
+
+    /// Notes who is in one mechanism with whom, of so many bodies.
+    pub fn join(&mut self, bodies: usize, mechanism: &dyn Linked) {
+        let mut first = BTreeMap::new();
+        for body in 0..bodies {
+            if let Some(part) = mechanism.part(body) {
+                let with = *first.entry(part).or_insert(body);
+                self.joined.push([with as u32, body as u32]);
+            }
+        }
     }
 
     /// Applies an impulse to the second body of a linked row, and its opposite to the first.
@@ -72,7 +87,7 @@ impl Rows {
         let ground = self.motion.len() - 1;
         for k in first..self.blocks.len() {
             let block = self.blocks[k];
-            let held = |b: u32| (b as usize) < ground && mechanism.is_linked(b as usize);
+            let held = |b: u32| (b as usize) < ground && mechanism.part(b as usize).is_some();
             if !block.bodies.iter().any(|b| held(*b)) {
                 continue;
             }
@@ -122,7 +137,7 @@ impl Rows {
     /// One over the mass that moves with a body \[1/kg\].
     fn loosest(&self, body: u32, mechanism: &dyn Linked) -> f64 {
         let i = body as usize;
-        let linked = i + 1 < self.motion.len() && mechanism.is_linked(i);
+        let linked = i + 1 < self.motion.len() && mechanism.part(i).is_some();
         if linked { 1.0 / mechanism.mass_kg(i) } else { self.inverse[i].mass }
     }
 
@@ -130,7 +145,7 @@ impl Rows {
         let i = body as usize;
         let turn = math::cross(arm, p);
         if i + 1 == self.motion.len() {
-        } else if mechanism.is_linked(i) {
+        } else if mechanism.part(i).is_some() {
             self.links.scratch.clear();
             mechanism.respond(i, [p, turn], &mut self.links.scratch);
             let moved = self.links.scratch.iter().map(|(b, [v, w])| (*b as u32, Motion { v: *v, w: *w }));

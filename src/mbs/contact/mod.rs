@@ -8,6 +8,7 @@
 //! | `surface` | friction and restitution of each pair, who passes through whom |
 //! | `pair` | pairs of solids and their points over time |
 //! | `passing` | solids that pass an edge of each other within a step |
+//! | `groups` | who is connected with whom in a step |
 //! | `rows` | the impulses of a step |
 //! | `search` | conjugate directions where sweeps settle slowly |
 //! | `links` | impulses on bodies that ideal joints hold together |
@@ -36,6 +37,7 @@
 
 mod collide;
 mod crush;
+mod groups;
 mod impact;
 mod links;
 mod overlap;

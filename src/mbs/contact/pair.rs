@@ -370,7 +370,7 @@ impl ContactSet {
                 pair.fresh = false;
                 return (travelled + apart, allowed);
             }
-            self.search(slot, reach);
+            self.search(slot, reach + self.tilt_m([of_a, of_b]));
             self.meet_balls(slot, bodies, h);
         }
         let round = [a, b].iter().any(|i| self.colliders[*i].solid.is_round());
@@ -458,6 +458,12 @@ impl ContactSet {
             let slip = math::axpy(d, -math::dot(d, n), n);
             math::dot(slip, slip) > far * far
         })
+    }
+
+    /// How far corners of two solids come nearer, or farther apart, by the turn up to which their points are kept \[m\].
+    fn tilt_m(&self, [a, b]: [usize; 2]) -> f64 {
+        let radius = |i: usize| if i == self.ground { f64::INFINITY } else { self.radius[i] };
+        2.0 * self.settings.stale * radius(a).min(radius(b))
     }
 
     fn search(&mut self, slot: usize, reach: f64) {

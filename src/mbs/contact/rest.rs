@@ -7,7 +7,7 @@ use super::{ContactSet, Linked, Moving};
 use crate::mbs::math::{self, V3};
 
 impl ContactSet {
-    /// Half of what the impulses of a step of `h` \[s\] from here would add to velocities and angular velocities, by body \[m/s, rad/s\]; none if nothing touches, or one of them would be an impact.
+    /// Half of what the impulses of a step of `h` \[s\] from here would add to velocities and angular velocities, by body \[m/s, rad/s\]: nothing in groups that an impact is in; none if nothing touches.
     pub fn half_borne(
         &self,
         bodies: &[Moving],
@@ -18,11 +18,14 @@ impl ContactSet {
             return None;
         }
         let (mut trial, mut after) = (self.clone(), bodies.to_vec());
-        let hit_s = trial.solve_linked(&mut after, [h; 2], mechanism).ok()?;
-        if hit_s.is_some() || trial.strikes(bodies, h) {
-            return None;
-        }
+        // with the impacts within the step, wherever they are
+        trial.solve_linked(&mut after, [h, 2.0 * h], mechanism).ok()?;
+        let groups = trial.groups();
+        let strikes = trial.strikes(bodies, &groups);
         let half = |a: V3, b: V3| math::scale(0.5, math::sub(a, b));
-        Some(bodies.iter().zip(&after).map(|(b, a)| [half(a.v, b.v), half(a.w, b.w)]).collect())
+        let of = |(i, (b, a)): (usize, (&Moving, &Moving))| {
+            if strikes[groups.of(i)] { [[0.0; 3]; 2] } else { [half(a.v, b.v), half(a.w, b.w)] }
+        };
+        Some(bodies.iter().zip(&after).enumerate().map(of).collect())
     }
 }

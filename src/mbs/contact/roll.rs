@@ -99,17 +99,13 @@ impl ContactSet {
         }
     }
 
-    /// What moments do on velocities before and after the contacts of a step, `Σ m · ω` in both \[J\].
-    pub(super) fn roll_work(&self, before: impl Fn(u32) -> Motion) -> [f64; 2] {
-        let mut work = [0.0; 2];
-        for (block, roll) in self.rows.blocks.iter().zip(&self.rows.rolls) {
-            if block.rolling > 0.0 {
-                let [a, b] = block.bodies.map(&before);
-                work[0] += math::dot(roll.moment, math::sub(b.w, a.w));
-                work[1] += math::dot(roll.moment, self.rows.spin(block, &self.rows.motion));
-            }
-        }
-        work
+    /// What the moment of a block does on velocities before and after the contacts of a step, `m · ω` in both \[J\].
+    pub(super) fn roll_work(&self, k: usize, before: impl Fn(u32) -> Motion) -> [f64; 2] {
+        let block = &self.rows.blocks[k];
+        let Some(roll) = self.rows.rolls.get(k).filter(|_| block.rolling > 0.0) else { return [0.0; 2] };
+        let [a, b] = block.bodies.map(&before);
+        let after = self.rows.spin(block, &self.rows.motion);
+        [math::dot(roll.moment, math::sub(b.w, a.w)), math::dot(roll.moment, after)]
     }
 }
 

@@ -1,6 +1,7 @@
 //! A step: which pairs, impulses, rebound, gaps, energies.
 
-use super::rows::{DEEP_M, Motion};
+use super::groups::Groups;
+use super::rows::{DEEP_M, Motion, Rows};
 use super::{ContactSet, Linked, Moving, TooDeep};
 use crate::mbs::math::{self, V3};
 
@@ -72,11 +73,15 @@ impl ContactSet {
             if let Some(m) = mechanism.as_deref_mut() {
                 // an impulse may move any of them
                 (0..bodies.len()).for_each(|i| self.rows.enter_body(i, bodies, &self.still));
+                self.rows.links.join(bodies.len(), m);
                 self.rows.link(0, m);
+            }
+            let linked = mechanism.is_some();
+            if linked {
+                self.tie(bodies, [h, whole_s]);
             }
             self.rows.warm_start(0);
             self.start_rolls(0, h, true);
-            let linked = mechanism.is_some();
             if linked {
                 self.temper(bodies);
             }
@@ -177,30 +182,46 @@ impl ContactSet {
     /// not converged, as friction is cut off with normal impulses that still change.
     fn temper(&mut self, bodies: &[Moving]) {
         let before = |i: u32| super::roll::before(bodies, i);
-        let [rolled, rolls] = self.roll_work(before);
-        let (mut linear, mut square) = (rolled, rolls - rolled);
-        for block in &self.rows.blocks {
+        let groups = self.groups();
+        let mut works = vec![[0.0; 2]; groups.count()];
+        for (k, block) in self.rows.blocks.iter().enumerate() {
+            let [linear, square] = &mut works[groups.of_block(block)];
+            let [rolled, rolls] = self.roll_work(k, before);
+            (*linear, *square) = (*linear + rolled, *square + (rolls - rolled));
             let first = block.bodies.map(before);
             let now = block.bodies.map(|i| self.rows.motion[i as usize]);
             for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
                 let p = math::axpy(row.tangent, row.normal, block.normal);
                 let start = math::dot(p, row.relative(&first[0], &first[1]));
-                linear += start - row.normal * row.target;
-                square += math::dot(p, row.relative(&now[0], &now[1])) - start;
+                *linear += start - row.normal * row.target;
+                *square += math::dot(p, row.relative(&now[0], &now[1])) - start;
             }
         }
-        if linear + 0.5 * square <= 0.0 {
-            return;
+        let share = |[linear, square]: &[f64; 2]| {
+            let makes = linear + 0.5 * square > 0.0;
+            makes.then(|| if *square > 0.0 { (-linear / square).clamp(0.0, 1.0) } else { 0.0 })
+        };
+        let shares: Vec<Option<f64>> = works.iter().map(share).collect();
+        if shares.iter().any(Option::is_some) {
+            self.scale(bodies, &groups, &shares);
         }
-        let share = if square > 0.0 { (-linear / square).clamp(0.0, 1.0) } else { 0.0 };
-        for row in &mut self.rows.rows {
-            (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
+    }
+
+    /// Scales the impulses of groups, and the changes of velocity by them.
+    fn scale(&mut self, bodies: &[Moving], groups: &Groups, shares: &[Option<f64>]) {
+        let Rows { blocks, rows, rolls, motion, acting, .. } = &mut self.rows;
+        for (k, block) in blocks.iter().enumerate() {
+            let Some(share) = shares[groups.of_block(block)] else { continue };
+            for row in &mut rows[block.first as usize..(block.first + block.count) as usize] {
+                (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
+            }
+            if let Some(roll) = rolls.get_mut(k) {
+                roll.moment = math::scale(share, roll.moment);
+            }
         }
-        for roll in &mut self.rows.rolls {
-            roll.moment = math::scale(share, roll.moment);
-        }
-        for i in self.rows.acting.iter().map(|i| *i as usize) {
-            let (motion, body) = (&mut self.rows.motion[i], &bodies[i]);
+        for i in acting.iter().map(|i| *i as usize) {
+            let Some(share) = shares[groups.of(i)] else { continue };
+            let (motion, body) = (&mut motion[i], &bodies[i]);
             let change = Motion { v: math::sub(motion.v, body.v), w: math::sub(motion.w, body.w) };
             *motion =
                 Motion { v: math::axpy(body.v, share, change.v), w: math::axpy(body.w, share, change.w) };

@@ -1,7 +1,8 @@
 //! Impacts of bodies that ideal joints hold together, and what friction and joints jam.
 //!
-//! Impacts are at the begin of a step, up to which the step before ends: within a step what forces and joints do to a velocity changes with it.
+//! Impacts are at the begin of a step, up to which the step before ends, and which is next to nothing: within a step what forces and joints do to a velocity changes with it, and what is hit then may hit another one.
 
+use super::groups::Groups;
 use super::links::ALONE;
 use super::rows::{Block, Motion, Row, Rows};
 use super::solve::REBOUND_FROM;
@@ -10,67 +11,96 @@ use crate::mbs::math::{self, V3};
 
 /// Least speed of an impact \[m/s\].
 const LEAST_M_S: f64 = 1e-9;
-/// Work of the impulses of a pair along the normal and against it across, over the kinetic energy of all bodies, from which they are jammed.
-const JAMMED: f64 = 1.0;
-/// Share of a step at its begin and end in which an impact is one at that time.
+/// Work of the impulses of a pair along the normal and against it across, over the kinetic energy of all bodies of its group, from which they are jammed.
+const JAMMED: f64 = 0.5;
+/// Share of a step at its begin in which an impact is one at the begin, and in which points of a pair are hit with one that is.
 const AT_ONCE: f64 = 1e-3;
+const TOGETHER: f64 = 0.1;
+
+/// Velocity of a point along the normal at the begin of a step, what forces add to it in half of the step, and the sum of what they add to either body, without signs \[m/s\].
+fn approach(block: &Block, row: &Row, bodies: &[Moving]) -> [f64; 3] {
+    let [a, b] = [0, 1].map(|side| {
+        let along = |v: V3, w: V3| math::dot(math::add(v, math::cross(w, row.arms[side])), block.normal);
+        let body = bodies.get(block.bodies[side] as usize);
+        body.map_or([0.0; 2], |b| [along(b.v, b.w), along(b.kick_v, b.kick_w)])
+    });
+    let kick = b[1] - a[1];
+    [b[0] - a[0] - kick, kick, a[1].abs() + b[1].abs()]
+}
 
 /// Velocity of a point along the normal at the begin of a step \[m/s\], and its acceleration \[m/s²\]; none if it approaches too slowly for an impact, for which a step counts with the length that it had before it was shortened.
 fn strike(block: &Block, row: &Row, bodies: &[Moving], [h, whole_s]: [f64; 2]) -> Option<[f64; 2]> {
-    let along = |of: fn(&Moving) -> Motion| {
-        let [a, b] = block.bodies.map(|i| bodies.get(i as usize).map_or(Motion::default(), of));
-        math::dot(row.relative(&a, &b), block.normal)
-    };
-    let kick = along(|b| Motion { v: b.kick_v, w: b.kick_w });
-    let speed = along(|b| Motion { v: b.v, w: b.w }) - kick;
-    (-speed > REBOUND_FROM * (kick * whole_s / h).abs() + LEAST_M_S).then_some([speed, 2.0 * kick / h])
+    let [speed, kick, kicks] = approach(block, row, bodies);
+    // bodies that rest on each other have no more than what sweeps leave of the latter
+    let slow = (REBOUND_FROM * kick.abs()).max(kicks) * whole_s / h;
+    (-speed > slow + LEAST_M_S).then_some([speed, 2.0 * kick / h])
+}
+
+/// When a point at a speed and an acceleration along the normal closes \[s\]; none if it turns round before.
+fn hit_s(row: &Row, [speed, pull]: [f64; 2]) -> Option<f64> {
+    let gap = row.gap.max(0.0);
+    let square = speed * speed - 2.0 * pull * gap;
+    (square >= 0.0).then(|| 2.0 * gap / (square.sqrt() - speed))
 }
 
 impl ContactSet {
-    /// Whether an impulse of the last step is that of an impact.
-    pub(super) fn strikes(&self, bodies: &[Moving], h: f64) -> bool {
-        self.rows.blocks.iter().any(|block| {
-            let rows = &self.rows.rows[block.first as usize..(block.first + block.count) as usize];
-            rows.iter().any(|row| row.normal > 0.0 && strike(block, row, bodies, [h; 2]).is_some())
-        })
+    /// Whether an impulse of the last step is that of an impact, by group. Resting points move by what forces add to either body.
+    pub(super) fn strikes(&self, bodies: &[Moving], groups: &Groups) -> Vec<bool> {
+        let mut strikes = vec![false; groups.count()];
+        for block in &self.rows.blocks {
+            for row in self.rows.rows[block.range()].iter().filter(|row| row.normal > 0.0) {
+                let [speed, _, kicks] = approach(block, row, bodies);
+                strikes[groups.of_block(block)] |= -speed > REBOUND_FROM * kicks + LEAST_M_S;
+            }
+        }
+        strikes
     }
 
-    /// When in a step the first impact is \[s\], unless it is at its begin or end.
+    /// How long a step of `h` \[s\] is up to its first impact, or with one at its begin, after which velocities are others: next to nothing \[s\]; none if there is no impact.
     pub(super) fn first_hit_s(&self, bodies: &[Moving], h: f64) -> Option<f64> {
-        let inside = AT_ONCE * h..(1.0 - AT_ONCE) * h;
-        let mut first = None;
+        let blocks = self.rows.blocks.iter();
+        let hits = blocks.flat_map(|block| self.rows.rows[block.range()].iter().map(move |row| (block, row)));
+        let times = hits.filter_map(|(block, row)| hit_s(row, strike(block, row, bodies, [h; 2])?));
+        times.filter(|t| *t < h).reduce(f64::min).map(|t| t.max(AT_ONCE * h))
+    }
+
+    /// Lets the points of a pair that would be hit right after one of its points be hit with it: corners of a face that come down level, but for rounding.
+    pub(super) fn tie(&mut self, bodies: &[Moving], [h, whole_s]: [f64; 2]) {
         for block in &self.rows.blocks {
-            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
-                let Some([speed, pull]) = strike(block, row, bodies, [h; 2]) else { continue };
-                let gap = row.gap.max(0.0);
-                let square = speed * speed - 2.0 * pull * gap;
-                let time_s = 2.0 * gap / (square.max(0.0).sqrt() - speed);
-                if square >= 0.0 && inside.contains(&time_s) && first.is_none_or(|t| time_s < t) {
-                    first = Some(time_s);
+            let time =
+                |row: &Row| strike(block, row, bodies, [h, whole_s]).and_then(|speeds| hit_s(row, speeds));
+            let rows = &mut self.rows.rows[block.range()];
+            if rows.iter().any(|row| time(row).is_some_and(|t| t <= AT_ONCE * whole_s)) {
+                for row in rows.iter_mut().filter(|row| time(row).is_some_and(|t| t <= TOGETHER * whole_s)) {
+                    (row.target, row.gap) = (0.0, row.gap.min(0.0));
                 }
             }
         }
-        first
     }
 
     /// Takes friction from pairs that are jammed between it and joints in this step, and begins the impulses anew: where a push along the normal and friction across it lead to hardly any motion, they hold each other up at whatever size,
-    /// and do more work against each other than all bodies have kinetic energy.
+    /// and do more work against each other than all bodies of their group have kinetic energy.
     pub(super) fn unjam(&mut self, bodies: &[Moving]) {
         if !self.rows.are_linked() {
             return;
         }
-        let most_j = JAMMED * kinetic_j(bodies);
+        let groups = self.groups();
+        let mut most_j = vec![0.0; groups.count()];
+        for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
+            most_j[groups.of(i)] += JAMMED * kinetic_j(body);
+        }
         let Rows { blocks, rows, motion, .. } = &mut self.rows;
         let mut any = false;
         for block in blocks.iter_mut().filter(|b| b.linked != ALONE && b.friction > 0.0) {
             let [a, b] = block.bodies.map(|i| mean(bodies, motion, i));
             let (mut along_j, mut across_j) = (0.0, 0.0);
-            for row in &rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &rows[block.range()] {
                 let u = row.relative(&a, &b);
                 along_j += row.normal * math::dot(u, block.normal);
                 across_j += math::dot(u, row.tangent);
             }
-            if along_j * across_j < 0.0 && along_j.abs().min(across_j.abs()) > most_j {
+            let opposed_j = along_j.abs().min(across_j.abs());
+            if along_j * across_j < 0.0 && opposed_j > most_j[groups.of_block(block)] {
                 block.friction = 0.0;
                 any = true;
             }
@@ -93,9 +123,9 @@ impl ContactSet {
         let mut any = false;
         let rows = &mut self.rows;
         for block in rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
-            for row in &mut rows.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &mut rows.rows[block.range()] {
                 let Some([speed, pull]) = strike(block, row, bodies, [h, whole_s]) else { continue };
-                // not yet there at the end of the step
+                // not yet there
                 if row.normal <= 0.0 || row.gap > -AT_ONCE * whole_s * speed {
                     continue;
                 }
@@ -118,12 +148,14 @@ impl ContactSet {
     /// Takes rebound back to the largest share of it with which impulses make no energy. Newton's coefficient does not see to that where there is friction and joints lead a part of a blow aside (Kane and Levinson, Dynamics: Theory and Applications, 1985; Stronge,
     /// Proc. R. Soc. A 431 (1990) 169).
     fn bound(&mut self, bodies: &[Moving], plain: &[Row], without: &[Motion]) {
-        // energy with a share s of the rebound: e[0] + e[1] s + e[2] s²
-        let mut e = [0.0; 3];
+        let groups = self.groups();
+        // energy of each group with a share s of its rebound: e[0] + e[1] s + e[2] s²
+        let mut energies = vec![[0.0; 3]; groups.count()];
         for block in &self.rows.blocks {
+            let e = &mut energies[groups.of_block(block)];
             let [a, b] = block.bodies.map(|i| mean(bodies, without, i));
             let [from, to] = [without, &self.rows.motion].map(|m| block.bodies.map(|i| m[i as usize]));
-            for i in block.first as usize..(block.first + block.count) as usize {
+            for i in block.range() {
                 let (row, plain) = (&self.rows.rows[i], &plain[i]);
                 let p = math::axpy(plain.tangent, plain.normal, block.normal);
                 let more = math::sub(math::axpy(row.tangent, row.normal, block.normal), p);
@@ -135,19 +167,26 @@ impl ContactSet {
                 e[2] += math::dot(more, change);
             }
         }
-        if e[1] + e[2] <= (-e[0]).max(0.0) {
-            return;
+        let shares: Vec<f64> = energies.into_iter().map(largest_share).collect();
+        for block in &self.rows.blocks {
+            let share = shares[groups.of_block(block)];
+            for i in block.range() {
+                let (row, plain) = (&mut self.rows.rows[i], &plain[i]);
+                row.normal = between(plain.normal, row.normal, share);
+                row.tangent = std::array::from_fn(|k| between(plain.tangent[k], row.tangent[k], share));
+            }
         }
-        let share = largest_share(e);
-        for (row, plain) in self.rows.rows.iter_mut().zip(plain) {
-            row.normal = plain.normal + share * (row.normal - plain.normal);
-            row.tangent = math::axpy(plain.tangent, share, math::sub(row.tangent, plain.tangent));
-        }
-        for (now, was) in self.rows.motion.iter_mut().zip(without) {
-            now.v = math::axpy(was.v, share, math::sub(now.v, was.v));
-            now.w = math::axpy(was.w, share, math::sub(now.w, was.w));
+        for i in self.rows.acting.iter().map(|i| *i as usize) {
+            let (share, now, was) = (shares[groups.of(i)], &mut self.rows.motion[i], &without[i]);
+            now.v = std::array::from_fn(|k| between(was.v[k], now.v[k], share));
+            now.w = std::array::from_fn(|k| between(was.w[k], now.w[k], share));
         }
     }
+}
+
+/// From one number at a share of zero to another one at a share of one, which it is to the last digit.
+fn between(from: f64, to: f64, share: f64) -> f64 {
+    if share == 1.0 { to } else { from + share * (to - from) }
 }
 
 /// Mean of the velocities of a body before and after the instant of contact, on which impulses do their work.
@@ -158,17 +197,17 @@ fn mean(bodies: &[Moving], after: &[Motion], i: u32) -> Motion {
     bodies.get(i as usize).map_or(Motion::default(), of)
 }
 
-/// Kinetic energy of all bodies with the velocities of the step \[J\].
-fn kinetic_j(bodies: &[Moving]) -> f64 {
-    let of = |b: &Moving| {
-        let l = math::mul(&math::inverse(&b.inverse_inertia), b.w);
-        0.5 * (math::dot(b.v, b.v) / b.inverse_mass + math::dot(b.w, l))
-    };
-    bodies.iter().filter(|b| b.alive).map(of).sum()
+/// Kinetic energy of a body with the velocities of the step \[J\].
+fn kinetic_j(body: &Moving) -> f64 {
+    let l = math::mul(&math::inverse(&body.inverse_inertia), body.w);
+    0.5 * (math::dot(body.v, body.v) / body.inverse_mass + math::dot(body.w, l))
 }
 
 /// The largest `s` up to one with which `e[0] + e[1] s + e[2] s²` is not above zero, nor above its value without any.
 fn largest_share([none, linear, square]: [f64; 3]) -> f64 {
+    if linear + square <= (-none).max(0.0) {
+        return 1.0;
+    }
     let least = none.min(0.0);
     let root = (linear * linear - 4.0 * square * least).max(0.0).sqrt();
     // of the two forms of the root the one that does not cancel
@@ -190,5 +229,6 @@ mod tests {
             assert!(s > 0.0 && s < 1.0 && (energy - most).abs() < 1e-12, "{e:?}: {s} {energy}");
         }
         assert_eq!(largest_share([0.5, 1.0, 2.0]), 0.0);
+        assert_eq!(largest_share([-1.0, 0.2, 0.3]), 1.0);
     }
 }

@@ -292,8 +292,8 @@ impl Marcher {
 }
 
 impl crate::mbs::contact::Linked for Motion {
-    fn is_linked(&self, body: usize) -> bool {
-        self.part_of(body).is_some()
+    fn part(&self, body: usize) -> Option<usize> {
+        self.part_of(body)
     }
 
     fn mass_kg(&self, body: usize) -> f64 {

@@ -4,8 +4,11 @@ use super::Run;
 use super::setup::connect;
 use crate::mbs::contact::Partner;
 use crate::mbs::error::SolveError;
+use crate::mbs::math::axpy;
 use crate::mbs::result::{EventKind, FractureCause, RunEvent};
 use crate::mbs::run::{LARGEST_STEP_S, SAME};
+use crate::mbs::snap::Snap;
+use crate::mbs::system::System;
 use crate::mbs::{math, step};
 
 impl Run<'_> {
@@ -35,6 +38,31 @@ impl Run<'_> {
         }
     }
 
+    /// Takes a joint away that breaks; how long before the end of the step it did \[s\]. Where bodies have inertia together that is the end.
+    fn separate(&mut self, i: usize) -> f64 {
+        let System { bodies, joints, shared, relative, .. } = &mut self.system;
+        let joint = &mut joints[i];
+        if self.last_step == 0.0 || !shared.is_empty() || relative.is_some() {
+            self.released += joint.open();
+            return 0.0;
+        }
+        let snap = Snap::of(joint, bodies, self.last_step);
+        let [force, on_a, on_b] = joint.pull(bodies);
+        let [impulse, turn_a, turn_b] = snap.impulse;
+        let ground = bodies.len() - 1;
+        let sides = [(joint.a, 1.0, on_a, turn_a), (joint.b, -1.0, on_b, turn_b)];
+        for (i, sign, torque, turn) in sides.into_iter().filter(|side| side.0 != ground) {
+            let body = &mut bodies[i];
+            (body.force, body.torque) = (axpy(body.force, -sign, force), axpy(body.torque, -sign, torque));
+            (body.p, body.l) = (axpy(body.p, sign, impulse), axpy(body.l, sign, turn));
+        }
+        joint.open();
+        joint.hinge.dissipated_j -= snap.beyond_j[0];
+        joint.crush_j -= snap.beyond_j[1];
+        self.released += snap.elastic_j;
+        snap.early_s
+    }
+
     /// Opens the joints that break; their bodies.
     #[cold]
     pub(super) fn fracture(&mut self) -> Vec<[usize; 2]> {
@@ -43,9 +71,10 @@ impl Run<'_> {
             let joint = &mut self.system.joints[i];
             if joint.breaks() {
                 parted.push([joint.a, joint.b]);
-                broken.push(i);
                 let end = joint.flowed().iter().position(|(_, broken)| *broken).unwrap_or(0);
-                self.released += joint.open();
+                let time_s = self.time - self.separate(i);
+                broken.push((i, time_s));
+                let joint = &self.system.joints[i];
                 // what is crushed touches nothing from now on, also where it breaks by rotation in the same step
                 let cause = if joint.is_crushed() {
                     FractureCause::Compression
@@ -59,10 +88,10 @@ impl Run<'_> {
                 let bushing = &self.model.bushings[i];
                 let name = bushing.hinges().get(end).map_or(bushing.id.as_str(), |name| name).to_string();
                 let kind = EventKind::Fracture { joint: name, cause };
-                self.result.events.push(RunEvent { time_s: self.time, kind });
+                self.result.events.push(RunEvent { time_s, kind });
             }
         }
-        broken.into_iter().for_each(|joint| self.ask_about_fracture(joint));
+        broken.into_iter().for_each(|(joint, time_s)| self.ask_about_fracture(joint, time_s));
         self.system.pack();
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
         connect(&mut self.contacts, &self.system, &self.latent);

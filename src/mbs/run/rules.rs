@@ -111,7 +111,7 @@ impl Run<'_> {
 
     /// Asks the rules about a bushing of the running model that has broken.
     #[cold]
-    pub(super) fn ask_about_fracture(&mut self, joint: usize) {
+    pub(super) fn ask_about_fracture(&mut self, joint: usize, time_s: f64) {
         if !self.latent.is_waiting() {
             return;
         }
@@ -123,7 +123,7 @@ impl Run<'_> {
         for body in [a, b] {
             let what = What::Fracture { place, after_contact };
             let point_m = self.point_of(own);
-            self.occurs(body, Occurrence { what, time_s: self.time, point_m, with: id.clone() });
+            self.occurs(body, Occurrence { what, time_s, point_m, with: id.clone() });
         }
     }
 
@@ -163,7 +163,11 @@ impl Run<'_> {
                 approach_speed_m_s,
                 watched: woken.iter().map(|b| self.file.bushings[*b].id.clone()).collect(),
             };
-            self.result.events.push(RunEvent { time_s: self.time, kind });
+            let time_s = match event.what {
+                What::Contact { .. } => self.time,
+                What::Fracture { .. } => event.time_s,
+            };
+            self.result.events.push(RunEvent { time_s, kind });
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod chimney;
 mod contact;
+mod fractures;
 mod hinges;
 mod iftomm;
 mod impact;
@@ -28,6 +29,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(linkages::cases());
     all.extend(pancake::cases());
     all.extend(parting::cases());
+    all.extend(fractures::cases());
     all.extend(chimney::cases());
     all
 }

@@ -1,0 +1,74 @@
+//! A bushing that separates does so within a step, not at its end.
+//!
+//! The leapfrog has given its force at the begin of the step to the half of it, and would give that at the end, which is beyond what it bears, to half a step behind. With forces that grow in proportion to the stretch, which the
+//! velocities of the step tell, the capacity is reached at a share `s` of the step; until then the force has done the impulse `h (s F_0 + s² ΔF / 2)`, of which `h F_0 / 2` is given. The elastic energy set free is that at `s`. A hinge or an axial spring that flows does so at its capacity, and the share of its flow in the step that is beyond fracture tells `s`.
+
+use super::joint::JointData;
+use super::math::{self, V3};
+use super::stance::{bend, loads};
+use super::system::BodyState;
+
+/// What is left to do for a bushing that has separated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Snap {
+    /// How long before the end of the step it did \[s\].
+    pub early_s: f64,
+    /// Impulse on the first body and angular impulses on both about their centres of mass (the second one feels the opposite) \[N s, N m s\].
+    pub impulse: [V3; 3],
+    /// The elastic energy that it had \[J\].
+    pub elastic_j: f64,
+    /// What its hinge has dissipated beyond fracture, and its axial spring \[J\].
+    pub beyond_j: [f64; 2],
+}
+
+impl Snap {
+    /// Of a bushing that has separated by the end of a step of `h` \[s\].
+    pub fn of(joint: &JointData, bodies: &[BodyState], h: f64) -> Self {
+        let at = joint.stance(bodies);
+        let [a, b] = [joint.a, joint.b].map(|i| &bodies[i]);
+        let moves = |body: &BodyState, arm: V3| math::add(body.v, math::cross(body.w, arm));
+        let speed = math::mul_t(&at.frame, math::sub(moves(b, at.arms[1]), moves(a, at.arms[0])));
+        let end = joint.latest();
+        let mut change: V3 = std::array::from_fn(|k| h * joint.translation[k] * speed[k]);
+        if joint.is_stretching() {
+            change[0] = 0.0;
+        }
+        let begin = math::sub(end.local, change);
+        let [turned_beyond, hinge_j] = joint.hinge.beyond;
+        let overrun_m = joint.overrun_m();
+        let stretched_beyond = overrun_m / (h * speed[0].abs()).max(overrun_m).max(f64::MIN_POSITIVE);
+        let within = (1.0 - turned_beyond).min(1.0 - stretched_beyond);
+        let share = share(joint, begin, change).clamp(0.0, within);
+        let force = |s: f64| math::axpy(begin, s, change);
+        let given = math::scale(-0.5, begin);
+        let local = math::scale(h, math::axpy(given, share, force(0.5 * share)));
+        let moment = math::scale(h * (share - 0.5), end.moment);
+        let (theta, c) = bend(at.turn);
+        let stretched_j = |f: V3| {
+            let stiff = (0..3).filter(|k| joint.translation[*k] > 0.0);
+            stiff.map(|k| 0.5 * f[k] * f[k] / joint.translation[k]).sum::<f64>()
+        };
+        Self {
+            early_s: h * (1.0 - share),
+            impulse: loads(&at.frame, at.arms, theta, local, moment, c),
+            elastic_j: joint.elastic_j - stretched_j(end.local) + stretched_j(force(share)),
+            beyond_j: [hinge_j, joint.axial_force.abs() * overrun_m],
+        }
+    }
+}
+
+/// Share of the step at which the force along the axes, `begin` and its `change` \[N\], reaches a capacity.
+fn share(joint: &JointData, begin: V3, change: V3) -> f64 {
+    let [from, grows] = [begin, change].map(|f| joint.outward * f[0]);
+    let pulled = if from + grows > joint.tensile_capacity {
+        (joint.tensile_capacity - from) / grows.max(f64::MIN_POSITIVE)
+    } else {
+        f64::INFINITY
+    };
+    // the ellipse of the shear forces: a s² + b s + c = 0
+    let product = |f: V3, g: V3| (0..2).map(|k| joint.shear_ease[k] * f[k + 1] * g[k + 1]).sum::<f64>();
+    let (a, b, c) = (product(change, change), 2.0 * product(begin, change), product(begin, begin) - 1.0);
+    let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
+    let sheared = if a + b + c < 0.0 || a == 0.0 { f64::INFINITY } else { (root - b) / (2.0 * a) };
+    pulled.min(sheared)
+}
