@@ -79,7 +79,7 @@ impl ContactSet {
     }
 
     /// Takes friction from pairs that are jammed between it and joints in this step, and begins the impulses anew: where a push along the normal and friction across it lead to hardly any motion, they hold each other up at whatever size,
-    /// and do more work against each other than all bodies of their group have kinetic energy.
+    /// and do more work against each other than half of the kinetic energy of their group.
     pub(super) fn unjam(&mut self, bodies: &[Moving]) {
         if !self.rows.are_linked() {
             return;

@@ -15,6 +15,8 @@ use std::collections::BTreeSet;
 pub(super) const STEP_S: [f64; 2] = [5e-4, 1e-3];
 /// Share of the stable step that is taken where steps change between those in contact and others: leapfrog steps that alternate excite vibrations near its limit.
 const ALTERNATING: f64 = 0.8;
+/// Most steps in a row that are shortened for impacts.
+const MOST_STOPS: u32 = 8;
 /// Change of a velocity from which accelerations are found anew within a step \[m/s, rad/s\].
 const JUMP: f64 = 1e-3;
 /// Displacement that opens a gap from which what it does to forces and joints is found \[m, rad\].
@@ -32,6 +34,8 @@ pub struct Touching {
     allowed_s: f64,
     /// The last step in contact \[s\].
     pub(super) last_s: f64,
+    /// Steps in a row that were shortened for an impact.
+    stops: u32,
     /// First contacts with their times \[s\]; for the caller to fetch.
     pub touches: Vec<(f64, Touch)>,
     /// Whether what joints bear of contacts is to be found.
@@ -53,6 +57,7 @@ impl Touching {
             longest_s: step_s,
             allowed_s: step_s,
             last_s: step_s,
+            stops: 0,
             touches: Vec::new(),
             tells_reactions: false,
             moving: Vec::new(),
@@ -149,10 +154,14 @@ impl Marcher {
     /// If bodies are too deep in each other.
     pub(super) fn jump(&mut self, h: f64) -> Result<f64, MarchError> {
         let Some(mut touching) = self.touching.take() else { return Ok(h) };
-        let outcome = match self.impulses(&mut touching, [h; 2]) {
+        // bodies that rattle between others strike again and again: now and then a whole step goes on
+        let may_stop = touching.stops < MOST_STOPS;
+        let outcome = match self.impulses(&mut touching, [h, if may_stop { h } else { 2.0 * h }]) {
             Ok(Some(hit_s)) => self.impulses(&mut touching, [hit_s, h]).map(|_| hit_s),
             whole => whole.map(|_| h),
         };
+        let is_short = outcome.as_ref().is_ok_and(|length| *length < h);
+        touching.stops = if is_short { touching.stops + 1 } else { 0 };
         let time_s = self.time_s;
         let touches = std::mem::take(&mut touching.set.touches);
         touching.touches.extend(touches.into_iter().map(|t| (time_s + t.after_s, t)));
