@@ -188,14 +188,7 @@ fn a_body_that_parts_keeps_what_was_crushed() {
     let held = simulate(&m).unwrap();
     println!("held: {:.6} m ({expected:.6})", depth(&held));
     assert!((depth(&held) / expected - 1.0).abs() < 1e-4);
-    m.events.push(Event {
-        id: "cut".into(),
-        time_s: 0.05,
-        remove_bodies: Vec::new(),
-        release: vec!["section".into()],
-        weaken: Vec::new(),
-        origin: Origin::default(),
-    });
+    m.events.push(Event { release: vec!["section".into()], ..Event::at("cut", 0.05) });
     m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
     let cut = simulate(&m).unwrap();
     let at = |result: &RunResult, time_s: f64| {

@@ -157,14 +157,7 @@ fn switched_off_nothing_gives_way() {
     }
     assert!(simulate_with(&falling_bar(1e9), &SolverOptions::default()).unwrap().warnings.is_empty());
     // a charge that takes a piece still parts it from the rest
-    m.events = vec![Event {
-        id: "charge".into(),
-        time_s: 0.2,
-        remove_bodies: vec!["left".into()],
-        release: Vec::new(),
-        weaken: Vec::new(),
-        origin: Origin::default(),
-    }];
+    m.events = vec![Event { remove_bodies: vec!["left".into()], ..Event::at("charge", 0.2) }];
     let held = simulate_with(&m, &off).unwrap();
     assert_eq!(words(&held), ["live middle"]);
 }

@@ -45,14 +45,7 @@ fn frame(rows: &[f64], slab: [f64; 3], translation: f64, end_s: f64, remove_belo
             }
         }
     }
-    m.events.push(Event {
-        id: "charge".into(),
-        time_s: 0.0,
-        remove_bodies: removed,
-        release: Vec::new(),
-        weaken: Vec::new(),
-        origin: Origin::default(),
-    });
+    m.events.push(Event { remove_bodies: removed, ..Event::at("charge", 0.0) });
     track(&mut m, "slab3", [6.2, -0.2, 10.5]);
     m
 }

@@ -47,7 +47,7 @@ fn a_joint_carries_what_rests_on_its_body() {
     // upwards at the point, against the weight 0.2 m beside it along x
     assert!((torque[1] / (0.2 * block) + 1.0).abs() < 2e-3 && torque[0].abs() < 1e-3 * block, "{torque:?}");
     // nothing is borne of what has gone
-    m.events.push(Event { remove_bodies: vec!["block".into()], ..event("gone", 0.5) });
+    m.events.push(Event { remove_bodies: vec!["block".into()], ..Event::at("gone", 0.5) });
     let force = simulate(&m).unwrap().reactions[0].force_n.last().copied().unwrap();
     assert!((force[2] / table - 1.0).abs() < 1e-9, "{force:?}");
 }
@@ -55,7 +55,7 @@ fn a_joint_carries_what_rests_on_its_body() {
 #[test]
 fn a_released_joint_lets_go_at_its_time() {
     let mut m = bob();
-    m.events.push(Event { release: vec!["ball".into()], ..event("cut", 0.35) });
+    m.events.push(Event { release: vec!["ball".into()], ..Event::at("cut", 0.35) });
     let result = simulate(&m).unwrap();
     assert!(fall(&result, 3).abs() < 1e-12);
     for i in 4..=10 {
@@ -149,8 +149,10 @@ fn a_weakened_hinge_gives_way() {
     let mut m = leaning(vec![[0.0, 60e3]], None);
     let held = simulate(&m).unwrap();
     assert!(held.turns[0].rotation_rad.iter().all(|r| r[1] < 1e-3));
-    m.events
-        .push(Event { weaken: vec![Weakening { id: "hinge".into(), factor: 0.05 }], ..event("saw", 0.5) });
+    m.events.push(Event {
+        weaken: vec![Weakening { id: "hinge".into(), factor: 0.05 }],
+        ..Event::at("saw", 0.5)
+    });
     let result = simulate(&m).unwrap();
     assert!(result.turns[0].rotation_rad.last().unwrap()[1] > 0.1 && result.energy_error < 1e-4);
 }
@@ -206,14 +208,14 @@ fn what_does_not_fit_is_refused_with_a_remedy() {
         ),
         (|m| m.joints[0].body_b = "bop".into(), "\"bop\" is not the id of a body (did you mean \"bob\"?)"),
         (
-            |m| m.events.push(Event { release: vec!["bal".into()], ..event("e", 0.1) }),
+            |m| m.events.push(Event { release: vec!["bal".into()], ..Event::at("e", 0.1) }),
             "did you mean \"ball\"?",
         ),
         (
             |m| {
                 m.events.push(Event {
                     weaken: vec![Weakening { id: "ball".into(), factor: 0.5 }],
-                    ..event("e", 0.1)
+                    ..Event::at("e", 0.1)
                 })
             },
             "\"ball\" is not the id of a bushing or a hinge",

@@ -137,7 +137,7 @@ fn a_stack_that_loses_its_foot_falls_from_rest() {
         if is_forced {
             m.forces.push(no_force("k3"));
         }
-        m.events.push(Event { remove_bodies: vec!["k0".into()], ..event("cut", 0.3) });
+        m.events.push(Event { remove_bodies: vec!["k0".into()], ..Event::at("cut", 0.3) });
         let result = simulate(&m).unwrap();
         let at = |i: usize| result.frames[i].position_m[1][2];
         let fallen = at(3) - at(6);

@@ -86,7 +86,7 @@ fn what_is_skipped_changes_nothing_on_ideal_joints() {
     let mut falling = turning(2.0, 2e5, 500.0);
     falling.gravity_m_s2 = [0.0, 0.0, -G];
     let release = vec!["ball".into(), "hinge".into()];
-    falling.events.push(Event { release, ..event("cut", 0.2) });
+    falling.events.push(Event { release, ..Event::at("cut", 0.2) });
     for m in [falling, random(17), random(108)] {
         let [some, all] = [true, false].map(|skip| run(&m, skip));
         assert_eq!(some.frames, all.frames, "{}", m.name);

@@ -91,14 +91,7 @@ fn a_ball_wakes_the_stack_that_it_falls_on() {
 #[test]
 fn an_event_wakes_all_from_rest() {
     let mut m = stack(4, 1.6);
-    m.events.push(Event {
-        id: "charge".into(),
-        time_s: 1.4,
-        remove_bodies: vec!["box0".into()],
-        release: Vec::new(),
-        weaken: Vec::new(),
-        origin: Origin::default(),
-    });
+    m.events.push(Event { remove_bodies: vec!["box0".into()], ..Event::at("charge", 1.4) });
     let runs = both(m);
     let fall = runs[1].frames[140].position_m[3][2] - runs[1].frames[160].position_m[3][2];
     println!("event: {:.1e} m apart, falls {fall:.6} m in 0.2 s", apart(&runs));

@@ -68,12 +68,8 @@ fn removing_two_columns_brings_the_slab_down_on_their_side() {
     let mut m = table_frame();
     m.settings.end_time_s = 2.5;
     m.events.push(Event {
-        id: "charge".into(),
-        time_s: 0.1234,
         remove_bodies: vec!["column0".into(), "column1".into()],
-        release: Vec::new(),
-        weaken: Vec::new(),
-        origin: Origin::default(),
+        ..Event::at("charge", 0.1234)
     });
     let result = simulate(&m).unwrap();
     let u = &result.tracked[0].displacement_m;

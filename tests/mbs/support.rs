@@ -68,18 +68,6 @@ pub fn ideal(id: &str, kind: JointKind, a: Option<&str>, b: &str, point_m: [f64;
     }
 }
 
-/// An event in which nothing happens yet.
-pub fn event(id: &str, time_s: f64) -> Event {
-    Event {
-        id: id.into(),
-        time_s,
-        remove_bodies: Vec::new(),
-        release: Vec::new(),
-        weaken: Vec::new(),
-        origin: Origin::default(),
-    }
-}
-
 pub fn elastic(stiffness_nm_rad: f64) -> Bending {
     Bending::Elastic { stiffness_nm_rad }
 }

@@ -185,7 +185,7 @@ impl ContactSet {
             let pair = &mut self.pairs[block.slot as usize];
             if !pair.bore {
                 let [a, b] = block.bodies.map(before);
-                let rows = &self.rows.rows[block.first as usize..(block.first + block.count) as usize];
+                let rows = &self.rows.rows[block.range()];
                 let touch =
                     |r: &Row| r.gap.max(0.0) / (h * -math::dot(r.relative(&a, &b), block.normal)).max(r.gap);
                 let left = 1.0 - rows.iter().map(touch).fold(1.0, f64::min);
@@ -224,7 +224,7 @@ impl ContactSet {
             let face = &self.faces.all[block.face as usize];
             let r = &self.placed[face.collider].r;
             let cosine = (0..3).map(|i| r[i][face.axis] * block.normal[i]).sum::<f64>().abs();
-            let rows = &mut self.rows.rows[block.first as usize..(block.first + block.count) as usize];
+            let rows = &mut self.rows.rows[block.range()];
             let depth = rows.iter().filter(|r| r.normal >= ALL * block.cap).map(|r| -r.gap);
             let depth = depth.fold(0.0, f64::max);
             if depth > 0.0 {

@@ -111,21 +111,13 @@ impl Approach {
     }
 }
 
-impl Block {
-    pub(super) fn range(&self) -> std::ops::Range<usize> {
-        self.first as usize..(self.first + self.count) as usize
-    }
-}
-
 impl ContactSet {
     /// Gives impacts their rebound.
     pub(super) fn rebound(&mut self, bodies: &[Moving], h: f64) {
         if !self.is_hit(bodies, h) {
             return;
         }
-        for i in self.rows.acting.iter().map(|i| *i as usize) {
-            self.rows.motion[i] = Motion { v: bodies[i].v, w: bodies[i].w };
-        }
+        self.rows.restart(bodies);
         self.impacts.total.clear();
         self.start_rolls(0, h, false);
         for round in 0..MOST_ROUNDS {

@@ -92,7 +92,7 @@ impl Rows {
                 continue;
             }
             self.blocks[k].linked = self.links.rows.len() as u32;
-            for i in block.first as usize..(block.first + block.count) as usize {
+            for i in block.range() {
                 self.link_row(&block, i, mechanism);
             }
         }
@@ -161,7 +161,7 @@ impl Rows {
     pub fn visit_linked(&mut self, block: &Block) -> f64 {
         let n = block.normal;
         let mut largest = 0.0_f64;
-        for (k, i) in (block.first as usize..(block.first + block.count) as usize).enumerate() {
+        for (k, i) in block.range().enumerate() {
             let [a, b] = block.bodies.map(|b| &self.motion[b as usize]);
             let row = &mut self.rows[i];
             let (p, change) = row.correct(row.relative(a, b), n, block.friction, block.cap);

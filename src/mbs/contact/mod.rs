@@ -422,7 +422,7 @@ impl ContactSet {
     pub fn each_impulse(&self, mut visit: impl FnMut(usize, V3, V3)) {
         for block in &self.rows.blocks {
             let pair = &self.pairs[block.slot as usize];
-            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &self.rows.rows[block.range()] {
                 let p = math::axpy(row.tangent, row.normal, block.normal);
                 visit(pair.a as usize, row.arms[0], math::scale(-1.0, p));
                 if !pair.plane {
@@ -447,7 +447,7 @@ impl ContactSet {
         for block in &self.rows.blocks {
             let partner = self.partner_of(&self.pairs[block.slot as usize]);
             let bodies = block.bodies.map(|i| i as usize);
-            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &self.rows.rows[block.range()] {
                 if row.normal > 0.0 {
                     visit(Hit { bodies, partner, arms: row.arms, normal: block.normal });
                 }

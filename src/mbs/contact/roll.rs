@@ -65,7 +65,7 @@ impl Rows {
     pub fn roll(&mut self, k: usize) -> f64 {
         let block = self.blocks[k];
         debug_assert!(block.linked == ALONE, "refused in models with ideal joints");
-        let rows = &self.rows[block.first as usize..(block.first + block.count) as usize];
+        let rows = &self.rows[block.range()];
         let limit = block.rolling * rows.iter().map(|row| row.normal).sum::<f64>();
         let spin = self.spin(&block, &self.motion);
         let roll = &mut self.rolls[k];

@@ -76,6 +76,14 @@ pub(super) struct Block {
     pub idle: bool,
 }
 
+impl Block {
+    /// Its rows.
+    #[inline(always)]
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
 /// One contact point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Row {
@@ -180,6 +188,13 @@ impl Rows {
         }
     }
 
+    /// Takes the velocities back to those without contact.
+    pub fn restart(&mut self, bodies: &[Moving]) {
+        for i in self.acting.iter().map(|i| *i as usize) {
+            self.motion[i] = Motion { v: bodies[i].v, w: bodies[i].w };
+        }
+    }
+
     /// Enters the bodies of the blocks from `first` on, with their velocities without contact; those that are `still` do not move.
     pub fn enter(&mut self, first: usize, bodies: &[Moving], still: &[bool]) {
         for k in first..self.blocks.len() {
@@ -220,7 +235,7 @@ impl Rows {
             }
             let [a, b] = block.bodies.map(|i| i as usize);
             let (mut of_a, mut of_b) = (self.motion[a], self.motion[b]);
-            for row in &self.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &self.rows[block.range()] {
                 let p = math::axpy(row.tangent, row.normal, block.normal);
                 kick(&mut of_a, &self.inverse[a], row.arms[0], p, -1.0);
                 kick(&mut of_b, &self.inverse[b], row.arms[1], p, 1.0);
@@ -245,7 +260,7 @@ impl Rows {
             if block.rolling > 0.0 {
                 largest = largest.max(self.roll(k));
             }
-            let rows = &self.rows[block.first as usize..(block.first + block.count) as usize];
+            let rows = &self.rows[block.range()];
             self.blocks[k].idle = rows.iter().all(|r| r.normal == 0.0);
         }
         largest.sqrt()
@@ -262,7 +277,7 @@ impl Rows {
         let (mut of_a, mut of_b) = (self.motion[a], self.motion[b]);
         let n = block.normal;
         let mut largest = 0.0_f64;
-        for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
+        for row in &mut self.rows[block.range()] {
             let u = row.relative(&of_a, &of_b);
             if row.stays_open(u, n) {
                 continue;
@@ -285,7 +300,7 @@ impl Rows {
         let mut of_a = self.motion[a];
         let n = block.normal;
         let mut largest = 0.0_f64;
-        for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
+        for row in &mut self.rows[block.range()] {
             let u = math::scale(-1.0, math::add(of_a.v, math::cross(of_a.w, row.arms[0])));
             if row.stays_open(u, n) {
                 continue;
@@ -303,7 +318,7 @@ impl Rows {
         let mut least = 0.0_f64;
         for block in &self.blocks {
             let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
-            for row in &self.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &self.rows[block.range()] {
                 let way = h * math::dot(row.relative(a, b), block.normal);
                 if way < -SINKS_M && row.normal < block.cap {
                     least = least.min(row.gap + way);
@@ -317,7 +332,7 @@ impl Rows {
     pub fn look_ahead(&mut self, h: f64) {
         for block in &self.blocks {
             let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
-            for row in &mut self.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &mut self.rows[block.range()] {
                 row.gap += h * math::dot(row.relative(a, b), block.normal);
             }
         }
@@ -328,7 +343,7 @@ impl Rows {
         let mut worst = 0.0_f64;
         for block in &self.blocks {
             let [a, b] = block.bodies.map(|i| &self.shift[i as usize]);
-            for row in &self.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &self.rows[block.range()] {
                 let open = row.gap + math::dot(row.relative(a, b), block.normal);
                 worst = worst.min(open);
             }
@@ -347,7 +362,7 @@ impl Rows {
                 let [a, b] = block.bodies.map(|i| i as usize);
                 let (mut of_a, mut of_b) = (self.shift[a], self.shift[b]);
                 let n = block.normal;
-                for i in block.first as usize..(block.first + block.count) as usize {
+                for i in block.range() {
                     let row = &self.rows[i];
                     let gap = row.gap + math::dot(row.relative(&of_a, &of_b), n);
                     let share = if row.gap < -DEEP_M { DEEP_RATE } else { rate };

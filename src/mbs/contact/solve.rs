@@ -83,17 +83,19 @@ impl ContactSet {
             self.rows.warm_start(0);
             self.start_rolls(0, h, true);
             if linked {
-                self.temper(bodies);
+                self.temper(bodies, &self.groups());
             }
             let is_settled = self.impulses(bodies, h, mechanism);
             if linked {
-                self.unjam(bodies);
-                if !self.rebound_linked(bodies, [h, whole_s]) {
-                    self.temper(bodies);
+                // after them, since they may bring in more points
+                let groups = self.groups();
+                self.unjam(bodies, &groups);
+                if !self.rebound_linked(bodies, &groups, [h, whole_s]) {
+                    self.temper(bodies, &groups);
                 }
             } else {
                 if !is_settled {
-                    self.temper(bodies);
+                    self.temper(bodies, &self.groups());
                 }
                 self.rebound(bodies, h);
             }
@@ -180,9 +182,8 @@ impl ContactSet {
     /// Scales the impulses down where they make energy: `J = p · ((u_0 + u)/2 - target)`, which exact impulses make least, must not exceed zero, its value without any. Those of
     /// the last step may do so as a first guess where joints nearly hold a point, since its effective mass changes from step to step there, and so may sweeps that have
     /// not converged, as friction is cut off with normal impulses that still change.
-    fn temper(&mut self, bodies: &[Moving]) {
+    fn temper(&mut self, bodies: &[Moving], groups: &Groups) {
         let before = |i: u32| super::roll::before(bodies, i);
-        let groups = self.groups();
         let mut works = vec![[0.0; 2]; groups.count()];
         for (k, block) in self.rows.blocks.iter().enumerate() {
             let [linear, square] = &mut works[groups.of_block(block)];
@@ -190,7 +191,7 @@ impl ContactSet {
             (*linear, *square) = (*linear + rolled, *square + (rolls - rolled));
             let first = block.bodies.map(before);
             let now = block.bodies.map(|i| self.rows.motion[i as usize]);
-            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &self.rows.rows[block.range()] {
                 let p = math::axpy(row.tangent, row.normal, block.normal);
                 let start = math::dot(p, row.relative(&first[0], &first[1]));
                 *linear += start - row.normal * row.target;
@@ -203,7 +204,7 @@ impl ContactSet {
         };
         let shares: Vec<Option<f64>> = works.iter().map(share).collect();
         if shares.iter().any(Option::is_some) {
-            self.scale(bodies, &groups, &shares);
+            self.scale(bodies, groups, &shares);
         }
     }
 
@@ -212,7 +213,7 @@ impl ContactSet {
         let Rows { blocks, rows, rolls, motion, acting, .. } = &mut self.rows;
         for (k, block) in blocks.iter().enumerate() {
             let Some(share) = shares[groups.of_block(block)] else { continue };
-            for row in &mut rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &mut rows[block.range()] {
                 (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
             }
             if let Some(roll) = rolls.get_mut(k) {
@@ -385,7 +386,7 @@ impl ContactSet {
 
     fn check_depth(&mut self) -> Result<(), TooDeep> {
         for block in &self.rows.blocks {
-            let rows = &self.rows.rows[block.first as usize..(block.first + block.count) as usize];
+            let rows = &self.rows.rows[block.range()];
             let depth = rows.iter().map(|r| -r.gap).fold(0.0, f64::max);
             self.work.deepest_m = self.work.deepest_m.max(depth);
             let pair = &self.pairs[block.slot as usize];
@@ -414,7 +415,7 @@ impl ContactSet {
             let [a, b] = block.bodies.map(|i| self.mean[i as usize]);
             let slot = block.slot as usize;
             let mut first_touch = f64::INFINITY;
-            for row in &self.rows.rows[block.first as usize..(block.first + block.count) as usize] {
+            for row in &self.rows.rows[block.range()] {
                 let mean = row.relative(&a, &b);
                 let work = row.normal * math::dot(mean, block.normal);
                 normal_work += work;
@@ -428,7 +429,7 @@ impl ContactSet {
                 }
             }
             if block.face != super::crush::NONE {
-                let rows = &self.rows.rows[block.first as usize..(block.first + block.count) as usize];
+                let rows = &self.rows.rows[block.range()];
                 let pair = &mut self.pairs[slot];
                 pair.bore = rows.iter().any(|r| r.normal > 0.0);
                 pair.resistance = [if pair.bore { pair.resistance[1] } else { 1.0 }, 1.0];

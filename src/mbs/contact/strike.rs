@@ -80,11 +80,10 @@ impl ContactSet {
 
     /// Takes friction from pairs that are jammed between it and joints in this step, and begins the impulses anew: where a push along the normal and friction across it lead to hardly any motion, they hold each other up at whatever size,
     /// and do more work against each other than half of the kinetic energy of their group.
-    pub(super) fn unjam(&mut self, bodies: &[Moving]) {
+    pub(super) fn unjam(&mut self, bodies: &[Moving], groups: &Groups) {
         if !self.rows.are_linked() {
             return;
         }
-        let groups = self.groups();
         let mut most_j = vec![0.0; groups.count()];
         for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
             most_j[groups.of(i)] += JAMMED * kinetic_j(body);
@@ -112,14 +111,17 @@ impl ContactSet {
         for row in rows {
             (row.normal, row.tangent) = (0.0, [0.0; 3]);
         }
-        for i in self.rows.acting.iter().map(|i| *i as usize) {
-            self.rows.motion[i] = Motion { v: bodies[i].v, w: bodies[i].w };
-        }
+        self.rows.restart(bodies);
         self.sweeps(bodies);
     }
 
     /// Gives impacts at the begin of a step their rebound by Newton's coefficient of restitution; false if there are none.
-    pub(super) fn rebound_linked(&mut self, bodies: &[Moving], [h, whole_s]: [f64; 2]) -> bool {
+    pub(super) fn rebound_linked(
+        &mut self,
+        bodies: &[Moving],
+        groups: &Groups,
+        [h, whole_s]: [f64; 2],
+    ) -> bool {
         let mut any = false;
         let rows = &mut self.rows;
         for block in rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
@@ -140,15 +142,14 @@ impl ContactSet {
         if any {
             let (rows, motion) = (self.rows.rows.clone(), self.rows.motion.clone());
             self.sweeps(bodies);
-            self.bound(bodies, &rows, &motion);
+            self.bound(bodies, groups, &rows, &motion);
         }
         any
     }
 
     /// Takes rebound back to the largest share of it with which impulses make no energy. Newton's coefficient does not see to that where there is friction and joints lead a part of a blow aside (Kane and Levinson, Dynamics: Theory and Applications, 1985; Stronge,
     /// Proc. R. Soc. A 431 (1990) 169).
-    fn bound(&mut self, bodies: &[Moving], plain: &[Row], without: &[Motion]) {
-        let groups = self.groups();
+    fn bound(&mut self, bodies: &[Moving], groups: &Groups, plain: &[Row], without: &[Motion]) {
         // energy of each group with a share s of its rebound: e[0] + e[1] s + e[2] s²
         let mut energies = vec![[0.0; 3]; groups.count()];
         for block in &self.rows.blocks {

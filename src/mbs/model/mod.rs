@@ -170,6 +170,20 @@ pub struct Event {
     pub origin: Origin,
 }
 
+impl Event {
+    /// One in which nothing happens yet.
+    pub fn at(id: impl Into<String>, time_s: f64) -> Self {
+        Self {
+            id: id.into(),
+            time_s,
+            remove_bodies: Vec::new(),
+            release: Vec::new(),
+            weaken: Vec::new(),
+            origin: Origin::default(),
+        }
+    }
+}
+
 /// A change of strength.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

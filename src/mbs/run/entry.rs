@@ -75,13 +75,13 @@ fn simulate_checked(model: &Model, options: &SolverOptions, known: &Tables) -> R
     } else {
         freely(model, options, may_repeat, known)
     };
-    let (mut result, _) = outcome?;
+    let mut result = outcome?;
     result.cpu_s = clock.elapsed_s();
     Ok(result)
 }
 
-/// A result and by how much its energies grow, over what is turned over; or why there is none.
-type Outcome = Result<(RunResult, f64), SolveError>;
+/// A result, or why there is none.
+type Outcome = Result<RunResult, SolveError>;
 
 /// Smallest share of the automatic step with which a run is repeated.
 const LEAST_SHARE: f64 = 0.25;
@@ -107,19 +107,14 @@ fn freely(model: &Model, options: &SolverOptions, may_repeat: bool, known: &Tabl
 
 /// A run with ideal joints or forces. Where a coarse tolerance allows steps in which stiff springs are not resolved, and their vibrations are most of the energy, the leapfrog's balance does not hold.
 fn ideally(model: &Model, options: &SolverOptions, may_repeat: bool) -> Outcome {
-    let of = |model: &Model| {
-        ideal::run::simulate(model, options).map(|r| {
-            let growth = r.energy_growth;
-            (r, growth)
-        })
-    };
-    let outcome = of(model);
+    let outcome = ideal::run::simulate(model, options);
     if !may_repeat || model.settings.tolerance < ideal::COARSE || !is_too_coarse(&outcome) {
         return outcome;
     }
     let mut finer = model.clone();
     finer.settings.tolerance = FINER_TOLERANCE;
-    better(outcome, of(&finer), &format!("a tolerance of {FINER_TOLERANCE:e}: with a larger one"))
+    let after = ideal::run::simulate(&finer, options);
+    better(outcome, after, &format!("a tolerance of {FINER_TOLERANCE:e}: with a larger one"))
 }
 
 /// A run with a share of the automatic step, and tables that are known.
@@ -134,13 +129,13 @@ fn once(model: &Model, options: &SolverOptions, (share, known): (f64, &Tables)) 
     run.result.warnings.extend(remarks);
     run.result.warnings.splice(0..0, run.remark_on_held());
     run.close_latent();
-    Ok((run.result, run.books.growth))
+    Ok(run.result)
 }
 
 /// Whether a smaller step may help.
 fn is_too_coarse(outcome: &Outcome) -> bool {
     match outcome {
-        Ok((_, growth)) => *growth > GROWTH,
+        Ok(result) => result.energy_growth > GROWTH,
         Err(why) => matches!(
             why,
             SolveError::Energy { .. } | SolveError::ContactEnergy { .. } | SolveError::Penetration { .. }
@@ -152,13 +147,14 @@ fn is_too_coarse(outcome: &Outcome) -> bool {
 fn better(before: Outcome, after: Outcome, with: &str) -> Outcome {
     let told = |was: String| format!("{REPEATED} {with} {was}");
     match (before, after) {
-        (Ok((_, grew)), Ok((mut result, grows))) if grows < grew => {
+        (Ok(coarse), Ok(mut result)) if result.energy_growth < coarse.energy_growth => {
+            let grew = coarse.energy_growth;
             result.warnings.push(told(format!("energies grew by {grew:.1e} of what is turned over")));
-            Ok((result, grows))
+            Ok(result)
         }
-        (Err(why), Ok((mut result, grows))) => {
+        (Err(why), Ok(mut result)) => {
             result.warnings.push(told(format!("it stopped ({why})")));
-            Ok((result, grows))
+            Ok(result)
         }
         (before, _) => before,
     }

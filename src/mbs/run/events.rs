@@ -127,8 +127,7 @@ impl Run<'_> {
         let (mut any, was_related) = (false, self.system.relative.is_some());
         for event in file.events.iter().filter(|e| (e.time_s - time).abs() <= tolerance) {
             if !std::mem::replace(&mut any, true) {
-                self.resting.clear();
-                self.resting.extend(self.system.data.iter().map(|d| d.asleep));
+                self.note_resting();
                 self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
                 self.synchronise_held();
                 self.end_relating();

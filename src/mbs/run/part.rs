@@ -25,6 +25,11 @@ impl Run<'_> {
     /// Keeps the bodies as they are before the contacts of a step whose kick is done, and who is asleep.
     pub(super) fn remember(&mut self) {
         self.untouched.clone_from(&self.system.bodies);
+        self.note_resting();
+    }
+
+    /// Notes who is asleep.
+    pub(super) fn note_resting(&mut self) {
         self.resting.clear();
         self.resting.extend(self.system.data.iter().map(|d| d.asleep));
     }

@@ -1,7 +1,8 @@
 //! Mechanisms that strike something, and bodies that lose what they rest on.
 
 use super::contact::{ball, energy, ground, last, model, run, solid};
-use crate::mbs::model::{Body, BodyContact, Event, Joint, JointKind, Model, ObstacleBox, Origin, Shape};
+use super::models::{joint, revolute};
+use crate::mbs::model::{Body, BodyContact, Event, JointKind, Model, ObstacleBox, Shape};
 use crate::verify::{Case, Figure};
 
 const G: f64 = 9.81;
@@ -28,21 +29,6 @@ pub fn cases() -> Vec<Case> {
     ]
 }
 
-fn joint(id: &str, kind: JointKind, [a, b]: [Option<usize>; 2], point_m: [f64; 3], axis: [f64; 3]) -> Joint {
-    let name = |i: usize| format!("body{i}");
-    Joint {
-        id: id.into(),
-        kind,
-        body_a: a.map(name),
-        body_b: name(b.unwrap_or(0)),
-        point_m,
-        point_b_m: None,
-        axis: (kind != JointKind::Fixed).then_some(axis),
-        axis_b: None,
-        origin: Origin::default(),
-    }
-}
-
 /// A crank of 0.3 m and a rod of 1 m in the x-z plane drive a slider along x, on which there is a ball.
 fn crank_model(restitution: f64) -> Model {
     let mut m = model(1.0, 0.02);
@@ -61,10 +47,16 @@ fn crank_model(restitution: f64) -> Model {
     let slider = ball(&mut m, 20.0, 0.1, end);
     moves(slider, 0.0, [(spin - turn) * knee[2], 0.0, 0.0]);
     m.bodies[..2].iter_mut().for_each(|b| b.shapes.clear());
-    m.joints.push(joint("shaft", JointKind::Revolute, [None, Some(0)], [0.0; 3], Y));
-    m.joints.push(joint("knee", JointKind::Revolute, [Some(0), Some(1)], knee, Y));
-    m.joints.push(joint("pin", JointKind::Revolute, [Some(1), Some(2)], end, Y));
-    m.joints.push(joint("guide", JointKind::Prismatic, [None, Some(2)], end, [1.0, 0.0, 0.0]));
+    m.joints.push(revolute("shaft".into(), [None, Some("body0")], [0.0; 3], Y));
+    m.joints.push(revolute("knee".into(), [Some("body0"), Some("body1")], knee, Y));
+    m.joints.push(revolute("pin".into(), [Some("body1"), Some("body2")], end, Y));
+    m.joints.push(joint(
+        "guide".into(),
+        JointKind::Prismatic,
+        [None, Some("body2")],
+        end,
+        Some([1.0, 0.0, 0.0]),
+    ));
     m.contact.obstacles.push(ObstacleBox {
         id: "stop".into(),
         min_m: [1.35, -1.0, -1.0],
@@ -104,7 +96,7 @@ fn rod() -> Result<Vec<Figure>, String> {
     let body = solid(&mut m, middle, [2.0, 0.1, 0.1]);
     body.orientation = [(0.5 * tilt).cos(), 0.0, -(0.5 * tilt).sin(), 0.0];
     body.shapes = vec![Shape::Sphere { center_m: [1.0, 0.0, 0.0], radius_m: radius }];
-    m.joints.push(joint("pin", JointKind::Revolute, [None, Some(0)], [0.0, 0.0, radius], Y));
+    m.joints.push(revolute("pin".into(), [None, Some("body0")], [0.0, 0.0, radius], Y));
     let result = run(&m)?;
     let rises: Vec<f64> = result.frames.iter().map(|f| f.position_m[0][2] - radius).collect();
     let hit_s = result.first_ground_contact_s.ok_or("it does not come down")?;
@@ -163,16 +155,9 @@ fn support() -> Result<Vec<Figure>, String> {
             solid(&mut m, [0.0, 0.0, level], [1.0; 3]);
         }
         if is_jointed {
-            m.joints.push(joint("base", JointKind::Fixed, [None, Some(0)], [0.0; 3], Y));
+            m.joints.push(joint("base".into(), JointKind::Fixed, [None, Some("body0")], [0.0; 3], None));
         }
-        m.events.push(Event {
-            id: "cut".into(),
-            time_s: 0.3,
-            remove_bodies: vec!["body0".into()],
-            release: Vec::new(),
-            weaken: Vec::new(),
-            origin: Origin::default(),
-        });
+        m.events.push(Event { remove_bodies: vec!["body0".into()], ..Event::at("cut", 0.3) });
         let result = run(&m)?;
         let fall = 1.5 - last(&result).position_m[1][2];
         figures.push(Figure::absolute(what, "m", [0.5 * G * 0.04, fall], 1e-6, source));

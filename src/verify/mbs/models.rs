@@ -83,7 +83,13 @@ pub(super) fn solid(id: &str, density: f64, size_m: V3, position_m: V3) -> Body 
     body(id, mass, principal, position_m)
 }
 
-fn joint(id: String, kind: JointKind, bodies: [Option<&str>; 2], point_m: V3, axis: Option<V3>) -> Joint {
+pub(super) fn joint(
+    id: String,
+    kind: JointKind,
+    bodies: [Option<&str>; 2],
+    point_m: V3,
+    axis: Option<V3>,
+) -> Joint {
     Joint {
         id,
         kind,
@@ -97,7 +103,7 @@ fn joint(id: String, kind: JointKind, bodies: [Option<&str>; 2], point_m: V3, ax
     }
 }
 
-fn revolute(id: String, bodies: [Option<&str>; 2], point_m: V3, axis: V3) -> Joint {
+pub(super) fn revolute(id: String, bodies: [Option<&str>; 2], point_m: V3, axis: V3) -> Joint {
     joint(id, JointKind::Revolute, bodies, point_m, Some(axis))
 }
 

@@ -2,7 +2,7 @@
 
 use super::contact::{energy, ground, model, run};
 use super::models::{held, solid};
-use crate::mbs::model::{Body, BodyContact, Event, Origin, Shape};
+use crate::mbs::model::{Body, BodyContact, Event, Shape};
 use crate::verify::{Case, Figure};
 
 const G: f64 = 9.81;
@@ -66,15 +66,7 @@ fn pancake(floors: u32) -> Result<Vec<Figure>, String> {
         m.bushings.push(hanger);
     }
     let release = vec![format!("hanger-{floors}")];
-    let (time_s, origin) = (0.0, Origin::default());
-    m.events.push(Event {
-        id: "start".into(),
-        time_s,
-        remove_bodies: Vec::new(),
-        release,
-        weaken: Vec::new(),
-        origin,
-    });
+    m.events.push(Event { release, ..Event::at("start", 0.0) });
     let result = run(&m)?;
     let struck_s = result.first_ground_contact_s.ok_or("the floors do not come down")?;
     // the speed in the middle of the last two outputs before that, and free fall from there
