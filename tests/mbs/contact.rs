@@ -324,6 +324,35 @@ fn a_heavy_block_comes_to_rest_on_a_light_one() {
     }
 }
 
+/// Bodies of which ideal joints link points are solved without conjugate directions, those beside them are not.
+#[test]
+fn a_block_on_joints_leaves_a_heavy_one_on_a_light_one_alone() {
+    let mut m = on_ground("heavy on light", 0.5, 0.5);
+    m.bodies.push(solid("light", [0.0, 0.0, 0.25], [0.5; 3]));
+    m.bodies.push(solid("heavy", [0.0, 0.0, 0.75], [0.5; 3]));
+    let light = &mut m.bodies[0];
+    light.mass_kg /= 1e4;
+    light.inertia_kg_m2.iter_mut().flatten().for_each(|i| *i /= 1e4);
+    m.bodies.push(solid("flap", [5.0, 0.0, 0.25], [1.0, 0.5, 0.5]));
+    let mut pin = ideal("pin", JointKind::Revolute, None, "flap", [4.5, 0.0, 0.25]);
+    pin.axis = Some([0.0, 1.0, 0.0]);
+    m.joints.push(pin);
+    m.contact.obstacles.push(ObstacleBox {
+        id: "step".into(),
+        min_m: [5.0, -1.0, -1.0],
+        max_m: [6.0, 1.0, 0.0],
+        friction: 0.5,
+        restitution: 0.0,
+    });
+    m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+    let result = simulate(&m).unwrap();
+    assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+    let end = &result.frames.last().unwrap().position_m;
+    let places = [end[0][2] - 0.25, end[1][2] - 0.75, end[2][2] - 0.25];
+    println!("{places:.6?} m, {} steps", result.steps);
+    assert!(places.iter().all(|z| z.abs() < 1e-4), "{places:?}");
+}
+
 #[test]
 fn what_is_skipped_changes_nothing() {
     // blocks that fall from different heights, some of them fast and turning, onto a tower and the ground

@@ -1,7 +1,8 @@
 //! Bodies that contacts and ideal joints connect in a step: what impulses do to one group is none of another's.
 
 use super::ContactSet;
-use super::rows::Block;
+use super::rows::{Block, Motion, Rows};
+use crate::mbs::math;
 use petgraph::unionfind::UnionFind;
 
 /// Of each body the one that stands for its group; the ground is in none.
@@ -44,5 +45,35 @@ impl ContactSet {
             union.union(*a, *b);
         }
         Groups { label: union.into_labeling(), ground }
+    }
+}
+
+impl Rows {
+    /// Scales the impulses of the groups that have a share, and the changes by them of the velocities before.
+    pub(super) fn scale(
+        &mut self,
+        groups: &Groups,
+        shares: &[Option<f64>],
+        before: impl Fn(usize) -> Motion,
+    ) {
+        if shares.iter().all(Option::is_none) {
+            return;
+        }
+        let Self { blocks, rows, rolls, motion, acting, .. } = self;
+        for (k, block) in blocks.iter().enumerate() {
+            let Some(share) = shares[groups.of_block(block)] else { continue };
+            for row in &mut rows[block.range()] {
+                (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
+            }
+            if let Some(roll) = rolls.get_mut(k) {
+                roll.moment = math::scale(share, roll.moment);
+            }
+        }
+        for i in acting.iter().map(|i| *i as usize) {
+            let Some(share) = shares[groups.of(i)] else { continue };
+            let (now, first) = (&mut motion[i], before(i));
+            let [v, w] = [math::sub(now.v, first.v), math::sub(now.w, first.w)];
+            *now = Motion { v: math::axpy(first.v, share, v), w: math::axpy(first.w, share, w) };
+        }
     }
 }

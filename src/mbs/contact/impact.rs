@@ -8,7 +8,7 @@
 //! The step keeps one velocity from its begin to its end. Bodies that impulses of a round connect change their velocities together, at the time of the first impact among them:
 //! what forces add until then is taken off the velocity after it, and the displacement `-t Δv` that a body has not made by then is taken back. With that the energy of the step changes by
 //! `p (u⁻ + u⁺) / 2` with the velocities at `t`: for `e = 1` by nothing, however many points there are. Impulses that make energy all the same (sweeps that have not
-//! converged, friction with rebound) are scaled down.
+//! converged, friction with rebound) are scaled down, group by group of the bodies that contacts connect.
 
 use super::rows::{Block, Motion, Row};
 use super::solve::REBOUND_FROM;
@@ -252,45 +252,35 @@ impl ContactSet {
         changed
     }
 
-    /// Scales the impulses of a round down to those that make no energy.
+    /// Scales the impulses of a round down to those that make no energy, group by group.
     fn damp(&mut self, h: f64) {
-        let (mut linear, mut square) = (0.0, 0.0);
+        let groups = self.groups();
+        let mut works = vec![[0.0; 2]; groups.count()];
         for (k, block) in self.rows.blocks.iter().enumerate() {
+            let [linear, square] = &mut works[groups.of_block(block)];
             let [rolled, rolls] = self.roll_work(k, |i| self.impacts.before[i as usize]);
-            (linear, square) = (linear + rolled, square + (rolls - rolled));
+            (*linear, *square) = (*linear + rolled, *square + (rolls - rolled));
             let [kick_a, kick_b] = block.bodies.map(|i| &self.rows.kick[i as usize]);
             let [first_a, first_b] = block.bodies.map(|i| &self.impacts.before[i as usize]);
             let [now_a, now_b] = block.bodies.map(|i| &self.rows.motion[i as usize]);
-            for i in block.range() {
-                let row = &self.rows.rows[i];
-                if row.normal == 0.0 {
-                    continue;
-                }
+            let [a, b] = block.bodies.map(|body| self.impacts.hit[body as usize]);
+            let time = if a.min(b).is_finite() { a.min(b) } else { 0.0 };
+            for row in self.rows.rows[block.range()].iter().filter(|row| row.normal != 0.0) {
                 let p = math::axpy(row.tangent, row.normal, block.normal);
                 let forces = row.relative(kick_a, kick_b);
                 let start = row.relative(first_a, first_b);
                 let pull = 2.0 / h * math::dot(forces, block.normal);
-                let [a, b] = block.bodies.map(|body| self.impacts.hit[body as usize]);
-                let time = if a.min(b).is_finite() { a.min(b) } else { 0.0 };
-                linear += math::dot(p, math::sub(start, forces)) + row.normal * time * pull;
-                square += math::dot(p, math::sub(row.relative(now_a, now_b), start));
+                *linear += math::dot(p, math::sub(start, forces)) + row.normal * time * pull;
+                *square += math::dot(p, math::sub(row.relative(now_a, now_b), start));
             }
         }
-        if linear + 0.5 * square <= 0.0 {
-            return;
-        }
-        let share = if square > 0.0 { (-2.0 * linear / square).clamp(0.0, 1.0) } else { 0.0 };
-        for row in &mut self.rows.rows {
-            (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
-        }
-        for roll in &mut self.rows.rolls {
-            roll.moment = math::scale(share, roll.moment);
-        }
-        for i in self.rows.acting.iter().map(|i| *i as usize) {
-            let (motion, before) = (&mut self.rows.motion[i], &self.impacts.before[i]);
-            let [v, w] = [math::sub(motion.v, before.v), math::sub(motion.w, before.w)];
-            *motion = Motion { v: math::axpy(before.v, share, v), w: math::axpy(before.w, share, w) };
-        }
+        let share = |[linear, square]: &[f64; 2]| {
+            let makes = linear + 0.5 * square > 0.0;
+            makes.then(|| if *square > 0.0 { (-2.0 * linear / square).clamp(0.0, 1.0) } else { 0.0 })
+        };
+        let shares: Vec<Option<f64>> = works.iter().map(share).collect();
+        let Self { rows, impacts, .. } = self;
+        rows.scale(&groups, &shares, |i| impacts.before[i]);
     }
 
     /// Takes back the displacements that the velocities after a round would make before its time, and adds its impulses to those of the rounds before.

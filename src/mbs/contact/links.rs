@@ -82,6 +82,11 @@ impl Links {
 }
 
 impl Rows {
+    /// Whether ideal joints link points.
+    pub fn are_linked(&self) -> bool {
+        !self.links.rows.is_empty()
+    }
+
     /// Finds the responses of the linked rows of the blocks from `first` on, and their effective masses with them.
     pub fn link(&mut self, first: usize, mechanism: &mut dyn Linked) {
         let ground = self.motion.len() - 1;

@@ -371,6 +371,11 @@ impl ContactSet {
         !self.rows.blocks.is_empty()
     }
 
+    /// The same, if bodies and joints are still those of that step.
+    pub fn is_meeting(&self) -> bool {
+        self.has_points() && self.alarm == f64::NEG_INFINITY
+    }
+
     /// Whether there is anything that can touch at all.
     pub fn is_idle(&self) -> bool {
         self.alarm == f64::INFINITY
@@ -414,7 +419,7 @@ impl ContactSet {
 
     /// Pairs of bodies that were near each other in the last step; the ground is the number of bodies.
     pub fn meeting(&self) -> impl Iterator<Item = [usize; 2]> {
-        let known = if self.alarm == f64::NEG_INFINITY { &self.rows.blocks[..] } else { &[] };
+        let known = if self.is_meeting() { &self.rows.blocks[..] } else { &[] };
         known.iter().map(|block| block.bodies.map(|i| i as usize))
     }
 
@@ -516,6 +521,7 @@ impl ContactSet {
     /// Counts the paths of a step in which nothing can touch, the longest of which is given \[m\].
     #[inline]
     fn pass(&mut self, longest_m: f64) {
+        self.rows.clear();
         if self.settings.skip {
             self.work.quiet_steps += 1;
             self.work.left_alone += self.order.iter().filter(|e| e.limit < f64::INFINITY).count() as u64;

@@ -292,9 +292,10 @@ impl ContactSet {
         } else {
             self.look_at_solids(slot, bodies, h, within)
         };
-        // the bound from before holds as well
+        // the bound from before holds as well; but one with points is looked at in the next step, that may be shorter, so that it forgets them then if they are too far
         let entry = &mut self.order[entry];
-        (entry.limit, entry.allowed) = (limit.max(entry.limit), allowed);
+        let limit = if limit == f64::NEG_INFINITY { limit } else { limit.max(entry.limit) };
+        (entry.limit, entry.allowed) = (limit, allowed);
     }
 
     /// Returns the paths up to which it need not be looked at again.
@@ -322,7 +323,8 @@ impl ContactSet {
         let turned = math::sub(normal, pair.weighed);
         let stale = self.settings.stale;
         let round = collider.solid.is_round();
-        let keep = !round && math::dot(turned, turned) <= stale * stale;
+        // one that had no points has none to keep the masses of, however long it was looked at
+        let keep = !round && !self.kept.is_empty() && math::dot(turned, turned) <= stale * stale;
         if !keep {
             pair.weighed = normal;
         }

@@ -19,7 +19,7 @@ impl ContactSet {
         }
         let (mut trial, mut after) = (self.clone(), bodies.to_vec());
         // with the impacts within the step, wherever they are
-        trial.solve_linked(&mut after, [h, 2.0 * h], mechanism).ok()?;
+        trial.solve_linked(&mut after, h, Some(h), mechanism).ok()?;
         let groups = trial.groups();
         let strikes = trial.strikes(bodies, &groups);
         let half = |a: V3, b: V3| math::scale(0.5, math::sub(a, b));

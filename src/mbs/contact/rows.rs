@@ -170,10 +170,15 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    /// Begins a step of so many bodies, without any points.
-    pub fn begin(&mut self, bodies: usize) {
+    /// Forgets the points.
+    pub fn clear(&mut self) {
         self.blocks.clear();
         self.rows.clear();
+    }
+
+    /// Begins a step of so many bodies, without any points.
+    pub fn begin(&mut self, bodies: usize) {
+        self.clear();
         for i in self.acting.drain(..) {
             self.acts[i as usize] = false;
         }

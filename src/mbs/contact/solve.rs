@@ -1,7 +1,7 @@
 //! A step: which pairs, impulses, rebound, gaps, energies.
 
 use super::groups::Groups;
-use super::rows::{DEEP_M, Motion, Rows};
+use super::rows::{DEEP_M, Motion};
 use super::{ContactSet, Linked, Moving, TooDeep};
 use crate::mbs::math::{self, V3};
 
@@ -35,18 +35,19 @@ impl ContactSet {
     /// # Errors
     /// If solids are in each other by half their thickness.
     pub fn solve(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
-        self.solve_linked(bodies, [h; 2], None).map(|_| ())
+        self.solve_linked(bodies, h, Some(h), None).map(|_| ())
     }
 
-    /// The same for bodies of which joints hold some together; their velocities before fit the joints, and those after do. An impact is at the begin of a step: where there is one within nothing is done but to find the time of
-    /// the first \[s\]. A step that was shortened for that is the first of two lengths, the second is that before \[s\].
+    /// The same for bodies of which joints hold some together; their velocities before fit the joints, and those after do. Impacts are at the begin of a step: `whole_s` \[s\] is the length that it had before it was
+    /// shortened for them, its own if it was not; with none nothing is done where there is an impact within the step but to find the time of the first \[s\].
     ///
     /// # Errors
     /// If solids are in each other by half their thickness.
     pub fn solve_linked(
         &mut self,
         bodies: &mut [Moving],
-        [h, whole_s]: [f64; 2],
+        h: f64,
+        whole_s: Option<f64>,
         mut mechanism: Option<&mut (dyn Linked + '_)>,
     ) -> Result<Option<f64>, TooDeep> {
         for body in bodies.iter_mut() {
@@ -58,12 +59,11 @@ impl ContactSet {
         if !self.touched.is_empty() {
             return Ok(None);
         }
-        if mechanism.is_some()
-            && h == whole_s
-            && let Some(hit_s) = self.first_hit_s(bodies, h)
-        {
-            return Ok(Some(hit_s));
+        let hit_s = if whole_s.is_none() { self.first_hit_s(bodies, h) } else { None };
+        if hit_s.is_some() {
+            return Ok(hit_s);
         }
+        let lengths = [h, whole_s.unwrap_or(h)];
         if points > 0 {
             self.cap(bodies, h);
             self.work.steps += 1;
@@ -78,7 +78,7 @@ impl ContactSet {
             }
             let linked = mechanism.is_some();
             if linked {
-                self.tie(bodies, [h, whole_s]);
+                self.tie(bodies, lengths);
             }
             self.rows.warm_start(0);
             self.start_rolls(0, h, true);
@@ -90,7 +90,7 @@ impl ContactSet {
                 // after them, since they may bring in more points
                 let groups = self.groups();
                 self.unjam(bodies, &groups);
-                if !self.rebound_linked(bodies, &groups, [h, whole_s]) {
+                if !self.rebound_linked(bodies, &groups, lengths) {
                     self.temper(bodies, &groups);
                 }
             } else {
@@ -159,11 +159,15 @@ impl ContactSet {
             self.order[k].allowed = 0.0;
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
-            let may_meet = self.until[a] + self.until[b] >= entry.limit || !self.settings.skip;
-            if may_meet && entry.limit < f64::INFINITY && !self.is_still([a, b]) {
+            let may_meet = self.until[a] + self.until[b] >= entry.limit;
+            let is_asked = may_meet || !self.settings.skip;
+            if is_asked && entry.limit < f64::INFINITY && !self.is_still([a, b]) {
                 self.work.looks += 1;
                 let allowed = self.allowed([a, b]);
                 self.look(k, bodies, h, f64::NEG_INFINITY, allowed);
+                let found = &mut self.order[k].limit;
+                // a look that is made for nothing leaves no better bound: it would be another run
+                *found = if may_meet || *found == f64::NEG_INFINITY { *found } else { entry.limit };
             } else {
                 self.work.left_alone += u64::from(entry.limit < f64::INFINITY);
             }
@@ -203,30 +207,7 @@ impl ContactSet {
             makes.then(|| if *square > 0.0 { (-linear / square).clamp(0.0, 1.0) } else { 0.0 })
         };
         let shares: Vec<Option<f64>> = works.iter().map(share).collect();
-        if shares.iter().any(Option::is_some) {
-            self.scale(bodies, groups, &shares);
-        }
-    }
-
-    /// Scales the impulses of groups, and the changes of velocity by them.
-    fn scale(&mut self, bodies: &[Moving], groups: &Groups, shares: &[Option<f64>]) {
-        let Rows { blocks, rows, rolls, motion, acting, .. } = &mut self.rows;
-        for (k, block) in blocks.iter().enumerate() {
-            let Some(share) = shares[groups.of_block(block)] else { continue };
-            for row in &mut rows[block.range()] {
-                (row.normal, row.tangent) = (share * row.normal, math::scale(share, row.tangent));
-            }
-            if let Some(roll) = rolls.get_mut(k) {
-                roll.moment = math::scale(share, roll.moment);
-            }
-        }
-        for i in acting.iter().map(|i| *i as usize) {
-            let Some(share) = shares[groups.of(i)] else { continue };
-            let (motion, body) = (&mut motion[i], &bodies[i]);
-            let change = Motion { v: math::sub(motion.v, body.v), w: math::sub(motion.w, body.w) };
-            *motion =
-                Motion { v: math::axpy(body.v, share, change.v), w: math::axpy(body.w, share, change.w) };
-        }
+        self.rows.scale(groups, &shares, |i| before(i as u32));
     }
 
     /// Sweeps until the velocities hold, with the pairs that they bring near; whether they nearly do.
@@ -247,7 +228,7 @@ impl ContactSet {
                 is_settled = self.sweeps(bodies);
             }
         }
-        if self.may_search() && self.rows.sinks_to(h) < -DEEP_M {
+        if self.rows.may_search() && self.rows.sinks_to(h) < -DEEP_M {
             is_settled = self.hold(bodies);
         }
         is_settled
@@ -265,11 +246,6 @@ impl ContactSet {
         left <= tolerance_m_s
     }
 
-    /// Whether sweeps may go on in conjugate directions.
-    fn may_search(&self) -> bool {
-        !self.rows.are_linked() && !self.is_rolling
-    }
-
     /// Sweeps, and conjugate directions after an impact; whether the last ones changed velocities by no more than what leaves them to the next step.
     pub(super) fn sweeps(&mut self, bodies: &[Moving]) -> bool {
         let s = self.settings;
@@ -277,7 +253,7 @@ impl ContactSet {
         let mut change = self.rows.sweep(false, true);
         let mut done = 1;
         let count = self.rows.rows.len();
-        let may_search = self.may_search();
+        let may_search = self.rows.may_search();
         let is_unsteady = change > UNSTEADY * scale;
         if is_unsteady && change <= STRUCK_FROM * scale && may_search {
             let most = (s.visits / (2 * count)).clamp(s.sweeps / 2, s.most_sweeps / 2);
@@ -315,10 +291,11 @@ impl ContactSet {
 
     /// Conjugate directions until the velocities hold; how many moves, and the largest change of a velocity in the sweep after them \[m/s\].
     fn conjugate(&mut self, most: usize, tolerance_m_s: f64) -> (usize, f64) {
-        self.rows.search_anew();
+        let groups = self.groups();
+        self.rows.search_anew(groups.count());
         let (mut moves, mut change) = (0, f64::INFINITY);
         while moves < most && change > tolerance_m_s {
-            change = self.rows.search();
+            change = self.rows.search(&groups);
             moves += 1;
         }
         // back to where Coulomb's law allows

@@ -111,14 +111,19 @@ impl Marcher {
             let path_m = h * (norm(v) + h * norm(a) + (norm(w) + h * norm(alpha)) * set.radius_m(b));
             *longest_m = if missed { longest_m.max(path_m) } else { path_m };
         }
-        if set.may_skip() && set.is_clear_for(paths_m) {
+        let is_clear = set.is_clear_for(paths_m);
+        if is_clear && set.may_skip() {
             return false;
         }
-        if set.has_points() {
+        if set.is_meeting() {
             return true;
         }
         self.place(touching, h);
         let Touching { set, paths_m, moving, .. } = touching;
+        if is_clear {
+            // looked at for nothing, without a trace
+            return !set.clone().glance(moving, h, paths_m);
+        }
         !set.glance(moving, h, paths_m) || !set.is_clear_for(paths_m)
     }
 
@@ -155,9 +160,9 @@ impl Marcher {
     pub(super) fn jump(&mut self, h: f64) -> Result<f64, MarchError> {
         let Some(mut touching) = self.touching.take() else { return Ok(h) };
         // bodies that rattle between others strike again and again: now and then a whole step goes on
-        let may_stop = touching.stops < MOST_STOPS;
-        let outcome = match self.impulses(&mut touching, [h, if may_stop { h } else { 2.0 * h }]) {
-            Ok(Some(hit_s)) => self.impulses(&mut touching, [hit_s, h]).map(|_| hit_s),
+        let whole_s = (touching.stops == MOST_STOPS).then_some(h);
+        let outcome = match self.impulses(&mut touching, h, whole_s) {
+            Ok(Some(hit_s)) => self.impulses(&mut touching, hit_s, Some(h)).map(|_| hit_s),
             whole => whole.map(|_| h),
         };
         let is_short = outcome.as_ref().is_ok_and(|length| *length < h);
@@ -210,11 +215,15 @@ impl Marcher {
         }
     }
 
-    /// Impulses of a step of a length, which it has once it is shortened or had before \[s\]; or the time of an impact within, if there is one \[s\].
-    fn impulses(&mut self, touching: &mut Touching, lengths: [f64; 2]) -> Result<Option<f64>, TooDeep> {
-        let h = lengths[0];
+    /// Impulses of a step, or the time of an impact within ([`ContactSet::solve_linked`]) \[s\].
+    fn impulses(
+        &mut self,
+        touching: &mut Touching,
+        h: f64,
+        whole_s: Option<f64>,
+    ) -> Result<Option<f64>, TooDeep> {
         self.place(touching, h);
-        let hit_s = touching.set.solve_linked(&mut touching.moving, lengths, Some(&mut self.motion))?;
+        let hit_s = touching.set.solve_linked(&mut touching.moving, h, whole_s, Some(&mut self.motion))?;
         if hit_s.is_some() {
             return Ok(hit_s);
         }
