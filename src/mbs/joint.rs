@@ -38,6 +38,8 @@ pub struct JointData {
     table: [u32; 2],
     /// 1 if axis 0 points from A's side to B's, else -1: a gap along it is then tension.
     pub(super) outward: f64,
+    /// Share of its strength that events have left it.
+    strength: f64,
     /// Tension at which the joint separates \[N\].
     pub tensile_capacity: f64,
     /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
@@ -111,6 +113,7 @@ impl JointData {
             rotation: [joint.torsional_stiffness_nm_rad, 0.0, 0.0],
             table: [NO_TABLE; 2],
             outward,
+            strength: 1.0,
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
             shear_ease: joint.shear_capacity_n.map_or([0.0; 2], |c| c.map(|c| 1.0 / (c * c))),
@@ -152,6 +155,15 @@ impl JointData {
     pub fn set_curve(&mut self, k: usize, table: u32, tables: &[CapacityTable]) {
         self.rotation[k + 1] = tables[table as usize].stiffness_nm_rad();
         self.table[k] = table;
+    }
+
+    /// Multiplies its capacities in tension, compression and shear so that this share of what they are in the file is left; its curves are given by [`Self::set_curve`].
+    pub fn set_strength(&mut self, share: f64) {
+        let ratio = share / std::mem::replace(&mut self.strength, share);
+        self.tensile_capacity *= ratio;
+        self.compressive_capacity *= ratio;
+        self.hardening.iter_mut().flat_map(|h| h.iter_mut()).for_each(|[_, force]| *force *= ratio);
+        self.shear_ease = self.shear_ease.map(|ease| ease / (ratio * ratio));
     }
 
     /// Its hinges: accumulated plastic rotation \[rad\], and whether it broke; both ends of a beam, else its own first.

@@ -1,26 +1,29 @@
 //! Sleep: islands of bodies at rest are left alone until something wakes them.
 //!
 //! An island is what contacts and bushings connect, the ground apart. It falls asleep when the kinetic energy of each of its bodies has been below
-//! `½ m v²`, with the speed `v` of [`super::model::RunSettings::sleep_speed_m_s`], for [`REST_S`]: a body that nothing holds is past that bound within a thousandth of a second. Its kinetic energy goes
+//! `½ m v²`, with the speed `v` of [`super::model::RunSettings::sleep_speed_m_s`], for [`REST_S`], and none gathers speed in that time ([`STEADY`]), as one that turns round, tips over or falls does. Its kinetic energy goes
 //! into the book of the contacts. Asleep, it keeps its pose, its forces and the impulses of its contacts, and is neither kicked nor moved. It wakes, from rest and with these impulses, when a body that
 //! is awake comes so near to one of its own that they may touch within a step; all islands wake with every event and every joint that separates.
 
 use super::contact::ContactSet;
+use super::math::{self, Q, V3};
 use super::step;
-use super::system::System;
+use super::system::{BodyData, BodyState, System};
 use petgraph::unionfind::UnionFind;
 
 /// Time for which bodies are at rest before they fall asleep, and between looks at the islands \[s\].
 pub const REST_S: f64 = 0.5;
 const LOOK_S: f64 = 0.1;
+/// Change of the mean velocity in the time at rest up to which a body does not gather speed, over the speed below which it rests.
+const STEADY: f64 = 0.05;
 
 /// Who sleeps in a run.
 #[derive(Debug, Clone)]
 pub struct Sleep {
     /// Half the square of the speed: kinetic energy over mass up to which a body is at rest \[m²/s²\]; zero: nothing sleeps.
     level: f64,
-    /// For how long each body has been at rest \[s\].
-    rest_s: Vec<f64>,
+    /// Each body's rest.
+    rest: Vec<Rest>,
     /// The island of each body that sleeps, by its first body.
     island: Vec<Option<usize>>,
     asleep: usize,
@@ -29,12 +32,54 @@ pub struct Sleep {
     pub taken_j: f64,
 }
 
+/// For how long a body has been at rest, and where it was in that time.
+#[derive(Debug, Clone, Copy, Default)]
+struct Rest {
+    /// Time at rest, and that since the begin of the last span of [`REST_S`] \[s\].
+    time_s: f64,
+    span_s: f64,
+    /// Poses at the begin of that span and in its middle.
+    begin: Pose,
+    middle: Option<Pose>,
+}
+
+type Pose = (V3, Q);
+
+impl Rest {
+    /// A step of `h` \[s\] at rest, with the square of half the speed of rest \[m²/s²\].
+    fn go_on(&mut self, body: &BodyState, data: &BodyData, h: f64, level: f64) {
+        let here = (body.x, body.q);
+        if self.span_s == 0.0 {
+            self.begin = here;
+        }
+        self.time_s += h;
+        self.span_s += h;
+        if self.span_s >= 0.5 * REST_S {
+            self.middle.get_or_insert(here);
+        }
+        if self.span_s >= REST_S {
+            // of a motion at one acceleration the middle is off by a T²/8, with a T the change of velocity
+            let most = 2.0 * level * data.mass * (STEADY * REST_S / 8.0).powi(2);
+            let is_steady = self.middle.is_some_and(|middle| bend([self.begin, middle, here], data) <= most);
+            *self = Self { time_s: if is_steady { self.time_s } else { 0.0 }, ..Self::default() };
+        }
+    }
+}
+
+/// How far a pose is off the middle of two others: mass times the square of the distance, and inertia that of the angle \[kg m²\].
+fn bend([begin, middle, end]: [Pose; 3], data: &BodyData) -> f64 {
+    let off: V3 = std::array::from_fn(|k| middle.0[k] - 0.5 * (begin.0[k] + end.0[k]));
+    let turned = |to: Pose| math::qlog(math::qmul(math::qconj(begin.1), to.1));
+    let turn = math::axpy(turned(middle), -0.5, turned(end));
+    data.mass * math::dot(off, off) + math::dot(turn, math::mul(&data.inertia, turn))
+}
+
 impl Sleep {
     /// For bodies that are at rest below a speed \[m/s\]; none: nothing sleeps.
     pub fn new(speed_m_s: Option<f64>, bodies: usize) -> Self {
         Self {
             level: speed_m_s.map_or(0.0, |v| 0.5 * v * v),
-            rest_s: vec![0.0; bodies],
+            rest: vec![Rest::default(); bodies],
             island: vec![None; bodies],
             asleep: 0,
             next_look_s: LOOK_S,
@@ -57,11 +102,14 @@ impl Sleep {
         if self.level == 0.0 {
             return;
         }
-        for i in 0..self.rest_s.len() {
-            let data = &system.data[i];
+        for (i, rest) in self.rest.iter_mut().enumerate() {
+            let (body, data) = (&system.bodies[i], &system.data[i]);
             if data.alive && !data.asleep {
-                let at_rest = step::step_energy_j(&system.bodies[i], data) <= self.level * data.mass;
-                self.rest_s[i] = if at_rest { self.rest_s[i] + h } else { 0.0 };
+                if step::step_energy_j(body, data) <= self.level * data.mass {
+                    rest.go_on(body, data, h, self.level);
+                } else {
+                    *rest = Rest::default();
+                }
             }
         }
         if time_s >= self.next_look_s {
@@ -72,9 +120,9 @@ impl Sleep {
 
     /// Puts the islands to sleep in which all bodies have rested.
     fn look(&mut self, system: &mut System, contacts: &mut ContactSet, h: f64) {
-        let n = self.rest_s.len();
+        let n = self.rest.len();
         let awake = |i: usize| system.data[i].alive && !system.data[i].asleep;
-        if !(0..n).any(|i| awake(i) && self.rest_s[i] >= REST_S) {
+        if !(0..n).any(|i| awake(i) && self.rest[i].time_s >= REST_S) {
             return;
         }
         let mut sets = UnionFind::<usize>::new(n);
@@ -88,7 +136,7 @@ impl Sleep {
         let (mut firsts, mut restless) = (vec![None; n], vec![false; n]);
         for (i, label) in labels.iter().enumerate() {
             firsts[*label].get_or_insert(i);
-            restless[*label] |= awake(i) && self.rest_s[i] < REST_S;
+            restless[*label] |= awake(i) && self.rest[i].time_s < REST_S;
         }
         for (i, label) in labels.into_iter().enumerate() {
             if system.data[i].alive && !system.data[i].asleep && !restless[label] {
@@ -128,7 +176,7 @@ impl Sleep {
 
     fn wake(&mut self, system: &mut System, contacts: &mut ContactSet, i: usize) {
         self.island[i] = None;
-        self.rest_s[i] = 0.0;
+        self.rest[i] = Rest::default();
         self.asleep -= 1;
         system.data[i].asleep = false;
         contacts.set_asleep(i, false);

@@ -13,8 +13,13 @@ use super::math::{self, V3};
 use super::system::{BodyData, BodyState, System};
 use crate::base::isa::for_each_isa;
 
-/// Fixed-point iterations for the midpoint angular velocity.
+/// Fixed-point iterations for the midpoint angular velocity, and the most of them where a body turns fast.
 const ITERATIONS: usize = 2;
+const MOST_ITERATIONS: usize = 40;
+/// Square of the angle of half a step from which iterations go on until the velocity holds: what they leave takes energy, about 0.05 of the third power of that angle in a step.
+const FAST: f64 = 1e-5;
+/// Change of an angular velocity in an iteration, over itself, with which it holds.
+const HOLDS: f64 = 1e-15;
 
 /// Inverse masses and inertias of eight bodies.
 #[derive(Debug, Clone)]
@@ -81,7 +86,7 @@ fn kick_any(
         for (l, (body, data)) in bodies.iter_mut().zip(data).enumerate() {
             if data.alive && !data.asleep {
                 (body.p, body.l) = (get(&at.p, l), get(&at.l, l));
-                if at.turn2[l] < TURN_NEAR {
+                if at.turn2[l] < FAST {
                     (body.v, body.w, body.w_body) = (get(&at.v, l), get(&at.w, l), get(&at.w_body, l));
                 } else {
                     find_velocities(body, data, h_s);
@@ -147,8 +152,14 @@ pub fn find_velocities(body: &mut BodyState, data: &BodyData, h: f64) {
     body.v = math::scale(data.inverse_mass, body.p);
     let l_body = math::mul_t(&body.r, body.l);
     let mut w = body.w_body;
-    for _ in 0..ITERATIONS {
-        w = math::mul(&data.inverse_inertia, turn(math::scale(-0.5 * h, w), l_body));
+    for i in 0..MOST_ITERATIONS {
+        let half = math::scale(-0.5 * h, w);
+        let next = math::mul(&data.inverse_inertia, turn(half, l_body));
+        let change = math::sub(next, std::mem::replace(&mut w, next));
+        let holds = math::dot(change, change) <= HOLDS * HOLDS * math::dot(w, w);
+        if i + 1 >= ITERATIONS && (holds || math::dot(half, half) < FAST) {
+            break;
+        }
     }
     body.w_body = w;
     // The angular velocity of the step is the same vector in the old, middle and new body frame.

@@ -296,6 +296,7 @@ impl System {
                 self.joints[joint].set_curve(k, table, &self.tables);
             }
         }
+        self.joints[joint].set_strength(share);
         Ok(())
     }
 

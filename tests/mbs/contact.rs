@@ -324,6 +324,25 @@ fn a_heavy_block_comes_to_rest_on_a_light_one() {
     }
 }
 
+/// What sweeps leave to the next step rocks a stack, the more so the longer the step.
+#[test]
+fn a_stack_stands_at_long_steps() {
+    for step_s in [2e-3, 5e-3, 1e-2] {
+        let mut m = on_ground("stack", 5.0, 0.5);
+        for i in 0..10 {
+            m.bodies.push(solid(&format!("cube{i}"), [0.0, 0.0, 0.2 + 0.4 * f64::from(i)], [0.4; 3]));
+        }
+        m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+        m.settings.time_step_s = Some(step_s);
+        let result = simulate(&m).unwrap();
+        assert!(result.warnings.is_empty(), "{step_s}: {:?}", result.warnings);
+        let off = |p: [f64; 3]| (p[0] * p[0] + p[1] * p[1] + (p[2] - 3.8).powi(2)).sqrt();
+        let most = result.frames.iter().map(|f| off(f.position_m[9])).fold(0.0, f64::max);
+        println!("step {:.0} ms: the topmost of ten cubes moves by {:.2} mm", 1e3 * step_s, 1e3 * most);
+        assert!(most < 3e-3, "{step_s}: {most}");
+    }
+}
+
 /// Bodies of which ideal joints link points are solved without conjugate directions, those beside them are not.
 #[test]
 fn a_block_on_joints_leaves_a_heavy_one_on_a_light_one_alone() {

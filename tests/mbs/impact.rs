@@ -189,3 +189,77 @@ fn vibrations_that_a_coarse_tolerance_does_not_resolve_are_run_anew() {
     assert!(result.energy_error < 1e-3, "{}", result.energy_error);
     assert!(result.warnings.iter().any(|w| w.starts_with(REPEATED)), "{:?}", result.warnings);
 }
+
+/// A box between a wall and a plate that a force presses on it, the force being carried through: neither is an impact, and the wall's joint bears all of it at every output. Friction holds it up.
+#[test]
+fn what_is_pressed_together_is_not_struck() {
+    for friction in [0.0, 0.5] {
+        let mut m = model("pressed", 0.1, 0.01);
+        m.gravity_m_s2 = [0.0, 0.0, if friction > 0.0 { -G } else { 0.0 }];
+        let light = |b: Body, mass_kg: f64| {
+            let share = mass_kg / b.mass_kg;
+            Body { mass_kg, inertia_kg_m2: b.inertia_kg_m2.map(|r| r.map(|v| v * share)), ..b }
+        };
+        m.bodies.push(light(solid("wall", [-0.1, 0.0, 0.0], [0.2, 3.0, 3.0]), 50.0));
+        m.bodies.push(light(solid("box", [0.2, 0.0, 0.0], [0.4; 3]), 9.0));
+        m.bodies.push(light(solid("plate", [0.5, 0.0, 0.0], [0.2, 0.2, 3.0]), 5.0));
+        m.joints.push(ideal("wall", JointKind::Fixed, None, "wall", [0.0; 3]));
+        let mut guide = ideal("guide", JointKind::Prismatic, None, "plate", [0.5, 0.0, 0.0]);
+        guide.axis = Some([1.0, 0.0, 0.0]);
+        m.joints.push(guide);
+        m.forces.push(Force::Force {
+            id: "press".into(),
+            body: "plate".into(),
+            point_m: [0.5, 0.0, 0.0],
+            force_n: [-100.0, 0.0, 0.0],
+            from_to_s: None,
+        });
+        m.contact.bodies = Some(BodyContact { friction, restitution: 0.0 });
+        m.settings.reactions = true;
+        let result = simulate(&m).unwrap();
+        assert!(result.warnings.is_empty() && result.steps < 700, "{}: {:?}", result.steps, result.warnings);
+        let forces = &result.reactions[0].force_n[2..];
+        println!(
+            "friction {friction}: {} steps, the wall bears {:.2?} N",
+            result.steps,
+            forces.last().unwrap()
+        );
+        for force in forces {
+            assert!((force[0].abs() - 100.0).abs() < 1.0, "{friction}: {forces:?}");
+        }
+        let weight: f64 = m.bodies.iter().map(|b| b.mass_kg).sum::<f64>() * G;
+        for i in 2..result.times_s.len() {
+            let up: f64 = result.reactions.iter().map(|r| r.force_n[i][2]).sum();
+            let due = if friction > 0.0 { weight } else { 0.0 };
+            assert!((up.abs() - due).abs() < 0.01 * weight, "{friction}: {up} N of {due} N");
+        }
+    }
+}
+
+/// The only energy of a block that a force presses on the ground is what the force adds to it in half a step.
+#[test]
+fn reactions_of_a_block_at_rest_do_not_stop_the_run() {
+    let mut m = model("pressed", 0.1, 0.01);
+    m.gravity_m_s2 = [0.0; 3];
+    m.bodies.push(solid("block", [0.0, 0.0, 0.1], [0.2; 3]));
+    let mut guide = ideal("guide", JointKind::Prismatic, None, "block", [0.0, 0.0, 0.1]);
+    guide.axis = Some([0.0, 0.0, 1.0]);
+    m.joints.push(guide);
+    m.forces.push(Force::Force {
+        id: "press".into(),
+        body: "block".into(),
+        point_m: [0.0, 0.0, 0.1],
+        force_n: [0.0, 0.0, -100.0],
+        from_to_s: None,
+    });
+    m.contact.planes.push(ObstaclePlane {
+        id: "floor".into(),
+        point_m: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+        friction: 0.5,
+        restitution: 0.0,
+    });
+    m.settings.reactions = true;
+    let result = simulate(&m).unwrap();
+    assert!(result.warnings.is_empty() && result.energy_growth < 1e-9, "{:?}", result.warnings);
+}

@@ -227,3 +227,24 @@ fn a_diverging_step_is_refused() {
     m.settings.time_step_s = Some(step_told(&error));
     assert!(simulate(&m).is_ok(), "{error}");
 }
+
+/// Without torques the energy is kept: iterations for the angular velocity that end too soon take some of it in every step.
+#[test]
+fn a_body_that_tumbles_fast_keeps_its_energy() {
+    for spin in [20.0, 100.0, 400.0] {
+        let mut m = model("tumbling", 2.0, 0.05);
+        m.gravity_m_s2 = [0.0; 3];
+        let mut body = solid("body", [0.0; 3], [1.0; 3]);
+        body.inertia_kg_m2 = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.8]];
+        body.angular_velocity_rad_s = [0.3 * spin, 0.9 * spin, 0.2 * spin];
+        m.bodies.push(body);
+        m.settings.time_step_s = Some(1e-3);
+        let result = simulate(&m).unwrap();
+        let e = &result.energies.kinetic_j;
+        // what swings with the step about the energy of exact motion
+        let bound = 0.2 * (0.5e-3 * spin) * (0.5e-3 * spin);
+        let off = e.iter().map(|k| (k / e[0] - 1.0).abs()).fold(0.0, f64::max);
+        println!("{spin} rad/s: energy off by {off:.1e} (bound {bound:.1e})");
+        assert!(off < bound, "{spin}: {off}");
+    }
+}

@@ -182,3 +182,21 @@ fn nothing_is_said_of_bodies_at_rest() {
         assert!(result.warnings.is_empty(), "{}: {:?}", m.name, result.warnings);
     }
 }
+
+/// A pendulum is slow for more than half a second where it turns round, and gathers speed there.
+#[test]
+fn what_turns_round_does_not_fall_asleep() {
+    let mut m = model("pendulum", 6.0, 0.1);
+    let mut bob = solid("bob", [0.0, 0.0, -9.81], [0.4; 3]);
+    bob.velocity_m_s = [0.35, 0.0, 0.0];
+    m.bodies.push(bob);
+    m.bushings.push(joint("pivot", None, "bob", [0.0; 3], 1e7, 1e3, [elastic(0.0), elastic(0.0)]));
+    m.settings.sleep_speed_m_s = Some(0.1);
+    let result = simulate(&m).unwrap();
+    assert_eq!(result.body_work.asleep_steps, 0);
+    // l = g: one radian a second
+    let off = result.times_s.iter().zip(&result.frames);
+    let off = off.map(|(t, f)| (f.position_m[0][0] - 0.35 * t.sin()).abs()).fold(0.0, f64::max);
+    println!("largest distance from the harmonic motion {off:.1e} m");
+    assert!(off < 2e-3, "{off}");
+}

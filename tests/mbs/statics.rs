@@ -145,6 +145,48 @@ fn tension_separates_a_joint() {
     assert!(result.energy_error < 0.05, "{}", result.energy_error);
 }
 
+/// Weakening takes what a joint bears in tension, compression and shear, as it does what it bears in bending.
+#[test]
+fn a_weakened_joint_bears_less_in_every_way() {
+    let weight = DENSITY * G;
+    for (direction, what) in [(-1.0, "tension"), (1.0, "compression"), (0.0, "shear")] {
+        for factor in [0.7, 0.5] {
+            let mut m = model(what, 0.5, 0.01);
+            m.settings.preload = true;
+            let at = [if direction == 0.0 { 0.5 } else { 0.0 }, 0.0, 0.5 * direction];
+            m.bodies.push(solid("block", at, [1.0; 3]));
+            let mut j = joint("j", None, "block", [0.0; 3], 1e8, 1e8, [elastic(1e8), elastic(1e8)]);
+            if direction == 0.0 {
+                j.axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            }
+            // bears its weight up to a share of 0.6
+            let capacity = Some(weight / 0.6);
+            match what {
+                "tension" => j.tensile_capacity_n = capacity,
+                "compression" => (j.compressive_capacity_n, j.crushing_shortening_m) = (capacity, Some(1e-3)),
+                _ => j.shear_capacity_n = capacity.map(|c| [c; 2]),
+            }
+            m.bushings.push(j);
+            let weaken = vec![Weakening { id: "j".into(), factor }];
+            m.events.push(Event { weaken, ..Event::at("e", 0.2) });
+            let result = simulate(&m).unwrap();
+            let broke = result.events.iter().any(|e| matches!(e.kind, EventKind::Fracture { .. }));
+            assert_eq!(broke, factor < 0.6, "{what} {factor}: {:?}", result.events);
+        }
+    }
+}
+
+#[test]
+fn what_has_no_capacity_cannot_be_weakened() {
+    let mut m = model("endless", 0.1, 0.01);
+    m.bodies.push(solid("block", [0.0, 0.0, -0.5], [1.0; 3]));
+    m.bushings.push(joint("j", None, "block", [0.0; 3], 1e8, 1e8, [elastic(1e8), elastic(1e8)]));
+    let weaken = vec![Weakening { id: "j".into(), factor: 0.5 }];
+    m.events.push(Event { weaken, ..Event::at("e", 0.05) });
+    let said = simulate(&m).unwrap_err().to_string();
+    assert!(said.contains("events[0].weaken[0].id") && said.contains("neither curve nor capacity"), "{said}");
+}
+
 /// From rest a weight on a spring swings as `W (1 - cos ωt)`; across the axes of the joint it is an ellipse that says when it is sheared off. From then on it falls.
 #[test]
 fn shear_separates_a_joint() {

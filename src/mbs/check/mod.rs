@@ -244,7 +244,10 @@ fn check_body(body: &Body, path: &str, list: &mut List) {
 
 fn check_events(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
     let hinges = model.forces.iter().filter(|f| matches!(f, Force::Hinge { .. })).map(Force::id);
-    let weak: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).chain(hinges).collect();
+    let bushings = || model.bushings.iter().map(|b| b.id.as_str());
+    let weak: BTreeSet<&str> = bushings().chain(hinges).collect();
+    let endless: BTreeSet<&str> =
+        model.bushings.iter().filter(|b| !b.has_capacity()).map(|b| b.id.as_str()).collect();
     let joints = model.joints.iter().map(|j| j.id.as_str());
     let loose: BTreeSet<&str> =
         weak.iter().copied().chain(joints).chain(model.forces.iter().map(Force::id)).collect();
@@ -259,6 +262,9 @@ fn check_events(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
         }
         for (k, w) in event.weaken.iter().enumerate() {
             list.among(&weak, &w.id, &format!("{path}.weaken[{k}].id"), "a bushing or a hinge");
+            list.require(!endless.contains(w.id.as_str()), &format!("{path}.weaken[{k}].id"), || {
+                format!("bushing \"{}\" is elastic without end: it has neither curve nor capacity", w.id)
+            });
             list.require(w.factor > 0.0 && w.factor <= 1.0, &format!("{path}.weaken[{k}].factor"), || {
                 format!("is {}, expected above 0 and at most 1 (to remove it, use release)", w.factor)
             });

@@ -27,6 +27,12 @@ pub(super) struct Point {
     pub tangent: V3,
 }
 
+/// Where the points of a pair are: the normal, and their places on either solid.
+struct Spots {
+    normal: V3,
+    on: [[V3; 2]; MOST_POINTS],
+}
+
 /// What is asked of every pair in every step, in the order of the pairs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
@@ -364,7 +370,10 @@ impl ContactSet {
         let (a, b) = (pair.a as usize, pair.b as usize);
         let [of_a, of_b] = [self.colliders[a].body, self.colliders[b].body];
         let travelled = self.travel[of_a] + self.travel[of_b];
-        if pair.count == 0 || pair.outdated || self.is_stale(pair) {
+        let mut spots = self.spots(pair);
+        // those that were looked at in this step already have been searched if they had to be
+        let is_first = within.from == f64::NEG_INFINITY;
+        if pair.count == 0 || pair.outdated || is_first && self.is_stale(pair, &spots) {
             let apart = self.separation([a, b], reach);
             if apart > reach {
                 let pair = &mut self.pairs[slot];
@@ -374,19 +383,17 @@ impl ContactSet {
             }
             self.search(slot, reach + self.tilt_m([of_a, of_b]));
             self.meet_balls(slot, bodies, h);
+            spots = self.spots(&self.pairs[slot]);
         }
         let round = [a, b].iter().any(|i| self.colliders[*i].solid.is_round());
         let pair = &mut self.pairs[slot];
-        let (at_a, at_b) = (&self.placed[a], &self.placed[b]);
-        let n = math::mul(&at_a.r, pair.normal[0]);
+        let n = spots.normal;
         let mut gaps = [0.0; MOST_POINTS];
         let mut arms = [[[0.0; 3]; 2]; MOST_POINTS];
         let mut least = f64::INFINITY;
         let centre_a = bodies[of_a].x;
         let centre_b = bodies.get(of_b).map_or([0.0; 3], |body| body.x);
-        for (k, point) in pair.points[..usize::from(pair.count)].iter().enumerate() {
-            let on_a = math::add(at_a.x, math::mul(&at_a.r, point.on[0]));
-            let on_b = math::add(at_b.x, math::mul(&at_b.r, point.on[1]));
+        for (k, [on_a, on_b]) in spots.on[..usize::from(pair.count)].iter().copied().enumerate() {
             let gap = math::dot(math::sub(on_b, on_a), n);
             gaps[k] = gap;
             // the point of a ball is what will touch, at the end of its radius, and not yet opposite the other one
@@ -439,24 +446,31 @@ impl ContactSet {
         if faces > reach { faces } else { faces.max(collide::edge_separation(a, b)) }
     }
 
+    fn spots(&self, pair: &Pair) -> Spots {
+        let (at_a, at_b) = (&self.placed[pair.a as usize], &self.placed[pair.b as usize]);
+        let mut on = [[[0.0; 3]; 2]; MOST_POINTS];
+        for (on, point) in on.iter_mut().zip(&pair.points[..usize::from(pair.count)]) {
+            let on_a = math::add(at_a.x, math::mul(&at_a.r, point.on[0]));
+            *on = [on_a, math::add(at_b.x, math::mul(&at_b.r, point.on[1]))];
+        }
+        Spots { normal: math::mul(&at_a.r, pair.normal[0]), on }
+    }
+
     /// Whether the points of a pair have moved against each other so far that they must be searched again.
-    fn is_stale(&self, pair: &Pair) -> bool {
+    fn is_stale(&self, pair: &Pair, spots: &Spots) -> bool {
         let (a, b) = (&self.colliders[pair.a as usize], &self.colliders[pair.b as usize]);
         if a.solid.is_round() || b.solid.is_round() {
             return true;
         }
-        let (at_a, at_b) = (&self.placed[pair.a as usize], &self.placed[pair.b as usize]);
-        let n = math::mul(&at_a.r, pair.normal[0]);
-        let turned = math::add(n, math::mul(&at_b.r, pair.normal[1]));
+        let n = spots.normal;
+        let turned = math::add(n, math::mul(&self.placed[pair.b as usize].r, pair.normal[1]));
         let stale = self.settings.stale;
         if math::dot(turned, turned) > stale * stale {
             return true;
         }
         let far = stale * a.thickness.min(b.thickness);
-        pair.points[..usize::from(pair.count)].iter().any(|point| {
-            let on_a = math::add(at_a.x, math::mul(&at_a.r, point.on[0]));
-            let on_b = math::add(at_b.x, math::mul(&at_b.r, point.on[1]));
-            let d = math::sub(on_b, on_a);
+        spots.on[..usize::from(pair.count)].iter().any(|[on_a, on_b]| {
+            let d = math::sub(*on_b, *on_a);
             let slip = math::axpy(d, -math::dot(d, n), n);
             math::dot(slip, slip) > far * far
         })
@@ -547,6 +561,7 @@ impl super::Rows {
                 normal,
                 linked: super::links::ALONE,
                 idle: false,
+                left: false,
             });
         }
     }

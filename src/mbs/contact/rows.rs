@@ -74,6 +74,8 @@ pub(super) struct Block {
     pub linked: u32,
     /// Whether its points had no impulses in the last visit.
     pub idle: bool,
+    /// Whether sweeps leave it as it is.
+    pub left: bool,
 }
 
 impl Block {
@@ -250,6 +252,16 @@ impl Rows {
         }
     }
 
+    /// Says which blocks sweeps are to leave as they are; how many points the others have.
+    pub fn leave(&mut self, is_left: impl Fn(&Block) -> bool) -> usize {
+        let mut count = 0;
+        for block in &mut self.blocks {
+            block.left = is_left(block);
+            count += if block.left { 0 } else { block.count as usize };
+        }
+        count
+    }
+
     /// One sweep, which passes over blocks without impulses if it is not a whole one; the largest change of a velocity \[m/s\].
     pub fn sweep(&mut self, backwards: bool, whole: bool) -> f64 {
         let mut largest = 0.0_f64;
@@ -257,7 +269,7 @@ impl Rows {
         for k in 0..count {
             let k = if backwards { count - 1 - k } else { k };
             let block = self.blocks[k];
-            if block.idle && !whole {
+            if block.left || block.idle && !whole {
                 continue;
             }
             let change = if block.linked == ALONE { self.visit(&block) } else { self.visit_linked(&block) };

@@ -18,6 +18,9 @@ const SEARCH_FROM: f64 = 0.1;
 const FEWEST_MOVES: usize = 8;
 /// The same change where no body is much heavier than one that it presses on: an impact that goes through many bodies. There the directions go on until it is that of `SEARCH_FROM` only.
 const STRUCK_FROM: f64 = 4.0;
+/// Speed of a body, over the same, below which it rests; and the change from which bodies that do are searched on: what sweeps leave to the next step rocks a stack.
+const RESTING: f64 = 4.0;
+const ROCKING: f64 = 1e-2;
 /// One sweep of so many visits points without impulses as well; so do the last one and the one that shows that velocities hold.
 const WHOLE_EVERY: usize = 3;
 /// Least velocity that errors are compared with \[m/s\].
@@ -99,7 +102,7 @@ impl ContactSet {
                 }
                 self.rebound(bodies, h);
             }
-            self.close(bodies, h)?;
+            self.close(bodies, lengths)?;
         }
         self.count_paths(bodies, h);
         self.alarm = if points > 0 { f64::NEG_INFINITY } else { self.clock };
@@ -283,10 +286,42 @@ impl ContactSet {
             }
             is_settled = change <= from * scale;
         }
+        if change > ROCKING * scale && may_search && self.settle(bodies, scale) {
+            is_settled = true;
+        }
         self.work.unfinished += u64::from(change > s.tolerance * scale);
         self.work.sweeps += done as u64;
         self.work.visits += (done * self.rows.rows.len()) as u64;
         is_settled
+    }
+
+    /// Goes on in the groups of bodies at rest until their velocities hold; whether all do.
+    fn settle(&mut self, bodies: &[Moving], scale_m_s: f64) -> bool {
+        let radius = &self.radius;
+        let rests = |i: usize| {
+            let body = &bodies[i];
+            math::norm(body.v) + math::norm(body.w) * radius[i] < RESTING * scale_m_s
+        };
+        if !self.rows.acting.iter().any(|i| rests(*i as usize)) {
+            return false;
+        }
+        let groups = self.groups();
+        let mut is_left = vec![false; groups.count()];
+        for i in self.rows.acting.iter().map(|i| *i as usize).filter(|i| !rests(*i)) {
+            is_left[groups.of(i)] = true;
+        }
+        let count = self.rows.leave(|block| is_left[groups.of_block(block)]);
+        if count == 0 {
+            self.rows.leave(|_| false);
+            return false;
+        }
+        let tolerance_m_s = self.settings.tolerance * scale_m_s;
+        let (moved, left) = self.conjugate(self.settings.search_visits / (2 * count), tolerance_m_s);
+        let sweeps = 2 * moved + 1;
+        self.work.sweeps += sweeps as u64;
+        self.work.visits += (sweeps * count) as u64;
+        let all = self.rows.leave(|_| false) == count;
+        all && left <= SEARCH_FROM * scale_m_s
     }
 
     /// Conjugate directions until the velocities hold; how many moves, and the largest change of a velocity in the sweep after them \[m/s\].
@@ -344,9 +379,13 @@ impl ContactSet {
     }
 
     /// Gaps, energies, and what goes back to the bodies and pairs.
-    fn close(&mut self, bodies: &mut [Moving], h: f64) -> Result<(), TooDeep> {
+    fn close(&mut self, bodies: &mut [Moving], [h, whole_s]: [f64; 2]) -> Result<(), TooDeep> {
         self.check_depth()?;
         self.book(bodies, h);
+        // what holds bodies in a blow is none that holds them in the next step
+        if h == whole_s {
+            self.keep(h);
+        }
         self.rows.look_ahead(h);
         self.crush();
         let worst = self.rows.worst();
@@ -375,8 +414,23 @@ impl ContactSet {
         Ok(())
     }
 
-    /// Books the work of the impulses: each does it on the mean of the velocities before and after the instant of contact. Keeps the impulses for
-    /// the next step.
+    /// Keeps the impulses for the next step.
+    fn keep(&mut self, h: f64) {
+        let Self { rows, pairs, .. } = self;
+        for block in &rows.blocks {
+            let pair = &mut pairs[block.slot as usize];
+            for row in &rows.rows[block.range()] {
+                let point = &mut pair.points[row.point as usize];
+                point.normal = row.normal / h;
+                point.tangent = math::scale(1.0 / h, row.tangent);
+            }
+        }
+        for (block, roll) in rows.blocks.iter().zip(&rows.rolls).filter(|(b, _)| b.rolling > 0.0) {
+            pairs[block.slot as usize].moment = math::scale(1.0 / h, roll.moment);
+        }
+    }
+
+    /// Books the work of the impulses: each does it on the mean of the velocities before and after the instant of contact.
     fn book(&mut self, bodies: &[Moving], h: f64) {
         self.mean.resize(bodies.len() + 1, Motion::default());
         for i in self.rows.acting.iter().map(|i| *i as usize) {
@@ -398,9 +452,6 @@ impl ContactSet {
                 normal_work += work;
                 self.faces.book(&block, row.normal, -work);
                 friction_work += math::dot(row.tangent, mean);
-                let point = &mut self.pairs[slot].points[row.point as usize];
-                point.normal = row.normal / h;
-                point.tangent = math::scale(1.0 / h, row.tangent);
                 if row.normal > 0.0 && !self.pairs[slot].seen {
                     first_touch = first_touch.min(row.touch_s());
                 }
@@ -417,7 +468,6 @@ impl ContactSet {
         }
         for (block, roll) in self.rows.blocks.iter().zip(&self.rows.rolls).filter(|(b, _)| b.rolling > 0.0) {
             friction_work += math::dot(roll.moment, self.rows.spin(block, &self.mean));
-            self.pairs[block.slot as usize].moment = math::scale(1.0 / h, roll.moment);
         }
         self.energy.normal_j -= normal_work;
         self.energy.friction_j -= friction_work;

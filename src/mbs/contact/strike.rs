@@ -4,6 +4,7 @@
 
 use super::groups::Groups;
 use super::links::ALONE;
+use super::pair::Pair;
 use super::rows::{Block, Motion, Row, Rows};
 use super::solve::REBOUND_FROM;
 use super::{ContactSet, Moving};
@@ -13,6 +14,8 @@ use crate::mbs::math::{self, V3};
 const LEAST_M_S: f64 = 1e-9;
 /// Work of the impulses of a pair along the normal and against it across, over the kinetic energy of all bodies of its group, from which they are jammed.
 const JAMMED: f64 = 0.5;
+/// Speed at which a point may approach that bore in the last step, over what that impulse stops.
+const HELD: f64 = 0.1;
 /// Share of a step at its begin in which an impact is one at the begin, and in which points of a pair are hit with one that is.
 const AT_ONCE: f64 = 1e-3;
 const TOGETHER: f64 = 0.1;
@@ -29,10 +32,18 @@ fn approach(block: &Block, row: &Row, bodies: &[Moving]) -> [f64; 3] {
 }
 
 /// Velocity of a point along the normal at the begin of a step \[m/s\], and its acceleration \[m/s²\]; none if it approaches too slowly for an impact, for which a step counts with the length that it had before it was shortened.
-fn strike(block: &Block, row: &Row, bodies: &[Moving], [h, whole_s]: [f64; 2]) -> Option<[f64; 2]> {
+fn strike(
+    block: &Block,
+    row: &Row,
+    bodies: &[Moving],
+    pairs: &[Pair],
+    [h, whole_s]: [f64; 2],
+) -> Option<[f64; 2]> {
     let [speed, kick, kicks] = approach(block, row, bodies);
-    // bodies that rest on each other have no more than what sweeps leave of the latter
-    let slow = (REBOUND_FROM * kick.abs()).max(kicks) * whole_s / h;
+    // bodies that rest on each other have no more than what sweeps leave of the latter, those that are pressed together of what held them apart in the last step
+    let bore = h * pairs[block.slot as usize].points[row.point as usize].normal;
+    let held = if bore > 0.0 { HELD * bore / row.mass[0] } else { 0.0 };
+    let slow = (REBOUND_FROM * kick.abs()).max(kicks).max(held) * whole_s / h;
     (-speed > slow + LEAST_M_S).then_some([speed, 2.0 * kick / h])
 }
 
@@ -60,16 +71,17 @@ impl ContactSet {
     pub(super) fn first_hit_s(&self, bodies: &[Moving], h: f64) -> Option<f64> {
         let blocks = self.rows.blocks.iter();
         let hits = blocks.flat_map(|block| self.rows.rows[block.range()].iter().map(move |row| (block, row)));
-        let times = hits.filter_map(|(block, row)| hit_s(row, strike(block, row, bodies, [h; 2])?));
+        let times =
+            hits.filter_map(|(block, row)| hit_s(row, strike(block, row, bodies, &self.pairs, [h; 2])?));
         times.filter(|t| *t < h).reduce(f64::min).map(|t| t.max(AT_ONCE * h))
     }
 
     /// Lets the points of a pair that would be hit right after one of its points be hit with it: corners of a face that come down level, but for rounding.
     pub(super) fn tie(&mut self, bodies: &[Moving], [h, whole_s]: [f64; 2]) {
-        for block in &self.rows.blocks {
-            let time =
-                |row: &Row| strike(block, row, bodies, [h, whole_s]).and_then(|speeds| hit_s(row, speeds));
-            let rows = &mut self.rows.rows[block.range()];
+        let Self { pairs, rows: Rows { blocks, rows, .. }, .. } = self;
+        for block in blocks.iter() {
+            let time = |row: &Row| hit_s(row, strike(block, row, bodies, pairs, [h, whole_s])?);
+            let rows = &mut rows[block.range()];
             if rows.iter().any(|row| time(row).is_some_and(|t| t <= AT_ONCE * whole_s)) {
                 for row in rows.iter_mut().filter(|row| time(row).is_some_and(|t| t <= TOGETHER * whole_s)) {
                     (row.target, row.gap) = (0.0, row.gap.min(0.0));
@@ -123,10 +135,10 @@ impl ContactSet {
         [h, whole_s]: [f64; 2],
     ) -> bool {
         let mut any = false;
-        let rows = &mut self.rows;
-        for block in rows.blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
-            for row in &mut rows.rows[block.range()] {
-                let Some([speed, pull]) = strike(block, row, bodies, [h, whole_s]) else { continue };
+        let Self { pairs, rows: Rows { blocks, rows, .. }, .. } = self;
+        for block in blocks.iter().filter(|b| b.restitution > 0.0 && !b.idle) {
+            for row in &mut rows[block.range()] {
+                let Some([speed, pull]) = strike(block, row, bodies, pairs, [h, whole_s]) else { continue };
                 // not yet there
                 if row.normal <= 0.0 || row.gap > -AT_ONCE * whole_s * speed {
                     continue;

@@ -103,6 +103,7 @@ impl Held {
         self.factor *= by;
         // a curve that was compiled once is compiled again
         self.tables = self.compiled().unwrap_or_else(|_| std::mem::take(&mut self.tables));
+        self.committed.set_strength(self.factor);
         self.attempt(poses);
         self.committed.clone_from(&self.trial);
     }

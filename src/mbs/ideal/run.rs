@@ -59,7 +59,8 @@ struct Record {
     contact_j: [f64; 2],
     /// What joints took as they left singular poses.
     locked_j: f64,
-    /// What forces add to the kinetic energy in half a step of the leapfrog.
+    /// Half of the last step if it was one of the leapfrog, else zero, and what forces add to the kinetic energy in it \[s, J\].
+    kick_s: f64,
     kick_j: f64,
     books: Balance,
 }
@@ -108,6 +109,7 @@ impl<'a> Run<'a> {
             unbound_j: 0.0,
             contact_j: [0.0; 2],
             locked_j: 0.0,
+            kick_s: 0.0,
             kick_j: 0.0,
             books: Balance::new(scale_j, contacts_j),
         };
@@ -166,13 +168,14 @@ impl<'a> Run<'a> {
         let mut seen = |span: &Span<'_>, marcher: &Marcher| {
             record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
             record.locked_j = marcher.locked.energy_j;
+            record.kick_s = span.kick_s();
             while !at_stops && failure.is_none() {
                 let time = record.time(model);
                 if time > span.to_s() + SAME * model.settings.end_time_s {
                     break;
                 }
                 span.at(time, &mut state);
-                record.kick_j = marcher.kick_j(span.kick_s());
+                record.kick_j = marcher.kick_j(record.kick_s);
                 failure = record
                     .output(model, options, tracked, [time, span.length_s], &marcher.motion, &state, result)
                     .err();
@@ -206,6 +209,7 @@ impl<'a> Run<'a> {
         let at = [marcher.time_s, marcher.tally.longest_s];
         record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
         record.locked_j = marcher.locked.energy_j;
+        record.kick_j = marcher.kick_j(record.kick_s);
         record.output(model, options, tracked, at, &marcher.motion, &marcher.state, result)?;
         if !model.settings.reactions {
             return Ok(());

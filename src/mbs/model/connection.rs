@@ -314,6 +314,14 @@ fn one() -> f64 {
 }
 
 impl Bushing {
+    /// Whether anything of it has a limit: a curve, or a capacity in tension, compression or shear.
+    pub fn has_capacity(&self) -> bool {
+        self.bending.iter().any(|b| matches!(b, Bending::Curve { .. }))
+            || self.tensile_capacity_n.is_some()
+            || self.compressive_capacity_n.is_some()
+            || self.shear_capacity_n.is_some()
+    }
+
     /// One between two bodies that resists nothing yet, has no limits and no provenance.
     pub fn free(
         id: String,
