@@ -55,9 +55,13 @@ pub enum SolveError {
     },
     /// The run would take too many steps.
     #[error(
-        "the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: a joint is too stiff for its bodies"
+        "the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: bushing \"{bushing}\" is too stiff for its bodies, which swing at {highest_rad_s:.3e} rad/s on it; look at its stiffnesses (N/m, N m/rad), its place and their masses, or hold them by an ideal joint"
     )]
     TooManySteps {
+        /// The stiffest bushing, and the frequency of its bodies on it alone \[rad/s\].
+        bushing: String,
+        /// See above.
+        highest_rad_s: f64,
         /// The step \[s\].
         step_s: f64,
         /// The interval \[s\].

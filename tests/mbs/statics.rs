@@ -177,6 +177,18 @@ fn a_weakened_joint_bears_less_in_every_way() {
 }
 
 #[test]
+fn a_bushing_that_is_too_stiff_is_named() {
+    let mut m = model("stiff", 0.1, 0.01);
+    m.bodies.push(solid("block", [0.0, 0.0, -0.5], [1.0; 3]));
+    m.bodies.push(solid("other", [0.0, 0.0, -1.5], [1.0; 3]));
+    let ends = || [elastic(1e8), elastic(1e8)];
+    m.bushings.push(joint("soft", None, "block", [0.0; 3], 1e8, 1e8, ends()));
+    m.bushings.push(joint("steel", Some("block"), "other", [0.0, 0.0, -1.0], 1e28, 1e8, ends()));
+    let said = simulate(&m).unwrap_err().to_string();
+    assert!(said.contains("\"steel\"") && said.contains("rad/s") && said.contains("ideal joint"), "{said}");
+}
+
+#[test]
 fn what_has_no_capacity_cannot_be_weakened() {
     let mut m = model("endless", 0.1, 0.01);
     m.bodies.push(solid("block", [0.0, 0.0, -0.5], [1.0; 3]));

@@ -242,7 +242,8 @@ impl ContactSet {
     fn hold(&mut self, bodies: &[Moving]) -> bool {
         let count = self.rows.rows.len();
         let tolerance_m_s = SEARCH_FROM * scale_m_s(bodies);
-        let (moved, left) = self.conjugate(self.settings.struck_visits / (2 * count), tolerance_m_s);
+        let most = self.settings.struck_visits / (2 * count);
+        let (moved, left) = self.conjugate(&self.groups(), most, tolerance_m_s);
         let sweeps = 2 * moved + 1;
         self.work.sweeps += sweeps as u64;
         self.work.visits += (sweeps * count) as u64;
@@ -260,7 +261,7 @@ impl ContactSet {
         let is_unsteady = change > UNSTEADY * scale;
         if is_unsteady && change <= STRUCK_FROM * scale && may_search {
             let most = (s.visits / (2 * count)).clamp(s.sweeps / 2, s.most_sweeps / 2);
-            let (moved, left) = self.conjugate(most, s.tolerance * scale);
+            let (moved, left) = self.conjugate(&self.groups(), most, s.tolerance * scale);
             (change, done) = (left, done + 2 * moved + 1);
         } else {
             let most =
@@ -281,7 +282,7 @@ impl ContactSet {
             };
             let moves = visits / (2 * count);
             if change > from * scale && moves >= FEWEST_MOVES && may_search {
-                let (moved, left) = self.conjugate(moves, until * scale);
+                let (moved, left) = self.conjugate(&self.groups(), moves, until * scale);
                 (change, done) = (left, done + 2 * moved + 1);
             }
             is_settled = change <= from * scale;
@@ -316,7 +317,8 @@ impl ContactSet {
             return false;
         }
         let tolerance_m_s = self.settings.tolerance * scale_m_s;
-        let (moved, left) = self.conjugate(self.settings.search_visits / (2 * count), tolerance_m_s);
+        let most = self.settings.search_visits / (2 * count);
+        let (moved, left) = self.conjugate(&groups, most, tolerance_m_s);
         let sweeps = 2 * moved + 1;
         self.work.sweeps += sweeps as u64;
         self.work.visits += (sweeps * count) as u64;
@@ -325,12 +327,11 @@ impl ContactSet {
     }
 
     /// Conjugate directions until the velocities hold; how many moves, and the largest change of a velocity in the sweep after them \[m/s\].
-    fn conjugate(&mut self, most: usize, tolerance_m_s: f64) -> (usize, f64) {
-        let groups = self.groups();
+    fn conjugate(&mut self, groups: &Groups, most: usize, tolerance_m_s: f64) -> (usize, f64) {
         self.rows.search_anew(groups.count());
         let (mut moves, mut change) = (0, f64::INFINITY);
         while moves < most && change > tolerance_m_s {
-            change = self.rows.search(&groups);
+            change = self.rows.search(groups);
             moves += 1;
         }
         // back to where Coulomb's law allows

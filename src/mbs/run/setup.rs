@@ -5,7 +5,8 @@ use crate::mbs::contact::ContactSet;
 use crate::mbs::error::SolveError;
 use crate::mbs::frequency;
 use crate::mbs::latent::Latent;
-use crate::mbs::model::{Model, RunSettings};
+use crate::mbs::math;
+use crate::mbs::model::{Bending, Bushing, Model, RunSettings};
 use crate::mbs::preload::PreloadError;
 use crate::mbs::result::{
     CrushedHistory, HingeHistory, LatentRecord, RESULT_SCHEMA, RunResult, TrackedHistory,
@@ -52,9 +53,36 @@ pub(super) fn choose_step(model: &Model, frequency: f64, share: f64) -> Result<f
     let (step, interval) =
         (share * (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S), model.settings.output_interval_s);
     if interval / step >= MOST_STEPS {
-        return Err(SolveError::TooManySteps { step_s: step, interval_s: interval });
+        let (bushing, highest_rad_s) = stiffest(model);
+        return Err(SolveError::TooManySteps { bushing, highest_rad_s, step_s: step, interval_s: interval });
     }
     Ok(step)
+}
+
+/// The bushing on which its bodies alone swing fastest, and a bound of how fast \[rad/s\].
+fn stiffest(model: &Model) -> (String, f64) {
+    let square = |b: &Bushing| {
+        let ends = [b.body_a.as_deref(), Some(b.body_b.as_str())];
+        let bodies =
+            ends.into_iter().flatten().filter_map(|id| model.bodies.iter().find(|body| body.id == id));
+        let [across, about] = bodies.fold([0.0; 2], |[across, about], body| {
+            let inertia = (0..3).map(|k| body.inertia_kg_m2[k][k]).fold(f64::INFINITY, f64::min);
+            let arm = math::sub(b.point_m, body.position_m);
+            [across + 1.0 / body.mass_kg + math::dot(arm, arm) / inertia, about + 1.0 / inertia]
+        });
+        let springs = [b.axial_stiffness_n_m, b.shear_stiffness_n_m[0], b.shear_stiffness_n_m[1]];
+        let bending = b.bending.iter().map(|k| match k {
+            Bending::Elastic { stiffness_nm_rad } => *stiffness_nm_rad,
+            Bending::Curve { curve, strength_factor } => {
+                model.curves.get(curve).map_or(0.0, |c| strength_factor * c.stiffness_nm_rad)
+            }
+        });
+        let turning = bending.fold(b.torsional_stiffness_nm_rad, f64::max);
+        (across * springs.into_iter().fold(0.0, f64::max)).max(about * turning)
+    };
+    let all = model.bushings.iter().map(|b| (square(b), &b.id));
+    all.max_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or_else(Default::default, |(square, id)| (id.clone(), square.sqrt()))
 }
 
 /// Where the given step is above a limit: tells one that holds for the whole run, below the limits at frequencies that the bodies have \[rad/s\] and at those that they have once all have parted that may.
