@@ -187,7 +187,7 @@ fn a_wall_is_one_body_with_its_floors_if_the_analyst_says_so() {
     assert_eq!(springs, ["W1.bottom-1", "W1.bottom-2"]);
     assert!((mass(&merged.model) / mass(&plain.model) - 1.0).abs() < 1e-12);
     assert!(
-        merged.notes.iter().any(|n| n.contains("by the analyst's decision it is one body")),
+        merged.notes.iter().any(|n| n.contains("it is one body with more than its floor")),
         "{:?}",
         merged.notes
     );
