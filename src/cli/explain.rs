@@ -222,6 +222,10 @@ const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    super::failing(arguments.json, attempt(arguments))
+}
+
+fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
     arguments.knowledge.exist()?;
     let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
     let trace = TraceFile::beside(&arguments.model)?;
