@@ -6,7 +6,7 @@ use super::{Failure, Outcome, explain_events, explain_joint, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
 use crate::base::json;
 use crate::building::Building;
-use crate::generate::{EventReason, Generated, Jointless, Reason, StaysWhole, Unasked, web_of};
+use crate::generate::{EventReason, Generated, Jointless, Reason, StaysWhole, Unasked, Unmet, web_of};
 use crate::library::Entry;
 use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
@@ -67,6 +67,9 @@ pub struct TraceFile {
     /// Why ends have no joint.
     #[serde(default)]
     pub jointless: Vec<Jointless>,
+    /// What rules decide about parts of floors and the floors are not.
+    #[serde(default)]
+    pub unmet: Vec<Unmet>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
 }
@@ -123,6 +126,7 @@ impl TraceFile {
             unasked: generated.unasked.clone(),
             stays: generated.stays.clone(),
             jointless: generated.jointless.clone(),
+            unmet: generated.unmet.clone(),
             notes: generated.notes.clone(),
         }
     }
@@ -218,6 +222,10 @@ const END_NAMES: [&str; 4] = ["bottom", "top", "start", "end"];
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    super::failing(arguments.json, attempt(arguments))
+}
+
+fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
     arguments.knowledge.exist()?;
     let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
     let trace = TraceFile::beside(&arguments.model)?;
@@ -237,6 +245,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let about =
         |note: &&String| note.strip_prefix(&arguments.part).is_some_and(|rest| rest.starts_with([' ', ':']));
     let notes: Vec<String> = trace.iter().flat_map(|t| t.notes.iter().filter(about)).cloned().collect();
+    let unmet = trace.iter().flat_map(|t| &t.unmet).filter_map(|u| {
+        let members: Vec<String> = u.members.iter().filter(is_asked).cloned().collect();
+        (!members.is_empty()).then(|| Unmet { members, ..u.clone() })
+    });
+    let unmet: Vec<Unmet> = unmet.collect();
     let none: Vec<Jointless> = trace.iter().flat_map(|t| t.jointless_at(&arguments.part)).collect();
     let events = events(arguments, &model, &part, trace)?;
     if arguments.json {
@@ -249,6 +262,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "entries": entries,
             "stays": whole,
             "without_joint": none,
+            "not_carried_out": unmet,
             "notes": notes,
             "events": events,
         });
@@ -257,6 +271,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         let words = text(&arguments.part, (&model, &part), &reasons, &entries);
         let mut none: String = none.iter().map(none_text).collect();
         none += &taken_text(&model, &arguments.part, &part);
+        none.extend(unmet.iter().map(|u| format!("  note: {}\n", u.words())));
         none.extend(notes.iter().map(|note| format!("  note: {note}\n")));
         print(&(words + &none + &whole_text(&whole) + &events.text() + &review_text(&review)));
     }

@@ -79,6 +79,10 @@ pub struct Comparison {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
+    super::failing(arguments.json, attempt(arguments))
+}
+
+fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
     let building = read_building(&arguments.building, arguments.json)?;
     let hybrid = arguments.hybrid.settings(&building, None, arguments.curves.places())?;
     if hybrid.is_some() && !arguments.validate {

@@ -4,7 +4,7 @@ use super::Failure;
 use crate::generate::{Accuracy, Derive, Wishes};
 use crate::library::{Opened, Store};
 use crate::mbs::SolverOptions;
-use crate::rules::RuleBase;
+use crate::rules::{Problems, RuleBase};
 use std::path::{Path, PathBuf};
 
 /// Where a command finds its knowledge.
@@ -139,9 +139,16 @@ pub fn folder(given: Option<&Path>, name: &str) -> PathBuf {
 /// If a rule file is wrong or the folder named by the user does not exist.
 pub fn rules(given: Option<&Path>) -> Result<RuleBase, Failure> {
     exists(given, "rules")?;
+    rule_base(given).map_err(|problems| Failure::input(problems.to_string()))
+}
+
+/// The rules of a folder; without one named those of the current folder, else the program's.
+///
+/// # Errors
+/// All problems found in and between the files.
+pub fn rule_base(given: Option<&Path>) -> Result<RuleBase, Problems> {
     let folder = folder(given, "rules");
-    let rules = if folder.is_dir() { RuleBase::load(&folder) } else { RuleBase::seed() };
-    rules.map_err(|problems| Failure::input(problems.to_string()))
+    if given.is_some() || folder.is_dir() { RuleBase::load(&folder) } else { RuleBase::seed() }
 }
 
 /// A rule in words, if the rule base still has it.

@@ -7,7 +7,7 @@ use super::library_derive::{self, LibraryDeriveError, Watch, derive_for, derive_
 use super::library_look::{self, Filter};
 use super::library_springs::{self, makes_hinges};
 use super::progress::Progress;
-use super::{colour_on_stderr, library_add, library_find, library_plot};
+use super::{colour_on_stderr, knowledge, library_add, library_find, library_plot};
 use crate::base::diagnostic::Diagnostics;
 use crate::base::hash::readable_json;
 use crate::library::journal::Happening;
@@ -16,14 +16,14 @@ use crate::rc::{RcSection, section_file, section_grid};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `fallwerk library`.
 #[derive(Debug, Clone, Args)]
 pub struct LibraryArgs {
-    /// The library folder
-    #[arg(long, global = true, default_value = "library", value_name = "DIR")]
-    pub library: PathBuf,
+    /// The library folder [default: library, else the program's, which is only read]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub library: Option<PathBuf>,
     /// Print JSON
     #[arg(long, global = true)]
     pub json: bool,
@@ -84,9 +84,9 @@ pub enum LibraryCommand {
         /// Entry to use instead
         #[arg(long, value_name = "KEY")]
         successor: Option<String>,
-        /// Why
-        #[arg(long, default_value = "replaced", value_name = "TEXT")]
-        reason: String,
+        /// Why [default: replaced, or what is recorded]
+        #[arg(long, value_name = "TEXT")]
+        reason: Option<String>,
     },
 }
 
@@ -227,12 +227,7 @@ fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
         write!(out, "{text}")?;
         return Ok(0);
     }
-    let makes_folder = matches!(args.command, LibraryCommand::Import { .. } | LibraryCommand::Add(_));
-    if !args.library.is_dir() && !makes_folder {
-        writeln!(err, "error: {}: no such folder; name the library with --library", args.library.display())?;
-        return Ok(2);
-    }
-    let mut store = Store::open(&args.library)?;
+    let mut store = Store::open(&args.command.folder(args.library.as_deref())?)?;
     say_how_opened(&store, args.command.names_damage(), err)?;
     if args.command.writes() && store.writable().is_ok() {
         warn_of_gone(&store, err)?;
@@ -252,6 +247,22 @@ impl LibraryCommand {
         )
     }
 
+    /// The library folder: that of the program is for reading only.
+    fn folder(&self, given: Option<&Path>) -> Result<PathBuf, Failure> {
+        let folder = knowledge::folder(given, "library");
+        let is_named = given.is_some() || folder == Path::new("library");
+        if self.writes() && !is_named {
+            return Err(Failure::Usage(
+                "there is no folder `library` here, and that of the program is only read; name the library to write to with --library".to_string(),
+            ));
+        }
+        let makes_it = matches!(self, Self::Import { .. } | Self::Add(_) | Self::Derive(_));
+        if folder.is_dir() || (makes_it && given.is_some()) {
+            return Ok(folder);
+        }
+        Err(Failure::Usage(format!("{}: no such folder; name the library with --library", folder.display())))
+    }
+
     /// Whether damaged records are part of its own answer.
     fn names_damage(&self) -> bool {
         matches!(self, Self::Verify)
@@ -267,7 +278,7 @@ fn dispatch(
     let json = args.json;
     match &args.command {
         LibraryCommand::Derive(what) => derive(store, what, json, out),
-        LibraryCommand::Add(add) => library_add::run(add, store, json, out),
+        LibraryCommand::Add(add) => library_add::run(add, store, json, (out, err)),
         LibraryCommand::List(filter) => library_look::list(store, filter, json, out),
         LibraryCommand::Show { key } => library_look::show(&store.get(&store.resolve(key)?)?, json, out),
         LibraryCommand::Plot(plot) => library_plot::run(plot, store, out),
@@ -307,8 +318,8 @@ fn dispatch(
         LibraryCommand::Deprecate { key, successor, reason } => {
             let key = store.resolve(key)?;
             let successor = successor.as_ref().map(|s| store.resolve(s)).transpose()?;
-            store.deprecate(&key, successor.as_deref(), reason)?;
-            let value = json!({ "deprecated": key, "successor": successor });
+            let marked = store.deprecate(&key, successor.as_deref(), reason.as_deref())?;
+            let value = json!({ "deprecated": key, "successor": marked.successor, "reason": marked.reason });
             report(json, out, value, &format!("{key} is deprecated"))
         }
     }

@@ -46,12 +46,14 @@ pub(super) fn run(
     arguments: &Arguments,
     store: &mut Store,
     json: bool,
-    out: &mut dyn Write,
+    (out, err): (&mut dyn Write, &mut dyn Write),
 ) -> Result<u8, Failure> {
     let (Some(curve), Some(meta)) = (&arguments.curve, &arguments.meta) else {
         return Err(Failure::Usage("give a curve and --meta FILE".to_string()));
     };
     let entry = add::entry_of_files(curve, meta).map_err(Failure::Files)?;
+    let doubts = add::doubts(&entry);
+    doubts.iter().try_for_each(|doubt| writeln!(err, "warning: {}: {doubt}", curve.display()))?;
     let what = if arguments.check {
         Store::check(&entry)?;
         "sound"
@@ -66,5 +68,5 @@ pub(super) fn run(
         "was there already" => format!("{} was there already", entry.key),
         what => format!("{what} {}", entry.key),
     };
-    report(json, out, json!({ "key": entry.key, "done": what }), &words)
+    report(json, out, json!({ "key": entry.key, "done": what, "warnings": doubts }), &words)
 }

@@ -157,19 +157,26 @@ pub(super) fn run(
             (_, 1) => "another entry fits".to_string(),
             (_, count) => format!("{count} other entries fit"),
         };
+        let (tell_apart, ask) = match names.as_slice() {
+            [] => (
+                "their features are the same".to_string(),
+                "`library diff` compares their curves, `library deprecate` marks those not to be used",
+            ),
+            names => (format!("they differ in {}", names.join(", ")), "ask for these"),
+        };
         match &answer {
             // zero of nothing is no match
             Answer::Entry(found) if asks_for_nothing(&query) => {
                 words = format!(
-                    "{}\n  one of {} entries of this kind, as nothing was asked for that tells them apart; they differ in {}: ask for these (NAME=VALUE)",
+                    "{}\n  one of {} entries of this kind, as nothing was asked for that tells them apart; {tell_apart}: {ask}{}",
                     found.entry.key,
                     rivals.count + 1,
-                    names.join(", ")
+                    if names.is_empty() { "" } else { " (NAME=VALUE)" }
                 );
             }
             _ => {
-                words +=
-                    &format!("\n  {what} it as well; they differ in {}: ask for these too", names.join(", "))
+                let too = if names.is_empty() { "" } else { " too" };
+                words += &format!("\n  {what} it as well; {tell_apart}: {ask}{too}");
             }
         }
         value["rivals"] = json!({ "count": rivals.count, "differ": names });

@@ -84,6 +84,17 @@ impl Failure {
         Self { message, outcome: Outcome::BadInput }
     }
 
+    /// In the form in which the errors of an input file are told; what is known of a remedy stands apart.
+    fn to_json(&self) -> serde_json::Value {
+        let (message, help) = match self.message.split_once("\n  = help: ") {
+            Some((message, help)) => (message, Some(help)),
+            None => (self.message.as_str(), None),
+        };
+        let code = if self.outcome == Outcome::BadInput { "bad-input" } else { "stopped" };
+        let item = serde_json::json!({ "severity": "error", "code": code, "message": message, "help": help });
+        serde_json::json!({ "ok": false, "diagnostics": [item] })
+    }
+
     /// A run that stopped.
     pub fn stopped(message: String) -> Self {
         Self { message, outcome: Outcome::CheckFailed }
@@ -170,6 +181,15 @@ fn finish(result: Result<Outcome, Failure>) -> Outcome {
             eprintln!("error: {}", failure.message);
         }
         failure.outcome
+    })
+}
+
+/// With `json`, what a command failed of on standard output as well, in the form in which the errors of an input file are told; the message itself goes to standard error.
+fn failing<T>(json: bool, result: Result<T, Failure>) -> Result<T, Failure> {
+    result.inspect_err(|failure| {
+        if json && !failure.message.is_empty() {
+            print(&format!("{:#}\n", failure.to_json()));
+        }
     })
 }
 

@@ -68,7 +68,7 @@ pub struct Bending {
     #[arg(long, value_name = "SHARE", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true, value_parser = share)]
     pub axial: Vec<f64>,
     /// Rotation at which a bend stops, such as `100mrad` [default: 0.1 rad; of library entries 0.25 rad]
-    #[arg(long, value_name = "ROTATION", value_parser = rotation)]
+    #[arg(long, value_name = "ROTATION", value_parser = rotation, allow_hyphen_values = true)]
     pub until: Option<f64>,
     /// Size of the elements [default: 50 mm]
     #[arg(long, value_name = "SIZE", value_parser = size)]
@@ -215,7 +215,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let output = arguments.output.as_deref().map(OutputFolder::create).transpose();
     let output = output.map_err(|e| Failure::input(e.to_string()))?;
     let progress = Progress::on_stderr();
-    progress.stage("bends");
+    progress.stage("bending:");
     let done = thread_pool(arguments.threads)?
         .install(|| series::run(&section, &options, &|share, text| progress.advance(share, text)));
     progress.finish();

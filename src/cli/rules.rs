@@ -2,10 +2,11 @@
 //!
 //! Exit codes: 0 done; 1 a check failed (problems or gaps); 2 bad input or usage.
 
+use super::knowledge;
 use super::rules_learn::{LearnArgs, difference, learned};
 use crate::base::hash::readable_json;
 use crate::rules::diff::statistics;
-use crate::rules::{Problems, Rule, RuleBase, Source, features};
+use crate::rules::{Problem, Problems, Rule, RuleBase, Source, features};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `fallwerk rules`.
 #[derive(Debug, Clone, Args)]
 pub struct RulesArgs {
-    /// The folder of rule files [default: `rules` if it exists, else the seed rules of the program]
+    /// The folder of rule files [default: rules, else the program's]
     #[arg(long, global = true, value_name = "DIR")]
     pub rules: Option<PathBuf>,
     /// Print JSON
@@ -81,19 +82,17 @@ fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Re
         RulesCommand::Diff { old, new } => return diff([old, new], args.json, out, err),
         _ => {}
     }
-    let folder = args.rules.clone().or_else(|| Some(PathBuf::from("rules")).filter(|p| p.is_dir()));
-    let loaded = folder.as_deref().map_or_else(RuleBase::seed, RuleBase::load);
     let checking = matches!(args.command, RulesCommand::Check);
-    let base = match loaded {
+    let base = match knowledge::rule_base(args.rules.as_deref()) {
         Ok(base) => base,
-        Err(problems) if checking && args.json => {
-            let list: Vec<String> = problems.0.iter().map(ToString::to_string).collect();
-            write_json(out, &json!({ "problems": list, "gaps": [], "remarks": [] }))?;
-            return Ok(1);
-        }
         Err(problems) => {
-            writeln!(err, "{problems}\n{} problems", problems.0.len())?;
-            return Ok(if checking { 1 } else { 2 });
+            if checking && args.json {
+                let list: Vec<String> = problems.0.iter().map(ToString::to_string).collect();
+                write_json(out, &json!({ "problems": list, "gaps": [], "remarks": [] }))?;
+            } else {
+                writeln!(err, "{problems}\n{}", problems.count_words())?;
+            }
+            return Ok(if checking && !problems.has_unread() { 1 } else { 2 });
         }
     };
     match &args.command {
@@ -207,26 +206,39 @@ fn show(rule: &Rule, json: bool, out: &mut dyn Write) -> io::Result<u8> {
 }
 
 fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
-    let (gaps, remarks) = (base.gaps(), base.remarks());
+    let (problems, gaps, remarks) = (base.not_carried_out(), base.gaps(), base.remarks());
     if json {
-        let remarks: Vec<String> = remarks.iter().map(ToString::to_string).collect();
-        let value = json!({ "rules": base.rules().len(), "problems": [], "gaps": gaps, "remarks": remarks });
+        let words = |list: &[Problem]| list.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let (count, problems, remarks) = (base.rules().len(), words(&problems), words(&remarks));
+        let value = json!({ "rules": count, "problems": problems, "gaps": gaps, "remarks": remarks });
         write_json(out, &value)?;
+        Ok(u8::from(!(problems.is_empty() && gaps.is_empty() && remarks.is_empty())))
     } else {
-        for remark in &remarks {
-            writeln!(out, "{remark}")?;
+        for problem in problems.iter().chain(&remarks) {
+            writeln!(out, "{problem}")?;
         }
         for gap in &gaps {
             writeln!(out, "{gap}")?;
         }
-        let verdict = match (gaps.len(), remarks.len()) {
-            (0, 0) => "no conflict, no gap".to_string(),
-            (gaps, 0) => format!("{gaps} gaps"),
-            (gaps, remarks) => format!("{gaps} gaps, {remarks} comparisons that decide nothing"),
-        };
+        let found = [
+            counted(problems.len(), "rule that cannot be carried out", "rules that cannot be carried out"),
+            counted(gaps.len(), "gap", "gaps"),
+            counted(remarks.len(), "comparison that decides nothing", "comparisons that decide nothing"),
+        ];
+        let found: Vec<String> = found.into_iter().flatten().collect();
+        let verdict = if found.is_empty() { "no conflict, no gap".to_string() } else { found.join(", ") };
         writeln!(out, "{} rules: {verdict}", base.rules().len())?;
+        Ok(u8::from(!(problems.is_empty() && gaps.is_empty() && remarks.is_empty())))
     }
-    Ok(u8::from(!gaps.is_empty() || !remarks.is_empty()))
+}
+
+/// `1 gap`, `2 gaps`; none of none.
+fn counted(count: usize, one: &str, many: &str) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some(format!("1 {one}")),
+        count => Some(format!("{count} {many}")),
+    }
 }
 
 fn list_features(json: bool, out: &mut dyn Write) -> io::Result<u8> {

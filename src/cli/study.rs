@@ -1,11 +1,12 @@
 //! `fallwerk study`: FE runs as evidence in `kb/studies/`.
 
 use super::{Failure, Outcome, print, study_compare, study_run};
-use crate::base::json;
+use crate::base::json::from_text;
 use crate::base::output::write_atomic;
 use crate::fe::result::FeEnergies;
 use crate::study::plan::Scene;
 use crate::study::{EndZone, Study};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Most scenes of a plan: the length of the sequence.
@@ -65,6 +66,9 @@ enum Verb {
         /// Folder of the records
         #[arg(long, value_name = "DIR", default_value = "kb/studies")]
         kb: PathBuf,
+        /// Print JSON
+        #[arg(long)]
+        json: bool,
     },
     /// Show a record: zones at member ends in order of time
     Show {
@@ -81,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             return study_run::run(buildings, kb, *threads, *again);
         }
         Verb::Compare(arguments) => return study_compare::run(arguments),
-        Verb::List { kb } => list(kb)?,
+        Verb::List { kb, json } => list(kb, *json)?,
         Verb::Show { record } => print(&described(&read(record)?)),
     }
     Ok(Outcome::Done)
@@ -107,7 +111,7 @@ fn plan(seed: u32, count: u32, irregular: bool, folder: &Path) -> Result<(), Fai
 pub(super) fn read(path: &Path) -> Result<Study, Failure> {
     let text = std::fs::read_to_string(path)
         .map_err(|e| Failure::input(format!("cannot read {}: {e}", path.display())))?;
-    let study: Study = json::from_text(&text)
+    let study: Study = from_text(&text)
         .map_err(|e| Failure::input(format!("{} is no study record: {e}", path.display())))?;
     if study.schema != crate::study::record::STUDY_SCHEMA {
         return Err(Failure::input(format!(
@@ -120,7 +124,7 @@ pub(super) fn read(path: &Path) -> Result<Study, Failure> {
     Ok(study)
 }
 
-fn list(kb: &Path) -> Result<(), Failure> {
+fn list(kb: &Path, json: bool) -> Result<(), Failure> {
     let entries =
         std::fs::read_dir(kb).map_err(|e| Failure::input(format!("cannot read {}: {e}", kb.display())))?;
     let mut files: Vec<PathBuf> = entries
@@ -128,15 +132,29 @@ fn list(kb: &Path) -> Result<(), Failure> {
         .filter(|p| p.extension().is_some_and(|x| x == "json"))
         .collect();
     files.sort();
+    let mut records = Vec::new();
     for file in files {
         let study = read(&file)?;
         let zones = study.facts.ends.iter().filter(|e| e.first_s.is_some()).count();
+        if json {
+            records.push(json!({
+                "file": file,
+                "building": study.building,
+                "elements": study.elements,
+                "zones": zones,
+                "collapsed": study.facts.collapsed,
+            }));
+            continue;
+        }
         let collapse = if study.facts.collapsed { "collapses" } else { "stands" };
         print(&format!(
             "{}  {} elements, {zones} zones at member ends, {collapse}\n",
             file.display(),
             study.elements
         ));
+    }
+    if json {
+        print(&format!("{:#}\n", json!({ "records": records })));
     }
     Ok(())
 }

@@ -10,7 +10,9 @@ use crate::building::{Building, MemberKind};
 use crate::graph::{Connection, End};
 use crate::mbs::Model;
 use crate::rules::features::MEMBER_KINDS;
-use crate::rules::{Action, Aspect, Firing, RuleBase, Subject, SubjectError, SubjectKind, Trace, Value};
+use crate::rules::{
+    Action, Aspect, Firing, RuleBase, Subject, SubjectError, SubjectKind, Trace, Value, carried,
+};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -187,12 +189,42 @@ impl Decision {
             match self.answered(asked.answers, &subject, trace, Aspect::Body) {
                 Some(Action::MergeRigid) => self.merges[index] = true,
                 Some(Action::MergeElastic) => (self.merges[index], self.bends[index]) = (true, true),
-                Some(Action::RigidBody) => {}
-                Some(other) => return Err(unsupported(&subject, other)),
-                None => gaps.push(subject.id),
+                Some(_) => {}
+                None => gaps.push(subject.id.clone()),
             }
+            self.carried_out(asked, &subject, Aspect::Body)?;
+            self.carried_out(asked, &subject, Aspect::Charge)?;
         }
         Ok(())
+    }
+
+    /// That what a rule decides about a subject can be carried out; the overrides of a building file have been checked with it.
+    fn carried_out(
+        &self,
+        asked: &Questions<'_>,
+        subject: &Subject,
+        aspect: Aspect,
+    ) -> Result<(), GenerateError> {
+        let overruled = self.overruled.get(&subject.id).is_some_and(|o| o.aspect == aspect);
+        let ruled = self.traces.get(&subject.id).and_then(|trace| trace.decision(aspect));
+        let Some(firing) = ruled.filter(|_| !overruled) else { return Ok(()) };
+        let kind = match subject.features.get("member.kind") {
+            Some(Value::Name(kind)) => kind.as_str(),
+            _ => "",
+        };
+        let charged = subject.features.get("member.charged") == Some(&Value::Flag(true));
+        let known = carried::actions(subject.kind, kind, aspect).contains(&firing.action);
+        if known && (charged || firing.action != Action::RemoveBody) {
+            return Ok(());
+        }
+        let place = asked.rules.rule(&firing.rule).map(|rule| format!(" ({})", rule.place.short()));
+        Err(GenerateError::Unsupported {
+            rule: firing.rule.clone(),
+            place: place.unwrap_or_default(),
+            action: firing.action.spec().name,
+            subject: subject.id.clone(),
+            remedy: carried::remedy(subject.kind, kind, firing.action),
+        })
     }
 
     /// How the ends of columns and beams resist rotation.
@@ -211,14 +243,15 @@ impl Decision {
                 Some(Action::LatentHinge) if !column => {
                     self.latent.insert(end.id.clone(), self.fired(&end.id));
                 }
-                Some(Action::RigidConnection) if !column => {}
-                Some(Action::RigidConnection) if self.overruled.contains_key(&end.id) => {
+                Some(Action::RigidConnection) if column && self.overruled.contains_key(&end.id) => {
                     let upper = end.end == ends::End::Upper;
                     self.rigid.insert((end.member, if upper { End::High } else { End::Low }));
                 }
-                Some(other) => return Err(unsupported(&subject, other)),
+                Some(_) => {}
                 None => gaps.push(end.id.clone()),
             }
+            self.carried_out(asked, &subject, Aspect::Rotation)?;
+            self.carried_out(asked, &subject, Aspect::Translation)?;
         }
         Ok(())
     }
@@ -228,11 +261,11 @@ impl Decision {
         for said in asked.ask(&asked.known.lines) {
             let (subject, trace) = said?;
             match self.answered(asked.answers, &subject, trace, Aspect::Rotation) {
-                Some(Action::LatentHinge) => {}
-                Some(Action::ElasticConnection) => _ = self.elastic_lines.insert(subject.id),
-                Some(other) => return Err(unsupported(&subject, other)),
-                None => gaps.push(subject.id),
+                Some(Action::ElasticConnection) => _ = self.elastic_lines.insert(subject.id.clone()),
+                Some(_) => {}
+                None => gaps.push(subject.id.clone()),
             }
+            self.carried_out(asked, &subject, Aspect::Rotation)?;
         }
         Ok(())
     }
@@ -411,6 +444,24 @@ impl Decision {
         members.iter().any(|m| self.bends[*m])
     }
 
+    /// The rules, not the analyst, that decide how some members become bodies by an action, with these members.
+    pub fn ruled(
+        &self,
+        building: &Building,
+        members: &[usize],
+        action: Action,
+    ) -> BTreeMap<String, Vec<String>> {
+        let mut rules = BTreeMap::<String, Vec<String>>::new();
+        let ids = members.iter().map(|m| &building.members[*m].id);
+        for id in ids.filter(|id| !self.overruled.contains_key(*id)) {
+            let decides = self.traces.get(id).and_then(|trace| trace.decision(Aspect::Body));
+            if let Some(firing) = decides.filter(|f| f.action == action) {
+                rules.entry(firing.rule.clone()).or_default().push(id.clone());
+            }
+        }
+        rules
+    }
+
     /// Rules that made some members one body.
     pub fn rules_of(&self, building: &Building, members: &[usize]) -> Vec<String> {
         let by_analyst = |m: &usize| {
@@ -505,9 +556,4 @@ fn beyond_words(((rule, decides), (first, more)): (&(String, bool), &(String, us
     };
     let more = if *more > 0 { format!(" and {more} more") } else { String::new() };
     format!("rule `{rule}` {what}: {first}{more}")
-}
-
-/// A decision that this version of the generator cannot carry out.
-fn unsupported(subject: &Subject, action: Action) -> GenerateError {
-    GenerateError::Unsupported(action.spec().name.to_string(), subject.id.clone())
 }

@@ -8,7 +8,7 @@ use super::floors::{Grid, Line};
 use super::grillage::{self, Grillage};
 use super::lines::Lines;
 use super::webs::{self, Stays, Web, Webs};
-use super::{Accuracy, GenerateError, charges, floor_mass, joints};
+use super::{Accuracy, GenerateError, Unmet, charges, floor_mass, joints};
 use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind};
 use crate::curve::ResistanceCurve;
@@ -16,6 +16,7 @@ use crate::fe::mesh::Mesh;
 use crate::graph::frame::Frame;
 use crate::graph::{Connection, Structure};
 use crate::mbs::model::{Bushing, Contact, SharedMass};
+use crate::rules::Action;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -53,6 +54,8 @@ pub struct Division {
     pub lines: Vec<(usize, Line)>,
     /// Beams that cannot break away.
     pub stays: Stays,
+    /// What rules decide about parts of floors and the floors are not.
+    pub unmet: Vec<Unmet>,
     pub notes: Vec<String>,
 }
 
@@ -62,11 +65,11 @@ impl Parts<'_> {
         let Self { building, structure, mesh, clusters, decision, .. } = *self;
         let (mut bodies, mut floors, mut notes) =
             (Bodies::new(building.members.len()), Vec::new(), Vec::new());
-        let mut stays = Stays::default();
+        let (mut stays, mut unmet) = (Stays::default(), Vec::new());
         let charged = charges::first_on(building);
         for cluster in clusters {
             let name = bodies::name(building, cluster);
-            let division = self.division(cluster, &name, without, &mut notes)?;
+            let division = self.division(cluster, &name, without, (&mut notes, &mut unmet))?;
             if !matches!(division, Some(Floor::Bends(_))) {
                 let away: Vec<usize> = cluster.iter().copied().filter(|m| decision.breaks_away(*m)).collect();
                 let why = format!(
@@ -92,7 +95,7 @@ impl Parts<'_> {
             lines.extend(own.into_iter().map(|line| (*first, line)));
         }
         notes.extend(stays.notes());
-        Ok(Division { bodies, floors, lines, stays, notes })
+        Ok(Division { bodies, floors, lines, stays, unmet, notes })
     }
 
     /// Adds a cluster that is one body, or a column that may break between its ends, in its pieces.
@@ -165,7 +168,7 @@ impl Parts<'_> {
         cluster: &[usize],
         name: &str,
         without: &BTreeSet<String>,
-        notes: &mut Vec<String>,
+        (notes, unmet): (&mut Vec<String>, &mut Vec<Unmet>),
     ) -> Result<Option<Floor>, GenerateError> {
         let Self { building, structure, decision, .. } = *self;
         let ends = self.ends_of(cluster);
@@ -175,9 +178,7 @@ impl Parts<'_> {
         // who asks for a line at which a floor may fold gets it, whatever the rules say of bending
         let bends = decision.bends(cluster) && !matches!(asked, Some((_, false)));
         let Some(floor) = self.floor_of(cluster) else {
-            let why = format!(
-                "{name} stays in one piece: by the analyst's decision it is one body with more than its floor"
-            );
+            let why = format!("{name} stays in one piece: it is one body with more than its floor");
             return match asked {
                 Some((target, _)) => Err(GenerateError::Override(target, why)),
                 None => {
@@ -187,12 +188,19 @@ impl Parts<'_> {
             };
         };
         let grillage = bends.then(|| Grillage::of(building, structure, &floor, self.accuracy)).flatten();
+        let too_few = format!("{name} has columns on less than two axes, between which it could bend");
         if let (None, Some((target, true))) = (&grillage, &asked) {
-            let why = format!("{name} has columns on less than two axes, between which it could bend");
-            return Err(GenerateError::Override(target.clone(), why));
+            return Err(GenerateError::Override(target.clone(), too_few));
         }
         if let Some(grillage) = grillage {
+            let why = format!(
+                "{name} bends, as is decided about others of its members, and a floor does so as a whole"
+            );
+            unmet.extend(Unmet::of(building, decision, (cluster, Action::MergeRigid, &why)));
             return Ok(Some(Floor::Bends(grillage)));
+        }
+        if bends {
+            unmet.extend(Unmet::of(building, decision, (cluster, Action::MergeElastic, &too_few)));
         }
         if !folds {
             return Ok(None);

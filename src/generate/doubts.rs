@@ -294,7 +294,14 @@ pub fn overloaded(demands: &Demands, live: &BTreeSet<&str>) -> Vec<(String, f64)
 
 /// The note about such an end.
 pub fn overloaded_words(id: &str, ratio: f64, decision: &Decision) -> String {
-    let by = if decision.is_of_analyst(id) { "the analyst's decision" } else { "rule" };
+    // an end that the rules have rigid anyway is so by the analyst where its whole floor is
+    let floor = id.rsplit_once('.').map_or(id, |(member, _)| member);
+    let is_whole = decision.answer(floor, Aspect::Body) == Some(Action::MergeRigid);
+    let by = if decision.is_of_analyst(id) || (is_whole && decision.is_of_analyst(floor)) {
+        "the analyst's decision"
+    } else {
+        "rule"
+    };
     format!(
         "{id} stays rigid by {by}, though its reinforced section would yield after the removal \
          (elastic demand over capacity {ratio:.1})"

@@ -7,7 +7,7 @@ use super::doubts::{self, Doubt};
 use super::draft::{Assembled, Draft};
 use super::known::Known;
 use super::{
-    Accuracy, EventReason, GenerateError, Generated, Jointless, StaysWhole, Wishes, joints, unasked,
+    Accuracy, EventReason, GenerateError, Generated, Jointless, StaysWhole, Unmet, Wishes, joints, unasked,
 };
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::lines::{Line as PlateLine, lines as plate_lines};
@@ -163,6 +163,8 @@ impl<'a> Generator<'a> {
         stages.end("bodies", 0.0);
         let mut notes = decision.notes.clone();
         notes.extend(division.notes.iter().cloned());
+        notes.extend(division.unmet.iter().map(Unmet::words));
+        let unmet = division.unmet.clone();
         let draft = Draft::of(basis, &decision, &clusters, division);
         let mut curves = draft.curves(store, library, progress)?;
         stages.end("keys", curves.found.curves_s);
@@ -189,6 +191,7 @@ impl<'a> Generator<'a> {
             unasked,
             stays,
             jointless,
+            unmet,
             scaled: found.scaled.into_iter().map(|s| (s.key, s.words)).collect(),
             notes,
             doubts,

@@ -38,6 +38,7 @@ mod stretch;
 mod through;
 mod twist;
 mod unasked;
+mod unmet;
 mod walls;
 mod webs;
 mod wish;
@@ -51,6 +52,7 @@ pub use generator::Generator;
 pub use jointless::Jointless;
 pub use rigid::rigid_elements;
 pub use unasked::Unasked;
+pub use unmet::Unmet;
 pub use webs::{StaysWhole, web_of};
 pub use wish::{Accuracy, Derive, Wishes};
 
@@ -76,6 +78,8 @@ pub struct Generated {
     pub stays: Vec<StaysWhole>,
     /// Why ends have no joint.
     pub jointless: Vec<Jointless>,
+    /// What rules decide about parts of floors and the floors are not.
+    pub unmet: Vec<Unmet>,
     /// Where curves come from that were made without a run, by the key of the entry.
     pub scaled: BTreeMap<String, String>,
     /// What an analyst should look at.
@@ -126,9 +130,22 @@ pub enum GenerateError {
     /// No rule says what a part becomes.
     #[error("no rule decides about {}: add a rule under rules/ that applies to it (`fallwerk rules check` tells for which kinds of subject there is none), or describe the part otherwise", listed(.0))]
     Gap(Vec<String>),
-    /// A rule decides something that the generator cannot do.
-    #[error("a rule decides `{0}` for {1}, which the generator does not support yet")]
-    Unsupported(String, String),
+    /// A rule decides something that is not carried out.
+    #[error(
+        "rule `{rule}`{place} decides `{action}` for {subject}, which no generated model carries out; {remedy}"
+    )]
+    Unsupported {
+        /// Its id.
+        rule: String,
+        /// Where it is written, in brackets.
+        place: String,
+        /// What it decides.
+        action: &'static str,
+        /// About which member, end or line.
+        subject: String,
+        /// What to write instead.
+        remedy: String,
+    },
     /// A subject does not fit the catalogue of features.
     #[error(transparent)]
     Subject(#[from] crate::rules::SubjectError),

@@ -40,6 +40,7 @@ pub fn entry_of(curve_text: Source, meta_text: Source) -> Result<Entry, Vec<Diag
         if in_curve.is_empty() && in_meta.is_empty() {
             entry = made(&curve_text, curve, meta, &mut in_curve);
             plausible(curve, meta, &mut in_curve);
+            from_the_origin(curve, meta, &mut in_curve);
         }
     }
     match entry {
@@ -135,6 +136,53 @@ fn plausible(curve: &CurveFile, meta: &Meta, errors: &mut Vec<Diagnostic>) {
             refuse(format!("an axial force of {axial} N for {section}"));
         }
     }
+}
+
+/// Refuses curves of bending that do not begin at the origin, and moments that turn with their rotation: a single one of them changes the stiffness of all levels.
+fn from_the_origin(curve: &CurveFile, meta: &Meta, errors: &mut Vec<Diagnostic>) {
+    for level in curve.levels.iter().filter(|_| curve.is_bending) {
+        if level.points[0] != [0.0, 0.0] {
+            let [x, y] = level.points[0];
+            errors.push(
+                Diagnostic::error("no-origin", format!("a curve that begins at {x} rad and {y} N m"))
+                    .at(level.span, "the first row of its level")
+                    .help("begin each level with a row of rotation 0 and moment 0; take an offset of the measurement off"),
+            );
+        }
+        let peak = (0..level.points.len()).max_by(|a, b| level.points[*a][1].total_cmp(&level.points[*b][1]));
+        // past its peak the axial force on the deflected member may turn it further by itself
+        let may_fall = |i: usize| meta.second_order_included && peak.is_some_and(|peak| i > peak);
+        let wrong = (1..level.points.len()).find(|i| level.points[*i][1] < 0.0 && !may_fall(*i));
+        if let Some(i) = wrong {
+            let [x, y] = level.points[i];
+            errors.push(
+                Diagnostic::error("wrong-sign", format!("a moment of {y} N m at a rotation of {x} rad"))
+                    .at(level.rows[i], "the moment of a resistance has the sign of its rotation")
+                    .help("correct its sign, or leave the row out; moments below zero past the peak are those of the axial force: `second_order = \"included\"`"),
+            );
+        }
+    }
+}
+
+/// Share of the squash load of plain concrete below which axial forces are hardly meant.
+const LEAST_AXIAL_SHARE: f64 = 1e-3;
+
+/// What may be wrong with an entry that could be made, to be looked at.
+pub fn doubts(entry: &Entry) -> Vec<String> {
+    let features = &entry.features;
+    let strength = features.rc.as_ref().and_then(|rc| rc.concrete_strength_pa);
+    let forces = entry.validity.axial_force_n.map(f64::abs);
+    let largest_n = forces[0].max(forces[1]);
+    let squash_n = strength.map(|pa| pa * features.width_m * features.depth_m);
+    let doubt = squash_n.filter(|squash| largest_n > 0.0 && largest_n < LEAST_AXIAL_SHARE * squash);
+    let words = |squash: f64| {
+        format!(
+            "the largest axial force is {largest_n} N, {:.1e} of what the section bears in compression ({:.0} kN): is it N where kN is meant? See the unit in the header of `axial force`, or `axial_force`",
+            largest_n / squash,
+            squash / 1e3
+        )
+    };
+    doubt.map(words).into_iter().collect()
 }
 
 fn made(text: &Source, curve: &CurveFile, meta: &Meta, errors: &mut Vec<Diagnostic>) -> Option<Entry> {

@@ -25,6 +25,8 @@ pub struct FileLevel {
     pub axial_force_n: Option<f64>,
     /// `[rad, N m]` or `[m, N]`, abscissae increasing.
     pub points: Vec<[f64; 2]>,
+    /// Places of the rows of the points.
+    pub rows: Vec<Span>,
     /// Place of its first row.
     pub span: Span,
 }
@@ -246,9 +248,16 @@ fn values(
         match cell.text.parse::<f64>() {
             Ok(number) if number.is_finite() => numbers.push(number * factor),
             _ => {
-                let comma = cell.text.replace(',', ".").parse::<f64>().is_ok();
-                let help = comma
-                    .then(|| format!("the decimal separator is a point: `{}`", cell.text.replace(',', ".")));
+                let help = match cell.text.replace(',', ".") {
+                    point if point.parse::<f64>().is_ok_and(f64::is_finite) => {
+                        Some(format!("the decimal separator is a point: `{point}`"))
+                    }
+                    // written by programs where nothing was measured
+                    text if text.parse::<f64>().is_ok() => {
+                        Some("leave out rows in which a value is missing".to_string())
+                    }
+                    _ => None,
+                };
                 let message = format!("{} is no number for `{}`", quoted(cell.text), column.name());
                 errors.push(Diagnostic::error("not-a-number", message).at(cell.span, "").help_if(help));
             }
@@ -286,7 +295,13 @@ fn place(
                     .help("give the half with positive rotations; resistance counts the same in both senses"),
             );
         }
-        levels.push(FileLevel { axis, axial_force_n: force, points: vec![[x, y]], span: row });
+        levels.push(FileLevel {
+            axis,
+            axial_force_n: force,
+            points: vec![[x, y]],
+            rows: vec![row],
+            span: row,
+        });
         return;
     };
     let last = level.points.last().map_or(f64::NEG_INFINITY, |p| p[0]);
@@ -300,4 +315,5 @@ fn place(
         return;
     }
     level.points.push([x, y]);
+    level.rows.push(row);
 }

@@ -11,6 +11,10 @@ use std::time::{Duration, SystemTime};
 /// How often the lock is asked for: a process that is just ending, or being started by one that holds the lock,
 /// keeps it for some milliseconds longer.
 const TRIES: u32 = 20;
+/// Words of the command line that are told: the subcommand may stand behind options (`library --library DIR --json derive`).
+const HELD_WORDS: usize = 6;
+/// Most characters of what another process says of itself.
+const MOST_TOLD: usize = 400;
 /// Pause between two tries.
 const PAUSE: Duration = Duration::from_millis(10);
 
@@ -43,7 +47,7 @@ impl Lock {
             }
         }
         let words = fs::read_to_string(&path).unwrap_or_default();
-        let words: String = words.lines().next().unwrap_or_default().chars().take(160).collect();
+        let words: String = words.lines().next().unwrap_or_default().chars().take(MOST_TOLD).collect();
         Err(match words.as_str() {
             "" => "another process has it open".to_string(),
             words => format!("another process has it open ({words})"),
@@ -54,7 +58,7 @@ impl Lock {
 /// This process in words: number, command, since when.
 fn holder() -> String {
     let command: Vec<String> = std::env::args_os()
-        .take(3)
+        .take(HELD_WORDS)
         .map(|word| {
             let name = Path::new(&word).file_name().unwrap_or(&word).to_string_lossy().into_owned();
             name.chars().filter(|c| !c.is_control()).take(40).collect()

@@ -42,7 +42,7 @@ pub enum Answer {
 pub struct Rivals {
     /// Their number; of an answer between two entries the number of other such pairs.
     pub count: usize,
-    /// Names of the numbers in which they differ from the answer; `end`, `adjoining`, `law` of words.
+    /// Names of the numbers in which they differ from the answer; `end`, `adjoining`, `law`, `origin` of words.
     pub differ: BTreeSet<String>,
 }
 
@@ -99,9 +99,17 @@ impl Store {
                     let fit = query.compare(item.kind, item.origin, &item.features);
                     fit.is_some_and(|fit| (fit.exact, fit.distance) == (found.fit.exact, found.fit.distance))
                 };
-                let usable = self.index.values().filter(|item| !item.deprecated && fits(item));
-                let differ =
-                    usable.map(|item| find::names_of_differing(&item.features, &found.entry.features));
+                let others = self
+                    .index
+                    .iter()
+                    .filter(|(key, item)| **key != found.entry.key && !item.deprecated && fits(item));
+                let version = found.entry.provenance.inputs.submodel_version.unwrap_or(0);
+                let differ = others.filter_map(|(_, item)| {
+                    let mut names = find::names_of_differing(&item.features, &found.entry.features);
+                    names.extend((item.origin != found.entry.origin).then(|| "origin".to_string()));
+                    // of entries with the same features those of an older procedure have no say
+                    (!names.is_empty() || item.submodel_version >= version).then_some(names)
+                });
                 Rivals::of(differ)
             }
             Answer::Between(entry) => {
@@ -177,9 +185,9 @@ impl Store {
 }
 
 impl Rivals {
-    /// From the names in which each of the entries differs from the answer; those that differ in nothing are no rivals.
+    /// From the names in which each of the others differs from the answer: none if just their origin or their curves are others.
     fn of(differ: impl Iterator<Item = BTreeSet<String>>) -> Self {
-        differ.filter(|names| !names.is_empty()).fold(Self::default(), |mut all, names| {
+        differ.fold(Self::default(), |mut all, names| {
             all.count += 1;
             all.differ.extend(names);
             all

@@ -357,12 +357,17 @@ impl Store {
         Ok(done)
     }
 
-    /// Marks an entry as no longer to be used.
+    /// Marks an entry as no longer to be used; of one that is marked already, what is not given anew is kept.
     ///
     /// # Errors
-    /// If either entry is absent or damaged, the successor is the entry itself or deprecated, or the store
-    /// cannot be written.
-    pub fn deprecate(&mut self, key: &str, successor: Option<&str>, reason: &str) -> Result<(), StoreError> {
+    /// If either entry is absent or damaged, the successor is the entry itself or deprecated, the entry is deprecated and neither
+    /// reason nor successor are new, or the store cannot be written.
+    pub fn deprecate(
+        &mut self,
+        key: &str,
+        successor: Option<&str>,
+        reason: Option<&str>,
+    ) -> Result<Deprecation, StoreError> {
         let mut entry = self.get(key)?;
         let invalid = |what: &str| StoreError::Invalid { key: key.to_string(), what: what.to_string() };
         if let Some(successor) = successor {
@@ -373,13 +378,25 @@ impl Store {
                 return Err(invalid(&format!("its successor `{successor}` is itself deprecated")));
             }
         }
-        entry.deprecated =
-            Some(Deprecation { reason: reason.to_string(), successor: successor.map(str::to_string) });
-        let note = match successor {
-            Some(successor) => format!("{reason}; successor {successor}"),
-            None => reason.to_string(),
+        let held = entry.deprecated.take();
+        let told = |d: &Deprecation| match &d.successor {
+            Some(successor) => format!("{}; successor {successor}", d.reason),
+            None => d.reason.clone(),
         };
-        self.put_as(&[entry], Some(Happening::Deprecated), &note).map(|_| ())
+        let mut marked =
+            held.clone().unwrap_or_else(|| Deprecation { reason: "replaced".to_string(), successor: None });
+        marked.reason = reason.map_or(marked.reason, str::to_string);
+        marked.successor = successor.map(str::to_string).or(marked.successor);
+        if held.as_ref() == Some(&marked) {
+            return Err(invalid(&format!(
+                "is deprecated already ({}); give another `--reason` or `--successor` to change that",
+                told(&marked)
+            )));
+        }
+        let note = told(&marked);
+        entry.deprecated = Some(marked.clone());
+        self.put_as(&[entry], Some(Happening::Deprecated), &note)?;
+        Ok(marked)
     }
 
     /// Reads all text again, builds the working copy anew and mends the journal; returns the number of usable records.

@@ -8,7 +8,7 @@ use super::rule::Rule;
 use super::typing;
 use super::value::SubjectKind;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Subjects for which a question may stay without an answer.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -36,17 +36,18 @@ impl std::fmt::Display for Gap {
     }
 }
 
-/// All problems between the rules, in order of the rules.
-pub fn problems(rules: &[Rule]) -> Vec<Problem> {
+/// All problems between the rules, in order of the rules; `faulty` are ids of further rules, which have errors of their own.
+pub fn problems(rules: &[Rule], faulty: &BTreeSet<String>) -> Vec<Problem> {
     let mut found = doubles(rules);
-    found.extend(superseding(rules));
+    found.extend(superseding(rules, faulty));
     found.extend(never(rules));
     found.extend(conflicts(rules));
     found
 }
 
-fn at(rule: &Rule, message: String) -> Problem {
-    Problem { place: Some(rule.place.clone()), message }
+/// A problem of a rule.
+pub(super) fn at(rule: &Rule, message: String) -> Problem {
+    Problem { place: Some(rule.place.clone()), message, is_unread: false }
 }
 
 fn doubles(rules: &[Rule]) -> Vec<Problem> {
@@ -66,47 +67,52 @@ fn doubles(rules: &[Rule]) -> Vec<Problem> {
     found
 }
 
-fn superseding(rules: &[Rule]) -> Vec<Problem> {
+fn superseding(rules: &[Rule], faulty: &BTreeSet<String>) -> Vec<Problem> {
     let by_id: BTreeMap<&str, &Rule> = rules.iter().map(|r| (r.id.as_str(), r)).collect();
     let mut found = Vec::new();
+    let mut in_cycle = BTreeSet::new();
     for rule in rules {
         for id in &rule.supersedes {
-            match by_id.get(id.as_str()) {
-                None => {
-                    found.push(at(rule, format!("`{}` supersedes `{id}`, which does not exist", rule.id)))
-                }
-                Some(other)
-                    if other.applies_to != rule.applies_to
-                        || other.action.spec().aspect != rule.action.spec().aspect =>
-                {
-                    found.push(at(
-                        rule,
-                        format!("`{}` supersedes `{id}`, which decides something else", rule.id),
-                    ));
-                }
-                Some(_) => {}
-            }
+            let what = match by_id.get(id.as_str()) {
+                None if faulty.contains(id) => "which has an error of its own",
+                None => "which does not exist",
+                Some(other) if decide_apart(other, rule) => "which decides something else",
+                Some(_) => continue,
+            };
+            found.push(at(rule, format!("`{}` supersedes `{id}`, {what}", rule.id)));
         }
-        if reaches(rule, rule, &by_id) {
-            found.push(at(rule, format!("`{}` supersedes itself, directly or through others", rule.id)));
+        // a cycle is told once, at its first rule
+        if let Some(path) = cycle(rule, &by_id).filter(|_| !in_cycle.contains(rule.id.as_str())) {
+            let words: Vec<String> = path.iter().map(|id| format!("`{id}`")).collect();
+            let through =
+                if path.len() > 1 { format!(" through {}", words[1..].join(", ")) } else { String::new() };
+            found.push(at(rule, format!("`{}` supersedes itself{through}: take one of these out", rule.id)));
+            in_cycle.extend(path);
         }
     }
     found
 }
 
-/// Whether `goal` is superseded by `start` or by what it supersedes.
-fn reaches(start: &Rule, goal: &Rule, by_id: &BTreeMap<&str, &Rule>) -> bool {
-    let mut open: Vec<&str> = start.supersedes.iter().map(String::as_str).collect();
-    let mut seen = std::collections::BTreeSet::new();
-    while let Some(id) = open.pop() {
-        if id == goal.id {
-            return true;
-        }
-        if let Some(rule) = by_id.get(id).filter(|_| seen.insert(id)) {
-            open.extend(rule.supersedes.iter().map(String::as_str));
+/// Whether rules answer different questions.
+fn decide_apart(a: &Rule, b: &Rule) -> bool {
+    a.applies_to != b.applies_to || a.action.spec().aspect != b.action.spec().aspect
+}
+
+/// The shortest way from a rule through what it supersedes back to itself: the ids of the rules on it, this one first.
+fn cycle<'a>(rule: &'a Rule, by_id: &BTreeMap<&str, &'a Rule>) -> Option<Vec<&'a str>> {
+    let mut open = VecDeque::from([vec![rule.id.as_str()]]);
+    let mut seen = BTreeSet::new();
+    while let Some(path) = open.pop_front() {
+        for id in path.last().and_then(|id| by_id.get(id)).into_iter().flat_map(|r| &r.supersedes) {
+            if *id == rule.id {
+                return Some(path);
+            }
+            if seen.insert(id.as_str()) {
+                open.push_back([&path[..], &[id.as_str()]].concat());
+            }
         }
     }
-    false
+    None
 }
 
 fn never(rules: &[Rule]) -> Vec<Problem> {
@@ -132,8 +138,7 @@ fn never(rules: &[Rule]) -> Vec<Problem> {
 /// Whether a case asks for members of kinds that have no such subjects.
 fn is_of_other_kind(case: &Conjunction, subject: SubjectKind) -> bool {
     let kinds = member_kinds(subject);
-    let none =
-        |names: &std::collections::BTreeSet<String>| !names.iter().any(|n| kinds.contains(&n.as_str()));
+    let none = |names: &BTreeSet<String>| !names.iter().any(|n| kinds.contains(&n.as_str()));
     case.iter().any(|atom| matches!(atom, Atom::OneOf(name, names) if name == "member.kind" && none(names)))
 }
 
@@ -201,7 +206,7 @@ fn conflicts(rules: &[Rule]) -> Vec<Problem> {
 }
 
 /// The member kinds that a subject can belong to.
-fn member_kinds(subject: SubjectKind) -> &'static [&'static str] {
+pub(super) fn member_kinds(subject: SubjectKind) -> &'static [&'static str] {
     match subject {
         SubjectKind::MemberEnd => &["column", "beam"],
         SubjectKind::Section => &["column", "beam", "slab", "wall"],

@@ -5,6 +5,7 @@
 //! answers a question decides it, unless a rule that fires within its own range supersedes it.
 
 use super::action::{Action, Aspect};
+use super::carried;
 use super::check::{self, Gap};
 use super::expr::{Expr, Operand, Relation, Test};
 use super::features;
@@ -111,7 +112,8 @@ impl RuleBase {
         let mut paths = Vec::new();
         let mut sources = Vec::new();
         let io = |path: &Path, error: std::io::Error| {
-            Problems(vec![Problem { place: None, message: format!("{}: {error}", path.display()) }])
+            let message = format!("{}: {error}", path.display());
+            Problems(vec![Problem { place: None, message, is_unread: true }])
         };
         collect(folder, &mut paths).map_err(|(path, error)| io(&path, error))?;
         paths.sort();
@@ -159,8 +161,9 @@ impl RuleBase {
     pub fn with(&self, sources: Vec<Source>) -> Result<Self, Problems> {
         let mut problems = Vec::new();
         let mut rules = self.rules.clone();
-        rules.extend(sources.into_iter().flat_map(|source| file::read(source, &mut problems)));
-        problems.extend(check::problems(&rules));
+        let mut faulty = BTreeSet::new();
+        rules.extend(sources.into_iter().flat_map(|source| file::read(source, &mut problems, &mut faulty)));
+        problems.extend(check::problems(&rules, &faulty));
         if !problems.is_empty() {
             return Err(Problems(problems));
         }
@@ -186,6 +189,11 @@ impl RuleBase {
     /// Comparisons in conditions that always or never hold.
     pub fn remarks(&self) -> Vec<Problem> {
         check::remarks(&self.rules)
+    }
+
+    /// Rules that may decide what no generated model carries out.
+    pub fn not_carried_out(&self) -> Vec<Problem> {
+        carried::problems(&self.rules)
     }
 
     /// Cases in which no rule decides.

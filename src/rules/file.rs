@@ -9,7 +9,7 @@ use super::rule::{Rule, Statistics};
 use super::typing;
 use super::value::{SubjectKind, Value};
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 use toml::Spanned;
@@ -48,23 +48,29 @@ struct RawRule {
     counter_examples: Vec<String>,
 }
 
-/// Reads the rules of one file; those with problems are left out, the problems are added.
-pub fn read(source: Source, problems: &mut Vec<Problem>) -> Vec<Rule> {
+/// Reads the rules of one file; those with problems are left out, the problems are added, and their ids to those of `faulty` rules.
+pub fn read(source: Source, problems: &mut Vec<Problem>, faulty: &mut BTreeSet<String>) -> Vec<Rule> {
     let source = Arc::new(source);
     let mut reader = Reader { source: source.clone(), problems };
     let raw: RawFile = match toml::from_str(&source.text) {
         Ok(raw) => raw,
         Err(error) => {
-            reader.problem(error.span().unwrap_or(0..0), error.message().trim().replace('\n', "; "));
+            reader.unread(error.span().unwrap_or(0..0), error.message().trim().replace('\n', "; "));
             return Vec::new();
         }
     };
     if *raw.schema.get_ref() != RULES_SCHEMA {
         let message = format!("schema {}; this program reads schema {RULES_SCHEMA}", raw.schema.get_ref());
-        reader.problem(raw.schema.span(), message);
+        reader.unread(raw.schema.span(), message);
         return Vec::new();
     }
-    raw.rule.into_iter().filter_map(|rule| reader.rule(rule)).collect()
+    let read = raw.rule.into_iter().filter_map(|rule| {
+        let id = rule.id.get_ref().clone();
+        let sound = reader.rule(rule);
+        faulty.extend(sound.is_none().then_some(id));
+        sound
+    });
+    read.collect()
 }
 
 struct Reader<'a> {
@@ -79,7 +85,13 @@ impl Reader<'_> {
 
     fn problem(&mut self, span: Range<usize>, message: String) {
         let place = self.place(span);
-        self.problems.push(Problem { place: Some(place), message });
+        self.problems.push(Problem { place: Some(place), message, is_unread: false });
+    }
+
+    /// A problem that keeps the whole file from being read.
+    fn unread(&mut self, span: Range<usize>, message: String) {
+        let place = self.place(span);
+        self.problems.push(Problem { place: Some(place), message, is_unread: true });
     }
 
     fn rule(&mut self, raw: RawRule) -> Option<Rule> {

@@ -9,12 +9,14 @@
 //! | [`expr`], `typing` | the language of conditions: grammar, types |
 //! | `rule`, `file` | one rule; reading rule files |
 //! | `logic`, [`check`] | which conditions can hold together; conflicts and gaps |
+//! | [`carried`] | what a generated model carries out of what rules decide |
 //! | [`engine`] | the rule base and its evaluation |
 //! | [`residual`] | what is left of rules while some features are not known yet |
 //! | [`diff`] | what changed between two rule bases |
 //! | [`problem`] | messages with a place |
 
 pub mod action;
+pub mod carried;
 pub mod check;
 pub mod diff;
 pub mod engine;

@@ -54,6 +54,8 @@ pub struct Problem {
     pub place: Option<Place>,
     /// What is wrong and what would be right.
     pub message: String,
+    /// Whether a file or folder could not be read as rules at all, so that nothing else is known of it.
+    pub is_unread: bool,
 }
 
 impl fmt::Display for Problem {
@@ -85,3 +87,18 @@ impl fmt::Display for Problems {
 }
 
 impl std::error::Error for Problems {}
+
+impl Problems {
+    /// How many there are, in words.
+    pub fn count_words(&self) -> String {
+        match self.0.len() {
+            1 => "1 problem".to_string(),
+            count => format!("{count} problems"),
+        }
+    }
+
+    /// Whether some file or folder could not be read at all.
+    pub fn has_unread(&self) -> bool {
+        self.0.iter().any(|problem| problem.is_unread)
+    }
+}

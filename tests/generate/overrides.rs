@@ -123,6 +123,15 @@ fn a_column_that_is_rigid_at_an_end_is_one_body_with_what_is_beside_it() {
     fallwerk::mbs::simulate(&joined).expect("it runs");
 }
 
+/// Beam ends of a floor that the analyst has in one piece are rigid by that decision, though the rules have each of them rigid anyway.
+#[test]
+fn rigid_ends_of_a_floor_that_the_analyst_has_whole_are_not_laid_on_rules() {
+    let made = decided(&[("S1", OverrideAction::MergeRigid)]);
+    let about = |note: &&String| note.starts_with("B1-") && note.contains("stays rigid by");
+    let notes: Vec<&String> = made.notes.iter().filter(about).collect();
+    assert!(!notes.is_empty() && notes.iter().all(|n| n.contains("by the analyst's decision")), "{notes:?}");
+}
+
 #[test]
 fn floors_bend_or_are_whole_as_the_analyst_says() {
     let falling = whole_floors(&with(reference(|t| t), &[("B1-A1-B1", OverrideAction::MergeElastic)])).model;
@@ -187,7 +196,7 @@ fn a_wall_is_one_body_with_its_floors_if_the_analyst_says_so() {
     assert_eq!(springs, ["W1.bottom-1", "W1.bottom-2"]);
     assert!((mass(&merged.model) / mass(&plain.model) - 1.0).abs() < 1e-12);
     assert!(
-        merged.notes.iter().any(|n| n.contains("by the analyst's decision it is one body")),
+        merged.notes.iter().any(|n| n.contains("it is one body with more than its floor")),
         "{:?}",
         merged.notes
     );

@@ -90,7 +90,40 @@ fn rows_are_checked_one_by_one() {
     assert!(told("0;0;0\n").contains("a curve of a single point"));
     assert!(told("-0.01;0;0\n0.01;1;0\n").contains("begins at a negative rotation"));
     assert!(told("0;0;0\n0.01;-100;0\n").contains("makes no resistance curve"));
-    assert!(told("0;0;0\n0.01;nan;0\n").contains("`nan` is no number"));
+    let nan = told("0;0;0\n0.01;nan;0\n");
+    assert!(nan.contains("`nan` is no number") && nan.contains("leave out rows"), "{nan}");
+    assert!(!nan.contains("decimal separator"), "{nan}");
+}
+
+/// One wrong sign, or a first row that is missing, changes the stiffness of all levels.
+#[test]
+fn curves_begin_at_the_origin_and_resist_their_rotation() {
+    let curve = |rows: &str| format!("rotation [mrad], moment [kN m], axial force [kN]\n{rows}");
+    let told = |rows: &str| made(&curve(rows), EXAMPLE).unwrap_err();
+    let wrong = told("0,0,0\n4,98,0\n10,-142,0\n60,80,0\n");
+    assert!(wrong.contains("a moment of -142000 N m") && wrong.contains("curve.csv:4:1"), "{wrong}");
+    let late = told("4,98,0\n10,142,0\n60,80,0\n");
+    assert!(late.contains("begins at 0.004 rad and 98000 N m") && late.contains("curve.csv:2:1"), "{late}");
+    assert!(told("0,5,0\n10,142,0\n60,80,0\n").contains("begins at 0 rad and 5000 N m"));
+    // past the peak the axial force may turn a member further, if the moments include that
+    let falls = curve("0,0,0\n4,98,0\n10,142,0\n60,-8,0\n");
+    assert!(made(&falls, EXAMPLE).unwrap_err().contains("a moment of -8000 N m"));
+    let included = EXAMPLE.replace("\"not_included\"", "\"included\"");
+    assert_ne!(included, EXAMPLE);
+    let entry = made(&falls, &included);
+    assert!(!entry.as_ref().is_err_and(|e| e.contains("a moment of")), "{entry:?}");
+}
+
+/// Newtons where kilonewtons are meant make no impossible entry, but one that is hardly meant.
+#[test]
+fn axial_forces_next_to_nothing_are_doubted() {
+    let curve = |force: &str| {
+        format!("rotation [mrad], moment [kN m], axial force [N]\n0,0,{force}\n4,98,{force}\n60,80,{force}\n")
+    };
+    let doubts = |force: &str| fallwerk::library::add::doubts(&made(&curve(force), EXAMPLE).unwrap());
+    let told = doubts("600");
+    assert!(told.len() == 1 && told[0].contains("is it N where kN is meant?"), "{told:?}");
+    assert!(doubts("0").is_empty() && doubts("600000").is_empty());
 }
 
 /// A header with the wrong unit makes numbers that no member has.

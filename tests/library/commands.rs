@@ -53,6 +53,14 @@ fn commands_answer_in_words_json_and_exit_codes() {
     assert_eq!(code, 0);
     let (_, out, _) = fallwerk(&copy, &["list"]);
     assert!(out.contains(&format!("use {}", entries[1].key)), "{out}");
+    let (code, _, err) = fallwerk(&copy, &["deprecate", &entries[0].key]);
+    assert!(code == 2 && err.contains("is deprecated already (replaced; successor column_hinge/"), "{err}");
+    let (code, out, _) = fallwerk(&copy, &["deprecate", &entries[0].key, "--reason", "too coarse", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        (code, &value["reason"], &value["successor"]),
+        (0, &"too coarse".into(), &entries[1].key.as_str().into())
+    );
 
     let path = library.join(format!("{}.json", entries[0].key));
     fs::write(&path, "{}").unwrap();
@@ -176,6 +184,15 @@ fn find_tells_of_rivals_and_refuses_what_is_no_question() {
     let (_, out, _) = run(&[]);
     assert!(out.contains("one of 4 entries of this kind, as nothing was asked for"), "{out}");
     assert!(!out.contains("exact match"), "{out}");
+    // a second curve of the same section is no less an answer
+    let other = fs::read_to_string(&curve).unwrap().replace("201", "205");
+    fs::write(&curve, other).unwrap();
+    assert_eq!(fallwerk(&library, &["add", &curve, "--meta", &meta]).0, 0);
+    let (_, out, _) = run(&["width=350mm", "tie_spacing=150mm", "concrete_strength=45MPa"]);
+    assert!(
+        out.contains("another entry fits it as well; their features are the same: `library diff`"),
+        "{out}"
+    );
 
     let refused = |words: &[&str], why: &str| {
         let (code, out, err) = run(words);
@@ -210,4 +227,27 @@ fn lists_are_filtered_and_errors_of_files_are_shown_with_their_places() {
     fs::write(&curve, "rotation, moment [kN m]\n0,0\n").unwrap();
     let (code, _, err) = run(&["add", &curve, "--meta", &meta]);
     assert!(code == 2 && err.contains("c.csv:1:1") && err.contains("write `rotation [deg]`"), "{err}");
+}
+
+/// Without a folder the library is that of the program, which is read and not written.
+#[test]
+fn without_a_folder_the_library_of_the_program_is_only_read() {
+    let room = tempfile::tempdir().unwrap();
+    let run = |words: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fallwerk"));
+        let done = command.arg("library").args(words).current_dir(room.path()).output().unwrap();
+        let [out, err] = [done.stdout, done.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (done.status.code().unwrap(), out, err)
+    };
+    let (code, out, err) = run(&["list"]);
+    assert!(code == 0 && out.contains("column_hinge/"), "{err}");
+    for words in [&["import", "all.json"][..], &["add", "a.csv", "--meta", "a.toml"], &["rebuild"]] {
+        let (code, _, err) = run(words);
+        assert!(code == 2 && err.contains("name the library to write to with --library"), "{words:?}: {err}");
+    }
+    let (code, _, err) = run(&["--library", "absent", "list"]);
+    assert!(code == 2 && err.contains("absent: no such folder"), "{err}");
+    // a command that adds makes the folder that is named
+    let (code, _, err) = run(&["--library", "new", "derive", "absent.toml"]);
+    assert!(code == 2 && err.contains("absent.toml") && !err.contains("no such folder;"), "{err}");
 }

@@ -11,7 +11,7 @@ fn export_and_import_carry_everything() {
     let entries: Vec<Entry> = (0..8).map(entry).collect();
     let mut store = Store::open(&from).unwrap();
     store.put_all(&entries).unwrap();
-    store.deprecate(&entries[1].key, Some(&entries[0].key), "coarse").unwrap();
+    store.deprecate(&entries[1].key, Some(&entries[0].key), Some("coarse")).unwrap();
     assert_eq!(exchange::export(&store, &file).unwrap(), 8);
 
     let mut target = Store::open(&to).unwrap();
@@ -87,7 +87,7 @@ fn deprecations_travel_and_are_not_undone() {
     here.put_all(&entries).unwrap();
     there.put_all(&entries).unwrap();
     exchange::export(&here, &old).unwrap();
-    here.deprecate(&entries[0].key, Some(&entries[1].key), "coarse").unwrap();
+    here.deprecate(&entries[0].key, Some(&entries[1].key), Some("coarse")).unwrap();
     exchange::export(&here, &new).unwrap();
 
     let report = exchange::import(&mut there, &new).unwrap();

@@ -18,7 +18,7 @@ fn every_change_is_told_once() {
     store.put(&a).unwrap();
     store.put(&a).unwrap();
     store.put_all(&[b.clone(), c.clone()]).unwrap();
-    store.deprecate(&b.key, Some(&c.key), "too\tcoarse").unwrap();
+    store.deprecate(&b.key, Some(&c.key), Some("too\tcoarse")).unwrap();
     let expected = [
         (Happening::Added, a.key.clone()),
         (Happening::Added, b.key.clone()),
@@ -52,7 +52,7 @@ fn what_came_or_went_without_the_journal_is_noted_by_the_next_change() {
     // What came is no fault; what went is one, until the journal has noted it.
     assert!(!report.is_clean() && report.untold == 1 && report.gone == [a.key.clone()], "{report:?}");
     assert_eq!(fs::read(Journal::of(room.path()).path()).unwrap(), before, "looking changes nothing");
-    store.deprecate(&b.key, None, "old").unwrap();
+    store.deprecate(&b.key, None, Some("old")).unwrap();
     let words = told(&store);
     assert_eq!(
         words[2..],

@@ -61,13 +61,16 @@ fn deprecated_entries_are_kept_but_not_found() {
     let (old, new) =
         (entry_of(wanted.clone(), law.clone(), 1, 1), entry_of(wanted.clone(), law.clone(), 2, 1));
     store.put_all(&[old.clone(), new.clone()]).unwrap();
-    assert!(store.deprecate(&old.key, Some(&old.key), "x").is_err());
+    assert!(store.deprecate(&old.key, Some(&old.key), Some("x")).is_err());
     assert!(matches!(
-        store.deprecate(&old.key, Some("column_hinge/x@0000000000000000"), "x"),
+        store.deprecate(&old.key, Some("column_hinge/x@0000000000000000"), Some("x")),
         Err(StoreError::NotFound { .. })
     ));
-    store.deprecate(&new.key, None, "locks").unwrap();
-    assert!(store.deprecate(&old.key, Some(&new.key), "x").is_err(), "a deprecated successor helps nobody");
+    store.deprecate(&new.key, None, Some("locks")).unwrap();
+    assert!(
+        store.deprecate(&old.key, Some(&new.key), Some("x")).is_err(),
+        "a deprecated successor helps nobody"
+    );
     assert_eq!(store.find(&wanted, 0.0).unwrap().unwrap().entry, old);
     drop(store);
     let store = Store::open(room.path()).unwrap();

@@ -396,3 +396,24 @@ fn a_folder_that_cannot_be_made_is_named() {
     let (code, _, err) = fallwerk(room.path(), &["generate-mbs", "building.toml", "-o", "/proc/xx"]);
     assert!(code == 2 && err.contains("/proc/xx") && !err.contains("part-"), "{err}");
 }
+
+/// A program that asked for JSON is told of a failure in JSON.
+#[test]
+fn failures_are_told_in_json_where_json_is_asked_for() {
+    let room = room(str::to_string);
+    for words in [
+        &["generate-mbs", "building.toml", "--json", "--rules", "absent"][..],
+        &["explain", "model.json", "C1-A1", "--json"],
+    ] {
+        let (code, out, err) = fallwerk(room.path(), words);
+        let value: Value = serde_json::from_str(&out).unwrap_or_else(|e| panic!("{words:?}: {e}: {out}"));
+        assert!(code == 2 && value["ok"] == false, "{out}");
+        let message = value["diagnostics"][0]["message"].as_str().unwrap();
+        assert!(err.contains(message) && !message.is_empty(), "{message}\n{err}");
+    }
+    let (code, out, _) = fallwerk(room.path(), &["study", "list", "--kb", ".", "--json"]);
+    assert_eq!(
+        (code, serde_json::from_str::<Value>(&out).unwrap()),
+        (0, serde_json::json!({ "records": [] }))
+    );
+}

@@ -99,6 +99,17 @@ fn the_mark_stands_below_the_fault() {
 }
 
 #[test]
+fn what_cannot_be_superseded_is_told_from_what_is_not_there() {
+    let faulty = rule("b", &["action = \"fly\""]);
+    let found = message(&[rule("a", &["supersedes = [\"b\"]"]), faulty]);
+    assert!(found.contains("`a` supersedes `b`, which has an error of its own"), "{found}");
+    let of = |id: &str, other: &str| rule(id, &[&format!("supersedes = [\"{other}\"]")]);
+    let found = message(&[of("x", "a"), of("a", "b"), of("b", "c"), of("c", "a")]);
+    assert!(found.contains("`a` supersedes itself through `b`, `c`"), "{found}");
+    assert_eq!(found.matches("supersedes itself").count(), 1, "{found}");
+}
+
+#[test]
 fn all_problems_are_found_at_once_and_in_order() {
     let found = message(&[
         rule("a", &["when = \"x == 1 and y == 2\"", "action = \"z\""]),

@@ -5,6 +5,7 @@ use super::groups::{Groups, unknown};
 use super::laws::{PartLaw, law_of};
 use super::raw::{Raw, RawDrive, RawHistory, RawStart, RawWall, Who};
 use super::read::Ids;
+use crate::base::diagnostic::Diagnostic;
 use crate::fe::hexahedron::volume_m3;
 use crate::fe::law::Law;
 use crate::fe::mesh::{Element, Mesh, Truss};
@@ -35,6 +36,7 @@ pub(super) fn assemble(raw: &Raw, messages: &mut Messages) -> Option<(Model, Ids
         model.driven.push(DrivenNode { node, axis, velocity_m_s });
     }
     hold(raw, &groups, &mut model, messages);
+    moved_once(raw, &groups, messages);
     model.initial_velocity_m_s = starts(raw, &groups, messages);
     model.walls = raw.walls.iter().map(|w| wall(raw, w, &groups, messages)).collect();
     model.body_contact = raw.contact;
@@ -277,6 +279,36 @@ fn spread(
         }
     }
     list
+}
+
+/// A node has one motion in each direction.
+fn moved_once(raw: &Raw, groups: &Groups<'_>, messages: &mut Messages) {
+    let mut first: HashMap<(usize, usize), usize> = HashMap::new();
+    let mut told = HashSet::new();
+    for (number, drive) in raw.driven.iter().enumerate() {
+        // what a set lacks is told where its loads are spread
+        for node in groups.nodes(&drive.who, drive.at, &mut Messages::default()) {
+            let held = *first.entry((node, drive.axis)).or_insert(number);
+            if held != number && told.insert((held, number)) {
+                moved_twice(raw.nodes[node].id, [raw.driven[held].at, drive.at], messages);
+            }
+        }
+    }
+}
+
+/// Two motions of a node in one direction, each with its place.
+fn moved_twice(node: u64, [first, second]: [At; 2], messages: &mut Messages) {
+    let message = format!("node {node} is moved twice in the same direction");
+    let help = "take one of the two out, or the node out of one of their sets; motions that belong together are one curve";
+    if first.file == second.file {
+        let item = Diagnostic::error("moved-twice", message)
+            .at((second.start..second.end).into(), "again here")
+            .also((first.start..first.end).into(), "first here")
+            .help(help);
+        return messages.push(second.file, item);
+    }
+    messages.error(first, "moved-twice", message.clone(), "here, and in another file of the deck", help);
+    messages.error(second, "moved-twice", message, "here, and in another file of the deck", help);
 }
 
 /// Nodes held in all directions go to the mesh, the others to the constraints.

@@ -62,6 +62,10 @@ fn cases() -> Vec<(&'static str, String)> {
         ("hardening_table", cube("       0.0      0.05       0.1", "      0.01      0.05      0.04")),
         ("poisson", cube("    2.1e11       0.3", "   -2.1e11       0.5")),
         ("held_and_moved", cube("*NODE\n", "*BOUNDARY_PRESCRIBED_MOTION_NODE\n1,1,0,7\n*NODE\n")),
+        (
+            "moved_twice",
+            cube("*NODE\n", "*BOUNDARY_PRESCRIBED_MOTION_NODE\n5,1,0,7\n5,2,0,7\n5,1,0,7,2.0\n*NODE\n"),
+        ),
         ("displacement_given", cube("*NODE\n", "*BOUNDARY_PRESCRIBED_MOTION_NODE\n5,1,2,7\n*NODE\n")),
         (
             "kinematic_hardening",
