@@ -1,7 +1,7 @@
 //! A step: which pairs, impulses, rebound, gaps, energies.
 
 use super::groups::Groups;
-use super::rows::{DEEP_M, Motion};
+use super::rows::{Block, DEEP_M, Motion};
 use super::{ContactSet, Linked, Moving, TooDeep};
 use crate::mbs::math::{self, V3};
 
@@ -303,7 +303,10 @@ impl ContactSet {
             let body = &bodies[i];
             math::norm(body.v) + math::norm(body.w) * radius[i] < RESTING * scale_m_s
         };
-        if !self.rows.acting.iter().any(|i| rests(*i as usize)) {
+        let ground = self.ground;
+        let is_at_rest =
+            |block: &Block| block.bodies.iter().all(|i| *i as usize == ground || rests(*i as usize));
+        if !self.rows.blocks.iter().any(is_at_rest) {
             return false;
         }
         let groups = self.groups();
