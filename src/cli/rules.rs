@@ -207,12 +207,12 @@ fn show(rule: &Rule, json: bool, out: &mut dyn Write) -> io::Result<u8> {
 
 fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
     let (problems, gaps, remarks) = (base.not_carried_out(), base.gaps(), base.remarks());
+    let fails = !(problems.is_empty() && gaps.is_empty() && remarks.is_empty());
     if json {
         let words = |list: &[Problem]| list.iter().map(ToString::to_string).collect::<Vec<_>>();
         let (count, problems, remarks) = (base.rules().len(), words(&problems), words(&remarks));
         let value = json!({ "rules": count, "problems": problems, "gaps": gaps, "remarks": remarks });
         write_json(out, &value)?;
-        Ok(u8::from(!(problems.is_empty() && gaps.is_empty() && remarks.is_empty())))
     } else {
         for problem in problems.iter().chain(&remarks) {
             writeln!(out, "{problem}")?;
@@ -228,8 +228,8 @@ fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
         let found: Vec<String> = found.into_iter().flatten().collect();
         let verdict = if found.is_empty() { "no conflict, no gap".to_string() } else { found.join(", ") };
         writeln!(out, "{} rules: {verdict}", base.rules().len())?;
-        Ok(u8::from(!(problems.is_empty() && gaps.is_empty() && remarks.is_empty())))
     }
+    Ok(u8::from(fails))
 }
 
 /// `1 gap`, `2 gaps`; none of none.

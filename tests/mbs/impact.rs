@@ -77,13 +77,12 @@ fn rebound_with_friction_makes_no_energy() {
 
 /// A force of zero, which makes a model one with joints and forces.
 fn no_force(body: &str) -> Force {
-    Force::Force {
-        id: "none".into(),
-        body: body.into(),
-        point_m: [0.0; 3],
-        force_n: [0.0; 3],
-        from_to_s: None,
-    }
+    force("none", body, [0.0; 3], [0.0; 3])
+}
+
+/// A force that always acts.
+fn force(id: &str, body: &str, point_m: [f64; 3], force_n: [f64; 3]) -> Force {
+    Force::Force { id: id.into(), body: body.into(), point_m, force_n, from_to_s: None }
 }
 
 /// Three balls 0.3 mm apart: the second impact falls into the step of the first one.
@@ -207,13 +206,7 @@ fn what_is_pressed_together_is_not_struck() {
         let mut guide = ideal("guide", JointKind::Prismatic, None, "plate", [0.5, 0.0, 0.0]);
         guide.axis = Some([1.0, 0.0, 0.0]);
         m.joints.push(guide);
-        m.forces.push(Force::Force {
-            id: "press".into(),
-            body: "plate".into(),
-            point_m: [0.5, 0.0, 0.0],
-            force_n: [-100.0, 0.0, 0.0],
-            from_to_s: None,
-        });
+        m.forces.push(force("press", "plate", [0.5, 0.0, 0.0], [-100.0, 0.0, 0.0]));
         m.contact.bodies = Some(BodyContact { friction, restitution: 0.0 });
         m.settings.reactions = true;
         let result = simulate(&m).unwrap();
@@ -245,13 +238,7 @@ fn reactions_of_a_block_at_rest_do_not_stop_the_run() {
     let mut guide = ideal("guide", JointKind::Prismatic, None, "block", [0.0, 0.0, 0.1]);
     guide.axis = Some([0.0, 0.0, 1.0]);
     m.joints.push(guide);
-    m.forces.push(Force::Force {
-        id: "press".into(),
-        body: "block".into(),
-        point_m: [0.0, 0.0, 0.1],
-        force_n: [0.0, 0.0, -100.0],
-        from_to_s: None,
-    });
+    m.forces.push(force("press", "block", [0.0, 0.0, 0.1], [0.0, 0.0, -100.0]));
     m.contact.planes.push(ObstaclePlane {
         id: "floor".into(),
         point_m: [0.0; 3],

@@ -244,8 +244,7 @@ fn check_body(body: &Body, path: &str, list: &mut List) {
 
 fn check_events(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
     let hinges = model.forces.iter().filter(|f| matches!(f, Force::Hinge { .. })).map(Force::id);
-    let bushings = || model.bushings.iter().map(|b| b.id.as_str());
-    let weak: BTreeSet<&str> = bushings().chain(hinges).collect();
+    let weak: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).chain(hinges).collect();
     let endless: BTreeSet<&str> =
         model.bushings.iter().filter(|b| !b.has_capacity()).map(|b| b.id.as_str()).collect();
     let joints = model.joints.iter().map(|j| j.id.as_str());

@@ -49,13 +49,20 @@ impl ContactSet {
 }
 
 impl Rows {
-    /// Scales the impulses of the groups that have a share, and the changes by them of the velocities before.
-    pub(super) fn scale(
+    /// Scales the impulses of the groups in which they make energy, and the changes by them of the velocities before. A share `s` of those of a group makes `w[0] s + w[1] s²/2`, with the works `w` \[J\] given
+    /// for each: it is taken to `of_least` times that which makes least, one for the least and two for none.
+    pub(super) fn scale_down(
         &mut self,
         groups: &Groups,
-        shares: &[Option<f64>],
+        works: &[[f64; 2]],
+        of_least: f64,
         before: impl Fn(usize) -> Motion,
     ) {
+        let share = |[linear, square]: &[f64; 2]| {
+            let makes = linear + 0.5 * square > 0.0;
+            makes.then(|| if *square > 0.0 { (-of_least * linear / square).clamp(0.0, 1.0) } else { 0.0 })
+        };
+        let shares: Vec<Option<f64>> = works.iter().map(share).collect();
         if shares.iter().all(Option::is_none) {
             return;
         }

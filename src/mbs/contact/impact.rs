@@ -274,13 +274,8 @@ impl ContactSet {
                 *square += math::dot(p, math::sub(row.relative(now_a, now_b), start));
             }
         }
-        let share = |[linear, square]: &[f64; 2]| {
-            let makes = linear + 0.5 * square > 0.0;
-            makes.then(|| if *square > 0.0 { (-2.0 * linear / square).clamp(0.0, 1.0) } else { 0.0 })
-        };
-        let shares: Vec<Option<f64>> = works.iter().map(share).collect();
         let Self { rows, impacts, .. } = self;
-        rows.scale(&groups, &shares, |i| impacts.before[i]);
+        rows.scale_down(&groups, &works, 2.0, |i| impacts.before[i]);
     }
 
     /// Takes back the displacements that the velocities after a round would make before its time, and adds its impulses to those of the rounds before.

@@ -446,6 +446,7 @@ impl ContactSet {
         if faces > reach { faces } else { faces.max(collide::edge_separation(a, b)) }
     }
 
+    /// Where the points of a pair are in this step.
     fn spots(&self, pair: &Pair) -> Spots {
         let (at_a, at_b) = (&self.placed[pair.a as usize], &self.placed[pair.b as usize]);
         let mut on = [[[0.0; 3]; 2]; MOST_POINTS];

@@ -22,8 +22,9 @@ pub(super) struct Search {
     /// The direction.
     impulses: Vec<(f64, V3)>,
     motion: Vec<Motion>,
-    /// Square of the last move, by group; zero: none.
+    /// Squares of the last move and of the one before, by group; zero: none.
     squares: Vec<f64>,
+    last: Vec<f64>,
     /// Its share of the direction that is gone, by group; none: the direction starts anew.
     shares: Vec<Option<f64>>,
 }
@@ -83,8 +84,10 @@ impl Rows {
 
     /// Finds what share of its direction each group goes on with.
     fn share(&mut self, groups: &Groups) {
-        let Search { before, squares, shares, .. } = &mut self.search;
-        let last = std::mem::replace(squares, vec![0.0; squares.len()]);
+        let Search { before, squares, last, shares, .. } = &mut self.search;
+        std::mem::swap(squares, last);
+        squares.clear();
+        squares.resize(last.len(), 0.0);
         for block in &self.blocks {
             let square = &mut squares[groups.of_block(block)];
             for i in block.range() {
@@ -96,7 +99,7 @@ impl Rows {
             squares[groups.of_block(block)] = f64::NAN;
         }
         shares.clear();
-        shares.extend(squares.iter().zip(&last).map(|(square, last)| {
+        shares.extend(squares.iter().zip(&*last).map(|(square, last)| {
             let share = square / last;
             (share <= 1.0).then_some(share)
         }));

@@ -205,12 +205,7 @@ impl ContactSet {
                 *square += math::dot(p, row.relative(&now[0], &now[1])) - start;
             }
         }
-        let share = |[linear, square]: &[f64; 2]| {
-            let makes = linear + 0.5 * square > 0.0;
-            makes.then(|| if *square > 0.0 { (-linear / square).clamp(0.0, 1.0) } else { 0.0 })
-        };
-        let shares: Vec<Option<f64>> = works.iter().map(share).collect();
-        self.rows.scale(groups, &shares, |i| before(i as u32));
+        self.rows.scale_down(groups, &works, 1.0, |i| before(i as u32));
     }
 
     /// Sweeps until the velocities hold, with the pairs that they bring near; whether they nearly do.
@@ -243,11 +238,7 @@ impl ContactSet {
         let count = self.rows.rows.len();
         let tolerance_m_s = SEARCH_FROM * scale_m_s(bodies);
         let most = self.settings.struck_visits / (2 * count);
-        let (moved, left) = self.conjugate(&self.groups(), most, tolerance_m_s);
-        let sweeps = 2 * moved + 1;
-        self.work.sweeps += sweeps as u64;
-        self.work.visits += (sweeps * count) as u64;
-        left <= tolerance_m_s
+        self.conjugate(&self.groups(), count, most, tolerance_m_s) <= tolerance_m_s
     }
 
     /// Sweeps, and conjugate directions after an impact; whether the last ones changed velocities by no more than what leaves them to the next step.
@@ -261,8 +252,7 @@ impl ContactSet {
         let is_unsteady = change > UNSTEADY * scale;
         if is_unsteady && change <= STRUCK_FROM * scale && may_search {
             let most = (s.visits / (2 * count)).clamp(s.sweeps / 2, s.most_sweeps / 2);
-            let (moved, left) = self.conjugate(&self.groups(), most, s.tolerance * scale);
-            (change, done) = (left, done + 2 * moved + 1);
+            change = self.conjugate(&self.groups(), count, most, s.tolerance * scale);
         } else {
             let most =
                 if is_unsteady { (s.plain_visits / count).clamp(s.sweeps, s.most_sweeps) } else { s.sweeps };
@@ -282,8 +272,7 @@ impl ContactSet {
             };
             let moves = visits / (2 * count);
             if change > from * scale && moves >= FEWEST_MOVES && may_search {
-                let (moved, left) = self.conjugate(&self.groups(), moves, until * scale);
-                (change, done) = (left, done + 2 * moved + 1);
+                change = self.conjugate(&self.groups(), count, moves, until * scale);
             }
             is_settled = change <= from * scale;
         }
@@ -291,8 +280,7 @@ impl ContactSet {
             is_settled = true;
         }
         self.work.unfinished += u64::from(change > s.tolerance * scale);
-        self.work.sweeps += done as u64;
-        self.work.visits += (done * self.rows.rows.len()) as u64;
+        self.count_sweeps(done, count);
         is_settled
     }
 
@@ -321,24 +309,28 @@ impl ContactSet {
         }
         let tolerance_m_s = self.settings.tolerance * scale_m_s;
         let most = self.settings.search_visits / (2 * count);
-        let (moved, left) = self.conjugate(&groups, most, tolerance_m_s);
-        let sweeps = 2 * moved + 1;
-        self.work.sweeps += sweeps as u64;
-        self.work.visits += (sweeps * count) as u64;
+        let left = self.conjugate(&groups, count, most, tolerance_m_s);
         let all = self.rows.leave(|_| false) == count;
         all && left <= SEARCH_FROM * scale_m_s
     }
 
-    /// Conjugate directions until the velocities hold; how many moves, and the largest change of a velocity in the sweep after them \[m/s\].
-    fn conjugate(&mut self, groups: &Groups, most: usize, tolerance_m_s: f64) -> (usize, f64) {
+    /// Conjugate directions over so many points until the velocities hold; the largest change of a velocity in the sweep after them \[m/s\].
+    fn conjugate(&mut self, groups: &Groups, count: usize, most: usize, tolerance_m_s: f64) -> f64 {
         self.rows.search_anew(groups.count());
         let (mut moves, mut change) = (0, f64::INFINITY);
         while moves < most && change > tolerance_m_s {
             change = self.rows.search(groups);
             moves += 1;
         }
+        self.count_sweeps(2 * moves + 1, count);
         // back to where Coulomb's law allows
-        (moves, self.rows.sweep(false, true))
+        self.rows.sweep(false, true)
+    }
+
+    /// Counts sweeps over so many points.
+    fn count_sweeps(&mut self, sweeps: usize, count: usize) {
+        self.work.sweeps += sweeps as u64;
+        self.work.visits += (sweeps * count) as u64;
     }
 
     /// Enters the points that come within reach of the bodies that impulses made faster; false if there is no such body.
@@ -385,11 +377,8 @@ impl ContactSet {
     /// Gaps, energies, and what goes back to the bodies and pairs.
     fn close(&mut self, bodies: &mut [Moving], [h, whole_s]: [f64; 2]) -> Result<(), TooDeep> {
         self.check_depth()?;
-        self.book(bodies, h);
         // what holds bodies in a blow is none that holds them in the next step
-        if h == whole_s {
-            self.keep(h);
-        }
+        self.book(bodies, h, h == whole_s);
         self.rows.look_ahead(h);
         self.crush();
         let worst = self.rows.worst();
@@ -418,24 +407,9 @@ impl ContactSet {
         Ok(())
     }
 
-    /// Keeps the impulses for the next step.
-    fn keep(&mut self, h: f64) {
-        let Self { rows, pairs, .. } = self;
-        for block in &rows.blocks {
-            let pair = &mut pairs[block.slot as usize];
-            for row in &rows.rows[block.range()] {
-                let point = &mut pair.points[row.point as usize];
-                point.normal = row.normal / h;
-                point.tangent = math::scale(1.0 / h, row.tangent);
-            }
-        }
-        for (block, roll) in rows.blocks.iter().zip(&rows.rolls).filter(|(b, _)| b.rolling > 0.0) {
-            pairs[block.slot as usize].moment = math::scale(1.0 / h, roll.moment);
-        }
-    }
-
-    /// Books the work of the impulses: each does it on the mean of the velocities before and after the instant of contact.
-    fn book(&mut self, bodies: &[Moving], h: f64) {
+    /// Books the work of the impulses: each does it on the mean of the velocities before and after the instant of contact. With `keeps` the impulses are kept for
+    /// the next step.
+    fn book(&mut self, bodies: &[Moving], h: f64, keeps: bool) {
         self.mean.resize(bodies.len() + 1, Motion::default());
         for i in self.rows.acting.iter().map(|i| *i as usize) {
             let (body, after) = (&bodies[i], &self.rows.motion[i]);
@@ -456,6 +430,11 @@ impl ContactSet {
                 normal_work += work;
                 self.faces.book(&block, row.normal, -work);
                 friction_work += math::dot(row.tangent, mean);
+                if keeps {
+                    let point = &mut self.pairs[slot].points[row.point as usize];
+                    point.normal = row.normal / h;
+                    point.tangent = math::scale(1.0 / h, row.tangent);
+                }
                 if row.normal > 0.0 && !self.pairs[slot].seen {
                     first_touch = first_touch.min(row.touch_s());
                 }
@@ -472,6 +451,9 @@ impl ContactSet {
         }
         for (block, roll) in self.rows.blocks.iter().zip(&self.rows.rolls).filter(|(b, _)| b.rolling > 0.0) {
             friction_work += math::dot(roll.moment, self.rows.spin(block, &self.mean));
+            if keeps {
+                self.pairs[block.slot as usize].moment = math::scale(1.0 / h, roll.moment);
+            }
         }
         self.energy.normal_j -= normal_work;
         self.energy.friction_j -= friction_work;
