@@ -7,7 +7,7 @@
 use super::math::{self, M3, Q, V3};
 use super::mid_beam::MidBeam;
 use super::model::Bushing;
-use super::stance::{Stance, bend, loads, stance, torque};
+use super::stance::{Chord, Stance, bend, loads, stance, torque};
 use super::system::BodyState;
 use crate::base::piecewise::interpolate;
 use crate::curve::hinge::AxisLaw;
@@ -232,8 +232,9 @@ impl JointData {
     pub fn apply(&mut self, bodies: &mut [BodyState], tables: &[CapacityTable]) {
         let at = self.stance(bodies);
         let (theta, c) = bend(at.turn);
-        let [local, moment] = self.resist(&at, theta, tables);
-        let [force, on_a, on_b] = loads(&at.frame, at.arms, theta, local, moment, c);
+        let chord = self.chord(&at);
+        let [local, moment] = self.resist(&at, &chord, theta, tables);
+        let [force, on_a, on_b] = loads(&at.frame, at.arms, theta, chord.force(local), moment, c);
         let a = &mut bodies[self.a];
         a.force = math::add(a.force, force);
         a.torque = math::add(a.torque, on_a);
@@ -262,14 +263,23 @@ impl JointData {
         let at = self.stance(bodies);
         let (theta, c) = bend(at.turn);
         let k = self.translation;
-        let mut gap = at.gap;
-        gap[0] -= self.crushed;
+        let (mut gap, chord) = (at.gap, self.chord(&at));
+        gap[0] = chord.stretch - self.crushed;
         if let Some(beam) = &self.beam {
             gap[beam.across()] -= beam.plastic()[1];
         }
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
         let [m1, m2] = self.hinge.moment_nm;
-        loads(&at.frame, at.arms, theta, local, [self.rotation[0] * theta[0], m1, m2], c)
+        loads(&at.frame, at.arms, theta, chord.force(local), [self.rotation[0] * theta[0], m1, m2], c)
+    }
+
+    /// Where its axial force acts.
+    #[inline]
+    pub(super) fn chord(&self, at: &Stance) -> Chord {
+        match &self.beam {
+            Some(beam) => Chord::new(at.gap, at.turn, beam.reach_m, beam.free_m),
+            None => Chord::along_axis(at.gap),
+        }
     }
 
     pub(super) fn stance(&self, bodies: &[BodyState]) -> Stance {
@@ -293,13 +303,18 @@ impl JointData {
 
     /// Takes smaller stiffnesses along its axes \[N/m\] and keeps its forces; returns by how much its elastic energy grows \[J\].
     pub(super) fn soften(&mut self, translation: V3, bodies: &[BodyState]) -> f64 {
-        let mut stretch = self.stance(bodies).gap;
-        stretch[0] -= self.crushed;
+        let at = self.stance(bodies);
+        let mut stretch = at.gap;
+        stretch[0] = self.chord(&at).stretch - self.crushed;
         let ratio = |k: usize| if translation[k] > 0.0 { self.translation[k] / translation[k] } else { 1.0 };
         let more: V3 = std::array::from_fn(|k| (ratio(k) - 1.0) * stretch[k]);
         let energy_j: f64 = (0..3).map(|k| 0.5 * self.translation[k] * stretch[k] * more[k]).sum();
         self.elastic_j += energy_j;
-        self.stretch(more);
+        match &mut self.beam {
+            // only the spring along it is made softer
+            Some(beam) => beam.free_m -= self.outward * more[0],
+            None => self.stretch(more),
+        }
         self.translation = translation;
         energy_j
     }
@@ -336,16 +351,16 @@ impl JointData {
     /// What its last evaluation found, as [`Self::pull`] finds it in the same poses.
     pub(super) fn latest(&self) -> Latest {
         let [m1, m2] = self.hinge.moment_nm;
-        let mut slip = [self.crushed, 0.0, 0.0];
-        if let Some(beam) = &self.beam {
-            slip[beam.across()] += beam.plastic()[1];
-        }
-        Latest {
-            local: [-self.outward * self.axial_force, self.shear[0], self.shear[1]],
-            moment: [self.rotation[0] * self.theta[0], m1, m2],
-            theta: self.theta,
-            slip,
-        }
+        let along = [-self.outward * self.axial_force, self.shear[0], self.shear[1]];
+        let ([local, couple], gap) = match &self.beam {
+            Some(beam) => (beam.chord.force(along), beam.gap),
+            None => {
+                let stretch = |k: usize| if along[k] == 0.0 { 0.0 } else { along[k] / self.translation[k] };
+                ([along, [0.0; 3]], [self.crushed + stretch(0), stretch(1), stretch(2)])
+            }
+        };
+        let moment = [self.rotation[0] * self.theta[0], m1, m2];
+        Latest { along, local, couple, moment, theta: self.theta, gap }
     }
 
     /// Square of the share of the capacity that a force \[N\] along its axes takes in shear.
@@ -355,7 +370,13 @@ impl JointData {
 
     /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.
     #[inline]
-    pub(super) fn resist(&mut self, at: &Stance, theta: V3, tables: &[CapacityTable]) -> [V3; 2] {
+    pub(super) fn resist(
+        &mut self,
+        at: &Stance,
+        chord: &Chord,
+        theta: V3,
+        tables: &[CapacityTable],
+    ) -> [V3; 2] {
         self.relative = at.turn;
         self.theta = theta;
         if self.is_held {
@@ -369,7 +390,7 @@ impl JointData {
         // by the flow of the last evaluation: the axial force is known before the moments
         let mut shortened = std::mem::take(&mut self.shortened);
         self.crushed -= self.outward * shortened;
-        gap[0] -= self.crushed;
+        gap[0] = chord.stretch - self.crushed;
         self.axial_force = -self.outward * k[0] * gap[0];
         self.harden(k[0]);
         let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
@@ -384,6 +405,9 @@ impl JointData {
             gap[0] += self.outward * flow;
         }
         self.crush_j += 0.5 * (old + self.axial_force) * shortened;
+        if let Some(beam) = &mut self.beam {
+            (beam.chord, beam.gap) = (*chord, at.gap);
+        }
         let bent = self.bend_beam(theta, &mut gap, tables);
         let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
         self.sheared2 = self.shear_used2(local);
@@ -494,16 +518,22 @@ impl JointData {
         let axes: M3 = math::transpose(&math::qmat(math::qmul(a.q, self.frames[0])));
         let arm_b = math::mul(&b.r, self.points[1]);
         let arm_a = math::add(math::sub(b.x, a.x), arm_b);
+        let [[force, couple], ..] = self.beam.as_ref().map_or([[axes[0], [0.0; 3]]], |_| {
+            let chord = self.chord(&self.stance(bodies));
+            let frame = math::transpose(&axes);
+            [chord.force([1.0, 0.0, 0.0]).map(|v| math::mul(&frame, v))]
+        });
         std::array::from_fn(|i| {
-            let axis = axes[i % 3];
+            let axis = if i == 0 { force } else { axes[i % 3] };
             if i < 3 {
+                let couple = if i == 0 { couple } else { [0.0; 3] };
                 Row {
                     stiffness: self.translation[i],
                     a: self.a,
                     b: self.b,
                     force: axis,
-                    turn_a: math::cross(arm_a, axis),
-                    turn_b: math::cross(arm_b, axis),
+                    turn_a: math::add(math::cross(arm_a, axis), couple),
+                    turn_b: math::add(math::cross(arm_b, axis), couple),
                 }
             } else {
                 Row {
@@ -538,14 +568,18 @@ impl ElasticRange {
 /// What the last evaluation of a joint found, along its axes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Latest {
+    /// Forces of its springs \[N\]: of a beam the first one is not along axis 0.
+    pub along: V3,
     /// Force on the first body \[N\].
     pub local: V3,
+    /// Couple of the axial force about the joint point of the second body \[N m\].
+    pub couple: V3,
     /// Moment on it \[N m\].
     pub moment: V3,
     /// Rotation vector \[rad\].
     pub theta: V3,
-    /// What is plastic of its gap \[m\].
-    pub slip: V3,
+    /// Its gap \[m\].
+    pub gap: V3,
 }
 
 /// One spring of a joint: its stretch is `force·(δx_b - δx_a) + turn_b·δφ_b - turn_a·δφ_a`.

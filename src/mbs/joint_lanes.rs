@@ -7,7 +7,7 @@
 use super::joint::{ElasticRange, JointData};
 use super::lanes::{LANES, Lane, ZERO, get, get_matrix, put};
 use super::math::{self, M3};
-use super::stance::{self, Stance};
+use super::stance::{self, Chord, Stance};
 use super::system::{BodyData, BodyState};
 use crate::base::isa::for_each_isa;
 use crate::curve::CapacityTable;
@@ -32,6 +32,8 @@ pub(super) struct JointBlock {
     slip: [Lane; 2],
     bends_about_2: [u64; LANES],
     shear_lever: Lane,
+    reach: Lane,
+    free: Lane,
     load: [Lane; 2],
     drop: Lane,
     /// Where the joint is elastic.
@@ -49,6 +51,9 @@ pub(super) struct Act {
     frame: [[Lane; 3]; 3],
     arms: [[Lane; 3]; 2],
     gap: [Lane; 3],
+    stretch: Lane,
+    axis: [Lane; 3],
+    arm: [Lane; 3],
     turn: [Lane; 4],
     theta: [Lane; 3],
     local: [Lane; 3],
@@ -91,6 +96,8 @@ impl JointBlock {
             slip: [ZERO; 2],
             bends_about_2: [0; LANES],
             shear_lever: ZERO,
+            reach: ZERO,
+            free: ZERO,
             load: [ZERO; 2],
             drop: ZERO,
             force: [[f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]],
@@ -112,6 +119,7 @@ impl JointBlock {
             if let Some(beam) = &joint.beam {
                 block.bends_about_2[l] = u64::from(beam.axis == 2);
                 block.shear_lever[l] = beam.shear_lever_n(joint.translation);
+                (block.reach[l], block.free[l]) = (beam.reach_m, beam.free_m);
             }
             put(&mut block.shear_ease, l, joint.shear_ease);
             block.bear(l, joint);
@@ -175,11 +183,15 @@ impl JointBlock {
             let sine2 = math::dot(axis, axis);
             let (theta, tangent) = stance::bend_by(math::log_factor(sine2, turn[0]), turn);
             put(&mut act.gap, l, gap);
-            let along = gap[0] - self.crushed[l];
+            let chord = Chord::new(gap, turn, self.reach[l], self.free[l]);
+            act.stretch[l] = chord.stretch;
+            put(&mut act.axis, l, chord.axis);
+            put(&mut act.arm, l, chord.arm);
+            let along = chord.stretch - self.crushed[l];
             let k = get(&self.translation, l);
             let axial = -self.outward[l] * k[0] * along;
-            let gap = [gap[0], gap[1] - self.slip[0][l], gap[2] - self.slip[1][l]];
-            let local = [k[0] * along, k[1] * gap[1], k[2] * gap[2]];
+            let gap = [along, gap[1] - self.slip[0][l], gap[2] - self.slip[1][l]];
+            let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
             let own = [theta[1] - self.lean[0][l], theta[2] - self.lean[1][l]];
             let e = [own[0] - self.plastic[0][l], own[1] - self.plastic[1][l]];
             let bent = [self.rotation[1][l] * e[0], self.rotation[2][l] * e[1]];
@@ -193,7 +205,7 @@ impl JointBlock {
             let used = bent[0] * bent[0] * self.ease[0][l] + bent[1] * bent[1] * self.ease[1][l];
             let sheared2 =
                 local[1] * local[1] * self.shear_ease[0][l] + local[2] * local[2] * self.shear_ease[1][l];
-            let stretch = math::dot(local, [along, gap[1], gap[2]]);
+            let stretch = math::dot(local, gap);
             act.elastic[l] = 0.5 * (bent[0] * e[0] + bent[1] * e[1]) + 0.5 * (stretch + moment[0] * theta[0]);
             act.axial[l] = axial;
             let inside = (axial >= self.force[0][l]) & (axial < self.force[1][l]) & (used < WELL_INSIDE);
@@ -226,11 +238,17 @@ impl Act {
             let frame: M3 = get_matrix(&self.frame, l);
             let arms = [get(&self.arms[0], l), get(&self.arms[1], l)];
             let (theta, local, moment) = (get(&self.theta, l), get(&self.local, l), get(&self.moment, l));
-            let all = stance::loads(&frame, arms, theta, local, moment, self.tangent[l]);
+            let force = self.chord(l).force(local);
+            let all = stance::loads(&frame, arms, theta, force, moment, self.tangent[l]);
             put(&mut self.loads[0], l, all[0]);
             put(&mut self.loads[1], l, all[1]);
             put(&mut self.loads[2], l, all[2]);
         }
+    }
+
+    #[inline(always)]
+    fn chord(&self, l: usize) -> Chord {
+        Chord { stretch: self.stretch[l], axis: get(&self.axis, l), arm: get(&self.arm, l) }
     }
 
     fn stance(&self, l: usize) -> Stance {
@@ -295,6 +313,7 @@ fn apply_any(
                 joint.hinge.moment_nm = [act.moment[1][l], act.moment[2][l]];
                 if let Some(beam) = &mut joint.beam {
                     let load = beam.load();
+                    (beam.chord, beam.gap) = (act.chord(l), get(&act.gap, l));
                     beam.against_load_j += beam.ends.stay(act.sag[l], get(&act.ends, l), load);
                 }
             }
@@ -328,7 +347,7 @@ fn rests(joint: &JointData, data: &[BodyData]) -> bool {
 fn yield_alone(joint: &mut JointData, act: &mut Act, l: usize, tables: &[CapacityTable]) {
     let at = act.stance(l);
     let (theta, tangent) = stance::bend(at.turn);
-    let [local, moment] = joint.resist(&at, theta, tables);
+    let [local, moment] = joint.resist(&at, &act.chord(l), theta, tables);
     act.tangent[l] = tangent;
     put(&mut act.theta, l, theta);
     put(&mut act.local, l, local);

@@ -2,6 +2,7 @@
 
 use super::math::{self, V3};
 use super::model::{Bending, Bushing};
+use super::stance::Chord;
 use crate::curve::{BeamEnds, MiddleSprings, SpanLoad};
 
 /// A beam with hinges at its ends: the curve of its bending axis is theirs.
@@ -11,6 +12,12 @@ pub(super) struct MidBeam {
     pub axis: usize,
     /// Half its length, by the sense in which a rotation about the axis moves it along the other one \[m\].
     lever_m: f64,
+    /// Half its length with the sense of axis 0, and the length between its hinges at which it is free of axial force \[m\].
+    pub reach_m: f64,
+    pub free_m: f64,
+    /// Where its axial force acts, and the gap, in the last evaluation.
+    pub chord: Chord,
+    pub gap: V3,
     /// What its weight adds, and the share of it that is borne: none in free fall.
     load: SpanLoad,
     pub borne: f64,
@@ -34,7 +41,20 @@ impl MidBeam {
         let across = outward * math::dot(joint.axes[3 - axis], gravity);
         let load = beam.span.map(|s| SpanLoad::uniform(s.mass_kg_m * across, s.length_m, lever_m));
         let (load, ends) = (load.unwrap_or_default(), BeamEnds::default());
-        Some(Box::new(Self { axis, lever_m, load, borne: 1.0, falls: 0.0, against_load_j: 0.0, ends }))
+        let reach_m = outward * half;
+        Some(Box::new(Self {
+            axis,
+            lever_m,
+            reach_m,
+            free_m: 2.0 * half,
+            chord: Chord { arm: [reach_m, 0.0, 0.0], ..Chord::along_axis([0.0; 3]) },
+            gap: [0.0; 3],
+            load,
+            borne: 1.0,
+            falls: 0.0,
+            against_load_j: 0.0,
+            ends,
+        }))
     }
 
     /// The other axis across, along which it bears shear.

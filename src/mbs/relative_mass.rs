@@ -7,13 +7,13 @@
 //! With `M` of the bodies accelerations are `a = (M + D)⁻¹ f`; the integrator gets the forces `M a`, so that bodies keep their own masses in everything else. `M + D` is factorised once, in the poses of that time and in axes that turn with each body.
 //! What bodies of a floor share ([`super::shared_mass`]) is part of `D`.
 //!
-//! It ends for good, for all bodies together, where one of them is touched, falls asleep, turns by more than [`MOST_TURN_RAD`] in a step or parts at a latent bushing: from then on steps are as short as without. After a charge, a fracture, where sharing in a floor ends and where a body has turned by more than [`NEAR`] it begins anew in the poses of that time
+//! It ends for good, for all bodies together, where one of them is touched, falls asleep, turns by more than [`MOST_TURN_RAD`] in a step or parts at a latent bushing: from then on steps are as short as without. After a charge, a fracture, where sharing in a floor ends and where a body or a beam between two has turned by more than [`NEAR`] it begins anew in the poses of that time
 //! (`run/relate.rs`). So a building falls with it up to its first contact: hinges that flow have inertia against their rotation that their springs no longer ask for, `K / ω²` of 100 kg m² where floors have 2e5 about the same hinges, and where bodies have turned against each other by `φ` since, springs between them see a relative
 //! velocity of `φ v` that is none, half a per cent of the kinetic energy at most. Where velocities of the file strain stiff springs it never begins: `D` would have `½ v D v` that nothing has paid for (3 % of the energy of a building of which all bodies move along x in proportion to their height at 2 m/s for 10 m).
 
 use super::block_solve::{BlockSolve, SIZE};
 use super::ideal::factor::BlockFactor;
-use super::joint::Row;
+use super::joint::{JointData, Row};
 use super::lanes::{LANES, Lane, ZERO, put};
 use super::math::{self, M3, V3};
 use super::shared_mass::Shared;
@@ -39,6 +39,8 @@ pub(super) struct Relative {
     inertia: Vec<M3>,
     /// How each body has turned since.
     turned: Vec<M3>,
+    /// The beams with the directions of their axial forces at the start, in their joints' axes.
+    beams: Vec<(usize, V3)>,
     /// Memory: one node a body, the ground last, and the forces before.
     x: Vec<Lane>,
     plain: Vec<[V3; 2]>,
@@ -64,8 +66,8 @@ impl Relative {
     /// For springs of bodies in the present poses, and a bound of all frequencies \[rad/s\]; none if the inertia is not positive.
     pub fn new(
         rows: &[Row],
-        states: &[BodyState],
-        data: &[BodyData],
+        joints: &[JointData],
+        (states, data): (&[BodyState], &[BodyData]),
         shared: &[Shared],
         most_rad_s: f64,
     ) -> Option<Self> {
@@ -115,6 +117,7 @@ impl Relative {
             start: (0..n).map(|i| states[i].r).collect(),
             inertia,
             turned: vec![M3::default(); n],
+            beams: lines(joints).collect(),
             x: vec![ZERO; n + 1],
             plain: vec![[[0.0; 3]; 2]; n],
         })
@@ -176,9 +179,13 @@ impl Relative {
         0.5 * time_s * time_s * (along + math::dot(math::mul_t(&body.r, torque), turn))
     }
 
-    /// Whether a body has turned by more than [`NEAR`] since it was found.
-    pub fn has_turned(&self, states: &[BodyState], data: &[BodyData]) -> bool {
-        have_turned(&self.start, NEAR, states, data)
+    /// Whether a body, or a beam between two, has turned by more than [`NEAR`] since it was found.
+    pub fn has_turned(&self, states: &[BodyState], data: &[BodyData], joints: &[JointData]) -> bool {
+        let turns = |(i, line): &(usize, V3)| {
+            let now = joints[*i].beam.as_ref().map_or(*line, |b| b.chord.axis);
+            joints[*i].alive && math::dot(now, *line) < NEAR
+        };
+        have_turned(&self.start, NEAR, states, data) || self.beams.iter().any(turns)
     }
 
     /// Whether it is over after a step \[s\]: a body sleeps, or turns by more than [`MOST_TURN_RAD`] in one.
@@ -186,6 +193,11 @@ impl Relative {
         let sleeps = |d: &BodyData| d.alive && d.asleep;
         data[..self.start.len()].iter().any(sleeps) || spins(step_s, &states[..self.start.len()], data)
     }
+}
+
+/// The directions of the axial forces of beams.
+fn lines(joints: &[JointData]) -> impl Iterator<Item = (usize, V3)> + '_ {
+    joints.iter().enumerate().filter_map(|(i, j)| Some((i, j.beam.as_ref()?.chord.axis)))
 }
 
 /// Whether a body has turned by more than an angle of a cosine from an orientation.

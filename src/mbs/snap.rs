@@ -26,14 +26,21 @@ impl Snap {
     pub fn of(joint: &JointData, bodies: &[BodyState], h: f64) -> Self {
         let at = joint.stance(bodies);
         let [a, b] = [joint.a, joint.b].map(|i| &bodies[i]);
+        let chord = joint.chord(&at);
         let moves = |body: &BodyState, arm: V3| math::add(body.v, math::cross(body.w, arm));
-        let speed = math::mul_t(&at.frame, math::sub(moves(b, at.arms[1]), moves(a, at.arms[0])));
+        let opens = |off: V3| {
+            let to = at.arms.map(|arm| math::add(arm, off));
+            math::mul_t(&at.frame, math::sub(moves(b, to[1]), moves(a, to[0])))
+        };
+        let across = opens([0.0; 3]);
+        let along = math::dot(chord.axis, opens(math::mul(&at.frame, chord.arm)));
+        let speed = [along, across[1], across[2]];
         let end = joint.latest();
         let mut change: V3 = std::array::from_fn(|k| h * joint.translation[k] * speed[k]);
         if joint.is_stretching() {
             change[0] = 0.0;
         }
-        let begin = math::sub(end.local, change);
+        let begin = math::sub(end.along, change);
         let [turned_beyond, hinge_j] = joint.hinge.beyond;
         let overrun_m = joint.overrun_m();
         let stretched_beyond = overrun_m / (h * speed[0].abs()).max(overrun_m).max(f64::MIN_POSITIVE);
@@ -50,8 +57,8 @@ impl Snap {
         };
         Self {
             early_s: h * (1.0 - share),
-            impulse: loads(&at.frame, at.arms, theta, local, moment, c),
-            elastic_j: joint.elastic_j - stretched_j(end.local) + stretched_j(force(share)),
+            impulse: loads(&at.frame, at.arms, theta, chord.force(local), moment, c),
+            elastic_j: joint.elastic_j - stretched_j(end.along) + stretched_j(force(share)),
             beyond_j: [hinge_j, joint.axial_force.abs() * overrun_m],
         }
     }

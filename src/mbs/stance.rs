@@ -5,6 +5,9 @@
 //! `τ = J T⁻ᵀ m`, `m = ∂U/∂θ`, where `T⁻ᵀ m = m + ½ θ×m + c θ×(θ×m)` is the transposed inverse
 //! of the tangent map of the rotation vector (e.g. Cardona and Géradin, IJNME 26 (1988) 2403). Both bodies feel the
 //! force at the *same* point `p_B`, so momentum and angular momentum are conserved to round-off.
+//!
+//! A beam of length `2 l` with hinges at its ends has its axial spring between these, in `p_A - l e` and `p_B + l R e` (`e`: along axis 0, towards B): what that is stretched by is `|c| - 2 l`, `c = l (e + R e) + d`, and its force acts along `c`
+//! in `p_B + l R e`. So ends that move across by `v` pull on each other with `N v / 2 l` (catenary action), and a body that turns about a hinge neither stretches nor presses its beam.
 
 use super::math::{self, M3, Q, V3};
 
@@ -49,11 +52,61 @@ pub(super) fn bend_by(factor: f64, turn: Q) -> (V3, f64) {
     (theta, math::tangent_coefficient(math::dot(theta, theta), factor, turn[0]))
 }
 
-/// Force on the first body and torques on both about their centres of mass (the second one feels the opposite), from force and moment along the joint axes; `c` is
-/// [`math::tangent_coefficient`] of the rotation vector.
+/// Where the axial force of a joint acts, along its axes: axis 0 through the joint point of the second body, or the line between the hinges of a beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Chord {
+    /// What its spring is stretched by, in the sense of the gap along axis 0 \[m\].
+    pub stretch: f64,
+    /// Direction, in the sense of axis 0.
+    pub axis: V3,
+    /// From the joint point of the second body to a point of it \[m\].
+    pub arm: V3,
+}
+
+impl Chord {
+    /// Of a joint that is no beam: what a gap tells.
+    pub const fn along_axis(gap: V3) -> Self {
+        Self { stretch: gap[0], axis: [1.0, 0.0, 0.0], arm: [0.0; 3] }
+    }
+
+    /// For the gap and rotation of a joint, and half the length of a beam with the sense from A to B along axis 0 and the length at which it is free of force; zero: it is no beam.
+    #[inline(always)]
+    pub fn new(gap: V3, turn: Q, reach_m: f64, free_m: f64) -> Self {
+        let [w, x, y, z] = turn;
+        let turned = [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)];
+        let arm = math::scale(reach_m, turned);
+        let line = math::add(arm, [reach_m + gap[0], gap[1], gap[2]]);
+        let length = math::norm(line);
+        let is_beam = reach_m != 0.0;
+        let sense = 1.0_f64.copysign(reach_m);
+        let (along, inverse) = (sense * (length - free_m), sense / length);
+        Self {
+            stretch: if is_beam { along } else { gap[0] },
+            axis: if is_beam { math::scale(inverse, line) } else { [1.0, 0.0, 0.0] },
+            arm,
+        }
+    }
+
+    /// Force and couple along the joint axes, of an axial force and forces across \[N\].
+    #[inline(always)]
+    pub fn force(&self, local: V3) -> [V3; 2] {
+        let axial = math::scale(local[0], self.axis);
+        [[axial[0], axial[1] + local[1], axial[2] + local[2]], math::cross(self.arm, axial)]
+    }
+}
+
+/// Force on the first body and torques on both about their centres of mass (the second one feels the opposite), from force, moment and couple along the joint axes; `c` is
+/// [`math::tangent_coefficient`] of the rotation vector, to which the moment is conjugate.
 #[inline(always)]
-pub(super) fn loads(frame: &M3, arms: [V3; 2], theta: V3, local: V3, moment: V3, c: f64) -> [V3; 3] {
-    let torque = torque(frame, theta, moment, c);
+pub(super) fn loads(
+    frame: &M3,
+    arms: [V3; 2],
+    theta: V3,
+    [local, couple]: [V3; 2],
+    moment: V3,
+    c: f64,
+) -> [V3; 3] {
+    let torque = math::add(torque(frame, theta, moment, c), math::mul(frame, couple));
     let force = math::mul(frame, local);
     let (turn_a, turn_b) = (math::cross(arms[0], force), math::cross(arms[1], force));
     [force, math::add(turn_a, torque), math::add(turn_b, torque)]

@@ -165,7 +165,7 @@ impl System {
         let before = self.kinetic_together_j(0.5 * last_step_s);
         self.relative = most_rad_s.and_then(|most| {
             let rows = frequency::rows(self);
-            Relative::new(&rows, &self.bodies, &self.data, &self.shared, most)
+            Relative::new(&rows, &self.joints, (&self.bodies, &self.data), &self.shared, most)
         });
         before - self.kinetic_together_j(0.5 * last_step_s)
     }

@@ -4,6 +4,7 @@ mod batch;
 mod beam;
 mod break_away;
 mod carry;
+mod catenary;
 mod contact;
 mod crushing;
 mod event_rules;

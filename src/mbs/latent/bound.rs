@@ -20,6 +20,8 @@
 //! |ΔM - Δm| <= 0.7 |θ| |Δm| + |Δθ| |m₀|, on the first body |Δg| |l| + |g₀| |Δl| more: the force acts at the point of the second one, a gap g away
 //! ```
 //!
+//! The couple of a beam's axial force ([`crate::mbs::stance`]) adds to the moment as it is, on the second body along `Rᵀ` of the axes like a force.
+//!
 //! These remainders have no known direction and weigh what the worst direction does. Lengths of vectors are bounded by the sums of their components, which needs no roots.
 
 use super::demand::{Demand, products};
@@ -211,7 +213,7 @@ impl Scale {
 /// What a joint knows of its last evaluation; nothing is borne by one that has separated.
 fn latest(joint: &JointData) -> Latest {
     let now = joint.latest();
-    if joint.alive { now } else { Latest { local: [0.0; 3], moment: [0.0; 3], ..now } }
+    if joint.alive { now } else { Latest { local: [0.0; 3], moment: [0.0; 3], couple: [0.0; 3], ..now } }
 }
 
 /// Changes of the load figures of a joint; none if it has turned too far.
@@ -219,27 +221,25 @@ fn latest(joint: &JointData) -> Latest {
 fn changes(before: &Latest, joint: &JointData, is_second: bool) -> Option<[f64; OF_JOINT]> {
     let mut now = latest(joint);
     if !joint.alive {
-        (now.theta, now.slip) = (before.theta, before.slip);
+        (now.theta, now.gap) = (before.theta, before.gap);
     }
     let off = |a: &V3, b: &V3| math::sub(*a, *b).map(f64::abs);
     let sum = |v: &V3| v[0].abs() + v[1].abs() + v[2].abs();
     let (force, moment) = (off(&now.local, &before.local), off(&now.moment, &before.moment));
+    let couple = off(&now.couple, &before.couple);
     let (angle, turned) = (sum(&now.theta), sum(&off(&now.theta, &before.theta)));
     if !(angle <= LARGEST_RAD && sum(&before.theta) <= LARGEST_RAD) {
         return None;
     }
     let (of_force, of_moment) = (sum(&force), 0.7 * angle * sum(&moment) + turned * sum(&before.moment));
     let [free, turn] = if is_second {
-        [angle * of_force + turned * sum(&before.local), of_moment]
+        let of_couple = angle * sum(&couple) + turned * sum(&before.couple);
+        [angle * of_force + turned * sum(&before.local), of_moment + of_couple]
     } else {
-        let gap = |l: &Latest| -> V3 {
-            std::array::from_fn(|i| {
-                l.slip[i] + if l.local[i] == 0.0 { 0.0 } else { l.local[i] / joint.translation[i] }
-            })
-        };
-        let (was, is) = (gap(before), gap(&now));
-        [0.0, of_moment + sum(&off(&is, &was)) * sum(&now.local) + sum(&was) * of_force]
+        let of_gap = sum(&off(&now.gap, &before.gap)) * sum(&now.local) + sum(&before.gap) * of_force;
+        [0.0, of_moment + of_gap]
     };
+    let moment = math::add(moment, couple);
     Some([force[0], force[1], force[2], moment[0], moment[1], moment[2], free, turn])
 }
 

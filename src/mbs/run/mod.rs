@@ -385,7 +385,7 @@ impl<'a> Run<'a> {
             self.is_loose |= relative.is_over(self.step_limit, bodies, data);
             let begins_to_fall = !self.is_falling && have_turned(&self.upright, UPRIGHT, bodies, data);
             self.is_falling |= begins_to_fall;
-            let has_turned = begins_to_fall || relative.has_turned(bodies, data);
+            let has_turned = begins_to_fall || relative.has_turned(bodies, data, &system.joints);
             if self.is_loose
                 || has_turned
                 || !parted.is_empty()

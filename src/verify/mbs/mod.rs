@@ -1,5 +1,6 @@
 //! Cases of the multibody solver.
 
+mod catenary;
 mod chimney;
 mod contact;
 mod fractures;
@@ -24,6 +25,7 @@ pub fn cases() -> Vec<Case> {
     let mut all = iftomm::cases();
     all.extend(pendulums::cases());
     all.extend(hinges::cases());
+    all.extend(catenary::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());
     all.extend(linkages::cases());
