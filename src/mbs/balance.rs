@@ -1,13 +1,13 @@
-//! The energy balance over the outputs of a run: whether the sum of all energies holds, and whether contacts only take.
+//! The energy balance over a run: whether the sum of all energies holds, and whether contacts only take.
 
 use super::error::SolveError;
-use super::result::EnergyHistory;
+use super::result::Energies;
 
-/// What the outputs so far show.
+/// What the looks so far show.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Balance {
-    /// Sum of all energies at the first output \[J\].
-    start_j: f64,
+pub(super) struct Balance {
+    /// Sum of all energies at the first look \[J\].
+    start_j: Option<f64>,
     /// Energy turned over: the largest so far \[J\].
     turnover_j: f64,
     /// Least energy that what contacts make is compared with \[J\].
@@ -33,19 +33,16 @@ impl Balance {
         bodies.map(|(weight_n, radius_m)| 0.1 * weight_n * radius_m).sum()
     }
 
-    /// Takes in the last output, at which so much energy had been turned over, and in whose kinetic energy so much is what forces add in half a step: that rises and falls with every vibration, and is no growth; what contacts hold against forces they take with the next step only. Returns the error of the sum there.
-    pub fn note(&mut self, energies: &EnergyHistory, kick_j: f64, turned_j: f64) -> f64 {
-        let last = energies.kinetic_j.len() - 1;
-        let total_j = energies.total_j(last);
-        if last == 0 {
-            self.start_j = total_j;
-        }
+    /// Takes in a look, at which so much energy had been turned over, and in whose kinetic energy so much is what forces add in half a step: that rises and falls with every vibration, and is no growth; what contacts hold against forces they take with the next step only. Returns the error of the sum there.
+    pub fn note(&mut self, energies: &Energies, kick_j: f64, turned_j: f64) -> f64 {
+        let total_j = energies.total_j();
+        let start_j = *self.start_j.get_or_insert(total_j);
         // each of the two can be large where a contact is jammed, and they cancel each other then
-        let taken_j = energies.contact_damping_j[last] + energies.friction_j[last];
+        let taken_j = energies.contact_damping_j + energies.friction_j;
         self.taken_j = self.taken_j.max(taken_j);
         self.made_j = self.made_j.max(self.taken_j - taken_j - kick_j);
         self.turnover_j = self.turnover_j.max(turned_j).max(taken_j);
-        let grown = (total_j - self.start_j) / self.turnover_j;
+        let grown = (total_j - start_j) / self.turnover_j;
         self.growth = self.growth.max(grown - kick_j / self.turnover_j);
         self.error = self.error.max(grown.abs());
         grown.abs()
@@ -78,29 +75,16 @@ impl Balance {
 mod tests {
     use super::*;
 
-    fn history(kinetic_j: &[f64], taken_j: &[f64]) -> EnergyHistory {
-        let zero = vec![0.0; kinetic_j.len()];
-        EnergyHistory {
-            kinetic_j: kinetic_j.to_vec(),
-            gravity_j: zero.clone(),
-            joints_elastic_j: zero.clone(),
-            plastic_j: zero.clone(),
-            contact_elastic_j: zero.clone(),
-            // jammed: large, and of opposite signs
-            contact_damping_j: taken_j.iter().map(|t| t + 1e6).collect(),
-            friction_j: vec![-1e6; kinetic_j.len()],
-            released_j: zero.clone(),
-            applied_j: zero,
-        }
+    fn look(kinetic_j: f64, taken_j: f64) -> Energies {
+        // jammed: large, and of opposite signs
+        Energies { kinetic_j, contact_damping_j: taken_j + 1e6, friction_j: -1e6, ..Energies::default() }
     }
 
     #[test]
     fn contacts_that_give_back_make_energy() {
-        let all = history(&[100.0, 60.0, 90.0], &[0.0, 40.0, 10.0]);
         let mut balance = Balance::new(1e-3, 0.0);
-        for n in 1..=3 {
-            let until = history(&all.kinetic_j[..n], &[0.0, 40.0, 10.0][..n]);
-            let error = balance.note(&until, 0.0, until.kinetic_j[n - 1]);
+        for (kinetic_j, taken_j) in [(100.0, 0.0), (60.0, 40.0), (90.0, 10.0)] {
+            let error = balance.note(&look(kinetic_j, taken_j), 0.0, kinetic_j);
             assert!(error < 1e-9, "{error}");
         }
         assert!((balance.made() - 0.3).abs() < 1e-12, "{}", balance.made());
@@ -113,14 +97,12 @@ mod tests {
     #[test]
     fn contacts_that_hold_a_body_at_rest_make_no_energy() {
         let kick_j = 0.2;
-        let rest = history(&[0.0, kick_j, kick_j], &[0.0, -kick_j, -kick_j]);
         let mut balance = Balance::new(1.0, 0.0);
-        for n in 1..=3 {
-            let until = history(&rest.kinetic_j[..n], &[0.0, -kick_j, -kick_j][..n]);
-            balance.note(&until, kick_j, until.kinetic_j[n - 1]);
+        for (kinetic_j, taken_j) in [(0.0, 0.0), (kick_j, -kick_j), (kick_j, -kick_j)] {
+            balance.note(&look(kinetic_j, taken_j), kick_j, kinetic_j);
         }
         assert_eq!(balance.made(), 0.0);
-        balance.note(&history(&[kick_j + 0.3], &[-kick_j - 0.3]), kick_j, 0.0);
+        balance.note(&look(kick_j + 0.3, -kick_j - 0.3), kick_j, 0.0);
         assert!((balance.made() - 0.3).abs() < 1e-12, "{}", balance.made());
     }
 
@@ -129,9 +111,8 @@ mod tests {
         let contacts_j = Balance::of_contacts([(100.0, 0.4), (50.0, 0.2)].into_iter());
         assert!((contacts_j - 5.0).abs() < 1e-12);
         let mut balance = Balance::new(1e-3, contacts_j);
-        for n in 1..=3 {
-            let taken = &[0.0, 0.05, 0.0][..n];
-            balance.note(&history(&[0.0, 0.0, 0.05][..n], taken), 0.0, 0.0);
+        for (kinetic_j, taken_j) in [(0.0, 0.0), (0.0, 0.05), (0.05, 0.0)] {
+            balance.note(&look(kinetic_j, taken_j), 0.0, 0.0);
         }
         assert!((balance.made() - 0.01).abs() < 1e-9, "{}", balance.made());
     }
@@ -139,8 +120,8 @@ mod tests {
     #[test]
     fn work_that_cancels_does_not_hide_an_error_of_the_sum() {
         let mut balance = Balance::new(1e-3, 0.0);
-        balance.note(&history(&[100.0], &[0.0]), 0.0, 100.0);
-        let error = balance.note(&history(&[100.0, 90.0], &[0.0, 0.0]), 0.0, 90.0);
+        balance.note(&look(100.0, 0.0), 0.0, 100.0);
+        let error = balance.note(&look(90.0, 0.0), 0.0, 90.0);
         assert!((error - 0.1).abs() < 1e-12, "{error}");
     }
 }

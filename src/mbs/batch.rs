@@ -2,7 +2,7 @@
 //!
 //! Runs share the model and nothing else, so that each ends with the same bytes as if it ran alone; they are spread over the threads of the pool.
 
-use super::parameter::{ParameterError, apply};
+use super::parameter::{ParameterError, apply, clash};
 use super::result::{EventKind, RunResult};
 use super::run::{SolverOptions, simulate_varied, simulate_with};
 use super::tables::Tables;
@@ -24,6 +24,14 @@ pub enum BatchError {
     /// A name leads nowhere.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// Two names set the same number.
+    #[error("\"{later}\" sets what \"{earlier}\" sets as well: leave one of them out")]
+    Clash {
+        /// The one that comes first.
+        earlier: String,
+        /// The other.
+        later: String,
+    },
     /// A row has another number of values.
     #[error("row {row} has {found} values, expected {expected}, one for each name")]
     Row {
@@ -101,6 +109,9 @@ pub fn run(
     }
     if let Some(row) = table.rows.first() {
         varied(model, &table.names, row)?;
+    }
+    if let Some([earlier, later]) = clash(model, &table.names) {
+        return Err(BatchError::Clash { earlier: earlier.into(), later: later.into() });
     }
     let options = SolverOptions { brief: true, ..*options };
     // curves are checked and compiled once; what is wrong with them is a complaint of each run

@@ -4,6 +4,7 @@
 //! of vectors by their place from 0; `*` is every member. Names that end in `_factor` multiply, all others set.
 
 use super::model::{Bending, Body, Bushing, Event, Force, Model};
+use std::collections::BTreeMap;
 
 /// Why a name does not lead to a number.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -71,6 +72,42 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
         }
         _ => Err(fail(format!("expected a name that begins with {LISTS}, as in \"bodies.ID.mass_factor\""))),
     }
+}
+
+/// Two names of which the later one undoes what the earlier one has set in the same number, so that their order matters, if there are any; names that lead nowhere are passed over.
+pub fn clash<'a>(model: &Model, names: &'a [String]) -> Option<[&'a str; 2]> {
+    let lists = ids(model);
+    let target = |name: &'a String| {
+        let list = name.split('.').next().unwrap_or_default();
+        let id = lists.get(list).map_or("", |ids| member(name, ids).0);
+        (list, id)
+    };
+    let targets: Vec<(&str, &str)> = names.iter().map(target).collect();
+    let ends_alike = |first: usize, second: usize| {
+        // powers of two: products are exact in either order
+        let in_order = |order: [(usize, f64); 2]| {
+            let mut own = model.clone();
+            let done = order.iter().all(|(i, value)| apply(&mut own, &names[*i], *value).is_ok());
+            done.then_some(own)
+        };
+        in_order([(first, 2.0), (second, 4.0)]) == in_order([(second, 4.0), (first, 2.0)])
+    };
+    let may_meet = |a: (&str, &str), b: (&str, &str)| a.0 == b.0 && (a.1 == b.1 || a.1 == "*" || b.1 == "*");
+    (0..names.len())
+        .flat_map(|second| (0..second).map(move |first| (first, second)))
+        .find(|(first, second)| may_meet(targets[*first], targets[*second]) && !ends_alike(*first, *second))
+        .map(|(first, second)| [names[first].as_str(), names[second].as_str()])
+}
+
+/// Ids of the members of the lists of a model, by the names of the lists.
+fn ids(model: &Model) -> BTreeMap<&'static str, Vec<String>> {
+    let of = |all: &mut dyn Iterator<Item = &str>| all.map(String::from).collect();
+    BTreeMap::from([
+        ("bodies", of(&mut model.bodies.iter().map(|b| b.id.as_str()))),
+        ("bushings", of(&mut model.bushings.iter().map(|b| b.id.as_str()))),
+        ("forces", of(&mut model.forces.iter().map(|f| f.id()))),
+        ("events", of(&mut model.events.iter().map(|e| e.id.as_str()))),
+    ])
 }
 
 /// The id in a name, which may have dots of its own, and what follows it: the longest of the ids that the name goes on with, or else all up to the last word.

@@ -113,6 +113,19 @@ pub struct EnergyHistory {
 }
 
 impl EnergyHistory {
+    /// Adds an output.
+    pub(super) fn push(&mut self, e: &Energies) {
+        self.kinetic_j.push(e.kinetic_j);
+        self.gravity_j.push(e.gravity_j);
+        self.joints_elastic_j.push(e.joints_elastic_j);
+        self.plastic_j.push(e.plastic_j);
+        self.contact_elastic_j.push(0.0);
+        self.contact_damping_j.push(e.contact_damping_j);
+        self.friction_j.push(e.friction_j);
+        self.released_j.push(e.released_j);
+        self.applied_j.push(e.applied_j);
+    }
+
     /// The sum of all terms at an output \[J\].
     pub fn total_j(&self, i: usize) -> f64 {
         self.kinetic_j[i]
@@ -124,6 +137,33 @@ impl EnergyHistory {
             + self.friction_j[i]
             + self.released_j[i]
             + self.applied_j.get(i).copied().unwrap_or(0.0)
+    }
+}
+
+/// The energies of [`EnergyHistory`] at one time \[J\]; contacts store none.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Energies {
+    pub kinetic_j: f64,
+    pub gravity_j: f64,
+    pub joints_elastic_j: f64,
+    pub plastic_j: f64,
+    pub contact_damping_j: f64,
+    pub friction_j: f64,
+    pub released_j: f64,
+    pub applied_j: f64,
+}
+
+impl Energies {
+    /// Their sum \[J\].
+    pub fn total_j(&self) -> f64 {
+        self.kinetic_j
+            + self.gravity_j
+            + self.joints_elastic_j
+            + self.plastic_j
+            + self.contact_damping_j
+            + self.friction_j
+            + self.released_j
+            + self.applied_j
     }
 }
 

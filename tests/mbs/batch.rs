@@ -65,3 +65,28 @@ fn a_batch_gives_what_single_runs_give_and_a_bad_row_hurts_no_other() {
     let text = batch::run(&m, &short, &SolverOptions::default(), &|| {}).unwrap_err().to_string();
     assert_eq!(text, "row 1 has 1 values, expected 2, one for each name");
 }
+
+#[test]
+fn names_that_set_one_number_are_refused() {
+    let m = falling();
+    let names =
+        |list: [&str; 2]| Table { names: list.map(String::from).to_vec(), rows: vec![vec![1.0, 2.0]] };
+    let run = |list| batch::run(&m, &names(list), &SolverOptions::default(), &|| {}).map(|_| ());
+    for list in [
+        ["bodies.*.velocity_m_s.2", "bodies.b.velocity_m_s.2"],
+        ["bodies.b.velocity_m_s.2", "bodies.*.velocity_m_s.2"],
+        ["bodies.b.mass_kg", "bodies.b.mass_factor"],
+    ] {
+        let text = run(list).unwrap_err().to_string();
+        let [earlier, later] = list;
+        assert_eq!(text, format!("\"{later}\" sets what \"{earlier}\" sets as well: leave one of them out"));
+    }
+    // factors multiply in either order, and these are different numbers
+    for list in [
+        ["bodies.*.mass_factor", "bodies.b.mass_factor"],
+        ["bodies.*.velocity_m_s.2", "bodies.b.velocity_m_s.1"],
+        ["bodies.a.velocity_m_s.2", "bodies.b.velocity_m_s.2"],
+    ] {
+        run(list).unwrap();
+    }
+}

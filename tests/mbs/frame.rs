@@ -148,3 +148,19 @@ fn a_run_of_thirteen_bodies_and_twenty_hinges_takes_few_steps() {
     // of the longest that its stiffness bears; what a step costs is for `benches/`
     assert!(result.steps < 4400, "{}", result.steps);
 }
+
+/// A frame that falls tells the same error of its energy whether it is recorded every hundredth of a second or at its end alone.
+#[test]
+fn the_energy_error_is_that_of_the_run_and_not_of_its_outputs() {
+    let error = |interval_s: f64| {
+        let mut m = frame4(1e9, 0.7);
+        m.settings.time_step_s = Some(2e-4);
+        m.settings.output_interval_s = interval_s;
+        let result = simulate(&m).unwrap();
+        assert_eq!(result.times_s.len(), (0.7 / interval_s).round() as usize + 1);
+        result.energy_error
+    };
+    let (often, once) = (error(0.01), error(0.7));
+    println!("{often:e} {once:e}");
+    assert!(often > 1e-6 && (once / often - 1.0).abs() < 0.05, "{often:e} {once:e}");
+}

@@ -197,7 +197,7 @@ fn a_motion_that_joints_allow_at_first_order_only_is_stopped_booked_and_told() {
 #[test]
 fn what_does_not_fit_is_refused_with_a_remedy() {
     type Change = fn(&mut Model);
-    let cases: [(Change, &str); 8] = [
+    let cases: [(Change, &str); 9] = [
         (
             |m| m.joints[0].kind = JointKind::Revolute,
             "joints[0].axis: is missing: a revolute joint needs a vector here",
@@ -225,6 +225,7 @@ fn what_does_not_fit_is_refused_with_a_remedy() {
             "settings.preload: is true, which is for models without ideal joints and forces",
         ),
         (|m| m.settings.tolerance = 0.0, "settings.tolerance: is 0, expected a positive number"),
+        (|m| m.settings.tolerance = 100.0, "settings.tolerance: is 100, expected at most 0.1"),
         (
             |m| {
                 m.bodies[0].shapes.push(Shape::Hull {

@@ -2,12 +2,13 @@
 
 mod connection;
 mod contact;
+mod event;
 mod event_rule;
 mod latent;
 mod shared;
 
 use super::math::{self, M3};
-use super::model::{Body, Event, Force, MODEL_SCHEMA, Model};
+use super::model::{Body, Force, MODEL_SCHEMA, Model};
 use super::run::MOST_STEPS;
 use crate::base::json::{self, JsonError};
 use std::collections::btree_map::Entry;
@@ -126,7 +127,7 @@ impl Model {
         let known: BTreeSet<&str> = self.bodies.iter().map(|b| b.id.as_str()).collect();
         connection::check(self, &known, &mut list);
         contact::check(self, &known, &mut list);
-        check_events(self, &known, &mut list);
+        event::check_events(self, &known, &mut list);
         latent::check(self, &mut list);
         event_rule::check(self, &known, &mut list);
         shared::check(self, &mut list);
@@ -158,6 +159,12 @@ impl Model {
             });
         }
         list.positive("settings.tolerance", s.tolerance);
+        list.require(s.tolerance <= MOST_TOLERANCE || s.tolerance.is_nan(), "settings.tolerance", || {
+            format!(
+                "is {}, expected at most {MOST_TOLERANCE}: it is the error that a step may have",
+                s.tolerance
+            )
+        });
         list.require(!s.preload || !self.is_ideal(), "settings.preload", || {
             "is true, which is for models without ideal joints and forces: set it to false, the run begins in the poses of the file".into()
         });
@@ -202,6 +209,8 @@ fn something_else(text: &str) -> Option<&'static str> {
 const LEAST_RELATED_RAD_S: f64 = 200.0;
 /// Most outputs of a run: all of them are kept until its end.
 const MOST_OUTPUTS: f64 = 1e6;
+/// Largest error of a step with ideal joints that may be asked for.
+const MOST_TOLERANCE: f64 = 0.1;
 
 /// What an event can release or weaken has a name of its own among joints, bushings and forces: events and results tell them apart by nothing else.
 fn one_name_each(model: &Model, list: &mut List) {
@@ -239,62 +248,6 @@ fn check_body(body: &Body, path: &str, list: &mut List) {
     }
     for (k, shape) in body.shapes.iter().enumerate() {
         contact::check_shape(shape, &format!("{path}.shapes[{k}]"), list);
-    }
-}
-
-fn check_events(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
-    let hinges = model.forces.iter().filter(|f| matches!(f, Force::Hinge { .. })).map(Force::id);
-    let weak: BTreeSet<&str> = model.bushings.iter().map(|b| b.id.as_str()).chain(hinges).collect();
-    let endless: BTreeSet<&str> =
-        model.bushings.iter().filter(|b| !b.has_capacity()).map(|b| b.id.as_str()).collect();
-    let joints = model.joints.iter().map(|j| j.id.as_str());
-    let loose: BTreeSet<&str> =
-        weak.iter().copied().chain(joints).chain(model.forces.iter().map(Force::id)).collect();
-    for (i, event) in model.events.iter().enumerate() {
-        let path = format!("events[{i}]");
-        list.not_negative(&format!("{path}.time_s"), event.time_s);
-        for (k, id) in event.remove_bodies.iter().enumerate() {
-            list.known(known, id, &format!("{path}.remove_bodies[{k}]"));
-        }
-        for (k, id) in event.release.iter().enumerate() {
-            list.among(&loose, id, &format!("{path}.release[{k}]"), "a joint, bushing or force");
-        }
-        for (k, w) in event.weaken.iter().enumerate() {
-            list.among(&weak, &w.id, &format!("{path}.weaken[{k}].id"), "a bushing or a hinge");
-            list.require(!endless.contains(w.id.as_str()), &format!("{path}.weaken[{k}].id"), || {
-                format!("bushing \"{}\" is elastic without end: it has neither curve nor capacity", w.id)
-            });
-            list.require(w.factor > 0.0 && w.factor <= 1.0, &format!("{path}.weaken[{k}].factor"), || {
-                format!("is {}, expected above 0 and at most 1 (to remove it, use release)", w.factor)
-            });
-        }
-    }
-    once_each(model, "remove_bodies", |e| &e.remove_bodies, list);
-    once_each(model, "release", |e| &e.release, list);
-}
-
-/// What one event has taken away no later one can; events of one time in the order of the file.
-fn once_each(model: &Model, key: &str, of: impl Fn(&Event) -> &[String], list: &mut List) {
-    let mut order: Vec<usize> = (0..model.events.len()).collect();
-    order.sort_by(|a, b| model.events[*a].time_s.total_cmp(&model.events[*b].time_s));
-    let mut gone: BTreeMap<&str, usize> = BTreeMap::new();
-    for i in order {
-        for (k, id) in of(&model.events[i]).iter().enumerate() {
-            let first = match gone.entry(id) {
-                Entry::Vacant(place) => {
-                    place.insert(i);
-                    continue;
-                }
-                Entry::Occupied(first) => &model.events[*first.get()],
-            };
-            list.add(
-                format!("events[{i}].{key}[{k}]"),
-                format!(
-                    "\"{id}\" is gone since event \"{}\" at {} s: leave one of both out",
-                    first.id, first.time_s
-                ),
-            );
-        }
     }
 }
 

@@ -11,11 +11,11 @@ use crate::mbs::error::SolveError;
 use crate::mbs::math::{self, V3};
 use crate::mbs::model::{Bending, Body, Bushing, Event, Force, Model};
 use crate::mbs::result::{
-    EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent, RunResult,
-    TrackedHistory, TurnHistory,
+    Energies, EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent,
+    RunResult, TrackedHistory, TurnHistory,
 };
 use crate::mbs::run::{
-    FINER_IDEAL, SAME, SolverOptions, closing_remarks, remark_on_late_events, remark_on_overlaps,
+    FINER_IDEAL, SAME, SolverOptions, closing_remarks, remark_on_overlaps, remarks_on_events,
 };
 
 /// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
@@ -138,7 +138,7 @@ impl<'a> Run<'a> {
         self.result
             .warnings
             .extend(self.marcher.confused.iter().map(|(id, at)| remark_on_turn(self.model, *id, *at)));
-        self.result.warnings.extend(remark_on_late_events(self.model));
+        self.result.warnings.extend(remarks_on_events(self.model));
         self.result.warnings.extend(closing_remarks(&self.record.books, contacts, FINER_IDEAL));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
@@ -375,25 +375,27 @@ impl Record {
         result: &mut RunResult,
     ) -> Result<(), SolveError> {
         let start = &self.start;
-        let e = &mut result.energies;
         let gravity_j = seen.gravity_j - start.gravity_j;
-        e.kinetic_j.push(seen.kinetic_j);
-        e.gravity_j.push(gravity_j);
-        e.joints_elastic_j.push(seen.elastic_j);
-        e.plastic_j.push(seen.plastic_j);
-        e.contact_elastic_j.push(0.0);
-        e.contact_damping_j.push(self.contact_j[0]);
-        e.friction_j.push(self.contact_j[1]);
         let unbound_j = self.unbound_j + seen.lost_j;
-        e.released_j.push(self.released_j + unbound_j + self.locked_j);
-        e.applied_j.push(if model.bushings.is_empty() {
+        let applied_j = if model.bushings.is_empty() {
             0.0 - seen.given_j
         } else {
             // their law books what they take by trapezoids of its own
             start.elastic_j - seen.work_j - seen.elastic_j - seen.plastic_j - unbound_j
-        });
+        };
+        let energies = Energies {
+            kinetic_j: seen.kinetic_j,
+            gravity_j,
+            joints_elastic_j: seen.elastic_j,
+            plastic_j: seen.plastic_j,
+            contact_damping_j: self.contact_j[0],
+            friction_j: self.contact_j[1],
+            released_j: self.released_j + unbound_j + self.locked_j,
+            applied_j,
+        };
+        result.energies.push(&energies);
         let turned_j = seen.kinetic_j + gravity_j.abs() + seen.plastic_j;
-        let error = self.books.note(e, self.kick_j, turned_j.max(seen.work_j.abs()));
+        let error = self.books.note(&energies, self.kick_j, turned_j.max(seen.work_j.abs()));
         if error <= options.energy_limit {
             return self.books.check_contacts(time, options.energy_limit, step);
         }

@@ -32,7 +32,7 @@ mod work;
 pub(super) use self::entry::simulate_varied;
 pub use self::entry::{REPEATED, SolverOptions, simulate, simulate_carefully, simulate_with};
 pub(super) use self::output::remark_on_overlaps;
-pub(super) use self::remarks::{FINER_IDEAL, closing_remarks, remark_on_late_events};
+pub(super) use self::remarks::{FINER_IDEAL, closing_remarks, remarks_on_events};
 use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, outputs, preload_error, usable_step};
 use super::balance::Balance;
@@ -57,6 +57,8 @@ pub const LARGEST_STEP_S: f64 = 1e-3;
 pub const LARGEST_RELATED_STEP_S: f64 = 2.5e-3;
 /// The same once springs are softer ([`Run::soften`]).
 const LARGEST_SOFT_STEP_S: f64 = 1.5e-3;
+/// How often the energy balance is looked at between outputs that are farther apart \[s\].
+const LOOK_S: f64 = 0.01;
 /// Most automatic steps between two outputs, as more points to a wrong stiffness or mass; most steps of a given length.
 pub(super) const MOST_STEPS: f64 = 2e9;
 
@@ -122,6 +124,8 @@ struct Run<'a> {
     plastic_start: f64,
     released: f64,
     books: Balance,
+    /// When it was looked at last \[s\].
+    balanced_s: Option<f64>,
     preloading: bool,
 }
 
@@ -202,6 +206,7 @@ impl<'a> Run<'a> {
             hinges,
             released: 0.0,
             books: Balance::default(),
+            balanced_s: None,
             preloading: file.settings.preload,
         };
         run.upright = run.system.bodies[..n].iter().map(|b| b.r).collect();
@@ -294,6 +299,13 @@ impl<'a> Run<'a> {
         for i in 0..count as usize {
             if i > 0 {
                 self.forces();
+                if self.time - self.balanced_s.unwrap_or(0.0) >= LOOK_S {
+                    self.balance()?;
+                    if self.system.relative.is_some() {
+                        self.resolve();
+                        return Ok(false);
+                    }
+                }
             }
             if self.step_limit < (1.0 - 1e-9) * h {
                 return Ok(false);

@@ -6,7 +6,7 @@ use crate::mbs::balance::Balance;
 use crate::mbs::contact::{ContactSet, Overlap};
 use crate::mbs::error::SolveError;
 use crate::mbs::model::Model;
-use crate::mbs::result::Frame;
+use crate::mbs::result::{Energies, Frame};
 use crate::mbs::system::BodyState;
 use crate::mbs::{math, step};
 
@@ -46,14 +46,8 @@ impl Run<'_> {
     }
 
     pub(super) fn output(&mut self) -> Result<(), SolveError> {
-        let n = self.system.count();
-        if let Some(i) = (0..n).find(|i| !finite(&self.system.bodies[*i])) {
-            return Err(SolveError::NotANumber {
-                time_s: self.time,
-                body: self.model.bodies[i].id.clone(),
-                joints: joints_of(&self.model, i),
-            });
-        }
+        let energies = self.balance()?;
+        self.result.energies.push(&energies);
         self.result.times_s.push(self.time);
         for k in 0..self.tracked.len() {
             let point = self.place_of(self.tracked[k]);
@@ -63,7 +57,7 @@ impl Run<'_> {
         if !self.options.brief {
             self.histories();
         }
-        self.balance()
+        Ok(())
     }
 
     /// Records poses, hinges and crushed ends.
@@ -106,56 +100,69 @@ impl Run<'_> {
         }
     }
 
-    /// Records the energies and checks their sum.
-    fn balance(&mut self) -> Result<(), SolveError> {
+    /// Looks at the sum of all energies, where forces are known.
+    pub(super) fn balance(&mut self) -> Result<Energies, SolveError> {
         let n = self.system.count();
-        let alive = (0..n).filter(|i| self.system.data[*i].alive);
-        let (mut kinetic, mut gravity) = (0.0, 0.0);
-        for i in alive {
-            if !self.system.data[i].asleep {
-                kinetic +=
-                    step::kinetic_j(&self.system.bodies[i], &self.system.data[i], 0.5 * self.last_step);
-            }
-            gravity += self.gravity_energy(i);
+        if let Some(i) = (0..n).find(|i| !finite(&self.system.bodies[*i])) {
+            return Err(SolveError::NotANumber {
+                time_s: self.time,
+                body: self.model.bodies[i].id.clone(),
+                joints: joints_of(&self.model, i),
+            });
         }
-        let half = 0.5 * self.last_step;
-        kinetic += self.system.shared_j(|_, body, data| step::velocities(body, data, half));
-        let kick = self.system.kick_j(half);
-        // what the spans of beams sag by themselves
-        gravity +=
-            self.system.joints.iter().filter_map(|j| j.beam.as_ref()).map(|b| b.against_load_j).sum::<f64>();
-        let [carried, let_go] = self.system.carried_j();
-        let joints =
-            carried + self.system.joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum::<f64>();
-        let plastic: f64 = self.system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum::<f64>()
-            - self.plastic_start;
-        let contact = self.contacts.energy;
-        let e = &mut self.result.energies;
-        e.kinetic_j.push(kinetic);
-        e.gravity_j.push(gravity);
-        e.joints_elastic_j.push(joints);
-        e.plastic_j.push(plastic);
-        e.contact_elastic_j.push(0.0);
-        e.contact_damping_j.push(contact.normal_j + self.opened + self.sleep.taken_j);
-        e.friction_j.push(contact.friction_j);
-        e.released_j.push(self.released + let_go);
-        e.applied_j.push(0.0);
-        if e.kinetic_j.len() == 1 {
-            // One millimetre of fall: the scale of a model in which nothing happens.
-            let mass: f64 = self.system.data.iter().map(|d| d.mass).sum();
-            let scale_j = 1e-3 * mass * math::norm(self.system.gravity) + kinetic + joints;
-            let gravity = math::norm(self.system.gravity);
-            let weights = self.system.data.iter().take(self.system.count()).enumerate();
-            let contacts_j =
-                Balance::of_contacts(weights.map(|(i, d)| (d.mass * gravity, self.contacts.radius_m(i))));
-            self.books = Balance::new(scale_j, contacts_j);
+        let energies = self.energies();
+        let kick_j = self.system.kick_j(0.5 * self.last_step);
+        if self.balanced_s.replace(self.time).is_none() {
+            self.books = self.first_books(&energies);
         }
-        let error = self.books.note(e, kick, kinetic + gravity.abs() + plastic.abs());
+        let turned_j = energies.kinetic_j + energies.gravity_j.abs() + energies.plastic_j.abs();
+        let error = self.books.note(&energies, kick_j, turned_j);
         (self.result.energy_error, self.result.energy_growth) = (self.books.error, self.books.growth);
         if error.is_nan() || error > self.options.energy_limit {
             return Err(self.energy_error(error));
         }
-        self.books.check_contacts(self.time, self.options.energy_limit, self.step_limit)
+        self.books.check_contacts(self.time, self.options.energy_limit, self.step_limit)?;
+        Ok(energies)
+    }
+
+    fn energies(&mut self) -> Energies {
+        let alive = (0..self.system.count()).filter(|i| self.system.data[*i].alive);
+        let (mut kinetic_j, mut gravity_j) = (0.0, 0.0);
+        let half = 0.5 * self.last_step;
+        for i in alive {
+            if !self.system.data[i].asleep {
+                kinetic_j += step::kinetic_j(&self.system.bodies[i], &self.system.data[i], half);
+            }
+            gravity_j += self.gravity_energy(i);
+        }
+        kinetic_j += self.system.shared_j(|_, body, data| step::velocities(body, data, half));
+        let joints = &self.system.joints;
+        // what the spans of beams sag by themselves
+        gravity_j += joints.iter().filter_map(|j| j.beam.as_ref()).map(|b| b.against_load_j).sum::<f64>();
+        let [carried, let_go] = self.system.carried_j();
+        let contact = self.contacts.energy;
+        Energies {
+            kinetic_j,
+            gravity_j,
+            joints_elastic_j: carried + joints.iter().filter(|j| j.alive).map(|j| j.elastic_j).sum::<f64>(),
+            plastic_j: joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum::<f64>()
+                - self.plastic_start,
+            contact_damping_j: contact.normal_j + self.opened + self.sleep.taken_j,
+            friction_j: contact.friction_j,
+            released_j: self.released + let_go,
+            applied_j: 0.0,
+        }
+    }
+
+    /// The scales of a model in which nothing happens: one millimetre of fall.
+    fn first_books(&self, energies: &Energies) -> Balance {
+        let gravity = math::norm(self.system.gravity);
+        let mass: f64 = self.system.data.iter().map(|d| d.mass).sum();
+        let scale_j = 1e-3 * mass * gravity + energies.kinetic_j + energies.joints_elastic_j;
+        let weights = self.system.data.iter().take(self.system.count()).enumerate();
+        let contacts_j =
+            Balance::of_contacts(weights.map(|(i, d)| (d.mass * gravity, self.contacts.radius_m(i))));
+        Balance::new(scale_j, contacts_j)
     }
 
     fn energy_error(&self, error: f64) -> SolveError {

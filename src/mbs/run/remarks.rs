@@ -4,7 +4,7 @@ use super::SAME;
 use super::entry::GROWTH;
 use crate::mbs::balance::Balance;
 use crate::mbs::contact::Work;
-use crate::mbs::model::{Event, Model};
+use crate::mbs::model::{Event, Force, Model};
 
 /// Energy error worth a warning.
 const ENERGY_WORTH_TELLING: f64 = 1e-3;
@@ -54,8 +54,34 @@ pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, f
     list
 }
 
+/// What of the events and forces of a model does not happen, whatever the run does.
+pub(in crate::mbs) fn remarks_on_events(model: &Model) -> Vec<String> {
+    [remark_on_late_events(model), remark_on_late_forces(model)].into_iter().flatten().collect()
+}
+
+/// That forces that begin after the end do not act, if there are any.
+fn remark_on_late_forces(model: &Model) -> Option<String> {
+    let end_s = model.settings.end_time_s;
+    let begins = |f: &Force| match f {
+        Force::Force { from_to_s: Some([from, _]), .. }
+        | Force::Torque { from_to_s: Some([from, _]), .. } => *from,
+        _ => 0.0,
+    };
+    let mut late = model.forces.iter().filter(|f| begins(f) >= end_s);
+    let first = late.next()?;
+    let others = match late.count() {
+        0 => "does not act".into(),
+        more => format!("and {more} more do not act"),
+    };
+    Some(format!(
+        "force \"{}\" from {} s {others}: the run ends before, at settings.end_time_s = {end_s}",
+        first.id(),
+        begins(first)
+    ))
+}
+
 /// That events after the end do not happen, if there are any.
-pub(in crate::mbs) fn remark_on_late_events(model: &Model) -> Option<String> {
+fn remark_on_late_events(model: &Model) -> Option<String> {
     let end_s = model.settings.end_time_s;
     let late: Vec<&Event> = model.events.iter().filter(|e| e.time_s > end_s * (1.0 + SAME)).collect();
     let first = late.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
