@@ -100,8 +100,16 @@ fn csv_of(model: &Model, table: &Table, results: &[Result<Summary, SolveError>])
         header.extend(["x", "y", "z"].map(|axis| format!("{}_{axis}_m", point.id)));
     }
     header.extend(
-        ["first_ground_contact_s", "hinges_yielded", "joints_separated", "energy_error", "steps", "error"]
-            .map(str::to_string),
+        [
+            "first_ground_contact_s",
+            "hinges_yielded",
+            "joints_separated",
+            "energy_error",
+            "steps",
+            "warnings",
+            "error",
+        ]
+        .map(str::to_string),
     );
     let put = |writer: &mut csv::Writer<Vec<u8>>, row: &[String]| {
         writer.write_record(row).map_err(|e| e.to_string())
@@ -114,7 +122,12 @@ fn csv_of(model: &Model, table: &Table, results: &[Result<Summary, SolveError>])
                 row.extend(s.displacements_m.iter().flatten().map(f64::to_string));
                 row.push(s.first_ground_contact_s.map(|t| t.to_string()).unwrap_or_default());
                 row.extend(s.counts.map(|c| c.to_string()));
-                row.extend([s.energy_error.to_string(), s.steps.to_string(), String::new()]);
+                row.extend([
+                    s.energy_error.to_string(),
+                    s.steps.to_string(),
+                    s.warnings.to_string(),
+                    String::new(),
+                ]);
             }
             Err(error) => {
                 row.resize(header.len() - 1, String::new());

@@ -2,7 +2,7 @@
 
 use super::compose::compared;
 use super::generate_mbs::{Comparison, MBS_RUNS};
-use super::verdict::{collapse_words, energy_warning, energy_words, sites_words, verdict};
+use super::verdict::{collapse_words, energy_warning, energy_words, moving_note, sites_words, verdict};
 use crate::building::Building;
 use crate::generate::{Generated, Unasked};
 use crate::mbs::RunResult;
@@ -88,6 +88,9 @@ pub fn as_text(s: &Summary) -> String {
         1e3 * s.mbs.cpu_s,
         energy_words(s.mbs.energy_error),
     );
+    if let Some(note) = moving_note(s.mbs_collapsed(), s.mbs) {
+        text += &format!("  note       {note}\n");
+    }
     if let Some(warning) = energy_warning(s.mbs.energy_error) {
         text += &format!("  warning    {warning}\n");
     }

@@ -125,6 +125,7 @@ impl<'a> Draft<'a> {
         let of_faces = struck.wanted.iter().map(|(id, wanted)| library.asked(id, None, || face(wanted)));
         let found = joints::entries(of_ends.chain(of_lines).chain(of_faces), store, library, progress)?;
         notes.extend(joints::Scaled::notes(&found.scaled));
+        notes.extend(found.withdrawn.iter().cloned());
         Ok(Curves { found, struck, notes })
     }
 

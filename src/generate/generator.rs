@@ -129,7 +129,7 @@ impl<'a> Generator<'a> {
         };
         let ((known, demands, frame), (around, mesh)) = rayon::join(solved, meshed);
         stages.end("demands, mesh", 0.0);
-        let library = joints::Known::of(store, derive);
+        let library = joints::Known::of(store, derive)?;
         stages.end("library", 0.0);
         let basis =
             Basis { building, rules, accuracy, structure, ends, plates, demands, frame, known, mesh, around };

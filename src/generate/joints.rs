@@ -3,6 +3,7 @@
 use super::bodies::Bodies;
 use super::decide::Decision;
 use super::through::half_joint_m;
+use super::withdrawn::Withdrawn;
 use super::{Derive, GenerateError};
 use crate::base::hash::ContentHash;
 use crate::building::ends::MemberEnd;
@@ -69,6 +70,8 @@ pub struct Entries {
     pub derived: Vec<String>,
     /// Those that are scaled from others.
     pub scaled: Vec<Scaled>,
+    /// What is to be told of entries that are deprecated.
+    pub withdrawn: Vec<String>,
     /// Time for entries that the library lacks \[s\].
     pub curves_s: f64,
 }
@@ -189,6 +192,7 @@ pub struct Asked {
 pub struct Known {
     derive: Derive,
     keys: Vec<String>,
+    withdrawn: Withdrawn,
     candidates: Candidates,
     /// Entries of ends that are crushed.
     crushed: Candidates,
@@ -204,21 +208,25 @@ pub struct Known {
 
 impl Known {
     /// Of a library.
-    pub fn of(store: &Store, derive: Derive) -> Self {
+    ///
+    /// # Errors
+    /// If the record of a deprecated entry cannot be read.
+    pub fn of(store: &Store, derive: Derive) -> Result<Self, StoreError> {
         let like = |kind| match derive {
             Derive::Similar => Candidates::of(store, kind),
             _ => Candidates::default(),
         };
-        Self {
+        Ok(Self {
             derive,
             keys: store.keys(),
+            withdrawn: Withdrawn::of(store)?,
             candidates: like(EntryKind::ColumnHinge),
             crushed: like(EntryKind::ContactCrushing),
             further: BTreeMap::new(),
             keys_of: RefCell::default(),
             keys_by: RefCell::default(),
             scaled: RefCell::default(),
-        }
+        })
     }
 
     /// From now on nothing is computed, but some entries are at hand.
@@ -232,13 +240,14 @@ impl Known {
         self.keys_by.borrow_mut().clear();
     }
 
-    /// Whether there is an entry of this key.
+    /// Whether there is an entry of this key, or a successor of it.
     fn has(&self, key: &str) -> bool {
         self.further.contains_key(key) || self.is_in_library(key)
     }
 
     fn is_in_library(&self, key: &str) -> bool {
-        self.keys.binary_search_by(|k| k.as_str().cmp(key)).is_ok()
+        let is_held = self.keys.binary_search_by(|k| k.as_str().cmp(key)).is_ok();
+        is_held && self.withdrawn.instead(key).is_some()
     }
 
     /// Whether the entry of a place was asked for before and is there.
@@ -332,8 +341,13 @@ pub fn entries(
     let began = Instant::now();
     let mut missing = Vec::new();
     for (key, (end, query)) in wanted {
+        if at_hand.withdrawn.reason(&key).is_some() {
+            found.withdrawn.push(at_hand.withdrawn.note(&end, &key));
+        }
         if at_hand.is_in_library(&key) {
-            found.entries.insert(key.clone(), store.get(&key)?);
+            let used = at_hand.withdrawn.instead(&key).unwrap_or(&key);
+            found.of_end.values_mut().filter(|k| **k == key).for_each(|k| *k = used.to_string());
+            found.entries.insert(used.to_string(), store.get(used)?);
             continue;
         }
         if let Some(entry) = at_hand.further.get(&key) {
@@ -346,6 +360,10 @@ pub fn entries(
             found.of_end.values_mut().filter(|k| **k == key).for_each(|k| k.clone_from(&similar.entry.key));
             found.entries.insert(similar.entry.key.clone(), similar.entry);
             continue;
+        }
+        if let Some(reason) = at_hand.withdrawn.reason(&key) {
+            let (key, reason) = (key.clone(), reason.to_string());
+            return Err(GenerateError::Withdrawn { end, key, reason });
         }
         missing.extend(query.map(|query| (key, end, query)));
     }

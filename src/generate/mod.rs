@@ -42,6 +42,7 @@ mod unmet;
 mod walls;
 mod webs;
 mod wish;
+mod withdrawn;
 
 pub use analyst::ANALYST;
 pub use beam_ends::BEAM_CURVES;
@@ -152,6 +153,18 @@ pub enum GenerateError {
     /// The library lacks entries.
     #[error("the library has no entry for {}; run with `--derive` to compute what is missing, or for columns with `--derive=similar` to scale the curves of similar ones or take those of their sections", .0.join(", "))]
     Missing(Vec<String>),
+    /// The entry that fits is no longer to be used, and nothing else fits.
+    #[error(
+        "the entry for {end} is deprecated ({reason}) and has no successor: {key}; name one with `fallwerk library deprecate {key} --successor KEY`, or run with `--derive=similar` to scale the curves of similar columns"
+    )]
+    Withdrawn {
+        /// The first place that asks for it.
+        end: String,
+        /// Its key.
+        key: String,
+        /// Why.
+        reason: String,
+    },
     /// A stretch of a member cannot be removed from a rigid body.
     #[error(
         "charge `{0}` removes a stretch of `{1}`: the MBS model takes whole members away only; give the charge without a stretch, or split the member"

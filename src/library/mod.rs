@@ -48,7 +48,7 @@ pub mod store;
 mod text;
 pub mod thin;
 
-pub use entry::{Computed, Entry, EntryKind, Features, Inputs, Origin};
+pub use entry::{Computed, Deprecation, Entry, EntryKind, Features, Inputs, Origin};
 pub use error::StoreError;
 pub use find::Query;
 pub use key::{is_key, key_of};

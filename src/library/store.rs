@@ -217,6 +217,16 @@ impl Store {
         }
     }
 
+    /// Why entries are deprecated, by their keys.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    pub fn deprecations(&self) -> Result<BTreeMap<String, Deprecation>, StoreError> {
+        let deprecated = self.index.iter().filter(|(_, item)| item.deprecated).map(|(key, _)| key);
+        let of = |key: &String| Ok(self.get(key)?.deprecated.map(|why| (key.clone(), why)));
+        deprecated.filter_map(|key| of(key).transpose()).collect()
+    }
+
     /// The one key that is meant by a key, its name without the kind, its hash, or the beginning of any of these.
     ///
     /// # Errors

@@ -55,6 +55,8 @@ pub struct Summary {
     pub counts: [usize; 2],
     /// Largest error of the energy balance relative to the energy turned over.
     pub energy_error: f64,
+    /// Warnings, as many as a single run gives.
+    pub warnings: usize,
     /// Steps.
     pub steps: usize,
     /// Processor time \[s\].
@@ -73,6 +75,7 @@ impl Summary {
                 count(|k| matches!(k, EventKind::Fracture { .. })),
             ],
             energy_error: result.energy_error,
+            warnings: result.warnings.len(),
             steps: result.steps,
             cpu_s: result.cpu_s,
         }

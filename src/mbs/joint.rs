@@ -13,6 +13,8 @@ use crate::base::piecewise::interpolate;
 use crate::curve::hinge::AxisLaw;
 use crate::curve::{CapacityTable, Hinge2};
 
+/// Sine of the angle to a plane across axis 0 up to which a direction lies in it.
+const ACROSS: f64 = 1e-9;
 /// Marks an axis without a curve.
 const NO_TABLE: u32 = u32::MAX;
 
@@ -99,8 +101,9 @@ impl JointData {
         let ((point_a, frame_a), (point_b, frame_b)) = (local(a), local(b));
         let [s1, s2] = joint.shear_stiffness_n_m;
         let center_a = if a + 1 == bodies.len() { joint.point_m } else { bodies[a].x };
-        let towards_b = math::dot(joint.axes[0], math::sub(bodies[b].x, center_a));
-        let outward = if towards_b < 0.0 { -1.0 } else { 1.0 };
+        let to_b = math::sub(bodies[b].x, center_a);
+        // across axis 0 neither sense points to the other body: no rounding may choose one
+        let outward = if math::dot(joint.axes[0], to_b) < -ACROSS * math::norm(to_b) { -1.0 } else { 1.0 };
         let compressive_most = joint.compressive_capacity_n.unwrap_or(f64::INFINITY);
         Self {
             a,

@@ -526,6 +526,27 @@ fn the_normalised_file_is_the_same_model_and_stays_as_it_is() {
     }
 }
 
+/// A hinge flows about each axis of its first body: about an oblique one it bears what all three bear together.
+#[test]
+fn a_hinge_about_an_oblique_axis_keeps_its_plastic_moment_in_mjcf() {
+    let value = serde_json::json!({
+        "schema": "fallwerk-mbs/2", "name": "oblique", "gravity_m_s2": [0.0, 0.0, 0.0],
+        "bodies": [{"id": "b", "mass_kg": 1.0, "position_m": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0],
+            "inertia_kg_m2": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            "velocity_m_s": [0.0, 0.0, 0.0], "angular_velocity_rad_s": [0.0, 0.0, 0.0]}],
+        "joints": [{"id": "j", "kind": "revolute", "body_b": "b", "point_m": [0.0, 0.0, 0.0], "axis": [1.0, 1.0, 1.0]}],
+        "forces": [{"kind": "hinge", "id": "h", "body_b": "b", "stiffness_nm_rad": 1e5, "capacity": [[0.0, 2.0]], "joint": "j"}],
+        "settings": {"end_time_s": 1.0, "output_interval_s": 0.1}
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("oblique.json");
+    std::fs::write(&path, value.to_string()).unwrap();
+    let text = written(&Model::read(&path).unwrap(), Target::Mjcf { loose: false }).text;
+    let (_, after) = text.split_once("springyield=\"").unwrap();
+    let yields: f64 = after.split('"').next().unwrap().parse().unwrap();
+    assert!((yields * 1e5 / (2.0 * 3.0_f64.sqrt()) - 1.0).abs() < 1e-9, "{yields}");
+}
+
 #[test]
 fn what_is_left_out_is_named_and_strict_makes_it_an_error() {
     let folder = tempfile::tempdir().unwrap();

@@ -246,7 +246,8 @@ fn what_is_gone_cannot_go_again() {
     assert_eq!(text, format!("{}\n{}", said(0), said(1)));
     // what holds a body goes with it
     let text = complaints(vec![event("one", 0.0, &["a"], &[]), event("two", 0.01, &[], &["j"])]);
-    let said = "events[1].release[0]: \"j\" is gone with body \"a\" since event \"one\" at 0 s: leave one of both out";
+    let said =
+        "events[1].release[0]: \"j\" is gone with \"a\" since event \"one\" at 0 s: leave one of both out";
     assert_eq!(text, said);
     let mut late = event("late", 0.02, &[], &[]);
     late.weaken = vec![Weakening { id: "j".into(), factor: 0.5 }];

@@ -349,3 +349,78 @@ fn a_member_that_hardens_stops_a_sudden_load() {
         assert!(said.starts_with("bushings[0].compressive_hardening: "), "{said}");
     }
 }
+
+/// Site grids and heights above the sea: the same state anywhere within a kilometre.
+#[test]
+fn the_static_state_does_not_depend_on_the_origin() {
+    let here = simulate(&table_frame()).unwrap();
+    let mut m = table_frame();
+    let off = [900.0, -700.0, 450.0];
+    let moved = |x: [f64; 3]| [0, 1, 2].map(|k| x[k] + off[k]);
+    m.bodies.iter_mut().for_each(|b| b.position_m = moved(b.position_m));
+    m.bushings.iter_mut().for_each(|b| b.point_m = moved(b.point_m));
+    m.tracked.iter_mut().for_each(|t| t.point_m = moved(t.point_m));
+    m.contact.ground.as_mut().unwrap().level_m = off[2];
+    let there = simulate(&m).unwrap();
+    let drift = there.tracked[0].displacement_m.iter().flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    assert!(drift < 1e-8, "{drift}");
+    for (a, b) in here.hinges.iter().zip(&there.hinges) {
+        assert!((a.axial_force_n[0] / b.axial_force_n[0] - 1.0).abs() < 1e-6, "{}", a.joint);
+    }
+}
+
+/// Hinges that flow and harden by a small part of their elastic stiffness under dead load: `M = M_0 + s (θ - M/K)`, `M = m g a cos θ`.
+#[test]
+fn hinges_that_harden_find_their_static_state() {
+    let (stiffness_nm_rad, mass, arm) = (1e6, 100.0, 1.0);
+    for (first, slope) in [(500.0, 15e3), (500.0, 1e5), (900.0, 1e5), (500.0, 3e5)] {
+        let mut m = model("cantilever", 0.1, 0.1);
+        let capacity = [[0.0, first], [0.1, first + 0.1 * slope]];
+        m.curves.insert(
+            "c".into(),
+            fallwerk::curve::ResistanceCurve { stiffness_nm_rad, ..curve(&capacity, 1.0) },
+        );
+        m.bodies.push(Body { mass_kg: mass, ..solid("beam", [arm, 0.0, 0.0], [2.0, 0.2, 0.2]) });
+        m.bushings.push(Bushing {
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            ..joint("clamp", None, "beam", [0.0; 3], 1e9, 1e7, [hinge("c"), elastic(1e7)])
+        });
+        m.settings.preload = true;
+        let result = simulate(&m).unwrap();
+        let mut angle: f64 = 0.0;
+        for _ in 0..2000 {
+            let moment = mass * G * arm * angle.cos();
+            angle += 0.1 * (moment / stiffness_nm_rad + (moment - first) / slope - angle);
+        }
+        let found = result.hinges[0].rotation_rad[0][0].abs();
+        println!("{found:.8} {angle:.8}, {:?} iterations", result.preload_iterations);
+        assert!((found / angle - 1.0).abs() < 1e-6, "{first} {slope}: {found} {angle}");
+    }
+}
+
+/// A body whose centre of mass lies across axis 0 of its bracket: what is tension there does not depend on how the scene lies in space.
+#[test]
+fn a_bracket_tears_by_the_sense_of_its_axis() {
+    for (up, tears) in [(1.0, false), (-1.0, true)] {
+        for i in 0..8 {
+            let (s, c) = (0.3 * f64::from(i)).sin_cos();
+            let turned = |[x, y, z]: [f64; 3]| [c * x + s * z, y, c * z - s * x];
+            let mut m = model("bracket", 0.2, 0.1);
+            m.gravity_m_s2 = turned([0.0, 0.0, -10.0]);
+            let half = 0.15 * f64::from(i);
+            m.bodies.push(Body {
+                mass_kg: 100.0,
+                orientation: [half.cos(), 0.0, half.sin(), 0.0],
+                ..solid("door", turned([1.0, 0.0, 0.0]), [2.0, 0.1, 1.0])
+            });
+            m.bushings.push(Bushing {
+                axes: [[0.0, 0.0, up], [up, 0.0, 0.0], [0.0, 1.0, 0.0]].map(turned),
+                tensile_capacity_n: Some(500.0),
+                ..joint("bracket", None, "door", [0.0; 3], 1e7, 1e7, [elastic(1e7), elastic(1e7)])
+            });
+            let result = simulate(&m).unwrap();
+            let torn = result.events.iter().any(|e| matches!(e.kind, EventKind::Fracture { .. }));
+            assert_eq!(torn, tears, "{i}");
+        }
+    }
+}

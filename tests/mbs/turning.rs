@@ -231,3 +231,22 @@ fn the_rotation_of_a_bushing_on_an_ideal_joint_is_told_with_its_revolutions() {
     let far = off(&result, |i| result.hinges[0].rotation_rad[i][0], |t| 5.0 * t - 0.5 * t * t);
     assert!(far < 0.05, "{far}");
 }
+
+/// A joint that is released takes the hinge on it along: nothing turns the body any more.
+#[test]
+fn a_hinge_goes_with_its_joint() {
+    let mut m = spinning([1.0, 1.0, 1.0], [0.0, 0.0, 2.0], JointKind::Revolute, 1.0);
+    let Force::Hinge { id, body_a, body_b, stiffness_nm_rad, capacity, fracture_rad, .. } = hinge(40.0, 1e9)
+    else {
+        unreachable!()
+    };
+    let joint = Some("j".to_string());
+    m.forces.push(Force::Hinge { id, body_a, body_b, stiffness_nm_rad, capacity, fracture_rad, joint });
+    m.events.push(Event { release: vec!["j".into()], ..Event::at("cut", 0.2) });
+    let result = simulate(&m).unwrap();
+    assert!(result.energies.joints_elastic_j[3] > 0.1, "{:?}", result.energies.joints_elastic_j);
+    let kinetic = &result.energies.kinetic_j[5..];
+    assert!(kinetic.iter().all(|k| (k / kinetic[0] - 1.0).abs() < 1e-9), "{kinetic:?}");
+    assert!(result.energies.joints_elastic_j[5..].iter().all(|e| *e == 0.0));
+    assert!(result.energy_error < 1e-6, "{}", result.energy_error);
+}

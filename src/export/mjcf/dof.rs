@@ -3,7 +3,7 @@
 use super::tree::{Edge, Via, parallel};
 use crate::export::backbone::{of_curve, of_hinge, peak_nm};
 use crate::export::{BEAM_STAYS_ELASTIC, Notes, number::plain};
-use crate::mbs::math::V3;
+use crate::mbs::math::{self, V3};
 use crate::mbs::model::{Bending, Bushing, Force, Joint, JointKind, Model};
 
 /// Kind of a joint.
@@ -40,7 +40,7 @@ pub(super) fn dofs(model: &Model, edge: &Edge, notes: &mut Notes) -> Vec<Dof> {
         Via::Joint(i) => {
             let mut list = of_joint(&model.joints[i]);
             for &force in &edge.springs {
-                attach(&model.forces[force], &mut list, notes);
+                attach(model, &model.forces[force], &mut list, notes);
             }
             list
         }
@@ -77,8 +77,16 @@ fn of_joint(joint: &Joint) -> Vec<Dof> {
         .collect()
 }
 
+/// How much more than one axis bears the three axes of a body bear together about another one: a rotation about it flows about all of them.
+fn shares_of(model: &Model, body: Option<&str>, axis: V3) -> f64 {
+    let turn =
+        body.and_then(|id| model.bodies.iter().find(|b| b.id == id)).map(|b| math::qmat(b.orientation));
+    let along = turn.map_or(axis, |r| math::mul_t(&r, axis));
+    along.iter().map(|v| v.abs()).sum::<f64>() / math::norm(axis)
+}
+
 /// Puts a spring or hinge on the joints that turn about its axes.
-fn attach(force: &Force, list: &mut [Dof], notes: &mut Notes) {
+fn attach(model: &Model, force: &Force, list: &mut [Dof], notes: &mut Notes) {
     match force {
         Force::Torsion { axis, stiffness_nm_rad, damping_nm_s_rad, .. } => {
             let turning = list.iter_mut().find(|d| d.kind == Kind::Hinge && parallel(d.axis, *axis));
@@ -87,12 +95,14 @@ fn attach(force: &Force, list: &mut [Dof], notes: &mut Notes) {
                 dof.damping += damping_nm_s_rad;
             }
         }
-        Force::Hinge { id, stiffness_nm_rad, capacity, fracture_rad, joint, .. } => {
+        Force::Hinge { id, body_a, stiffness_nm_rad, capacity, fracture_rad, joint, .. } => {
+            let shares = |axis: V3| shares_of(model, body_a.as_deref(), axis);
             let peak = peak_nm(&of_hinge(*stiffness_nm_rad, capacity));
             let ball = list.iter().any(|d| d.kind == Kind::Ball);
             for dof in list.iter_mut().filter(|d| d.kind != Kind::Slide) {
                 dof.stiffness += stiffness_nm_rad;
-                dof.yields = Some(peak / stiffness_nm_rad);
+                let about = if dof.kind == Kind::Hinge { shares(dof.axis) } else { 1.0 };
+                dof.yields = Some(about * peak / stiffness_nm_rad);
             }
             if capacity.iter().any(|p| p[1] != capacity[0][1]) {
                 let text =
@@ -152,6 +162,12 @@ fn of_bushing(model: &Model, bushing: &Bushing, notes: &mut Notes) -> Vec<Dof> {
         dof("torsion", Kind::Hinge, 0, bushing.torsional_stiffness_nm_rad),
         bend(1, "bending-2"),
     ]);
+    if bushing.bending.iter().all(|b| b.curve().is_some()) {
+        notes.add(
+            &bushing.id,
+            "the ellipse that bounds the moments about both bending axes together is left out",
+        );
+    }
     notes.add_of_bushing(bushing);
     list
 }

@@ -36,18 +36,18 @@ pub(super) fn check_events(model: &Model, known: &BTreeSet<&str>, list: &mut Lis
     nothing_twice(model, list);
 }
 
-/// What one event has taken away no later one can take or weaken; events of one time in the order of the file. What holds a body is gone with it.
+/// What one event has taken away no later one can take or weaken; events of one time in the order of the file. What holds a body is gone with it, a hinge with its joint.
 fn nothing_twice(model: &Model, list: &mut List) {
     let mut order: Vec<usize> = (0..model.events.len()).collect();
     order.sort_by(|a, b| model.events[*a].time_s.total_cmp(&model.events[*b].time_s));
-    // since which event, and with which body
+    // since which event, and with which body or joint
     let mut bodies: BTreeMap<&str, usize> = BTreeMap::new();
     let mut holds: BTreeMap<&str, (usize, Option<&str>)> = BTreeMap::new();
     for i in order {
         let event = &model.events[i];
         let told = |id: &str, with: Option<&str>, since: usize| {
             let first = &model.events[since];
-            let with = with.map_or(String::new(), |body| format!(" with body \"{body}\""));
+            let with = with.map_or(String::new(), |other| format!(" with \"{other}\""));
             let (event, time_s) = (&first.id, first.time_s);
             format!("\"{id}\" is gone{with} since event \"{event}\" at {time_s} s: leave one of both out")
         };
@@ -65,6 +65,11 @@ fn nothing_twice(model: &Model, list: &mut List) {
                 }
             }
         }
+        for id in &event.release {
+            for own in hinges_on(model, id) {
+                holds.entry(own).or_insert((i, Some(id)));
+            }
+        }
         for (k, id) in event.remove_bodies.iter().enumerate() {
             match bodies.entry(id) {
                 Entry::Vacant(place) => {
@@ -79,6 +84,13 @@ fn nothing_twice(model: &Model, list: &mut List) {
             }
         }
     }
+}
+
+/// Bushings and forces that are hinges on a joint.
+fn hinges_on<'a>(model: &'a Model, joint: &'a str) -> impl Iterator<Item = &'a str> {
+    let bushings = model.bushings.iter().filter(move |b| b.joint.as_deref() == Some(joint));
+    let forces = model.forces.iter().filter(move |f| f.joint() == Some(joint));
+    bushings.map(|b| b.id.as_str()).chain(forces.map(|f| f.id()))
 }
 
 /// Bushings, joints and forces of a body.

@@ -279,7 +279,10 @@ impl ContactSet {
         if change > ROCKING * scale && may_search && self.settle(bodies, scale) {
             is_settled = true;
         }
-        self.work.unfinished += u64::from(change > s.tolerance * scale);
+        if change > s.tolerance * scale && self.work.last_unfinished != self.work.steps {
+            self.work.unfinished += 1;
+            self.work.last_unfinished = self.work.steps;
+        }
         self.count_sweeps(done, count);
         is_settled
     }

@@ -109,8 +109,10 @@ pub struct Work {
     pub left_alone: u64,
     /// Searches for the points of a pair.
     pub searches: u64,
-    /// Rounds of sweeps that ended before the tolerance was met.
+    /// Steps with sweeps that ended before the tolerance was met.
     pub unfinished: u64,
+    /// The last of them.
+    pub last_unfinished: u64,
     /// Steps in which friction was left out where it jammed bodies on ideal joints.
     pub jammed: u64,
     /// Deepest penetration seen at the begin of a step \[m\].

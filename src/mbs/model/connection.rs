@@ -161,6 +161,11 @@ impl Force {
         }
     }
 
+    /// The joint on which it is a hinge.
+    pub fn joint(&self) -> Option<&str> {
+        if let Self::Hinge { joint, .. } = self { joint.as_deref() } else { None }
+    }
+
     /// The bodies that it acts on: `None` is the ground.
     pub fn bodies(&self) -> Vec<Option<&str>> {
         match self {
@@ -177,7 +182,7 @@ impl Force {
 /// In the frame of the connection, carried by `a`, axis 0 is the member axis: translation 0 is axial, 1 and 2
 /// are shear; rotation 0 is torsion, 1 and 2 are bending about the axes 1 and 2. It is stress-free
 /// in the initial poses of the file, but for the weight of a beam. Bodies moving apart along axis 0 are in tension: apart means along the
-/// sense of axis 0 that points from the centre of mass of `a` (from the joint point, if `a` is the ground) to that of `b`.
+/// sense of axis 0 that points from the centre of mass of `a` (from the joint point, if `a` is the ground) to that of `b`; where that is across axis 0, axis 0 itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bushing {
