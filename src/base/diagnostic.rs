@@ -94,6 +94,12 @@ impl Diagnostics {
         Self { source, items }
     }
 
+    /// Adds a message that was found later.
+    pub fn add(&mut self, item: Diagnostic) {
+        let items = std::mem::take(&mut self.items).into_iter().chain([item]).collect();
+        *self = Self::new(self.source.clone(), items);
+    }
+
     /// The single message that a file cannot be read.
     pub fn unreadable(name: &str, problem: Unreadable) -> Self {
         let item = Diagnostic::error("unreadable", problem.message).help(problem.remedy);

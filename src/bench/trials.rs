@@ -42,7 +42,7 @@ pub fn trials() -> Result<Vec<Trial>, String> {
     list.meshes();
     list.laws();
     list.surroundings();
-    list.forms();
+    list.forms()?;
     Ok(list.trials)
 }
 
@@ -156,23 +156,24 @@ impl List {
         }
     }
 
-    fn forms(&mut self) {
+    fn forms(&mut self) -> Result<(), String> {
         for form in FORMS {
-            let mut model = self.sudden();
+            let mut model = self.sudden()?;
             model.mesh.laws.iter_mut().for_each(|l| l.form = form.form);
             self.model("element form", form.name.into(), model);
         }
+        Ok(())
     }
 
     /// The frame without its front columns, under gravity that acts at once.
-    fn sudden(&self) -> Model {
-        let mut model = of_building(&self.frame, None).model;
+    fn sudden(&self) -> Result<Model, String> {
+        let mut model = of_building(&self.frame, None).map_err(|e| e.to_string())?.model;
         let gone = |part: usize| self.frame.events.iter().any(|e| e.member == model.mesh.parts[part]);
         let kept: Vec<_> = model.mesh.elements.iter().filter(|e| !gone(e.part)).copied().collect();
         model.mesh.elements = kept;
         model.control.history_nodes.clear();
         model.body_contact = Some(ContactSettings::default());
-        model
+        Ok(model)
     }
 }
 

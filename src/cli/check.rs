@@ -1,12 +1,14 @@
 //! `fallwerk check`: reads a building file and says what is in it, or all that is wrong with it.
 
 use super::{Outcome, colour_on_stderr, print};
+use crate::base::diagnostic::Diagnostic;
 use crate::building::partition::Partition;
 use crate::building::{Building, Inspection, MemberKind, inspect_file};
 use crate::fe::apart::tied_members;
 use crate::fe::mesh::Mesh;
 use crate::fe::quality::{Quality, sliver_note};
 use crate::fe::tie::left_out_notes;
+use crate::fe::weld;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -29,15 +31,20 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Outcome {
-    let inspection = inspect_file(&arguments.file);
+    let mut inspection = inspect_file(&arguments.file);
+    let quality = inspection.building.as_ref().filter(|_| arguments.mesh).and_then(|building| {
+        let (quality, error) = mesh_quality(building);
+        error.into_iter().for_each(|e| inspection.diagnostics.add(e));
+        quality
+    });
     let unreadable = inspection.diagnostics.items().iter().any(|d| d.code == "unreadable");
     let outcome = match inspection.building {
-        Some(_) => Outcome::Done,
+        Some(_) if inspection.diagnostics.errors() == 0 => Outcome::Done,
         None if unreadable => Outcome::BadInput,
-        None => Outcome::CheckFailed,
+        _ => Outcome::CheckFailed,
     };
     if arguments.json {
-        print(&format!("{:#}\n", as_json(&inspection, arguments.mesh)));
+        print(&format!("{:#}\n", as_json(&inspection, quality)));
         return outcome;
     }
     if !inspection.diagnostics.items().is_empty() {
@@ -45,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Outcome {
     }
     if let Some(building) = &inspection.building {
         print(&summary(building));
-        if let Some((quality, notes)) = mesh_quality(building).filter(|_| arguments.mesh) {
+        if let Some((quality, notes)) = quality {
             print(&mesh_words(&quality, &notes));
         }
     }
@@ -112,18 +119,20 @@ fn summary(building: &Building) -> String {
     text
 }
 
-/// Quality of the building's mesh, and remarks on it.
-fn mesh_quality(building: &Building) -> Option<(Quality, Vec<String>)> {
+/// Quality of the building's mesh with remarks on it, and what makes it useless.
+fn mesh_quality(building: &Building) -> (Option<(Quality, Vec<String>)>, Option<Diagnostic>) {
     let size_m = building.settings.mesh_size_m;
     let (mesh, snapped) = Mesh::of(building, size_m);
-    let quality = Quality::of(&mesh, &snapped)?;
+    let welded = weld::check(building, &mesh, size_m).err();
+    let error = welded.map(|w| Diagnostic::error("closed-gap", w.problem()).help(w.remedy()));
+    let Some(quality) = Quality::of(&mesh, &snapped) else { return (None, error) };
     let mut notes: Vec<String> = sliver_note(building, &quality, size_m).into_iter().collect();
     notes.extend(left_out_notes(&mesh));
     let tied = tied_members(building, &mesh);
     if !tied.is_empty() {
         notes.push(format!("tied with a mesh of their own: {}", tied.join(", ")));
     }
-    Some((quality, notes))
+    (Some((quality, notes)), error)
 }
 
 fn mesh_words(quality: &Quality, notes: &[String]) -> String {
@@ -148,7 +157,7 @@ fn mesh_words(quality: &Quality, notes: &[String]) -> String {
     text
 }
 
-fn as_json(inspection: &Inspection, with_mesh: bool) -> serde_json::Value {
+fn as_json(inspection: &Inspection, quality: Option<(Quality, Vec<String>)>) -> serde_json::Value {
     let summary = inspection.building.as_ref().map(|building| {
         let shares = shares(building);
         let kinds: Vec<_> = shares
@@ -167,12 +176,11 @@ fn as_json(inspection: &Inspection, with_mesh: bool) -> serde_json::Value {
         })
     });
     let mut value = json!({
-        "ok": inspection.building.is_some(),
+        "ok": inspection.building.is_some() && inspection.diagnostics.errors() == 0,
         "summary": summary,
         "diagnostics": inspection.diagnostics.to_json(),
     });
-    if let Some((quality, notes)) = inspection.building.as_ref().filter(|_| with_mesh).and_then(mesh_quality)
-    {
+    if let Some((quality, notes)) = quality {
         value["mesh"] = json!(quality);
         value["mesh"]["notes"] = json!(notes);
     }

@@ -107,7 +107,7 @@ pub fn write_building(
     mesh_size_m: Option<f64>,
     path: &Path,
 ) -> Result<Outcome, Failure> {
-    let deck = of_building(building, mesh_size_m);
+    let deck = of_building(building, mesh_size_m).map_err(|e| Failure::input(e.to_string()))?;
     let written = write(&deck.model, &deck.comments);
     save(path, &written.text, &written.notes)
 }

@@ -5,6 +5,7 @@ use crate::building::ends::member_ends;
 use crate::building::partition::Partition;
 use crate::building::{Building, MemberKind};
 use crate::fe::mesh::Mesh;
+use crate::fe::weld::{self, Welds};
 use crate::library::derive::{DeriveError, Wanted};
 use crate::library::derive_contact::WantedContact;
 use crate::library::rc::{RC_UNTIL_RAD, RcDeriveError, RcWanted};
@@ -84,6 +85,9 @@ pub enum LibraryDeriveError {
     /// A member is turned out of the axes.
     #[error("{0}")]
     Skew(String),
+    /// The mesh joins members that stand apart.
+    #[error(transparent)]
+    Welded(#[from] Welds),
     /// The library refused.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -150,6 +154,7 @@ enum Asked {
 fn wanted(building: &Building) -> Result<BTreeMap<String, (String, Asked)>, LibraryDeriveError> {
     let partition = Partition::of(building);
     let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
+    weld::check(building, &mesh, building.settings.mesh_size_m)?;
     let mut wanted = BTreeMap::new();
     for end in member_ends(building, &partition) {
         let member = &building.members[end.member];

@@ -194,7 +194,7 @@ pub(super) fn join(mesh: &mut Mesh, building: &Building, blocks: &[Block], real_
 }
 
 /// Node numbers of the six faces of a hexahedron, within the element.
-const FACES: [[usize; 4]; 6] =
+pub(super) const FACES: [[usize; 4]; 6] =
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
 /// The faces that only one element has, with that element, in a fixed order.

@@ -3,12 +3,15 @@
 //! Faces closer together than [`SNAP_SHARE`] of the target size become one plane, in order of [`hold`]. In a coarse mesh that alone would merge the two
 //! faces of a member with each other, or its face with that of the member it lies under: the member would be without elements. So a face is kept after all, one
 //! at a time, where a member is left with less than half or more than twice its volume or one of its lengths ([`MOST_CHANGE`]). Kept faces are never given up again, and
-//! with all of them the planes are those of the building itself, so that every member has elements at any target size.
+//! with all of them the planes are those of the building itself, so that every member has elements at any target size. Faces of a gap are kept as well, if one of the members beside
+//! it is to have finer elements (`[[mesh.refine]]`) and the gap is wider than that share of their size; without it the mesh is refused ([`super::weld`]).
 
 use super::grid::SNAP_SHARE;
+use super::weld::{are_apart, gap, solids};
 use crate::base::geom::Aabb;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Member, MemberKind};
+use std::collections::BTreeMap;
 
 /// Factor by which the mesh may change the volume of a member, or the length of its solid along an axis, at most.
 pub const MOST_CHANGE: f64 = 2.0;
@@ -20,12 +23,70 @@ pub(super) const EMPTY: Aabb = Aabb { min: [f64::INFINITY; 3], max: [f64::INFINI
 pub(super) fn kept_planes(building: &Building, apart: &[bool], size_m: f64) -> [Vec<f64>; 3] {
     let mut kept = std::array::from_fn(|axis| kept_faces(building, apart, axis, SNAP_SHARE * size_m));
     let real_m3 = Partition::of(building).volumes(building.members.len());
-    while let Some(member) = most_lost(building, apart, &kept, &real_m3) {
-        let Some((axis, face)) = face_to_keep(building, apart, &kept, member) else { break };
+    let gaps = refined_gaps(building, apart, size_m);
+    loop {
+        let lost = most_lost(building, apart, &kept, &real_m3);
+        let face = lost.and_then(|member| face_to_keep(building, apart, &kept, member));
+        let Some((axis, face)) = face.or_else(|| gaps.iter().find_map(|gap| gap.face_to_keep(&kept))) else {
+            break;
+        };
         let at = kept[axis].partition_point(|k| *k < face);
         kept[axis].insert(at, face);
     }
     kept
+}
+
+/// A gap that the mesh is to keep open.
+struct Gap {
+    axis: usize,
+    /// The faces on both sides \[m\].
+    faces: [f64; 2],
+}
+
+impl Gap {
+    /// The face that is farther from its plane, with its axis, if both go to the same one.
+    fn face_to_keep(&self, kept: &[Vec<f64>; 3]) -> Option<(usize, f64)> {
+        let kept = &kept[self.axis];
+        let [a, b] = self.faces.map(|face| nearest(kept, face));
+        let off = self.faces.map(|face| (face - a).abs());
+        let farther = self.faces[usize::from(off[1] > off[0])];
+        ((a - b).abs() < COORDINATE_TOLERANCE_M).then_some((self.axis, farther))
+    }
+}
+
+/// The gaps beside members that are to have finer elements, wider than the share of their size that is merged.
+fn refined_gaps(building: &Building, apart: &[bool], size_m: f64) -> Vec<Gap> {
+    let on_planes = |m: &usize| !apart[*m] && !building.is_cut(&building.members[*m].id);
+    let mut finest: BTreeMap<usize, f64> = BTreeMap::new();
+    for refinement in &building.settings.meshing.refine {
+        if let Some(member) = building.members.iter().position(|m| m.id == refinement.member) {
+            let size = finest.entry(member).or_insert(size_m);
+            *size = size.min(refinement.size_m);
+        }
+    }
+    let mut gaps = Vec::new();
+    for (member, finer_m) in finest.into_iter().filter(|(m, _)| on_planes(m)) {
+        let own = solids(&building.members[member]);
+        for other in (0..building.members.len()).filter(|m| *m != member && on_planes(m)) {
+            let [a, b] = [member, other].map(|m| &building.members[m].solid);
+            if !a.is_nearer(b, 2.0 * SNAP_SHARE * size_m) {
+                continue;
+            }
+            let others = solids(&building.members[other]);
+            if !are_apart(&own, &others) {
+                continue;
+            }
+            for (p, q) in own.iter().flat_map(|p| others.iter().map(move |q| (p, q))) {
+                let (axis, gap_m) = gap(p, q);
+                if gap_m > SNAP_SHARE * finer_m {
+                    let above = p.min[axis] > q.min[axis];
+                    let faces = if above { [q.max[axis], p.min[axis]] } else { [p.max[axis], q.min[axis]] };
+                    gaps.push(Gap { axis, faces });
+                }
+            }
+        }
+    }
+    gaps
 }
 
 /// The building with solids and openings moved to the planes; members that stand apart have no cells in it.

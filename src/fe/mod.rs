@@ -43,3 +43,4 @@ pub mod tie;
 pub mod truss;
 pub mod vtu;
 pub mod watch;
+pub mod weld;

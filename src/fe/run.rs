@@ -16,6 +16,7 @@ use super::result::FeRun;
 use super::split;
 use super::vtu::{FrameSink, WrittenFrame};
 use super::watch::{Diagnosis, LOOK_STEPS};
+use super::weld::{self, Welds};
 use crate::base::cpu::{Elapsed, Stopwatch};
 use crate::base::hash::ContentHash;
 use crate::base::isa::Isa;
@@ -158,6 +159,9 @@ pub enum FeError {
         /// Mesh size \[m\].
         size_m: f64,
     },
+    /// Members joined across a gap.
+    #[error(transparent)]
+    Welded(#[from] Welds),
     /// All members are cut in preparation.
     #[error("there is nothing to compute: all members are cut in preparation; leave one of them standing")]
     Empty,
@@ -215,6 +219,7 @@ impl FeError {
     pub fn is_input(&self) -> bool {
         match self {
             Self::MassScaling(_) | Self::StepShare { .. } | Self::Unmeshed { .. } | Self::Empty => true,
+            Self::Welded(_) => true,
             Self::NoElements { .. } | Self::TooShort { .. } | Self::LongStep { .. } => true,
             Self::Restart(_) | Self::Output(_) | Self::Hybrid(_) => true,
             Self::Preload(_) | Self::Unsound(_) | Self::Contact { .. } => false,
@@ -319,7 +324,7 @@ fn added_words(added_share: f64) -> String {
     format!(", for which mass scaling adds {:.1} % to the mass of the building", 100.0 * added_share)
 }
 
-/// Refuses meshes in which a member, or what a charge is to remove, is missing.
+/// Refuses meshes in which a member, a gap, or what a charge is to remove, is missing.
 fn check_mesh(building: &Building, mesh: &Mesh, size_m: f64) -> Result<(), FeError> {
     let members = mesh.unmeshed(building);
     if !members.is_empty() {
@@ -328,6 +333,7 @@ fn check_mesh(building: &Building, mesh: &Mesh, size_m: f64) -> Result<(), FeErr
     if mesh.elements.is_empty() {
         return Err(FeError::Empty);
     }
+    weld::check(building, mesh, size_m)?;
     for charge in &building.events {
         if let Some([from_m, to_m]) = charge.stretch_m
             && !building.is_cut(&charge.member)

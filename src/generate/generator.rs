@@ -14,6 +14,7 @@ use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::lines::{Line as PlateLine, lines as plate_lines};
 use crate::building::{Building, Override};
 use crate::fe::mesh::Mesh;
+use crate::fe::weld;
 use crate::graph::demand::Solved;
 use crate::graph::frame::Frame;
 use crate::graph::{Demands, Structure};
@@ -129,6 +130,7 @@ impl<'a> Generator<'a> {
             (Surroundings::of(&mesh), mesh)
         };
         let ((known, demands, frame), (around, mesh)) = rayon::join(solved, meshed);
+        weld::check(building, &mesh, building.settings.mesh_size_m)?;
         stages.end("demands, mesh", 0.0);
         let library = joints::Known::of(store, derive)?;
         stages.end("library", 0.0);

@@ -7,7 +7,7 @@ use super::withdrawn::Withdrawn;
 use super::{Derive, GenerateError};
 use crate::base::hash::ContentHash;
 use crate::building::ends::MemberEnd;
-use crate::building::partition::Partition;
+use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Face, Homogenised, MemberKind};
 use crate::curve::ResistanceCurve;
 use crate::fe::mesh::Mesh;
@@ -173,10 +173,23 @@ pub fn curve_id(key: &str, axis: usize) -> String {
 /// What the entry of a column end is asked for, from a mesh around it.
 ///
 /// # Errors
-/// If it touches nothing.
+/// If it touches nothing, or lies elsewhere in the mesh.
 pub fn query(place: &Place, mesh: &Mesh, end: &MemberEnd) -> Result<Query, GenerateError> {
     let wanted = Wanted::of(place.building, place.partition, mesh, end);
-    wanted.map(Query::End).ok_or_else(|| GenerateError::Loose(end.id.clone()))
+    wanted.map(Query::End).ok_or_else(|| without_section(mesh, end))
+}
+
+/// Why there is no section at a member end in the mesh.
+fn without_section(mesh: &Mesh, end: &MemberEnd) -> GenerateError {
+    let (id, at_m) = (end.id.clone(), end.point_m[end.axis]);
+    let own = mesh.elements.iter().filter(|e| e.part == end.member).flat_map(|e| e.nodes);
+    let off = |z: &f64| (z - at_m).abs();
+    match own.map(|n| mesh.nodes[n][end.axis]).min_by(|a, b| off(a).total_cmp(&off(b))) {
+        Some(mesh_m) if off(&mesh_m) > COORDINATE_TOLERANCE_M => {
+            GenerateError::Moved { end: id, axis: ['x', 'y', 'z'][end.axis], at_m, mesh_m }
+        }
+        _ => GenerateError::Loose(id),
+    }
 }
 
 /// A place whose entry is asked for.

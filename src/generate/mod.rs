@@ -59,6 +59,7 @@ pub use webs::{StaysWhole, web_of};
 pub use wish::{Accuracy, Derive, Wishes};
 
 use crate::building::{Building, MemberKind};
+use crate::fe::weld::Welds;
 use crate::library::derive::DeriveError;
 use crate::library::{Entry, Store, StoreError};
 use crate::mbs::model::Model;
@@ -194,6 +195,24 @@ pub enum GenerateError {
         "member end {0} touches nothing, or nothing of it is in the mesh (`fallwerk check --mesh` names planes that are too close)"
     )]
     Loose(String),
+    /// A member end that the mesh has elsewhere.
+    #[error(
+        "member end {end} lies at {axis} = {at_m:.3} m, in the mesh at {mesh_m:.3} m: its face is one plane with that of another member, which is nearer than a quarter of the mesh size; \
+         give a `settings.mesh_size` below {:.3} m, or put both faces at the same height", 4.0 * (.at_m - .mesh_m).abs()
+    )]
+    Moved {
+        /// The end.
+        end: String,
+        /// Axis of the member.
+        axis: char,
+        /// Its place along the axis \[m\].
+        at_m: f64,
+        /// The place of the nearest nodes of the member \[m\].
+        mesh_m: f64,
+    },
+    /// The mesh joins members that stand apart.
+    #[error(transparent)]
+    Welded(#[from] Welds),
     /// A rule about events compares what is not known before them.
     #[error(transparent)]
     Event(#[from] crate::rules::residual::Unbound),

@@ -29,3 +29,4 @@ mod step;
 mod ties;
 mod truss;
 mod vtu;
+mod welds;

@@ -5,6 +5,7 @@ use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
 use crate::fe::mesh::Mesh;
 use crate::fe::model::{BodyLoad, Control, Curve, Model, RigidPlane};
+use crate::fe::weld::{self, Welds};
 
 /// A building's model with what a deck does not say of it.
 #[derive(Debug, Clone)]
@@ -16,9 +17,14 @@ pub struct BuildingDeck {
 }
 
 /// Mesh, gravity, ground and tracked points of a building at an element size \[m\] (`None`: the building's).
-pub fn of_building(building: &Building, mesh_size_m: Option<f64>) -> BuildingDeck {
+///
+/// # Errors
+/// If the mesh joins members that stand apart.
+pub fn of_building(building: &Building, mesh_size_m: Option<f64>) -> Result<BuildingDeck, Welds> {
     let settings = &building.settings;
-    let (mesh, _) = Mesh::of(building, mesh_size_m.unwrap_or(settings.mesh_size_m));
+    let size_m = mesh_size_m.unwrap_or(settings.mesh_size_m);
+    let (mesh, _) = Mesh::of(building, size_m);
+    weld::check(building, &mesh, size_m)?;
     let mut comments = vec![
         "Units: m, kg, s, N, Pa.".to_string(),
         "Gravity acts from the beginning of the run at its full value; fallwerk itself starts a building from its static state under dead load.".into(),
@@ -58,7 +64,7 @@ pub fn of_building(building: &Building, mesh_size_m: Option<f64>) -> BuildingDec
         control,
         ..Model::default()
     };
-    BuildingDeck { model, comments }
+    Ok(BuildingDeck { model, comments })
 }
 
 /// The node of its member nearest to each tracked point.

@@ -108,7 +108,7 @@ fn a_read_deck_is_written_as_it_was() {
 #[test]
 fn a_building_comes_back() {
     let building = fallwerk::building::parse(fallwerk::building::EXAMPLE, Format::Toml, "a.toml").unwrap();
-    let deck = of_building(&building, None);
+    let deck = of_building(&building, None).unwrap();
     let written = write(&deck.model, &deck.comments);
     assert!(written.text.contains("$ Charge") && written.text.contains("*ELEMENT_SOLID\n"));
     let read = good(&written.text);
