@@ -61,6 +61,7 @@ fn as_json(building: &Building, structure: &Structure, demands: &Demands) -> ser
         "removed": names(&removed.iter().copied().collect::<Vec<_>>()),
         "load_paths_after": structure.load_paths(building, &removed),
         "demands": demands,
+        "warnings": demands.warnings(),
     })
 }
 
@@ -190,6 +191,9 @@ fn states(out: &mut String, demands: &Demands) {
             StateSummary::Failed { reason } => format!("no solution: {reason}"),
         };
         let _ = writeln!(out, "  {name:<8}{line}");
+    }
+    for warning in demands.warnings() {
+        let _ = writeln!(out, "  warning: {warning}");
     }
     let _ = writeln!(
         out,

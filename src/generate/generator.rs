@@ -8,6 +8,7 @@ use super::draft::{Assembled, Draft};
 use super::known::Known;
 use super::{
     Accuracy, EventReason, GenerateError, Generated, Jointless, StaysWhole, Unmet, Wishes, joints, unasked,
+    undemanded,
 };
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::lines::{Line as PlateLine, lines as plate_lines};
@@ -161,7 +162,8 @@ impl<'a> Generator<'a> {
         let clusters = basis.clusters(&decision);
         let division = basis.divided(&clusters, &decision, library)?;
         stages.end("bodies", 0.0);
-        let mut notes = decision.notes.clone();
+        let mut notes = undemanded::notes(basis);
+        notes.extend(decision.notes.iter().cloned());
         notes.extend(division.notes.iter().cloned());
         notes.extend(division.unmet.iter().map(Unmet::words));
         let unmet = division.unmet.clone();

@@ -38,6 +38,7 @@ mod stretch;
 mod through;
 mod twist;
 mod unasked;
+mod undemanded;
 mod unmet;
 mod walls;
 mod webs;

@@ -16,6 +16,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
+/// Share of the weight that may be missing from the supports without a word.
+const BALANCE: f64 = 0.01;
+
 /// Demand against one capacity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Utilisation {
@@ -66,6 +69,8 @@ pub enum StateSummary {
         unknowns: usize,
         /// Members whose weight rests on nothing and was left out.
         unplaced: Vec<String>,
+        /// Columns and walls that touch a slab above them and bear nothing of it.
+        left_out: Vec<String>,
     },
     /// Parts can move freely.
     Mechanism(Mechanism),
@@ -126,7 +131,50 @@ impl Solved {
     }
 }
 
+impl StateSummary {
+    /// Why the forces of the state are not those of the building, each with what to do about it.
+    pub fn warnings(&self) -> Vec<String> {
+        let Self::Equilibrium { weight_n, reaction_sum_n, unplaced, left_out, .. } = self else {
+            return Vec::new();
+        };
+        let mut warnings = Vec::new();
+        let borne_n = reaction_sum_n[2];
+        if (borne_n - weight_n).abs() > BALANCE * weight_n {
+            let remedy = if unplaced.is_empty() {
+                "look at what the slabs rest on".to_string()
+            } else {
+                format!(
+                    "{} rest on nothing: give them ends of their own on columns or beams",
+                    unplaced.join(", ")
+                )
+            };
+            warnings.push(format!(
+                "the supports bear {:.3} kN of a weight of {:.3} kN, so that forces and ratios are too small; {remedy}",
+                borne_n / 1e3,
+                weight_n / 1e3
+            ));
+        }
+        if !left_out.is_empty() {
+            warnings.push(format!(
+                "{} touch a slab and bear nothing of it: their forces and ratios are too small, those of their neighbours too large; put a beam on them or a column in line with them",
+                left_out.join(", ")
+            ));
+        }
+        warnings
+    }
+}
+
 impl Demands {
+    /// Warnings of both states, each with the name of its state.
+    pub fn warnings(&self) -> Vec<String> {
+        let states = [("before", Some(&self.before)), ("after", self.after.as_ref())];
+        let named = |(name, state): (&str, Option<&StateSummary>)| {
+            let all = state.map(StateSummary::warnings).unwrap_or_default();
+            all.into_iter().map(|warning| format!("{name}: {warning}")).collect::<Vec<_>>()
+        };
+        states.into_iter().flat_map(named).collect()
+    }
+
     /// Largest ratio of demand to capacity of all column ends after the charges, or before if there are none; `None` if there is no solution.
     pub fn largest_of_columns(&self, building: &Building, ratio: fn(&EndState) -> f64) -> Option<f64> {
         let columns: BTreeSet<&str> =
@@ -158,6 +206,7 @@ fn state(
         largest_displacement_m: solution.displacement.iter().map(length).fold(0.0, f64::max),
         unknowns: solution.unknowns,
         unplaced: ideal.unplaced.clone(),
+        left_out: ideal.left_out.clone(),
     };
     let ends = ideal.ends.par_iter().zip(&structure.ends).map(|(place, end)| {
         let (element, side) = (*place)?;

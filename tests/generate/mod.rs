@@ -10,6 +10,7 @@ mod review;
 mod rigid;
 mod skipping;
 mod stiffness;
+mod undemanded;
 mod webs;
 
 use fallwerk::base::tree::Format;

@@ -145,3 +145,98 @@ fn cut_members_are_gone_before_the_dead_load_state() {
     let [a2, b1, b2] = ["C1-A2.bottom", "C1-B1.bottom", "C1-B2.bottom"].map(|id| axial(&demands, id));
     assert!(b2 < a2 && b2 < b1, "{a2} {b1} {b2}");
 }
+
+/// Two beams meet at their ends where no column is: there is one node, and no element without a length between two.
+#[test]
+fn beams_that_meet_where_no_column_is() {
+    let feet = |beyond: f64| {
+        let mut building = empty();
+        columns(&mut building, 3.5);
+        building.members.retain(|m| m.id != "C-B2");
+        building.supports.retain(|s| s.member != "C-B2");
+        add(&mut building, "B-1", MemberKind::Beam, [0.0, -0.15, 3.0], [6.0, 0.15, 3.5]);
+        add(&mut building, "B-A", MemberKind::Beam, [-0.15, 0.0, 3.0], [0.15, 5.0, 3.5]);
+        add(&mut building, "B-2", MemberKind::Beam, [0.0, 4.85, 3.0], [6.0 + beyond, 5.15, 3.5]);
+        add(&mut building, "B-B", MemberKind::Beam, [5.85, 0.0, 3.0], [6.15, 5.0, 3.5]);
+        let (_, demands) = solved(&building);
+        ["C-A1.bottom", "C-A2.bottom", "C-B1.bottom"].map(|id| axial(&demands, id))
+    };
+    let (met, past) = (feet(0.0), feet(0.15));
+    for (a, b) in met.iter().zip(past) {
+        assert!((a / b - 1.0).abs() < 0.05, "{met:?} {past:?}");
+    }
+}
+
+/// What the weight of a state is and its supports bear \[N\], who is left out, and the warnings.
+fn borne(state: &StateSummary) -> ([f64; 2], Vec<String>, Vec<String>) {
+    let StateSummary::Equilibrium { weight_n, reaction_sum_n, left_out, .. } = state else {
+        panic!("{state:?}")
+    };
+    ([*weight_n, reaction_sum_n[2]], left_out.clone(), state.warnings())
+}
+
+/// A column in the middle of a panel between beams bears its share, the same from all four sides.
+#[test]
+fn a_column_in_a_panel_bears() {
+    let mut building = empty();
+    columns(&mut building, 3.5);
+    add(&mut building, "B-1", MemberKind::Beam, [-0.2, -0.15, 3.0], [6.2, 0.15, 3.5]);
+    add(&mut building, "B-2", MemberKind::Beam, [-0.2, 4.85, 3.0], [6.2, 5.15, 3.5]);
+    add(&mut building, "B-A", MemberKind::Beam, [-0.15, -0.2, 3.0], [0.15, 5.2, 3.5]);
+    add(&mut building, "B-B", MemberKind::Beam, [5.85, -0.2, 3.0], [6.15, 5.2, 3.5]);
+    add(&mut building, "S", MemberKind::Slab, [-0.2, -0.2, 3.25], [6.2, 5.2, 3.5]);
+    add(&mut building, "K", MemberKind::Column, [2.8, 2.3, 0.0], [3.2, 2.7, 3.25]);
+    support(&mut building, "K");
+    let (structure, demands) = solved(&building);
+    let slab = structure.members().find(|m| m.id == "S").unwrap().mass.mass_kg * 9.81;
+    let share = axial(&demands, "K.top") / slab;
+    assert!((0.15..0.6).contains(&share), "{share}");
+    let feet = ["C-A1.bottom", "C-A2.bottom", "C-B1.bottom", "C-B2.bottom"].map(|id| axial(&demands, id));
+    assert!(feet.iter().all(|n| (n / feet[0] - 1.0).abs() < 1e-9), "{feet:?}");
+    let top = demands.ends.iter().find(|e| e.id == "K.top").unwrap().before.unwrap();
+    assert!(top.forces.moment_nm.iter().all(|m| m.abs() < 1.0), "{top:?}");
+    assert!(borne(&demands.before).2.is_empty());
+}
+
+/// A flat slab on columns off any grid rests on those that are left when one goes.
+#[test]
+fn columns_out_of_line_bear_a_flat_slab() {
+    let mut building = empty();
+    let places = [("C0", 0.0, 0.0), ("C1", 5.0, 0.8), ("C2", 0.9, 5.0), ("C3", 5.8, 5.7)];
+    for (id, x, y) in places {
+        add(&mut building, id, MemberKind::Column, [x - 0.2, y - 0.2, 0.0], [x + 0.2, y + 0.2, 3.0]);
+        support(&mut building, id);
+    }
+    for (id, x, y) in places {
+        let id = format!("{id}-up");
+        add(&mut building, &id, MemberKind::Column, [x - 0.2, y - 0.2, 3.0], [x + 0.2, y + 0.2, 6.0]);
+    }
+    add(&mut building, "S1", MemberKind::Slab, [-0.2, -0.2, 2.75], [6.2, 6.2, 3.0]);
+    add(&mut building, "S2", MemberKind::Slab, [-0.2, -0.2, 5.75], [6.2, 6.2, 6.0]);
+    super::buildings::charge(&mut building, "C0");
+    let (_, demands) = solved(&building);
+    let top = demands.ends.iter().find(|e| e.id == "C3.top").unwrap().before.unwrap();
+    assert!(top.section.ratio > 0.0, "the slab clamps it: {top:?}");
+    let ([weight, supports], _, warnings) = borne(demands.after.as_ref().unwrap());
+    assert!(
+        (supports / weight - 1.0).abs() < 1e-9 && warnings.is_empty(),
+        "{weight} {supports} {warnings:?}"
+    );
+}
+
+/// A column under a slab that rests on beams, where no other column is: nothing goes to it, which is told.
+#[test]
+fn a_column_that_is_left_out_is_told() {
+    let mut building = empty();
+    columns(&mut building, 3.5);
+    add(&mut building, "B-1", MemberKind::Beam, [-0.2, -0.3, 3.0], [6.2, 0.3, 3.5]);
+    add(&mut building, "B-2", MemberKind::Beam, [-0.2, 4.7, 3.0], [6.2, 5.3, 3.5]);
+    add(&mut building, "S", MemberKind::Slab, [0.25, 0.25, 3.25], [5.75, 4.75, 3.5]);
+    add(&mut building, "K", MemberKind::Column, [2.8, 2.3, 0.0], [3.2, 2.7, 3.25]);
+    support(&mut building, "K");
+    let (_, demands) = solved(&building);
+    let (_, left_out, warnings) = borne(&demands.before);
+    assert_eq!(left_out, ["K"]);
+    assert!(warnings.len() == 1 && warnings[0].starts_with("K touch"), "{warnings:?}");
+    assert!(demands.warnings()[0].starts_with("before: K touch"));
+}

@@ -150,7 +150,7 @@ impl Builder<'_> {
             for end in ends {
                 let node = self.node_of_end(end, span, &blocks, &joint_of);
                 let coordinate = self.structure.ends[end].point_m[self.spans[span].axis];
-                self.spans[span].nodes.push((coordinate, node));
+                self.seat(span, coordinate, node);
             }
         }
         self.seat_lone_joints();
@@ -204,15 +204,38 @@ impl Builder<'_> {
 
     /// The node of a span at a coordinate inside it, a new one if there is none.
     fn node_on(&mut self, span: usize, coordinate: f64) -> usize {
-        let here = |(at, _): &&(f64, usize)| (at - coordinate).abs() < COORDINATE_TOLERANCE_M;
-        if let Some((_, node)) = self.spans[span].nodes.iter().find(here) {
-            return *node;
+        if let Some(node) = self.seated_at(span, coordinate) {
+            return node;
         }
         let point = self.spans[span].point(coordinate);
         self.nodes.push(FrameNode::free(format!("on {}", self.spans[span].name), point));
         let node = self.nodes.len() - 1;
         self.spans[span].nodes.push((coordinate, node));
         node
+    }
+
+    /// The node of a span at a coordinate.
+    fn seated_at(&self, span: usize, coordinate: f64) -> Option<usize> {
+        let here = |(at, _): &&(f64, usize)| (at - coordinate).abs() < COORDINATE_TOLERANCE_M;
+        self.spans[span].nodes.iter().find(here).map(|(_, node)| *node)
+    }
+
+    /// Puts a node on a span. Where there is one already, as at the end of a beam on which the end of another one has been hung, both are one node: an
+    /// element between them would have no length.
+    fn seat(&mut self, span: usize, coordinate: f64, node: usize) {
+        match self.seated_at(span, coordinate) {
+            Some(seated) => self.unite(seated, node),
+            None => self.spans[span].nodes.push((coordinate, node)),
+        }
+    }
+
+    /// Makes one node of two: the clamped one if one is, or else that of a joint.
+    fn unite(&mut self, a: usize, b: usize) {
+        let rank = |n: usize| (self.nodes[n].fixed[0], self.joints.iter().any(|joint| joint.node == n));
+        let [kept, gone] = if rank(b) > rank(a) { [b, a] } else { [a, b] };
+        let seats = self.spans.iter_mut().flat_map(|span| span.nodes.iter_mut().map(|(_, node)| node));
+        let joints = self.joints.iter_mut().map(|joint| &mut joint.node);
+        seats.chain(joints).filter(|node| **node == gone).for_each(|node| *node = kept);
     }
 
     /// A joint into which no beam ends but through which one passes (a column under or on a beam's span).
@@ -228,7 +251,7 @@ impl Builder<'_> {
             let [x, y, _] = self.nodes[node].point_m;
             for level in range {
                 let Some((span, coordinate)) = self.beam_at([x, y, level], usize::MAX) else { continue };
-                self.spans[span].nodes.push((coordinate, node));
+                self.seat(span, coordinate, node);
                 break;
             }
         }

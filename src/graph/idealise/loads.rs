@@ -7,6 +7,7 @@ use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::graph::frame::LineLoad;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// Carriers as near as this share a sample point's load \[m\]: the diagonals of a symmetric panel.
 const TIE_M: f64 = 1e-9;
@@ -140,7 +141,8 @@ impl Builder<'_> {
             let width = (span.range[1] - span.range[0]) / bins.len() as f64;
             let loads = bins.iter().enumerate().map(|(i, force)| {
                 let from = span.range[0] + width * i as f64;
-                ([from, if i + 1 == bins.len() { span.range[1] } else { from + width }], force / width)
+                let to = if i + 1 == bins.len() { span.range[1] } else { from + width };
+                ([from, to], force / (width * span.stretch()))
             });
             let loads: Vec<_> = loads.collect();
             span.loads.extend(loads);
@@ -151,7 +153,10 @@ impl Builder<'_> {
     /// A slab without beams and strips: on the nearest joints.
     fn place_slab_on_joints(&mut self, slab: usize, weight: f64) -> bool {
         let joints = self.joints_in_slab(slab);
-        let nodes: Vec<usize> = joints.iter().map(|j| self.joints[*j].node).collect();
+        // the block of a column that is gone bears nothing unless a bar holds it
+        let bars: BTreeSet<usize> = self.spans.iter().flat_map(|s| &s.nodes).map(|(_, node)| *node).collect();
+        let nodes = joints.iter().map(|j| self.joints[*j].node);
+        let nodes: Vec<usize> = nodes.filter(|n| bars.contains(n)).collect();
         for cell in self.structure.boxes(slab) {
             for (point, force) in Samples::of(cell, weight).each() {
                 let distance = |n: usize| {
@@ -170,10 +175,9 @@ impl Builder<'_> {
 
 /// A horizontal span as a box without height.
 fn in_plan(span: &Span) -> Aabb {
-    let (mut low, mut high) = (span.line, span.line);
-    (low[span.axis], high[span.axis]) = (span.range[0], span.range[1]);
-    (low[2], high[2]) = (0.0, 0.0);
-    Aabb { min: low, max: high }
+    let [from, to] = span.range.map(|coordinate| span.point(coordinate));
+    let flat = |pick: fn(f64, f64) -> f64| [pick(from[0], to[0]), pick(from[1], to[1]), 0.0];
+    Aabb { min: flat(f64::min), max: flat(f64::max) }
 }
 
 fn bin_count(span: &Span) -> usize {
@@ -225,8 +229,10 @@ impl<'a> Shares<'a> {
         self.distances_m.truncate(scratch);
         if x * y == 1 {
             let share = samples.force / (candidates.len() - end) as f64;
-            candidates[end..].iter().for_each(|i| self.bear(*i, middle[self.spans[*i].axis], share));
-        } else if let [only] = candidates[end..] {
+            candidates[end..].iter().for_each(|i| self.bear(*i, project(self.spans[*i], middle).1, share));
+        } else if let [only] = candidates[end..]
+            && self.spans[only].skew == 0.0
+        {
             let axis = self.spans[only].axis;
             let force = samples.force * [y, x][axis] as f64;
             (part[axis][0]..part[axis][1])
@@ -292,9 +298,11 @@ impl<'a> Samples<'a> {
     }
 }
 
-/// Distance of a point in plan from a horizontal span, and its coordinate along it (not clamped) \[m\].
+/// Distance of a point in plan from a horizontal span, and the coordinate of its foot on the span's line (not clamped) \[m\].
 fn project(span: &Span, point: [f64; 2]) -> (f64, f64) {
-    let (along, across) = (point[span.axis], point[1 - span.axis] - span.line[1 - span.axis]);
-    let beyond = (span.range[0] - along).max(along - span.range[1]).max(0.0);
+    let (at, stretch) = (point[span.axis], span.stretch());
+    let aside = point[1 - span.axis] - span.point(at)[1 - span.axis];
+    let (along, across) = (at + aside * span.skew / (stretch * stretch), aside / stretch);
+    let beyond = stretch * (span.range[0] - along).max(along - span.range[1]).max(0.0);
     (if beyond > 0.0 { (beyond * beyond + across * across).sqrt() } else { across.abs() }, along)
 }

@@ -6,7 +6,8 @@
 //! * Joint blocks are rigid: a node at the column's axis in the middle of the beams' depth, with rigid
 //!   offsets to the end sections. Two uprights meet in a joint if only solid lies between them.
 //! * A slab is rigid in its plane (diaphragm). Out of plane it acts through the flanges; between aligned
-//!   columns that no beam joins it is a strip as wide as half the distance to the neighbours.
+//!   columns that no beam joins it is a strip as wide as half the distance to the neighbours. A column without a beam and without
+//!   one in line with it has strips to its neighbours all round.
 //! * Dead load: each member's own cells. Uprights and beams carry theirs as a line load, joint blocks at their
 //!   node; each point of a slab loads the nearest beam or strip (45° envelope of a panel), in bins of
 //!   [`LOAD_BIN_M`]. The torsion that a slab's edge gives its beam is left out.
@@ -17,7 +18,7 @@ mod joints;
 mod loads;
 mod strips;
 
-use super::ends::{MemberEnd, is_upright};
+use super::ends::{End, MemberEnd, is_upright};
 use super::frame::{BeamSection, Diaphragm, Element, Flange, Frame, FrameNode};
 use super::structure::Structure;
 use crate::base::boxes::Boxes;
@@ -45,6 +46,8 @@ pub struct Idealised {
     pub weight_n: f64,
     /// Members whose weight found nothing to rest on; it is not in the frame.
     pub unplaced: Vec<String>,
+    /// Uprights that touch a slab above them and bear nothing of it.
+    pub left_out: Vec<String>,
 }
 
 /// A straight bar between joints, before it is cut into elements.
@@ -55,8 +58,10 @@ struct Span {
     name: String,
     /// Axis along which it runs.
     axis: usize,
-    /// A point on its centre line; the coordinate along `axis` is free \[m\].
+    /// A point on its centre line; the coordinate along `axis` is free unless it is skew \[m\].
     line: [f64; 3],
+    /// How far its centre line runs across `axis` in plan over a metre along it: zero but for strips between columns out of line.
+    skew: f64,
     /// Clear range along the axis \[m\].
     range: [f64; 2],
     /// Direction of the section's width.
@@ -74,7 +79,15 @@ impl Span {
     fn point(&self, coordinate: f64) -> [f64; 3] {
         let mut point = self.line;
         point[self.axis] = coordinate;
+        if self.skew != 0.0 {
+            point[1 - self.axis] += self.skew * (coordinate - self.line[self.axis]);
+        }
         point
+    }
+
+    /// Length of its centre line over a metre along `axis`.
+    fn stretch(&self) -> f64 {
+        if self.skew == 0.0 { 1.0 } else { self.skew.hypot(1.0) }
     }
 }
 
@@ -127,7 +140,8 @@ pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<u
     builder.clamp_slabs();
     builder.place_loads();
     let diaphragms = builder.diaphragms();
-    builder.finish(diaphragms)
+    let left_out = builder.left_out();
+    Idealised { left_out, ..builder.finish(diaphragms) }
 }
 
 /// Whether two solids overlap in plan and meet in height.
@@ -154,6 +168,7 @@ impl Builder<'_> {
                 name: low.member_id.clone(),
                 axis: low.axis,
                 line: low.point_m,
+                skew: 0.0,
                 range: [low.point_m[low.axis], ends[1].point_m[low.axis]],
                 axis1: low.axes[1],
                 section: self.section_of(low),
@@ -315,6 +330,30 @@ impl Builder<'_> {
         (0..self.joints.len()).filter(|j| meets(&self.joints[*j])).collect()
     }
 
+    /// Uprights under slabs that rest on beams or strips, none of which comes to their joints.
+    fn left_out(&self) -> Vec<String> {
+        let mut found = BTreeSet::new();
+        for slab in (0..self.building.members.len()).filter(|m| self.left(*m)) {
+            if self.member(slab).kind != MemberKind::Slab {
+                continue;
+            }
+            let borne_at = self.seats(&self.carriers(slab));
+            let joints = self.joints_in_slab(slab);
+            let lone = joints
+                .iter()
+                .map(|j| &self.joints[*j])
+                .filter(|joint| !borne_at.is_empty() && !borne_at.contains(&joint.node));
+            let tops = lone.flat_map(|joint| &joint.ends).map(|e| &self.structure.ends[*e]);
+            found.extend(tops.filter(|e| e.end == End::High && self.left(e.member)).map(|e| e.member));
+        }
+        found.into_iter().map(|m| self.member(m).id.clone()).collect()
+    }
+
+    /// Nodes of some spans.
+    fn seats(&self, spans: &[usize]) -> BTreeSet<usize> {
+        spans.iter().flat_map(|s| &self.spans[*s].nodes).map(|(_, node)| *node).collect()
+    }
+
     /// A support named for a slab clamps the joints in it.
     fn clamp_slabs(&mut self) {
         let held = self.structure.supports().map(|s| s.member);
@@ -352,7 +391,7 @@ impl Builder<'_> {
             self.structure.members().filter(|m| self.left(m.index)).map(|m| m.mass.mass_kg).collect();
         let weight_n = left.iter().sum::<f64>() * self.building.settings.gravity_m_s2;
         let frame = Frame { nodes: self.nodes, elements, diaphragms };
-        Idealised { frame, ends, weight_n, unplaced: self.unplaced }
+        Idealised { frame, ends, weight_n, unplaced: self.unplaced, left_out: Vec::new() }
     }
 
     fn upright(&self, member: usize) -> bool {

@@ -1,11 +1,13 @@
-//! Slab strips between aligned columns that no beam joins: the flat slab as a grillage.
+//! Slab strips between aligned columns that no beam joins: the flat slab as a grillage. Columns which neither a beam nor such a
+//! strip comes to have skew strips to their neighbours, in the sense of Gabriel and Sokal (Systematic Zoology 18, 1969): no third column stands in the circle
+//! over the line between the two.
 
 use super::{Builder, Span};
 use crate::base::geom::Aabb;
 use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::graph::frame::BeamSection;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Builder<'_> {
     /// Adds the strips of all slabs.
@@ -29,7 +31,70 @@ impl Builder<'_> {
                     }
                 }
             }
+            self.add_skew_strips(slab, &joints);
         }
+    }
+
+    /// Strips from the joints of columns in a slab that are on none of its carriers. Walls have none: what rules learned of demands they learned without.
+    fn add_skew_strips(&mut self, slab: usize, joints: &[usize]) {
+        let seats = self.seats(&self.carriers(slab));
+        let (mut lone, mut strips) = (BTreeSet::new(), Vec::new());
+        let of_column =
+            |j: usize| self.joints[j].uprights.iter().any(|u| self.member(*u).kind == MemberKind::Column);
+        let is_lone = |j: &&usize| of_column(**j) && !seats.contains(&self.joints[**j].node);
+        for &joint in joints.iter().filter(is_lone) {
+            lone.insert(joint);
+            let others = joints.iter().filter(|j| !lone.contains(*j));
+            let found = others.filter(|j| self.are_neighbours(joints, [joint, **j]));
+            strips.extend(found.filter_map(|j| self.skew_strip(slab, joints, [joint, *j])));
+        }
+        self.spans.extend(strips);
+    }
+
+    /// A joint in plan \[m\].
+    fn plan(&self, joint: usize) -> [f64; 2] {
+        let [x, y, _] = self.nodes[self.joints[joint].node].point_m;
+        [x, y]
+    }
+
+    /// Whether no third joint is in the circle over the line between two.
+    fn are_neighbours(&self, joints: &[usize], [from, to]: [usize; 2]) -> bool {
+        let [a, b] = [from, to].map(|j| self.plan(j));
+        let inside = |j: &usize| {
+            let c = self.plan(*j);
+            (0..2).map(|i| (c[i] - a[i]) * (c[i] - b[i])).sum::<f64>() < -COORDINATE_TOLERANCE_M
+        };
+        !joints.iter().any(inside)
+    }
+
+    /// A strip between any two joints; none where there is no slab between their uprights.
+    fn skew_strip(&self, slab: usize, joints: &[usize], pair: [usize; 2]) -> Option<Span> {
+        let away = |i: usize| (self.plan(pair[1])[i] - self.plan(pair[0])[i]).abs();
+        let long = usize::from(away(1) > away(0));
+        let clear = |axis: usize| {
+            let [a, b] = pair.map(|j| self.footprint(j));
+            let (ends, range) = if a.max[axis] < b.min[axis] {
+                (pair, [a.max[axis], b.min[axis]])
+            } else {
+                ([pair[1], pair[0]], [b.max[axis], a.min[axis]])
+            };
+            (range[1] > range[0] + COORDINATE_TOLERANCE_M).then_some((axis, ends, range))
+        };
+        let (axis, ends, range) = clear(long).or_else(|| clear(1 - long))?;
+        let [from, to] = ends.map(|j| self.plan(j));
+        let across = 1 - axis;
+        let skew = (to[across] - from[across]) / (to[axis] - from[axis]);
+        let member = self.member(slab);
+        let mut line = member.solid.center();
+        (line[0], line[1]) = (from[0], from[1]);
+        let stretch = skew.hypot(1.0);
+        let aside = |p: [f64; 2]| (p[across] - from[across] - skew * (p[axis] - from[axis])) / stretch;
+        let corners = corners(&member.solid).map(aside);
+        let edges =
+            [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| corners.iter().copied().fold(0.0, pick));
+        let width_m = width_m(edges, joints.iter().map(|j| aside(self.plan(*j))));
+        let place = Place { axis, line, skew, range, width_m };
+        Some(self.strip_at(slab, &place, ends.map(|j| self.joints[j].node)))
     }
 
     /// Bounding box of a joint's uprights.
@@ -82,20 +147,55 @@ impl Builder<'_> {
         }
         let mut line = member.solid.center();
         line[across] = at;
-        let law = self.building.law_of(member);
-        let size = [high - low, member.solid.size()[2]];
         let range = [self.footprint(from).max[axis], self.footprint(to).min[axis]];
-        Some(Span {
+        let place = Place { axis, line, skew: 0.0, range, width_m: high - low };
+        Some(self.strip_at(slab, &place, nodes))
+    }
+
+    /// A strip of a slab between two nodes.
+    fn strip_at(&self, slab: usize, place: &Place, nodes: [usize; 2]) -> Span {
+        let (member, range) = (self.member(slab), place.range);
+        let law = self.building.law_of(member);
+        let size = [place.width_m, member.solid.size()[2]];
+        Span {
             member: slab,
             name: member.id.clone(),
-            axis,
-            line,
+            axis: place.axis,
+            line: place.line,
+            skew: place.skew,
             range,
-            axis1: if axis == 0 { [0.0, 1.0, 0.0] } else { [-1.0, 0.0, 0.0] },
+            axis1: if place.axis == 0 { [0.0, 1.0, 0.0] } else { [-1.0, 0.0, 0.0] },
             section: BeamSection::rectangle(law.youngs_modulus_pa, law.poisson_ratio, size),
             ends: None,
             nodes: vec![(range[0], nodes[0]), (range[1], nodes[1])],
             loads: Vec::new(),
-        })
+        }
     }
+}
+
+/// Where a strip lies; see [`Span`].
+struct Place {
+    axis: usize,
+    line: [f64; 3],
+    skew: f64,
+    range: [f64; 2],
+    width_m: f64,
+}
+
+/// Corners of a box in plan \[m\].
+fn corners(solid: &Aabb) -> [[f64; 2]; 4] {
+    let [low, high] = [solid.min, solid.max];
+    [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]]
+}
+
+/// Width about a line of a strip from edge to edge, or as far as halfway to what stands beside it \[m\].
+fn width_m([mut low, mut high]: [f64; 2], beside: impl Iterator<Item = f64>) -> f64 {
+    for other in beside {
+        if other < -COORDINATE_TOLERANCE_M {
+            low = low.max(0.5 * other);
+        } else if other > COORDINATE_TOLERANCE_M {
+            high = high.min(0.5 * other);
+        }
+    }
+    high - low
 }
