@@ -35,11 +35,14 @@ impl Builder<'_> {
         }
     }
 
-    /// Strips from the joints in a slab that are on none of its carriers.
+    /// Strips from the joints of columns in a slab that are on none of its carriers. Walls have none: what rules learned of demands they learned without.
     fn add_skew_strips(&mut self, slab: usize, joints: &[usize]) {
         let seats = self.seats(&self.carriers(slab));
         let (mut lone, mut strips) = (BTreeSet::new(), Vec::new());
-        for &joint in joints.iter().filter(|j| !seats.contains(&self.joints[**j].node)) {
+        let of_column =
+            |j: usize| self.joints[j].uprights.iter().any(|u| self.member(*u).kind == MemberKind::Column);
+        let is_lone = |j: &&usize| of_column(**j) && !seats.contains(&self.joints[**j].node);
+        for &joint in joints.iter().filter(is_lone) {
             lone.insert(joint);
             let others = joints.iter().filter(|j| !lone.contains(*j));
             let found = others.filter(|j| self.are_neighbours(joints, [joint, **j]));
