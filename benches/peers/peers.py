@@ -17,6 +17,7 @@ from pathlib import Path
 
 import mujoco
 
+import pile
 import run_exudyn
 import run_mujoco
 from common import Case, row
@@ -126,6 +127,7 @@ def plan(case, tools, repeats, with_pile):
         yield from [mj("implicitfast", h) for h in (1e-3, 2e-4)]
         yield from [rp(h) for h in (1e-3, 5e-4, 2.5e-4, 5e-5)]
     elif with_pile:
+        yield from [lambda h=h: pile.fallwerk(fallwerk, case, h) for h in (5e-3, 2e-3)]
         yield from [lambda h=h: rapier(peer, case, h, 4, 1) for h in (1 / 60, 5e-3)]
         yield lambda: run_mujoco.pile(fallwerk, case, 2e-3, mujoco.mjtSolver.mjSOL_CG)
 
