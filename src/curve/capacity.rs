@@ -114,16 +114,16 @@ impl CapacityTable {
     pub fn level(&self, axial_force_n: f64, hint: &mut CapacityHint) -> AxialLevel {
         let force = axial_force_n;
         let last = self.force.len() - 1;
-        if last == 0 {
-            // one level holds for every axial force
-            return AxialLevel { below: 0, weight: 0.0, out_of_range: false };
-        }
         if force <= self.force[0] {
             return AxialLevel { below: 0, weight: 0.0, out_of_range: force < self.force[0] };
         }
         // also if it is no number, which whoever looks at the moments finds out
         if force >= self.force[last] || force.is_nan() {
-            return AxialLevel { below: last - 1, weight: 1.0, out_of_range: force > self.force[last] };
+            return AxialLevel {
+                below: last.saturating_sub(1),
+                weight: if last == 0 { 0.0 } else { 1.0 },
+                out_of_range: force > self.force[last],
+            };
         }
         let mut i = (hint.force as usize).min(last - 1);
         while force < self.force[i] {
