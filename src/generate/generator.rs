@@ -127,10 +127,11 @@ impl<'a> Generator<'a> {
         };
         let meshed = || {
             let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
-            (Surroundings::of(&mesh), mesh)
+            weld::check(building, &mesh, building.settings.mesh_size_m)?;
+            Ok::<_, GenerateError>((Surroundings::of(&mesh), mesh))
         };
-        let ((known, demands, frame), (around, mesh)) = rayon::join(solved, meshed);
-        weld::check(building, &mesh, building.settings.mesh_size_m)?;
+        let ((known, demands, frame), meshed) = rayon::join(solved, meshed);
+        let (around, mesh) = meshed?;
         stages.end("demands, mesh", 0.0);
         let library = joints::Known::of(store, derive)?;
         stages.end("library", 0.0);

@@ -116,6 +116,11 @@ impl Scaled {
 }
 
 impl Entries {
+    /// Gives the ends with one entry another one.
+    fn use_instead(&mut self, key: &str, other: &str) {
+        self.of_end.values_mut().filter(|k| *k == key).for_each(|k| *k = other.to_string());
+    }
+
     /// The curves of all entries as they work in a structure, `KEY/axis-1` and `KEY/axis-2`.
     pub fn curves(&self) -> BTreeMap<String, ResistanceCurve> {
         self.entries
@@ -359,7 +364,9 @@ pub fn entries(
         }
         if at_hand.is_in_library(&key) {
             let used = at_hand.withdrawn.instead(&key).unwrap_or(&key);
-            found.of_end.values_mut().filter(|k| **k == key).for_each(|k| *k = used.to_string());
+            if used != key {
+                found.use_instead(&key, used);
+            }
             found.entries.insert(used.to_string(), store.get(used)?);
             continue;
         }
@@ -370,7 +377,7 @@ pub fn entries(
         if let Some(similar) = at_hand.similar(store, &key, query.as_ref())? {
             let Similar { words, distance, .. } = similar;
             found.scaled.push(Scaled { end, key: similar.entry.key.clone(), words, distance });
-            found.of_end.values_mut().filter(|k| **k == key).for_each(|k| k.clone_from(&similar.entry.key));
+            found.use_instead(&key, &similar.entry.key);
             found.entries.insert(similar.entry.key.clone(), similar.entry);
             continue;
         }

@@ -517,27 +517,14 @@ impl JointData {
 
     /// The six rows of the joint's linearised kinematics in the current pose (see [`Row`]).
     pub fn rows(&self, bodies: &[BodyState]) -> [Row; 6] {
-        let (a, b) = (&bodies[self.a], &bodies[self.b]);
-        let axes: M3 = math::transpose(&math::qmat(math::qmul(a.q, self.frames[0])));
-        let arm_b = math::mul(&b.r, self.points[1]);
-        let arm_a = math::add(math::sub(b.x, a.x), arm_b);
-        let [[force, couple], ..] = self.beam.as_ref().map_or([[axes[0], [0.0; 3]]], |_| {
-            let chord = self.chord(&self.stance(bodies));
-            let frame = math::transpose(&axes);
-            [chord.force([1.0, 0.0, 0.0]).map(|v| math::mul(&frame, v))]
-        });
+        let at = self.stance(bodies);
+        let axes: M3 = math::transpose(&at.frame);
+        let [force, couple] = self.chord(&at).force([1.0, 0.0, 0.0]).map(|v| math::mul(&at.frame, v));
         std::array::from_fn(|i| {
-            let axis = if i == 0 { force } else { axes[i % 3] };
+            let (axis, couple) = if i == 0 { (force, couple) } else { (axes[i % 3], [0.0; 3]) };
             if i < 3 {
-                let couple = if i == 0 { couple } else { [0.0; 3] };
-                Row {
-                    stiffness: self.translation[i],
-                    a: self.a,
-                    b: self.b,
-                    force: axis,
-                    turn_a: math::add(math::cross(arm_a, axis), couple),
-                    turn_b: math::add(math::cross(arm_b, axis), couple),
-                }
+                let [turn_a, turn_b] = at.arms.map(|arm| math::add(math::cross(arm, axis), couple));
+                Row { stiffness: self.translation[i], a: self.a, b: self.b, force: axis, turn_a, turn_b }
             } else {
                 Row {
                     stiffness: self.rotation[i - 3],

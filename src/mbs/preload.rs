@@ -50,12 +50,13 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
     // without gravity the weight on earth tells what is small
     let pull = if pull > 0.0 { pull } else { STANDARD_GRAVITY };
     let weight: f64 = system.data.iter().map(|d| d.mass).sum::<f64>() * pull;
-    let length = characteristic_length(system);
-    let factor = Positive::of(assemble(system, length), 6 * n).map_err(|why| match why {
+    let rows = frequency::rows(system);
+    let length = characteristic_length(system, &rows);
+    let factor = Positive::of(assemble(system, &rows, length), 6 * n).map_err(|why| match why {
         Unsolvable::Singular(mode) => PreloadError::Mechanism { body: largest(&mode) / 6 },
         Unsolvable::Failed(_) => PreloadError::NoConvergence { body: 0, residual: f64::NAN },
     })?;
-    let tolerance = (TOLERANCE * weight).max(rounding_n(system, length));
+    let tolerance = (TOLERANCE * weight).max(rounding_n(system, &rows, length));
     let virgin = system.joints.clone();
     let mut mixing = Mixing::default();
     // the first pass has moved nothing: what it leaves is weight, and says nothing of resistance
@@ -92,11 +93,11 @@ pub fn equilibrate(system: &mut System) -> Result<usize, PreloadError> {
 }
 
 /// What rounding of the coordinates leaves of the forces of the stiffest springs \[N\], of moments over `length`.
-fn rounding_n(system: &System, length: f64) -> f64 {
+fn rounding_n(system: &System, rows: &[Row], length: f64) -> f64 {
     let bodies = &system.bodies[..system.count()];
     let farthest = bodies.iter().flat_map(|b| b.x).fold(length, |most, x| x.abs().max(most));
-    let stiffest = frequency::rows(system)
-        .into_iter()
+    let stiffest = rows
+        .iter()
         .map(|row| if row.force == [0.0; 3] { row.stiffness / length } else { row.stiffness * farthest });
     ROUNDING * stiffest.fold(0.0, f64::max)
 }
@@ -169,8 +170,8 @@ fn evaluate(system: &mut System, virgin: &[JointData]) {
 }
 
 /// A length that makes rotations and displacements comparable: the largest lever arm of a joint.
-fn characteristic_length(system: &System) -> f64 {
-    let arms = frequency::rows(system).into_iter().filter(|r| r.force != [0.0; 3]);
+fn characteristic_length(system: &System, rows: &[Row]) -> f64 {
+    let arms = rows.iter().filter(|r| r.force != [0.0; 3]);
     let largest = arms
         .map(|r| math::norm(r.turn_b).max(if r.a == system.count() { 0.0 } else { math::norm(r.turn_a) }));
     let length = largest.fold(0.0, f64::max);
@@ -178,7 +179,7 @@ fn characteristic_length(system: &System) -> f64 {
 }
 
 /// Elastic stiffness of the joints: the lower triangle of `6n x 6n`, rotations scaled by `length`; entries of the same place add up.
-fn assemble(system: &System, length: f64) -> Vec<(usize, usize, f64)> {
+fn assemble(system: &System, rows: &[Row], length: f64) -> Vec<(usize, usize, f64)> {
     let n = system.count();
     let mut entries = Vec::new();
     let mut add = |one: &Row, other: &Row, stiffness: f64| {
@@ -194,13 +195,13 @@ fn assemble(system: &System, length: f64) -> Vec<(usize, usize, f64)> {
             }
         }
     };
-    frequency::rows(system).iter().for_each(|row| add(row, row, row.stiffness));
+    rows.iter().for_each(|row| add(row, row, row.stiffness));
     for carry in &system.carries {
-        let rows = carry.joints.map(|i| system.joints[i].rows(&system.bodies));
+        let own = carry.joints.map(|i| system.joints[i].rows(&system.bodies));
         for k in 0..2 {
             let change = carry.stiffness_change(&system.joints, k);
             for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                add(&rows[i][4 + k], &rows[j][4 + k], change[i][j]);
+                add(&own[i][4 + k], &own[j][4 + k], change[i][j]);
             }
         }
     }

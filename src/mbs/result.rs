@@ -128,15 +128,21 @@ impl EnergyHistory {
 
     /// The sum of all terms at an output \[J\].
     pub fn total_j(&self, i: usize) -> f64 {
-        self.kinetic_j[i]
-            + self.gravity_j[i]
-            + self.joints_elastic_j[i]
-            + self.plastic_j[i]
-            + self.contact_elastic_j[i]
-            + self.contact_damping_j[i]
-            + self.friction_j[i]
-            + self.released_j[i]
-            + self.applied_j.get(i).copied().unwrap_or(0.0)
+        self.at(i).total_j() + self.contact_elastic_j[i]
+    }
+
+    /// The energies at an output.
+    fn at(&self, i: usize) -> Energies {
+        Energies {
+            kinetic_j: self.kinetic_j[i],
+            gravity_j: self.gravity_j[i],
+            joints_elastic_j: self.joints_elastic_j[i],
+            plastic_j: self.plastic_j[i],
+            contact_damping_j: self.contact_damping_j[i],
+            friction_j: self.friction_j[i],
+            released_j: self.released_j[i],
+            applied_j: self.applied_j.get(i).copied().unwrap_or(0.0),
+        }
     }
 }
 

@@ -66,7 +66,7 @@ fn nothing_twice(model: &Model, list: &mut List) {
             }
         }
         for id in &event.release {
-            for own in hinges_on(model, id) {
+            for own in model.hinges_on(id) {
                 holds.entry(own).or_insert((i, Some(id)));
             }
         }
@@ -84,13 +84,6 @@ fn nothing_twice(model: &Model, list: &mut List) {
             }
         }
     }
-}
-
-/// Bushings and forces that are hinges on a joint.
-fn hinges_on<'a>(model: &'a Model, joint: &'a str) -> impl Iterator<Item = &'a str> {
-    let bushings = model.bushings.iter().filter(move |b| b.joint.as_deref() == Some(joint));
-    let forces = model.forces.iter().filter(move |f| f.joint() == Some(joint));
-    bushings.map(|b| b.id.as_str()).chain(forces.map(|f| f.id()))
 }
 
 /// Bushings, joints and forces of a body.

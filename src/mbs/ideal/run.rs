@@ -276,8 +276,8 @@ impl<'a> Run<'a> {
             }
             for id in &event.release {
                 let joint = model.joints.iter().position(|j| j.id == *id);
-                let forces: Vec<usize> =
-                    place_of(model, id).into_iter().chain(hinges_on(model, id)).collect();
+                let own = std::iter::once(id.as_str()).chain(model.hinges_on(id));
+                let forces: Vec<usize> = own.filter_map(|id| place_of(model, id)).collect();
                 motion.release(joint.as_slice(), &forces);
             }
             for w in &event.weaken {
@@ -431,15 +431,6 @@ fn span(force: &Force) -> Option<[f64; 2]> {
 fn place_of(model: &Model, id: &str) -> Option<usize> {
     let bushing = || model.bushings.iter().position(|b| b.id == id).map(|i| model.forces.len() + i);
     model.forces.iter().position(|f| f.id() == id).or_else(bushing)
-}
-
-/// The hinges on a joint, which go with it: places of forces, and of bushings behind them.
-fn hinges_on<'a>(model: &'a Model, joint: &'a str) -> impl Iterator<Item = usize> + 'a {
-    let is_on = move |own: Option<&str>| own == Some(joint);
-    let forces = model.forces.iter().enumerate().filter(move |(_, f)| is_on(f.joint())).map(|(i, _)| i);
-    let behind = model.forces.len();
-    let bushings = model.bushings.iter().enumerate().filter(move |(_, b)| is_on(b.joint.as_deref()));
-    forces.chain(bushings.map(move |(i, _)| behind + i))
 }
 
 /// Id of a force, or of a bushing behind them, by its place.

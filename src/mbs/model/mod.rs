@@ -74,6 +74,13 @@ pub struct Model {
 }
 
 impl Model {
+    /// Ids of the bushings and forces that are hinges on an ideal joint.
+    pub fn hinges_on<'a>(&'a self, joint: &'a str) -> impl Iterator<Item = &'a str> {
+        let bushings = self.bushings.iter().filter(move |b| b.joint.as_deref() == Some(joint));
+        let forces = self.forces.iter().filter(move |f| f.joint() == Some(joint));
+        bushings.map(|b| b.id.as_str()).chain(forces.map(Force::id))
+    }
+
     /// Whether it has ideal joints or forces, with which it is one of smooth motion ([`crate::mbs::ideal`]).
     pub fn is_ideal(&self) -> bool {
         !self.joints.is_empty() || !self.forces.is_empty()

@@ -61,23 +61,15 @@ pub(in crate::mbs) fn remarks_on_events(model: &Model) -> Vec<String> {
 
 /// That forces that begin after the end do not act, if there are any.
 fn remark_on_late_forces(model: &Model) -> Option<String> {
-    let end_s = model.settings.end_time_s;
     let begins = |f: &Force| match f {
         Force::Force { from_to_s: Some([from, _]), .. }
         | Force::Torque { from_to_s: Some([from, _]), .. } => *from,
         _ => 0.0,
     };
-    let mut late = model.forces.iter().filter(|f| begins(f) >= end_s);
+    let mut late = model.forces.iter().filter(|f| begins(f) >= model.settings.end_time_s);
     let first = late.next()?;
-    let others = match late.count() {
-        0 => "does not act".into(),
-        more => format!("and {more} more do not act"),
-    };
-    Some(format!(
-        "force \"{}\" from {} s {others}: the run ends before, at settings.end_time_s = {end_s}",
-        first.id(),
-        begins(first)
-    ))
+    let what = format!("force \"{}\" from {} s", first.id(), begins(first));
+    Some(not_reached(model, &what, late.count(), "act"))
 }
 
 /// That events after the end do not happen, if there are any.
@@ -85,14 +77,18 @@ fn remark_on_late_events(model: &Model) -> Option<String> {
     let end_s = model.settings.end_time_s;
     let late: Vec<&Event> = model.events.iter().filter(|e| e.time_s > end_s * (1.0 + SAME)).collect();
     let first = late.iter().min_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
-    let others = match late.len() - 1 {
-        0 => "does not happen".into(),
-        more => format!("and {more} more do not happen"),
+    let what = format!("event \"{}\" at {} s", first.id, first.time_s);
+    Some(not_reached(model, &what, late.len() - 1, "happen"))
+}
+
+/// That the run ends before something, and so many more of its kind.
+fn not_reached(model: &Model, what: &str, more: usize, verb: &str) -> String {
+    let others = match more {
+        0 => format!("does not {verb}"),
+        more => format!("and {more} more do not {verb}"),
     };
-    Some(format!(
-        "event \"{}\" at {} s {others}: the run ends before, at settings.end_time_s = {end_s}",
-        first.id, first.time_s
-    ))
+    let end_s = model.settings.end_time_s;
+    format!("{what} {others}: the run ends before, at settings.end_time_s = {end_s}")
 }
 
 /// Joints named in a remark.

@@ -9,9 +9,11 @@ use crate::mbs::model::{Beam, Bending, Bushing, Model};
 use crate::verify::{Case, Figure};
 
 const G: f64 = 9.81;
-/// Length of a beam \[m\], its stiffness along its axis \[N/m\], and the mass \[kg\].
-const LENGTH_M: f64 = 4.0;
-const AXIAL_N_M: f64 = 1e7;
+/// Length of a beam \[m\].
+pub const LENGTH_M: f64 = 4.0;
+/// Its stiffness along its axis \[N/m\].
+pub const AXIAL_N_M: f64 = 1e7;
+/// The mass \[kg\].
 const MASS_KG: f64 = 2000.0;
 /// Velocity of the mass that is struck \[m/s\].
 const SPEED_M_S: f64 = 2.0;
@@ -68,7 +70,7 @@ fn figures() -> Result<Vec<Figure>, String> {
 }
 
 /// The mass between two beams that are clamped at their far ends, with hinges of a capacity \[N m\], and a stiffness across \[N/m\].
-fn between_two(capacity_nm: f64, shear_n_m: f64) -> Model {
+pub fn between_two(capacity_nm: f64, shear_n_m: f64) -> Model {
     let mut m = Model::empty("mass between two beams", [0.0, 0.0, -G], 0.8, 0.001);
     m.settings.time_step_s = Some(STEP_S);
     // that of a beam of the same stiffness across

@@ -1,6 +1,6 @@
 //! Cases of the multibody solver.
 
-mod catenary;
+pub mod catenary;
 mod chimney;
 mod contact;
 mod fractures;
