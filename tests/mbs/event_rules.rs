@@ -250,3 +250,49 @@ fn wrong_rules_are_told_with_their_place() {
     let error = simulate(&m).unwrap_err().to_string();
     assert!(error.contains("event_rules[0].on.partners: is empty, so that the rule never fires"), "{error}");
 }
+
+/// A rule about slow approaches is not true of what is left of a blow in the next step, nor of bodies that lie on each other.
+#[test]
+fn what_lies_or_is_being_struck_does_not_meet_anew() {
+    let slow = Range { least: None, most: Some(3.0) };
+    for fall_m in [0.9, 1.0, 1.1, 1.2, 1.3, 1.5] {
+        let mut m = falling_bar(1e9);
+        m.settings.end_time_s = 1.0;
+        for piece in &mut m.bodies {
+            piece.position_m[2] += fall_m - FALL_M;
+        }
+        m.bushings[0].point_m[2] += fall_m - FALL_M;
+        m.contact.obstacles[0].max_m[0] = 5.0;
+        m.event_rules = vec![contact_rule("slow", &[Met::Obstacle], slow, &["middle"])];
+        assert_eq!(words(&simulate(&m).unwrap()), Vec::<String>::new(), "{fall_m} m");
+        // slow ones are told: the free fall of 0.4 m ends at 2.8 m/s
+        for piece in &mut m.bodies {
+            piece.position_m[2] -= fall_m - 0.4;
+        }
+        m.bushings[0].point_m[2] -= fall_m - 0.4;
+        assert_eq!(words(&simulate(&m).unwrap()), ["slow: middle"]);
+    }
+}
+
+/// Who lies on the kerb from the begin has not met it; a blow from above makes it meet what strikes, and the kerb harder.
+#[test]
+fn contact_at_rest_is_no_meeting_until_a_blow_comes_through() {
+    let mut m = falling_bar(1e9);
+    m.settings.end_time_s = 0.5;
+    for piece in &mut m.bodies {
+        piece.position_m[2] = 0.5;
+    }
+    m.bushings[0].point_m[2] = 0.5;
+    m.contact.obstacles[0].max_m[0] = 5.0;
+    m.event_rules = vec![contact_rule("kerb", &[Met::Obstacle], Range::default(), &["middle"])];
+    assert_eq!(words(&simulate(&m).unwrap()), Vec::<String>::new());
+    let mut upper = solid("upper", [2.0, 0.0, 1.2], [0.4, 0.2, 0.2]);
+    upper.velocity_m_s = [0.0, 0.0, -2.0];
+    m.bodies.push(upper);
+    m.contact.bodies = Some(BodyContact { friction: 0.3, restitution: 0.0 });
+    m.event_rules.push(EventRule {
+        question: "part".into(),
+        ..contact_rule("part", &[Met::Part], at_least(2.5), &["middle"])
+    });
+    assert_eq!(words(&simulate(&m).unwrap()), ["part: middle"]);
+}

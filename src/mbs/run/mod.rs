@@ -10,6 +10,7 @@
 //! | `entry` | options, and finer runs where one was too coarse |
 //! | `setup` | the step, the empty result |
 //! | `events` | yield, fracture, contacts, removal and weakening |
+//! | `meetings` | which contacts begin |
 //! | `rules` | what contacts and fractures change by the rules of a model |
 //! | `part` | latent bushings: bodies that part |
 //! | `relate` | inertia that bodies have together: when it begins and ends |
@@ -20,6 +21,7 @@
 
 mod entry;
 mod events;
+mod meetings;
 mod output;
 mod part;
 mod relate;
@@ -31,6 +33,7 @@ mod work;
 
 pub(super) use self::entry::simulate_varied;
 pub use self::entry::{REPEATED, SolverOptions, simulate, simulate_carefully, simulate_with};
+use self::meetings::Meetings;
 pub(super) use self::output::remark_on_overlaps;
 pub(super) use self::remarks::{FINER_IDEAL, closing_remarks, remarks_on_events};
 use self::rules::EventRules;
@@ -72,6 +75,7 @@ struct Run<'a> {
     model: Cow<'a, Model>,
     latent: Latent,
     rules: EventRules,
+    meetings: Meetings,
     /// States before a step that a body may part in.
     before: Vec<BodyState>,
     resting: Vec<bool>,
@@ -180,6 +184,7 @@ impl<'a> Run<'a> {
             model,
             latent,
             rules: EventRules::of(file),
+            meetings: Meetings::default(),
             before: Vec::new(),
             resting: Vec::new(),
             options,
@@ -362,7 +367,7 @@ impl<'a> Run<'a> {
             return Ok(true);
         }
         if is_waiting {
-            self.ask_about_contacts();
+            self.ask_about_contacts(h);
         }
         if self.latent.is_watching() && self.contacts.has_points() && self.part_under_contact(h, books)? {
             return Ok(true);

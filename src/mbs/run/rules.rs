@@ -1,6 +1,7 @@
 //! Rules about contacts and fractures, asked while a model runs.
 
 use super::Run;
+use super::meetings::Approach;
 use crate::mbs::contact::Partner;
 use crate::mbs::math::{self, V3};
 use crate::mbs::model::{Broken, EventRule, Met, Model, Trigger};
@@ -76,9 +77,9 @@ impl Trigger {
 }
 
 impl Run<'_> {
-    /// Asks the rules about the contacts of a step, which began with the bodies as they are in `untouched`.
+    /// Asks the rules about the contacts of a step of `h` \[s\], which began with the bodies as they are in `untouched`: about those that begin, and harder ones between bodies that touch already.
     #[cold]
-    pub(super) fn ask_about_contacts(&mut self) {
+    pub(super) fn ask_about_contacts(&mut self, h: f64) {
         let mut struck: BTreeMap<(usize, Partner), (f64, V3)> = BTreeMap::new();
         let (before, latent) = (&self.untouched, &self.latent);
         self.contacts.each_hit(|hit| {
@@ -97,7 +98,15 @@ impl Run<'_> {
                 }
             }
         });
+        let asleep =
+            |pieces: &[usize]| pieces.iter().all(|p| self.system.data[self.latent.places[*p].body].asleep);
+        self.meetings.end(self.time, asleep);
+        let added_m_s = math::norm(self.system.gravity) * h;
         for ((body, partner), (approach_speed_m_s, point_m)) in struck {
+            let approach = Approach { speed_m_s: approach_speed_m_s, time_s: self.time, added_m_s };
+            if !self.meetings.is_news(body, partner, &self.latent.pieces, &approach) {
+                continue;
+            }
             let met = match partner {
                 Partner::Ground => Met::Ground,
                 Partner::Body(_) => Met::Part,
