@@ -388,6 +388,7 @@ fn support(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
         }
     }
     high_supports(draft, found);
+    loose_feet(draft, &supported, found);
 }
 
 /// A brace has no face that a support could hold.
@@ -422,6 +423,32 @@ fn high_supports(draft: &Draft, found: &mut Vec<Diagnostic>) {
             found.push(Diagnostic::warning("high-support", message).at(support.span, "is this meant?"));
         }
     }
+}
+
+/// Warns of members that stand on the ground unheld, beside ones that are supported: a run drops them, and takes their settling for the first contact.
+fn loose_feet(draft: &Draft, supported: &[bool], found: &mut Vec<Diagnostic>) {
+    let Some(ground) = draft.ground else { return };
+    let stands = |m: &Member| {
+        let upright = matches!(m.kind, MemberKind::Column | MemberKind::Wall | MemberKind::Footing);
+        upright && (m.solid.min[2] - ground.level_m).abs() < COORDINATE_TOLERANCE_M
+    };
+    let loose = draft
+        .members
+        .list
+        .iter()
+        .zip(supported)
+        .filter(|(m, held)| !**held && stands(&m.item) && !is_cut(draft, &m.item.id));
+    let loose: Vec<_> = loose.map(|(m, _)| m).collect();
+    let Some(first) = loose.first() else { return };
+    let ids: Vec<&str> = loose.iter().map(|m| m.item.id.as_str()).collect();
+    let message = match ids.as_slice() {
+        [one] => {
+            format!("the {} {} stands on the ground without a support", first.item.kind.name(), quoted(one))
+        }
+        more => format!("{} members stand on the ground without a support", more.len()),
+    };
+    let warning = Diagnostic::warning("loose-foot", message).at(first.span, some_of(&ids));
+    found.push(warning.help("name them in the `members` of a `[[supports]]`; without it the ground only carries them by contact, once they have sunk onto it"));
 }
 
 /// "`A`, `B`, `C` and 4 more".

@@ -1,9 +1,8 @@
 //! `fallwerk init`: writes the commented example building.
 
 use super::Outcome;
+use crate::base::output::write_atomic;
 use crate::building::EXAMPLE;
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
 /// Write a commented example building to start from
@@ -32,21 +31,14 @@ pub fn run(arguments: &Arguments) -> Outcome {
         );
         return Outcome::BadInput;
     }
-    let mut options = OpenOptions::new();
-    options.write(true);
-    if arguments.force {
-        options.create(true).truncate(true)
-    } else {
-        options.create_new(true)
-    };
-    match options.open(&path).and_then(|mut file| file.write_all(EXAMPLE.as_bytes())) {
+    if !arguments.force && path.exists() {
+        eprintln!("error: {shown} exists\n  = help: --force overwrites it");
+        return Outcome::BadInput;
+    }
+    match write_atomic(&path, EXAMPLE.as_bytes()) {
         Ok(()) => {
             eprintln!("wrote {shown}\nnext: fallwerk check {shown}");
             Outcome::Done
-        }
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            eprintln!("error: {shown} exists\n  = help: --force overwrites it");
-            Outcome::BadInput
         }
         Err(error) => {
             eprintln!("error: {shown} cannot be written: {error}");

@@ -51,6 +51,7 @@ use crate::building::{Building, inspect_file};
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What a command ends with; its number is the exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,7 +140,12 @@ enum Command {
 
 /// Runs the command line of this process.
 pub fn run() -> ExitCode {
-    match Arguments::parse().command {
+    let code = run_command(Arguments::parse().command);
+    if LOST.load(Ordering::Relaxed) { Outcome::BadInput.into() } else { code }
+}
+
+fn run_command(command: Command) -> ExitCode {
+    match command {
         Command::Batch(arguments) => finish(batch::run(&arguments)),
         Command::Bench(arguments) => finish(bench::run(&arguments)),
         Command::Check(arguments) => check::run(&arguments),
@@ -227,10 +233,20 @@ fn write(output: &OutputFolder, name: &str, text: &str) -> Result<(), Failure> {
     output.write(name, text.as_bytes()).map(|_| ()).map_err(|e| Failure::input(e.to_string()))
 }
 
-/// Writes to standard output; a closed pipe (`| head`) is no error.
+/// Whether something was not written to standard output.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// Writes to standard output; a closed pipe (`| head`) is no error, anything else is told once and makes the program end with 2.
 pub(crate) fn print(text: &str) {
     use std::io::Write;
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let mut out = std::io::stdout();
+    let error = match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => error,
+        _ => return,
+    };
+    if !LOST.swap(true, Ordering::Relaxed) {
+        eprintln!("error: standard output cannot be written: {error}");
+    }
 }
 
 /// Whether messages on standard error may have colours.

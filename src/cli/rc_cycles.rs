@@ -77,7 +77,11 @@ fn amplitudes(texts: &[String]) -> Result<Vec<f64>, Failure> {
         };
         value.ok().filter(|v| (DRIFT_RAD[0]..=DRIFT_RAD[1]).contains(v)).ok_or_else(wrong)
     };
-    words.map(one).collect()
+    let drifts: Vec<f64> = words.map(one).collect::<Result<_, _>>()?;
+    if drifts.is_empty() {
+        return Err(Failure::input("--cycles: no drift is given; write such as `1.5%` or `15mrad`".into()));
+    }
+    Ok(drifts)
 }
 
 /// Reads a record of drifts.
@@ -317,7 +321,7 @@ mod tests {
     fn amplitudes_are_drifts_or_angles_in_range() {
         let found = amplitudes(&["0.5% 1%".into(), "15mrad,0.02".into()]).unwrap();
         assert_eq!(found, [0.005, 0.01, 0.015, 0.02]);
-        for wrong in ["0.001%", "50%", "1 mm", "x"] {
+        for wrong in ["0.001%", "50%", "1 mm", "x", "", " , "] {
             let error = amplitudes(&[wrong.into()]).unwrap_err();
             assert!(error.message.contains("write such as"), "{}", error.message);
         }

@@ -67,7 +67,7 @@ pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
         write_files(folder, &result)?;
     }
     if args.json {
-        println!("{}", summary_json(&result));
+        super::print(&format!("{}\n", summary_json(&result)));
     } else {
         print!("{}", summary(&result));
     }

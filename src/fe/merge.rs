@@ -1,6 +1,6 @@
 //! Which faces of members become mesh planes, and which are merged with a near one.
 //!
-//! Faces closer together than [`SNAP_SHARE`] of the target size become one plane, in order of [`hold`]. In a coarse mesh that alone would merge the two
+//! Faces closer together than [`SNAP_SHARE`] of the target size become one plane, in order of [`hold`], and of equals the outer one. In a coarse mesh that alone would merge the two
 //! faces of a member with each other, or its face with that of the member it lies under: the member would be without elements. So a face is kept after all, one
 //! at a time, where a member is left with less than half or more than twice its volume or one of its lengths ([`MOST_CHANGE`]). Kept faces are never given up again, and
 //! with all of them the planes are those of the building itself, so that every member has elements at any target size. Faces of a gap are kept as well, if one of the members beside
@@ -47,7 +47,8 @@ impl Gap {
     /// The face that is farther from its plane, with its axis, if both go to the same one.
     fn face_to_keep(&self, kept: &[Vec<f64>; 3]) -> Option<(usize, f64)> {
         let kept = &kept[self.axis];
-        let [a, b] = self.faces.map(|face| nearest(kept, face));
+        let [below, above] = self.faces;
+        let (a, b) = (placed(kept, [below; 2])[1], placed(kept, [above; 2])[0]);
         let off = self.faces.map(|face| (face - a).abs());
         let farther = self.faces[usize::from(off[1] > off[0])];
         ((a - b).abs() < COORDINATE_TOLERANCE_M).then_some((self.axis, farther))
@@ -99,8 +100,7 @@ pub(super) fn moved(building: &Building, apart: &[bool], kept: &[Vec<f64>; 3]) -
         }
         for solid in member.openings.iter_mut().chain([&mut member.solid]) {
             for (axis, kept) in kept.iter().enumerate() {
-                solid.min[axis] = nearest(kept, solid.min[axis]);
-                solid.max[axis] = nearest(kept, solid.max[axis]);
+                [solid.min[axis], solid.max[axis]] = placed(kept, [solid.min[axis], solid.max[axis]]);
             }
         }
     }
@@ -119,7 +119,8 @@ fn hold(kind: MemberKind) -> u8 {
     }
 }
 
-/// The faces along an axis after merging: in order of hold, a face is kept if no kept face is near.
+/// The faces along an axis after merging: in order of hold, and of equals from the outside to the middle of the building, a face is kept if no kept face is near. So a building and its mirror image have
+/// the same planes.
 fn kept_faces(building: &Building, apart: &[bool], axis: usize, snap_m: f64) -> Vec<f64> {
     let on_planes = || building.members.iter().zip(apart).filter(|(_, apart)| !**apart).map(|(m, _)| m);
     let mut faces: Vec<(u8, f64)> = on_planes()
@@ -137,10 +138,13 @@ fn kept_faces(building: &Building, apart: &[bool], axis: usize, snap_m: f64) -> 
             faces.extend([(0, low + ends), (0, high - ends)]);
         }
     }
-    faces.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
+    let ends = faces.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |e, f| [e[0].min(f.1), e[1].max(f.1)]);
+    let from_middle = |face: f64| (face - 0.5 * (ends[0] + ends[1])).abs();
+    faces.sort_by(|a, b| b.0.cmp(&a.0).then(from_middle(b.1).total_cmp(&from_middle(a.1))));
+    let near_m = (snap_m - COORDINATE_TOLERANCE_M).max(COORDINATE_TOLERANCE_M);
     let mut kept: Vec<f64> = Vec::new();
     for (_, face) in faces {
-        if kept.iter().all(|k| (k - face).abs() > snap_m.max(COORDINATE_TOLERANCE_M)) {
+        if kept.iter().all(|k| (k - face).abs() > near_m) {
             kept.push(face);
         }
     }
@@ -153,6 +157,18 @@ fn nearest(kept: &[f64], value: f64) -> f64 {
     kept.iter().copied().min_by(|a, b| (a - value).abs().total_cmp(&(b - value).abs())).unwrap_or(value)
 }
 
+/// The kept faces for the lower and the upper face of a solid: the nearest ones, and of two that are as near as each other the outer one.
+fn placed(kept: &[f64], faces: [f64; 2]) -> [f64; 2] {
+    let near = faces.map(|face| nearest(kept, face));
+    let across = [0, 1].map(|i| nearest(kept, 2.0 * faces[i] - near[i]));
+    let is_tie =
+        |i: usize| ((across[i] - faces[i]).abs() - (near[i] - faces[i]).abs()).abs() < COORDINATE_TOLERANCE_M;
+    [
+        if is_tie(0) { near[0].min(across[0]) } else { near[0] },
+        if is_tie(1) { near[1].max(across[1]) } else { near[1] },
+    ]
+}
+
 /// By how much, as the absolute value of a logarithm, a length or volume changes; infinite if nothing is left of it.
 fn change(real: f64, meshed: f64) -> f64 {
     if meshed > 0.0 { (real / meshed).ln().abs() } else { f64::INFINITY }
@@ -161,7 +177,8 @@ fn change(real: f64, meshed: f64) -> f64 {
 /// Change of the length of a member along an axis.
 fn length_change(member: &Member, kept: &[f64], axis: usize) -> f64 {
     let (low, high) = (member.solid.min[axis], member.solid.max[axis]);
-    change(high - low, nearest(kept, high) - nearest(kept, low))
+    let [below, above] = placed(kept, [low, high]);
+    change(high - low, above - below)
 }
 
 /// Of the members that the planes change too much the first of those whose faces come first.

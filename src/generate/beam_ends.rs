@@ -207,7 +207,8 @@ impl<'a> YieldingEnds<'a> {
     /// The section in the middle of the row of elements beside the columns of a side, in layers of elements.
     fn layers<'b>(&self, building: &'b Building, cut: &BeamCut, side: usize, row_m: f64) -> Vec<Layer<'b>> {
         let mut list = Vec::new();
-        let at_m = cut.faces_m[side] + [0.5, -0.5][side] * row_m;
+        // what is divided just there counts with what is farther in the span
+        let at_m = cut.faces_m[side] + [1.0, -1.0][side] * (0.5 * row_m + SAME_PLANE_M);
         let crosses = |b: &&(usize, Aabb)| b.1.min[cut.axis] < at_m && at_m < b.1.max[cut.axis];
         for (member, solid) in cut.pieces[side].boxes.iter().filter(crosses) {
             let member = &building.members[*member];

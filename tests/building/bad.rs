@@ -60,3 +60,14 @@ fn files_that_cannot_be_read() {
     std::fs::write(path("house.ifc"), "ISO-10303-21;").unwrap();
     assert!(message("house.ifc").contains("neither in .toml nor in .json"));
 }
+
+/// A wall or column that stands on the ground beside supported ones would sink onto it when the run begins.
+#[test]
+fn feet_without_a_support_are_told() {
+    let text = fallwerk::building::EXAMPLE.replacen("members = [\"C1-*\"]", "members = [\"C1-A*\"]", 1);
+    let found = inspect(&text, Format::Toml, "a.toml").diagnostics;
+    let told = found.render(false);
+    assert_eq!((found.errors(), found.warnings()), (0, 1), "{told}");
+    assert!(told.contains("2 members stand on the ground without a support"), "{told}");
+    assert!(told.contains("`C1-B1` and `C1-B2`"), "{told}");
+}

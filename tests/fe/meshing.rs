@@ -311,3 +311,30 @@ fn ties_that_do_not_act_are_reported() {
     let notes = left_out_notes(&mesh);
     assert!(notes[0].contains("1 node is not tied: held by a support") && notes.len() == 3, "{notes:?}");
 }
+
+/// Slender columns, whose faces lie as far from the edge of the slab as faces may that are merged, and ends of beams midway between the faces of a column: all four corners are alike.
+#[test]
+fn corners_of_a_symmetric_frame_have_the_same_elements() {
+    for size in ["400 mm", "350 mm", "300 mm"] {
+        let slender = |text: String| {
+            let text = text.replacen("width = \"400 mm\"", "width = \"200 mm\"", 1);
+            let text = text.replacen("depth = \"400 mm\"", "depth = \"200 mm\"", 1);
+            text.replacen("mesh_size = \"400 mm\"", &format!("mesh_size = \"{size}\""), 1)
+        };
+        let building = building(slender);
+        let (mesh, snapped) = Mesh::of(&building, building.settings.mesh_size_m);
+        let elements = |id: String| {
+            let part = building.members.iter().position(|m| m.id == id).unwrap();
+            mesh.elements.iter().filter(|e| e.part == part).count()
+        };
+        let ratio = |id: &str| snapped.iter().find(|s| s.member == id).map_or(1.0, |s| s.volume_ratio);
+        for storey in 1..=3 {
+            let of = |corner: &str| format!("C{storey}-{corner}");
+            for corner in ["A2", "B1", "B2"] {
+                assert_eq!(elements(of(corner)), elements(of("A1")), "{corner} {size}");
+                let [a, b] = [ratio(&of(corner)), ratio(&of("A1"))];
+                assert!((a / b - 1.0).abs() < 1e-9, "{corner} {size}: {a} {b}");
+            }
+        }
+    }
+}

@@ -37,6 +37,7 @@ pub(super) fn assemble(raw: &Raw, messages: &mut Messages) -> Option<(Model, Ids
     }
     hold(raw, &groups, &mut model, messages);
     moved_once(raw, &groups, messages);
+    moved_in_vain(raw, &groups, messages);
     model.initial_velocity_m_s = starts(raw, &groups, messages);
     model.walls = raw.walls.iter().map(|w| wall(raw, w, &groups, messages)).collect();
     model.body_contact = raw.contact;
@@ -292,6 +293,25 @@ fn moved_once(raw: &Raw, groups: &Groups<'_>, messages: &mut Messages) {
             if held != number && told.insert((held, number)) {
                 moved_twice(raw.nodes[node].id, [raw.driven[held].at, drive.at], messages);
             }
+        }
+    }
+}
+
+/// Loads and motions belong to nodes of elements: others have no mass and move nothing, as doubled nodes of a mesh that was not merged.
+fn moved_in_vain(raw: &Raw, groups: &Groups<'_>, messages: &mut Messages) {
+    let solids = raw.solids.iter().flat_map(|s| &s.nodes);
+    let used: HashSet<u64> = solids.chain(raw.beams.iter().flat_map(|b| &b.nodes)).copied().collect();
+    for (what, drives) in [("loaded", &raw.nodal_loads), ("moved", &raw.driven)] {
+        for drive in drives {
+            let nodes = groups.nodes(&drive.who, drive.at, &mut Messages::default());
+            let mut free = nodes.into_iter().map(|n| raw.nodes[n].id).filter(|id| !used.contains(id));
+            let Some(first) = free.next() else { continue };
+            let message = match free.count() {
+                0 => format!("node {first} is {what}, but belongs to no element"),
+                n => format!("node {first} and {n} more are {what}, but belong to no element"),
+            };
+            let help = "merge it with the node of the mesh that is meant, or take it out";
+            messages.error(drive.at, "loose-node", message, "", help);
         }
     }
 }

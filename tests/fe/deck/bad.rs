@@ -66,6 +66,13 @@ fn cases() -> Vec<(&'static str, String)> {
             "moved_twice",
             cube("*NODE\n", "*BOUNDARY_PRESCRIBED_MOTION_NODE\n5,1,0,7\n5,2,0,7\n5,1,0,7,2.0\n*NODE\n"),
         ),
+        (
+            "loose_nodes",
+            cube(
+                "*NODE\n",
+                "*LOAD_NODE_POINT\n9,1,7\n*BOUNDARY_PRESCRIBED_MOTION_SET\n90,1,0,7\n*SET_NODE_LIST\n90\n8,9,10\n*NODE\n10,0.,0.,2.\n9,1.,1.,1.\n",
+            ),
+        ),
         ("displacement_given", cube("*NODE\n", "*BOUNDARY_PRESCRIBED_MOTION_NODE\n5,1,2,7\n*NODE\n")),
         (
             "kinematic_hardening",
