@@ -14,6 +14,7 @@
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 use super::hinge::FAR_INSIDE;
+use super::onset::onset;
 
 /// Relative accuracy of a return, in terms of the moment.
 const TOLERANCE: f64 = 1e-13;
@@ -68,6 +69,8 @@ pub struct BeamEnd {
     pub damage: f64,
     /// Moment of the last step \[N m\].
     pub moment_nm: f64,
+    /// Whether it flowed in the last step.
+    flows: bool,
     hint: CapacityHint,
 }
 
@@ -93,6 +96,8 @@ pub struct BeamStep {
     pub out_of_range: bool,
     /// By how much both ends turned \[rad\].
     pub flow_rad: [f64; 2],
+    /// What the moments at the ends have done in the step beyond the mean of its begin and end, where they began to flow ([`super::onset`]) \[N m\].
+    pub onset_nm: [f64; 2],
 }
 
 impl BeamEnds {
@@ -120,10 +125,12 @@ impl BeamEnds {
         let mut step = BeamStep::default();
         let levels: [AxialLevel; 2] =
             std::array::from_fn(|i| table.level(axial_force_n, &mut self.ends[i].hint));
+        let mut capacities = [0.0; 2];
         let bears: [bool; 2] = std::array::from_fn(|i| {
             let end = &mut self.ends[i];
             let capacity = table.capacity_at(end.alpha_rad, levels[i], &mut end.hint);
             step.out_of_range |= capacity.out_of_range && trial[i].abs() > capacity.moment_nm;
+            capacities[i] = capacity.moment_nm.copysign(trial[i]);
             trial[i].abs() <= capacity.moment_nm
         });
         let mut moments = trial;
@@ -136,7 +143,12 @@ impl BeamEnds {
                 step.flowing = true;
             }
             moments = self.moments(springs, [turn_rad, across_m]);
+            // what follows a capacity that grows with the axial force flows all the time
+            for i in (0..2).filter(|i| step.flow_rad[*i] != 0.0 && !old[*i].flows) {
+                step.onset_nm[i] = onset(old[i].moment_nm, capacities[i], trial[i], moments[i]);
+            }
         }
+        self.ends.iter_mut().zip(step.flow_rad).for_each(|(end, flow)| end.flows = flow != 0.0);
         let (_, before) = self.last;
         step.against_load_j = self.stay(turn_rad - self.plastic_rad(), moments, springs.load);
         for i in 0..2 {

@@ -14,6 +14,7 @@
 //! to round-off in every step, also while the capacity softens or the axial force changes it.
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
+use super::onset;
 
 /// State of a hinge.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Hinge2 {
     pub beyond: [f64; 2],
     /// Whether an axial force lay outside the levels while the hinge was flowing.
     pub out_of_range: bool,
+    /// Whether it flowed in the last step.
+    flows: bool,
     hint: [CapacityHint; 2],
 }
 
@@ -68,6 +71,8 @@ pub struct HingeStep {
     pub flowing: bool,
     /// By how much about both axes \[rad\].
     pub flow_rad: [f64; 2],
+    /// What the moments have done in the step beyond the mean of its begin and end, if it began to flow ([`onset`]) \[N m\].
+    pub onset_nm: [f64; 2],
 }
 
 /// Relative accuracy of the return to the yield surface, in terms of the moment.
@@ -87,7 +92,8 @@ impl Hinge2 {
         let k = [laws[0].stiffness_nm_rad(), laws[1].stiffness_nm_rad()];
         let mut e = [theta_rad[0] - self.plastic_rad[0], theta_rad[1] - self.plastic_rad[1]];
         let old = self.moment_nm;
-        let (mut flowing, mut flow_rad) = (false, [0.0; 2]);
+        let flowed = std::mem::replace(&mut self.flows, false);
+        let (mut flowing, mut flow_rad, mut share) = (false, [0.0; 2], None);
         let trial = [k[0] * e[0], k[1] * e[1]];
         if self.is_well_inside(laws, trial, axial_force_n) {
             self.moment_nm = trial;
@@ -103,6 +109,8 @@ impl Hinge2 {
             let active = [if plastic[0] { e[0] } else { 0.0 }, if plastic[1] { e[1] } else { 0.0 }];
             let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
             let x = self.solve(laws, trial, length, levels, first);
+            share = if flowed { None } else { self.share_elastic(laws, [old, trial], levels) };
+            self.flows = true;
             flow_rad = active.map(|e| e * (x / length));
             let mut dissipated_j = 0.0;
             for (i, flow) in flow_rad.into_iter().enumerate() {
@@ -122,7 +130,35 @@ impl Hinge2 {
         }
         self.moment_nm = [k[0] * e[0], k[1] * e[1]];
         let elastic_j = 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]);
-        HingeStep { elastic_j, flowing, flow_rad }
+        let onset_nm = share.map_or([0.0; 2], |share| {
+            std::array::from_fn(|i| {
+                onset::added(old[i], old[i] + share * (trial[i] - old[i]), self.moment_nm[i], share)
+            })
+        });
+        HingeStep { elastic_j, flowing, flow_rad, onset_nm }
+    }
+
+    /// The share of a step in which the moments go from `begin` to where they would be without flow after which it flows; none if it does from the begin.
+    fn share_elastic(
+        &mut self,
+        laws: [AxisLaw<'_>; 2],
+        [begin, trial]: [[f64; 2]; 2],
+        levels: [AxialLevel; 2],
+    ) -> Option<f64> {
+        // a s² + b s + c = 0 where the moments are at the capacities
+        let (mut a, mut b, mut c) = (0.0, 0.0, -1.0);
+        for i in 0..2 {
+            if let AxisLaw::Plastic(table) = laws[i] {
+                let capacity = table.capacity_at(self.alpha_rad, levels[i], &mut self.hint[i]).moment_nm;
+                let ease = capacity.max(CAPACITY_FLOOR * table.peak_nm()).powi(-2);
+                let change = trial[i] - begin[i];
+                a += ease * change * change;
+                b += 2.0 * ease * begin[i] * change;
+                c += ease * begin[i] * begin[i];
+            }
+        }
+        let share = ((b * b - 4.0 * a * c).max(0.0).sqrt() - b) / (2.0 * a);
+        (c < 0.0 && share < 1.0).then_some(share)
     }
 
     /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].

@@ -19,6 +19,7 @@ pub mod hinge;
 mod lever;
 mod limits;
 pub mod loops;
+pub mod onset;
 
 pub use beam::{BeamEnds, MiddleSprings, SpanLoad};
 pub use capacity::{Capacity, CapacityHint, CapacityTable};

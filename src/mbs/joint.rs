@@ -11,6 +11,7 @@ use super::stance::{Chord, Stance, bend, loads, stance, torque};
 use super::system::BodyState;
 use crate::base::piecewise::interpolate;
 use crate::curve::hinge::AxisLaw;
+use crate::curve::onset::onset;
 use crate::curve::{CapacityTable, Hinge2};
 
 /// Sine of the angle to a plane across axis 0 up to which a direction lies in it.
@@ -86,6 +87,11 @@ pub struct JointData {
     pub(super) is_held: bool,
     /// Gap and rotation that it had when its bodies parted ([`Self::strain`]).
     strained: [V3; 2],
+    /// Whether evaluations are a step apart.
+    pub(super) pace: Pace,
+    /// What force and moment along its axes have done in the last step beyond the mean of its begin and end ([`crate::curve::onset`]) \[N, N m\], and their work in it \[J\].
+    onset: [V3; 2],
+    onset_j: f64,
     /// The beam in whose middle it stands.
     pub(super) beam: Option<Box<MidBeam>>,
 }
@@ -144,6 +150,9 @@ impl JointData {
             flowing: false,
             is_held: joint.joint.is_some(),
             strained: [[0.0; 3]; 2],
+            pace: Pace::First,
+            onset: [[0.0; 3]; 2],
+            onset_j: 0.0,
             beam: MidBeam::of(joint, outward, gravity),
         }
     }
@@ -180,6 +189,8 @@ impl JointData {
     /// Takes the joint away; returns the elastic energy that it had \[J\].
     pub fn open(&mut self) -> f64 {
         (self.alive, self.flowing) = (false, false);
+        self.hinge.dissipated_j += 0.5 * std::mem::take(&mut self.onset_j);
+        self.onset = [[0.0; 3]; 2];
         std::mem::take(&mut self.elastic_j)
     }
 
@@ -381,7 +392,8 @@ impl JointData {
         tables: &[CapacityTable],
     ) -> [V3; 2] {
         self.relative = at.turn;
-        self.theta = theta;
+        let turned = math::sub(theta, std::mem::replace(&mut self.theta, theta));
+        let before = std::mem::take(&mut self.onset);
         if self.is_held {
             let moment = self.moments(theta, tables);
             self.elastic_j += 0.5 * moment[0] * theta[0];
@@ -395,6 +407,8 @@ impl JointData {
         self.crushed -= self.outward * shortened;
         gap[0] = chord.stretch - self.crushed;
         self.axial_force = -self.outward * k[0] * gap[0];
+        let (trial, bears) = (self.axial_force, self.left * self.compressive_capacity);
+        let closed = if k[0] > 0.0 { (trial - old) / k[0] + shortened } else { 0.0 };
         self.harden(k[0]);
         let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
         let admissible = self.axial_force.clamp(lowest, self.left * self.compressive_capacity);
@@ -406,9 +420,14 @@ impl JointData {
             self.elongated += (-flow).max(0.0);
             self.pressed += flow.max(0.0);
             gap[0] += self.outward * flow;
+            let capacity = if flow > 0.0 { bears } else { lowest };
+            self.onset[0][0] = -self.outward * onset(old, capacity, trial, admissible);
         }
         self.crush_j += 0.5 * (old + self.axial_force) * shortened;
+        let mut shifted = [-self.outward * closed, 0.0, 0.0];
         if let Some(beam) = &mut self.beam {
+            let across = beam.across();
+            shifted[across] = at.gap[across] - beam.gap[across];
             (beam.chord, beam.gap) = (*chord, at.gap);
         }
         let bent = self.bend_beam(theta, &mut gap, tables);
@@ -417,7 +436,32 @@ impl JointData {
         self.shear = [local[1], local[2]];
         let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
-        [local, moment]
+        self.begin_to_flow(before, [shifted, turned]);
+        [math::add(local, self.onset[0]), math::add(moment, self.onset[1])]
+    }
+
+    /// Books the work on a displacement and a rotation of a step along its axes \[m, rad\] of what was added to its force for the step before, and for this one.
+    #[inline]
+    fn begin_to_flow(&mut self, before: [V3; 2], moved: [V3; 2]) {
+        if self.pace != Pace::Steps {
+            self.onset = [[0.0; 3]; 2];
+            if self.pace == Pace::First {
+                self.pace = Pace::Steps;
+            }
+            return;
+        }
+        let work = |added: &[V3; 2]| math::dot(added[0], moved[0]) + math::dot(added[1], moved[1]);
+        if moved == [[0.0; 3]; 2] {
+            self.onset = before; // the same pose once more
+            return;
+        }
+        self.onset_j = work(&self.onset);
+        self.hinge.dissipated_j += 0.5 * (work(&before) + self.onset_j);
+    }
+
+    /// Whether more than the law's force acts after the last evaluation.
+    pub(super) fn begins_to_flow(&self) -> bool {
+        self.onset != [[0.0; 3]; 2]
     }
 
     /// Finds the compression at which the axial spring flows in this step, for its stiffness \[N/m\]: where its elastic unloading meets the hardening curve.
@@ -448,6 +492,7 @@ impl JointData {
         beam.against_load_j += step.against_load_j;
         gap[across] -= beam.plastic()[1];
         self.flowing = step.flowing;
+        [self.onset[1][axis], self.onset[0][across]] = beam.of_ends(step.onset_nm);
         self.hinge.dissipated_j += step.dissipated_j;
         self.hinge.alpha_rad = beam.ends.ends.iter().map(|e| e.alpha_rad).fold(0.0, f64::max);
         self.hinge.fractured |= beam.ends.is_broken();
@@ -505,6 +550,7 @@ impl JointData {
         let laws = self.laws(tables);
         let step = self.hinge.step(laws, own, self.axial_force);
         self.flowing = step.flowing;
+        self.onset[1] = [0.0, step.onset_nm[0], step.onset_nm[1]];
         if let Some(fading) = self.fading.as_ref().filter(|_| step.flowing) {
             self.left = interpolate(fading, self.hinge.alpha_rad);
         }
@@ -537,6 +583,17 @@ impl JointData {
             }
         })
     }
+}
+
+/// Which evaluations follow each other in time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Pace {
+    /// None: those of a search, or of an integrator that follows the flow itself.
+    Free,
+    /// The next one is the first.
+    First,
+    /// Each is a step after the last one.
+    Steps,
 }
 
 /// Within what a joint is elastic.

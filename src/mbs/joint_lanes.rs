@@ -4,7 +4,7 @@
 //! A joint whose angle is not small, or that may flow, crush or break ([`JointData::elastic_range`]), has its law evaluated by itself in between. So all joints give the same bytes as if each were
 //! evaluated by [`JointData::apply`] in turn.
 
-use super::joint::{ElasticRange, JointData};
+use super::joint::{ElasticRange, JointData, Pace};
 use super::lanes::{LANES, Lane, ZERO, get, get_matrix, put};
 use super::math::{self, M3};
 use super::stance::{self, Chord, Stance};
@@ -138,7 +138,7 @@ impl JointBlock {
         }
         self.lean(l, joint);
         // what flows will do so in the next step as well
-        let range = if joint.flowing { None } else { joint.elastic_range(tables) };
+        let range = if joint.flowing || joint.begins_to_flow() { None } else { joint.elastic_range(tables) };
         let ElasticRange { force, ease, ends } = range.unwrap_or(ElasticRange::NONE);
         put(&mut self.force, l, force);
         put(&mut self.ease, l, ease);
@@ -305,6 +305,7 @@ fn apply_any(
                 yield_alone(joint, act, l, tables);
                 block.learn(l, joint, tables);
             } else {
+                joint.pace = Pace::Steps;
                 joint.relative = get(&act.turn, l);
                 joint.theta = get(&act.theta, l);
                 joint.axial_force = act.axial[l];

@@ -87,6 +87,11 @@ impl MidBeam {
         self.load != SpanLoad::default()
     }
 
+    /// Moment in the middle \[N m\] and shear \[N\] for moments at the ends.
+    pub fn of_ends(&self, [start, end]: [f64; 2]) -> [f64; 2] {
+        [0.5 * (start + end), 0.5 * (end - start) / self.lever_m]
+    }
+
     /// What is plastic of the rotation \[rad\] and of the gap across \[m\].
     pub fn plastic(&self) -> [f64; 2] {
         self.ends.plastic(self.lever_m)

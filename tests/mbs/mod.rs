@@ -17,6 +17,7 @@ mod input;
 mod latent;
 mod motion;
 mod near;
+mod onset;
 mod overlap;
 mod relative;
 mod shared_mass;

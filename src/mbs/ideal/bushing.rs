@@ -4,7 +4,7 @@ use super::force::Exerted;
 use super::joint::{Pose, is_ground, pose_of};
 use super::turn::follow;
 use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
-use crate::mbs::joint::JointData;
+use crate::mbs::joint::{JointData, Pace};
 use crate::mbs::math::{V3, axpy, dot, qmat, qmul};
 use crate::mbs::model::{Bending, Bushing};
 use crate::mbs::system::BodyState;
@@ -60,7 +60,8 @@ impl Held {
     pub fn of(given: &Given, poses: &[Pose]) -> Result<Self, CurveError> {
         let states = states(given.bodies, poses);
         let place = |side: usize| if is_ground(given.bodies[side]) { 2 } else { side };
-        let committed = JointData::new(&given.bushing, [place(0), place(1)], &states, [0.0; 3]);
+        let mut committed = JointData::new(&given.bushing, [place(0), place(1)], &states, [0.0; 3]);
+        committed.pace = Pace::Free;
         let trial = committed.clone();
         let mut held = Self {
             bodies: given.bodies,
