@@ -66,11 +66,7 @@ pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     if let Some(folder) = folder {
         write_files(folder, &result)?;
     }
-    if args.json {
-        super::print(&format!("{}\n", summary_json(&result)));
-    } else {
-        print!("{}", summary(&result));
-    }
+    super::print(&if args.json { format!("{}\n", summary_json(&result)) } else { summary(&result) });
     Ok(())
 }
 
