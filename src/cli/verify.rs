@@ -24,7 +24,7 @@ enum Solver {
     Fe(Options),
     /// Reinforced concrete: material point, bar, section, member end
     Rc(Options),
-    /// The multibody solver: mechanisms on ideal joints
+    /// The multibody solver: mechanisms, hinges, fracture, contact
     Mbs(MbsOptions),
     /// Tested columns, each bent by the RC submodel: table and plot (20 to 60 minutes)
     Columns(verify_columns::Arguments),

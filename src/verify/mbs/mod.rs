@@ -9,6 +9,7 @@ mod iftomm;
 mod impact;
 mod linkages;
 pub mod models;
+pub mod onset;
 mod pancake;
 mod parting;
 mod pendulums;
@@ -26,6 +27,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(pendulums::cases());
     all.extend(hinges::cases());
     all.extend(catenary::cases());
+    all.extend(onset::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());
     all.extend(linkages::cases());
