@@ -86,6 +86,14 @@ impl Model {
         !self.joints.is_empty() || !self.forces.is_empty()
     }
 
+    /// Whether nothing acts on its bodies but gravity: no connection, no contact. What is to find a static state or to fall asleep is not meant to fly.
+    pub fn flies_free(&self) -> bool {
+        let Contact { ground, planes, obstacles, bodies, .. } = &self.contact;
+        let is_clear = ground.is_none() && planes.is_empty() && obstacles.is_empty() && bodies.is_none();
+        let RunSettings { preload, sleep_speed_m_s, .. } = self.settings;
+        is_clear && self.bushings.is_empty() && !self.is_ideal() && !preload && sleep_speed_m_s.is_none()
+    }
+
     /// A model without parts, with default settings but for its end and its outputs \[m/s², s\].
     pub fn empty(name: &str, gravity_m_s2: [f64; 3], end_time_s: f64, output_interval_s: f64) -> Self {
         Self {

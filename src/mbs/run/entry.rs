@@ -72,6 +72,8 @@ fn simulate_checked(model: &Model, options: &SolverOptions, known: &Tables) -> R
     let may_repeat = options.repeat && model.settings.time_step_s.is_none();
     let outcome = if model.is_ideal() {
         ideally(model, options, may_repeat)
+    } else if model.flies_free() {
+        ideal::run::simulate(&for_free_flight(model), options)
     } else {
         freely(model, options, may_repeat, known)
     };
@@ -93,6 +95,19 @@ pub(super) const GROWTH: f64 = 1e-3;
 
 /// How the remark about a repeated run begins.
 pub const REPEATED: &str = "repeated with";
+
+/// What steps of free flight may be off by, as a share of the tolerance: nothing stops what they add up to over thousands of turns. A body that tumbles at 36 rad/s is off by 2 degrees after 20 s with all of it, by 0.01 with this, in a fifth of the time that a leapfrog of 1 ms takes for 0.5.
+const FREE_FLIGHT: f64 = 0.01;
+/// No steps are nearer than that.
+const LEAST_TOLERANCE: f64 = 1e-12;
+
+/// A model of bodies that turn freely, with the tolerance that they need.
+fn for_free_flight(model: &Model) -> Model {
+    let mut model = model.clone();
+    let given = model.settings.tolerance;
+    model.settings.tolerance = given.min((FREE_FLIGHT * given).max(LEAST_TOLERANCE));
+    model
+}
 
 /// A run of bushings alone.
 fn freely(model: &Model, options: &SolverOptions, may_repeat: bool, known: &Tables) -> Outcome {

@@ -14,6 +14,7 @@ mod pancake;
 mod parting;
 mod pendulums;
 pub mod pile;
+mod spin;
 
 use super::{Case, Figure};
 use crate::mbs::ideal::Mechanism;
@@ -28,6 +29,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(hinges::cases());
     all.extend(catenary::cases());
     all.extend(onset::cases());
+    all.extend(spin::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());
     all.extend(linkages::cases());
