@@ -1,8 +1,8 @@
 //! The points whose displacement is compared between models: every column top and every slab corner
-//! (mid-plane), without those of members that are taken away whole.
+//! (mid-plane), without those of members that are taken away whole; and what a column bore that is taken away, where no column goes on above it.
 
 use super::clear::Clear;
-use super::model::{Building, MemberKind};
+use super::model::{Building, Member, MemberKind};
 use super::partition::Partition;
 use serde::{Deserialize, Serialize};
 
@@ -56,7 +56,36 @@ pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked
             _ => {}
         }
     }
+    points.extend(building.members.iter().filter_map(|m| over_removed(building, m)));
     points
+}
+
+/// The point of a floor, or of a beam, over the middle of a column that is taken away. Where a column stands on it the top of that one tells how it falls.
+fn over_removed(building: &Building, column: &Member) -> Option<Tracked> {
+    let is_upright = column.kind == MemberKind::Column && !column.is_skew();
+    if !is_upright || !is_taken_away(building, &column.id) {
+        return None;
+    }
+    let [x, y, middle] = column.solid.center();
+    let top = column.solid.max[2];
+    let reach = 0.5 * (top - column.solid.min[2]);
+    let above = |m: &&Member| {
+        let [low, high] = [m.solid.min, m.solid.max];
+        let covers = low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1];
+        covers && low[2] > middle && low[2] < top + reach && !is_taken_away(building, &m.id)
+    };
+    let of_kind = |kind: MemberKind| building.members.iter().filter(move |m| m.kind == kind).filter(above);
+    if of_kind(MemberKind::Column).next().is_some() {
+        return None;
+    }
+    let lowest = |kind| of_kind(kind).min_by(|a, b| a.solid.min[2].total_cmp(&b.solid.min[2]));
+    let borne = lowest(MemberKind::Slab).or_else(|| lowest(MemberKind::Beam))?;
+    let z = borne.solid.center()[2];
+    Some(Tracked {
+        id: format!("{}.over-{}", borne.id, column.id),
+        member: borne.id.clone(),
+        point_m: [x, y, z],
+    })
 }
 
 /// Whether a member is cut or removed whole during the run.
@@ -70,4 +99,25 @@ pub fn clear_range(partition: &Partition, member: usize, axis: usize) -> Option<
         let [low, high]: [f64; 2] = range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
         Some([low.min(own.min[axis]), high.max(own.max[axis])])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::tree::Format;
+    use crate::building::{EXAMPLE, parse};
+
+    fn over(text: &str) -> Vec<String> {
+        let building = parse(text, Format::Toml, "building.toml").unwrap_or_else(|e| panic!("{e}"));
+        let points = tracked_points(&building, &Partition::of(&building));
+        points.into_iter().map(|p| p.id).filter(|id| id.contains(".over-")).collect()
+    }
+
+    #[test]
+    fn a_floor_is_tracked_where_it_loses_a_column_that_nothing_stands_on() {
+        assert!(over(EXAMPLE).is_empty(), "columns stand on those of the first storey");
+        let hall = EXAMPLE.replace("[\"3.5 m\", \"3.5 m\", \"3.5 m\"]", "[\"3.5 m\"]");
+        let found = over(&hall);
+        assert!(found.len() == 2 && found.iter().all(|id| id.starts_with("S1.over-C1-")), "{found:?}");
+    }
 }

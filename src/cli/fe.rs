@@ -5,7 +5,7 @@ use super::fe_hybrid;
 use super::fe_places::{self as places, failure, unwritable};
 use super::knowledge::KnowledgeArgs;
 use super::progress::Progress;
-use super::verdict::{outcome, outcome_words, percent, seconds, unfired};
+use super::verdict::{moving_note, outcome, outcome_words, percent, seconds, unfired};
 use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::isa::Isa;
@@ -191,6 +191,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let folder = output.commit().map_err(|e| unwritable(&e))?;
     let collapsed = fe.tracked.iter().any(|h| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M));
     let unfired = unfired(&building, fe.times_s.last().copied().unwrap_or(0.0));
+    let points = fe.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..]));
+    let moving = moving_note(collapsed, &fe.times_s, points);
     if arguments.json {
         let mut value = json!(fe.summary);
         value["building"] = json!(building.name);
@@ -203,15 +205,16 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         if let Some(against) = &against {
             value["against"] = against.json();
         }
-        value["notes"] = json!(notes);
+        value["notes"] = json!(notes.iter().chain(&moving).collect::<Vec<_>>());
         value["output"] = json!(folder);
         print(&format!("{value:#}\n"));
         return Ok(Outcome::Done);
     }
     print(&format!(
-        "{}: {} in the FE run\n{}  results: {}\n",
+        "{}: {} in the FE run\n{}{}  results: {}\n",
         building.name,
         outcome_words(collapsed, &unfired),
+        moving.map_or(String::new(), |note| format!("  note: {note}\n")),
         zones_words(&building, &fe)
             + &summary(&fe.summary)
             + &fe.hybrid.as_ref().map_or(String::new(), fe_hybrid::words)

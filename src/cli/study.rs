@@ -1,5 +1,6 @@
 //! `fallwerk study`: FE runs as evidence in `kb/studies/`.
 
+use super::verdict::moving_note;
 use super::{Failure, Outcome, print, study_compare, study_run};
 use crate::base::json::from_text;
 use crate::base::output::write_atomic;
@@ -143,10 +144,15 @@ fn list(kb: &Path, json: bool) -> Result<(), Failure> {
                 "elements": study.elements,
                 "zones": zones,
                 "collapsed": study.facts.collapsed,
+                "still_moving": still_moving(&study),
             }));
             continue;
         }
-        let collapse = if study.facts.collapsed { "collapses" } else { "stands" };
+        let collapse = match (study.facts.collapsed, still_moving(&study)) {
+            (true, _) => "collapses",
+            (false, None) => "stands",
+            (false, Some(_)) => "still moves at its end",
+        };
         print(&format!(
             "{}  {} elements, {zones} zones at member ends, {collapse}\n",
             file.display(),
@@ -157,6 +163,13 @@ fn list(kb: &Path, json: bool) -> Result<(), Failure> {
         print(&format!("{:#}\n", json!({ "records": records })));
     }
     Ok(())
+}
+
+/// [`moving_note`] of a record.
+fn still_moving(study: &Study) -> Option<String> {
+    let histories = study.motion.histories();
+    let points = histories.iter().map(|h| (h.id.as_str(), &h.displacement_m[..]));
+    moving_note(study.facts.collapsed, &study.motion.times_s(), points)
 }
 
 /// A record in words.
@@ -178,6 +191,9 @@ pub(super) fn described(study: &Study) -> String {
         "  {}; first ground contact: {contact}",
         if facts.collapsed { "collapses" } else { "does not collapse" }
     );
+    if let Some(note) = still_moving(study) {
+        let _ = writeln!(text, "  note: {note}");
+    }
     if let Some(energies) = &study.energies {
         let words = |e: &FeEnergies| {
             format!(

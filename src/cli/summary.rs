@@ -88,7 +88,8 @@ pub fn as_text(s: &Summary) -> String {
         1e3 * s.mbs.cpu_s,
         energy_words(s.mbs.energy_error),
     );
-    if let Some(note) = moving_note(s.mbs_collapsed(), s.mbs) {
+    let points = s.mbs.tracked.iter().map(|t| (t.id.as_str(), &t.displacement_m[..]));
+    if let Some(note) = moving_note(s.mbs_collapsed(), &s.mbs.times_s, points) {
         text += &format!("  note       {note}\n");
     }
     if let Some(warning) = energy_warning(s.mbs.energy_error) {

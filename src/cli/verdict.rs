@@ -1,8 +1,7 @@
 //! The comparison of both runs in words: checks against the limits of [`crate::validate`], and a verdict.
 
 use crate::building::Building;
-use crate::mbs::result::TrackedHistory;
-use crate::mbs::{RunResult, math};
+use crate::mbs::math;
 use crate::report::{Check, Status, Verdict};
 use crate::validate::measure::Sites;
 use crate::validate::{
@@ -34,16 +33,20 @@ pub fn unfired(building: &Building, end_s: f64) -> Vec<&str> {
 /// Speed of a tracked point from which what has not come down is not at rest either \[m/s\].
 const MOVES_M_S: f64 = 1.0;
 
-/// That a building which has not collapsed by the end of a run still moves, if a tracked point does.
-pub fn moving_note(collapsed: bool, run: &RunResult) -> Option<String> {
-    let [.., before, end] = run.times_s[..] else { return None };
-    let speed = |t: &TrackedHistory| match t.displacement_m[..] {
-        [.., a, b] => math::norm(math::sub(b, a)) / (end - before),
+/// That a building which has not collapsed by the end of a run still moves, if one of the points does, for the times of their displacements.
+pub fn moving_note<'a>(
+    collapsed: bool,
+    times_s: &[f64],
+    points: impl Iterator<Item = (&'a str, &'a [math::V3])>,
+) -> Option<String> {
+    let [.., before, end] = times_s[..] else { return None };
+    let speed = |u: &[math::V3]| match u {
+        [.., a, b] => math::norm(math::sub(*b, *a)) / (end - before),
         _ => 0.0,
     };
-    let (id, fastest) = run.tracked.iter().map(|t| (&t.id, speed(t))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (id, fastest) = points.map(|(id, u)| (id, speed(u))).max_by(|a, b| a.1.total_cmp(&b.1))?;
     (!collapsed && fastest > MOVES_M_S).then(|| {
-        format!("at the end, {end} s, \"{id}\" still moves at {fastest:.1} m/s: too soon to tell whether it collapses; give a later settings.end_time")
+        format!("at the end, {end:.4} s, \"{id}\" still moves at {fastest:.1} m/s: too soon to tell whether it collapses; give a later settings.end_time")
     })
 }
 

@@ -19,6 +19,7 @@ pub mod mjcf;
 mod number;
 
 use crate::mbs::Model;
+use crate::mbs::ideal::run::fitting_velocities;
 use crate::mbs::model::{Bending, Bushing, Event, Force};
 use std::collections::BTreeSet;
 
@@ -115,6 +116,15 @@ fn at_start(model: &Model, notes: &mut Notes) -> Model {
         }
     }
     m.events.retain(|e| e.time_s > 0.0);
+    if let Ok(Some(fitting)) = fitting_velocities(&m) {
+        for (body, [v, w]) in m.bodies.iter_mut().zip(fitting) {
+            (body.velocity_m_s, body.angular_velocity_rad_s) = (v, w);
+        }
+        notes.add(
+            "bodies",
+            "initial velocities do not fit the joints: written are the nearest ones that do, with which `simulate` runs",
+        );
+    }
     for shared in &m.shared_masses {
         let first = shared.bodies.first().map_or("shared_masses", String::as_str);
         notes.add(first, "inertia that it has together with others (shared_masses) is left out: spans are as heavy as rigid halves");

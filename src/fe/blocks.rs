@@ -470,15 +470,6 @@ impl Blocks {
         self.detached.get(element) == Some(&true)
     }
 
-    /// Takes the stiffness of an element down to a millionth: its stress stays what it is while it deforms.
-    pub(super) fn soften(&mut self, element: usize) {
-        let (block, lane) = self.place[element];
-        self.blocks[block as usize].material.edit(|material| {
-            material.lambda_pa[lane as usize] *= 1e-6;
-            material.mu_pa[lane as usize] *= 1e-6;
-        });
-    }
-
     /// Gives an element another mass.
     pub(super) fn set_mass_kg(&mut self, element: usize, mass_kg: f64) {
         let (block, lane) = self.place[element];

@@ -461,6 +461,7 @@ impl RunState {
             recorder.note(mesh, body, building);
             if !body.failure.splits.is_empty() {
                 split::follow(mesh, &body.failure.splits);
+                removal.follow(&body.failure.splits, body);
                 recorder.follow(&body.failure.splits);
             }
             if let Some(lost) = body.body_contact.as_ref().and_then(|c| c.lost) {

@@ -8,6 +8,7 @@ use super::run::{SolverOptions, simulate_varied, simulate_with};
 use super::tables::Tables;
 use super::{Model, SolveError};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// What differs: names of numbers ([`apply`]), and a row of values for each run.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -91,7 +92,34 @@ pub fn varied(model: &Model, names: &[String], row: &[f64]) -> Result<Model, Par
     for (name, value) in names.iter().zip(row) {
         apply(&mut own, name, *value)?;
     }
+    follow_masses(&mut own, model);
     Ok(own)
+}
+
+/// Scales what stands beside the masses of bodies as these are in a row against those of the `file`: inertia that they have together, and the weight of spans. Of bodies that are scaled differently the smallest factor counts, with which the inertia together stays positive definite.
+fn follow_masses(model: &mut Model, file: &Model) {
+    let factors: BTreeMap<&str, f64> = model
+        .bodies
+        .iter()
+        .zip(&file.bodies)
+        .map(|(own, given)| {
+            let of_inertia = (0..3).map(|k| own.inertia_kg_m2[k][k] / given.inertia_kg_m2[k][k]);
+            (given.id.as_str(), of_inertia.fold(own.mass_kg / given.mass_kg, f64::min))
+        })
+        .collect();
+    let smallest = |ids: &mut dyn Iterator<Item = &String>| {
+        ids.filter_map(|id| factors.get(id.as_str())).copied().reduce(f64::min).unwrap_or(1.0)
+    };
+    for shared in &mut model.shared_masses {
+        let factor = smallest(&mut shared.bodies.iter());
+        shared.blocks.iter_mut().flat_map(|b| b.added.as_flattened_mut()).for_each(|v| *v *= factor);
+    }
+    for bushing in &mut model.bushings {
+        let factor = smallest(&mut bushing.body_a.iter().chain([&bushing.body_b]));
+        if let Some(span) = bushing.beam.as_mut().and_then(|beam| beam.span.as_mut()) {
+            span.mass_kg_m *= factor;
+        }
+    }
 }
 
 /// Runs every row; `done` is told after each run how many are through. A run that goes wrong has its error in the place of its summary.

@@ -583,6 +583,12 @@ impl JointData {
             }
         })
     }
+
+    /// Whether its springs hold its point in height, in the present poses.
+    pub(super) fn bears_weight(&self, bodies: &[BodyState]) -> bool {
+        const LEVEL: f64 = 1e-9;
+        self.rows(bodies)[..3].iter().any(|row| row.stiffness > 0.0 && row.force[2].abs() > LEVEL)
+    }
 }
 
 /// Which evaluations follow each other in time.

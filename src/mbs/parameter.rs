@@ -17,8 +17,7 @@ pub struct ParameterError {
 }
 
 const LISTS: &str = "bodies, bushings, forces, events, contact, gravity_m_s2 or settings";
-const BODY: &str =
-    "mass_factor (mass and inertia), mass_kg, position_m.K, velocity_m_s.K or angular_velocity_rad_s.K";
+const BODY: &str = "mass_factor (mass and inertia, spans and what bodies have together included), mass_kg, position_m.K, velocity_m_s.K or angular_velocity_rad_s.K";
 const BUSHING: &str = "strength_factor, stiffness_factor, tensile_capacity_n, tensile_elongation_m, compressive_capacity_n or shear_capacity_n.K";
 const FORCE: &str =
     "strength_factor, stiffness_factor, damping_factor, length_m, fracture_rad, force_n.K or torque_nm.K";

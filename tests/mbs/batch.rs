@@ -90,3 +90,22 @@ fn names_that_set_one_number_are_refused() {
         run(list).unwrap();
     }
 }
+
+/// A lighter building is one with all its masses: what bodies have together, and the weight of spans, go along.
+#[test]
+fn masses_that_stand_beside_bodies_follow_them() {
+    let mut m = falling();
+    let added = [[-500.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+    let blocks = vec![MassBlock { pair: [0, 0], added }, MassBlock { pair: [1, 1], added }];
+    m.shared_masses.push(SharedMass { bodies: vec!["a".into(), "b".into()], blocks });
+    let factors = |names: &[&str], values: &[f64]| {
+        let names: Vec<String> = names.iter().map(|n| n.to_string()).collect();
+        varied(&m, &names, values).unwrap().shared_masses[0].blocks[0].added[0][0] / -500.0
+    };
+    assert_eq!(factors(&["bodies.*.mass_factor"], &[0.8]), 0.8);
+    assert_eq!(factors(&["bodies.*.mass_factor"], &[1.5]), 1.5);
+    // never more than bodies have
+    assert_eq!(factors(&["bodies.a.mass_factor"], &[0.5]), 0.5);
+    assert_eq!(factors(&["bodies.a.mass_factor", "bodies.b.mass_factor"], &[2.0, 4.0]), 2.0);
+    assert_eq!(factors(&["gravity_m_s2.2"], &[-5.0]), 1.0);
+}

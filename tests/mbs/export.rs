@@ -2,6 +2,7 @@
 
 use fallwerk::export::{Exported, Target, export};
 use fallwerk::mbs::Model;
+use fallwerk::mbs::ideal::run::fitting_velocities;
 use fallwerk::mbs::math::{M3, V3, add, axpy, cross, matmul, mul, norm, qexp, qmat, qmul, sub};
 use fallwerk::mbs::model::{Body, Joint, JointKind};
 use fallwerk::verify::mbs::models;
@@ -16,8 +17,18 @@ fn written(model: &Model, target: Target) -> Exported {
     export(model, target).unwrap()
 }
 
-/// A chain of turned bodies with every kind of joint, springs and loads.
+/// A chain of turned bodies with every kind of joint, springs and loads, that moves as its joints allow.
 fn chain() -> Model {
+    let mut model = strained_chain();
+    let fitting = fitting_velocities(&model).unwrap().expect("the chain is strained");
+    for (body, [v, w]) in model.bodies.iter_mut().zip(fitting) {
+        (body.velocity_m_s, body.angular_velocity_rad_s) = (v, w);
+    }
+    model
+}
+
+/// The same with velocities that do not fit its joints.
+fn strained_chain() -> Model {
     let kinds = [
         "spherical",
         "revolute",
@@ -275,6 +286,20 @@ fn an_adams_dataset_gives_parts_markers_and_joints_back() {
             near(data.column(s.marker("I"), 2), bushing.axes[2], 1e-12, &bushing.id);
         }
     }
+}
+
+/// Other programs take velocities as they are, or those of joints alone: what is written fits the joints, as it does in a run, and a note says so.
+#[test]
+fn velocities_that_do_not_fit_are_written_as_they_run() {
+    let (strained, fitting) = (strained_chain(), chain());
+    for target in [Target::Adams, Target::Mjcf { loose: false }] {
+        let [own, other] = [&strained, &fitting].map(|m| written(m, target));
+        assert!(other.notes.iter().all(|n| n.id != "bodies"));
+        let note = own.notes.iter().find(|n| n.id == "bodies").expect("a note");
+        assert!(note.text.contains("do not fit the joints"), "{}", note.text);
+    }
+    let data = Rebuilt::read(&written(&strained, Target::Adams).text);
+    check_bodies(&fitting, &data);
 }
 
 #[test]

@@ -524,3 +524,27 @@ fn a_blow_across_the_plane_of_a_mechanism_is_borne_by_its_joints() {
     let back = 1.8 - 2.5 * (1.0 - 1.8 / 5.0);
     assert!((ball[1] - back).abs() < 1e-3, "{ball:?} {back}");
 }
+
+/// A guide that leaves a body free to fall leaves it to the ground; one that holds it in height does not.
+#[test]
+fn what_a_guide_leaves_free_to_fall_stands_on_the_ground() {
+    let cube = |kind: JointKind, axis: [f64; 3], height: f64| {
+        let mut m = model("guided", 1.0, 0.1);
+        m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+        m.bodies.push(solid("cube", [0.0, 0.0, height], [1.0; 3]));
+        m.bodies[0].velocity_m_s[0] = 1.0;
+        let guide = ideal("guide", kind, None, "cube", [0.0, 0.0, height]);
+        m.joints.push(Joint { axis: Some(axis), ..guide });
+        track(&mut m, "cube", [0.0, 0.0, height]);
+        *simulate(&m).unwrap().tracked[0].displacement_m.last().unwrap()
+    };
+    // slides v²/2μg in a plane across y, which a 2D model is made of
+    let way = 1.0 / (2.0 * 0.5 * G);
+    let [x, y, z] = cube(JointKind::Planar, [0.0, 1.0, 0.0], 0.5);
+    assert!((x / way - 1.0).abs() < 1e-3 && y.abs() < 1e-9 && z.abs() < 1e-6, "{x} {y} {z}");
+    let [x, _, z] = cube(JointKind::Prismatic, [0.0, 0.0, 1.0], 0.5);
+    assert!(x.abs() < 1e-9 && z.abs() < 1e-6, "{x} {z}");
+    // its weight is the rail's, and no friction brakes it
+    let [x, _, z] = cube(JointKind::Prismatic, [1.0, 0.0, 0.0], 0.5);
+    assert!((x - 1.0).abs() < 1e-9 && z.abs() < 1e-9, "{x} {z}");
+}

@@ -204,6 +204,7 @@ fn latent_bodies_move_as_one() {
     whole.bodies.push(solid("p0", middle, [LENGTH, WIDTH, WIDTH]));
     for m in [&mut pieces, &mut whole] {
         m.settings.end_time_s = 1.0;
+        m.settings.time_step_s = Some(1e-3);
         m.contact.ground = Some(GroundPlane { level_m: -1.0, friction: 0.5, restitution: 0.1 });
         spin(m, [0.1, 2.0, 0.5], [0.3, 0.0, 0.0], middle);
         m.tracked.push(TrackedPoint { id: "end".into(), body: "p0".into(), point_m: [0.0, 0.1, 0.1] });

@@ -191,6 +191,11 @@ impl Held {
         })
     }
 
+    /// [`JointData::bears_weight`].
+    pub fn bears_weight(&self, poses: &[Pose]) -> bool {
+        self.committed.bears_weight(&states(self.bodies, poses))
+    }
+
     /// Adds the elastic loads that follow a small motion of the bodies.
     pub fn respond(&self, poses: &[Pose], motion: &[[V3; 2]], loads: &mut [[V3; 2]]) {
         let of = |side: usize| {

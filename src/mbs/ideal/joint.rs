@@ -85,6 +85,17 @@ impl Joint {
     pub fn rod(bodies: [usize; 2], points_m: [V3; 2]) -> Self {
         Self { kind: Kind::Distance, bodies, points_m, axes: frame_about([1.0, 0.0, 0.0]) }
     }
+
+    /// Whether it holds its point in height: a guide along which bodies slide up and down leaves them to the ground.
+    pub fn bears_weight(&self) -> bool {
+        let upright = |along: V3| (along[2] / norm(along)).abs();
+        match self.kind {
+            Kind::Spherical | Kind::Revolute | Kind::Universal | Kind::Fixed => true,
+            Kind::Cylindrical | Kind::Prismatic | Kind::PointOnLine => upright(self.axes[0]) < STRAIGHT,
+            Kind::Planar => upright(self.axes[0]) > 1.0 - STRAIGHT,
+            Kind::Distance => upright(sub(self.points_m[1], self.points_m[0])) > 1.0 - STRAIGHT,
+        }
+    }
 }
 
 /// A right-handed frame whose first row is along `axis`.
@@ -149,7 +160,12 @@ pub struct Compiled {
     along: [V3; 3],
     /// Normal of the plane in which both bodies move, if they do.
     plane: Option<V3>,
+    /// Whether its point is held in height where it is assembled.
+    bears_weight: bool,
 }
+
+/// Cosine of two directions that are across each other, and how much less than one it is where they are along each other.
+const STRAIGHT: f64 = 1e-9;
 
 impl Compiled {
     /// In the poses in which it is assembled. With a `plane` only rows in it are made.
@@ -171,7 +187,13 @@ impl Compiled {
             length_m: norm(sub(joint.points_m[1], joint.points_m[0])),
             along,
             plane,
+            bears_weight: joint.bears_weight(),
         }
+    }
+
+    /// [`Joint::bears_weight`] where it was assembled.
+    pub fn bears_weight(&self) -> bool {
+        self.bears_weight
     }
 
     /// Whether its rows are those of two points that coincide along the global axes.

@@ -305,11 +305,13 @@ impl Motion {
         scale(self.mass[body], self.gravity)
     }
 
-    /// Pairs of bodies that joints and bushings connect; `ground` stands for the ground.
+    /// Pairs of bodies that joints and bushings connect; `ground` stands for the ground, which counts where they bear weight.
     pub fn connected(&self, ground: usize) -> Vec<(usize, usize)> {
         let own = |b: usize| if is_ground(b) { ground } else { b };
-        let joints = self.joints.iter().map(|j| j.bodies);
-        joints.chain(self.bushings.iter().map(|b| b.bodies)).map(|[a, b]| (own(a), own(b))).collect()
+        let joints = self.joints.iter().map(|j| (j.bodies, j.bears_weight()));
+        let bushings = self.bushings.iter().map(|b| (b.bodies, b.bears_weight(&self.poses)));
+        let counts = |(bodies, bears): &([usize; 2], bool)| *bears || !bodies.iter().any(|b| is_ground(*b));
+        joints.chain(bushings).filter(counts).map(|([a, b], _)| (own(a), own(b))).collect()
     }
 
     /// The state of the start.

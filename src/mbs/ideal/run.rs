@@ -5,6 +5,7 @@ use super::march::{Locked, MarchError, Marcher, Span};
 use super::motion::{Motion, STATE};
 use super::survey::Observed;
 use super::touch::Touching;
+use crate::curve::CurveError;
 use crate::mbs::balance::Balance;
 use crate::mbs::contact::{ContactSet, Partner};
 use crate::mbs::error::SolveError;
@@ -36,6 +37,31 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
     }
     run.go()?;
     Ok(run.result)
+}
+
+/// Velocities and angular velocities of the bodies of a model at its start \[m/s, rad/s\], as its joints allow them, if those of the file do not fit them.
+///
+/// # Errors
+/// If a curve cannot be compiled.
+pub fn fitting_velocities(model: &Model) -> Result<Option<Vec<[V3; 2]>>, CurveError> {
+    let mechanism = compile::mechanism(model);
+    let marcher = Marcher::of(&mechanism, model.settings.tolerance, model.settings.end_time_s, true)?;
+    let misfit = misfit(&Motion::state(&mechanism), &marcher.state);
+    let of = |s: &[f64]| [[s[7], s[8], s[9]], [s[10], s[11], s[12]]];
+    let bodies = marcher.state.chunks_exact(STATE).take(model.bodies.len());
+    Ok(misfit.map(|_| bodies.map(of).collect()))
+}
+
+/// The body whose velocity or angular velocity a projection onto the joints changed most, and by how much, if that is worth a word \[m/s, rad/s\].
+fn misfit(given: &[f64], projected: &[f64]) -> Option<(usize, f64)> {
+    let six = |s: &[f64]| -> [f64; 6] { std::array::from_fn(|k| s[7 + k]) };
+    let change = |(a, b): (&[f64], &[f64])| {
+        six(a).into_iter().zip(six(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let largest = given.chunks_exact(STATE).flat_map(six).fold(0.0_f64, |a, v| a.max(v.abs()));
+    let changes = given.chunks_exact(STATE).zip(projected.chunks_exact(STATE)).map(change);
+    let most = changes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    most.filter(|(_, change)| *change > VELOCITY * largest)
 }
 
 struct Run<'a> {
@@ -71,9 +97,9 @@ impl<'a> Run<'a> {
         let settings = &model.settings;
         let given = Motion::state(&mechanism);
         // contacts may push across the plane of a mechanism, where nothing but its joints holds it
-        let in_space = settings.reactions || has_contact(model);
+        let in_space = settings.reactions || model.may_touch();
         let mut marcher = Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, in_space)?;
-        if has_contact(model) {
+        if model.may_touch() {
             let set = ContactSet::new(model, options.contact);
             let mut touching = Touching::new(set, settings.tolerance);
             touching.tells_reactions = settings.reactions;
@@ -455,16 +481,6 @@ fn stopped(model: &Model, error: MarchError, longest_s: f64) -> SolveError {
     }
 }
 
-/// Whether anything can touch.
-fn has_contact(model: &Model) -> bool {
-    let contact = &model.contact;
-    let surfaces = contact.ground.is_some()
-        || contact.bodies.is_some()
-        || !contact.planes.is_empty()
-        || !contact.obstacles.is_empty();
-    surfaces && model.bodies.iter().any(|b| !b.shapes.is_empty())
-}
-
 /// What is worth saying of a model before it runs.
 fn remarks(model: &Model, marcher: &Marcher, given: &[f64]) -> Vec<String> {
     let mut list = Vec::new();
@@ -474,18 +490,10 @@ fn remarks(model: &Model, marcher: &Marcher, given: &[f64]) -> Vec<String> {
             "{dependent} of {rows} joint conditions depend on others (redundant joints or loops): the motion is unique, the reactions of those joints are not"
         ));
     }
-    let six = |i: usize, state: &[f64]| -> [f64; 6] { std::array::from_fn(|k| state[STATE * i + 7 + k]) };
-    let largest = given.chunks_exact(STATE).flat_map(|s| &s[7..]).fold(0.0_f64, |a, v| a.max(v.abs()));
-    let change = |i: &usize| {
-        let (a, b) = (six(*i, given), six(*i, &marcher.state));
-        (0..6).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max)
-    };
-    let most = (0..model.bodies.len()).max_by(|a, b| change(a).total_cmp(&change(b)));
-    if let Some(i) = most.filter(|i| change(i) > VELOCITY * largest) {
+    if let Some((i, change)) = misfit(given, &marcher.state) {
         list.push(format!(
-            "initial velocities do not fit the joints: the nearest ones that do are taken; body \"{}\" changes most, by {:.3e} m/s or rad/s",
-            model.bodies[i].id,
-            change(&i)
+            "initial velocities do not fit the joints: the nearest ones that do are taken; body \"{}\" changes most, by {change:.3e} m/s or rad/s",
+            model.bodies[i].id
         ));
     }
     list

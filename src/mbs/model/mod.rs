@@ -86,12 +86,21 @@ impl Model {
         !self.joints.is_empty() || !self.forces.is_empty()
     }
 
-    /// Whether nothing acts on its bodies but gravity: no connection, no contact. What is to find a static state or to fall asleep is not meant to fly.
-    pub fn flies_free(&self) -> bool {
+    /// Whether nothing acts on its bodies but gravity and contact, in steps that nothing prescribes, and it asks for none of what the leapfrog of bushings has alone.
+    pub fn is_unconnected(&self) -> bool {
+        let s = &self.settings;
+        let is_left_to_itself = s.time_step_s.is_none() && !s.preload && s.sleep_speed_m_s.is_none();
+        let has_no_connection = !self.is_ideal() && self.bushings.is_empty() && self.shared_masses.is_empty();
+        let is_hard = self.contact.crushing.is_empty() && !self.contact.resists_rolling();
+        let is_soft = s.relative_inertia_rad_s.is_some() || s.soft_after_m.is_some();
+        is_left_to_itself && has_no_connection && is_hard && !is_soft && self.event_rules.is_empty()
+    }
+
+    /// Whether its bodies may touch anything.
+    pub fn may_touch(&self) -> bool {
         let Contact { ground, planes, obstacles, bodies, .. } = &self.contact;
-        let is_clear = ground.is_none() && planes.is_empty() && obstacles.is_empty() && bodies.is_none();
-        let RunSettings { preload, sleep_speed_m_s, .. } = self.settings;
-        is_clear && self.bushings.is_empty() && !self.is_ideal() && !preload && sleep_speed_m_s.is_none()
+        let surfaces = ground.is_some() || !planes.is_empty() || !obstacles.is_empty() || bodies.is_some();
+        surfaces && self.bodies.iter().any(|b| !b.shapes.is_empty())
     }
 
     /// A model without parts, with default settings but for its end and its outputs \[m/s², s\].

@@ -72,8 +72,10 @@ fn simulate_checked(model: &Model, options: &SolverOptions, known: &Tables) -> R
     let may_repeat = options.repeat && model.settings.time_step_s.is_none();
     let outcome = if model.is_ideal() {
         ideally(model, options, may_repeat)
-    } else if model.flies_free() {
+    } else if model.is_unconnected() && !model.may_touch() {
         ideal::run::simulate(&for_free_flight(model), options)
+    } else if model.is_unconnected() && model.bodies.len() <= FEW {
+        ideally(model, options, may_repeat)
     } else {
         freely(model, options, may_repeat, known)
     };
@@ -96,6 +98,8 @@ pub(super) const GROWTH: f64 = 1e-3;
 /// How the remark about a repeated run begins.
 pub const REPEATED: &str = "repeated with";
 
+/// Bodies without connections up to which impacts are located in time: a step of the leapfrog spreads a blow over itself, to first order (a column that rocks loses a third too much in a step of 1 ms). Ten cubes on each other take three times as long with impacts located, 64 that come down five times.
+const FEW: usize = 8;
 /// What steps of free flight may be off by, as a share of the tolerance: nothing stops what they add up to over thousands of turns. A body that tumbles at 36 rad/s is off by 2 degrees after 20 s with all of it, by 0.01 with this, in a fifth of the time that a leapfrog of 1 ms takes for 0.5.
 const FREE_FLIGHT: f64 = 0.01;
 /// No steps are nearer than that.

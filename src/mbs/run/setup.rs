@@ -4,6 +4,7 @@ use super::{LARGEST_STEP_S, MOST_STEPS};
 use crate::mbs::contact::ContactSet;
 use crate::mbs::error::SolveError;
 use crate::mbs::frequency;
+use crate::mbs::joint::JointData;
 use crate::mbs::latent::Latent;
 use crate::mbs::math;
 use crate::mbs::model::{Bending, Bushing, Model, RunSettings};
@@ -16,9 +17,11 @@ use petgraph::unionfind::UnionFind;
 use std::collections::BTreeSet;
 
 /// Tells the contacts which bodies are there and which a joint connects, and what is crushed: what is left of such a member holds nothing up. Pieces of what was one body count as that body as far as intact joints still connect them: a column
-/// that did not touch its floor as a whole does not touch the pieces of it either. The ground is another matter: what comes off a foot may fall onto it.
+/// that did not touch its floor as a whole does not touch the pieces of it either. The ground is another matter: what comes off a foot may fall onto it, and what no joint holds in height stands on it.
 pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Latent) {
-    let joined = || system.joints.iter().filter(|j| j.alive).map(|j| (j.a, j.b));
+    let counts =
+        |j: &&JointData| j.alive && (j.a.max(j.b) < system.count() || j.bears_weight(&system.bodies));
+    let joined = || system.joints.iter().filter(counts).map(|j| (j.a, j.b));
     let crushed = system.joints.iter().filter(|j| j.is_crushed()).map(|j| j.b).collect();
     if !latent.has_parted() {
         contacts.connect(joined(), |i| system.data[i].alive, crushed);

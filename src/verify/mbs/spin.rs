@@ -16,14 +16,14 @@ const ROUND_RATE: V3 = [12.0, 0.0, 40.0];
 
 const JACOBI: &str =
     "L = I ω with ω₁ ~ cn τ, ω₂ ~ sn τ, ω₃ ~ dn τ (Landau and Lifshitz, Mechanics, 3rd ed., eq. 37.10)";
-const PRECESSION: &str = "turn about L by |L| t/I₁ after that about axis 3 by (1 - I₃/I₁) ω₃ t (Landau and Lifshitz, Mechanics, 3rd ed., section 33)";
+const PRECESSION: &str = "turn about L by L t/I₁ after that about axis 3 by (1 - I₃/I₁) ω₃ t (Landau and Lifshitz, Mechanics, 3rd ed., section 33)";
 
 /// The cases of this file.
 pub fn cases() -> Vec<Case> {
     vec![
         Case::short(
             "spin-tumbling",
-            "A body with moments of inertia of 1, 2 and 3 kg m² tumbles at 36 rad/s: its angular momentum in its own axes after 20 s and 46 turns-over.",
+            "A body with moments of inertia of 1, 2 and 3 kg m² tumbles at 36 rad/s: its angular momentum in its own axes after 20 s, in which it turns over 46 times.",
             tumbling,
         ),
         Case::short(
