@@ -584,12 +584,21 @@ impl JointData {
         })
     }
 
+    /// Whether it resists turns, and has turned by more than [`MOST_TURN_RAD`].
+    pub(super) fn has_overturned(&self) -> bool {
+        let resists = self.rotation.iter().any(|k| *k > 0.0);
+        resists && math::dot(self.theta, self.theta) > MOST_TURN_RAD * MOST_TURN_RAD
+    }
+
     /// Whether its springs hold its point in height, in the present poses.
     pub(super) fn bears_weight(&self, bodies: &[BodyState]) -> bool {
         const LEVEL: f64 = 1e-9;
         self.rows(bodies)[..3].iter().any(|row| row.stiffness > 0.0 && row.force[2].abs() > LEVEL)
     }
 }
+
+/// Length of the rotation vector from which a run warns: at a full revolution it turns round, and moments and plastic rotations are wrong from there \[rad\].
+pub(super) const MOST_TURN_RAD: f64 = 5.0;
 
 /// Which evaluations follow each other in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -548,3 +548,27 @@ fn what_a_guide_leaves_free_to_fall_stands_on_the_ground() {
     let [x, _, z] = cube(JointKind::Prismatic, [1.0, 0.0, 0.0], 0.5);
     assert!((x - 1.0).abs() < 1e-9 && z.abs() < 1e-9, "{x} {z}");
 }
+
+/// The rotation vector of a bushing turns round at a full revolution: a run says so, alone and on an ideal joint.
+#[test]
+fn a_bushing_that_turns_round_is_told() {
+    for (held, rate, told) in
+        [(false, 1.0, false), (false, 20.0, true), (true, 1.0, false), (true, 20.0, true)]
+    {
+        let mut m = model("turned", 0.4, 0.1);
+        m.gravity_m_s2 = [0.0; 3];
+        m.bodies.push(solid("b", [0.0; 3], [0.5; 3]));
+        m.bodies[0].angular_velocity_rad_s = [0.0, rate, 0.0];
+        let mut spring = joint("spring", None, "b", [0.0; 3], 0.0, 0.0, [elastic(1.0), elastic(1.0)]);
+        spring.torsional_stiffness_nm_rad = 1.0;
+        if held {
+            let pin = ideal("pin", JointKind::Revolute, None, "b", [0.0; 3]);
+            m.joints.push(Joint { axis: Some([0.0, 1.0, 0.0]), ..pin });
+            spring.joint = Some("pin".into());
+        }
+        m.bushings.push(spring);
+        let result = simulate(&m).unwrap();
+        let says = result.warnings.iter().any(|w| w.contains("\"spring\" has turned by more than 5 rad"));
+        assert_eq!(says, told, "{held} {rate}: {:?}", result.warnings);
+    }
+}

@@ -4,7 +4,7 @@ use super::force::Exerted;
 use super::joint::{Pose, is_ground, pose_of};
 use super::turn::follow;
 use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
-use crate::mbs::joint::{JointData, Pace};
+use crate::mbs::joint::{JointData, MOST_TURN_RAD, Pace};
 use crate::mbs::math::{V3, axpy, dot, qmat, qmul};
 use crate::mbs::model::{Bending, Bushing};
 use crate::mbs::system::BodyState;
@@ -189,6 +189,16 @@ impl Held {
             let arm = |turn: V3| (row.force != [0.0; 3]).then(|| dot(turn, turn));
             (row.stiffness, [arm(row.turn_a), arm(row.turn_b)])
         })
+    }
+
+    /// Whether it has turned farther than it can tell ([`MOST_TURN_RAD`]).
+    pub fn has_overturned(&self) -> bool {
+        dot(self.turned, self.turned) > MOST_TURN_RAD * MOST_TURN_RAD
+    }
+
+    /// Its id.
+    pub fn id(&self) -> &str {
+        &self.given.bushing.id
     }
 
     /// [`JointData::bears_weight`].

@@ -110,6 +110,7 @@ impl Run<'_> {
                 joints: joints_of(&self.model, i),
             });
         }
+        self.note_turns();
         let energies = self.energies();
         let kick_j = self.system.kick_j(0.5 * self.last_step);
         if self.balanced_s.replace(self.time).is_none() {
@@ -123,6 +124,15 @@ impl Run<'_> {
         }
         self.books.check_contacts(self.time, self.options.energy_limit, self.step_limit)?;
         Ok(energies)
+    }
+
+    fn note_turns(&mut self) {
+        for (i, joint) in self.system.joints.iter().enumerate() {
+            let id = &self.model.bushings[i].id;
+            if joint.alive && joint.has_overturned() && self.overturned.iter().all(|(own, _)| own != id) {
+                self.overturned.push((id.clone(), self.time));
+            }
+        }
     }
 
     fn energies(&mut self) -> Energies {

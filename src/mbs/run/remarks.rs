@@ -4,6 +4,7 @@ use super::SAME;
 use super::entry::GROWTH;
 use crate::mbs::balance::Balance;
 use crate::mbs::contact::Work;
+use crate::mbs::joint::MOST_TURN_RAD;
 use crate::mbs::model::{Event, Force, Model};
 
 /// Energy error worth a warning.
@@ -106,6 +107,18 @@ pub(super) fn remark_on_levels(joints: &[(String, f64, f64)]) -> Option<String> 
     };
     Some(format!(
         "joint \"{first}\" flows from t = {time_s:.4} s under an axial force ({force_n:.4e} N) outside the levels of its curve, where the nearest level is used{others}"
+    ))
+}
+
+/// That bushings have turned farther than they can tell, first at a time \[s\].
+pub(in crate::mbs) fn remark_on_turns(overturned: &[(String, f64)]) -> Option<String> {
+    let (first, time_s) = overturned.first()?;
+    let others = match overturned.len() - 1 {
+        0 => String::new(),
+        more => format!(", later {more} more"),
+    };
+    Some(format!(
+        "bushing \"{first}\" has turned by more than {MOST_TURN_RAD} rad at {time_s:.4} s{others}: past a full revolution its moments and plastic rotation are wrong; a `hinge` or a `torsion` spring of `forces` counts revolutions"
     ))
 }
 
