@@ -6,6 +6,7 @@ use super::{Failure, Outcome, colour_on_stderr, print, read_building, thread_poo
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
 use crate::base::units::Dimension;
+use crate::building::inspect_file;
 use crate::library::rc::no_strength;
 use crate::rc::events;
 use crate::rc::member::Joint;
@@ -181,6 +182,12 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             RcSection::of_column_end(&building, end).map_err(Failure::input)?
         }
         None => section_file::read_file(file).map_err(|found| {
+            if inspect_file(file).building.is_some() {
+                let shown = file.display();
+                return Failure::input(format!(
+                    "{shown} is a building: name the end of a column with --end, as in --end C1-A1.bottom"
+                ));
+            }
             eprint!("{}", found.render(colour_on_stderr()));
             if arguments.json {
                 print(&format!("{:#}\n", json!({ "ok": false, "diagnostics": found.to_json() })));
@@ -384,6 +391,9 @@ pub(super) fn section_words(section: &RcSection, what: &str, elements: [usize; 2
     )
 }
 
+/// Share of the push at whose end a largest moment is no peak yet.
+const RISES_TO: f64 = 0.99;
+
 /// The table on standard output.
 fn table(section: &RcSection, series: &Series) -> String {
     let mut text = format!("{}: {}\n\n", section.name, words(section, series));
@@ -423,6 +433,17 @@ fn table(section: &RcSection, series: &Series) -> String {
         let _ = writeln!(text, "n = {}, direction {}: {fault}", c.axial_share, c.direction_deg);
     }
     let is_push = series.options.turns_rad.is_empty();
+    let until_rad = series.options.until_rad;
+    let rises = |c: &&Case| c.figures.is_some_and(|f| f.peak_rotation_rad > RISES_TO * until_rad);
+    for c in series.cases.iter().filter(rises).filter(|_| is_push) {
+        let _ = writeln!(
+            text,
+            "n = {}, direction {}: the moment still rises where the push ends, at {:.1} mrad; a larger --until shows the peak",
+            c.axial_share,
+            c.direction_deg,
+            1e3 * until_rad
+        );
+    }
     for (c, s) in
         series.cases.iter().filter_map(|c| Some((c, c.shear?))).filter(|(_, s)| s.is_critical() && is_push)
     {

@@ -219,16 +219,21 @@ fn all_together(t: &Together) -> String {
         t.f1[2],
         t.collapse_right
     );
+    let figures = |[median, high]: [f64; 2]| {
+        if median.is_finite() { format!("{median:.3}, {high:.3}") } else { "none".into() }
+    };
+    let falling = match t.falling {
+        0 => "none of them falls".to_string(),
+        count => format!(
+            "of them {count} fall: e to contact {}; from there on {}; e total {}",
+            figures(t.e_to_contact_falling),
+            figures(t.e_after_contact_falling),
+            figures(t.e_total_falling)
+        ),
+    };
     let _ = writeln!(
         text,
-        "of them {} fall: e to contact {:.3}, {:.3}; from there on {:.3}, {:.3}; e total {:.3}, {:.3}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
-        t.falling,
-        t.e_to_contact_falling[0],
-        t.e_to_contact_falling[1],
-        t.e_after_contact_falling[0],
-        t.e_after_contact_falling[1],
-        t.e_total_falling[0],
-        t.e_total_falling[1],
+        "{falling}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
         t.agree
     );
     let [low, middle, high] = t.largest_standing;

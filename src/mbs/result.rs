@@ -368,7 +368,7 @@ pub enum EventKind {
         /// The latent bushings that may give way from now on.
         watched: Vec<String>,
     },
-    /// Bodies vanish.
+    /// An event of the model was carried out: bodies vanish, connections are released or weakened.
     Removal {
         /// Id of the event in the model.
         event: String,
