@@ -223,7 +223,8 @@ impl Recorder {
             gravity_j: books.body_loads_j,
             contact_j: books.contact_j,
             friction_j: books.friction_j,
-            removed_j: books.removed_j,
+            // nothing else drives a building
+            removed_j: books.removed_j + books.driven_j,
             released_j: books.released_j,
             eroded_elastic_j: body.failure.table.elastic_j(),
             free_kinetic_j: free_nodes(body).kinetic_j,

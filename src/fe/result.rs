@@ -147,7 +147,7 @@ pub struct FeEnergies {
     pub contact_j: f64,
     /// Work of friction on the structure (negative).
     pub friction_j: f64,
-    /// Energy that left the balance with removed members (negative).
+    /// Energy that left the balance with removed members (negative), the work of the forces included that they leave over the duration of a removal.
     pub removed_j: f64,
     /// Work booked for forces of dying elements that no longer acted.
     pub released_j: f64,

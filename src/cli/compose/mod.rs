@@ -119,7 +119,7 @@ fn settings(p: &Pieces) -> Vec<Setting> {
     vec![
         line("Simulated time", format!("{} s", s.end_time_s)),
         line("Output interval", format!("{} s", s.output_interval_s)),
-        line("Time over which removed members lose their stress", format!("{} s", s.removal_duration_s)),
+        line("Time over which the forces of removed members fall", format!("{} s", s.removal_duration_s)),
         line("Gravity", format!("{} m/s²", s.gravity_m_s2)),
         line("Target edge length of the FE mesh", format!("{} m", s.mesh_size_m)),
         line("Critical strain rate", format!("{} 1/s", p.facts.critical_rate_1_s)),
