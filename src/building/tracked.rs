@@ -70,9 +70,9 @@ fn over_removed(building: &Building, column: &Member) -> Option<Tracked> {
     let top = column.solid.max[2];
     let reach = 0.5 * (top - column.solid.min[2]);
     let above = |m: &&Member| {
-        let [low, high] = [m.solid.min, m.solid.max];
-        let covers = low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1];
-        covers && low[2] > middle && low[2] < top + reach && !is_taken_away(building, &m.id)
+        let low = m.solid.min[2];
+        let covers = m.solid.contains([x, y, low], 0.0);
+        covers && low > middle && low < top + reach && !is_taken_away(building, &m.id)
     };
     let of_kind = |kind: MemberKind| building.members.iter().filter(move |m| m.kind == kind).filter(above);
     if of_kind(MemberKind::Column).next().is_some() {

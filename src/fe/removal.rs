@@ -71,8 +71,7 @@ impl Removal {
         recorder: &mut Recorder,
     ) {
         let now = body.time_s;
-        let is_due = |charge: &(f64, Vec<usize>)| now >= charge.0;
-        let due: Vec<(f64, Vec<usize>)> = self.pending.extract_if(.., |c| is_due(c)).collect();
+        let due: Vec<(f64, Vec<usize>)> = self.pending.extract_if(.., |charge| now >= charge.0).collect();
         let mut gone = Vec::new();
         for (start_s, elements) in due {
             let own: Vec<usize> = elements.into_iter().filter(|e| body.blocks.share(*e) > 0.0).collect();
@@ -126,9 +125,8 @@ impl Removal {
 fn forces_of(body: &Dynamics, elements: &[usize]) -> Vec<(usize, [f64; 3])> {
     let own: BTreeSet<usize> = elements.iter().copied().collect();
     let mut sums = BTreeMap::<usize, [f64; 3]>::new();
-    for e in elements {
-        let internal_n = body.blocks.element_force(*e, &body.x);
-        for (n, force_n) in body.blocks.nodes_of(*e).into_iter().zip(internal_n) {
+    for (e, internal_n) in body.blocks.element_forces(elements, &body.x) {
+        for (n, force_n) in body.blocks.nodes_of(e).into_iter().zip(internal_n) {
             for (carrier, share) in body.ties.carriers(n) {
                 let sum = sums.entry(carrier).or_default();
                 (0..3).for_each(|i| sum[i] -= share * force_n[i]);

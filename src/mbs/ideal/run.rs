@@ -16,7 +16,7 @@ use crate::mbs::result::{
     RunResult, TrackedHistory, TurnHistory,
 };
 use crate::mbs::run::{
-    FINER_IDEAL, SAME, SolverOptions, closing_remarks, remark_on_overlaps, remark_on_turns, remarks_on_events,
+    FINER_IDEAL, Overturned, SAME, SolverOptions, closing_remarks, remark_on_overlaps, remarks_on_events,
 };
 
 /// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
@@ -44,6 +44,9 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
 /// # Errors
 /// If a curve cannot be compiled.
 pub fn fitting_velocities(model: &Model) -> Result<Option<Vec<[V3; 2]>>, CurveError> {
+    if model.joints.is_empty() {
+        return Ok(None);
+    }
     let mechanism = compile::mechanism(model);
     let marcher = Marcher::of(&mechanism, model.settings.tolerance, model.settings.end_time_s, true)?;
     let misfit = misfit(&Motion::state(&mechanism), &marcher.state);
@@ -89,8 +92,7 @@ struct Record {
     kick_s: f64,
     kick_j: f64,
     books: Balance,
-    /// Bushings that have turned farther than they can tell, with the first time of it \[s\].
-    overturned: Vec<(String, f64)>,
+    overturned: Overturned,
 }
 
 impl<'a> Run<'a> {
@@ -140,7 +142,7 @@ impl<'a> Run<'a> {
             kick_s: 0.0,
             kick_j: 0.0,
             books: Balance::new(scale_j, contacts_j),
-            overturned: Vec::new(),
+            overturned: Overturned::default(),
         };
         Ok(Self { model, options, tracked: tracked.collect(), record, marcher, result })
     }
@@ -167,7 +169,7 @@ impl<'a> Run<'a> {
         self.result
             .warnings
             .extend(self.marcher.confused.iter().map(|(id, at)| remark_on_turn(self.model, *id, *at)));
-        self.result.warnings.extend(remark_on_turns(&self.record.overturned));
+        self.result.warnings.extend(self.record.overturned.remark());
         self.result.warnings.extend(remarks_on_events(self.model));
         self.result.warnings.extend(closing_remarks(&self.record.books, contacts, FINER_IDEAL));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -360,9 +362,7 @@ impl Record {
             return Err(SolveError::NotANumber { time_s: time, joints: joints_of(model, &id), body: id });
         }
         for bushing in motion.bushings.iter().filter(|b| b.has_overturned()) {
-            if self.overturned.iter().all(|(own, _)| own != bushing.id()) {
-                self.overturned.push((bushing.id().into(), time));
-            }
+            self.overturned.note(bushing.id(), time);
         }
         self.next += 1;
         result.times_s.push(time);

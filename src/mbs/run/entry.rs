@@ -1,7 +1,7 @@
 //! Runs of a model: with options, and again with smaller steps where one was too coarse.
 
 use super::Run;
-use super::remarks::{FINER, closing_remarks, remark_on_levels, remark_on_turns, remarks_on_events};
+use super::remarks::{FINER, closing_remarks, remark_on_levels, remarks_on_events};
 use crate::base::cpu::ThreadClock;
 use crate::mbs::contact::Settings;
 use crate::mbs::error::SolveError;
@@ -145,7 +145,7 @@ fn once(model: &Model, options: &SolverOptions, (share, known): (f64, &Tables)) 
     let remarks = closing_remarks(&run.books, Some(run.contacts.work), FINER);
     run.result.warnings.extend(remarks_on_events(model));
     run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
-    run.result.warnings.extend(remark_on_turns(&run.overturned));
+    run.result.warnings.extend(run.overturned.remark());
     run.result.warnings.extend(remarks);
     run.result.warnings.splice(0..0, run.remark_on_held());
     run.close_latent();

@@ -35,7 +35,7 @@ pub(super) use self::entry::simulate_varied;
 pub use self::entry::{REPEATED, SolverOptions, simulate, simulate_carefully, simulate_with};
 use self::meetings::Meetings;
 pub(super) use self::output::remark_on_overlaps;
-pub(super) use self::remarks::{FINER_IDEAL, closing_remarks, remark_on_turns, remarks_on_events};
+pub(super) use self::remarks::{FINER_IDEAL, Overturned, closing_remarks, remarks_on_events};
 use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, outputs, preload_error, usable_step};
 use super::balance::Balance;
@@ -125,8 +125,7 @@ struct Run<'a> {
     range_warned: Vec<bool>,
     /// Joints that flowed under axial forces \[N\] outside the levels of their curves, with the first time of it \[s\].
     beyond_levels: Vec<(String, f64, f64)>,
-    /// Joints that have turned farther than they can tell, with the first time of it \[s\].
-    overturned: Vec<(String, f64)>,
+    overturned: Overturned,
     plastic_start: f64,
     released: f64,
     books: Balance,
@@ -180,7 +179,7 @@ impl<'a> Run<'a> {
             yielded: system.joints.iter().map(|j| j.flowed().map(|(alpha, _)| alpha > 0.0)).collect(),
             range_warned: vec![false; system.joints.len()],
             beyond_levels: Vec::new(),
-            overturned: Vec::new(),
+            overturned: Overturned::default(),
             plastic_start: system.joints.iter().map(|j| j.hinge.dissipated_j + j.crush_j).sum(),
             result: empty_result(file, &hinges, frequency, preload_iterations),
             file,

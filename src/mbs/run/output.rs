@@ -128,9 +128,8 @@ impl Run<'_> {
 
     fn note_turns(&mut self) {
         for (i, joint) in self.system.joints.iter().enumerate() {
-            let id = &self.model.bushings[i].id;
-            if joint.alive && joint.has_overturned() && self.overturned.iter().all(|(own, _)| own != id) {
-                self.overturned.push((id.clone(), self.time));
+            if joint.alive && joint.has_overturned() {
+                self.overturned.note(&self.model.bushings[i].id, self.time);
             }
         }
     }

@@ -110,16 +110,29 @@ pub(super) fn remark_on_levels(joints: &[(String, f64, f64)]) -> Option<String> 
     ))
 }
 
-/// That bushings have turned farther than they can tell, first at a time \[s\].
-pub(in crate::mbs) fn remark_on_turns(overturned: &[(String, f64)]) -> Option<String> {
-    let (first, time_s) = overturned.first()?;
-    let others = match overturned.len() - 1 {
-        0 => String::new(),
-        more => format!(", later {more} more"),
-    };
-    Some(format!(
-        "bushing \"{first}\" has turned by more than {MOST_TURN_RAD} rad at {time_s:.4} s{others}: past a full revolution its moments and plastic rotation are wrong; a `hinge` or a `torsion` spring of `forces` counts revolutions"
-    ))
+/// Bushings that have turned farther than they can tell, with the first time of it \[s\].
+#[derive(Debug, Clone, Default)]
+pub(in crate::mbs) struct Overturned(Vec<(String, f64)>);
+
+impl Overturned {
+    /// Enters one, if it is not known yet.
+    pub fn note(&mut self, id: &str, time_s: f64) {
+        if self.0.iter().all(|(own, _)| own != id) {
+            self.0.push((id.into(), time_s));
+        }
+    }
+
+    /// What is to be said of them.
+    pub fn remark(&self) -> Option<String> {
+        let (first, time_s) = self.0.first()?;
+        let others = match self.0.len() - 1 {
+            0 => String::new(),
+            more => format!(", later {more} more"),
+        };
+        Some(format!(
+            "bushing \"{first}\" has turned by more than {MOST_TURN_RAD} rad at {time_s:.4} s{others}: past a full revolution its moments and plastic rotation are wrong; a `hinge` or a `torsion` spring of `forces` counts revolutions"
+        ))
+    }
 }
 
 #[cfg(test)]
