@@ -3,7 +3,7 @@
 use super::compose::{self, Pieces};
 use super::explain::TraceFile;
 use super::fe_places::unwritable;
-use super::knowledge::{CurveArgs, LatentArgs};
+use super::knowledge::{CurveArgs, LatentArgs, StepArgs};
 use super::progress::Progress;
 use super::summary::{Summary, as_json, as_text};
 use super::{Failure, Outcome, fe, fe_hybrid, print, read_building, simulate, thread_pool, write};
@@ -57,6 +57,8 @@ pub struct Arguments {
     curves: CurveArgs,
     #[command(flatten)]
     latent: LatentArgs,
+    #[command(flatten)]
+    step: StepArgs,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -145,7 +147,8 @@ fn compute(
     let failed = |e: GenerateError| Failure::input(e.to_string());
     let mut generator =
         Generator::of(building, &rules, &mut store, arguments.curves.wishes()).map_err(failed)?;
-    let generated = generator.model(&building.overrides, &|text| progress.note(text)).map_err(failed)?;
+    let mut generated = generator.model(&building.overrides, &|text| progress.note(text)).map_err(failed)?;
+    arguments.step.set(&mut generated.model);
     let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
     write_json(output, "model.json", &generated.model)?;
     write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;

@@ -1,9 +1,10 @@
 //! Where rules and library lie, and how they are opened. Commands that need them come here.
 
 use super::Failure;
+use crate::base::units::Dimension;
 use crate::generate::{Accuracy, Derive, Wishes};
 use crate::library::{Opened, Store};
-use crate::mbs::SolverOptions;
+use crate::mbs::{Model, SolverOptions};
 use crate::rules::{Problems, RuleBase};
 use std::path::{Path, PathBuf};
 
@@ -66,6 +67,26 @@ impl LatentArgs {
     pub fn options(self) -> SolverOptions {
         SolverOptions { repeat: true, hold_latent: self.latent == Switch::Off, ..SolverOptions::default() }
     }
+}
+
+/// The step of a multibody run.
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
+pub struct StepArgs {
+    /// Longest step, such as 0.5ms, in place of the one that the model asks for or that is chosen
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    step: Option<f64>,
+}
+
+impl StepArgs {
+    /// The model with this step.
+    pub fn set(self, model: &mut Model) {
+        model.settings.time_step_s = self.step.or(model.settings.time_step_s);
+    }
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let step_s = super::library_find::quantity(text, Dimension::Time)?;
+    if step_s > 0.0 { Ok(step_s) } else { Err(format!("{step_s} s is no step, expected more than nothing")) }
 }
 
 /// Values of options that switch a mechanism off, to see what it does.

@@ -216,8 +216,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         ..arguments.bending.options(axial_shares, defaults.until_rad)
     };
     let options = arguments.bending.meshed(&options, &section);
-    if let Some(odd) = options.directions_deg.iter().find(|d| !d.is_finite()) {
-        return Err(Failure::input(format!("--direction {odd} is no angle; give degrees such as 90")));
+    if let Some(odd) = options.directions_deg.iter().find(|d| d.is_nan() || d.abs() > 360.0) {
+        return Err(Failure::input(format!(
+            "--direction {odd} is not within a turn; give degrees such as 90, at most 360"
+        )));
     }
     let output = arguments.output.as_deref().map(OutputFolder::create).transpose();
     let output = output.map_err(|e| Failure::input(e.to_string()))?;

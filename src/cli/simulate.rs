@@ -1,7 +1,7 @@
 //! `fallwerk simulate MODEL`: runs a multibody model file.
 
 use super::generate_mbs::VALIDATION_FILE;
-use super::knowledge::LatentArgs;
+use super::knowledge::{LatentArgs, StepArgs};
 use crate::base::output::{OutputError, OutputFolder};
 use crate::mbs::result::{EventKind, RunResult};
 use crate::mbs::{Model, SolveError, simulate_with};
@@ -20,6 +20,9 @@ pub struct SimulateArgs {
     /// Latent hinges
     #[command(flatten)]
     pub latent: LatentArgs,
+    /// Steps
+    #[command(flatten)]
+    pub step: StepArgs,
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
@@ -56,6 +59,7 @@ impl SimulateError {
 /// Runs the command.
 pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     let mut model = Model::read(&args.model).map_err(SolveError::from)?;
+    args.step.set(&mut model);
     let mut options = args.latent.options();
     if args.compute_all {
         (options.contact.skip, model.settings.sleep_speed_m_s) = (false, None);

@@ -73,8 +73,11 @@ enum Verb {
     },
     /// Show a record: zones at member ends in order of time
     Show {
-        /// The record (a JSON file)
+        /// The record: a JSON file, or its name in the folder of records, such as s1-001
         record: PathBuf,
+        /// Folder of the records
+        #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+        kb: PathBuf,
     },
 }
 
@@ -87,9 +90,15 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         }
         Verb::Compare(arguments) => return study_compare::run(arguments),
         Verb::List { kb, json } => list(kb, *json)?,
-        Verb::Show { record } => print(&described(&read(record)?)),
+        Verb::Show { record, kb } => print(&described(&read(&found(record, kb))?)),
     }
     Ok(Outcome::Done)
+}
+
+/// A record by its path, or by its name in a folder.
+fn found(record: &Path, kb: &Path) -> PathBuf {
+    let named = kb.join(format!("{}.json", record.display()));
+    if !record.exists() && named.exists() { named } else { record.to_owned() }
 }
 
 fn plan(seed: u32, count: u32, irregular: bool, folder: &Path) -> Result<(), Failure> {

@@ -6,7 +6,7 @@
 use super::GenerateError;
 use super::bodies::Bodies;
 use super::decide::Decision;
-use super::joints::{Entries, Known};
+use super::entries::{Entries, Known};
 use crate::building::Building;
 use crate::building::ends::{End, MemberEnd};
 use crate::library::Entry;

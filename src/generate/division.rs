@@ -8,7 +8,7 @@ use super::floors::{Grid, Line};
 use super::grillage::{self, Grillage};
 use super::lines::Lines;
 use super::webs::{self, Stays, Web, Webs};
-use super::{Accuracy, GenerateError, Unmet, charges, floor_mass, joints};
+use super::{Accuracy, GenerateError, Unmet, charges, entries, floor_mass, joints};
 use crate::building::ends::MemberEnd;
 use crate::building::{Building, MemberKind};
 use crate::curve::ResistanceCurve;
@@ -250,7 +250,7 @@ impl Parts<'_> {
 
 impl Division {
     /// Floors that have a line without curves, where none may be computed.
-    pub fn without_curves(&self, known: &joints::Known) -> Result<BTreeSet<String>, GenerateError> {
+    pub fn without_curves(&self, known: &entries::Known) -> Result<BTreeSet<String>, GenerateError> {
         let mut floors = BTreeSet::new();
         for (first, line) in &self.lines {
             if known.lacks(&line.wanted)? {

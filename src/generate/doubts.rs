@@ -11,7 +11,7 @@
 //! | remark | something else about the model is to be known |
 
 use super::decide::Decision;
-use super::joints::Entries;
+use super::entries::Entries;
 use super::known::Known;
 use super::webs::web_of;
 use crate::building::ends::MemberEnd;

@@ -5,8 +5,9 @@ use super::bodies::Bodies;
 use super::crushing::Struck;
 use super::decide::Decision;
 use super::division::{Division, bending_floors, webs_of};
+use super::entries::{self, Entries, Query};
 use super::generator::Basis;
-use super::joints::{self, Entries, Query};
+use super::joints;
 use super::lines::{Lines, obeyed};
 use super::webs::{Stays, Webs};
 use super::{GenerateError, charges, doubts, event_rules, levers, sections, walls};
@@ -90,7 +91,7 @@ impl<'a> Draft<'a> {
     pub fn curves(
         &self,
         store: &mut Store,
-        library: &joints::Known,
+        library: &entries::Known,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Curves, GenerateError> {
         let Basis { building, rules, structure, ends, mesh, around, .. } = self.basis;
@@ -123,8 +124,8 @@ impl<'a> Draft<'a> {
         };
         let face = |wanted: &WantedContact| Ok(Query::Contact(wanted.clone()));
         let of_faces = struck.wanted.iter().map(|(id, wanted)| library.asked(id, None, || face(wanted)));
-        let found = joints::entries(of_ends.chain(of_lines).chain(of_faces), store, library, progress)?;
-        notes.extend(joints::Scaled::notes(&found.scaled));
+        let found = entries::entries(of_ends.chain(of_lines).chain(of_faces), store, library, progress)?;
+        notes.extend(entries::Scaled::notes(&found.scaled));
         notes.extend(found.withdrawn.iter().cloned());
         Ok(Curves { found, struck, notes })
     }
@@ -203,7 +204,7 @@ impl<'a> Draft<'a> {
         let mut hinges = joints::hinges(&place, &self.hinged, found, self.decision)?;
         for (first, line) in &self.division.lines {
             let entry = &found.entries[&found.of_end[&line.id]];
-            let curve = joints::curve_id(&entry.key, 0);
+            let curve = entries::curve_id(&entry.key, 0);
             hinges.push(line.bushing(&place.bodies.list, *first, entry, curve, building)?);
         }
         let (walls, wall_curves) = walls::springs(&place, structure, self.decision, &around.planes);

@@ -7,8 +7,8 @@ use super::doubts::{self, Doubt};
 use super::draft::{Assembled, Draft};
 use super::known::Known;
 use super::{
-    Accuracy, EventReason, GenerateError, Generated, Jointless, StaysWhole, Unmet, Wishes, joints, unasked,
-    undemanded,
+    Accuracy, EventReason, GenerateError, Generated, Jointless, StaysWhole, Unmet, Wishes, entries, joints,
+    unasked, undemanded,
 };
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::lines::{Line as PlateLine, lines as plate_lines};
@@ -44,7 +44,7 @@ pub(super) struct Basis<'a> {
 pub struct Generator<'a> {
     basis: Basis<'a>,
     store: &'a mut Store,
-    library: joints::Known,
+    library: entries::Known,
     stages: Stages,
 }
 
@@ -89,7 +89,7 @@ impl Basis<'_> {
         &self,
         clusters: &[Vec<usize>],
         decision: &Decision,
-        library: &joints::Known,
+        library: &entries::Known,
     ) -> Result<Division, GenerateError> {
         let Self { building, structure, mesh, ends, accuracy, .. } = self;
         let parts = Parts { building, structure, mesh, clusters, ends, decision, accuracy: *accuracy };
@@ -133,7 +133,7 @@ impl<'a> Generator<'a> {
         let ((known, demands, frame), meshed) = rayon::join(solved, meshed);
         let (around, mesh) = meshed?;
         stages.end("demands, mesh", 0.0);
-        let library = joints::Known::of(store, derive)?;
+        let library = entries::Known::of(store, derive)?;
         stages.end("library", 0.0);
         let basis =
             Basis { building, rules, accuracy, structure, ends, plates, demands, frame, known, mesh, around };

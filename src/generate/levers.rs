@@ -1,6 +1,6 @@
 //! Hinges that do not stand in the section at which the axial force of a push acts.
 
-use super::joints::Entries;
+use super::entries::Entries;
 use crate::curve::ResistanceCurve;
 use crate::library::Entry;
 use crate::library::entry::Origin;

@@ -17,6 +17,7 @@ mod decide;
 mod division;
 mod doubts;
 mod draft;
+mod entries;
 mod event_reasons;
 mod event_rules;
 mod floor_mass;

@@ -47,7 +47,7 @@ impl MidBeam {
             lever_m,
             reach_m,
             free_m: 2.0 * half,
-            chord: Chord { arm: [reach_m, 0.0, 0.0], ..Chord::along_axis([0.0; 3]) },
+            chord: Chord { arm: [-reach_m, 0.0, 0.0], ..Chord::along_axis([0.0; 3]) },
             gap: [0.0; 3],
             load,
             borne: 1.0,

@@ -27,7 +27,11 @@ pub fn otherwise(
         }
     };
     match generator.model(&overrides, &|_| {}) {
-        Ok(generated) => Ok(generated.model),
+        Ok(mut other) => {
+            // a step that was asked for is none of the building's
+            other.model.settings.time_step_s = generated.model.settings.time_step_s;
+            Ok(other.model)
+        }
         Err(GenerateError::Override(_, why)) => Err(why),
         Err(error) => Err(error.to_string()),
     }

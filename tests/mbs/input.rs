@@ -15,7 +15,7 @@ fn good() -> Model {
 #[test]
 fn every_wrong_value_is_named() {
     type Change = fn(&mut Model);
-    let cases: [(Change, &str); 15] = [
+    let cases: [(Change, &str); 22] = [
         (|m| m.schema = "x".into(), "schema: "),
         (|m| m.bodies[0].mass_kg = 0.0, "bodies[0].mass_kg: "),
         (|m| m.bodies[0].inertia_kg_m2[1][1] = -1.0, "bodies[0].inertia_kg_m2: is not positive definite"),
@@ -37,6 +37,47 @@ fn every_wrong_value_is_named() {
             "curves.c: levels[0].capacity[1]",
         ),
         (|m| m.settings.end_time_s = -1.0, "settings.end_time_s: "),
+        (
+            |m| (m.settings.end_time_s, m.settings.output_interval_s) = (1e300, 1e299),
+            "settings.end_time_s: is 1e300, expected at most 1e9 s",
+        ),
+        (|m| m.bodies[0].mass_kg = 1e-300, "bodies[0].mass_kg: is 1e-300, expected at least 1e-12 kg"),
+        (
+            |m| m.bodies[0].velocity_m_s[1] = -1e200,
+            "bodies[0].velocity_m_s: is 1e200, expected at most 1e8 m/s",
+        ),
+        (|m| m.bodies[0].id.clear(), "bodies[0].id: is empty"),
+        (|m| m.bushings[0].id.clear(), "bushings[0].id: is empty"),
+        (
+            |m| {
+                m.bodies.push(solid("b", [3.0, 0.0, 1.0], [1.0; 3]));
+                m.contact.bodies = Some(BodyContact { friction: 0.5, restitution: 0.0 });
+                m.contact.pairs.push(PairRule {
+                    a: "a".into(),
+                    b: "b".into(),
+                    ignore: false,
+                    friction: None,
+                    restitution: None,
+                    rolling_m: None,
+                });
+            },
+            "contact.pairs[0]: changes nothing",
+        ),
+        (
+            |m| {
+                m.forces.push(Force::Spring {
+                    id: "s".into(),
+                    body_a: None,
+                    body_b: "a".into(),
+                    point_a_m: [0.0, 0.0, 1.0],
+                    point_b_m: [0.0, 0.0, 1.0],
+                    length_m: Some(0.5),
+                    stiffness_n_m: 1e3,
+                    damping_n_s_m: 0.0,
+                });
+            },
+            "forces[0].point_b_m: is point_a_m",
+        ),
         (
             |m| m.settings.time_step_s = Some(1e-300),
             "settings.time_step_s: is 1e-300, with which settings.end_time_s = 0.1 takes 1.0e299 steps, at most 2e9",
@@ -356,6 +397,7 @@ fn a_model_survives_its_file_and_the_command_writes_the_histories() {
         model: path,
         output: Some(output.clone()),
         latent: Default::default(),
+        step: Default::default(),
         json: true,
         compute_all: false,
     };

@@ -7,24 +7,26 @@ use fallwerk::mbs::{SolveError, simulate};
 
 #[test]
 fn preloaded_cantilever_hangs_at_the_closed_form_and_stays_there() {
-    let (arm, bending, shear) = (2.0, 4e7, 3e8);
+    let (arm, bending, axial, shear) = (2.0, 4e7, 1e9, 3e8);
     let mut m = model("cantilever", 1.0, 0.1);
     m.bodies.push(solid("beam", [arm, 0.0, 0.0], [4.0, 0.4, 0.4]));
     m.settings.preload = true;
     m.bushings.push(Bushing {
         axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         shear_stiffness_n_m: [shear; 2],
-        ..joint("clamp", None, "beam", [0.0; 3], 1e9, 1e7, [elastic(bending), elastic(bending)])
+        ..joint("clamp", None, "beam", [0.0; 3], axial, 1e7, [elastic(bending), elastic(bending)])
     });
     track(&mut m, "beam", [4.0, 0.0, 0.0]);
     let result = simulate(&m).unwrap();
     let weight = 1600.0 * G;
-    // Moment about the clamp in the deformed state: K θ = W a cos θ; gap: shear spring under W (the joint frame is the ground's).
+    // Moment about the clamp in the deformed state: K θ = W (a cos θ + g); the gap is that of the springs along and across the beam under W.
     let mut angle: f64 = 0.0;
     for _ in 0..50 {
-        angle = weight * arm * angle.cos() / bending;
+        let gap = weight * angle.sin() * angle.cos() * (1.0 / axial - 1.0 / shear);
+        angle = weight * (arm * angle.cos() + gap) / bending;
     }
-    let sag = 2.0 * arm * angle.sin() + weight / shear;
+    let (along, across) = (angle.sin().powi(2), angle.cos().powi(2));
+    let sag = 2.0 * arm * angle.sin() + weight * (along / axial + across / shear);
     let found = -result.tracked[0].origin_m[2];
     println!("cantilever: {found:.9} m ({sag:.9}), {:?} iterations", result.preload_iterations);
     assert!((found / sag - 1.0).abs() < 1e-9);

@@ -183,8 +183,9 @@ impl Writer<'_> {
 
     fn bushing(&mut self, bushing: &Bushing, number: usize, counts: &mut Counts) {
         let [a, b] = [self.part(bushing.body_a.as_deref()), self.part(Some(&bushing.body_b))];
-        let j = self.marker_at(a, bushing.point_m, Some(&bushing.axes));
-        let i = self.marker_at(b, bushing.point_m, Some(&bushing.axes));
+        // the J marker carries the axes, the force acts at the I marker
+        let i = self.marker_at(a, bushing.point_m, Some(&bushing.axes));
+        let j = self.marker_at(b, bushing.point_m, Some(&bushing.axes));
         let [s1, s2] = bushing.shear_stiffness_n_m;
         let mut turning = [bushing.torsional_stiffness_nm_rad, 0.0, 0.0];
         let mut splines = [None; 3];

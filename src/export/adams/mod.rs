@@ -108,7 +108,7 @@ impl Writer<'_> {
             let part = self.part(Some(&point.body));
             let marker = self.marker_at(part, point.point_m, None);
             let of = format!("I = {marker}, J = {}", self.origin);
-            let comment = format!("COMMENT = {}", point.id.replace('\n', " "));
+            let comment = format!("COMMENT = {}", point.id.replace(['\n', ','], " "));
             self.data.named("REQUEST", i + 1, &point.id, &["DISPLACEMENT".into(), of, comment]);
         }
         self.data.statement("OUTPUT/", &["REQSAVE".into()]);

@@ -107,7 +107,7 @@ fn check_joint(joint: &Joint, path: &str, known: &Known<'_>, list: &mut List) {
     if let (Universal, Some(a), Some(b)) = (joint.kind, joint.axis, joint.axis_b) {
         let cosine = math::dot(a, b) / (math::norm(a) * math::norm(b));
         list.require(cosine.abs() <= ORTHONORMAL_TOLERANCE, &format!("{path}.axis_b"), || {
-            format!("is not at a right angle to axis (cosine {cosine:.1e}); turn the joint's bodies or give the axis across")
+            format!("is not at a right angle to axis (cosine {cosine:.3}); turn the joint's bodies or give the axis across")
         });
     }
     if let (Rod, Some(b)) = (joint.kind, joint.point_b_m) {
@@ -311,6 +311,10 @@ fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list
             list.finite(&format!("{path}.point_b_m"), point_b_m);
             if let Some(length) = length_m {
                 list.not_negative(&format!("{path}.length_m"), *length);
+                let is_point = point_a_m == point_b_m && *length > 0.0;
+                list.require(!is_point, &format!("{path}.point_b_m"), || {
+                    format!("is point_a_m: a spring of {length} m that begins at no length has no direction; move one of its points")
+                });
             }
             list.not_negative(&format!("{path}.stiffness_n_m"), *stiffness_n_m);
             list.not_negative(&format!("{path}.damping_n_s_m"), *damping_n_s_m);

@@ -51,6 +51,11 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
                 pair.b
             )
         });
+        let says =
+            pair.ignore || pair.friction.is_some() || pair.restitution.is_some() || pair.rolling_m.is_some();
+        list.require(says, &path, || {
+            "changes nothing: give ignore, friction, restitution or rolling_m, or leave the rule out".into()
+        });
         surface(pair.friction.unwrap_or(0.0), pair.restitution.unwrap_or(0.0), &path, list);
     }
     list.not_negative("contact.rolling_m", contact.rolling_m);
@@ -87,6 +92,9 @@ fn one_name_each(model: &Model, list: &mut List) {
         contact.obstacles.iter().enumerate().map(|(i, o)| (format!("contact.obstacles[{i}]"), o.id.as_str()));
     for (path, id) in of_bodies.chain(of_planes).chain(of_obstacles) {
         let own = format!("{path}.id");
+        if path.starts_with("contact") {
+            list.named(&own, id);
+        }
         list.require(id != GROUND, &own, || {
             format!("\"{id}\" is also the name of the ground: give it another id")
         });

@@ -137,6 +137,7 @@ impl Model {
         }
         let s = &self.settings;
         list.positive("settings.end_time_s", s.end_time_s);
+        list.within("settings.end_time_s", &[s.end_time_s], MOST_S, "s");
         list.positive("settings.output_interval_s", s.output_interval_s);
         let outputs = s.end_time_s / s.output_interval_s;
         list.require(outputs.is_nan() || outputs <= MOST_OUTPUTS, "settings.output_interval_s", || {
@@ -209,6 +210,12 @@ fn something_else(text: &str) -> Option<&'static str> {
 const LEAST_RELATED_RAD_S: f64 = 200.0;
 /// Most outputs of a run: all of them are kept until its end.
 const MOST_OUTPUTS: f64 = 1e6;
+/// Magnitudes beyond which a number is a slip: an end \[s\], a coordinate \[m\], a speed \[m/s, rad/s\], a mass \[kg\].
+const MOST_S: f64 = 1e9;
+const MOST_M: f64 = 1e9;
+const MOST_SPEED: f64 = 1e8;
+const MOST_KG: f64 = 1e15;
+const LEAST_KG: f64 = 1e-12;
 /// Largest error of a step with ideal joints that may be asked for.
 const MOST_TOLERANCE: f64 = 0.1;
 
@@ -219,6 +226,7 @@ fn one_name_each(model: &Model, list: &mut List) {
     let forces = model.forces.iter().map(Force::id).enumerate().map(|of| ("forces", of));
     let mut taken: BTreeMap<&str, (&str, usize)> = BTreeMap::new();
     for (kind, (i, id)) in joints.chain(bushings).chain(forces) {
+        list.named(&format!("{kind}[{i}].id"), id);
         match taken.entry(id) {
             Entry::Vacant(place) => {
                 place.insert((kind, i));
@@ -235,10 +243,20 @@ fn one_name_each(model: &Model, list: &mut List) {
 }
 
 fn check_body(body: &Body, path: &str, list: &mut List) {
-    list.positive(&format!("{path}.mass_kg"), body.mass_kg);
-    list.finite(&format!("{path}.position_m"), &body.position_m);
-    list.finite(&format!("{path}.velocity_m_s"), &body.velocity_m_s);
-    list.finite(&format!("{path}.angular_velocity_rad_s"), &body.angular_velocity_rad_s);
+    let mass = body.mass_kg;
+    list.positive(&format!("{path}.mass_kg"), mass);
+    list.within(&format!("{path}.mass_kg"), &[mass], MOST_KG, "kg");
+    list.require(mass <= 0.0 || mass.is_nan() || mass >= LEAST_KG, &format!("{path}.mass_kg"), || {
+        format!("is {mass:e}, expected at least {LEAST_KG:e} kg: beside it nothing else is left of a sum")
+    });
+    for (name, values, most, unit) in [
+        ("position_m", &body.position_m, MOST_M, "m"),
+        ("velocity_m_s", &body.velocity_m_s, MOST_SPEED, "m/s"),
+        ("angular_velocity_rad_s", &body.angular_velocity_rad_s, MOST_SPEED, "rad/s"),
+    ] {
+        list.finite(&format!("{path}.{name}"), values);
+        list.within(&format!("{path}.{name}"), values, most, unit);
+    }
     let length = body.orientation.iter().map(|v| v * v).sum::<f64>().sqrt();
     list.require((length - 1.0).abs() <= ORTHONORMAL_TOLERANCE, &format!("{path}.orientation"), || {
         format!("has length {length}, expected a unit quaternion [w, x, y, z]")
@@ -319,6 +337,13 @@ impl List {
             format!("is {value}, expected a positive number")
         });
     }
+    /// Finite numbers of a magnitude that can be meant.
+    fn within(&mut self, path: &str, values: &[f64], most: f64, unit: &str) {
+        let largest = values.iter().map(|v| v.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+        self.require(largest <= most, path, || {
+            format!("is {largest:e}, expected at most {most:e} {unit}: a slip of the exponent or the unit?")
+        });
+    }
     fn not_negative(&mut self, path: &str, value: f64) {
         self.require(value >= 0.0 && value.is_finite(), path, || {
             format!("is {value}, expected a finite number of at least zero")
@@ -332,9 +357,13 @@ impl List {
             format!("\"{id}\" is not the id of {what}{}", closest(id, known.iter().copied()))
         });
     }
+    fn named(&mut self, path: &str, id: &str) {
+        self.require(!id.is_empty(), path, || "is empty, expected a name".into());
+    }
     fn unique<'a>(&mut self, path: &str, ids: impl Iterator<Item = &'a str>) {
         let mut seen = BTreeSet::new();
         for (i, id) in ids.enumerate() {
+            self.named(&format!("{path}[{i}].id"), id);
             self.require(seen.insert(id), &format!("{path}[{i}].id"), || format!("\"{id}\" is used twice"));
         }
     }

@@ -35,8 +35,9 @@ pub struct Held {
     factor: f64,
     /// Rotation vector along its axes at the end of the last step, revolutions counted \[rad\].
     turned: V3,
-    /// Axial force of its joint at the pose that was evaluated last, compression positive \[N\].
+    /// Axial force of its joint at the pose that was evaluated last, and at the end of the last step, compression positive \[N\].
     axial_force: f64,
+    borne: f64,
 }
 
 /// A bushing with a curve at a time.
@@ -72,6 +73,7 @@ impl Held {
             factor: 1.0,
             turned: [0.0; 3],
             axial_force: 0.0,
+            borne: 0.0,
         };
         held.tables = held.compiled()?;
         let mut next = 0;
@@ -132,15 +134,20 @@ impl Held {
 
     /// Takes note of the force of its joint on its second body \[N\], at the pose that was applied last.
     pub fn feel(&mut self, force: V3, poses: &[Pose]) {
-        let frame = qmat(qmul(pose_of(poses, self.bodies[0]).q, self.committed.frames[0]));
+        let frame = qmat(qmul(pose_of(poses, self.bodies[1]).q, self.committed.frames[1]));
         self.axial_force = self.committed.outward * dot(force, [frame[0][0], frame[1][0], frame[2][0]]);
     }
 
-    /// Takes the axial force that was felt last as the one under which it resists.
+    /// Takes the axial force that was felt last as the one under which it resists: what was before it tells nothing.
     pub fn settle(&mut self) {
+        self.borne = self.axial_force;
+        self.resist_under(self.axial_force);
+    }
+
+    fn resist_under(&mut self, axial_force: f64) {
         if self.given.joint.is_some() {
-            self.committed.axial_force = self.axial_force;
-            self.trial.axial_force = self.axial_force;
+            self.committed.axial_force = axial_force;
+            self.trial.axial_force = axial_force;
         }
     }
 
@@ -148,13 +155,20 @@ impl Held {
     pub fn commit(&mut self) -> Option<bool> {
         self.committed.clone_from(&self.trial);
         self.turned = follow(self.trial.theta, self.turned);
-        self.settle();
+        // in the middle of a next step of the same length, if it goes on as it did in this one: of second order
+        let middle = self.axial_force + 0.5 * (self.axial_force - self.borne);
+        self.borne = self.axial_force;
+        self.resist_under(middle);
         self.is_broken().then_some(!self.trial.hinge.fractured)
     }
 
-    /// Whether it broke when it was applied last.
+    /// Whether it broke when it was applied last: by tension of a joint, at the end of the last step.
     pub fn is_broken(&self) -> bool {
-        self.trial.hinge.fractured || self.trial.is_pulled_apart()
+        let torn = match self.given.joint {
+            Some(_) => -self.borne > self.trial.tensile_capacity,
+            None => self.trial.is_pulled_apart(),
+        };
+        self.trial.hinge.fractured || torn
     }
 
     /// Plastic rotation of its hinge \[rad\].
@@ -176,7 +190,7 @@ impl Held {
             rotation_rad: [first, second],
             moment_nm: there.hinge.moment_nm,
             plastic_rad: there.hinge.alpha_rad,
-            axial_force_n: there.axial_force,
+            axial_force_n: if self.given.joint.is_some() { self.borne } else { there.axial_force },
         };
         let energies = [there.elastic_j, there.hinge.dissipated_j + there.crush_j];
         (energies, there.has_curve().then_some(state))

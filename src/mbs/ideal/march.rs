@@ -244,7 +244,6 @@ impl Marcher {
         marcher.motion.project(&mut marcher.state);
         marcher.tally.rows = [marcher.motion.constraints(), marcher.motion.dependent()];
         marcher.restart();
-        marcher.motion.settle();
         Ok(marcher)
     }
 
@@ -294,6 +293,9 @@ impl Marcher {
         self.motion.take(&self.state);
         self.dependent = self.motion.dependent();
         rate(&mut self.motion, &self.state, &mut self.rates[0]);
+        if self.motion.settle() {
+            rate(&mut self.motion, &self.state, &mut self.rates[0]);
+        }
     }
 
     /// Steps until a time. `seen` is shown each step and may cut it short at a time within, where the march ends then (true). Ids of forces

@@ -462,9 +462,10 @@ impl Motion {
         }
     }
 
-    /// Lets bushings on ideal joints resist under the forces that these have in the rate that was taken last.
-    pub fn settle(&mut self) {
+    /// Lets bushings on ideal joints resist under the forces that these have in the rate that was taken last; whether there are any.
+    pub fn settle(&mut self) -> bool {
         self.bushings.iter_mut().for_each(Held::settle);
+        self.bushings.iter().any(|b| b.joint().is_some())
     }
 
     /// Takes the state whose rate was taken last into the history of hinges. Those that are beyond their fracture open, with their joints; their places in

@@ -11,16 +11,16 @@
 //!
 //! A bushing need not be looked at while this is below one, and below the largest share so far: nothing can part, and the largest share stays what it is ([`Bound::allows`]).
 //!
-//! **Loads in numbers that joints know anyway.** Forces `l` and moments `m` along the axes of a joint, its rotation `θ` and what is plastic of its gap are those of its last evaluation. On its first body they act along axes that
-//! are fixed there, on the second one along `Rᵀ` of them; the moment is `T⁻ᵀ m`, on the second body `T⁻¹ m` ([`crate::mbs::joint`]). For angles up to [`LARGEST_RAD`], `|R - 1| <= |θ|`, `|R - R₀| <= |θ - θ₀|`,
+//! **Loads in numbers that joints know anyway.** Forces `l` and moments `m` along the axes of a joint, its rotation `θ` and what is plastic of its gap are those of its last evaluation. On its second body they act along axes that
+//! are fixed there, on the first one along `R` of them; the moment is `T⁻¹ m`, on the first body `T⁻ᵀ m` ([`crate::mbs::joint`]). For angles up to [`LARGEST_RAD`], `|R - 1| <= |θ|`, `|R - R₀| <= |θ - θ₀|`,
 //! `|T⁻¹ - 1| <= 0.7 |θ|` and `|T⁻¹ - T₀⁻¹| <= |θ - θ₀|`, with which
 //!
 //! ```text
-//! |ΔF - Δl| <= |θ| |Δl| + |Δθ| |l₀|   on the second body, none on the first
-//! |ΔM - Δm| <= 0.7 |θ| |Δm| + |Δθ| |m₀|, on the first body |Δg| |l| + |g₀| |Δl| more: the force acts at the point of the second one, a gap g away
+//! |ΔF - Δl| <= |θ| |Δl| + |Δθ| |l₀|   on the first body, none on the second
+//! |ΔM - Δm| <= 0.7 |θ| |Δm| + |Δθ| |m₀|, on the second body |Δg| |l| + |g₀| |Δl| more: the force acts at the point of the first one, a gap g away
 //! ```
 //!
-//! The couple of a beam's axial force ([`crate::mbs::stance`]) adds to the moment as it is, on the second body along `Rᵀ` of the axes like a force.
+//! The couple of a beam's axial force ([`crate::mbs::stance`]) adds to the moment as it is, on the first body along `R` of the axes like a force.
 //!
 //! These remainders have no known direction and weigh what the worst direction does. Lengths of vectors are bounded by the sums of their components, which needs no roots.
 
@@ -233,11 +233,11 @@ fn changes(before: &Latest, joint: &JointData, is_second: bool) -> Option<[f64; 
     }
     let (of_force, of_moment) = (sum(&force), 0.7 * angle * sum(&moment) + turned * sum(&before.moment));
     let [free, turn] = if is_second {
-        let of_couple = angle * sum(&couple) + turned * sum(&before.couple);
-        [angle * of_force + turned * sum(&before.local), of_moment + of_couple]
-    } else {
         let of_gap = sum(&off(&now.gap, &before.gap)) * sum(&now.local) + sum(&before.gap) * of_force;
         [0.0, of_moment + of_gap]
+    } else {
+        let of_couple = angle * sum(&couple) + turned * sum(&before.couple);
+        [angle * of_force + turned * sum(&before.local), of_moment + of_couple]
     };
     let moment = math::add(moment, couple);
     Some([force[0], force[1], force[2], moment[0], moment[1], moment[2], free, turn])
@@ -290,7 +290,7 @@ mod tests {
             for angle in angles {
                 let theta = at(k, angle);
                 let [transposed, turn, inverse] = maps(theta);
-                // on the second body the moment is turned back: RᵀT⁻ᵀ = T⁻¹
+                // on the first body the moment is turned: T⁻ᵀ = R T⁻¹
                 let back = math::matmul(&math::transpose(&turn), &transposed);
                 assert!(stretch(&minus(&back, &inverse)) < 1e-12);
                 assert!(stretch(&minus(&turn, &identity)) <= angle + 1e-12);

@@ -179,7 +179,7 @@ impl Force {
 
 /// A compliant connection with six stiffnesses between body `a` (or the ground) and body `b`.
 ///
-/// In the frame of the connection, carried by `a`, axis 0 is the member axis: translation 0 is axial, 1 and 2
+/// In the frame of the connection, carried by `b`, the member, axis 0 is the member axis: translation 0 is axial, 1 and 2
 /// are shear; rotation 0 is torsion, 1 and 2 are bending about the axes 1 and 2. It is stress-free
 /// in the initial poses of the file, but for the weight of a beam. Bodies moving apart along axis 0 are in tension: apart means along the
 /// sense of axis 0 that points from the centre of mass of `a` (from the joint point, if `a` is the ground) to that of `b`; where that is across axis 0, axis 0 itself.

@@ -13,7 +13,7 @@ const ENERGY_WORTH_TELLING: f64 = 1e-3;
 const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
 
 /// Settings of a model of bushings that make its run finer, and where they stand; those of one of ideal joints.
-pub(super) const FINER: &str = "settings.time_step_s in the model's file (model.json)";
+pub(super) const FINER: &str = "step (--step, or settings.time_step_s in the model's file, model.json)";
 pub(in crate::mbs) const FINER_IDEAL: &str =
     "settings.tolerance or settings.time_step_s in the model's file (model.json)";
 

@@ -7,6 +7,7 @@ mod fractures;
 mod hinges;
 mod iftomm;
 mod impact;
+pub mod leaning;
 mod linkages;
 pub mod models;
 pub mod onset;
@@ -29,6 +30,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(hinges::cases());
     all.extend(catenary::cases());
     all.extend(onset::cases());
+    all.extend(leaning::cases());
     all.extend(spin::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());

@@ -61,7 +61,7 @@ fn diagonal([a, b, c]: V3) -> M3 {
     [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]
 }
 
-fn body(id: &str, mass_kg: f64, principal_kg_m2: V3, position_m: V3) -> Body {
+pub(super) fn body(id: &str, mass_kg: f64, principal_kg_m2: V3, position_m: V3) -> Body {
     Body {
         id: id.into(),
         mass_kg,

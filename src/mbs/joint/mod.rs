@@ -4,14 +4,17 @@
 //! `U = ½ Σ k_i d_i² + ½ Σ K_i (θ_i - θ_pi)²`. In compression
 //! the axial spring may flow at a constant force (crushing); its work is booked by the trapezoidal rule like the hinge's.
 
-use super::math::{self, M3, Q, V3};
+mod law;
+mod rows;
+
+pub(super) use law::ElasticRange;
+pub use rows::Row;
+
+use super::math::{self, Q, V3};
 use super::mid_beam::MidBeam;
 use super::model::Bushing;
 use super::stance::{Chord, Stance, bend, loads, stance, torque};
 use super::system::BodyState;
-use crate::base::piecewise::interpolate;
-use crate::curve::hinge::AxisLaw;
-use crate::curve::onset::onset;
 use crate::curve::{CapacityTable, Hinge2};
 
 /// Sine of the angle to a plane across axis 0 up to which a direction lies in it.
@@ -29,18 +32,18 @@ pub struct JointData {
     /// Whether the joint is intact.
     pub alive: bool,
     /// The joint point in the frame of either body.
-    pub(super) points: [V3; 2],
+    pub(in crate::mbs) points: [V3; 2],
     /// The joint axes in the frame of either body.
-    pub(super) frames: [Q; 2],
+    pub(in crate::mbs) frames: [Q; 2],
     /// Relative quaternion of the last evaluation: keeps the branch of the logarithm.
-    pub(super) relative: Q,
+    pub(in crate::mbs) relative: Q,
     /// Translational stiffness along the joint axes \[N/m\].
     pub translation: V3,
     /// Rotational stiffness about the joint axes (elastic part) \[N m/rad\].
     pub rotation: V3,
     table: [u32; 2],
     /// 1 if axis 0 points from A's side to B's, else -1: a gap along it is then tension.
-    pub(super) outward: f64,
+    pub(in crate::mbs) outward: f64,
     /// Share of its strength that events have left it.
     strength: f64,
     /// Tension at which the joint separates \[N\].
@@ -48,17 +51,17 @@ pub struct JointData {
     /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
     tensile_elongation: f64,
     /// `1/C²` of the shear forces along axes 1 and 2 at which it separates \[1/N²\], and the square of the share of that of the last evaluation.
-    pub(super) shear_ease: [f64; 2],
+    pub(in crate::mbs) shear_ease: [f64; 2],
     sheared2: f64,
     /// Forces along axes 1 and 2 of the last evaluation \[N\].
-    pub(super) shear: [f64; 2],
+    pub(in crate::mbs) shear: [f64; 2],
     /// Plastic elongation so far, and shortening at the compressive capacity \[m\].
     elongated: f64,
     pressed: f64,
     /// Such shortening at which it is crushed \[m\].
     crushing_shortening: f64,
     /// Compression at which the axial spring flows now, if the hinge has not turned \[N\].
-    pub(super) compressive_capacity: f64,
+    pub(in crate::mbs) compressive_capacity: f64,
     /// The same over plastic shortening \[m\] as it hardens; none: it does not.
     hardening: Option<Box<[[f64; 2]]>>,
     /// Share of it that is left over the plastic rotation of the hinge \[rad\], and now.
@@ -72,7 +75,7 @@ pub struct JointData {
     is_associated: bool,
     shortened: f64,
     /// What the other end of its member turns it by ([`super::carry`]) \[rad\].
-    pub(super) lean: [f64; 2],
+    pub(in crate::mbs) lean: [f64; 2],
     /// Hinge about the axes 1 and 2.
     pub hinge: Hinge2,
     /// Rotation vector in the joint frame \[rad\].
@@ -84,16 +87,16 @@ pub struct JointData {
     /// Whether the hinge flowed in the last evaluation.
     pub flowing: bool,
     /// Whether an ideal joint holds its point: [`Self::axial_force`] is given from outside.
-    pub(super) is_held: bool,
+    pub(in crate::mbs) is_held: bool,
     /// Gap and rotation that it had when its bodies parted ([`Self::strain`]).
     strained: [V3; 2],
     /// Whether evaluations are a step apart.
-    pub(super) pace: Pace,
+    pub(in crate::mbs) pace: Pace,
     /// What force and moment along its axes have done in the last step beyond the mean of its begin and end ([`crate::curve::onset`]) \[N, N m\], and their work in it \[J\].
     onset: [V3; 2],
     onset_j: f64,
     /// The beam in whose middle it stands.
-    pub(super) beam: Option<Box<MidBeam>>,
+    pub(in crate::mbs) beam: Option<Box<MidBeam>>,
 }
 
 impl JointData {
@@ -179,7 +182,7 @@ impl JointData {
     }
 
     /// Its hinges: accumulated plastic rotation \[rad\], and whether it broke; both ends of a beam, else its own first.
-    pub(super) fn flowed(&self) -> [(f64, bool); 2] {
+    pub(in crate::mbs) fn flowed(&self) -> [(f64, bool); 2] {
         match &self.beam {
             Some(beam) => beam.ends.ends.map(|e| (e.alpha_rad, e.damage >= 1.0)),
             None => [(self.hinge.alpha_rad, self.hinge.fractured), (0.0, false)],
@@ -214,13 +217,13 @@ impl JointData {
     }
 
     /// Whether its axial spring is at its capacity.
-    pub(super) fn is_stretching(&self) -> bool {
+    pub(in crate::mbs) fn is_stretching(&self) -> bool {
         let is_at_most = self.tensile_elongation > 0.0 && -self.axial_force >= self.tensile_capacity;
         is_at_most || self.axial_force >= self.left * self.compressive_capacity
     }
 
     /// How much farther it was stretched or crushed than it bears \[m\].
-    pub(super) fn overrun_m(&self) -> f64 {
+    pub(in crate::mbs) fn overrun_m(&self) -> f64 {
         if self.is_crushed() {
             self.pressed - self.crushing_shortening
         } else if self.tensile_elongation > 0.0 {
@@ -259,13 +262,13 @@ impl JointData {
 
     /// Adds elastic moments about its bending axes \[N m\] to those of the last evaluation, which was in the present poses, and to its bodies.
     #[inline]
-    pub(super) fn bend_more(&mut self, more: [f64; 2], bodies: &mut [BodyState]) {
+    pub(in crate::mbs) fn bend_more(&mut self, more: [f64; 2], bodies: &mut [BodyState]) {
         for k in (0..2).filter(|k| more[*k] != 0.0) {
             let before = self.hinge.moment_nm[k];
             self.elastic_j += (before + 0.5 * more[k]) * more[k] / self.rotation[k + 1];
             self.hinge.moment_nm[k] += more[k];
         }
-        let frame = math::qmat(math::qmul(bodies[self.a].q, self.frames[0]));
+        let frame = math::qmat(math::qmul(bodies[self.b].q, self.frames[1]));
         let (theta, c) = bend(self.relative);
         let torque = torque(&frame, theta, [0.0, more[0], more[1]], c);
         bodies[self.a].torque = math::add(bodies[self.a].torque, torque);
@@ -289,14 +292,14 @@ impl JointData {
 
     /// Where its axial force acts.
     #[inline]
-    pub(super) fn chord(&self, at: &Stance) -> Chord {
+    pub(in crate::mbs) fn chord(&self, at: &Stance) -> Chord {
         match &self.beam {
             Some(beam) => Chord::new(at.gap, at.turn, beam.reach_m, beam.free_m),
             None => Chord::along_axis(at.gap),
         }
     }
 
-    pub(super) fn stance(&self, bodies: &[BodyState]) -> Stance {
+    pub(in crate::mbs) fn stance(&self, bodies: &[BodyState]) -> Stance {
         let (a, b) = (&bodies[self.a], &bodies[self.b]);
         stance([(a.x, a.q, &a.r), (b.x, b.q, &b.r)], self.points, self.frames, self.relative)
     }
@@ -304,19 +307,19 @@ impl JointData {
     /// Moves its points and axes in its bodies so that poses that were free of stress strain it by a gap \[m\] and a rotation \[rad\] along its axes.
     pub fn strain(&mut self, gap: V3, theta: V3) {
         self.strained = [[0.0; 3], theta];
-        self.stretch(gap);
         self.relative = math::qexp(theta);
         self.frames[1] = math::qmul(self.frames[1], self.relative);
+        self.stretch(gap);
     }
 
-    /// Moves its point in the first body so that it has a gap \[m\] along its axes more.
+    /// Moves its point in the second body so that it has a gap \[m\] along its axes more.
     fn stretch(&mut self, gap: V3) {
         self.strained[0] = math::add(self.strained[0], gap);
-        self.points[0] = math::sub(self.points[0], math::mul(&math::qmat(self.frames[0]), gap));
+        self.points[1] = math::add(self.points[1], math::mul(&math::qmat(self.frames[1]), gap));
     }
 
     /// Takes smaller stiffnesses along its axes \[N/m\] and keeps its forces; returns by how much its elastic energy grows \[J\].
-    pub(super) fn soften(&mut self, translation: V3, bodies: &[BodyState]) -> f64 {
+    pub(in crate::mbs) fn soften(&mut self, translation: V3, bodies: &[BodyState]) -> f64 {
         let at = self.stance(bodies);
         let mut stretch = at.gap;
         stretch[0] = self.chord(&at).stretch - self.crushed;
@@ -363,7 +366,7 @@ impl JointData {
     }
 
     /// What its last evaluation found, as [`Self::pull`] finds it in the same poses.
-    pub(super) fn latest(&self) -> Latest {
+    pub(in crate::mbs) fn latest(&self) -> Latest {
         let [m1, m2] = self.hinge.moment_nm;
         let along = [-self.outward * self.axial_force, self.shear[0], self.shear[1]];
         let ([local, couple], gap) = match &self.beam {
@@ -378,231 +381,23 @@ impl JointData {
     }
 
     /// Square of the share of the capacity that a force \[N\] along its axes takes in shear.
-    pub(super) fn shear_used2(&self, force: V3) -> f64 {
+    pub(in crate::mbs) fn shear_used2(&self, force: V3) -> f64 {
         force[1] * force[1] * self.shear_ease[0] + force[2] * force[2] * self.shear_ease[1]
     }
 
-    /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.
-    #[inline]
-    pub(super) fn resist(
-        &mut self,
-        at: &Stance,
-        chord: &Chord,
-        theta: V3,
-        tables: &[CapacityTable],
-    ) -> [V3; 2] {
-        self.relative = at.turn;
-        let turned = math::sub(theta, std::mem::replace(&mut self.theta, theta));
-        let before = std::mem::take(&mut self.onset);
-        if self.is_held {
-            let moment = self.moments(theta, tables);
-            self.elastic_j += 0.5 * moment[0] * theta[0];
-            return [[0.0; 3], moment];
-        }
-        let mut gap = at.gap;
-        let k = self.translation;
-        let old = self.axial_force;
-        // by the flow of the last evaluation: the axial force is known before the moments
-        let mut shortened = std::mem::take(&mut self.shortened);
-        self.crushed -= self.outward * shortened;
-        gap[0] = chord.stretch - self.crushed;
-        self.axial_force = -self.outward * k[0] * gap[0];
-        let (trial, bears) = (self.axial_force, self.left * self.compressive_capacity);
-        let closed = if k[0] > 0.0 { (trial - old) / k[0] + shortened } else { 0.0 };
-        self.harden(k[0]);
-        let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
-        let admissible = self.axial_force.clamp(lowest, self.left * self.compressive_capacity);
-        if admissible != self.axial_force {
-            let flow = (self.axial_force - admissible) / k[0];
-            self.axial_force = admissible;
-            shortened += flow;
-            self.crushed -= self.outward * flow;
-            self.elongated += (-flow).max(0.0);
-            self.pressed += flow.max(0.0);
-            gap[0] += self.outward * flow;
-            let capacity = if flow > 0.0 { bears } else { lowest };
-            self.onset[0][0] = -self.outward * onset(old, capacity, trial, admissible);
-        }
-        self.crush_j += 0.5 * (old + self.axial_force) * shortened;
-        let mut shifted = [-self.outward * closed, 0.0, 0.0];
-        if let Some(beam) = &mut self.beam {
-            let across = beam.across();
-            shifted[across] = at.gap[across] - beam.gap[across];
-            (beam.chord, beam.gap) = (*chord, at.gap);
-        }
-        let bent = self.bend_beam(theta, &mut gap, tables);
-        let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
-        self.sheared2 = self.shear_used2(local);
-        self.shear = [local[1], local[2]];
-        let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
-        self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
-        self.begin_to_flow(before, [shifted, turned]);
-        [math::add(local, self.onset[0]), math::add(moment, self.onset[1])]
-    }
-
-    /// Books the work on a displacement and a rotation of a step along its axes \[m, rad\] of what was added to its force for the step before, and for this one.
-    #[inline]
-    fn begin_to_flow(&mut self, before: [V3; 2], moved: [V3; 2]) {
-        if self.pace != Pace::Steps {
-            self.onset = [[0.0; 3]; 2];
-            if self.pace == Pace::First {
-                self.pace = Pace::Steps;
-            }
-            return;
-        }
-        let work = |added: &[V3; 2]| math::dot(added[0], moved[0]) + math::dot(added[1], moved[1]);
-        if moved == [[0.0; 3]; 2] {
-            self.onset = before; // the same pose once more
-            return;
-        }
-        self.onset_j = work(&self.onset);
-        self.hinge.dissipated_j += 0.5 * (work(&before) + self.onset_j);
-    }
-
-    /// Whether more than the law's force acts after the last evaluation.
-    pub(super) fn begins_to_flow(&self) -> bool {
-        self.onset != [[0.0; 3]; 2]
-    }
-
-    /// Finds the compression at which the axial spring flows in this step, for its stiffness \[N/m\]: where its elastic unloading meets the hardening curve.
-    #[inline]
-    fn harden(&mut self, stiffness: f64) {
-        let left = self.left;
-        if self.axial_force <= left * self.compressive_capacity {
-            return;
-        }
-        let Some(hardening) = &self.hardening else { return };
-        // capacity plus elastic unloading grows along the curve: the first point beyond the trial force ends the segment in which they meet
-        let trial = self.axial_force + stiffness * self.pressed;
-        let upper = hardening.partition_point(|[x, n]| left * n + stiffness * x <= trial);
-        let Some([x0, n0]) = upper.checked_sub(1).map(|i| hardening[i]) else { return };
-        self.compressive_capacity = hardening.get(upper).map_or(n0, |[x1, n1]| {
-            let share = (trial - left * n0 - stiffness * x0) / (left * (n1 - n0) + stiffness * (x1 - x0));
-            n0 + share * (n1 - n0)
-        });
-    }
-
-    /// Moments about the joint axes of a beam with hinges at its ends; takes what is plastic off the gap and sets the bending part of the elastic energy.
-    fn bend_beam(&mut self, theta: V3, gap: &mut V3, tables: &[CapacityTable]) -> Option<V3> {
-        let beam = self.beam.as_mut()?;
-        let (axis, across) = (beam.axis, beam.across());
-        let springs = beam.springs(self.rotation, self.translation);
-        let table = &tables[self.table[axis - 1] as usize];
-        let step = beam.ends.step(table, &springs, [theta[axis], gap[across]], self.axial_force);
-        beam.against_load_j += step.against_load_j;
-        gap[across] -= beam.plastic()[1];
-        self.flowing = step.flowing;
-        [self.onset[1][axis], self.onset[0][across]] = beam.of_ends(step.onset_nm);
-        self.hinge.dissipated_j += step.dissipated_j;
-        self.hinge.alpha_rad = beam.ends.ends.iter().map(|e| e.alpha_rad).fold(0.0, f64::max);
-        self.hinge.fractured |= beam.ends.is_broken();
-        self.hinge.out_of_range |= step.out_of_range;
-        if self.is_associated && step.flowing {
-            self.shortened = beam.ends.shortened_m(table, step.flow_rad, self.axial_force);
-        }
-        let mut elastic = theta;
-        let mut moment: V3 = std::array::from_fn(|i| self.rotation[i] * theta[i]);
-        [elastic[axis], moment[axis]] = beam.ends.in_the_middle(&springs, theta[axis]);
-        let bent = [1, 2].map(|i| self.rotation[i] * elastic[i]);
-        self.elastic_j = 0.5 * (bent[0] * elastic[1] + bent[1] * elastic[2]);
-        self.hinge.moment_nm = [moment[1], moment[2]];
-        Some(moment)
-    }
-
-    /// The laws of the bending axes.
-    fn laws<'a>(&self, tables: &'a [CapacityTable]) -> [AxisLaw<'a>; 2] {
-        let law = |k: usize| match self.table[k] {
-            NO_TABLE => AxisLaw::Elastic(self.rotation[k + 1]),
-            t => AxisLaw::Plastic(&tables[t as usize]),
-        };
-        [law(0), law(1)]
-    }
-
-    /// Within what nothing flows or breaks; none if it is not known.
-    pub(super) fn elastic_range(&self, tables: &[CapacityTable]) -> Option<ElasticRange> {
-        let (force, ease, ends) = match &self.beam {
-            Some(beam) => {
-                let table = &tables[self.table[beam.axis - 1] as usize];
-                let (force, ends) = beam.ends.elastic_range(table, self.axial_force)?;
-                (force, [0.0; 2], ends)
-            }
-            None => {
-                let (force, ease) = self.hinge.elastic_range(self.laws(tables), self.axial_force)?;
-                (force, ease, [f64::INFINITY; 2])
-            }
-        };
-        let force =
-            [force[0].max(-self.tensile_capacity), force[1].min(self.left * self.compressive_capacity)];
-        (!self.is_pulled_apart() && !self.is_crushed()).then_some(ElasticRange { force, ease, ends })
-    }
-
-    /// Moments about the joint axes; sets the bending part of the elastic energy.
-    #[inline]
-    fn moments(&mut self, theta: V3, tables: &[CapacityTable]) -> V3 {
-        let torsion = self.rotation[0] * theta[0];
-        let own = [theta[1] - self.lean[0], theta[2] - self.lean[1]];
-        if !self.has_curve() {
-            let m = [self.rotation[1] * own[0], self.rotation[2] * own[1]];
-            self.elastic_j = 0.5 * (m[0] * own[0] + m[1] * own[1]);
-            self.hinge.moment_nm = m;
-            return [torsion, m[0], m[1]];
-        }
-        let laws = self.laws(tables);
-        let step = self.hinge.step(laws, own, self.axial_force);
-        self.flowing = step.flowing;
-        self.onset[1] = [0.0, step.onset_nm[0], step.onset_nm[1]];
-        if let Some(fading) = self.fading.as_ref().filter(|_| step.flowing) {
-            self.left = interpolate(fading, self.hinge.alpha_rad);
-        }
-        if self.is_associated && step.flowing {
-            self.shortened = self.hinge.shortened_m(laws, step.flow_rad, self.axial_force);
-        }
-        self.elastic_j = step.elastic_j;
-        [torsion, self.hinge.moment_nm[0], self.hinge.moment_nm[1]]
-    }
-
-    /// The six rows of the joint's linearised kinematics in the current pose (see [`Row`]).
-    pub fn rows(&self, bodies: &[BodyState]) -> [Row; 6] {
-        let at = self.stance(bodies);
-        let axes: M3 = math::transpose(&at.frame);
-        let [force, couple] = self.chord(&at).force([1.0, 0.0, 0.0]).map(|v| math::mul(&at.frame, v));
-        std::array::from_fn(|i| {
-            let (axis, couple) = if i == 0 { (force, couple) } else { (axes[i % 3], [0.0; 3]) };
-            if i < 3 {
-                let [turn_a, turn_b] = at.arms.map(|arm| math::add(math::cross(arm, axis), couple));
-                Row { stiffness: self.translation[i], a: self.a, b: self.b, force: axis, turn_a, turn_b }
-            } else {
-                Row {
-                    stiffness: self.rotation[i - 3],
-                    a: self.a,
-                    b: self.b,
-                    force: [0.0; 3],
-                    turn_a: axis,
-                    turn_b: axis,
-                }
-            }
-        })
-    }
-
     /// Whether it resists turns, and has turned by more than [`MOST_TURN_RAD`].
-    pub(super) fn has_overturned(&self) -> bool {
+    pub(in crate::mbs) fn has_overturned(&self) -> bool {
         let resists = self.rotation.iter().any(|k| *k > 0.0);
         resists && math::dot(self.theta, self.theta) > MOST_TURN_RAD * MOST_TURN_RAD
-    }
-
-    /// Whether its springs hold its point in height, in the present poses.
-    pub(super) fn bears_weight(&self, bodies: &[BodyState]) -> bool {
-        const LEVEL: f64 = 1e-9;
-        self.rows(bodies)[..3].iter().any(|row| row.stiffness > 0.0 && row.force[2].abs() > LEVEL)
     }
 }
 
 /// Length of the rotation vector from which a run warns: at a full revolution it turns round, and moments and plastic rotations are wrong from there \[rad\].
-pub(super) const MOST_TURN_RAD: f64 = 5.0;
+pub(in crate::mbs) const MOST_TURN_RAD: f64 = 5.0;
 
 /// Which evaluations follow each other in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Pace {
+pub(in crate::mbs) enum Pace {
     /// None: those of a search, or of an integrator that follows the flow itself.
     Free,
     /// The next one is the first.
@@ -611,25 +406,9 @@ pub(super) enum Pace {
     Steps,
 }
 
-/// Within what a joint is elastic.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct ElasticRange {
-    /// From and below which axial force \[N\].
-    pub force: [f64; 2],
-    /// `1/C²` about both bending axes \[1/(N m)²\] ([`Hinge2::elastic_range`]).
-    pub ease: [f64; 2],
-    /// Below which moments at both ends of a beam \[N m\] ([`crate::curve::BeamEnds::elastic_range`]).
-    pub ends: [f64; 2],
-}
-
-impl ElasticRange {
-    /// No number lies between infinity and infinity.
-    pub const NONE: Self = Self { force: [f64::INFINITY; 2], ease: [0.0; 2], ends: [0.0; 2] };
-}
-
 /// What the last evaluation of a joint found, along its axes.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Latest {
+pub(in crate::mbs) struct Latest {
     /// Forces of its springs \[N\]: of a beam the first one is not along axis 0.
     pub along: V3,
     /// Force on the first body \[N\].
@@ -642,21 +421,4 @@ pub(super) struct Latest {
     pub theta: V3,
     /// Its gap \[m\].
     pub gap: V3,
-}
-
-/// One spring of a joint: its stretch is `force·(δx_b - δx_a) + turn_b·δφ_b - turn_a·δφ_a`.
-#[derive(Debug, Clone, Copy)]
-pub struct Row {
-    /// Stiffness \[N/m\] or \[N m/rad\].
-    pub stiffness: f64,
-    /// First body.
-    pub a: usize,
-    /// Second body.
-    pub b: usize,
-    /// Direction of the force, zero for a rotational spring.
-    pub force: V3,
-    /// Moment arm on the first body.
-    pub turn_a: V3,
-    /// Moment arm on the second body.
-    pub turn_b: V3,
 }
