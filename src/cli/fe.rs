@@ -21,7 +21,7 @@ use crate::fe::quality::{Quality, sliver_note};
 use crate::fe::result::{FeRun, FeSummary};
 use crate::fe::run::{Attached, FeOptions, outputs, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
-use crate::study::{COLLAPSE_DROP_M, facts};
+use crate::study::{facts, fell};
 use crate::verify::fe::forms::{FORMS, form};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -189,7 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let against = arguments.against.as_ref().map(|path| Against::of(path, &fe)).transpose()?;
     places::remove_checkpoint(output.path())?;
     let folder = output.commit().map_err(|e| unwritable(&e))?;
-    let collapsed = fe.tracked.iter().any(|h| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M));
+    let collapsed = fe.tracked.iter().any(|h| fell(&h.displacement_m));
     let unfired = unfired(&building, fe.times_s.last().copied().unwrap_or(0.0));
     let points = fe.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..]));
     let moving = moving_note(collapsed, &fe.times_s, points);

@@ -8,7 +8,7 @@ use crate::generate::{Generated, Unasked};
 use crate::mbs::RunResult;
 use crate::mbs::result::EventKind;
 use crate::review::Review;
-use crate::study::COLLAPSE_DROP_M;
+use crate::study::fell;
 use crate::validate::spread::UNDECIDED_M;
 use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY, Spread};
 use serde_json::{Value, json};
@@ -56,7 +56,7 @@ impl Summary<'_> {
     }
 
     fn mbs_collapsed(&self) -> bool {
-        self.mbs.tracked.iter().any(|t| t.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M))
+        self.mbs.tracked.iter().any(|t| fell(&t.displacement_m))
     }
 }
 

@@ -188,10 +188,13 @@ impl<'a> Draft<'a> {
                     .into(),
             );
         }
-        if building.settings.removal_duration_s > 0.0 && !building.events.is_empty() {
+        let takes_s = building.settings.removal_duration_s;
+        if takes_s > 0.0 && !building.events.is_empty() {
+            let end_s = building.settings.end_time_s;
+            let outlasts = building.events.iter().any(|e| e.time_s <= end_s && e.time_s + takes_s > end_s);
+            let beyond = if outlasts { ", which is beyond the end of the run" } else { "" };
             notes.push(format!(
-                "charges take {} s to remove a member in FE; the MBS removes its body at once at the time of ignition",
-                building.settings.removal_duration_s
+                "charges take {takes_s} s to remove a member in FE{beyond}; the MBS removes its body at once at the time of ignition"
             ));
         }
         notes.extend(soon_over(building));

@@ -60,6 +60,11 @@ pub const END_DEPTHS: f64 = 2.0;
 /// Fall of a tracked point that counts as collapse \[m\].
 pub const COLLAPSE_DROP_M: f64 = 1.0;
 
+/// Whether a point with this history of displacements \[m\] falls far enough to count as collapsed.
+pub fn fell(displacement_m: &[[f64; 3]]) -> bool {
+    displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M)
+}
+
 /// Reads the facts out of a run.
 pub fn facts(building: &Building, run: &FeRun) -> Facts {
     let removed: Vec<bool> = {
@@ -99,7 +104,6 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
             })
         })
         .collect();
-    let fall = |h: &crate::fe::result::History| h.displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M);
     Facts {
         critical_rate_1_s: run.strain_rates.critical_1_s,
         first_contact_s: run.summary.first_ground_contact_s,
@@ -114,7 +118,7 @@ pub fn facts(building: &Building, run: &FeRun) -> Facts {
         ),
         members,
         contacts: run.touches.clone(),
-        collapsed: run.tracked.iter().any(fall),
+        collapsed: run.tracked.iter().any(|h| fell(&h.displacement_m)),
     }
 }
 

@@ -1,8 +1,9 @@
 //! A run with rigid parts against the full FE run of the same building.
 
 use super::points::{DebrisPoint, PointErrors, debris};
-use super::{LIMIT_HYBRID, LIMIT_HYBRID_TIME, fe_dissipated_j, fe_footprint, fell};
+use super::{LIMIT_HYBRID, LIMIT_HYBRID_TIME, fe_dissipated_j, fe_footprint};
 use crate::fe::result::FeRun;
+use crate::study::fell;
 use serde::{Deserialize, Serialize};
 
 /// What the comparison of a hybrid run with FE shows.

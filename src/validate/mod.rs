@@ -17,7 +17,7 @@ use crate::fe::dynamics::Death;
 use crate::fe::result::FeRun;
 use crate::mbs::Model;
 use crate::mbs::result::{EventKind, RunResult};
-use crate::study::{COLLAPSE_DROP_M, Facts, TURNED_RAD};
+use crate::study::{COLLAPSE_DROP_M, Facts, TURNED_RAD, fell};
 use measure::{Footprint, Sites};
 use points::PointErrors;
 use serde::{Deserialize, Serialize};
@@ -258,11 +258,6 @@ fn missed_column_ends(building: &Building, facts: &Facts, sites: &[SiteCompariso
         .filter(|(_, site)| site.fe_zone && site.plastic_rotation_rad <= ACTIVE_ROTATION_RAD)
         .map(|(_, site)| site.id.clone())
         .collect()
-}
-
-/// Whether a point falls far enough to count as collapsed.
-pub fn fell(displacement_m: &measure::Displacement) -> bool {
-    displacement_m.iter().any(|u| -u[2] > COLLAPSE_DROP_M)
 }
 
 /// Energy that an FE run has dissipated by its end, elastic energy included \[J\].

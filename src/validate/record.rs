@@ -2,10 +2,10 @@
 
 use super::measure::Sites;
 use super::points::PointErrors;
-use super::{ACTIVE_ROTATION_RAD, Both, LIMIT_STANDING_M, LIMIT_TO_CONTACT, compare_sites, fell, turning};
+use super::{ACTIVE_ROTATION_RAD, Both, LIMIT_STANDING_M, LIMIT_TO_CONTACT, compare_sites, turning};
 use crate::mbs::Model;
 use crate::mbs::result::RunResult;
-use crate::study::Study;
+use crate::study::{Study, fell};
 use serde::Serialize;
 
 /// How far a run and a study agree. Errors are those of [`super::Validation`], on the times of the record.

@@ -500,6 +500,32 @@ fn a_hinge_on_an_ideal_joint_opens_it_and_is_checked() {
     }
 }
 
+/// What it bears above what an event leaves it flows off at the event, not a step later.
+#[test]
+fn a_hinge_on_an_ideal_joint_yields_when_it_is_weakened() {
+    let mut m = model("arm", 0.5, 0.01);
+    m.bodies.push(solid("arm", [2.0, 0.0, 0.0], [4.0, 0.4, 0.4]));
+    m.curves.insert("c".into(), curve(&[[0.0, 100e3], [1.0, 100e3]], 2.0));
+    m.joints.push(ideal("pin", JointKind::Spherical, None, "arm", [0.0; 3]));
+    m.bushings.push(Bushing {
+        joint: Some("pin".into()),
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        ..joint("root", None, "arm", [0.0; 3], 0.0, 1e8, [hinge("c"), elastic(1e7)])
+    });
+    let held = simulate(&m).unwrap();
+    assert!(!held.events.iter().any(|e| matches!(e.kind, EventKind::Yield { .. })));
+    let moments = held.hinges[0].moment_nm.iter().map(|m| m[0].abs());
+    let (at, most) = moments.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    assert!(most > 40e3 && at + 1 < held.times_s.len(), "{most} at {at}");
+    m.events.push(Event {
+        weaken: vec![Weakening { id: "root".into(), factor: 0.2 }],
+        ..Event::at("saw", held.times_s[at])
+    });
+    let result = simulate(&m).unwrap();
+    let yields = result.events.iter().filter(|e| matches!(e.kind, EventKind::Yield { .. }));
+    assert_eq!(yields.map(|e| e.time_s).collect::<Vec<_>>(), [held.times_s[at]]);
+}
+
 #[test]
 fn a_blow_across_the_plane_of_a_mechanism_is_borne_by_its_joints() {
     let ball = |id: &str, y: f64, speed_m_s: f64| Body {

@@ -319,6 +319,10 @@ impl<'a> Run<'a> {
             }
             let kind = EventKind::Removal { event: event.id.clone() };
             self.result.events.push(RunEvent { time_s: time, kind });
+            for id in self.marcher.motion.yielded.drain(..) {
+                let kind = EventKind::Yield { joint: id_of(model, id).into() };
+                self.result.events.push(RunEvent { time_s: time, kind });
+            }
         }
         if any {
             self.marcher.restart();

@@ -1,14 +1,16 @@
 //! Accelerations of a mechanism at a state, and the nearest state that its joints allow.
 
-use super::bushing::Held;
-use super::factor::{BlockFactor, SIDES, stride};
-use super::force::{Acting, Exerted};
-use super::hinge_law::HingeLaw;
-use super::joint::{Compiled, Pose, Row, is_ground, pose_of};
-use super::planar::planes;
-use super::solve::{Loads, Sides};
-use super::{Mechanism, joint};
+mod changes;
+
 use crate::curve::CurveError;
+use crate::mbs::ideal::bushing::Held;
+use crate::mbs::ideal::factor::{BlockFactor, SIDES, stride};
+use crate::mbs::ideal::force::{Acting, Exerted};
+use crate::mbs::ideal::hinge_law::HingeLaw;
+use crate::mbs::ideal::joint::{Compiled, Pose, Row, is_ground, pose_of};
+use crate::mbs::ideal::planar::planes;
+use crate::mbs::ideal::solve::{Loads, Sides};
+use crate::mbs::ideal::{Mechanism, joint};
 use crate::mbs::math::{
     M3, Q, V3, add, axpy, cross, dot, inverse, mul, mul_t, qmat, qmul, qrenormalise, scale, sub, turned,
 };
@@ -32,7 +34,7 @@ struct Part {
 }
 
 /// Sign of a joint's rows on its first and second body.
-pub(super) const SENSE: [f64; 2] = [-1.0, 1.0];
+pub(in crate::mbs::ideal) const SENSE: [f64; 2] = [-1.0, 1.0];
 
 /// Adds what a body gives to the block of two joints that hold a point of it each: `s_a s_b (1/m - r_a× I⁻¹ r_b×)`; `turned(j)` is
 /// `s_b I⁻¹ (r_b × e_j)`.
@@ -55,24 +57,24 @@ fn add_point_block(
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
 pub struct Motion {
-    pub(super) gravity: V3,
-    pub(super) mass: Vec<f64>,
-    pub(super) inertia: Vec<M3>,
-    pub(super) inverse_inertia: Vec<M3>,
+    pub(in crate::mbs::ideal) gravity: V3,
+    pub(in crate::mbs::ideal) mass: Vec<f64>,
+    pub(in crate::mbs::ideal) inertia: Vec<M3>,
+    pub(in crate::mbs::ideal) inverse_inertia: Vec<M3>,
     /// The inverse in the global frame at the state that was taken.
-    pub(super) inverse: Vec<M3>,
-    pub(super) joints: Vec<Compiled>,
+    pub(in crate::mbs::ideal) inverse: Vec<M3>,
+    pub(in crate::mbs::ideal) joints: Vec<Compiled>,
     /// First row of each joint, and the number of rows.
-    pub(super) first: Vec<usize>,
+    pub(in crate::mbs::ideal) first: Vec<usize>,
     /// Place of each joint in the mechanism.
-    pub(super) ids: Vec<usize>,
-    pub(super) forces: Vec<Acting>,
+    pub(in crate::mbs::ideal) ids: Vec<usize>,
+    pub(in crate::mbs::ideal) forces: Vec<Acting>,
     /// Place of each force in the mechanism.
-    pub(super) force_ids: Vec<usize>,
-    pub(super) laws: Vec<HingeLaw>,
-    pub(super) bushings: Vec<Held>,
+    pub(in crate::mbs::ideal) force_ids: Vec<usize>,
+    pub(in crate::mbs::ideal) laws: Vec<HingeLaw>,
+    pub(in crate::mbs::ideal) bushings: Vec<Held>,
     /// Place of each bushing behind the forces of the mechanism.
-    pub(super) bushing_ids: Vec<usize>,
+    pub(in crate::mbs::ideal) bushing_ids: Vec<usize>,
     /// Bushings that tension broke, by their places; for the caller to fetch.
     pub torn: Vec<usize>,
     /// Hinges that flowed for the first time, by their places in the mechanism; for the caller to fetch.
@@ -84,30 +86,30 @@ pub struct Motion {
     /// Impulses of joints over the step that contacts asked for in the last one, a multiplier for each row; empty: nothing touched.
     borne: Vec<f64>,
     /// Plastic work of hinges that are gone, and elastic energy of those that fractured \[J\].
-    pub(super) spent_j: f64,
-    pub(super) lost_j: f64,
+    pub(in crate::mbs::ideal) spent_j: f64,
+    pub(in crate::mbs::ideal) lost_j: f64,
     /// Bodies that were taken away: they stay where they are.
-    pub(super) gone: Vec<bool>,
+    pub(in crate::mbs::ideal) gone: Vec<bool>,
     parts: Vec<Part>,
-    pub(super) factor: BlockFactor,
-    pub(super) poses: Vec<Pose>,
-    pub(super) rows: Vec<Row>,
+    pub(in crate::mbs::ideal) factor: BlockFactor,
+    pub(in crate::mbs::ideal) poses: Vec<Pose>,
+    pub(in crate::mbs::ideal) rows: Vec<Row>,
     /// `M⁻¹` times the rows' parts.
-    pub(super) moved: Vec<[[V3; 2]; 2]>,
+    pub(in crate::mbs::ideal) moved: Vec<[[V3; 2]; 2]>,
     /// Arms of the joints that hold a point only \[m\]; their rows need no general products.
-    pub(super) arms: Vec<Option<[V3; 2]>>,
-    pub(super) loads: Vec<[V3; 2]>,
+    pub(in crate::mbs::ideal) arms: Vec<Option<[V3; 2]>>,
+    pub(in crate::mbs::ideal) loads: Vec<[V3; 2]>,
     /// Forces and torques, gravity aside, of the rate that was found last; those of dampers and applied forces, if there are any.
-    pub(super) applied: Vec<[V3; 2]>,
+    pub(in crate::mbs::ideal) applied: Vec<[V3; 2]>,
     given: Vec<[V3; 2]>,
     is_given: bool,
-    pub(super) multipliers: Vec<f64>,
+    pub(in crate::mbs::ideal) multipliers: Vec<f64>,
     /// Loads and multipliers of several right-hand sides.
-    pub(super) sides: Vec<Loads>,
-    pub(super) wanted: Vec<Sides>,
+    pub(in crate::mbs::ideal) sides: Vec<Loads>,
+    pub(in crate::mbs::ideal) wanted: Vec<Sides>,
     /// Bodies that joints hold together, by part; the part of each body that joints hold.
-    pub(super) parts_bodies: Vec<Vec<usize>>,
-    pub(super) part: Vec<Option<usize>>,
+    pub(in crate::mbs::ideal) parts_bodies: Vec<Vec<usize>>,
+    pub(in crate::mbs::ideal) part: Vec<Option<usize>>,
 }
 
 impl Motion {
@@ -283,7 +285,7 @@ impl Motion {
     }
 
     /// Notes what joints bear of impulses on bodies, over the mass and inertia (linear, angular) of these, in a step of `h` \[s\], at the state that was taken.
-    pub(super) fn bear(&mut self, impulses: &[[V3; 2]], h: f64) {
+    pub(in crate::mbs::ideal) fn bear(&mut self, impulses: &[[V3; 2]], h: f64) {
         self.loads.copy_from_slice(impulses);
         self.accept(|_| 0.0);
         self.borne.clear();
@@ -291,12 +293,12 @@ impl Motion {
     }
 
     /// Forgets it.
-    pub(super) fn bear_nothing(&mut self) {
+    pub(in crate::mbs::ideal) fn bear_nothing(&mut self) {
         self.borne.clear();
     }
 
     /// Multipliers of the rate that was taken last, and of what contacts asked for in the last step.
-    pub(super) fn borne(&self, row: usize) -> [f64; 2] {
+    pub(in crate::mbs::ideal) fn borne(&self, row: usize) -> [f64; 2] {
         [self.multipliers[row], self.borne.get(row).copied().unwrap_or(0.0)]
     }
 
@@ -409,7 +411,7 @@ impl Motion {
     }
 
     /// Loads the bodies with the accelerations that they would have without joints; the power of the forces, gravity aside: all, and those of dampers and applied forces \[W\].
-    pub(super) fn load(&mut self) -> [f64; WORKS] {
+    pub(in crate::mbs::ideal) fn load(&mut self) -> [f64; WORKS] {
         for (load, mass) in self.loads.iter_mut().zip(&self.mass) {
             *load = [scale(*mass, self.gravity), [0.0; 3]];
         }
@@ -440,7 +442,7 @@ impl Motion {
     }
 
     /// Writes the accelerations with which the bodies are loaded, and the velocities.
-    pub(super) fn write_rate(&mut self, power: [f64; WORKS], rate: &mut [f64]) {
+    pub(in crate::mbs::ideal) fn write_rate(&mut self, power: [f64; WORKS], rate: &mut [f64]) {
         self.feel();
         for ((rate, pose), a) in rate.chunks_exact_mut(STATE).zip(&self.poses).zip(&self.loads) {
             rate[..3].copy_from_slice(&pose.v);
@@ -449,137 +451,6 @@ impl Motion {
         }
         let behind = rate.len() - WORKS;
         rate[behind..].copy_from_slice(&power);
-    }
-
-    /// Tells bushings on ideal joints the forces of these.
-    fn feel(&mut self) {
-        for i in 0..self.bushings.len() {
-            if let Some(id) = self.bushings[i].joint() {
-                let place = self.ids.iter().position(|j| *j == id);
-                let [force, _] = place.map_or([[0.0; 3]; 2], |j| self.reaction(j));
-                self.bushings[i].feel(force, &self.poses);
-            }
-        }
-    }
-
-    /// Lets bushings on ideal joints resist under the forces that these have in the rate that was taken last; whether there are any.
-    pub fn settle(&mut self) -> bool {
-        self.bushings.iter_mut().for_each(Held::settle);
-        self.bushings.iter().any(|b| b.joint().is_some())
-    }
-
-    /// Takes the state whose rate was taken last into the history of hinges. Those that are beyond their fracture open, with their joints; their places in
-    /// the mechanism.
-    pub fn commit(&mut self) -> Vec<usize> {
-        let (mut broken, mut opened) = (Vec::new(), Vec::new());
-        for (force, id) in self.forces.iter_mut().zip(&self.force_ids) {
-            let flowed = force.has_flowed();
-            let committed = force.commit(&self.laws);
-            if !flowed && force.has_flowed() {
-                self.yielded.push(*id);
-            }
-            if committed.anew || committed.lost {
-                self.confused.push(*id);
-            }
-            if committed.beyond.is_some_and(|beyond| beyond >= 0.0) {
-                broken.push(*id);
-                self.lost_j += force.elastic_j(&self.poses, &self.laws);
-                self.ended.insert(*id, force.plastic_rad());
-                if let Acting::Hinge { joint: Some(joint), .. } = force {
-                    opened.push(*joint);
-                }
-            }
-        }
-        for (bushing, id) in self.bushings.iter_mut().zip(&self.bushing_ids) {
-            let flowed = bushing.has_flowed();
-            let breaks = bushing.commit();
-            if !flowed && bushing.has_flowed() {
-                self.yielded.push(*id);
-            }
-            if let Some(by_tension) = breaks {
-                broken.push(*id);
-                self.lost_j += bushing.at(&self.poses).0[0];
-                self.ended.insert(*id, [bushing.plastic_rad(), 0.0, 0.0]);
-                self.torn.extend(by_tension.then_some(*id));
-                opened.extend(bushing.joint());
-            }
-        }
-        if !broken.is_empty() {
-            self.release(&opened, &broken);
-        }
-        broken
-    }
-
-    /// Whether a hinge began or ceased to flow on the way from what was committed to the state whose rate was taken last.
-    pub fn has_turned_over(&self) -> bool {
-        self.forces.iter().any(|f| f.has_turned_over(&self.laws))
-    }
-
-    /// Takes joints and forces away, by their places in the mechanism.
-    pub fn release(&mut self, joints: &[usize], forces: &[usize]) {
-        let of = |list: &[usize], id: &usize| !list.contains(id);
-        let ending = self.forces.iter().zip(&self.force_ids).filter(|(_, id)| !of(forces, id));
-        self.spent_j += ending.map(|(f, _)| f.dissipated_j()).sum::<f64>();
-        let ending = self.bushings.iter().zip(&self.bushing_ids).filter(|(_, id)| !of(forces, id));
-        self.spent_j += ending.map(|(b, _)| b.at(&self.poses).0[1]).sum::<f64>();
-        let both = std::mem::take(&mut self.bushings).into_iter().zip(std::mem::take(&mut self.bushing_ids));
-        (self.bushings, self.bushing_ids) = both.filter(|(_, id)| of(forces, id)).unzip();
-        let both = std::mem::take(&mut self.forces).into_iter().zip(std::mem::take(&mut self.force_ids));
-        (self.forces, self.force_ids) = both.filter(|(_, id)| of(forces, id)).unzip();
-        if !joints.is_empty() {
-            let both = std::mem::take(&mut self.joints).into_iter().zip(std::mem::take(&mut self.ids));
-            (self.joints, self.ids) = both.filter(|(_, id)| of(joints, id)).unzip();
-            self.link();
-        }
-    }
-
-    /// Takes a body away with all that is attached to it: it stops where it is in the state. The places in the mechanism of the joints and forces that go with it.
-    pub fn remove(&mut self, body: usize, state: &mut [f64]) -> [Vec<usize>; 2] {
-        self.gone[body] = true;
-        state[STATE * body + 7..STATE * (body + 1)].fill(0.0);
-        let joints = self.joints.iter().zip(&self.ids);
-        let joints: Vec<usize> =
-            joints.filter(|(j, _)| j.bodies.contains(&body)).map(|(_, id)| *id).collect();
-        let forces = self.forces.iter().zip(&self.force_ids);
-        let forces: Vec<usize> =
-            forces.filter(|(f, _)| f.bodies().contains(&body)).map(|(_, id)| *id).collect();
-        let bushings = self.bushings.iter().zip(&self.bushing_ids);
-        let bushings = bushings.filter(|(b, _)| b.bodies.contains(&body)).map(|(_, id)| *id);
-        let forces: Vec<usize> = forces.into_iter().chain(bushings).collect();
-        self.release(&joints, &forces);
-        [joints, forces]
-    }
-
-    /// Whether a body was taken away.
-    pub fn is_gone(&self, body: usize) -> bool {
-        self.gone[body]
-    }
-
-    /// A force by its place in the mechanism, if it still acts.
-    pub fn force_mut(&mut self, id: usize) -> Option<&mut Acting> {
-        let at = self.force_ids.iter().position(|f| *f == id)?;
-        Some(&mut self.forces[at])
-    }
-
-    /// Multiplies the strength of a hinge or bushing by its place, if it is there.
-    pub fn weaken(&mut self, id: usize, by: f64) {
-        if let Some(at) = self.bushing_ids.iter().position(|b| *b == id) {
-            self.bushings[at].weaken(by, &self.poses);
-        } else if let Some(force) = self.force_mut(id) {
-            force.weaken(by);
-        }
-    }
-
-    /// Places in the mechanism of the joints that are there.
-    pub fn joint_ids(&self) -> &[usize] {
-        &self.ids
-    }
-
-    /// How far a hinge is beyond its fracture at the state that was taken, at most \[rad\]; `None` without hinges.
-    pub fn beyond(&self) -> Option<f64> {
-        let of_bushing = |b: &Held| if b.is_broken() { 0.0 } else { -1.0 };
-        let bushings = self.bushings.iter().map(of_bushing);
-        self.forces.iter().filter_map(|f| f.beyond(&self.laws)).chain(bushings).reduce(f64::max)
     }
 
     /// Largest residual of a joint at the state that was taken: m, or the sine of an angle.
@@ -619,7 +490,7 @@ pub fn point_at(state: &[f64], body: usize, point: V3) -> V3 {
     add(pose.x, mul(&pose.r, point))
 }
 
-pub(super) fn read(s: &[f64]) -> Pose {
+pub(in crate::mbs::ideal) fn read(s: &[f64]) -> Pose {
     let q = qrenormalise([s[3], s[4], s[5], s[6]]);
     Pose { x: [s[0], s[1], s[2]], q, r: qmat(q), v: [s[7], s[8], s[9]], w: [s[10], s[11], s[12]] }
 }
