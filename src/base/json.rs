@@ -43,8 +43,10 @@ pub fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, JsonError> {
         let mut reader = serde_json::Deserializer::from_str(text);
         let again = serde_path_to_error::deserialize::<_, T>(&mut reader).err();
         let number = bad_number(text, &source);
-        let path = again.filter(|_| source.is_data() || number.is_some()).map(|e| words(e.path()));
-        let complaint = no_json(text).map(str::to_string).or(number);
+        let excess = too_many(text, &source);
+        let is_told = source.is_data() || number.is_some() || excess.is_some();
+        let path = again.filter(|_| is_told).map(|e| words(e.path()));
+        let complaint = no_json(text).map(str::to_string).or(number).or(excess);
         JsonError { path: path.unwrap_or_default(), complaint, source }
     })
 }
@@ -66,6 +68,13 @@ fn no_json(text: &str) -> Option<&'static str> {
         return Some("begins with a byte order mark, which is no part of JSON: save it as UTF-8 without one");
     }
     text.trim().is_empty().then_some("is empty, expected JSON")
+}
+
+/// That a list is longer than what it is read into: for the reader a slip of the syntax, in a text without one.
+fn too_many(text: &str, error: &serde_json::Error) -> Option<String> {
+    let is_sound = error.is_syntax() && serde_json::from_str::<serde::de::IgnoredAny>(text).is_ok();
+    let (line, column) = (error.line(), error.column());
+    is_sound.then(|| format!("has too many values: none is expected at line {line} column {column}"))
 }
 
 /// What is wrong with a number that JSON does not have, or that is too large.
@@ -124,6 +133,20 @@ mod tests {
             assert!(of_text.starts_with(&of_value), "{of_text}: {of_value}");
         }
         of_text
+    }
+
+    #[derive(Debug, Deserialize)]
+    struct Points {
+        #[serde(rename = "points_m")]
+        _points_m: Vec<[f64; 2]>,
+    }
+
+    #[test]
+    fn a_list_that_is_too_long_is_told_with_its_path() {
+        let text = from_text::<Points>("{\"points_m\": [[1, 2],\n[3, 4, 5]]}").unwrap_err().to_string();
+        assert_eq!(text, "points_m[1]: has too many values: none is expected at line 2 column 8");
+        let text = from_text::<Points>("{\"points_m\": [[1, 2] [3]]}").unwrap_err().to_string();
+        assert!(text.starts_with("expected `,` or `]`"), "{text}");
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub enum SolveError {
     Curve(#[from] crate::curve::CurveError),
     /// The structure is a mechanism.
     #[error(
-        "no static equilibrium: the structure is a mechanism, body \"{body}\" moves most freely (joints: {joints})"
+        "no static equilibrium: the structure is a mechanism, body \"{body}\" moves most freely (joints: {joints}); a contact holds nothing in a static state: give it a joint or a support, or a run without preload"
     )]
     Mechanism {
         /// The loosest body.

@@ -135,7 +135,7 @@ mod tests {
         let size = math::norm(before.0);
         assert!(size > 1e5);
         assert!(math::norm(math::sub(before.0, after.0)) < 1e-6 * size, "{before:?} {after:?}");
-        // forces act at the same point of the second body
+        // forces act at the same point
         assert!(math::norm(math::sub(before.1, after.1)) < 1e-6 * size, "{before:?} {after:?}");
         assert!(
             more_j > 0.0 && (after.2 - before.2 - more_j).abs() < 1e-6 * after.2,
