@@ -69,11 +69,11 @@ impl LatentArgs {
     }
 }
 
-/// The step of a multibody run.
+/// The steps of a multibody run.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct StepArgs {
-    /// Longest step, such as 0.5ms, in place of the one that the model asks for or that is chosen
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    /// Steps of this length, such as 0.5ms, in place of those that the model asks for or that are chosen: settings.time_step_s
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     step: Option<f64>,
 }
 

@@ -43,7 +43,7 @@ pub enum SolveError {
     },
     /// The given step is unstable.
     #[error(
-        "settings.time_step_s is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; give at most {usable_s:.2e} s, or leave it out to have it chosen"
+        "settings.time_step_s (or --step) is {given_s:.3e}, above the stability limit {limit_s:.3e} s of the joints; give at most {usable_s:.2e} s, or leave it out to have it chosen"
     )]
     TimeStep {
         /// The step given \[s\].

@@ -5,7 +5,7 @@ use crate::building::{Building, Override};
 use crate::generate::{Alternative, GenerateError, Generated, Generator};
 use crate::mbs::model::{Bending, Model};
 use crate::mbs::{RunResult, simulate_carefully};
-use crate::study::fell;
+use crate::validate::fell;
 use rayon::prelude::*;
 
 /// The model with a decision turned round, or why there is none.

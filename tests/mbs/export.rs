@@ -515,6 +515,32 @@ fn loops_with_springs_are_cut_in_a_body_and_welded() {
     assert_eq!(ids, frame.joints.iter().map(|j| j.id.as_str()).collect::<Vec<_>>());
 }
 
+/// Between the ends of a bushing rotations come first, so that its springs turn with the second body; from that to the first one it is the other way round.
+#[test]
+fn springs_of_bushings_turn_with_the_second_body() {
+    let body = |id: &str, z: f64| serde_json::json!({"id": id, "mass_kg": 1.0, "position_m": [0, 0, z], "inertia_kg_m2": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]});
+    for (a, b) in [("m", "n"), ("n", "m")] {
+        let bending = serde_json::json!({"kind": "elastic", "stiffness_nm_rad": 5});
+        let model: Model = serde_json::from_value(serde_json::json!({
+            "schema": fallwerk::mbs::model::MODEL_SCHEMA, "name": "pair", "gravity_m_s2": [0, 0, 0],
+            "bodies": [body("m", 0.0), body("n", 2.0)],
+            "bushings": [{
+                "id": "soft", "body_a": a, "body_b": b, "point_m": [0, 0, 1], "axes": [[0, 0, 1], [1, 0, 0], [0, 1, 0]],
+                "axial_stiffness_n_m": 30, "shear_stiffness_n_m": [10, 20], "torsional_stiffness_nm_rad": 6,
+                "bending": [bending, bending]}],
+            "settings": {"end_time_s": 1, "output_interval_s": 0.1}}))
+        .unwrap();
+        let root = check_mjcf(&model, false);
+        let hangs = |e: &&Element| e.children.iter().any(|c| c.name == "joint");
+        let child = root.all("body").into_iter().find(hangs).unwrap();
+        let joints = child.children.iter().filter(|c| c.name == "joint");
+        let kinds: Vec<&str> = joints.map(|j| j.attributes["type"].as_str()).collect();
+        let [first, last] =
+            if child.attributes["name"] == b { ["hinge", "slide"] } else { ["slide", "hinge"] };
+        assert_eq!(kinds, [first, first, first, last, last, last], "{a} {b}");
+    }
+}
+
 #[test]
 fn anchors_of_constraints_lie_on_the_joint() {
     let model = of("a04-bricard");

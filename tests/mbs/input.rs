@@ -46,8 +46,8 @@ fn every_wrong_value_is_named() {
             |m| m.bodies[0].velocity_m_s[1] = -1e200,
             "bodies[0].velocity_m_s: is 1e200, expected at most 1e8 m/s",
         ),
-        (|m| m.bodies[0].id.clear(), "bodies[0].id: is empty"),
-        (|m| m.bushings[0].id.clear(), "bushings[0].id: is empty"),
+        (|m| m.bodies[0].id.clear(), "bodies[0].id: is \"\", expected a name"),
+        (|m| m.bushings[0].id.clear(), "bushings[0].id: is \"\", expected a name"),
         (
             |m| {
                 m.bodies.push(solid("b", [3.0, 0.0, 1.0], [1.0; 3]));
@@ -70,13 +70,13 @@ fn every_wrong_value_is_named() {
                     body_a: None,
                     body_b: "a".into(),
                     point_a_m: [0.0, 0.0, 1.0],
-                    point_b_m: [0.0, 0.0, 1.0],
+                    point_b_m: [0.0, 1e-16, 1.0],
                     length_m: Some(0.5),
                     stiffness_n_m: 1e3,
                     damping_n_s_m: 0.0,
                 });
             },
-            "forces[0].point_b_m: is point_a_m",
+            "forces[0].point_b_m: is at point_a_m",
         ),
         (
             |m| m.settings.time_step_s = Some(1e-300),

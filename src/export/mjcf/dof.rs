@@ -121,18 +121,13 @@ fn attach(model: &Model, force: &Force, list: &mut [Dof], notes: &mut Notes) {
     }
 }
 
-/// Three slides along the axes of the first body, then hinges: bending, torsion, bending. The middle one must not come near a right angle.
+/// Hinges about the point of the first body: bending, torsion, bending; then three slides along axes that turn with the second one. The middle hinge must not come near a right angle.
 fn of_bushing(model: &Model, bushing: &Bushing, notes: &mut Notes) -> Vec<Dof> {
     let dof = |part: &str, kind, axis, stiffness| {
         let name = format!("{}:{part}", bushing.id);
         Dof { stiffness, ..Dof::new(name, kind, bushing.point_m, bushing.axes[axis]) }
     };
     let [shear_1, shear_2] = bushing.shear_stiffness_n_m;
-    let mut list = vec![
-        dof("axial", Kind::Slide, 0, bushing.axial_stiffness_n_m),
-        dof("shear-1", Kind::Slide, 1, shear_1),
-        dof("shear-2", Kind::Slide, 2, shear_2),
-    ];
     let mut bend = |k: usize, part: &str| {
         let mut own = dof(part, Kind::Hinge, k + 1, 0.0);
         match &bushing.bending[k] {
@@ -157,11 +152,14 @@ fn of_bushing(model: &Model, bushing: &Bushing, notes: &mut Notes) -> Vec<Dof> {
         }
         own
     };
-    list.extend([
+    let list = vec![
         bend(0, "bending-1"),
         dof("torsion", Kind::Hinge, 0, bushing.torsional_stiffness_nm_rad),
         bend(1, "bending-2"),
-    ]);
+        dof("axial", Kind::Slide, 0, bushing.axial_stiffness_n_m),
+        dof("shear-1", Kind::Slide, 1, shear_1),
+        dof("shear-2", Kind::Slide, 2, shear_2),
+    ];
     if bushing.bending.iter().all(|b| b.curve().is_some()) {
         notes.add(
             &bushing.id,

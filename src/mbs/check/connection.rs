@@ -6,6 +6,9 @@ use crate::mbs::math;
 use crate::mbs::model::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Model};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Share of its free length below which the ends of a spring are one point: rounding gives it a direction.
+const LEAST_LENGTH: f64 = 1e-9;
+
 /// Ids of bodies.
 type Known<'a> = BTreeSet<&'a str>;
 
@@ -311,9 +314,10 @@ fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list
             list.finite(&format!("{path}.point_b_m"), point_b_m);
             if let Some(length) = length_m {
                 list.not_negative(&format!("{path}.length_m"), *length);
-                let is_point = point_a_m == point_b_m && *length > 0.0;
+                let apart = math::norm(math::sub(*point_b_m, *point_a_m));
+                let is_point = *stiffness_n_m > 0.0 && apart < LEAST_LENGTH * *length;
                 list.require(!is_point, &format!("{path}.point_b_m"), || {
-                    format!("is point_a_m: a spring of {length} m that begins at no length has no direction; move one of its points")
+                    format!("is at point_a_m: a spring of {length} m that begins at {apart:e} m has no direction; move one of its points")
                 });
             }
             list.not_negative(&format!("{path}.stiffness_n_m"), *stiffness_n_m);

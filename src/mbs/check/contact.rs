@@ -2,7 +2,7 @@
 
 use super::{List, ORTHONORMAL_TOLERANCE};
 use crate::mbs::math;
-use crate::mbs::model::{CrushedFace, GROUND, Model, Shape};
+use crate::mbs::model::{CrushedFace, GROUND, Model, PairRule, Shape};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
@@ -51,8 +51,10 @@ pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
                 pair.b
             )
         });
-        let says =
-            pair.ignore || pair.friction.is_some() || pair.restitution.is_some() || pair.rolling_m.is_some();
+        // a later rule takes the place of an earlier one as a whole
+        let again = |p: &PairRule| (&p.a, &p.b) == (&pair.a, &pair.b) || (&p.b, &p.a) == (&pair.a, &pair.b);
+        let own = [pair.friction, pair.restitution, pair.rolling_m];
+        let says = pair.ignore || own.iter().any(Option::is_some) || contact.pairs[..i].iter().any(again);
         list.require(says, &path, || {
             "changes nothing: give ignore, friction, restitution or rolling_m, or leave the rule out".into()
         });

@@ -111,6 +111,7 @@ impl Model {
             format!("is \"{}\", expected \"{MODEL_SCHEMA}\"", self.schema)
         });
         list.finite("gravity_m_s2", &self.gravity_m_s2);
+        list.within("gravity_m_s2", &self.gravity_m_s2, MOST_M_S2, "m/s²");
         list.require(!self.bodies.is_empty(), "bodies", || "is empty, expected at least one body".into());
         list.unique("bodies", self.bodies.iter().map(|b| b.id.as_str()));
         one_name_each(self, &mut list);
@@ -120,6 +121,7 @@ impl Model {
             check_body(body, &format!("bodies[{i}]"), &mut list);
         }
         for (id, curve) in self.curves.iter().filter(|_| curves) {
+            list.named("curves", id);
             if let Err(error) = curve.check() {
                 list.add(format!("curves.{id}"), error.to_string());
             }
@@ -216,6 +218,9 @@ const MOST_M: f64 = 1e9;
 const MOST_SPEED: f64 = 1e8;
 const MOST_KG: f64 = 1e15;
 const LEAST_KG: f64 = 1e-12;
+const MOST_KG_M2: f64 = 1e24;
+const LEAST_KG_M2: f64 = 1e-20;
+const MOST_M_S2: f64 = 1e6;
 /// Largest error of a step with ideal joints that may be asked for.
 const MOST_TOLERANCE: f64 = 0.1;
 
@@ -283,6 +288,12 @@ fn inertia_complaint(m: &M3) -> Option<String> {
     p.sort_by(f64::total_cmp);
     if p[0] <= 0.0 {
         return Some(format!("is not positive definite: its smallest principal value is {:.6e} kg m²", p[0]));
+    }
+    if p[0] < LEAST_KG_M2 || p[2] > MOST_KG_M2 {
+        return Some(format!(
+            "has principal values from {:e} to {:e}, expected {LEAST_KG_M2:e} to {MOST_KG_M2:e} kg m²: a slip of the exponent or the unit?",
+            p[0], p[2]
+        ));
     }
     (p[2] > (p[0] + p[1]) * (1.0 + 1e-6)).then(|| {
         format!(
@@ -358,7 +369,7 @@ impl List {
         });
     }
     fn named(&mut self, path: &str, id: &str) {
-        self.require(!id.is_empty(), path, || "is empty, expected a name".into());
+        self.require(!id.trim().is_empty(), path, || format!("is \"{id}\", expected a name"));
     }
     fn unique<'a>(&mut self, path: &str, ids: impl Iterator<Item = &'a str>) {
         let mut seen = BTreeSet::new();
