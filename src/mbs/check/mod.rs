@@ -212,7 +212,7 @@ fn something_else(text: &str) -> Option<&'static str> {
 const LEAST_RELATED_RAD_S: f64 = 200.0;
 /// Most outputs of a run: all of them are kept until its end.
 const MOST_OUTPUTS: f64 = 1e6;
-/// Magnitudes beyond which a number is a slip: an end \[s\], a coordinate \[m\], a speed \[m/s, rad/s\], a mass \[kg\].
+/// Magnitudes beyond which a number is a slip: an end \[s\], a coordinate \[m\], a speed \[m/s, rad/s\], a mass \[kg\], a principal inertia \[kg m²\], gravity \[m/s²\].
 const MOST_S: f64 = 1e9;
 const MOST_M: f64 = 1e9;
 const MOST_SPEED: f64 = 1e8;

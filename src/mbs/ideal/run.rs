@@ -215,10 +215,7 @@ impl<'a> Run<'a> {
             None
         };
         let outcome = marcher.advance(stop, &mut seen, &mut fractured);
-        for (time_s, id) in marcher.yields.drain(..) {
-            let kind = EventKind::Yield { joint: id_of(model, id).into() };
-            result.events.push(RunEvent { time_s, kind });
-        }
+        result.events.extend(marcher.yields.drain(..).map(|(time_s, id)| first_flow(model, time_s, id)));
         for (time_s, id) in fractured {
             let torn = marcher.motion.torn.contains(&id);
             let cause = if torn { FractureCause::Tension } else { FractureCause::Rotation };
@@ -319,10 +316,8 @@ impl<'a> Run<'a> {
             }
             let kind = EventKind::Removal { event: event.id.clone() };
             self.result.events.push(RunEvent { time_s: time, kind });
-            for id in self.marcher.motion.yielded.drain(..) {
-                let kind = EventKind::Yield { joint: id_of(model, id).into() };
-                self.result.events.push(RunEvent { time_s: time, kind });
-            }
+            let yielded = self.marcher.motion.yielded.drain(..);
+            self.result.events.extend(yielded.map(|id| first_flow(model, time, id)));
         }
         if any {
             self.marcher.restart();
@@ -478,6 +473,11 @@ fn id_of(model: &Model, place: usize) -> &str {
         Some(force) => force.id(),
         None => &model.bushings[place - model.forces.len()].id,
     }
+}
+
+/// That a hinge or bushing, by its place, flows for the first time.
+fn first_flow(model: &Model, time_s: f64, place: usize) -> RunEvent {
+    RunEvent { time_s, kind: EventKind::Yield { joint: id_of(model, place).into() } }
 }
 
 /// Why a march stopped, with names.

@@ -64,7 +64,7 @@ fn figures() -> Result<Vec<Figure>, String> {
 }
 
 /// Kinetic energy \[J\] and axial force, compression positive \[N\], at an angle to the vertical \[rad\].
-pub fn known(angle_rad: f64) -> [f64; 2] {
+fn known(angle_rad: f64) -> [f64; 2] {
     let inertia = MASS_KG * LENGTH_M * LENGTH_M / 3.0;
     let kappa = SLOPE_M * MASS_KG * LENGTH_M / inertia;
     let a = MASS_KG * GRAVITY_M_S2 * LENGTH_M / inertia;
@@ -80,7 +80,7 @@ pub fn known(angle_rad: f64) -> [f64; 2] {
 }
 
 /// The column on a bushing, or on a revolute joint that holds the point of one.
-pub fn column(held: bool) -> Model {
+fn column(held: bool) -> Model {
     let mut m = Model::empty("leaning column", [0.0, 0.0, -GRAVITY_M_S2], 0.4, 0.01);
     let (sine, cosine) = LEAN_RAD.sin_cos();
     let half = 0.5 * LENGTH_M;

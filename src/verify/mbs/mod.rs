@@ -7,7 +7,7 @@ mod fractures;
 mod hinges;
 mod iftomm;
 mod impact;
-pub mod leaning;
+mod leaning;
 mod linkages;
 pub mod models;
 pub mod onset;
