@@ -5,7 +5,8 @@
 //! `e = θ - θ_p`: `e := (1 - x/|e|) e`, `Δθ_p = x e/|e|`, `Δα = x`, where `x` solves the scalar equation
 //! `1 - x/|e| = 1/f_trial(α + x)`, with the capacities at the *end* of the step. For equal
 //! stiffness and capacity of the axes this is the associated closest-point return; otherwise it
-//! differs from it, but it always dissipates, since `M·Δθ_p >= 0`. Softening faster than the elastic
+//! differs from it, but it always dissipates, since `M·Δθ_p >= 0`. Where both axes flow, the return begins from a trial that has the
+//! direction of the elastic rotation at the end of the step ([`turning`]), and the plastic rotation is what is left. Softening faster than the elastic
 //! unloading (`-dC/dα > K`) snaps back: the moment falls at once to the next admissible point and the
 //! dissipation is booked.
 //!
@@ -15,6 +16,7 @@
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 use super::onset;
+use super::turning::{self, Turning};
 
 /// State of a hinge.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,8 +39,11 @@ pub struct Hinge2 {
     pub beyond: [f64; 2],
     /// Whether an axial force lay outside the levels while the hinge was flowing.
     pub out_of_range: bool,
-    /// Whether it flowed in the last step.
+    /// How long the step to the next evaluation is against the one before; zero: rates have jumped in between, or nothing is known.
+    pub pace: f64,
+    /// Whether it flowed in the last step, and how it was turned in it \[rad\].
     flows: bool,
+    turned_rad: [f64; 2],
     hint: [CapacityHint; 2],
 }
 
@@ -81,6 +86,8 @@ const RETURN_TOLERANCE: f64 = 1e-13;
 pub const WELL_INSIDE: f64 = 1.0 - 1e-9;
 /// The same up to which a bound for all axial forces is as good as a nearer one.
 pub(super) const FAR_INSIDE: f64 = 0.6;
+/// Change of moments, over themselves, that is rounding: the same pose once more.
+const SAME: f64 = 1e-12;
 /// Smallest capacity, relative to the peak: keeps the ratio `M/C` finite at the end of softening.
 const CAPACITY_FLOOR: f64 = 1e-9;
 
@@ -93,6 +100,7 @@ impl Hinge2 {
         let mut e = [theta_rad[0] - self.plastic_rad[0], theta_rad[1] - self.plastic_rad[1]];
         let old = self.moment_nm;
         let flowed = std::mem::replace(&mut self.flows, false);
+        let before = std::mem::take(&mut self.turned_rad);
         let (mut flowing, mut flow_rad, mut share) = (false, [0.0; 2], None);
         let trial = [k[0] * e[0], k[1] * e[1]];
         if self.is_well_inside(laws, trial, axial_force_n) {
@@ -106,12 +114,19 @@ impl Hinge2 {
         let first = self.trial(laws, trial, 0.0, levels);
         if first[0] > 1.0 && 1.0 - 1.0 / first[0] > 0.0 {
             let plastic = [matches!(laws[0], AxisLaw::Plastic(_)), matches!(laws[1], AxisLaw::Plastic(_))];
-            let active = [if plastic[0] { e[0] } else { 0.0 }, if plastic[1] { e[1] } else { 0.0 }];
+            let leaves = (!flowed || plastic == [true; 2]).then(|| self.leaves(laws, [old, trial], levels));
+            share = leaves.filter(|(share, inside)| !flowed && *inside && *share < 1.0).map(|l| l.0);
+            let turned = match leaves.filter(|_| plastic == [true; 2]) {
+                Some((share, _)) => self.turn(laws, [old, trial], share, before, levels),
+                None => None,
+            };
+            let (reached, first) = turned.unwrap_or((e, first));
+            let active =
+                [if plastic[0] { reached[0] } else { 0.0 }, if plastic[1] { reached[1] } else { 0.0 }];
             let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
-            let x = self.solve(laws, trial, length, levels, first);
-            share = if flowed { None } else { self.share_elastic(laws, [old, trial], levels) };
+            let x = self.solve(laws, [k[0] * reached[0], k[1] * reached[1]], length, levels, first);
             self.flows = true;
-            flow_rad = active.map(|e| e * (x / length));
+            flow_rad = [0, 1].map(|i| active[i] * (x / length) + (e[i] - reached[i]));
             let mut dissipated_j = 0.0;
             for (i, flow) in flow_rad.into_iter().enumerate() {
                 self.plastic_rad[i] += flow;
@@ -138,13 +153,13 @@ impl Hinge2 {
         HingeStep { elastic_j, flowing, flow_rad, onset_nm }
     }
 
-    /// The share of a step in which the moments go from `begin` to where they would be without flow after which it flows; none if it does from the begin.
-    fn share_elastic(
+    /// The share of a step after which the moments, from where they are at its begin straight to where they would be without flow, leave the surface, and whether they begin inside.
+    fn leaves(
         &mut self,
         laws: [AxisLaw<'_>; 2],
         [begin, trial]: [[f64; 2]; 2],
         levels: [AxialLevel; 2],
-    ) -> Option<f64> {
+    ) -> (f64, bool) {
         // a s² + b s + c = 0 where the moments are at the capacities
         let (mut a, mut b, mut c) = (0.0, 0.0, -1.0);
         for i in 0..2 {
@@ -158,7 +173,37 @@ impl Hinge2 {
             }
         }
         let share = ((b * b - 4.0 * a * c).max(0.0).sqrt() - b) / (2.0 * a);
-        (c < 0.0 && share < 1.0).then_some(share)
+        (share, c < 0.0)
+    }
+
+    /// What the elastic rotation is returned from at the end of a step whose moments leave the surface after a `share` of it, where the step before turned the hinge by `before`, and
+    /// [`Self::trial`] there ([`turning`]).
+    fn turn(
+        &mut self,
+        laws: [AxisLaw<'_>; 2],
+        [begin, trial]: [[f64; 2]; 2],
+        share: f64,
+        before: [f64; 2],
+        levels: [AxialLevel; 2],
+    ) -> Option<([f64; 2], [f64; 2])> {
+        let k = laws.map(|law| law.stiffness_nm_rad());
+        let turn = [0, 1].map(|i| (trial[i] - begin[i]) / k[i]);
+        let is_same = [0, 1].iter().all(|i| (trial[*i] - begin[*i]).abs() <= SAME * trial[*i].abs());
+        self.turned_rad = if is_same { before } else { turn };
+        if is_same {
+            return None;
+        }
+        let share = if (0.0..1.0).contains(&share) { share } else { 0.0 };
+        let ahead = turning::ahead(turn, before, self.pace);
+        let turning = Turning {
+            from: [0, 1].map(|i| begin[i] / k[i] + share * turn[i]),
+            path: turn.map(|t| (1.0 - share) * t),
+            ahead: ahead.map(|t| (1.0 - share) * t),
+        };
+        let along = |[a, b]: [f64; 2]| [k[0] * a, k[1] * b];
+        let reached = turning.trial(|direction, x| 1.0 / self.trial(laws, along(direction), x, levels)[0])?;
+        let there = self.trial(laws, along(reached), 0.0, levels);
+        (there[0] > 1.0 && 1.0 - 1.0 / there[0] > 0.0).then_some((reached, there))
     }
 
     /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].

@@ -20,6 +20,7 @@ mod lever;
 mod limits;
 pub mod loops;
 pub mod onset;
+mod turning;
 
 pub use beam::{BeamEnds, MiddleSprings, SpanLoad};
 pub use capacity::{Capacity, CapacityHint, CapacityTable};

@@ -269,6 +269,7 @@ for_each_isa! {
         bodies: &mut [BodyState],
         data: &[BodyData],
         tables: &[CapacityTable],
+        pace: f64,
         act: &mut Act,
     ) -> bool
 }
@@ -280,6 +281,7 @@ fn apply_any(
     bodies: &mut [BodyState],
     data: &[BodyData],
     tables: &[CapacityTable],
+    pace: f64,
     act: &mut Act,
 ) -> bool {
     let mut eventful = false;
@@ -301,7 +303,7 @@ fn apply_any(
             put(&mut block.relative, l, get(&act.turn, l));
             if act.plain[l] == 0 {
                 eventful = true;
-
+                joint.hinge.pace = pace;
                 yield_alone(joint, act, l, tables);
                 block.learn(l, joint, tables);
             } else {
@@ -434,6 +436,7 @@ mod tests {
         for _ in 0..2000 {
             alone.reset_forces();
             for joint in &mut alone.joints {
+                joint.hinge.pace = alone.pace;
                 joint.apply(&mut alone.bodies, &alone.tables);
             }
             let n = alone.count();

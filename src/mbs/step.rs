@@ -330,6 +330,8 @@ impl See {
 #[inline]
 pub fn drift(system: &mut System, h_s: f64) {
     let n = system.count();
+    let before_s = std::mem::replace(&mut system.drifted_s, h_s);
+    system.pace = if before_s > 0.0 { h_s / before_s } else { 0.0 };
     let System { isa, bodies, data, moved, .. } = system;
     drift_all(*isa, &mut bodies[..n], data, &mut moved.drift, h_s);
 }

@@ -79,6 +79,9 @@ pub struct System {
     pub(super) inverses: Vec<InverseBlock>,
     pub(super) moved: Moved,
     act: Act,
+    /// Length of the last step \[s\], and how long it was against the one before (zero: there was none).
+    pub(super) drifted_s: f64,
+    pub(super) pace: f64,
     weight: Weight,
     /// Members that bend between two joints, and the blocks and lanes of these.
     pub(super) carries: Vec<CarryOver>,
@@ -144,6 +147,8 @@ impl System {
             inverses,
             moved,
             act,
+            drifted_s: 0.0,
+            pace: 0.0,
             weight,
             carries,
             shared: Vec::new(),
@@ -354,6 +359,7 @@ impl System {
             &mut self.bodies,
             &self.data,
             &self.tables,
+            self.pace,
             &mut self.act,
         )
     }

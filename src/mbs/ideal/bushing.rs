@@ -35,9 +35,13 @@ pub struct Held {
     factor: f64,
     /// Rotation vector along its axes at the end of the last step, revolutions counted \[rad\].
     turned: V3,
-    /// Axial force of its joint at the pose that was evaluated last, and at the end of the last step, compression positive \[N\].
+    /// Axial force of its joint at the pose that was evaluated last, and at the end of the last step, compression positive; by how much that step changed it \[N\].
     axial_force: f64,
     borne: f64,
+    risen: f64,
+    /// Time from the end of the last step to what is evaluated, and the length of that step, zero if rates have jumped since \[s\].
+    span_s: f64,
+    last_s: f64,
 }
 
 /// A bushing with a curve at a time.
@@ -74,6 +78,9 @@ impl Held {
             turned: [0.0; 3],
             axial_force: 0.0,
             borne: 0.0,
+            risen: 0.0,
+            span_s: 0.0,
+            last_s: 0.0,
         };
         held.tables = held.compiled()?;
         let mut next = 0;
@@ -115,8 +122,19 @@ impl Held {
     fn attempt(&mut self, poses: &[Pose]) -> [BodyState; 3] {
         let mut states = states(self.bodies, poses);
         self.trial.clone_from(&self.committed);
+        let pace = if self.last_s > 0.0 { self.span_s / self.last_s } else { 0.0 };
+        self.trial.hinge.pace = pace;
+        if self.given.joint.is_some() {
+            // as it went on in the last step: of second order
+            self.trial.axial_force = self.borne + pace * self.risen;
+        }
         self.trial.apply(&mut states, &self.tables);
         states
+    }
+
+    /// What is evaluated next is `span_s` after the last step's end.
+    pub fn pace(&mut self, span_s: f64) {
+        self.span_s = span_s;
     }
 
     /// Adds its forces to the bodies' loads.
@@ -140,25 +158,16 @@ impl Held {
 
     /// Takes the axial force that was felt last as the one under which it resists: what was before it tells nothing.
     pub fn settle(&mut self) {
+        (self.last_s, self.risen) = (0.0, 0.0);
         self.borne = self.axial_force;
-        self.resist_under(self.axial_force);
-    }
-
-    fn resist_under(&mut self, axial_force: f64) {
-        if self.given.joint.is_some() {
-            self.committed.axial_force = axial_force;
-            self.trial.axial_force = axial_force;
-        }
     }
 
     /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
     pub fn commit(&mut self) -> Option<bool> {
         self.committed.clone_from(&self.trial);
         self.turned = follow(self.trial.theta, self.turned);
-        // in the middle of a next step of the same length, if it goes on as it did in this one: of second order
-        let middle = self.axial_force + 0.5 * (self.axial_force - self.borne);
-        self.borne = self.axial_force;
-        self.resist_under(middle);
+        (self.risen, self.borne) = (self.axial_force - self.borne, self.axial_force);
+        self.last_s = std::mem::take(&mut self.span_s);
         self.is_broken().then_some(!self.trial.hinge.fractured)
     }
 
@@ -184,6 +193,9 @@ impl Held {
     /// As it would be at poses that follow on its history: elastic and dissipated energy \[J\], and its hinge if it has a curve.
     pub fn at(&self, poses: &[Pose]) -> ([f64; 2], Option<BushingState>) {
         let mut there = self.committed.clone();
+        if self.given.joint.is_some() {
+            there.axial_force = self.trial.axial_force;
+        }
         there.apply(&mut states(self.bodies, poses), &self.tables);
         let [_, first, second] = follow(there.theta, self.turned);
         let state = BushingState {

@@ -426,6 +426,7 @@ impl Marcher {
         let (first, rest) = self.rates.split_at_mut(1);
         let (before, after) = (&first[0], &mut rest[0]);
         leap_positions(&self.state, before, step, &mut self.next);
+        self.motion.pace(step);
         self.motion.take(&self.next);
         self.motion.rate_and_close(&self.state, before, step, after);
         let (mut largest, works) = (0.0_f64, self.state.len() - WORKS);
@@ -454,6 +455,7 @@ impl Marcher {
     fn stages(&mut self, step: f64) -> f64 {
         for (s, weights) in self.method.stages.iter().enumerate() {
             combine(&self.state, &self.rates, weights, step, &mut self.next);
+            self.motion.pace(step * weights.iter().sum::<f64>());
             self.motion.take(&self.next);
             rate(&mut self.motion, &self.next, &mut self.rates[s + 1]);
         }

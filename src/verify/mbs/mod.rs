@@ -3,6 +3,7 @@
 pub mod catenary;
 mod chimney;
 mod contact;
+mod crosswise;
 mod fractures;
 mod hinges;
 mod iftomm;
@@ -31,6 +32,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(catenary::cases());
     all.extend(onset::cases());
     all.extend(leaning::cases());
+    all.extend(crosswise::cases());
     all.extend(spin::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());

@@ -22,6 +22,11 @@ impl Motion {
         self.bushings.iter().any(|b| b.joint().is_some())
     }
 
+    /// What is evaluated next is `span_s` after the last step's end.
+    pub fn pace(&mut self, span_s: f64) {
+        self.bushings.iter_mut().for_each(|b| b.pace(span_s));
+    }
+
     /// Takes the state whose rate was taken last into the history of hinges. Those that are beyond their fracture open, with their joints; their places in
     /// the mechanism.
     pub fn commit(&mut self) -> Vec<usize> {
