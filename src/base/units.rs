@@ -288,9 +288,23 @@ pub fn round_to_digits(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
+/// A time \[s\] as tables say it: to 15 digits, without what rounding leaves of multiples of an interval (0.7 for 0.7000000000000001).
+pub fn in_table(time_s: f64) -> f64 {
+    format!("{time_s:.14e}").parse().unwrap_or(time_s)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_in_tables_are_multiples_of_their_interval() {
+        for i in 0..100_000 {
+            let text = in_table(f64::from(i) * 0.01).to_string();
+            assert!(text.split('.').nth(1).is_none_or(|digits| digits.len() <= 2), "{text}");
+        }
+        assert_eq!(in_table(1.0 / 3.0), 0.333333333333333);
+    }
 
     #[test]
     fn quantities_become_si() {

@@ -10,6 +10,7 @@ use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::isa::Isa;
 use crate::base::output::OutputFolder;
+use crate::base::units::in_table;
 use crate::building::Building;
 use crate::building::partition::Partition;
 use crate::fe::deck::is_deck;
@@ -415,7 +416,7 @@ pub fn displacements_csv(fe: &FeRun) -> String {
     }
     text.push('\n');
     for (i, time) in fe.times_s.iter().enumerate() {
-        let _ = write!(text, "{time}");
+        let _ = write!(text, "{}", in_table(*time));
         for u in fe.tracked.iter().flat_map(|p| p.displacement_m[i]) {
             let _ = write!(text, ",{u}");
         }
@@ -432,7 +433,8 @@ pub fn energies_csv(fe: &FeRun) -> String {
     for (time, e) in fe.times_s.iter().zip(&fe.energies) {
         let _ = writeln!(
             text,
-            "{time},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{}",
+            in_table(*time),
             e.kinetic_j,
             e.internal_j,
             e.eroded_j,

@@ -7,6 +7,7 @@ use super::verdict::percent;
 use super::{Failure, Outcome, colour_on_stderr, print, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::{OutputFolder, write_atomic};
+use crate::base::units::in_table;
 use crate::building::Building;
 use crate::fe::deck::{Deck, DeckErrors, DeckOptions, of_building, read, write};
 use crate::fe::dynamics::Death;
@@ -194,7 +195,7 @@ fn histories_csv(deck: &Deck, run: &ModelRun) -> String {
     }
     text.push('\n');
     for (i, time) in run.times_s.iter().enumerate() {
-        let _ = write!(text, "{time}");
+        let _ = write!(text, "{}", in_table(*time));
         for history in &run.histories {
             for value in history.displacement_m[i].iter().chain(&history.velocity_m_s[i]) {
                 let _ = write!(text, ",{value}");
@@ -212,7 +213,8 @@ fn energies_csv(run: &ModelRun) -> String {
     for (time, e) in run.times_s.iter().zip(&run.energies) {
         let _ = writeln!(
             text,
-            "{time},{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{}",
+            in_table(*time),
             e.kinetic_j,
             e.internal_j,
             e.eroded_j,

@@ -3,6 +3,7 @@
 use super::knowledge::{self, KnowledgeArgs, Switch};
 use super::verdict::percent;
 use super::{Failure, study};
+use crate::base::units::in_table;
 use crate::building::Building;
 use crate::fe::hybrid::{HybridRecord, HybridSettings, Reason};
 use crate::fe::mesh::Mesh;
@@ -174,7 +175,7 @@ pub(super) fn partition_csv(times_s: &[f64], hybrid: &HybridRecord) -> String {
     let mut text = String::from("time_s,rigid_share,sets,switched_j\n");
     for (i, time_s) in times_s.iter().enumerate() {
         let (share, sets, switched_j) = (hybrid.rigid_share[i], hybrid.sets[i], hybrid.switched_j[i]);
-        let _ = writeln!(text, "{time_s},{share},{sets},{switched_j}");
+        let _ = writeln!(text, "{},{share},{sets},{switched_j}", in_table(*time_s));
     }
     text
 }

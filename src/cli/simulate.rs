@@ -3,6 +3,7 @@
 use super::generate_mbs::VALIDATION_FILE;
 use super::knowledge::{LatentArgs, StepArgs};
 use crate::base::output::{OutputError, OutputFolder};
+use crate::base::units::in_table;
 use crate::mbs::result::{EventKind, RunResult};
 use crate::mbs::{Model, SolveError, simulate_with};
 use std::borrow::Cow;
@@ -174,7 +175,7 @@ fn table(
     for (i, time) in result.times_s.iter().enumerate() {
         row.clear();
         fill(i, &mut row);
-        let _ = write!(text, "{time}");
+        let _ = write!(text, "{}", in_table(*time));
         for value in &row {
             let _ = write!(text, ",{value}");
         }

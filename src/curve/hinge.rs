@@ -5,8 +5,8 @@
 //! `e = θ - θ_p`: `e := (1 - x/|e|) e`, `Δθ_p = x e/|e|`, `Δα = x`, where `x` solves the scalar equation
 //! `1 - x/|e| = 1/f_trial(α + x)`, with the capacities at the *end* of the step. For equal
 //! stiffness and capacity of the axes this is the associated closest-point return; otherwise it
-//! differs from it, but it always dissipates, since `M·Δθ_p >= 0`. Where both axes flow, the return begins from a trial that has the
-//! direction of the elastic rotation at the end of the step ([`turning`]), and the plastic rotation is what is left. Softening faster than the elastic
+//! differs from it, but flow still goes along the moment's own side: `M·e >= 0`. Where both axes flow, the return begins from a trial that has the direction of the elastic rotation at the end of the
+//! step ([`turning`]), and the plastic rotation is what is left. Softening faster than the elastic
 //! unloading (`-dC/dα > K`) snaps back: the moment falls at once to the next admissible point and the
 //! dissipation is booked.
 //!
@@ -35,8 +35,8 @@ pub struct Hinge2 {
     pub damage: f64,
     /// Whether the hinge has fractured: a damage of 1.
     pub fractured: bool,
-    /// Share of the last flow that was beyond fracture, and the energy that it dissipated \[J\].
-    pub beyond: [f64; 2],
+    /// Share of the last flow that was beyond fracture.
+    pub beyond: f64,
     /// Whether an axial force lay outside the levels while the hinge was flowing.
     pub out_of_range: bool,
     /// How long the step to the next evaluation is against the one before; zero: rates have jumped in between, or nothing is known.
@@ -45,6 +45,19 @@ pub struct Hinge2 {
     flows: bool,
     turned_rad: [f64; 2],
     hint: [CapacityHint; 2],
+}
+
+/// Where a step begins: the moments, whether the step before flowed, and what it turned the hinge by then.
+#[derive(Debug)]
+struct Begin {
+    moment_nm: [f64; 2],
+    flowed: bool,
+    turned_rad: [f64; 2],
+}
+
+/// Whether the moments of a [`Hinge2::trial`] are outside by more than rounding.
+fn is_outside([f, _]: [f64; 2]) -> bool {
+    f > 1.0 && 1.0 - 1.0 / f > 0.0
 }
 
 /// The law of one axis.
@@ -96,69 +109,83 @@ impl Hinge2 {
     /// [`Self::moment_nm`].
     #[inline]
     pub fn step(&mut self, laws: [AxisLaw<'_>; 2], theta_rad: [f64; 2], axial_force_n: f64) -> HingeStep {
-        let k = [laws[0].stiffness_nm_rad(), laws[1].stiffness_nm_rad()];
-        let mut e = [theta_rad[0] - self.plastic_rad[0], theta_rad[1] - self.plastic_rad[1]];
-        let old = self.moment_nm;
-        let flowed = std::mem::replace(&mut self.flows, false);
-        let before = std::mem::take(&mut self.turned_rad);
-        let (mut flowing, mut flow_rad, mut share) = (false, [0.0; 2], None);
+        let k = laws.map(|law| law.stiffness_nm_rad());
+        let e = [theta_rad[0] - self.plastic_rad[0], theta_rad[1] - self.plastic_rad[1]];
         let trial = [k[0] * e[0], k[1] * e[1]];
+        let begin = Begin {
+            moment_nm: std::mem::replace(&mut self.moment_nm, trial),
+            flowed: std::mem::replace(&mut self.flows, false),
+            turned_rad: std::mem::take(&mut self.turned_rad),
+        };
+        let stays =
+            HingeStep { elastic_j: 0.5 * (trial[0] * e[0] + trial[1] * e[1]), ..HingeStep::default() };
         if self.is_well_inside(laws, trial, axial_force_n) {
-            self.moment_nm = trial;
-            return HingeStep {
-                elastic_j: 0.5 * (trial[0] * e[0] + trial[1] * e[1]),
-                ..HingeStep::default()
-            };
+            return stays;
         }
         let levels = self.levels(laws, axial_force_n);
         let first = self.trial(laws, trial, 0.0, levels);
-        if first[0] > 1.0 && 1.0 - 1.0 / first[0] > 0.0 {
-            let plastic = [matches!(laws[0], AxisLaw::Plastic(_)), matches!(laws[1], AxisLaw::Plastic(_))];
-            let leaves = (!flowed || plastic == [true; 2]).then(|| self.leaves(laws, [old, trial], levels));
-            share = leaves.filter(|(share, inside)| !flowed && *inside && *share < 1.0).map(|l| l.0);
-            let turned = match leaves.filter(|_| plastic == [true; 2]) {
-                Some((share, _)) => self.turn(laws, [old, trial], share, before, levels),
-                None => None,
-            };
-            let (reached, first) = turned.unwrap_or((e, first));
-            let active =
-                [if plastic[0] { reached[0] } else { 0.0 }, if plastic[1] { reached[1] } else { 0.0 }];
-            let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
-            let x = self.solve(laws, [k[0] * reached[0], k[1] * reached[1]], length, levels, first);
-            self.flows = true;
-            flow_rad = [0, 1].map(|i| active[i] * (x / length) + (e[i] - reached[i]));
-            let mut dissipated_j = 0.0;
-            for (i, flow) in flow_rad.into_iter().enumerate() {
-                self.plastic_rad[i] += flow;
-                e[i] -= flow;
-                dissipated_j += 0.5 * (old[i] + k[i] * e[i]) * flow;
-            }
-            self.dissipated_j += dissipated_j;
-            self.alpha_rad += x;
-            flowing = true;
-            let used = x / self.fracture_rotation_rad(laws, axial_force_n);
-            self.damage += used;
-            if self.damage >= 1.0 && !self.fractured {
-                let share = ((self.damage - 1.0) / used).min(1.0);
-                (self.fractured, self.beyond) = (true, [share, share * dissipated_j]);
-            }
+        if !is_outside(first) {
+            return stays;
         }
-        self.moment_nm = [k[0] * e[0], k[1] * e[1]];
-        let elastic_j = 0.5 * (self.moment_nm[0] * e[0] + self.moment_nm[1] * e[1]);
-        let onset_nm = share.map_or([0.0; 2], |share| {
-            std::array::from_fn(|i| {
-                onset::added(old[i], old[i] + share * (trial[i] - old[i]), self.moment_nm[i], share)
-            })
-        });
-        HingeStep { elastic_j, flowing, flow_rad, onset_nm }
+        let (step, x) = self.flow(laws, e, levels, &begin, first);
+        let used = x / self.fracture_rotation_rad(laws, axial_force_n);
+        self.damage += used;
+        if self.damage >= 1.0 && !self.fractured {
+            (self.fractured, self.beyond) = (true, ((self.damage - 1.0) / used).min(1.0));
+        }
+        step
     }
 
-    /// The share of a step after which the moments, from where they are at its begin straight to where they would be without flow, leave the surface, and whether they begin inside.
+    /// A step that ends outside: the elastic rotation `e` goes back to the surface. How far along itself \[rad\].
+    fn flow(
+        &mut self,
+        laws: [AxisLaw<'_>; 2],
+        mut e: [f64; 2],
+        levels: [AxialLevel; 2],
+        begin: &Begin,
+        first: [f64; 2],
+    ) -> (HingeStep, f64) {
+        let k = laws.map(|law| law.stiffness_nm_rad());
+        let (old, trial) = (begin.moment_nm, self.moment_nm);
+        let plastic = laws.map(|law| matches!(law, AxisLaw::Plastic(_)));
+        let both = plastic == [true; 2];
+        let leaves = (both || !begin.flowed).then(|| self.leaves(laws, [old, trial], levels, begin.flowed));
+        let onset = leaves.filter(|(share, inside)| !begin.flowed && *inside && *share < 1.0).map(|l| l.0);
+        let turned = match leaves {
+            Some((share, _)) if both => self.turn(laws, [old, trial], share, begin.turned_rad, levels),
+            _ => None,
+        };
+        let (from, first) = turned.unwrap_or((e, first));
+        let active = [0, 1].map(|i| if plastic[i] { from[i] } else { 0.0 });
+        let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
+        let x = self.solve(laws, [k[0] * from[0], k[1] * from[1]], length, levels, first);
+        let flow_rad = [0, 1].map(|i| active[i] * (x / length) + (e[i] - from[i]));
+        let mut dissipated_j = 0.0;
+        for (i, flow) in flow_rad.into_iter().enumerate() {
+            self.plastic_rad[i] += flow;
+            e[i] -= flow;
+            self.moment_nm[i] = k[i] * e[i];
+            dissipated_j += 0.5 * (old[i] + self.moment_nm[i]) * flow;
+        }
+        self.dissipated_j += dissipated_j;
+        self.alpha_rad += x;
+        self.flows = true;
+        let end = self.moment_nm;
+        let onset_nm = onset.map_or([0.0; 2], |share| {
+            std::array::from_fn(|i| onset::added(old[i], old[i] + share * (trial[i] - old[i]), end[i], share))
+        });
+        let elastic_j = 0.5 * (end[0] * e[0] + end[1] * e[1]);
+        (HingeStep { elastic_j, flowing: true, flow_rad, onset_nm }, x)
+    }
+
+    /// The share of a step after which the moments, from where they are at its begin straight to where they would be without flow, leave the surface, and whether they begin inside. What `flowed` and goes on
+    /// outwards does not: where it begins inside, the capacity has grown within the step.
     fn leaves(
         &mut self,
         laws: [AxisLaw<'_>; 2],
         [begin, trial]: [[f64; 2]; 2],
         levels: [AxialLevel; 2],
+        flowed: bool,
     ) -> (f64, bool) {
         // a s² + b s + c = 0 where the moments are at the capacities
         let (mut a, mut b, mut c) = (0.0, 0.0, -1.0);
@@ -171,6 +198,9 @@ impl Hinge2 {
                 b += 2.0 * ease * begin[i] * change;
                 c += ease * begin[i] * begin[i];
             }
+        }
+        if flowed && b >= 0.0 {
+            return (0.0, false);
         }
         let share = ((b * b - 4.0 * a * c).max(0.0).sqrt() - b) / (2.0 * a);
         (share, c < 0.0)
@@ -203,7 +233,7 @@ impl Hinge2 {
         let along = |[a, b]: [f64; 2]| [k[0] * a, k[1] * b];
         let reached = turning.trial(|direction, x| 1.0 / self.trial(laws, along(direction), x, levels)[0])?;
         let there = self.trial(laws, along(reached), 0.0, levels);
-        (there[0] > 1.0 && 1.0 - 1.0 / there[0] > 0.0).then_some((reached, there))
+        is_outside(there).then_some((reached, there))
     }
 
     /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].

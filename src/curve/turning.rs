@@ -11,6 +11,10 @@
 const MOST_AHEAD: f64 = 0.5;
 /// Least length of the elastic rotation at the end, over that at the begin, that the turn is found with.
 const SHORTEST: f64 = 0.05;
+/// A rotation over which the elastic one turns and changes its length is divided: into so many pieces times the share by which one end is shorter, and times the change of `tan(φ/2)`.
+const PIECES: f64 = 16.0;
+/// Sine of an angle that is none.
+const STRAIGHT: f64 = 1e-9;
 /// Rotation over yield rotation below which the lag behind the rate is the first term of its series.
 const SMALL: f64 = 1e-2;
 
@@ -40,33 +44,71 @@ impl Turning {
     /// Elastic rotation from which the radial return ends where the hinge does. `reach` is told a direction and a flow \[rad\], and says how long it is on the surface then.
     /// `None` where all goes one way.
     pub fn trial(&self, mut reach: impl FnMut([f64; 2], f64) -> f64) -> Option<[f64; 2]> {
-        if cross(self.from, self.path) == 0.0 && cross(self.path, self.ahead) == 0.0 {
+        let is_straight = |a, b| cross(a, b).abs() <= STRAIGHT * (length(a) * length(b));
+        if is_straight(self.from, self.path) && is_straight(self.path, self.ahead) {
             return None;
         }
-        let (begin, path) = (length(self.from), length(self.path));
-        let (direction, grown) = self.turn(begin, path)?;
-        let flow = (path + begin * grown).max(0.0);
-        let end = reach(direction, flow).max(SHORTEST * begin);
-        let mean = 0.5 * (begin + end);
-        let (direction, grown) = self.turn(mean, path)?;
-        let whole = begin + path + mean * grown;
-        Some(direction.map(|d| whole * d))
+        let Turn { direction, whole, uneven } = self.once(0.0, &mut reach)?;
+        let pieces = (PIECES * uneven).ceil();
+        if pieces <= 1.0 {
+            return Some(direction.map(|d| whole * d));
+        }
+        let (mut from, mut flow) = (self.from, 0.0);
+        for i in 0..pieces as u32 {
+            // the rate changes evenly
+            let later = (2.0 * f64::from(i) + 1.0) / pieces - 1.0;
+            let piece = Self {
+                from,
+                path: [0, 1].map(|k| (self.path[k] + later * self.ahead[k]) / pieces),
+                ahead: self.ahead.map(|a| a / (pieces * pieces)),
+            };
+            let Turn { direction, whole, .. } = piece.once(flow, &mut reach)?;
+            if f64::from(i) + 1.0 >= pieces {
+                return Some(direction.map(|d| (flow + whole) * d));
+            }
+            let first = (whole - reach(direction, flow)).max(0.0);
+            let length = reach(direction, flow + first);
+            flow += (whole - length).max(0.0);
+            from = direction.map(|d| length * d);
+        }
+        None
     }
 
-    /// Direction at the end if the elastic rotation keeps this length, and what the flow is more than the path, over that length.
-    fn turn(&self, radius: f64, path: f64) -> Option<([f64; 2], f64)> {
+    /// All of it at once, after a flow, with the mean of the lengths at begin and end.
+    fn once(&self, before: f64, reach: &mut impl FnMut([f64; 2], f64) -> f64) -> Option<Turn> {
+        let (begin, path) = (length(self.from), length(self.path));
+        let (direction, grown, _) = self.turn(begin, path)?;
+        let flow = (path + begin * grown).max(0.0);
+        let end = reach(direction, before + flow).max(SHORTEST * begin);
+        let mean = 0.5 * (begin + end);
+        let (direction, grown, turn) = self.turn(mean, path)?;
+        let uneven = (1.0 - end.min(begin) / end.max(begin)) * turn.abs();
+        Some(Turn { direction, whole: begin + path + mean * grown, uneven })
+    }
+
+    /// If the elastic rotation keeps this length: its direction at the end, what the flow is more than the path, over that length, and the change of `tan(φ/2)`.
+    fn turn(&self, radius: f64, path: f64) -> Option<([f64; 2], f64, f64)> {
         let ratio = path / radius;
         let lag = lag(ratio);
         let toward = unit([0, 1].map(|i| self.path[i] + lag * self.ahead[i]))?;
         let from = unit(self.from)?;
-        let cosine = dot(toward, from);
-        let begin = cross(toward, from) / (1.0 + cosine);
+        let begin = cross(toward, from) / (1.0 + dot(toward, from));
         let end = begin * (-ratio).exp();
         let grown = (end * end).ln_1p() - (begin * begin).ln_1p();
         let (c, s) = ((1.0 - end * end) / (1.0 + end * end), 2.0 * end / (1.0 + end * end));
         let direction = [c * toward[0] - s * toward[1], s * toward[0] + c * toward[1]];
-        grown.is_finite().then_some((direction, grown))
+        grown.is_finite().then_some((direction, grown, begin - end))
     }
+}
+
+/// Where the elastic rotation has turned to.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    /// Its direction, and the length from which the return begins \[rad\].
+    direction: [f64; 2],
+    whole: f64,
+    /// The share by which one end is shorter times the change of `tan(φ/2)`.
+    uneven: f64,
 }
 
 /// Which direction the elastic rotation goes to in a step, between that of the mean rate (0) and that of the rate at its end (1), if the rate turns evenly by a small angle over a rotation of `a` yield rotations: `coth(a/2) - 2/a`, from
@@ -148,6 +190,25 @@ mod tests {
             let [coarse, half] = [100, 200].map(off);
             assert!(coarse < 1e-3 && half < 0.35 * coarse, "{stiffness}: {coarse} {half}");
         }
+    }
+
+    /// A step that leads across a thin ellipse.
+    #[test]
+    fn a_long_way_across_a_thin_ellipse_is_divided() {
+        let tables = [1.0, 0.05].map(|c| table(1.0, vec![[0.0, c], [1e9, c]]));
+        let begin = [0.0123, -0.05 * (1.0_f64 - 0.0123 * 0.0123).sqrt()];
+        let path = |s: f64| [begin[0] - 1.08 * s, begin[1] - 0.012 * s];
+        let found = |steps: u32| {
+            let mut hinge = Hinge2::default();
+            for i in 0..=steps {
+                let share = f64::from(i) / f64::from(steps);
+                hinge.step([AxisLaw::Plastic(&tables[0]), AxisLaw::Plastic(&tables[1])], path(share), 0.0);
+            }
+            (hinge.moment_nm, hinge.alpha_rad)
+        };
+        let ((once, of_once), (fine, of_fine)) = (found(1), found(20_000));
+        assert!(length([once[0] - fine[0], once[1] - fine[1]]) < 0.1, "{once:?} {fine:?}");
+        assert!((of_once - of_fine).abs() < 0.1 * of_fine, "{of_once} {of_fine}");
     }
 
     /// Steps of two lengths in turn.

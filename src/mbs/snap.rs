@@ -17,7 +17,7 @@ pub(super) struct Snap {
     pub impulse: [V3; 3],
     /// The elastic energy that it had \[J\].
     pub elastic_j: f64,
-    /// What its hinge has dissipated beyond fracture, and its axial spring \[J\].
+    /// What its hinge has dissipated beyond fracture, and its axial spring \[J\]. In a hinge that snaps back as it fractures most of that comes from what it has stored, and is none of it.
     pub beyond_j: [f64; 2],
 }
 
@@ -41,10 +41,9 @@ impl Snap {
             change[0] = 0.0;
         }
         let begin = math::sub(end.along, change);
-        let [turned_beyond, hinge_j] = joint.hinge.beyond;
         let overrun_m = joint.overrun_m();
         let stretched_beyond = overrun_m / (h * speed[0].abs()).max(overrun_m).max(f64::MIN_POSITIVE);
-        let within = (1.0 - turned_beyond).min(1.0 - stretched_beyond);
+        let within = (1.0 - joint.hinge.beyond).min(1.0 - stretched_beyond);
         let share = share(joint, begin, change).clamp(0.0, within);
         let force = |s: f64| math::axpy(begin, s, change);
         let given = math::scale(-0.5, begin);
@@ -55,11 +54,15 @@ impl Snap {
             let stiff = (0..3).filter(|k| joint.translation[*k] > 0.0);
             stiff.map(|k| 0.5 * f[k] * f[k] / joint.translation[k]).sum::<f64>()
         };
+        // what its moments at the end take of the motion in the time that is left, and do not
+        let [_, on_a, on_b] = loads(&at.frame, at.arms, theta, [[0.0; 3]; 2], end.moment, c);
+        let spared_j = h * (1.0 - share) * (math::dot(on_b, b.w) - math::dot(on_a, a.w));
+        let (of_spring_j, of_hinge_j) = if joint.hinge.fractured { (0.0, spared_j) } else { (spared_j, 0.0) };
         Self {
             early_s: h * (1.0 - share),
             impulse: loads(&at.frame, at.arms, theta, chord.force(local), moment, c),
-            elastic_j: joint.elastic_j - stretched_j(end.along) + stretched_j(force(share)),
-            beyond_j: [hinge_j, joint.axial_force.abs() * overrun_m],
+            elastic_j: joint.elastic_j - stretched_j(end.along) + stretched_j(force(share)) - of_spring_j,
+            beyond_j: [of_hinge_j, joint.axial_force.abs() * overrun_m],
         }
     }
 }

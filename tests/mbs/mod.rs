@@ -6,6 +6,7 @@ mod break_away;
 mod carry;
 mod catenary;
 mod contact;
+mod crosswise;
 mod crushing;
 mod event_rules;
 mod export;

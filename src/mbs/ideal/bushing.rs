@@ -122,7 +122,7 @@ impl Held {
     fn attempt(&mut self, poses: &[Pose]) -> [BodyState; 3] {
         let mut states = states(self.bodies, poses);
         self.trial.clone_from(&self.committed);
-        let pace = if self.last_s > 0.0 { self.span_s / self.last_s } else { 0.0 };
+        let pace = self.pace_of(self.span_s);
         self.trial.hinge.pace = pace;
         if self.given.joint.is_some() {
             // as it went on in the last step: of second order
@@ -135,6 +135,11 @@ impl Held {
     /// What is evaluated next is `span_s` after the last step's end.
     pub fn pace(&mut self, span_s: f64) {
         self.span_s = span_s;
+    }
+
+    /// A time from the end of the last step over that step; zero if rates have jumped since.
+    fn pace_of(&self, span_s: f64) -> f64 {
+        if self.last_s > 0.0 { span_s / self.last_s } else { 0.0 }
     }
 
     /// Adds its forces to the bodies' loads.
@@ -160,6 +165,9 @@ impl Held {
     pub fn settle(&mut self) {
         (self.last_s, self.risen) = (0.0, 0.0);
         self.borne = self.axial_force;
+        if self.given.joint.is_some() {
+            self.committed.axial_force = self.axial_force;
+        }
     }
 
     /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
@@ -190,11 +198,13 @@ impl Held {
         self.committed.hinge.alpha_rad > 0.0
     }
 
-    /// As it would be at poses that follow on its history: elastic and dissipated energy \[J\], and its hinge if it has a curve.
-    pub fn at(&self, poses: &[Pose]) -> ([f64; 2], Option<BushingState>) {
+    /// As it would be at poses that follow on its history, at a share of the step that was evaluated last: elastic and dissipated energy \[J\], and its hinge if it has a curve.
+    pub fn at(&self, poses: &[Pose], share: f64) -> ([f64; 2], Option<BushingState>) {
         let mut there = self.committed.clone();
-        if self.given.joint.is_some() {
-            there.axial_force = self.trial.axial_force;
+        there.hinge.pace = self.pace_of(share * self.span_s);
+        let axial_force_n = self.borne + share * (self.axial_force - self.borne);
+        if self.given.joint.is_some() && share > 0.0 {
+            there.axial_force = axial_force_n;
         }
         there.apply(&mut states(self.bodies, poses), &self.tables);
         let [_, first, second] = follow(there.theta, self.turned);
@@ -202,7 +212,7 @@ impl Held {
             rotation_rad: [first, second],
             moment_nm: there.hinge.moment_nm,
             plastic_rad: there.hinge.alpha_rad,
-            axial_force_n: if self.given.joint.is_some() { self.borne } else { there.axial_force },
+            axial_force_n: if self.given.joint.is_some() { axial_force_n } else { there.axial_force },
         };
         let energies = [there.elastic_j, there.hinge.dissipated_j + there.crush_j];
         (energies, there.has_curve().then_some(state))

@@ -16,7 +16,7 @@ use crate::mbs::result::{
     RunResult, TrackedHistory, TurnHistory,
 };
 use crate::mbs::run::{
-    FINER_IDEAL, Overturned, SAME, SolverOptions, closing_remarks, remark_on_overlaps, remarks_on_events,
+    FINER_IDEAL, Overturned, SAME, SolverOptions, closing_remarks, remark_on_overlaps, remarks_on_wishes,
 };
 
 /// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
@@ -91,6 +91,8 @@ struct Record {
     /// Half of the last step if it was one of the leapfrog, else zero, and what forces add to the kinetic energy in it \[s, J\].
     kick_s: f64,
     kick_j: f64,
+    /// Where in its step the output is, from its begin (0) to its end (1).
+    share: f64,
     books: Balance,
     overturned: Overturned,
 }
@@ -111,7 +113,7 @@ impl<'a> Run<'a> {
             marcher.connect();
             marcher.restart();
         }
-        let start = marcher.motion.observe(&marcher.state);
+        let start = marcher.motion.observe(&marcher.state, 0.0);
         let mut result = empty(model);
         result.warnings = remarks(model, &marcher, &given);
         if let Some(touching) = &marcher.touching {
@@ -140,6 +142,7 @@ impl<'a> Run<'a> {
             contact_j: [0.0; 2],
             locked_j: 0.0,
             kick_s: 0.0,
+            share: 0.0,
             kick_j: 0.0,
             books: Balance::new(scale_j, contacts_j),
             overturned: Overturned::default(),
@@ -170,7 +173,7 @@ impl<'a> Run<'a> {
             .warnings
             .extend(self.marcher.confused.iter().map(|(id, at)| remark_on_turn(self.model, *id, *at)));
         self.result.warnings.extend(self.record.overturned.remark());
-        self.result.warnings.extend(remarks_on_events(self.model));
+        self.result.warnings.extend(remarks_on_wishes(self.model));
         self.result.warnings.extend(closing_remarks(&self.record.books, contacts, FINER_IDEAL));
         self.result.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
         Ok(())
@@ -207,6 +210,7 @@ impl<'a> Run<'a> {
                     break;
                 }
                 span.at(time, &mut state);
+                record.share = ((time - span.from_s) / span.length_s).clamp(0.0, 1.0);
                 record.kick_j = marcher.kick_j(record.kick_s);
                 failure = record
                     .output(model, options, tracked, [time, span.length_s], &marcher.motion, &state, result)
@@ -238,7 +242,7 @@ impl<'a> Run<'a> {
         let at = [marcher.time_s, marcher.tally.longest_s];
         record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
         record.locked_j = marcher.locked.energy_j;
-        record.kick_j = marcher.kick_j(record.kick_s);
+        (record.kick_j, record.share) = (marcher.kick_j(record.kick_s), 0.0);
         record.output(model, options, tracked, at, &marcher.motion, &marcher.state, result)?;
         if !model.settings.reactions {
             return Ok(());
@@ -293,7 +297,7 @@ impl<'a> Run<'a> {
         if switches || model.events.iter().any(|e| happens(&e)) {
             self.marcher.synchronise();
         }
-        let before = self.marcher.motion.observe(&self.marcher.state);
+        let before = self.marcher.motion.observe(&self.marcher.state, 0.0);
         let mut any = self.switch(time);
         for event in model.events.iter().filter(happens) {
             any = true;
@@ -322,7 +326,7 @@ impl<'a> Run<'a> {
         if any {
             self.marcher.restart();
             self.marcher.connect();
-            let after = self.marcher.motion.observe(&self.marcher.state);
+            let after = self.marcher.motion.observe(&self.marcher.state, 0.0);
             let bound = |o: &Observed| o.elastic_j + o.plastic_j;
             let free = |o: &Observed| o.kinetic_j + o.gravity_j;
             self.record.unbound_j += bound(&before) - bound(&after);
@@ -377,7 +381,7 @@ impl Record {
             let point = super::motion::point_at(state, *i, *local);
             history.displacement_m.push(math::sub(point, history.origin_m));
         }
-        let seen = motion.observe(state);
+        let seen = motion.observe(state, self.share);
         for (id, force) in model.forces.iter().enumerate().filter(|(_, f)| turns(f)) {
             let Some(history) = result.turns.iter_mut().find(|t| t.id == force.id()) else { continue };
             let now = seen.hinges.iter().find(|(hinge, _)| *hinge == id).map(|(_, h)| h);

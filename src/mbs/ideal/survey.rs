@@ -46,8 +46,8 @@ impl Observed {
 }
 
 impl Motion {
-    /// Energies and hinges at a state that follows on what was committed.
-    pub fn observe(&self, state: &[f64]) -> Observed {
+    /// Energies and hinges at a state that follows on what was committed, at a share of the step that was evaluated last.
+    pub fn observe(&self, state: &[f64], share: f64) -> Observed {
         let poses: Vec<Pose> = state.chunks_exact(STATE).map(read).collect();
         let [mut kinetic_j, mut gravity_j] = [0.0; 2];
         for (b, pose) in poses.iter().enumerate().filter(|(b, _)| !self.gone[*b]) {
@@ -65,7 +65,7 @@ impl Motion {
             self.forces.iter().filter(|f| !matches!(f, Acting::Hinge { .. } | Acting::Torsion { .. }));
         let springs_j: f64 = others.map(|f| f.elastic_j(&poses, &self.laws)).sum();
         let bushings: Vec<(usize, (_, Option<BushingState>))> =
-            self.bushing_ids.iter().copied().zip(self.bushings.iter().map(|b| b.at(&poses))).collect();
+            self.bushing_ids.iter().copied().zip(self.bushings.iter().map(|b| b.at(&poses, share))).collect();
         Observed {
             kinetic_j,
             gravity_j,
@@ -85,7 +85,7 @@ impl Motion {
 
     /// All energies of a state that follows on what was committed, less the work of dampers and applied forces \[J\]: constant, but for errors and what contacts and joints take.
     pub fn total_j(&self, state: &[f64]) -> f64 {
-        self.observe(state).total_j()
+        self.observe(state, 0.0).total_j()
     }
 
     /// Kinetic energy of what accelerations, in the rates of a state, add to velocities in a time \[s, J\].
@@ -102,7 +102,7 @@ impl Motion {
     /// What a step from one state to another, in which no joint opens and nothing touches, changes of all energies, as a share of those that are not potential energy of gravity, and of that in `rest_m` of
     /// fall at least.
     pub fn energy_error(&self, [from, to]: [&[f64]; 2], rest_m: f64) -> f64 {
-        let [before, after] = [from, to].map(|state| self.observe(state));
+        let [before, after] = [(from, 0.0), (to, 1.0)].map(|(state, share)| self.observe(state, share));
         let rest_j = rest_m * norm(self.gravity) * self.mass.iter().sum::<f64>();
         (after.total_j() - before.total_j()).abs() / before.own_j().max(after.own_j()).max(rest_j)
     }

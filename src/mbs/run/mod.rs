@@ -35,7 +35,7 @@ pub(super) use self::entry::simulate_varied;
 pub use self::entry::{REPEATED, SolverOptions, simulate, simulate_carefully, simulate_with};
 use self::meetings::Meetings;
 pub(super) use self::output::remark_on_overlaps;
-pub(super) use self::remarks::{FINER_IDEAL, Overturned, closing_remarks, remarks_on_events};
+pub(super) use self::remarks::{FINER_IDEAL, Overturned, closing_remarks, remarks_on_wishes};
 use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, outputs, preload_error, usable_step};
 use super::balance::Balance;

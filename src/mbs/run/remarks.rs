@@ -15,7 +15,7 @@ const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
 /// Settings of a model of bushings that make its run finer, and where they stand; those of one of ideal joints.
 pub(super) const FINER: &str = "step (--step, or settings.time_step_s in the model's file, model.json)";
 pub(in crate::mbs) const FINER_IDEAL: &str =
-    "settings.tolerance or settings.time_step_s in the model's file (model.json)";
+    "settings.tolerance or step (--step, or settings.time_step_s in the model's file, model.json)";
 
 /// What is worth saying of a run that came to its end, and the settings that make it finer.
 pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, finer: &str) -> Vec<String> {
@@ -55,9 +55,18 @@ pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, f
     list
 }
 
-/// What of the events and forces of a model does not happen, whatever the run does.
-pub(in crate::mbs) fn remarks_on_events(model: &Model) -> Vec<String> {
-    [remark_on_late_events(model), remark_on_late_forces(model)].into_iter().flatten().collect()
+/// What a model asks for and does not get, whatever the run does.
+pub(in crate::mbs) fn remarks_on_wishes(model: &Model) -> Vec<String> {
+    let all = [remark_on_late_events(model), remark_on_late_forces(model), remark_on_reactions(model)];
+    all.into_iter().flatten().collect()
+}
+
+/// That there are no reactions without ideal joints.
+fn remark_on_reactions(model: &Model) -> Option<String> {
+    let asked = model.settings.reactions && model.joints.is_empty();
+    asked.then(|| {
+        "settings.reactions records forces of ideal joints, and the model has none; those of bushings with curves stand in hinges.csv".into()
+    })
 }
 
 /// That forces that begin after the end do not act, if there are any.
@@ -154,5 +163,14 @@ mod tests {
             ideal.iter().all(|words| in_file(words) && words.contains("settings.tolerance")),
             "{ideal:?}"
         );
+    }
+
+    #[test]
+    fn reactions_without_joints_are_told() {
+        let mut model = Model::empty("m", [0.0; 3], 1.0, 0.1);
+        assert_eq!(remarks_on_wishes(&model), Vec::<String>::new());
+        model.settings.reactions = true;
+        let said = remarks_on_wishes(&model);
+        assert!(said.len() == 1 && said[0].starts_with("settings.reactions"), "{said:?}");
     }
 }

@@ -57,7 +57,7 @@ impl Motion {
             }
             if let Some(by_tension) = breaks {
                 broken.push(*id);
-                self.lost_j += bushing.at(&self.poses).0[0];
+                self.lost_j += bushing.at(&self.poses, 0.0).0[0];
                 self.ended.insert(*id, [bushing.plastic_rad(), 0.0, 0.0]);
                 self.torn.extend(by_tension.then_some(*id));
                 opened.extend(bushing.joint());
@@ -80,7 +80,7 @@ impl Motion {
         let ending = self.forces.iter().zip(&self.force_ids).filter(|(_, id)| !of(forces, id));
         self.spent_j += ending.map(|(f, _)| f.dissipated_j()).sum::<f64>();
         let ending = self.bushings.iter().zip(&self.bushing_ids).filter(|(_, id)| !of(forces, id));
-        self.spent_j += ending.map(|(b, _)| b.at(&self.poses).0[1]).sum::<f64>();
+        self.spent_j += ending.map(|(b, _)| b.at(&self.poses, 0.0).0[1]).sum::<f64>();
         let both = std::mem::take(&mut self.bushings).into_iter().zip(std::mem::take(&mut self.bushing_ids));
         (self.bushings, self.bushing_ids) = both.filter(|(_, id)| of(forces, id)).unzip();
         let both = std::mem::take(&mut self.forces).into_iter().zip(std::mem::take(&mut self.force_ids));
