@@ -35,7 +35,9 @@ pub struct Hinge2 {
     pub damage: f64,
     /// Whether the hinge has fractured: a damage of 1.
     pub fractured: bool,
-    /// Share of the last flow that was beyond fracture.
+    /// Plastic rotation of the last step about both axes \[rad\].
+    pub flow_rad: [f64; 2],
+    /// The share of it that was beyond fracture.
     pub beyond: f64,
     /// Whether an axial force lay outside the levels while the hinge was flowing.
     pub out_of_range: bool,
@@ -117,6 +119,7 @@ impl Hinge2 {
             flowed: std::mem::replace(&mut self.flows, false),
             turned_rad: std::mem::take(&mut self.turned_rad),
         };
+        self.flow_rad = [0.0; 2];
         let stays =
             HingeStep { elastic_j: 0.5 * (trial[0] * e[0] + trial[1] * e[1]), ..HingeStep::default() };
         if self.is_well_inside(laws, trial, axial_force_n) {
@@ -169,7 +172,7 @@ impl Hinge2 {
         }
         self.dissipated_j += dissipated_j;
         self.alpha_rad += x;
-        self.flows = true;
+        (self.flows, self.flow_rad) = (true, flow_rad);
         let end = self.moment_nm;
         let onset_nm = onset.map_or([0.0; 2], |share| {
             std::array::from_fn(|i| onset::added(old[i], old[i] + share * (trial[i] - old[i]), end[i], share))

@@ -11,8 +11,9 @@
 const MOST_AHEAD: f64 = 0.5;
 /// Least length of the elastic rotation at the end, over that at the begin, that the turn is found with.
 const SHORTEST: f64 = 0.05;
-/// A rotation over which the elastic one turns and changes its length is divided: into so many pieces times the share by which one end is shorter, and times the change of `tan(φ/2)`.
+/// A rotation over which the elastic one turns and changes its length is divided: into so many pieces times the share by which one end is shorter, and times the change of `tan(φ/2)`; at most so many.
 const PIECES: f64 = 16.0;
+const MOST_PIECES: f64 = 32.0;
 /// Sine of an angle that is none.
 const STRAIGHT: f64 = 1e-9;
 /// Rotation over yield rotation below which the lag behind the rate is the first term of its series.
@@ -49,7 +50,7 @@ impl Turning {
             return None;
         }
         let Turn { direction, whole, uneven } = self.once(0.0, &mut reach)?;
-        let pieces = (PIECES * uneven).ceil();
+        let pieces = (PIECES * uneven).ceil().min(MOST_PIECES);
         if pieces <= 1.0 {
             return Some(direction.map(|d| whole * d));
         }

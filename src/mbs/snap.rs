@@ -5,7 +5,7 @@
 
 use super::joint::JointData;
 use super::math::{self, V3};
-use super::stance::{bend, loads};
+use super::stance::{bend, loads, torque};
 use super::system::BodyState;
 
 /// What is left to do for a bushing that has separated.
@@ -17,7 +17,7 @@ pub(super) struct Snap {
     pub impulse: [V3; 3],
     /// The elastic energy that it had \[J\].
     pub elastic_j: f64,
-    /// What its hinge has dissipated beyond fracture, and its axial spring \[J\]. In a hinge that snaps back as it fractures most of that comes from what it has stored, and is none of it.
+    /// What its hinge has dissipated beyond fracture, and its axial spring \[J\].
     pub beyond_j: [f64; 2],
 }
 
@@ -48,22 +48,57 @@ impl Snap {
         let force = |s: f64| math::axpy(begin, s, change);
         let given = math::scale(-0.5, begin);
         let local = math::scale(h, math::axpy(given, share, force(0.5 * share)));
-        let moment = math::scale(h * (share - 0.5), end.moment);
         let (theta, c) = bend(at.turn);
+        let turn: V3 = std::array::from_fn(|k| {
+            let mut unit = [0.0; 3];
+            unit[k] = 1.0;
+            h * math::dot(torque(&at.frame, theta, unit, c), math::sub(b.w, a.w))
+        });
+        let hinge = Torn::of(joint, end.moment, turn, share);
         let stretched_j = |f: V3| {
             let stiff = (0..3).filter(|k| joint.translation[*k] > 0.0);
             stiff.map(|k| 0.5 * f[k] * f[k] / joint.translation[k]).sum::<f64>()
         };
-        // what its moments at the end take of the motion in the time that is left, and do not
-        let [_, on_a, on_b] = loads(&at.frame, at.arms, theta, [[0.0; 3]; 2], end.moment, c);
-        let spared_j = h * (1.0 - share) * (math::dot(on_b, b.w) - math::dot(on_a, a.w));
-        let (of_spring_j, of_hinge_j) = if joint.hinge.fractured { (0.0, spared_j) } else { (spared_j, 0.0) };
+        let moment = math::scale(h, hinge.share);
         Self {
             early_s: h * (1.0 - share),
             impulse: loads(&at.frame, at.arms, theta, chord.force(local), moment, c),
-            elastic_j: joint.elastic_j - stretched_j(end.along) + stretched_j(force(share)) - of_spring_j,
-            beyond_j: [of_hinge_j, joint.axial_force.abs() * overrun_m],
+            elastic_j: joint.elastic_j - stretched_j(end.along) + stretched_j(force(share)) - hinge.elastic_j,
+            beyond_j: [hinge.plastic_j, joint.axial_force.abs() * overrun_m],
         }
+    }
+}
+
+/// What moments have left to do at a share of a step at which their bushing separates.
+struct Torn {
+    /// Impulse over the length of the step, less what was given \[N m\].
+    share: V3,
+    /// By how much elastic and dissipated energy are smaller than at the end of the step \[J\].
+    elastic_j: f64,
+    plastic_j: f64,
+}
+
+impl Torn {
+    /// For the moments at the end of a step \[N m\] that turns it so about its axes \[rad\]: elastic ones grow in proportion, one of a hinge that flows is as at the end. What has snapped back within the step was stored, so that only the flow counts that it went on with at that moment.
+    fn of(joint: &JointData, end: V3, turn: V3, share: f64) -> Self {
+        let mut torn = Self { share: [0.0; 3], elastic_j: 0.0, plastic_j: 0.0 };
+        let left = 1.0 - share;
+        for k in 0..3 {
+            let flow = if k > 0 { joint.hinge.flow_rad[k - 1] } else { 0.0 };
+            let in_beam = joint.beam.as_ref().is_some_and(|beam| beam.axis == k);
+            let stiffness = joint.rotation[k];
+            if flow != 0.0 || in_beam || stiffness == 0.0 {
+                torn.share[k] = (share - 0.5) * end[k];
+                torn.plastic_j += left * end[k] * flow;
+                torn.elastic_j += left * end[k] * (turn[k] - flow);
+            } else {
+                let change = stiffness * turn[k];
+                let (begin, then) = (end[k] - change, end[k] - left * change);
+                torn.share[k] = 0.5 * share * (begin + then) - 0.5 * begin;
+                torn.elastic_j += 0.5 * (end[k] * end[k] - then * then) / stiffness;
+            }
+        }
+        torn
     }
 }
 

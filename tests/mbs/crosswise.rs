@@ -68,6 +68,29 @@ fn a_hinge_that_snaps_back_as_it_fractures_keeps_its_energy() {
     }
 }
 
+/// A hinge that fractures has dissipated its capacity times its plastic rotation, whatever torsion is set free with it.
+#[test]
+fn a_hinge_that_fractures_sets_torsion_free_and_nothing_that_it_dissipated() {
+    let law = || law_of(3e3, &[[0.0, 2.0], [9.0, 2.0]], 0.03);
+    let mut m = spinning(0.0, [law(), law()], false, 1e-3);
+    m.bodies[0].angular_velocity_rad_s[2] = 3.0;
+    m.bushings[0].torsional_stiffness_nm_rad = 4e3;
+    let result = simulate(&m).unwrap();
+    assert!(result.events.iter().any(|e| matches!(e.kind, EventKind::Fracture { .. })));
+    let plastic_j = result.energies.plastic_j.last().unwrap();
+    assert!((plastic_j - 0.06).abs() < 2e-4, "{plastic_j}");
+    assert!(result.energies.plastic_j.is_sorted() && result.energies.released_j.is_sorted());
+    assert!(result.energy_error < 1e-3, "{}", result.energy_error);
+}
+
+/// Ellipses whose axes differ by seven orders of magnitude, about which a hinge turns round.
+#[test]
+fn the_thinnest_ellipse_takes_no_longer() {
+    let laws = [3.0, 3e-7].map(|c| law_of(1e3, &[[0.0, c], [9.0, c]], 9.0));
+    let result = simulate(&spinning(0.5, laws, true, 1e-3)).unwrap();
+    assert!(result.energy_error < 1e-3 && result.steps == 400, "{} {}", result.energy_error, result.steps);
+}
+
 /// Outputs between the ends of long steps tell what short ones do.
 #[test]
 fn moments_and_axial_forces_within_a_step_are_those_of_their_time() {
