@@ -1,7 +1,7 @@
 //! A bushing that separates does so within a step, not at its end.
 //!
 //! The leapfrog has given its force at the begin of the step to the half of it, and would give that at the end, which is beyond what it bears, to half a step behind. With forces that grow in proportion to the stretch, which the
-//! velocities of the step tell, the capacity is reached at a share `s` of the step; until then the force has done the impulse `h (s F_0 + s² ΔF / 2)`, of which `h F_0 / 2` is given. The elastic energy set free is that at `s`. A hinge or an axial spring that flows does so at its capacity, and the share of its flow in the step that is beyond fracture tells `s`.
+//! velocities of the step tell, the capacity is reached at a share `s` of the step; until then the force has done the impulse `h (s F_0 + s² ΔF / 2)`, of which `h F_0 / 2` is given. The elastic energy set free is that at `s`. A hinge or an axial spring that flows does so at its capacity, and the share of its flow in the step that is beyond fracture tells `s`. Moments are treated likewise: elastic ones grow in proportion, one of a hinge that flows is as at the end of the step.
 
 use super::joint::JointData;
 use super::math::{self, V3};
@@ -59,7 +59,7 @@ impl Snap {
             let stiff = (0..3).filter(|k| joint.translation[*k] > 0.0);
             stiff.map(|k| 0.5 * f[k] * f[k] / joint.translation[k]).sum::<f64>()
         };
-        let moment = math::scale(h, hinge.share);
+        let moment = math::scale(h, hinge.mean);
         Self {
             early_s: h * (1.0 - share),
             impulse: loads(&at.frame, at.arms, theta, chord.force(local), moment, c),
@@ -71,8 +71,8 @@ impl Snap {
 
 /// What moments have left to do at a share of a step at which their bushing separates.
 struct Torn {
-    /// Impulse over the length of the step, less what was given \[N m\].
-    share: V3,
+    /// Their impulses over the length of the step, less what was given \[N m\].
+    mean: V3,
     /// By how much elastic and dissipated energy are smaller than at the end of the step \[J\].
     elastic_j: f64,
     plastic_j: f64,
@@ -81,20 +81,20 @@ struct Torn {
 impl Torn {
     /// For the moments at the end of a step \[N m\] that turns it so about its axes \[rad\]: elastic ones grow in proportion, one of a hinge that flows is as at the end. What has snapped back within the step was stored, so that only the flow counts that it went on with at that moment.
     fn of(joint: &JointData, end: V3, turn: V3, share: f64) -> Self {
-        let mut torn = Self { share: [0.0; 3], elastic_j: 0.0, plastic_j: 0.0 };
+        let mut torn = Self { mean: [0.0; 3], elastic_j: 0.0, plastic_j: 0.0 };
         let left = 1.0 - share;
         for k in 0..3 {
             let flow = if k > 0 { joint.hinge.flow_rad[k - 1] } else { 0.0 };
             let in_beam = joint.beam.as_ref().is_some_and(|beam| beam.axis == k);
             let stiffness = joint.rotation[k];
             if flow != 0.0 || in_beam || stiffness == 0.0 {
-                torn.share[k] = (share - 0.5) * end[k];
+                torn.mean[k] = (share - 0.5) * end[k];
                 torn.plastic_j += left * end[k] * flow;
                 torn.elastic_j += left * end[k] * (turn[k] - flow);
             } else {
                 let change = stiffness * turn[k];
                 let (begin, then) = (end[k] - change, end[k] - left * change);
-                torn.share[k] = 0.5 * share * (begin + then) - 0.5 * begin;
+                torn.mean[k] = 0.5 * share * (begin + then) - 0.5 * begin;
                 torn.elastic_j += 0.5 * (end[k] * end[k] - then * then) / stiffness;
             }
         }
