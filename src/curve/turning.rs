@@ -94,8 +94,8 @@ impl Turning {
         let toward = unit([0, 1].map(|i| self.path[i] + lag * self.ahead[i]))?;
         let from = unit(self.from)?;
         let begin = cross(toward, from) / (1.0 + dot(toward, from));
-        let end = begin * (-ratio).exp();
-        let grown = (end * end).ln_1p() - (begin * begin).ln_1p();
+        let end = begin * libm::exp(-ratio);
+        let grown = libm::log1p(end * end) - libm::log1p(begin * begin);
         let (c, s) = ((1.0 - end * end) / (1.0 + end * end), 2.0 * end / (1.0 + end * end));
         let direction = [c * toward[0] - s * toward[1], s * toward[0] + c * toward[1]];
         grown.is_finite().then_some((direction, grown, begin - end))
@@ -115,7 +115,7 @@ struct Turn {
 /// Which direction the elastic rotation goes to in a step, between that of the mean rate (0) and that of the rate at its end (1), if the rate turns evenly by a small angle over a rotation of `a` yield rotations: `coth(a/2) - 2/a`, from
 /// `2a ∫ exp(-a(1-s)) (s - ½) ds` over `1 - exp(-a)`.
 fn lag(a: f64) -> f64 {
-    if a < SMALL { a / 6.0 } else { 1.0 / (0.5 * a).tanh() - 2.0 / a }
+    if a < SMALL { a / 6.0 } else { 1.0 / libm::tanh(0.5 * a) - 2.0 / a }
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -325,7 +325,7 @@ impl Latent {
     /// Takes in the contacts of a step of `h` \[s\]; none: there were none.
     pub fn feel(&mut self, system: &System, contacts: Option<&ContactSet>, h: f64) {
         for compound in self.compounds.iter_mut().filter(|c| c.is_watched) {
-            let fade = (-h * compound.demand.frequency_rad_s()).exp();
+            let fade = libm::exp(-h * compound.demand.frequency_rad_s());
             for (now, felt) in compound.now.iter_mut().zip(&compound.contact) {
                 *now = felt.map(|v| math::scale(fade, v));
             }
@@ -339,7 +339,7 @@ impl Latent {
             if !compound.is_watched {
                 return;
             }
-            let share = (1.0 - (-h * compound.demand.frequency_rad_s()).exp()) / h;
+            let share = (1.0 - libm::exp(-h * compound.demand.frequency_rad_s())) / h;
             let r = &system.bodies[compound.body].r;
             let force = math::mul_t(r, math::scale(share, impulse));
             let [f, m] = &mut compound.now[piece];
