@@ -290,7 +290,7 @@ pub fn round_to_digits(value: f64, digits: usize) -> f64 {
 
 /// A time \[s\] as tables say it: to 15 digits, without what rounding leaves of multiples of an interval (0.7 for 0.7000000000000001).
 pub fn in_table(time_s: f64) -> f64 {
-    format!("{time_s:.14e}").parse().unwrap_or(time_s)
+    round_to_digits(time_s, 15)
 }
 
 #[cfg(test)]

@@ -89,8 +89,6 @@ pub struct HingeStep {
     pub elastic_j: f64,
     /// Whether plastic rotation grew.
     pub flowing: bool,
-    /// By how much about both axes \[rad\].
-    pub flow_rad: [f64; 2],
     /// What the moments have done in the step beyond the mean of its begin and end, if it began to flow ([`onset`]) \[N m\].
     pub onset_nm: [f64; 2],
 }
@@ -178,7 +176,7 @@ impl Hinge2 {
             std::array::from_fn(|i| onset::added(old[i], old[i] + share * (trial[i] - old[i]), end[i], share))
         });
         let elastic_j = 0.5 * (end[0] * e[0] + end[1] * e[1]);
-        (HingeStep { elastic_j, flowing: true, flow_rad, onset_nm }, x)
+        (HingeStep { elastic_j, flowing: true, onset_nm }, x)
     }
 
     /// The share of a step after which the moments, from where they are at its begin straight to where they would be without flow, leave the surface, and whether they begin inside. What `flowed` and goes on
@@ -240,7 +238,7 @@ impl Hinge2 {
     }
 
     /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].
-    pub fn shortened_m(&mut self, laws: [AxisLaw<'_>; 2], flow_rad: [f64; 2], axial_force_n: f64) -> f64 {
+    pub fn shortened_m(&mut self, laws: [AxisLaw<'_>; 2], axial_force_n: f64) -> f64 {
         let levels = self.levels(laws, axial_force_n);
         let mut shortened_m = 0.0;
         for i in 0..2 {
@@ -249,7 +247,7 @@ impl Hinge2 {
                 let used =
                     (self.moment_nm[i] / capacity.moment_nm.max(CAPACITY_FLOOR * table.peak_nm())).abs();
                 let axis_m = table.shortening_m(levels[i], capacity.moment_nm, axial_force_n);
-                shortened_m += used.min(1.0) * flow_rad[i].abs() * axis_m;
+                shortened_m += used.min(1.0) * self.flow_rad[i].abs() * axis_m;
             }
         }
         shortened_m

@@ -54,25 +54,23 @@ impl Turning {
         if pieces <= 1.0 {
             return Some(direction.map(|d| whole * d));
         }
-        let (mut from, mut flow) = (self.from, 0.0);
-        for i in 0..pieces as u32 {
+        let piece = |i: u32, from: [f64; 2]| {
             // the rate changes evenly
             let later = (2.0 * f64::from(i) + 1.0) / pieces - 1.0;
-            let piece = Self {
-                from,
-                path: [0, 1].map(|k| (self.path[k] + later * self.ahead[k]) / pieces),
-                ahead: self.ahead.map(|a| a / (pieces * pieces)),
-            };
-            let Turn { direction, whole, .. } = piece.once(flow, &mut reach)?;
-            if f64::from(i) + 1.0 >= pieces {
-                return Some(direction.map(|d| (flow + whole) * d));
-            }
+            let path = [0, 1].map(|k| (self.path[k] + later * self.ahead[k]) / pieces);
+            Self { from, path, ahead: self.ahead.map(|a| a / (pieces * pieces)) }
+        };
+        let last = pieces as u32 - 1;
+        let (mut from, mut flow) = (self.from, 0.0);
+        for i in 0..last {
+            let Turn { direction, whole, .. } = piece(i, from).once(flow, &mut reach)?;
             let first = (whole - reach(direction, flow)).max(0.0);
             let length = reach(direction, flow + first);
             flow += (whole - length).max(0.0);
             from = direction.map(|d| length * d);
         }
-        None
+        let Turn { direction, whole, .. } = piece(last, from).once(flow, &mut reach)?;
+        Some(direction.map(|d| (flow + whole) * d))
     }
 
     /// All of it at once, after a flow, with the mean of the lengths at begin and end.

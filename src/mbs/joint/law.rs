@@ -182,7 +182,7 @@ impl JointData {
             self.left = interpolate(fading, self.hinge.alpha_rad);
         }
         if self.is_associated && step.flowing {
-            self.shortened = self.hinge.shortened_m(laws, step.flow_rad, self.axial_force);
+            self.shortened = self.hinge.shortened_m(laws, self.axial_force);
         }
         self.elastic_j = step.elastic_j;
         [torsion, self.hinge.moment_nm[0], self.hinge.moment_nm[1]]
