@@ -76,6 +76,25 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
     sync_folder(parent_of(path))
 }
 
+/// Whether a command may replace what is at a path: not what it `reads`, nor a file whose name has none of the `endings` of what it makes.
+///
+/// # Errors
+/// What is there, and what to do about it.
+pub fn may_write(path: &Path, endings: &[&str], reads: &[&Path]) -> Result<(), String> {
+    let Ok(real) = path.canonicalize() else { return Ok(()) };
+    let shown = path.display();
+    if reads.iter().any(|other| other.canonicalize().is_ok_and(|other| other == real)) {
+        return Err(format!("{shown} is what is read, and would be replaced; give another name"));
+    }
+    let is_made = path.extension().is_some_and(|e| endings.iter().any(|own| e.eq_ignore_ascii_case(own)));
+    if real.is_file() && !is_made {
+        let names: Vec<String> = endings.iter().map(|e| format!(".{e}")).collect();
+        let names = names.join(" or ");
+        return Err(format!("{shown} exists and does not end in {names}; give another name, or remove it"));
+    }
+    Ok(())
+}
+
 /// [`write_atomic`] without the last step: for many files in one folder, followed by one [`sync_folder`].
 ///
 /// # Errors

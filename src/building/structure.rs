@@ -31,8 +31,15 @@ pub fn check_against(root: &Node, table: &'static Table) -> Vec<Diagnostic> {
 }
 
 fn version_is_other(root: &Node) -> bool {
-    matches!(root.get("schema").map(|n| &n.value), Some(Value::Number(v)) if *v != SCHEMA_VERSION && *v > 1.0)
+    match root.get("schema").map(|n| &n.value) {
+        Some(Value::Number(v)) => *v != SCHEMA_VERSION && *v > 1.0,
+        Some(Value::Text(text)) => text.starts_with(OF_OTHERS),
+        _ => false,
+    }
 }
+
+/// How the versions of the files begin that the program itself writes.
+const OF_OTHERS: &str = "fallwerk-";
 
 /// The SI value of a node, or what is wrong with it. The range is not checked here.
 pub fn quantity_of(node: &Node, dimension: Dimension) -> Result<f64, UnitError> {
@@ -205,8 +212,13 @@ impl Walk {
     fn version(&mut self, node: &Node) {
         if node.value != Value::Number(SCHEMA_VERSION) {
             let newer = matches!(node.value, Value::Number(v) if v > SCHEMA_VERSION);
+            let is = |kind: &str| matches!(&node.value, Value::Text(text) if text.starts_with(kind));
             let help = if newer {
                 "this file needs a newer Fallwerk, or write `schema = 1`"
+            } else if is("fallwerk-mbs/") {
+                "this is a multibody model: `fallwerk simulate` runs it"
+            } else if is(OF_OTHERS) {
+                "this is something that Fallwerk has written: give the building file that it was made of"
             } else {
                 "write `schema = 1`"
             };

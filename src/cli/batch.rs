@@ -2,7 +2,7 @@
 
 use super::progress::Progress;
 use super::{Failure, Outcome, print, thread_pool};
-use crate::base::output::write_atomic;
+use crate::base::output::{may_write, write_atomic};
 use crate::mbs::batch::{self, Summary, Table};
 use crate::mbs::{Model, SolveError, SolverOptions};
 use std::path::{Path, PathBuf};
@@ -34,6 +34,9 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
     let table = read(&arguments.table)?;
+    if let Some(path) = &arguments.output {
+        may_write(path, &["csv"], &[&arguments.model, &arguments.table]).map_err(Failure::input)?;
+    }
     let progress = Progress::on_stderr();
     progress.stage("runs");
     let (done, count) = (AtomicUsize::new(0), table.rows.len());

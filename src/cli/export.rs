@@ -1,7 +1,7 @@
 //! `fallwerk export MODEL`: a model file as text of another program.
 
 use super::{Failure, Outcome, print};
-use crate::base::output::write_atomic;
+use crate::base::output::{may_write, write_atomic};
 use crate::export::{Target, export};
 use crate::mbs::Model;
 use std::path::PathBuf;
@@ -38,6 +38,17 @@ enum Format {
     Json,
 }
 
+impl Format {
+    /// How files of it end.
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Mjcf => &["xml", "mjcf"],
+            Self::Adams => &["adm"],
+            Self::Json => &["json"],
+        }
+    }
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let target = match arguments.to {
@@ -48,6 +59,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Format::Adams => Target::Adams,
         Format::Json => Target::Json,
     };
+    if let Some(path) = &arguments.output {
+        may_write(path, arguments.to.endings(), &[&arguments.model]).map_err(Failure::input)?;
+    }
     let model = Model::read(&arguments.model).map_err(|e| Failure::input(e.to_string()))?;
     let exported = export(&model, target).map_err(Failure::input)?;
     for note in &exported.notes {

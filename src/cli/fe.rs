@@ -163,7 +163,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let building = read_building(&arguments.building, arguments.json)?;
     let options = options(arguments, &building)?;
     if let Some(path) = &arguments.write_deck {
-        return super::fe_deck::write_building(&building, options.mesh_size_m, path);
+        return super::fe_deck::write_building(&building, options.mesh_size_m, [path, &arguments.building]);
     }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
     let notes = notes(&building, &options);

@@ -6,10 +6,10 @@ use super::progress::Progress;
 use super::verdict::percent;
 use super::{Failure, Outcome, colour_on_stderr, print, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
-use crate::base::output::{OutputFolder, write_atomic};
+use crate::base::output::{OutputFolder, may_write, write_atomic};
 use crate::base::units::in_table;
 use crate::building::Building;
-use crate::fe::deck::{Deck, DeckErrors, DeckOptions, of_building, read, write};
+use crate::fe::deck::{DECK_ENDINGS, Deck, DeckErrors, DeckOptions, of_building, read, write};
 use crate::fe::dynamics::Death;
 use crate::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
 use crate::fe::vtu::{FrameSink, VtuSeries};
@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     if let Some(path) = &arguments.write_deck {
         let written = write(&deck.model, &[]);
-        return save(path, &written.text, &written.notes);
+        return save(path, &arguments.building, &written.text, &written.notes);
     }
     let end_time_s = super::fe::end_time(arguments)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.building));
@@ -106,14 +106,15 @@ fn refused(arguments: &Arguments, errors: &DeckErrors) -> Failure {
 pub fn write_building(
     building: &Building,
     mesh_size_m: Option<f64>,
-    path: &Path,
+    [path, file]: [&Path; 2],
 ) -> Result<Outcome, Failure> {
     let deck = of_building(building, mesh_size_m).map_err(|e| Failure::input(e.to_string()))?;
     let written = write(&deck.model, &deck.comments);
-    save(path, &written.text, &written.notes)
+    save(path, file, &written.text, &written.notes)
 }
 
-fn save(path: &Path, text: &str, notes: &[String]) -> Result<Outcome, Failure> {
+fn save(path: &Path, read: &Path, text: &str, notes: &[String]) -> Result<Outcome, Failure> {
+    may_write(path, &DECK_ENDINGS, &[read]).map_err(|why| Failure::input(format!("--write-deck: {why}")))?;
     write_atomic(path, text.as_bytes()).map_err(|e| {
         let remedy = "make room there, or name a file that can be written";
         Failure::input(format!("--write-deck {}: {e}; {remedy}", path.display()))

@@ -99,8 +99,17 @@ fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
     let progress = Progress::on_stderr();
     let result = pool.install(|| compute(arguments, &building, hybrid, &output, &progress));
     progress.finish();
-    let computed = result?;
+    let (computed, stopped) = result?;
+    // an earlier validation is worth more than a model alone
+    if let Some(failure) = stopped.as_ref().filter(|_| target.join(VALIDATION_FILE).exists()) {
+        return Err(failure.clone());
+    }
     let folder = output.commit().map_err(|e| unwritable(&e))?;
+    if let Some(failure) = stopped {
+        let message =
+            format!("{}\n  = note: the model and its MBS run are in {}", failure.message, folder.display());
+        return Err(Failure { message, ..failure });
+    }
     let summary = Summary {
         building: &building,
         generated: &computed.generated,
@@ -134,14 +143,23 @@ struct Computed {
     comparison: Option<Comparison>,
 }
 
-/// Generates, runs, compares, and writes each file as soon as it is known.
-fn compute(
+/// A model with its runs.
+struct Made {
+    generated: Generated,
+    review: Review,
+    /// Of the building.
+    hash: String,
+    runs: Vec<RunResult>,
+    wall_s: f64,
+}
+
+/// Generates a model and runs it, and writes each file as soon as it is known. The library is open to others again afterwards.
+fn make(
     arguments: &Arguments,
     building: &Building,
-    hybrid: Option<HybridSettings>,
     output: &OutputFolder,
     progress: &Progress,
-) -> Result<Computed, Failure> {
+) -> Result<Made, Failure> {
     let (rules, mut store) = arguments.curves.open()?;
     progress.stage("generating the model");
     let failed = |e: GenerateError| Failure::input(e.to_string());
@@ -152,8 +170,8 @@ fn compute(
     let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
     write_json(output, "model.json", &generated.model)?;
     write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;
-    let (mut runs, wall_s) = run_mbs(&generated, &arguments.latent.options())?;
-    let (mbs, spread) = (&runs[0], Spread::of(&runs));
+    let (runs, wall_s) = run_mbs(&generated, &arguments.latent.options())?;
+    let mbs = &runs[0];
     write_mbs(output, mbs)?;
     let review = match arguments.review {
         None => review::listed(building, &generated),
@@ -163,9 +181,41 @@ fn compute(
         }
     };
     write_json(output, "review.json", &review)?;
-    if !arguments.validate {
-        return Ok(Computed { generated, review, mbs: runs.swap_remove(0), spread, comparison: None });
-    }
+    Ok(Made { generated, review, hash, runs, wall_s })
+}
+
+/// Makes a model, and compares it if that is asked for. Where the FE run stops the model stands without a comparison, and why is told.
+fn compute(
+    arguments: &Arguments,
+    building: &Building,
+    hybrid: Option<HybridSettings>,
+    output: &OutputFolder,
+    progress: &Progress,
+) -> Result<(Computed, Option<Failure>), Failure> {
+    let made = make(arguments, building, output, progress)?;
+    let compared = arguments.validate.then(|| compare(building, hybrid, &made, (output, progress)));
+    let (comparison, stopped) = match compared {
+        None => (None, None),
+        Some(Ok(comparison)) => (Some(comparison), None),
+        Some(Err(failure)) => (None, Some(failure)),
+    };
+    let spread = match &comparison {
+        Some(comparison) => comparison.validation.spread.clone(),
+        None => Spread::of(&made.runs),
+    };
+    let Made { generated, review, mut runs, .. } = made;
+    Ok((Computed { generated, review, mbs: runs.swap_remove(0), spread, comparison }, stopped))
+}
+
+/// Runs the FE model and compares the runs of a model with it.
+fn compare(
+    building: &Building,
+    hybrid: Option<HybridSettings>,
+    made: &Made,
+    (output, progress): (&OutputFolder, &Progress),
+) -> Result<Comparison, Failure> {
+    let Made { generated, review, hash, runs, wall_s } = made;
+    let (mbs, spread) = (&runs[0], Spread::of(runs));
     let fe_run = |hybrid: Option<HybridSettings>, name: &str| {
         let options = FeOptions { keep_frames: true, hybrid, ..FeOptions::default() };
         let run = fe::run_with_progress(building, &options, Attached::default(), &|| (), progress)?;
@@ -174,18 +224,18 @@ fn compute(
     let fe = fe_run(None, "fe")?;
     let hybrid = hybrid.map(|settings| fe_run(Some(settings), "hybrid")).transpose()?;
     let facts = facts(building, &fe);
-    let mut validation = Validation::of(building, &fe, &facts, &generated.model, mbs, wall_s);
-    validation.spread = spread.map(|s| s.against(&fe, &runs));
+    let mut validation = Validation::of(building, &fe, &facts, &generated.model, mbs, *wall_s);
+    validation.spread = spread.map(|s| s.against(&fe, runs));
     if let Some(run) = &hybrid {
         validation.add_hybrid(&fe, run);
     }
-    let study = Study::new(&building.name, hash, building.settings.mesh_size_m, &fe, facts.clone());
+    let study = Study::new(&building.name, hash.clone(), building.settings.mesh_size_m, &fe, facts.clone());
     write_json(output, "study.json", &study)?;
     write_json(output, VALIDATION_FILE, &validation)?;
     let pieces = Pieces {
         building,
-        generated: &generated,
-        review: &review,
+        generated,
+        review,
         fe: &fe,
         hybrid: hybrid.as_ref(),
         facts: &facts,
@@ -197,9 +247,7 @@ fn compute(
     let page = crate::report::render(&compose::report_input(&pieces))
         .map_err(|e| Failure::stopped(e.to_string()))?;
     write(output, "report.html", &page)?;
-    let spread = validation.spread.clone();
-    let comparison = Some(Comparison { fe, hybrid, facts, validation });
-    Ok(Computed { generated, review, mbs: runs.swap_remove(0), spread, comparison })
+    Ok(Comparison { fe, hybrid, facts, validation })
 }
 
 /// Runs the model and, with gravity changed by next to nothing, some more times; the first result carries the median processor time. Also returns the median wall time \[s\].

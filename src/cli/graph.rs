@@ -216,7 +216,7 @@ fn columns(state: Option<&EndState>) -> String {
     match state {
         None => format!("{:>10}{:>10}{:>10}{:>8}{:>8}", "-", "-", "-", "-", "-"),
         Some(s) => format!(
-            "{:>10.1}{:>10.1}{:>10.1}{:>8.3}{:>8.3}",
+            "{:>10.1} {:>9.1} {:>9.1} {:>7.3} {:>7.3}",
             tenth(s.forces.axial_n / 1e3),
             tenth(s.forces.moment_nm[0] / 1e3),
             tenth(s.forces.moment_nm[1] / 1e3),

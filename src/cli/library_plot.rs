@@ -3,7 +3,7 @@
 use super::library::Failure;
 use super::library_find::quantity;
 use crate::base::diagnostic::Diagnostics;
-use crate::base::output::write_atomic;
+use crate::base::output::{may_write, write_atomic};
 use crate::base::source::Source;
 use crate::base::units::Dimension;
 use crate::library::curve_file::{self, CurveFile};
@@ -33,6 +33,10 @@ pub struct Arguments {
 
 /// Runs the command.
 pub(super) fn run(arguments: &Arguments, store: &Store, out: &mut dyn Write) -> Result<u8, Failure> {
+    if let Some(path) = &arguments.output {
+        let reads: Vec<&Path> = arguments.reference.iter().map(|p| p.as_path()).collect();
+        may_write(path, &["svg"], &reads).map_err(Failure::Usage)?;
+    }
     let entry = store.get(&store.resolve(&arguments.key)?)?;
     let reference = arguments.reference.as_deref().map(reference).transpose()?;
     if let Some(curve) = &reference

@@ -159,6 +159,9 @@ pub fn energies_csv(result: &RunResult) -> String {
     })
 }
 
+/// Magnitude below which numbers in tables have exponents.
+const SMALL: f64 = 1e-5;
+
 /// A column `time_s`, and others with so many values a row.
 fn table(
     columns: impl Iterator<Item = String>,
@@ -177,7 +180,12 @@ fn table(
         fill(i, &mut row);
         let _ = write!(text, "{}", in_table(*time));
         for value in &row {
-            let _ = write!(text, ",{value}");
+            // a number of 1e-300 is no line of noughts
+            let _ = if *value != 0.0 && value.abs() < SMALL {
+                write!(text, ",{value:e}")
+            } else {
+                write!(text, ",{value}")
+            };
         }
         text.push('\n');
     }

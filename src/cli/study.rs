@@ -108,10 +108,20 @@ fn plan(seed: u32, count: u32, irregular: bool, folder: &Path) -> Result<(), Fai
     let failed =
         |path: &Path, e: std::io::Error| Failure::input(format!("cannot write {}: {e}", path.display()));
     std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
-    for number in 1..=count {
-        let scene = if irregular { Scene::irregular(seed, number) } else { Scene::of(seed, number) };
-        let file = folder.join(format!("{}.toml", scene.name()));
-        write_atomic(&file, scene.toml().as_bytes()).map_err(|e| failed(&file, e))?;
+    let scenes = (1..=count).map(|k| if irregular { Scene::irregular(seed, k) } else { Scene::of(seed, k) });
+    let files = scenes.map(|scene| (folder.join(format!("{}.toml", scene.name())), scene.toml()));
+    let files: Vec<(PathBuf, String)> = files.collect();
+    let is_other = |(file, text): &&(PathBuf, String)| {
+        file.exists() && std::fs::read_to_string(file).ok().as_ref() != Some(text)
+    };
+    if let Some((file, _)) = files.iter().find(is_other) {
+        return Err(Failure::input(format!(
+            "{} is there with another content, which would be lost; remove it, or name another folder with --output",
+            file.display()
+        )));
+    }
+    for (file, text) in &files {
+        write_atomic(file, text.as_bytes()).map_err(|e| failed(file, e))?;
     }
     print(&format!("wrote {count} building files to {}\n", folder.display()));
     Ok(())

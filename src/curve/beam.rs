@@ -14,7 +14,7 @@
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 use super::hinge::FAR_INSIDE;
-use super::onset::onset;
+use super::onset::{Course, added, leaves};
 
 /// Relative accuracy of a return, in terms of the moment.
 const TOLERANCE: f64 = 1e-13;
@@ -69,6 +69,9 @@ pub struct BeamEnd {
     pub damage: f64,
     /// Moment of the last step \[N m\].
     pub moment_nm: f64,
+    /// How its moment went in the last [`BeamEnds::step`] \[N m, rad\], and the share of its flow that was beyond fracture.
+    pub course: Course,
+    beyond: f64,
     /// Whether it flowed in the last step.
     flows: bool,
     hint: CapacityHint,
@@ -107,6 +110,12 @@ impl BeamEnds {
         [start + end, lever_m * (end - start)]
     }
 
+    /// The share of the last step after which the first of the ends broke; 1 if none did.
+    pub fn broke_at(&self) -> f64 {
+        let broken = self.ends.iter().filter(|e| e.damage >= 1.0);
+        broken.map(|e| e.course.after_flow(1.0 - e.beyond)).fold(1.0, f64::min)
+    }
+
     /// Whether an end has broken.
     pub fn is_broken(&self) -> bool {
         self.ends.iter().any(|e| e.damage >= 1.0)
@@ -139,16 +148,25 @@ impl BeamEnds {
             for (end, flow) in self.ends.iter_mut().zip(step.flow_rad).filter(|(_, flow)| *flow != 0.0) {
                 end.plastic_rad += flow;
                 end.alpha_rad += flow.abs();
-                end.damage += flow.abs() / table.fracture_rotation_rad(axial_force_n, &mut end.hint);
+                let used = flow.abs() / table.fracture_rotation_rad(axial_force_n, &mut end.hint);
+                end.damage += used;
+                end.beyond = ((end.damage - 1.0) / used).clamp(0.0, 1.0);
                 step.flowing = true;
             }
             moments = self.moments(springs, [turn_rad, across_m]);
-            // what follows a capacity that grows with the axial force flows all the time
-            for i in (0..2).filter(|i| step.flow_rad[*i] != 0.0 && !old[*i].flows) {
-                step.onset_nm[i] = onset(old[i].moment_nm, capacities[i], trial[i], moments[i]);
-            }
         }
-        self.ends.iter_mut().zip(step.flow_rad).for_each(|(end, flow)| end.flows = flow != 0.0);
+        for (i, flow) in step.flow_rad.into_iter().enumerate() {
+            let (begin, reached) = (old[i].moment_nm, capacities[i]);
+            self.ends[i].flows = flow != 0.0;
+            self.ends[i].course = if flow == 0.0 {
+                Course::elastic(begin, moments[i])
+            } else {
+                // what follows a capacity that grows with the axial force flows all the time
+                let from = if old[i].flows { None } else { leaves(begin, reached, trial[i]) };
+                step.onset_nm[i] = from.map_or(0.0, |share| added(begin, reached, moments[i], share));
+                Course::flowing(begin, moments[i], flow, from.map(|share| [share, reached]))
+            };
+        }
         let (_, before) = self.last;
         step.against_load_j = self.stay(turn_rad - self.plastic_rad(), moments, springs.load);
         for i in 0..2 {

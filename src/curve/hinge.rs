@@ -37,7 +37,9 @@ pub struct Hinge2 {
     pub fractured: bool,
     /// Plastic rotation of the last step about both axes \[rad\].
     pub flow_rad: [f64; 2],
-    /// The share of it that was beyond fracture.
+    /// The share of that step after which it began to flow; zero: it flowed all the time.
+    pub begins: f64,
+    /// The share of its flow that was beyond fracture.
     pub beyond: f64,
     /// Whether an axial force lay outside the levels while the hinge was flowing.
     pub out_of_range: bool,
@@ -170,7 +172,7 @@ impl Hinge2 {
         }
         self.dissipated_j += dissipated_j;
         self.alpha_rad += x;
-        (self.flows, self.flow_rad) = (true, flow_rad);
+        (self.flows, self.flow_rad, self.begins) = (true, flow_rad, onset.unwrap_or(0.0));
         let end = self.moment_nm;
         let onset_nm = onset.map_or([0.0; 2], |share| {
             std::array::from_fn(|i| onset::added(old[i], old[i] + share * (trial[i] - old[i]), end[i], share))
@@ -235,6 +237,11 @@ impl Hinge2 {
         let reached = turning.trial(|direction, x| 1.0 / self.trial(laws, along(direction), x, levels)[0])?;
         let there = self.trial(laws, along(reached), 0.0, levels);
         is_outside(there).then_some((reached, there))
+    }
+
+    /// The share of the last step after which it broke; 1 if it did not.
+    pub fn broke_at(&self) -> f64 {
+        if self.fractured { 1.0 - (1.0 - self.begins) * self.beyond } else { 1.0 }
     }
 
     /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].

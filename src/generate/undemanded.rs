@@ -35,10 +35,10 @@ pub(super) fn notes(basis: &Basis<'_>) -> Vec<String> {
                 notes.extend(state.and_then(|_| left_out_words(name, left_out)));
                 continue;
             }
-            StateSummary::Mechanism(mechanism) => {
-                let free = listed(&mechanism.members);
-                (format!("there is no equilibrium {name} the charges ({free} can move freely)"), CONNECT)
-            }
+            StateSummary::Mechanism(mechanism) => (
+                format!("there is no equilibrium {name} the charges ({})", free(&mechanism.members)),
+                CONNECT,
+            ),
             StateSummary::Failed { reason } => {
                 (format!("the elastic demands {name} the charges have no solution ({reason})"), DECIDE)
             }
@@ -50,6 +50,14 @@ pub(super) fn notes(basis: &Basis<'_>) -> Vec<String> {
     let remedy = remedies.into_iter().collect::<Vec<_>>().join("; ");
     notes.extend(unsolved_words(basis, &features, &why.join(", "), &remedy));
     notes
+}
+
+/// What can move freely.
+fn free(members: &[String]) -> String {
+    match members {
+        [] => "what no bar connects can move freely".into(),
+        some => format!("{} can move freely", listed(some)),
+    }
 }
 
 /// Columns that the demands leave out.

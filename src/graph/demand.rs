@@ -10,6 +10,7 @@ use super::frame::{Frame, FrameError, Mechanism, SectionForces};
 use super::idealise::{Idealised, idealise};
 use super::paths::{charged_members, cut_members};
 use super::structure::Structure;
+use crate::base::root::{Close, increasing};
 use crate::building::{Building, Material, MemberKind};
 use crate::material::section_capacity::{CompressedEdge, FibreSection, HomogenisedCapacity};
 use rayon::prelude::*;
@@ -18,6 +19,10 @@ use std::collections::BTreeSet;
 
 /// Share of the weight that may be missing from the supports without a word.
 const BALANCE: f64 = 0.01;
+/// To what share of itself a ratio is found.
+const CLOSE: f64 = 1e-9;
+/// A moment over its capacity from which on it counts as that.
+const BEYOND: f64 = 1e9;
 
 /// Demand against one capacity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -25,7 +30,7 @@ pub struct Utilisation {
     /// Moment capacity about axes 1 and 2 at the axial force of the demand, for the sense of the
     /// demand \[N m\]; zero beyond the axial limits.
     pub capacity_nm: [f64; 2],
-    /// Demand over capacity; the axial ratio if the axial force is beyond its limit.
+    /// Demand over capacity: the axial force and the moments over this are what the section can just bear together, all of them smaller or larger alike.
     pub ratio: f64,
 }
 
@@ -254,9 +259,11 @@ pub fn against_section(building: &Building, end: &MemberEnd, forces: &SectionFor
     });
     let [tension, compression] = fibres[0].axial_limits_n();
     let axial_ratio = if axial >= 0.0 { axial / compression } else { axial / tension };
-    let capacity_nm: [f64; 2] = std::array::from_fn(|i| factor * fibres[i].ultimate_moment_nm(axial));
-    let exponent = biaxial_exponent(axial.max(0.0) / compression);
-    Some(utilisation(capacity_nm, forces, axial_ratio, exponent))
+    let at = |share: f64| {
+        let capacity_nm = std::array::from_fn(|i| factor * fibres[i].ultimate_moment_nm(share * axial));
+        (capacity_nm, biaxial_exponent(share * axial.max(0.0) / compression))
+    };
+    Some(utilisation(forces.moment_nm, axial_ratio, at))
 }
 
 /// Exponent of the biaxial interaction of a rectangular section over `N/N_Rd`, EN 1992-1-1, 5.8.9 (4).
@@ -281,18 +288,36 @@ pub fn against_law(building: &Building, end: &MemberEnd, forces: &SectionForces)
         HomogenisedCapacity::of_rectangle(law, depth, width),
     ];
     let n = (axial / capacities[0].plastic_force_n).abs();
-    utilisation(capacities.map(|c| factor * c.moment_nm(axial)), forces, n, 1.73 + 1.8 * n.powi(3))
+    let at = |share: f64| {
+        let capacity_nm = [0, 1].map(|i| factor * capacities[i].moment_nm(share * axial));
+        (capacity_nm, 1.73 + 1.8 * (share * n).powi(3))
+    };
+    utilisation(forces.moment_nm, n, at)
 }
 
-fn utilisation(
-    capacity_nm: [f64; 2],
-    forces: &SectionForces,
-    axial_ratio: f64,
-    exponent: f64,
-) -> Utilisation {
-    if axial_ratio >= 1.0 || capacity_nm.iter().any(|c| *c <= 0.0) {
-        return Utilisation { capacity_nm: [0.0; 2], ratio: axial_ratio.max(1.0) };
+/// Of moments \[N m\] beside an axial force that takes a ratio of its limit; `at` tells the moment capacities and the exponent of their interaction at a share of that force.
+///
+/// Loads that grow alike move the demand along a ray from the origin of `(N, M_1, M_2)`. The moments alone, over the capacity beside the whole axial force, would be without bound where that force takes nearly all of a section that bears hardly any moment.
+fn utilisation(moment_nm: [f64; 2], axial_ratio: f64, at: impl Fn(f64) -> ([f64; 2], f64)) -> Utilisation {
+    let used = |share: f64| {
+        let (capacity_nm, exponent) = at(share);
+        let of = |i: usize| match moment_nm[i].abs() {
+            0.0 => 0.0,
+            moment => (share * moment / capacity_nm[i].max(0.0)).min(BEYOND).powf(exponent),
+        };
+        (of(0) + of(1)).powf(1.0 / exponent) - 1.0
+    };
+    let capacity_nm = if axial_ratio < 1.0 { at(1.0).0.map(|c| c.max(0.0)) } else { [0.0; 2] };
+    if moment_nm == [0.0; 2] {
+        return Utilisation { capacity_nm, ratio: axial_ratio };
     }
-    let sum: f64 = (0..2).map(|i| (forces.moment_nm[i].abs() / capacity_nm[i]).powf(exponent)).sum();
-    Utilisation { capacity_nm, ratio: sum.powf(1.0 / exponent) }
+    // the share of the loads that the section can just bear: at most what the axial force alone allows
+    let most = 1.0 / axial_ratio.max(f64::MIN_POSITIVE);
+    let mut low = 0.0;
+    let mut high = most.min(1.0);
+    while high < most && used(high) < 0.0 {
+        (low, high) = (high, most.min(2.0 * high));
+    }
+    let close = Close { value: CLOSE, width: CLOSE * CLOSE * high };
+    Utilisation { capacity_nm, ratio: 1.0 / increasing([low, high], used, close) }
 }

@@ -380,6 +380,9 @@ impl Store {
     ) -> Result<Deprecation, StoreError> {
         let mut entry = self.get(key)?;
         let invalid = |what: &str| StoreError::Invalid { key: key.to_string(), what: what.to_string() };
+        if reason.is_some_and(|reason| reason.trim().is_empty()) {
+            return Err(invalid("cannot be deprecated for an empty reason; say why, or leave --reason out"));
+        }
         if let Some(successor) = successor {
             if successor == key {
                 return Err(invalid("cannot be its own successor"));

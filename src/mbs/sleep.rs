@@ -17,6 +17,10 @@ const LOOK_S: f64 = 0.1;
 /// Change of the mean velocity in the time at rest up to which a body does not gather speed, over the speed below which it rests.
 const STEADY: f64 = 0.05;
 
+/// How much farther a body comes in the second half of that time than in the first one if it gathers speed, and how far it may without that, over the way at the speed below which it rests: one that begins to tip over is slow for long.
+const GATHERS: f64 = 1.2;
+const NEXT_TO_NOTHING: f64 = 1e-3;
+
 /// Who sleeps in a run.
 #[derive(Debug, Clone)]
 pub struct Sleep {
@@ -60,7 +64,11 @@ impl Rest {
         if self.span_s >= REST_S {
             // of a motion at one acceleration the middle is off by a T²/8, with a T the change of velocity
             let most = 2.0 * level * data.mass * (STEADY * REST_S / 8.0).powi(2);
-            let is_steady = self.middle.is_some_and(|middle| bend([self.begin, middle, here], data) <= most);
+            let nothing = (2.0 * level * data.mass).sqrt() * NEXT_TO_NOTHING * 0.5 * REST_S;
+            let is_steady = self.middle.is_some_and(|middle| {
+                let ways = [way([self.begin, middle], data), way([middle, here], data)];
+                bend([self.begin, middle, here], data) <= most && ways[1] <= GATHERS * ways[0] + nothing
+            });
             *self = Self { time_s: if is_steady { self.time_s } else { 0.0 }, ..Self::default() };
         }
     }
@@ -72,6 +80,13 @@ fn bend([begin, middle, end]: [Pose; 3], data: &BodyData) -> f64 {
     let turned = |to: Pose| math::qlog(math::qmul(math::qconj(begin.1), to.1));
     let turn = math::axpy(turned(middle), -0.5, turned(end));
     data.mass * math::dot(off, off) + math::dot(turn, math::mul(&data.inertia, turn))
+}
+
+/// How far apart two poses are: root of mass times the square of the distance, and inertia that of the angle \[m kg^½\].
+fn way([from, to]: [Pose; 2], data: &BodyData) -> f64 {
+    let turn = math::qlog(math::qmul(math::qconj(from.1), to.1));
+    let off = math::sub(to.0, from.0);
+    (data.mass * math::dot(off, off) + math::dot(turn, math::mul(&data.inertia, turn))).sqrt()
 }
 
 impl Sleep {

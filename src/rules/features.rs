@@ -123,7 +123,7 @@ pub const CATALOGUE: &[Feature] = &[
         "building.demand_ratio",
         "1",
         WHOLE,
-        "largest elastic demand after the removal over capacity among the column ends; unknown for a mechanism",
+        "largest elastic demand after the removal over capacity among the column ends (see end.demand_ratio); unknown for a mechanism",
     ).positive(),
     number("building.ignition_span", "s", WHOLE, "time from the first charge to the last one").positive(),
     number(
@@ -179,13 +179,13 @@ pub const CATALOGUE: &[Feature] = &[
         "end.demand_ratio",
         "1",
         &[MemberEnd],
-        "elastic moment after the removal over moment capacity at the dead-load axial force",
+        "elastic axial force and moments after the removal, all alike, over those that the section can just bear",
     ).positive(),
     number(
         "end.demand_ratio_before",
         "1",
         &[MemberEnd],
-        "elastic moment under dead load over moment capacity, before the removal",
+        "end.demand_ratio before the removal",
     ).positive(),
     number(
         "end.joint_strength",

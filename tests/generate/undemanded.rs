@@ -22,7 +22,7 @@ fn rules_about_demands_that_have_no_solution_are_told() {
     let notes = told(&building);
     let [note] = &notes[..] else { panic!("{notes:?}") };
     assert!(note.starts_with("there is no equilibrium after the charges ("), "{note}");
-    for part in ["C2-A1", "`seed/", "connect or support", "`building.mechanism`"] {
+    for part in ["C2-A1", "`learned/", "connect or support", "`building.mechanism`"] {
         assert!(note.contains(part), "{part}: {note}");
     }
 }

@@ -1,6 +1,7 @@
 //! Structure graph, frame analysis and demands.
 
 mod buildings;
+mod equilibrium;
 mod frame;
 mod reference;
 mod shapes;

@@ -3,6 +3,7 @@
 mod batch;
 mod beam;
 mod break_away;
+mod breaking;
 mod carry;
 mod catenary;
 mod contact;
@@ -12,6 +13,7 @@ mod event_rules;
 mod export;
 mod frame;
 mod hinge;
+mod hulls;
 mod ideal;
 mod impact;
 mod input;

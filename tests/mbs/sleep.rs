@@ -62,7 +62,8 @@ fn a_stack_asleep_stands_where_it_stands_awake() {
     assert!((share - (1.0 - still_from(&runs[1]) / 5.0)).abs() < 0.01, "{share}");
     // The manual's bound of a stack at rest: awake, it trembles by that much.
     assert!(apart(&runs) < 1e-3);
-    assert!(still_from(&runs[1]) < 1.5);
+    // after one to three spans at rest: as it settles, a box comes farther in one half of a span than in the other
+    assert!(still_from(&runs[1]) < 2.0);
     assert!(runs[1].energy_error < 1e-6);
     assert_eq!(runs[0].events, runs[1].events);
 }
@@ -199,4 +200,24 @@ fn what_turns_round_does_not_fall_asleep() {
     let off = off.map(|(t, f)| (f.position_m[0][0] - 0.35 * t.sin()).abs()).fold(0.0, f64::max);
     println!("largest distance from the harmonic motion {off:.1e} m");
     assert!(off < 2e-3, "{off}");
+}
+
+/// A column that leans next to nothing past its balance tips over, however slowly it begins.
+#[test]
+fn what_begins_to_tip_over_does_not_fall_asleep() {
+    let size: [f64; 3] = [0.4, 0.4, 3.5];
+    let lean = (size[0] / size[2]).atan() + 1e-4;
+    let half = 0.5 * (size[0] * size[0] + size[2] * size[2]).sqrt();
+    let mut m = on_ground("leaning", 6.0);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.8, restitution: 0.0 });
+    let height = half * ((size[0] / size[2]).atan() - lean).cos();
+    m.bodies.push(Body {
+        orientation: [(0.5 * lean).cos(), 0.0, (0.5 * lean).sin(), 0.0],
+        ..solid("column", [0.0, 0.0, height], size)
+    });
+    m.settings.time_step_s = Some(1e-3);
+    m.settings.sleep_speed_m_s = Some(0.1);
+    let run = simulate(&m).unwrap();
+    let end = run.frames.last().unwrap().position_m[0][2];
+    assert!((end - 0.2).abs() < 1e-3, "stands at {end}");
 }

@@ -27,5 +27,5 @@ pub use blame::Places;
 pub use building::{BuildingDeck, of_building};
 pub use error::{DeckErrors, Note};
 pub use normal::normalised;
-pub use read::{Deck, DeckOptions, Ids, is_deck, parse, read};
+pub use read::{DECK_ENDINGS, Deck, DeckOptions, Ids, is_deck, parse, read};
 pub use write::{Written, write};

@@ -45,11 +45,14 @@ pub struct Deck {
     pub places: Places,
 }
 
+/// Endings of the names of decks.
+pub const DECK_ENDINGS: [&str; 4] = ["k", "key", "dyn", "keyword"];
+
 /// Whether a file is to be read as a keyword deck: by its ending, or else by its first line that is no comment.
 pub fn is_deck(path: &Path) -> bool {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match &ending[..] {
-        "k" | "key" | "dyn" | "keyword" => true,
+        known if DECK_ENDINGS.contains(&known) => true,
         "toml" | "json" => false,
         _ => {
             use std::io::Read;

@@ -15,7 +15,7 @@ const PARTICIPATION: f64 = 1e-4;
 
 /// Members that can move without straining anything.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, thiserror::Error)]
-#[error("not held: {}", members.join(", "))]
+#[error("not held: {}", if members.is_empty() { "what no column, wall, beam or strip of slab connects".to_string() } else { members.join(", ") })]
 pub struct Mechanism {
     /// Ids of the members, in the order of the elements.
     pub members: Vec<String>,

@@ -5,7 +5,7 @@
 //!   effective width of plane stress (`flange`).
 //! * Joint blocks are rigid: a node at the column's axis in the middle of the beams' depth, with rigid
 //!   offsets to the end sections. Two uprights meet in a joint if only solid lies between them.
-//! * A slab is rigid in its plane (diaphragm). Out of plane it acts through the flanges; between aligned
+//! * A slab is rigid in its plane (diaphragm), in which all axes of its floor lie (`level`). Out of plane it acts through the flanges; between aligned
 //!   columns that no beam joins it is a strip as wide as half the distance to the neighbours. A column without a beam and without
 //!   one in line with it has strips to its neighbours all round.
 //! * Dead load: each member's own cells. Uprights and beams carry theirs as a line load, joint blocks at their
@@ -15,6 +15,7 @@
 
 mod flange;
 mod joints;
+mod level;
 mod loads;
 mod strips;
 
@@ -140,6 +141,7 @@ pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<u
     builder.clamp_slabs();
     builder.place_loads();
     let diaphragms = builder.diaphragms();
+    builder.level(&diaphragms);
     let left_out = builder.left_out();
     Idealised { left_out, ..builder.finish(diaphragms) }
 }
@@ -148,6 +150,14 @@ pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<u
 fn meet(a: &Aabb, b: &Aabb) -> bool {
     let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]);
     gap(0) < -COORDINATE_TOLERANCE_M && gap(1) < -COORDINATE_TOLERANCE_M && gap(2) < COORDINATE_TOLERANCE_M
+}
+
+/// Whether two solids share a part of an upright face.
+fn abut(a: &Aabb, b: &Aabb) -> bool {
+    let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]);
+    let touch = |i: usize| gap(i).abs() < COORDINATE_TOLERANCE_M;
+    let overlap = |i: usize| gap(i) <= -COORDINATE_TOLERANCE_M;
+    overlap(2) && (touch(0) && overlap(1) || touch(1) && overlap(0))
 }
 
 impl Builder<'_> {
@@ -316,7 +326,7 @@ impl Builder<'_> {
         (0..self.spans.len()).filter(|s| carries(&self.spans[*s])).collect()
     }
 
-    /// Joints whose uprights overlap a slab in plan and whose block meets it in height.
+    /// Joints whose uprights overlap a slab in plan or bear it at an edge, where it ends at their faces, and whose block meets it in height.
     fn joints_in_slab(&self, slab: usize) -> Vec<usize> {
         let solid = &self.member(slab).solid;
         let meets = |joint: &Joint| {
@@ -324,7 +334,7 @@ impl Builder<'_> {
                 let mut block = self.member(*u).solid;
                 block.min[2] = joint.range_m[0];
                 block.max[2] = joint.range_m[1];
-                meet(&block, solid)
+                meet(&block, solid) || abut(&block, solid)
             })
         };
         (0..self.joints.len()).filter(|j| meets(&self.joints[*j])).collect()

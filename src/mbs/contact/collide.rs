@@ -1,5 +1,6 @@
 //! Solids against solids: bounds that may meet, and the points where two solids do. The only file that knows `parry3d`.
 
+use super::faces::{Face, meetings};
 use super::links::axes_about;
 use crate::mbs::math::{self, M3, Q, V3};
 use crate::mbs::model::Shape;
@@ -185,6 +186,60 @@ impl Solid {
         }
     }
 
+    fn is_hull(&self) -> bool {
+        matches!(self, Self::Hull(..))
+    }
+
+    /// Calls `face` with the normal of each face, and how far that is from the origin of the frame \[m\]; a ball has none.
+    fn each_face(&self, mut face: impl FnMut(Vector, f64)) {
+        match self {
+            Self::Box(half) => (0..6).for_each(|k| {
+                let mut n = [0.0; 3];
+                n[k / 2] = if k % 2 == 0 { 1.0 } else { -1.0 };
+                face(vector(n), half[k / 2]);
+            }),
+            Self::Ball(_) => {}
+            Self::Hull(hull, _) => {
+                hull.faces().iter().for_each(|f| face(f.normal, self.reach_along(f.normal)));
+            }
+        }
+    }
+
+    /// The face that looks most along a direction of its frame; a ball has none.
+    fn face_towards(&self, along: Vector) -> Option<Face> {
+        match self {
+            Self::Box(half) => {
+                let along = array(along);
+                let axis = (0..3).max_by(|i, j| along[*i].abs().total_cmp(&along[*j].abs()))?;
+                let (sign, [u, v]) = (along[axis].signum(), [(axis + 1) % 3, (axis + 2) % 3]);
+                let corner = |[p, q]: [f64; 2]| {
+                    let mut at = [0.0; 3];
+                    (at[axis], at[u], at[v]) = (sign * half[axis], p * half[u], q * half[v]);
+                    at
+                };
+                let mut normal = [0.0; 3];
+                normal[axis] = sign;
+                let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner).to_vec();
+                Some(Face { corners, normal, id: 2 * axis as u32 + u32::from(sign < 0.0) })
+            }
+            Self::Ball(_) => None,
+            Self::Hull(hull, corners) => {
+                let faces = hull.faces().iter().enumerate();
+                let (id, face) =
+                    faces.max_by(|p, q| p.1.normal.dot(along).total_cmp(&q.1.normal.dot(along)))?;
+                let first = face.first_vertex_or_edge as usize;
+                let own = &hull.vertices_adj_to_face()[first..first + face.num_vertices_or_edges as usize];
+                let corners = own.iter().map(|k| corners[*k as usize]).collect();
+                Some(Face { corners, normal: array(face.normal), id: id as u32 })
+            }
+        }
+    }
+
+    /// How far it reaches along a direction of its frame from the origin \[m\].
+    fn reach_along(&self, n: Vector) -> f64 {
+        self.reach(&Placed::HERE, array(n))
+    }
+
     /// Whether its contact points move over its surface as it turns, so that they are found anew in every step.
     pub fn is_round(&self) -> bool {
         matches!(self, Self::Ball(_))
@@ -319,15 +374,101 @@ impl Finder {
                 std::mem::swap(&mut self.manifold, &mut self.aside);
             }
         }
+        let shift = if a.0.is_hull() || b.0.is_hull() {
+            self.look_from_apart(a.0, b.0, &between, reach)
+        } else {
+            0.0
+        };
         let m = &self.manifold;
+        if !m.points.is_empty() && many_cornered(a.0, b.0, &between, m.local_n1, reach - shift, found) {
+            return Some([array(m.local_n1), array(m.local_n2)]);
+        }
         found.extend(m.points.iter().map(|p| Found {
             on_a: array(p.local_p1),
             on_b: array(p.local_p2),
-            gap: p.dist,
+            gap: p.dist - shift,
             id: u64::from(p.fid1.0) << 32 | u64::from(p.fid2.0),
         }));
         (!found.is_empty()).then(|| [array(m.local_n1), array(m.local_n2)])
     }
+}
+
+impl Finder {
+    /// Where the faces of two solids tell that parry has taken them to be in each other deeper than they are, or has not seen that they touch, as happens to hulls at no distance: finds their points with the second one moved away until
+    /// there is one. By how much its gaps are too large \[m\].
+    fn look_from_apart(&mut self, a: &Solid, b: &Solid, between: &Pose, reach: f64) -> f64 {
+        if a.is_round() || b.is_round() {
+            return 0.0;
+        }
+        let (n, gap) = widest_of_faces(a, b, between);
+        let size = a.thickness().min(b.thickness());
+        let found = self.manifold.points.iter().map(|p| p.dist).reduce(f64::min);
+        let is_wrong = match found {
+            Some(least) => least < gap - HIDDEN * size,
+            None => gap <= reach && gap.abs() <= TOUCHING * size,
+        };
+        if !is_wrong {
+            return 0.0;
+        }
+        let away = TOUCHING * size - gap;
+        let mut apart = *between;
+        apart.translation += n * away;
+        touch(a, b, &apart, reach + away, &mut self.aside);
+        if self.aside.points.is_empty() {
+            return 0.0;
+        }
+        std::mem::swap(&mut self.manifold, &mut self.aside);
+        away * self.manifold.local_n1.dot(n)
+    }
+}
+
+/// Corners of faces that parry looks at.
+const OF_PARRY: usize = 4;
+
+/// The points of two faces on each other of which one has more corners than parry takes of it, for the normal that it found in the frame of the first, no farther apart than `reach` \[m\]; whether there are any.
+fn many_cornered(
+    a: &Solid,
+    b: &Solid,
+    between: &Pose,
+    normal: Vector,
+    reach: f64,
+    found: &mut Vec<Found>,
+) -> bool {
+    let (of_a, of_b) = (a.face_towards(normal), b.face_towards(between.rotation.inverse() * -normal));
+    let (Some(of_a), Some(mut of_b)) = (of_a, of_b) else { return false };
+    if of_a.corners.len().max(of_b.corners.len()) <= OF_PARRY {
+        return false;
+    }
+    of_b.corners.iter_mut().for_each(|c| *c = array(*between * vector(*c)));
+    of_b.normal = array(between.rotation * vector(of_b.normal));
+    let back = between.inverse();
+    let meetings = meetings(&of_a, &of_b, array(normal), reach);
+    found.extend(meetings.iter().map(|m| Found {
+        on_a: m.on[0],
+        on_b: array(back * vector(m.on[1])),
+        gap: m.gap,
+        id: m.id,
+    }));
+    !found.is_empty()
+}
+
+/// By how much less than the gap along a face, over the thickness of the thinner one, the distance of two solids may be found; and the distance to which those are moved apart that are nearer than that, over the same.
+const HIDDEN: f64 = 1e-6;
+const TOUCHING: f64 = 1e-4;
+
+/// Of the normals of faces of two solids, in the frame of the first and away from it, the one along which they are farthest apart, and how far \[m\].
+fn widest_of_faces(a: &Solid, b: &Solid, between: &Pose) -> (Vector, f64) {
+    let mut best = (Vector::ZERO, f64::NEG_INFINITY);
+    a.each_face(|n, reach| {
+        let gap = between.translation.dot(n) - b.reach_along(between.rotation.inverse() * -n) - reach;
+        best = if gap > best.1 { (n, gap) } else { best };
+    });
+    b.each_face(|n, reach| {
+        let n = between.rotation * n;
+        let gap = -between.translation.dot(n) - a.reach_along(-n) - reach;
+        best = if gap > best.1 { (-n, gap) } else { best };
+    });
+    best
 }
 
 /// The manifold of two solids, of which one is no ball.

@@ -8,6 +8,7 @@
 //! | `surface` | friction and restitution of each pair, who passes through whom |
 //! | `pair` | pairs of solids and their points over time |
 //! | `passing` | solids that pass an edge of each other within a step |
+//! | `faces` | the points in which two faces lie on each other |
 //! | `groups` | who is connected with whom in a step |
 //! | `rows` | the impulses of a step |
 //! | `search` | conjugate directions where sweeps settle slowly |
@@ -19,6 +20,7 @@
 //! | `rest` | velocities at the full step |
 //! | `roll` | moments against rolling |
 //! | `solve` | a step: which pairs, impulses, gaps, energies |
+//! | `spread` | which points count, of more than a pair can have |
 //!
 //! **Law.** At each contact point `gap + h v_n >= 0` at the end of a step of length `h`, the impulse `p_n >= 0` acts only if this is an
 //! equality (Signorini), `|p_t| <= μ p_n` with the greatest dissipation (Coulomb), and rebound by Newton's coefficient of
@@ -37,6 +39,7 @@
 
 mod collide;
 mod crush;
+mod faces;
 mod groups;
 mod impact;
 mod links;
@@ -48,6 +51,7 @@ mod roll;
 mod rows;
 mod search;
 mod solve;
+mod spread;
 mod strike;
 mod surface;
 mod terms;

@@ -2,11 +2,14 @@
 
 use super::collide::{self, Placed};
 use super::rows::{Block, Inverse, Row};
+use super::spread;
 use super::{ContactSet, Moving, NEVER_M, Partner, Surface};
 use crate::mbs::math::{self, V3};
 
 /// Most points of a pair.
 pub(super) const MOST_POINTS: usize = 8;
+/// How much higher than the deepest one points may be to be as deep, over the thickness.
+const BAND: f64 = 1e-4;
 /// Points nearer than this share of the thickness are one.
 const SAME_POINT: f64 = 1e-3;
 /// How far bounds are entered beyond a solid: time \[s\] at its present speed, and share of its thickness.
@@ -338,6 +341,16 @@ impl ContactSet {
         collider.solid.feet(at, plane.normal, reach - low - pair.offset, &mut self.feet);
         let body = &bodies[collider.body];
         let first = self.rows.rows.len() as u32;
+        if self.feet.len() > MOST_POINTS {
+            let rise = |foot: &V3| math::dot(math::mul(&at.r, *foot), plane.normal);
+            let low = self.feet.iter().map(|(foot, _)| rise(foot)).fold(f64::INFINITY, f64::min);
+            let farthest = within.reach - pair.offset + low;
+            self.feet.retain(|(foot, _)| rise(foot) <= farthest);
+            let points = self.feet.iter().map(|(foot, _)| (*foot, rise(foot) - low));
+            let kept = spread::kept(points, normal, BAND * collider.thickness);
+            let mut kept = kept.into_iter();
+            self.feet.retain(|_| kept.next() == Some(true));
+        }
         for (foot, id) in &self.feet {
             let above = math::mul(&at.r, *foot);
             let gap = math::dot(math::add(at.x, above), plane.normal) - plane.level + pair.offset;
@@ -497,7 +510,13 @@ impl ContactSet {
         let Some(normals) = normals else { return };
         pair.normal = normals;
         self.found.sort_by(|p, q| p.gap.total_cmp(&q.gap).then(p.id.cmp(&q.id)));
-        let same = SAME_POINT * solid_a.thickness.min(solid_b.thickness);
+        let thickness = solid_a.thickness.min(solid_b.thickness);
+        if let Some(deepest) = self.found.first().filter(|_| self.found.len() > MOST_POINTS) {
+            let points = self.found.iter().map(|p| (p.on_a, p.gap - deepest.gap));
+            let mut kept = spread::kept(points, normals[0], BAND * thickness).into_iter();
+            self.found.retain(|_| kept.next() == Some(true));
+        }
+        let same = SAME_POINT * thickness;
         for i in 0..self.found.len() {
             let found = self.found[i];
             let near = |p: &Point| {

@@ -1,12 +1,16 @@
 //! Friction and restitution of each pair, and who passes through whom.
 
 use super::Partner;
+use super::collide::{Placed, Solid};
 use crate::mbs::math;
 use crate::mbs::model::{Body, GROUND, Model, Shape};
 use std::collections::BTreeMap;
 
 /// Height up to which a solid stands on the ground \[m\].
 const AT_GROUND_M: f64 = 1e-3;
+
+/// How far from a shape a connection with the ground may be to be at its foot: this, or half its thickness \[m\].
+const BESIDE_M: f64 = 0.25;
 
 /// What holds where two solids meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -97,11 +101,29 @@ fn key(a: usize, b: Partner) -> (usize, Partner) {
     }
 }
 
-/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it.
+/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it, but for what is away from all connections that the body itself has with the ground.
 pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
     let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
     let turn = math::qmat(body.orientation);
     let height = |c: &[f64; 3]| body.position_m[2] + math::mul(&turn, *c)[2];
     let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
-    body.shapes.iter().map(stands).collect()
+    let own = |a: &Option<String>, b: &str| match a {
+        None => b == body.id,
+        Some(a) => *a == body.id && b == GROUND,
+    };
+    let bushings = model.bushings.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
+    let joints = model.joints.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
+    let points: Vec<math::V3> = bushings.chain(joints).collect();
+    let is_beside = |shape: &Shape| {
+        let (solid, in_body) = Solid::of(shape);
+        let x = math::add(body.position_m, math::mul(&turn, in_body.x));
+        let (q, r) = (math::qmul(body.orientation, in_body.q), math::matmul(&turn, &in_body.r));
+        let [low, high] = solid.bounds(&Placed { x, q, r });
+        let near = |p: &math::V3| {
+            let off: math::V3 = std::array::from_fn(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
+            math::norm(off) <= solid.thickness().max(BESIDE_M)
+        };
+        points.is_empty() || points.iter().any(near)
+    };
+    body.shapes.iter().map(|shape| stands(shape) && is_beside(shape)).collect()
 }

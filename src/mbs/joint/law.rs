@@ -4,7 +4,7 @@ use super::{JointData, NO_TABLE, Pace};
 use crate::base::piecewise::interpolate;
 use crate::curve::CapacityTable;
 use crate::curve::hinge::AxisLaw;
-use crate::curve::onset::onset;
+use crate::curve::onset::{Course, added, leaves};
 use crate::mbs::math::{self, V3};
 use crate::mbs::stance::{Chord, Stance};
 
@@ -48,7 +48,10 @@ impl JointData {
             self.pressed += flow.max(0.0);
             gap[0] += self.outward * flow;
             let capacity = if flow > 0.0 { bears } else { lowest };
-            self.onset[0][0] = -self.outward * onset(old, capacity, trial, admissible);
+            let from = leaves(old, capacity, trial);
+            let onset = from.map_or(0.0, |share| added(old, capacity, admissible, share));
+            self.onset[0][0] = -self.outward * onset;
+            self.course = Course::flowing(old, admissible, flow, from.map(|share| [share, capacity]));
         }
         self.crush_j += 0.5 * (old + self.axial_force) * shortened;
         let mut shifted = [-self.outward * closed, 0.0, 0.0];

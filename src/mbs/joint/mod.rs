@@ -15,6 +15,7 @@ use super::mid_beam::MidBeam;
 use super::model::Bushing;
 use super::stance::{Chord, Stance, bend, loads, stance, torque};
 use super::system::BodyState;
+use crate::curve::onset::Course;
 use crate::curve::{CapacityTable, Hinge2};
 
 /// Sine of the angle to a plane across axis 0 up to which a direction lies in it.
@@ -95,6 +96,8 @@ pub struct JointData {
     /// What force and moment along its axes have done in the last step beyond the mean of its begin and end ([`crate::curve::onset`]) \[N, N m\], and their work in it \[J\].
     onset: [V3; 2],
     onset_j: f64,
+    /// How its axial force (compression positive) went in the last step in which its axial spring flowed \[N, m\].
+    pub(in crate::mbs) course: Course,
     /// The beam in whose middle it stands.
     pub(in crate::mbs) beam: Option<Box<MidBeam>>,
 }
@@ -156,6 +159,7 @@ impl JointData {
             pace: Pace::First,
             onset: [[0.0; 3]; 2],
             onset_j: 0.0,
+            course: Course::default(),
             beam: MidBeam::of(joint, outward, gravity),
         }
     }
@@ -273,6 +277,29 @@ impl JointData {
         let torque = torque(&frame, theta, [0.0, more[0], more[1]], c);
         bodies[self.a].torque = math::add(bodies[self.a].torque, torque);
         bodies[self.b].torque = math::sub(bodies[self.b].torque, torque);
+    }
+
+    /// What of its force only a step asks for that has been gone through to its end ([`crate::curve::onset`]), taken back out of its energies: force and torques as of [`Self::pull`].
+    pub(in crate::mbs) fn take_back_onset(&mut self, bodies: &[BodyState]) -> [V3; 3] {
+        let at = self.stance(bodies);
+        let (theta, c) = bend(at.turn);
+        let [local, moment] = std::mem::take(&mut self.onset);
+        self.hinge.dissipated_j -= 0.5 * std::mem::take(&mut self.onset_j);
+        loads(&at.frame, at.arms, theta, self.chord(&at).force(local), moment, c)
+    }
+
+    /// The share of the last step after which a hinge of [`Self::flowed`] began to flow; 1 where that is not known.
+    pub(in crate::mbs) fn begins_at(&self, hinge: usize) -> f64 {
+        let from = match &self.beam {
+            Some(beam) => beam.ends.ends[hinge].course.after_flow(0.0),
+            None => self.hinge.begins,
+        };
+        if from > 0.0 { from } else { 1.0 }
+    }
+
+    /// The share of the last step after which it broke by rotation; 1 if it did not.
+    pub(in crate::mbs) fn broke_at(&self) -> f64 {
+        self.beam.as_ref().map_or_else(|| self.hinge.broke_at(), |beam| beam.ends.broke_at())
     }
 
     /// Force on the first body and torques about the centres of mass of both \[N, N m\] (the second one feels the opposite), as of the last evaluation, which was in the present poses.

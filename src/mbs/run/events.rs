@@ -19,7 +19,8 @@ impl Run<'_> {
         for (k, hinge) in self.model.bushings[i].hinges().into_iter().enumerate() {
             if joint.flowed()[k].0 > 0.0 && !std::mem::replace(&mut self.yielded[i][k], true) {
                 let kind = EventKind::Yield { joint: hinge.to_string() };
-                self.result.events.push(RunEvent { time_s: self.time, kind });
+                let time_s = self.time - (1.0 - joint.begins_at(k)) * self.last_step;
+                self.result.events.push(RunEvent { time_s, kind });
             }
         }
         if joint.hinge.out_of_range && !std::mem::replace(&mut self.range_warned[i], true) {
@@ -38,17 +39,15 @@ impl Run<'_> {
         }
     }
 
-    /// Takes a joint away that breaks; how long before the end of the step it did \[s\]. Where bodies have inertia together that is the end.
+    /// Takes a joint away that breaks, and its force; how long before the end of the step it did \[s\]. Where momenta are those of the end already that is the end.
     fn separate(&mut self, i: usize) -> f64 {
-        let System { bodies, joints, shared, relative, .. } = &mut self.system;
+        let System { bodies, joints, .. } = &mut self.system;
         let joint = &mut joints[i];
-        if self.last_step == 0.0 || !shared.is_empty() || relative.is_some() {
-            self.released += joint.open();
-            return 0.0;
-        }
-        let snap = Snap::of(joint, bodies, self.last_step);
-        let [force, on_a, on_b] = joint.pull(bodies);
-        let [impulse, turn_a, turn_b] = snap.impulse;
+        let snap = (self.last_step > 0.0).then(|| Snap::of(joint, bodies, self.last_step));
+        let onset = joint.take_back_onset(bodies);
+        let pull = joint.pull(bodies);
+        let [force, on_a, on_b]: [math::V3; 3] = std::array::from_fn(|k| math::add(pull[k], onset[k]));
+        let [impulse, turn_a, turn_b] = snap.map_or([[0.0; 3]; 3], |s| s.impulse);
         let ground = bodies.len() - 1;
         let sides = [(joint.a, 1.0, on_a, turn_a), (joint.b, -1.0, on_b, turn_b)];
         for (i, sign, torque, turn) in sides.into_iter().filter(|side| side.0 != ground) {
@@ -56,9 +55,14 @@ impl Run<'_> {
             (body.force, body.torque) = (axpy(body.force, -sign, force), axpy(body.torque, -sign, torque));
             (body.p, body.l) = (axpy(body.p, sign, impulse), axpy(body.l, sign, turn));
         }
-        joint.open();
+        let elastic_j = joint.open();
+        let Some(snap) = snap else {
+            self.released += elastic_j;
+            return 0.0;
+        };
         joint.hinge.dissipated_j -= snap.beyond_j[0];
         joint.crush_j -= snap.beyond_j[1];
+        joint.beam.iter_mut().for_each(|beam| beam.against_load_j -= snap.against_load_j);
         self.released += snap.elastic_j;
         snap.early_s
     }
@@ -66,6 +70,7 @@ impl Run<'_> {
     /// Opens the joints that break; their bodies.
     #[cold]
     pub(super) fn fracture(&mut self) -> Vec<[usize; 2]> {
+        self.bring_to_the_end();
         let (mut parted, mut broken) = (Vec::new(), Vec::new());
         for i in 0..self.system.joints.len() {
             let joint = &mut self.system.joints[i];
@@ -183,6 +188,20 @@ impl Run<'_> {
             Some(running) => self.system.set_strength(running, given, share, curves)?,
         }
         Ok(())
+    }
+
+    /// Brings momenta of bodies that have inertia together to the end of the step, with what breaks there: until then it has pulled at them. Forces are known but for what they share.
+    fn bring_to_the_end(&mut self) {
+        if self.system.relative.is_some() {
+            self.end_relating();
+        } else if !self.system.shared.is_empty() {
+            let plain: Vec<[math::V3; 2]> = self.system.bodies.iter().map(|b| [b.force, b.torque]).collect();
+            self.system.share_forces();
+            self.synchronise();
+            for (body, [force, torque]) in self.system.bodies.iter_mut().zip(plain) {
+                (body.force, body.torque) = (force, torque);
+            }
+        }
     }
 
     pub(super) fn synchronise(&mut self) {

@@ -1,5 +1,6 @@
 //! Cases of the multibody solver.
 
+mod breaking;
 pub mod catenary;
 mod chimney;
 mod contact;
@@ -40,6 +41,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(pancake::cases());
     all.extend(parting::cases());
     all.extend(fractures::cases());
+    all.extend(breaking::cases());
     all.extend(chimney::cases());
     all
 }
