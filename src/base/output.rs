@@ -6,7 +6,7 @@
 //!
 //! [`OutputFolder`] does the same for a folder of results: it is filled under a temporary sibling name and
 //! renamed into place at the end. An older result folder of this program (it holds the marker
-//! file [`MARKER`]) is replaced; a folder that is not ours is never touched. A long run that may be interrupted fills
+//! file [`MARKER`], which names what was written) is replaced; a folder that is not ours, or holds something else, is never touched. A long run that may be interrupted fills
 //! [`OutputFolder::unfinished`], a sibling `NAME.unfinished` that stays once there is something to go on from.
 
 use std::fs::{self, File};
@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 /// Name of the file by which a result folder of this program is known.
 pub const MARKER: &str = ".fallwerk-output";
 
+/// First line of the marker; the names of what was written follow, a line each.
 const MARKER_TEXT: &str =
     "Results of fallwerk. This folder is replaced as a whole by the next run with the same target.\n";
 
@@ -41,6 +42,14 @@ pub enum OutputError {
         path: PathBuf,
         /// What is wrong with it.
         what: &'static str,
+    },
+    /// The target holds something that was not written by this program.
+    #[error(
+        "{path}: is not a result of fallwerk, and would be lost with the folder; move it, or name another folder"
+    )]
+    Foreign {
+        /// What it holds.
+        path: PathBuf,
     },
     /// The file system refused.
     #[error("{path}: {source}")]
@@ -220,6 +229,9 @@ impl OutputFolder {
     /// If the target has meanwhile become a folder that is not ours, or the file system refuses; an
     /// older result folder is then still in place.
     pub fn commit(mut self) -> Result<PathBuf, OutputError> {
+        let names = names_in(&self.temporary).map_err(at(&self.temporary))?;
+        let listed = names.iter().filter(|name| *name != MARKER).map(|name| format!("{name}\n"));
+        self.write(MARKER, (MARKER_TEXT.to_string() + &listed.collect::<String>()).as_bytes())?;
         sync_tree(&self.temporary).map_err(at(&self.temporary))?;
         may_replace(&self.target)?;
         let name = self.target.file_name().unwrap_or_default().to_string_lossy();
@@ -261,9 +273,30 @@ fn may_replace(target: &Path) -> Result<(), OutputError> {
             what: "exists and is not a folder",
         });
     }
-    let ours = target.join(MARKER).is_file();
-    let empty = || fs::read_dir(target).map(|mut d| d.next().is_none()).map_err(at(target));
-    if ours || empty()? { Ok(()) } else { Err(OutputError::NotOurs { path: target.to_path_buf() }) }
+    let names = names_in(target).map_err(at(target))?;
+    let Ok(marker) = fs::read_to_string(target.join(MARKER)) else {
+        return if names.is_empty() {
+            Ok(())
+        } else {
+            Err(OutputError::NotOurs { path: target.to_path_buf() })
+        };
+    };
+    let written: Vec<&str> = marker.lines().skip(1).collect();
+    let is_foreign = |name: &&String| *name != MARKER && !written.contains(&name.as_str());
+    match names.iter().find(is_foreign) {
+        Some(name) if !written.is_empty() => Err(OutputError::Foreign { path: target.join(name) }),
+        _ => Ok(()),
+    }
+}
+
+/// What a folder holds, in order.
+fn names_in(folder: &Path) -> io::Result<Vec<String>> {
+    let mut names = Vec::new();
+    for item in fs::read_dir(folder)? {
+        names.push(item?.file_name().to_string_lossy().into_owned());
+    }
+    names.sort_unstable();
+    Ok(names)
 }
 
 /// Clears what killed runs left beside the target: unfinished folders go; a finished folder that was
@@ -326,6 +359,12 @@ mod tests {
         second.write("c.txt", b"two").unwrap();
         drop(second);
         assert!(target.join("a/b.txt").exists(), "an abandoned run changes nothing");
+
+        let note = target.join("my note.txt");
+        fs::write(&note, b"keep").unwrap();
+        let refused = OutputFolder::create(&target).unwrap_err().to_string();
+        assert!(refused.contains("my note.txt") && refused.contains("move it"), "{refused}");
+        fs::remove_file(&note).unwrap();
 
         let third = OutputFolder::create(&target).unwrap();
         third.write("c.txt", b"three").unwrap();

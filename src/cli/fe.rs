@@ -166,6 +166,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         return super::fe_deck::write_building(&building, options.mesh_size_m, [path, &arguments.building]);
     }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
+    super::generate_mbs::keep_results_of_validation(&target, "--output names another folder")?;
     let notes = notes(&building, &options);
     notes.iter().for_each(|note| eprintln!("warning: {note}"));
     let checkpoints =

@@ -126,13 +126,19 @@ fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
 
 /// A validation takes long; a quick run without one does not replace it unasked.
 fn keep_validation(arguments: &Arguments, target: &Path) -> Result<(), Failure> {
-    if arguments.validate || arguments.force || !target.join(VALIDATION_FILE).exists() {
+    if arguments.validate || arguments.force {
         return Ok(());
     }
-    Err(Failure::input(format!(
-        "{} holds the results of a run with --validate\n  = help: --force replaces them, --output names another folder",
-        target.display()
-    )))
+    keep_results_of_validation(target, "--force replaces them, --output names another folder")
+}
+
+/// Refuses a folder that holds a validation.
+pub(super) fn keep_results_of_validation(target: &Path, help: &str) -> Result<(), Failure> {
+    if !target.join(VALIDATION_FILE).exists() {
+        return Ok(());
+    }
+    let shown = target.display();
+    Err(Failure::input(format!("{shown} holds the results of a run with --validate\n  = help: {help}")))
 }
 
 struct Computed {
@@ -170,7 +176,8 @@ fn make(
     let hash = ContentHash::of_value(building).map_err(|e| Failure::input(e.to_string()))?.to_string();
     write_json(output, "model.json", &generated.model)?;
     write_json(output, "trace.json", &TraceFile::of(building, &hash, &generated))?;
-    let (runs, wall_s) = run_mbs(&generated, &arguments.latent.options())?;
+    let (runs, wall_s) = run_mbs(&generated, &arguments.latent.options())
+        .map_err(|failure| with_notes(failure, &generated.notes))?;
     let mbs = &runs[0];
     write_mbs(output, mbs)?;
     let review = match arguments.review {
@@ -248,6 +255,12 @@ fn compare(
         .map_err(|e| Failure::stopped(e.to_string()))?;
     write(output, "report.html", &page)?;
     Ok(Comparison { fe, hybrid, facts, validation })
+}
+
+/// A run that stopped, with what an analyst should look at: one of it may be why.
+fn with_notes(failure: Failure, notes: &[String]) -> Failure {
+    let message = notes.iter().fold(failure.message, |all, note| format!("{all}\n  = note: {note}"));
+    Failure { message, ..failure }
 }
 
 /// Runs the model and, with gravity changed by next to nothing, some more times; the first result carries the median processor time. Also returns the median wall time \[s\].

@@ -61,7 +61,7 @@ fn as_json(building: &Building, structure: &Structure, demands: &Demands) -> ser
         "removed": names(&removed.iter().copied().collect::<Vec<_>>()),
         "load_paths_after": structure.load_paths(building, &removed),
         "demands": demands,
-        "warnings": demands.warnings(),
+        "warnings": demands.warnings(building),
     })
 }
 
@@ -72,7 +72,7 @@ fn text(building: &Building, structure: &Structure, demands: &Demands) -> String
     connections(&mut out, structure);
     bodies(&mut out, building, structure);
     paths(&mut out, building, structure);
-    states(&mut out, demands);
+    states(&mut out, building, demands);
     out
 }
 
@@ -166,7 +166,7 @@ fn paths(out: &mut String, building: &Building, structure: &Structure) {
     }
 }
 
-fn states(out: &mut String, demands: &Demands) {
+fn states(out: &mut String, building: &Building, demands: &Demands) {
     let states = [("before", Some(&demands.before)), ("after", demands.after.as_ref())];
     let _ = writeln!(out, "\nElastic dead-load states");
     for (name, summary) in states.iter().filter_map(|(name, s)| s.map(|s| (name, s))) {
@@ -192,7 +192,7 @@ fn states(out: &mut String, demands: &Demands) {
         };
         let _ = writeln!(out, "  {name:<8}{line}");
     }
-    for warning in demands.warnings() {
+    for warning in demands.warnings(building) {
         let _ = writeln!(out, "  warning: {warning}");
     }
     let _ = writeln!(

@@ -82,6 +82,8 @@ pub struct BeamEnd {
 pub struct BeamEnds {
     /// The ends.
     pub ends: [BeamEnd; 2],
+    /// Axial force at the begin of the step to the next evaluation, as of [`super::Hinge2::axial_before_n`].
+    pub axial_before_n: Option<f64>,
     /// Elastic rotation in the middle in the last step \[rad\], and the load then.
     last: (f64, SpanLoad),
 }
@@ -116,6 +118,15 @@ impl BeamEnds {
         broken.map(|e| e.course.after_flow(1.0 - e.beyond)).fold(1.0, f64::min)
     }
 
+    /// Takes back the flow after a share of the last step.
+    pub fn take_back(&mut self, share: f64) {
+        for end in &mut self.ends {
+            let flow = end.course.flow_after(share);
+            end.plastic_rad -= flow;
+            end.alpha_rad -= flow.abs();
+        }
+    }
+
     /// Whether an end has broken.
     pub fn is_broken(&self) -> bool {
         self.ends.iter().any(|e| e.damage >= 1.0)
@@ -143,12 +154,13 @@ impl BeamEnds {
             trial[i].abs() <= capacity.moment_nm
         });
         let mut moments = trial;
+        let mean_n = 0.5 * (self.axial_before_n.unwrap_or(axial_force_n) + axial_force_n);
         if bears != [true; 2] {
             step.flow_rad = self.settle(table, springs, trial, levels);
             for (end, flow) in self.ends.iter_mut().zip(step.flow_rad).filter(|(_, flow)| *flow != 0.0) {
                 end.plastic_rad += flow;
                 end.alpha_rad += flow.abs();
-                let used = flow.abs() / table.fracture_rotation_rad(axial_force_n, &mut end.hint);
+                let used = flow.abs() / table.fracture_rotation_rad(mean_n, &mut end.hint);
                 end.damage += used;
                 end.beyond = ((end.damage - 1.0) / used).clamp(0.0, 1.0);
                 step.flowing = true;

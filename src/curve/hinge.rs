@@ -45,6 +45,8 @@ pub struct Hinge2 {
     pub out_of_range: bool,
     /// How long the step to the next evaluation is against the one before; zero: rates have jumped in between, or nothing is known.
     pub pace: f64,
+    /// Axial force at the begin of the step to the next evaluation (compression positive), if it is known: what flows in the step does so under the mean of it and that of its end \[N\].
+    pub axial_before_n: Option<f64>,
     /// Whether it flowed in the last step, and how it was turned in it \[rad\].
     flows: bool,
     turned_rad: [f64; 2],
@@ -131,7 +133,8 @@ impl Hinge2 {
             return stays;
         }
         let (step, x) = self.flow(laws, e, levels, &begin, first);
-        let used = x / self.fracture_rotation_rad(laws, axial_force_n);
+        let mean_n = 0.5 * (self.axial_before_n.unwrap_or(axial_force_n) + axial_force_n);
+        let used = x / self.fracture_rotation_rad(laws, mean_n);
         self.damage += used;
         if self.damage >= 1.0 && !self.fractured {
             (self.fractured, self.beyond) = (true, ((self.damage - 1.0) / used).min(1.0));
@@ -242,6 +245,14 @@ impl Hinge2 {
     /// The share of the last step after which it broke; 1 if it did not.
     pub fn broke_at(&self) -> f64 {
         if self.fractured { 1.0 - (1.0 - self.begins) * self.beyond } else { 1.0 }
+    }
+
+    /// Takes back the flow after a share of the last step.
+    pub fn take_back(&mut self, share: f64) {
+        let left = if share > self.begins { (1.0 - share) / (1.0 - self.begins) } else { 1.0 };
+        let flow = self.flow_rad.map(|flow| left * flow);
+        (0..2).for_each(|k| self.plastic_rad[k] -= flow[k]);
+        self.alpha_rad = (self.alpha_rad - flow[0].hypot(flow[1])).max(0.0);
     }
 
     /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].

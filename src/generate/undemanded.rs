@@ -49,6 +49,7 @@ pub(super) fn notes(basis: &Basis<'_>) -> Vec<String> {
     }
     let remedy = remedies.into_iter().collect::<Vec<_>>().join("; ");
     notes.extend(unsolved_words(basis, &features, &why.join(", "), &remedy));
+    notes.extend(demands.overloaded(basis.building));
     notes
 }
 

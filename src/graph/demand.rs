@@ -170,25 +170,56 @@ impl StateSummary {
 }
 
 impl Demands {
-    /// Warnings of both states, each with the name of its state.
-    pub fn warnings(&self) -> Vec<String> {
+    /// Warnings of both states, each with the name of its state, and of columns that are overloaded before.
+    pub fn warnings(&self, building: &Building) -> Vec<String> {
         let states = [("before", Some(&self.before)), ("after", self.after.as_ref())];
         let named = |(name, state): (&str, Option<&StateSummary>)| {
             let all = state.map(StateSummary::warnings).unwrap_or_default();
             all.into_iter().map(|warning| format!("{name}: {warning}")).collect::<Vec<_>>()
         };
-        states.into_iter().flat_map(named).collect()
+        states.into_iter().flat_map(named).chain(self.overloaded(building)).collect()
+    }
+
+    /// That columns bear more than they can before any charge goes off, which no static state does, if so.
+    pub fn overloaded(&self, building: &Building) -> Option<String> {
+        let columns = columns_of(building);
+        let ratio = |end: &EndDemand| Some((end.before?.homogenised.ratio, member_of(&end.id)?.to_string()));
+        let over =
+            self.ends.iter().filter_map(ratio).filter(|(r, id)| *r > 1.0 && columns.contains(id.as_str()));
+        let (mut most, mut ids) = ((0.0, String::new()), BTreeSet::new());
+        for (ratio, id) in over {
+            ids.insert(id.clone());
+            most = if ratio > most.0 { (ratio, id) } else { most };
+        }
+        (!ids.is_empty()).then(|| {
+            format!(
+                "{} of {} columns bear more than the homogenised law can under dead load, before any charge: {} by a factor of {:.2}; give them larger sections or a law that yields later",
+                ids.len(),
+                columns.len(),
+                most.1,
+                most.0
+            )
+        })
     }
 
     /// Largest ratio of demand to capacity of all column ends after the charges, or before if there are none; `None` if there is no solution.
     pub fn largest_of_columns(&self, building: &Building, ratio: fn(&EndState) -> f64) -> Option<f64> {
-        let columns: BTreeSet<&str> =
-            building.members.iter().filter(|m| m.kind == MemberKind::Column).map(|m| m.id.as_str()).collect();
-        let column = |id: &str| id.rsplit_once('.').is_some_and(|(member, _)| columns.contains(member));
+        let columns = columns_of(building);
+        let column = |id: &str| member_of(id).is_some_and(|member| columns.contains(member));
         let state = |end: &EndDemand| if self.after.is_some() { end.after } else { end.before };
         let states = self.ends.iter().filter(|end| column(&end.id)).filter_map(state);
         states.map(|s| ratio(&s)).reduce(f64::max)
     }
+}
+
+/// The ids of all columns.
+fn columns_of(building: &Building) -> BTreeSet<&str> {
+    building.members.iter().filter(|m| m.kind == MemberKind::Column).map(|m| m.id.as_str()).collect()
+}
+
+/// The member of an end.
+fn member_of(end: &str) -> Option<&str> {
+    end.rsplit_once('.').map(|(member, _)| member)
 }
 
 /// One state: its summary and the state of each end.

@@ -79,6 +79,26 @@ fn buildings_of_the_plan_keep_their_moments() {
     }
 }
 
+/// Columns that dead load is too much for are told, whatever is charged.
+#[test]
+fn columns_that_bear_too_much_before_any_charge_are_told() {
+    let mut building = reference();
+    let (_, demands) = states(&building);
+    assert_eq!(demands.warnings(&building), Vec::<String>::new());
+    for law in building.materials.values_mut() {
+        if let fallwerk::building::Material::Homogenised(law) = law {
+            law.hardening.iter_mut().for_each(|point| point.stress_pa *= 0.02);
+        }
+    }
+    let (_, demands) = states(&building);
+    let warnings = demands.warnings(&building);
+    let [warning] = &warnings[..] else { panic!("{warnings:?}") };
+    assert!(
+        warning.contains(" of 12 columns bear more than the homogenised law can under dead load"),
+        "{warning}"
+    );
+}
+
 /// Demands that grow along a ray grow in proportion, through the force at which the section bears no moment any more, and beside it.
 #[test]
 fn a_ratio_is_by_how_much_a_demand_may_grow() {

@@ -239,5 +239,5 @@ fn a_column_that_is_left_out_is_told() {
     let (_, left_out, warnings) = borne(&demands.before);
     assert_eq!(left_out, ["K"]);
     assert!(warnings.len() == 1 && warnings[0].starts_with("K touch"), "{warnings:?}");
-    assert!(demands.warnings()[0].starts_with("before: K touch"));
+    assert!(demands.warnings(&building)[0].starts_with("before: K touch"));
 }

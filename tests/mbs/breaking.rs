@@ -3,7 +3,7 @@
 use super::support::*;
 use fallwerk::curve::ResistanceCurve;
 use fallwerk::mbs::model::*;
-use fallwerk::mbs::result::{EventKind, RunResult};
+use fallwerk::mbs::result::{EventKind, HingeHistory, RunResult};
 use fallwerk::mbs::simulate;
 
 const LENGTH_M: f64 = 4.0;
@@ -112,5 +112,18 @@ fn a_bar_that_an_event_makes_too_weak_pulls_no_longer() {
     for step_s in [None, Some(1e-4)] {
         let [weakened, released] = [falls(&weaken, step_s), falls(&release, step_s)];
         assert!((weakened - released).abs() < 1e-6, "{step_s:?}: {weakened} {released}");
+    }
+}
+
+/// A hinge that has broken has turned as far as it bears, and no farther.
+#[test]
+fn a_broken_hinge_has_turned_as_far_as_it_bears() {
+    for step_s in [1e-3, 2.5e-4] {
+        for is_beam in [false, true] {
+            let run = simulate(&falling(is_beam, 1e-2, 2.5, step_s)).unwrap();
+            let turned = |h: &HingeHistory| *h.plastic_rotation_rad.last().unwrap();
+            let most = run.hinges.iter().map(turned).fold(0.0, f64::max);
+            assert!((most - 1e-2).abs() < 2e-5, "{step_s}, beam: {is_beam}: {most}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::support::*;
 use fallwerk::mbs::model::*;
-use fallwerk::mbs::{RunResult, simulate};
+use fallwerk::mbs::{RunResult, math, simulate};
 use std::f64::consts::{PI, TAU};
 
 fn scene(end_s: f64, friction: f64) -> Model {
@@ -147,5 +147,40 @@ fn what_stands_on_a_face_of_many_corners_stands_still() {
             let off = x.hypot(y).max((z - start).abs());
             assert!(off < 5e-4 && 1.0 - w.abs() < 1e-7, "{n}: body {body} moved by {off}, turned {w}");
         }
+    }
+}
+
+/// Hulls of random points dropped on a slab with six corners: what comes down first is their lowest corner, which lies on any of their faces, and it stays above the slab.
+#[test]
+fn random_hulls_land_on_their_lowest_corners() {
+    let mut state = 20_260_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for k in 0..40 {
+        let points: Vec<[f64; 3]> =
+            (0..5 + k % 20).map(|_| std::array::from_fn(|_| 0.3 * (random() - 0.5))).collect();
+        let lowest = points.iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+        let mut m = scene(0.6, 0.5);
+        m.contact.ground = None;
+        m.bodies.push(prism("base", 6, 1.5, [-1.0, 0.0], 1e9));
+        m.bodies[0].inertia_kg_m2 = [[1e9, 0.0, 0.0], [0.0, 1e9, 0.0], [0.0, 0.0, 1e9]];
+        let center = [0.0, 0.0, 0.02 - lowest];
+        let raised: Vec<[f64; 3]> = points.iter().map(|p| [p[0], p[1], p[2] + center[2]]).collect();
+        m.bodies.push(hull("stone", &raised, center, 5.0, [0.03, 0.04, 0.05]));
+        m.bodies[1].velocity_m_s = [0.3, 0.0, -2.0];
+        m.settings.output_interval_s = 0.005;
+        let run = simulate(&m).unwrap();
+        let mut worst = 0.0_f64;
+        for frame in &run.frames {
+            let (x, r) = (frame.position_m[1], math::qmat(frame.orientation[1]));
+            let low = points.iter().map(|p| math::add(x, math::mul(&r, *p))[2]).fold(f64::INFINITY, f64::min);
+            let top = frame.position_m[0][2] + 0.5;
+            worst = worst.min(low - top);
+        }
+        let touches = run.events.iter().map(|e| e.time_s).fold(f64::INFINITY, f64::min);
+        assert!(worst > -1e-3, "{k}: {worst} m");
+        assert!(touches < 0.011, "{k}: {touches} s");
     }
 }

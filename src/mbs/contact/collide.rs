@@ -205,7 +205,7 @@ impl Solid {
         }
     }
 
-    /// The face that looks most along a direction of its frame; a ball has none.
+    /// The face with a corner that reaches farthest along a direction of its frame, and of these the one that looks most along it; a ball has none.
     fn face_towards(&self, along: Vector) -> Option<Face> {
         match self {
             Self::Box(half) => {
@@ -224,11 +224,17 @@ impl Solid {
             }
             Self::Ball(_) => None,
             Self::Hull(hull, corners) => {
-                let faces = hull.faces().iter().enumerate();
+                let all = hull.vertices_adj_to_face();
+                let own = |first: u32, count: u32| &all[first as usize..(first + count) as usize];
+                let far = |k: &u32| math::dot(corners[*k as usize], array(along));
+                // of faces with a corner that reaches farthest, or next to that
+                let farthest = self.reach_along(along) - HIDDEN * self.thickness();
+                let faces = hull.faces().iter().enumerate().filter(|(_, f)| {
+                    own(f.first_vertex_or_edge, f.num_vertices_or_edges).iter().any(|k| far(k) >= farthest)
+                });
                 let (id, face) =
                     faces.max_by(|p, q| p.1.normal.dot(along).total_cmp(&q.1.normal.dot(along)))?;
-                let first = face.first_vertex_or_edge as usize;
-                let own = &hull.vertices_adj_to_face()[first..first + face.num_vertices_or_edges as usize];
+                let own = own(face.first_vertex_or_edge, face.num_vertices_or_edges);
                 let corners = own.iter().map(|k| corners[*k as usize]).collect();
                 Some(Face { corners, normal: array(face.normal), id: id as u32 })
             }
@@ -245,82 +251,6 @@ impl Solid {
         matches!(self, Self::Ball(_))
     }
 }
-
-/// A lower bound of the distance of two solids \[m\]; for boxes the largest gap along their six face normals.
-pub fn separation(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> f64 {
-    let d = math::sub(b.1.x, a.1.x);
-    let (Solid::Box(half_a), Solid::Box(half_b)) = (a.0, b.0) else {
-        let distance = math::norm(d);
-        if distance == 0.0 {
-            return f64::NEG_INFINITY;
-        }
-        let along = math::scale(1.0 / distance, d);
-        return distance - a.0.reach(a.1, along) - b.0.reach(b.1, math::scale(-1.0, along));
-    };
-    let in_a = math::mul_t(&a.1.r, d);
-    let in_b = math::mul_t(&b.1.r, d);
-    let c = math::matmul(&math::transpose(&a.1.r), &b.1.r);
-    let mut gap = f64::NEG_INFINITY;
-    for i in 0..3 {
-        let reach_b: f64 = (0..3).map(|j| c[i][j].abs() * half_b[j]).sum();
-        let reach_a: f64 = (0..3).map(|j| c[j][i].abs() * half_a[j]).sum();
-        gap = gap.max(in_a[i].abs() - half_a[i] - reach_b).max(in_b[i].abs() - half_b[i] - reach_a);
-    }
-    gap
-}
-
-/// The same bound for boxes along the products of their edges: with [`separation`] all axes that can part two boxes. Nothing for others \[m\].
-pub fn edge_separation(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> f64 {
-    let (Solid::Box(half_a), Solid::Box(half_b)) = (a.0, b.0) else { return f64::NEG_INFINITY };
-    let d = math::mul_t(&a.1.r, math::sub(b.1.x, a.1.x));
-    let c = math::matmul(&math::transpose(&a.1.r), &b.1.r);
-    let mut gap = f64::NEG_INFINITY;
-    for i in 0..3 {
-        let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
-        for j in 0..3 {
-            let square = 1.0 - c[i][j] * c[i][j];
-            if square < PARALLEL {
-                continue;
-            }
-            let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
-            let apart = (d[i2] * c[i1][j] - d[i1] * c[i2][j]).abs();
-            let reach_a = half_a[i1] * c[i2][j].abs() + half_a[i2] * c[i1][j].abs();
-            let reach_b = half_b[j1] * c[i][j2].abs() + half_b[j2] * c[i][j1].abs();
-            gap = gap.max((apart - reach_a - reach_b) / square.sqrt());
-        }
-    }
-    gap
-}
-
-/// The direction from the first to the second of two solids along which they are farthest apart, or least in each other: one of those that can part boxes, for others the one between their origins.
-pub fn widest_gap(a: (&Solid, &Placed), b: (&Solid, &Placed)) -> V3 {
-    let d = math::sub(b.1.x, a.1.x);
-    let (Solid::Box(_), Solid::Box(_)) = (a.0, b.0) else {
-        return math::scale(1.0 / math::norm(d).max(f64::MIN_POSITIVE), d);
-    };
-    let [of_a, of_b] = [a.1, b.1].map(|at| math::transpose(&at.r));
-    let edges = of_a.iter().flat_map(|i| of_b.iter().map(move |j| math::cross(*i, *j)));
-    let crossed = edges.filter_map(|n| {
-        let square = math::dot(n, n);
-        (square >= PARALLEL).then(|| math::scale(1.0 / square.sqrt(), n))
-    });
-    let outwards = |n: V3| if math::dot(n, d) < 0.0 { math::scale(-1.0, n) } else { n };
-    let all = of_a.into_iter().chain(of_b).chain(crossed).map(outwards);
-    let (_, along) = all.fold((f64::NEG_INFINITY, [0.0; 3]), |best, n| {
-        let gap = gap_along(a, b, n);
-        if gap > best.0 { (gap, n) } else { best }
-    });
-    along
-}
-
-/// The gap between two solids along a direction of unit length from the first to the second \[m\].
-pub fn gap_along(a: (&Solid, &Placed), b: (&Solid, &Placed), along: V3) -> f64 {
-    let d = math::dot(math::sub(b.1.x, a.1.x), along);
-    d - a.0.reach(a.1, along) - b.0.reach(b.1, math::scale(-1.0, along))
-}
-
-/// Square of the sine of the angle between edges up to which they are parallel.
-const PARALLEL: f64 = 1e-6;
 
 /// Finds the points of two solids; the manifolds are kept as working memory.
 #[derive(Default)]
@@ -380,8 +310,15 @@ impl Finder {
             0.0
         };
         let m = &self.manifold;
-        if !m.points.is_empty() && many_cornered(a.0, b.0, &between, m.local_n1, reach - shift, found) {
-            return Some([array(m.local_n1), array(m.local_n2)]);
+        let deepest = m.points.iter().map(|p| p.dist - shift).reduce(f64::min);
+        if let Some(deepest) = deepest.filter(|_| a.0.is_hull() || b.0.is_hull()) {
+            on_faces(a.0, b.0, &between, m.local_n1, reach, found);
+            // of what is deeper elsewhere these faces know nothing
+            let slack = HIDDEN * a.0.thickness().min(b.0.thickness());
+            if found.iter().any(|p| p.gap <= deepest + slack) {
+                return Some([array(m.local_n1), array(m.local_n2)]);
+            }
+            found.clear();
         }
         found.extend(m.points.iter().map(|p| Found {
             on_a: array(p.local_p1),
@@ -394,17 +331,20 @@ impl Finder {
 }
 
 impl Finder {
-    /// Where the faces of two solids tell that parry has taken them to be in each other deeper than they are, or has not seen that they touch, as happens to hulls at no distance: finds their points with the second one moved away until
-    /// there is one. By how much its gaps are too large \[m\].
+    /// Where the faces of two solids that are in each other, or nearly touch, part them better than the normal that parry has found, or it has not seen that they touch, as happens to hulls at next to no distance: finds their points with the
+    /// second one moved away until there is one. By how much its gaps are too large \[m\].
     fn look_from_apart(&mut self, a: &Solid, b: &Solid, between: &Pose, reach: f64) -> f64 {
         if a.is_round() || b.is_round() {
             return 0.0;
         }
-        let (n, gap) = widest_of_faces(a, b, between);
         let size = a.thickness().min(b.thickness());
         let found = self.manifold.points.iter().map(|p| p.dist).reduce(f64::min);
+        if found.is_some_and(|least| least > TOUCHING * size) {
+            return 0.0;
+        }
+        let (n, gap) = widest_of_faces(a, b, between);
         let is_wrong = match found {
-            Some(least) => least < gap - HIDDEN * size,
+            Some(_) => gap_of(a, b, between, self.manifold.local_n1) < gap - HIDDEN * size,
             None => gap <= reach && gap.abs() <= TOUCHING * size,
         };
         if !is_wrong {
@@ -413,7 +353,7 @@ impl Finder {
         let away = TOUCHING * size - gap;
         let mut apart = *between;
         apart.translation += n * away;
-        touch(a, b, &apart, reach + away, &mut self.aside);
+        touch(a, b, &apart, reach + away + HIDDEN * size, &mut self.aside);
         if self.aside.points.is_empty() {
             return 0.0;
         }
@@ -422,23 +362,10 @@ impl Finder {
     }
 }
 
-/// Corners of faces that parry looks at.
-const OF_PARRY: usize = 4;
-
-/// The points of two faces on each other of which one has more corners than parry takes of it, for the normal that it found in the frame of the first, no farther apart than `reach` \[m\]; whether there are any.
-fn many_cornered(
-    a: &Solid,
-    b: &Solid,
-    between: &Pose,
-    normal: Vector,
-    reach: f64,
-    found: &mut Vec<Found>,
-) -> bool {
+/// The points of two faces on each other, for the normal that parry found in the frame of the first, no farther apart than `reach` \[m\]: it takes no more than four corners of a face, and may lose those that lie on edges.
+fn on_faces(a: &Solid, b: &Solid, between: &Pose, normal: Vector, reach: f64, found: &mut Vec<Found>) {
     let (of_a, of_b) = (a.face_towards(normal), b.face_towards(between.rotation.inverse() * -normal));
-    let (Some(of_a), Some(mut of_b)) = (of_a, of_b) else { return false };
-    if of_a.corners.len().max(of_b.corners.len()) <= OF_PARRY {
-        return false;
-    }
+    let (Some(of_a), Some(mut of_b)) = (of_a, of_b) else { return };
     of_b.corners.iter_mut().for_each(|c| *c = array(*between * vector(*c)));
     of_b.normal = array(between.rotation * vector(of_b.normal));
     let back = between.inverse();
@@ -449,12 +376,16 @@ fn many_cornered(
         gap: m.gap,
         id: m.id,
     }));
-    !found.is_empty()
 }
 
-/// By how much less than the gap along a face, over the thickness of the thinner one, the distance of two solids may be found; and the distance to which those are moved apart that are nearer than that, over the same.
+/// By how much less than the gap along a face, over the thickness of the thinner one, that along the normal of two solids may be; and the distance from which on they are taken as they are found, to which others are moved apart, over the same.
 const HIDDEN: f64 = 1e-6;
 const TOUCHING: f64 = 1e-4;
+
+/// The gap between two solids along a direction of the frame of the first \[m\].
+fn gap_of(a: &Solid, b: &Solid, between: &Pose, n: Vector) -> f64 {
+    between.translation.dot(n) - a.reach_along(n) - b.reach_along(between.rotation.inverse() * -n)
+}
 
 /// Of the normals of faces of two solids, in the frame of the first and away from it, the one along which they are farthest apart, and how far \[m\].
 fn widest_of_faces(a: &Solid, b: &Solid, between: &Pose) -> (Vector, f64) {
@@ -670,6 +601,42 @@ mod tests {
             let boxes = [(&Solid::Box(half), &Placed::HERE), (&Solid::Box(half), &above)];
             Finder::default().find(boxes[0], boxes[1], 0.02, &mut found).unwrap();
             assert_eq!(found.len(), 4, "{shift}: {found:?}");
+        }
+    }
+
+    /// Hulls reach as far as the points that they are given by, whatever lies in planes, twice, or inside.
+    #[test]
+    fn hulls_reach_as_far_as_their_points() {
+        let mut random = Random::of(11);
+        for round in 0..400 {
+            let mut points_m: Vec<V3> = match round % 4 {
+                0 => Shape::cuboid([0.0; 3], [0.5, 0.3, 0.2]).corners(),
+                1 => (0..24)
+                    .flat_map(|k| {
+                        let at = std::f64::consts::TAU * f64::from(k) / 24.0;
+                        [-0.1, 0.1].map(|z| [0.5 * at.cos(), 0.5 * at.sin(), z])
+                    })
+                    .collect(),
+                2 => (0..12).map(|_| std::array::from_fn(|_| random.share() - 0.5)).collect(),
+                _ => (0..6).map(|_| [random.share(), random.share(), 1e-3 * random.share()]).collect(),
+            };
+            for _ in 0..round % 9 {
+                let [p, q] = [0, 1].map(|_| points_m[(random.share() * points_m.len() as f64) as usize]);
+                let share = random.share();
+                points_m.push(math::axpy(p, share, math::sub(q, p)));
+                points_m.push(p);
+            }
+            let turn = math::qexp(std::array::from_fn(|_| 2.0 * random.share()));
+            let turned: Vec<V3> = points_m.iter().map(|p| math::mul(&math::qmat(turn), *p)).collect();
+            let (solid, _) = Solid::of(&Shape::Hull { points_m: turned.clone() });
+            assert!(matches!(solid, Solid::Hull(..)), "{round}");
+            for _ in 0..50 {
+                let along: V3 = std::array::from_fn(|_| random.share() - 0.5);
+                let along = math::scale(1.0 / math::norm(along), along);
+                let most = turned.iter().map(|p| math::dot(*p, along)).fold(f64::NEG_INFINITY, f64::max);
+                let found = solid.reach(&Placed::HERE, along);
+                assert!((found - most).abs() < 1e-9, "{round}: {found} {most}");
+            }
         }
     }
 }

@@ -26,6 +26,8 @@ pub(super) struct Meeting {
 
 /// Cosine of the angle between the normal of a face and that of the contact below which it is seen too much from the side.
 const STEEP: f64 = 0.1;
+/// Distance from an edge up to which a point is on it, over its length.
+const ON_EDGE: f64 = 1e-9;
 /// Marks of corners and edges in names of features.
 const CORNER: u32 = 1 << 28;
 const EDGE: u32 = 2 << 28;
@@ -79,12 +81,14 @@ fn away([px, py]: [f64; 2], [qx, qy]: [f64; 2]) -> [f64; 2] {
     [qx - px, qy - py]
 }
 
-/// Whether a point is within a convex polygon, or on its edge.
+/// Whether a point is within a convex polygon, or on its edge to rounding.
 fn is_within(point: [f64; 2], polygon: &[[f64; 2]]) -> bool {
     let mut sides = [false; 2];
     for (i, from) in polygon.iter().enumerate() {
-        let side = cross(away(*from, polygon[(i + 1) % polygon.len()]), away(*from, point));
-        sides[usize::from(side > 0.0)] |= side != 0.0;
+        let (edge, to) = (away(*from, polygon[(i + 1) % polygon.len()]), away(*from, point));
+        let side = cross(edge, to);
+        let square = edge[0] * edge[0] + edge[1] * edge[1];
+        sides[usize::from(side > 0.0)] |= side.abs() > ON_EDGE * square;
     }
     sides != [true; 2]
 }
@@ -106,6 +110,23 @@ mod tests {
         let at = |k: usize| TAU * k as f64 / n as f64 + turn;
         let corners = (0..n).map(|k| [radius * at(k).cos(), radius * at(k).sin(), height]).collect();
         Face { corners, normal: [0.0, 0.0, up], id: 7 }
+    }
+
+    /// Faces with all their corners in common, to rounding, meet in each of them.
+    #[test]
+    fn equal_faces_meet_in_all_corners() {
+        for k in 0..200 {
+            let turn = 0.037 * f64::from(k);
+            let off = 1e-16 * f64::from(k % 5);
+            let below = polygon(4, 1.0, turn, 0.0, 1.0);
+            let mut above = polygon(4, 1.0, turn, 0.0, -1.0);
+            above.corners.iter_mut().for_each(|c| (c[0], c[1]) = (c[0] + off, c[1] - off));
+            let found = meetings(&below, &above, [0.0, 0.0, 1.0], 0.01);
+            for corner in &below.corners {
+                let is_there = |m: &Meeting| (m.on[0][0] - corner[0]).hypot(m.on[0][1] - corner[1]) < 1e-12;
+                assert!(found.iter().any(is_there), "{k}: {corner:?} of {found:?}");
+            }
+        }
     }
 
     /// A hexagon on a larger one has its own corners; turned by half a side on one of its size, twelve crossings.

@@ -9,6 +9,7 @@
 //! | `pair` | pairs of solids and their points over time |
 //! | `passing` | solids that pass an edge of each other within a step |
 //! | `faces` | the points in which two faces lie on each other |
+//! | `gaps` | gaps along directions that may part solids |
 //! | `groups` | who is connected with whom in a step |
 //! | `rows` | the impulses of a step |
 //! | `search` | conjugate directions where sweeps settle slowly |
@@ -40,6 +41,7 @@
 mod collide;
 mod crush;
 mod faces;
+mod gaps;
 mod groups;
 mod impact;
 mod links;

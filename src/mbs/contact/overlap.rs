@@ -1,6 +1,7 @@
 //! Which solids are inside others at the start: contacts keep such an overlap, which a user may not have meant.
 
 use super::collide::{self, Finder, Found, Placed, Solid};
+use super::gaps;
 use super::pair::Pair;
 use super::{Collider, ContactSet, Partner};
 use crate::mbs::math::{self, Q, V3};
@@ -87,12 +88,12 @@ impl ContactSet {
         (finder, found): &mut (Finder, Vec<Found>),
     ) -> Option<Overlap> {
         let (one, other) = (a.collider, b.collider);
-        let apart = || collide::separation(a.solid(), b.solid());
+        let apart = || gaps::separation(a.solid(), b.solid());
         if one.body == other.body || !collide::overlap(&a.bounds, &b.bounds) || apart() >= 0.0 {
             return None;
         }
         let depth_m = match (&one.solid, &other.solid) {
-            (Solid::Box(_), Solid::Box(_)) => -apart().max(collide::edge_separation(a.solid(), b.solid())),
+            (Solid::Box(_), Solid::Box(_)) => -apart().max(gaps::edge_separation(a.solid(), b.solid())),
             _ => {
                 finder.find(a.solid(), b.solid(), 0.0, found)?;
                 found.iter().map(|point| -point.gap).fold(0.0, f64::max)

@@ -1,6 +1,7 @@
 //! Pairs of solids and their points over time.
 
 use super::collide::{self, Placed};
+use super::gaps;
 use super::rows::{Block, Inverse, Row};
 use super::spread;
 use super::{ContactSet, Moving, NEVER_M, Partner, Surface};
@@ -8,6 +9,8 @@ use crate::mbs::math::{self, V3};
 
 /// Most points of a pair.
 pub(super) const MOST_POINTS: usize = 8;
+/// Share of the turn up to which points are kept, of those of which some do not count.
+const THINNED: f64 = 0.01;
 /// How much higher than the deepest one points may be to be as deep, over the thickness.
 const BAND: f64 = 1e-4;
 /// Points nearer than this share of the thickness are one.
@@ -83,6 +86,8 @@ pub(super) struct Pair {
     pub seen: bool,
     /// Whether a solid has changed since its points were found.
     pub outdated: bool,
+    /// Whether it has more points than count.
+    is_thinned: bool,
     /// Whether its points bore something in the last step; and the share of its resistance to crushing in this step and in the next one.
     pub bore: bool,
     pub resistance: [f64; 2],
@@ -107,6 +112,7 @@ impl Pair {
             fresh,
             seen: false,
             outdated: false,
+            is_thinned: false,
             bore: false,
             resistance: [1.0; 2],
             moment: [0.0; 3],
@@ -455,8 +461,8 @@ impl ContactSet {
     /// A lower bound of the distance of two solids, a good one if it is not above `reach` \[m\].
     fn separation(&self, pair: [usize; 2], reach: f64) -> f64 {
         let [a, b] = pair.map(|i| (&self.colliders[i].solid, &self.placed[i]));
-        let faces = collide::separation(a, b);
-        if faces > reach { faces } else { faces.max(collide::edge_separation(a, b)) }
+        let faces = gaps::separation(a, b);
+        if faces > reach { faces } else { faces.max(gaps::edge_separation(a, b)) }
     }
 
     /// Where the points of a pair are in this step.
@@ -479,7 +485,9 @@ impl ContactSet {
         let n = spots.normal;
         let turned = math::add(n, math::mul(&self.placed[pair.b as usize].r, pair.normal[1]));
         let stale = self.settings.stale;
-        if math::dot(turned, turned) > stale * stale {
+        // what turns towards points that do not count needs them at once
+        let most = if pair.is_thinned { THINNED * stale } else { stale };
+        if math::dot(turned, turned) > most * most {
             return true;
         }
         let far = stale * a.thickness.min(b.thickness);
@@ -511,7 +519,8 @@ impl ContactSet {
         pair.normal = normals;
         self.found.sort_by(|p, q| p.gap.total_cmp(&q.gap).then(p.id.cmp(&q.id)));
         let thickness = solid_a.thickness.min(solid_b.thickness);
-        if let Some(deepest) = self.found.first().filter(|_| self.found.len() > MOST_POINTS) {
+        pair.is_thinned = self.found.len() > MOST_POINTS;
+        if let Some(deepest) = self.found.first().filter(|_| pair.is_thinned) {
             let points = self.found.iter().map(|p| (p.on_a, p.gap - deepest.gap));
             let mut kept = spread::kept(points, normals[0], BAND * thickness).into_iter();
             self.found.retain(|_| kept.next() == Some(true));

@@ -3,7 +3,8 @@
 //! A point closes in a step if its gap along the normal at the begin of the step does. Solids that pass an edge of each other would be struck by points that have left the other solid by then. Until the first point closes, the plane
 //! between both parts them; if another direction parts them at that time, and still does at the end of the step, they have not met in between, since paths are straight and turns within a step small.
 
-use super::collide::{self, Placed, Solid};
+use super::collide::{Placed, Solid};
+use super::gaps;
 use super::pair::speed_of;
 use super::{ContactSet, Moving};
 use crate::mbs::math::{self, V3};
@@ -22,9 +23,9 @@ impl ContactSet {
         }
         let room = allowed + solids.iter().map(|i| self.bow_m(self.colliders[*i].body)).sum::<f64>();
         let [a, b] = solids.map(|i| self.placed_after(i, bodies, closes_s));
-        let along = collide::widest_gap((self.solid(solids[0]), &a), (self.solid(solids[1]), &b));
+        let along = gaps::widest_gap((self.solid(solids[0]), &a), (self.solid(solids[1]), &b));
         let gap = |a: &Placed, b: &Placed| {
-            collide::gap_along((self.solid(solids[0]), a), (self.solid(solids[1]), b), along)
+            gaps::gap_along((self.solid(solids[0]), a), (self.solid(solids[1]), b), along)
         };
         if gap(&a, &b) <= room {
             return false;
@@ -61,7 +62,7 @@ impl ContactSet {
         pair.points[0].on = [0, 1].map(|side: usize| math::scale(radii[side], normal[side]));
     }
 
-    fn solid(&self, i: usize) -> &collide::Solid {
+    fn solid(&self, i: usize) -> &Solid {
         &self.colliders[i].solid
     }
 

@@ -55,7 +55,10 @@ impl JointData {
         }
         self.crush_j += 0.5 * (old + self.axial_force) * shortened;
         let mut shifted = [-self.outward * closed, 0.0, 0.0];
+        let known = (self.pace == Pace::Steps).then_some(old);
+        self.hinge.axial_before_n = known;
         if let Some(beam) = &mut self.beam {
+            beam.ends.axial_before_n = known;
             let across = beam.across();
             shifted[across] = at.gap[across] - beam.gap[across];
             (beam.chord, beam.gap) = (*chord, at.gap);

@@ -297,6 +297,14 @@ impl JointData {
         if from > 0.0 { from } else { 1.0 }
     }
 
+    /// Takes back the rotation with which its hinges have flowed after a share of the last step.
+    pub(in crate::mbs) fn take_back_flow(&mut self, share: f64) {
+        match &mut self.beam {
+            Some(beam) => beam.ends.take_back(share),
+            None => self.hinge.take_back(share),
+        }
+    }
+
     /// The share of the last step after which it broke by rotation; 1 if it did not.
     pub(in crate::mbs) fn broke_at(&self) -> f64 {
         self.beam.as_ref().map_or_else(|| self.hinge.broke_at(), |beam| beam.ends.broke_at())

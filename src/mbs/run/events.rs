@@ -60,6 +60,7 @@ impl Run<'_> {
             self.released += elastic_j;
             return 0.0;
         };
+        joint.take_back_flow(1.0 - snap.early_s / self.last_step);
         joint.hinge.dissipated_j -= snap.beyond_j[0];
         joint.crush_j -= snap.beyond_j[1];
         joint.beam.iter_mut().for_each(|beam| beam.against_load_j -= snap.against_load_j);
