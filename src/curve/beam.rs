@@ -72,8 +72,6 @@ pub struct BeamEnd {
     /// How its moment went in the last [`BeamEnds::step`] \[N m, rad\], and the share of its flow that was beyond fracture.
     pub course: Course,
     beyond: f64,
-    /// Whether it flowed in the last step.
-    flows: bool,
     hint: CapacityHint,
 }
 
@@ -169,12 +167,11 @@ impl BeamEnds {
         }
         for (i, flow) in step.flow_rad.into_iter().enumerate() {
             let (begin, reached) = (old[i].moment_nm, capacities[i]);
-            self.ends[i].flows = flow != 0.0;
             self.ends[i].course = if flow == 0.0 {
                 Course::elastic(begin, moments[i])
             } else {
                 // what follows a capacity that grows with the axial force flows all the time
-                let from = if old[i].flows { None } else { leaves(begin, reached, trial[i]) };
+                let from = if old[i].course.flows() { None } else { leaves(begin, reached, trial[i]) };
                 step.onset_nm[i] = from.map_or(0.0, |share| added(begin, reached, moments[i], share));
                 Course::flowing(begin, moments[i], flow, from.map(|share| [share, reached]))
             };

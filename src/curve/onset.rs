@@ -41,6 +41,11 @@ impl Course {
         Self { begin, reached, end, from, flow }
     }
 
+    /// Whether anything flows.
+    pub fn flows(&self) -> bool {
+        self.flow != 0.0
+    }
+
     /// With the opposite sense, or the same.
     pub fn times(&self, sign: f64) -> Self {
         let Self { begin, reached, end, from, flow } = *self;

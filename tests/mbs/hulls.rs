@@ -1,6 +1,7 @@
 //! Convex hulls on each other: with faces that touch to rounding at the start, and with faces of many corners.
 
 use super::support::*;
+use fallwerk::base::random::Random;
 use fallwerk::mbs::model::*;
 use fallwerk::mbs::{RunResult, math, simulate};
 use std::f64::consts::{PI, TAU};
@@ -153,14 +154,10 @@ fn what_stands_on_a_face_of_many_corners_stands_still() {
 /// Hulls of random points dropped on a slab with six corners: what comes down first is their lowest corner, which lies on any of their faces, and it stays above the slab.
 #[test]
 fn random_hulls_land_on_their_lowest_corners() {
-    let mut state = 20_260_u64;
-    let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random::of(20_260);
     for k in 0..40 {
         let points: Vec<[f64; 3]> =
-            (0..5 + k % 20).map(|_| std::array::from_fn(|_| 0.3 * (random() - 0.5))).collect();
+            (0..5 + k % 20).map(|_| std::array::from_fn(|_| 0.3 * (random.share() - 0.5))).collect();
         let lowest = points.iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
         let mut m = scene(0.6, 0.5);
         m.contact.ground = None;

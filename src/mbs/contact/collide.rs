@@ -49,6 +49,16 @@ impl Placed {
     /// At the origin, not turned.
     pub const HERE: Self =
         Self { x: [0.0; 3], q: [1.0, 0.0, 0.0, 0.0], r: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
+
+    /// A frame in this one, where this one is.
+    #[inline]
+    pub fn of(&self, inner: &Self) -> Self {
+        Self {
+            x: math::add(self.x, math::mul(&self.r, inner.x)),
+            q: math::qmul(self.q, inner.q),
+            r: math::matmul(&self.r, &inner.r),
+        }
+    }
 }
 
 /// A point where two solids meet or nearly so.
@@ -304,14 +314,11 @@ impl Finder {
                 std::mem::swap(&mut self.manifold, &mut self.aside);
             }
         }
-        let shift = if a.0.is_hull() || b.0.is_hull() {
-            self.look_from_apart(a.0, b.0, &between, reach)
-        } else {
-            0.0
-        };
+        let has_hull = a.0.is_hull() || b.0.is_hull();
+        let shift = if has_hull { self.look_from_apart(a.0, b.0, &between, reach) } else { 0.0 };
         let m = &self.manifold;
         let deepest = m.points.iter().map(|p| p.dist - shift).reduce(f64::min);
-        if let Some(deepest) = deepest.filter(|_| a.0.is_hull() || b.0.is_hull()) {
+        if let Some(deepest) = deepest.filter(|_| has_hull) {
             on_faces(a.0, b.0, &between, m.local_n1, reach, found);
             // of what is deeper elsewhere these faces know nothing
             let slack = HIDDEN * a.0.thickness().min(b.0.thickness());
@@ -328,9 +335,7 @@ impl Finder {
         }));
         (!found.is_empty()).then(|| [array(m.local_n1), array(m.local_n2)])
     }
-}
 
-impl Finder {
     /// Where the faces of two solids that are in each other, or nearly touch, part them better than the normal that parry has found, or it has not seen that they touch, as happens to hulls at next to no distance: finds their points with the
     /// second one moved away until there is one. By how much its gaps are too large \[m\].
     fn look_from_apart(&mut self, a: &Solid, b: &Solid, between: &Pose, reach: f64) -> f64 {

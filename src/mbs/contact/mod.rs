@@ -95,14 +95,8 @@ impl Collider {
     fn placed(&self, body: Option<Placed>) -> Placed {
         match (body, &self.local) {
             (Some(body), None) => body,
-            (Some(body), Some(local)) => {
-                let x = math::add(body.x, math::mul(&body.r, local.x));
-                if self.turned {
-                    Placed { x, q: math::qmul(body.q, local.q), r: math::matmul(&body.r, &local.r) }
-                } else {
-                    Placed { x, ..body }
-                }
-            }
+            (Some(body), Some(local)) if self.turned => body.of(local),
+            (Some(body), Some(local)) => Placed { x: math::add(body.x, math::mul(&body.r, local.x)), ..body },
             (None, Some(local)) => *local,
             (None, None) => Placed::HERE,
         }

@@ -352,10 +352,8 @@ impl ContactSet {
             let low = self.feet.iter().map(|(foot, _)| rise(foot)).fold(f64::INFINITY, f64::min);
             let farthest = within.reach - pair.offset + low;
             self.feet.retain(|(foot, _)| rise(foot) <= farthest);
-            let points = self.feet.iter().map(|(foot, _)| (*foot, rise(foot) - low));
-            let kept = spread::kept(points, normal, BAND * collider.thickness);
-            let mut kept = kept.into_iter();
-            self.feet.retain(|_| kept.next() == Some(true));
+            let of = |(foot, _): &(V3, u64)| (*foot, rise(foot) - low);
+            spread::thin(&mut self.feet, of, normal, BAND * collider.thickness);
         }
         for (foot, id) in &self.feet {
             let above = math::mul(&at.r, *foot);
@@ -520,10 +518,9 @@ impl ContactSet {
         self.found.sort_by(|p, q| p.gap.total_cmp(&q.gap).then(p.id.cmp(&q.id)));
         let thickness = solid_a.thickness.min(solid_b.thickness);
         pair.is_thinned = self.found.len() > MOST_POINTS;
-        if let Some(deepest) = self.found.first().filter(|_| pair.is_thinned) {
-            let points = self.found.iter().map(|p| (p.on_a, p.gap - deepest.gap));
-            let mut kept = spread::kept(points, normals[0], BAND * thickness).into_iter();
-            self.found.retain(|_| kept.next() == Some(true));
+        if pair.is_thinned {
+            let least = self.found[0].gap;
+            spread::thin(&mut self.found, |p| (p.on_a, p.gap - least), normals[0], BAND * thickness);
         }
         let same = SAME_POINT * thickness;
         for i in 0..self.found.len() {

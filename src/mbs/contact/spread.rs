@@ -6,8 +6,14 @@ use super::links::axes_about;
 use super::pair::MOST_POINTS;
 use crate::mbs::math::{self, V3};
 
+/// Drops from a list what does not count: points `of` its items with their heights over the deepest one \[m\], across a normal.
+pub(super) fn thin<T>(list: &mut Vec<T>, of: impl Fn(&T) -> (V3, f64), normal: V3, band: f64) {
+    let mut kept = kept(list.iter().map(of), normal, band).into_iter();
+    list.retain(|_| kept.next() == Some(true));
+}
+
 /// Of points with their heights over the deepest one \[m\] which to keep, across a normal: those in a `band` above it, then those that reach farthest in any direction.
-pub(super) fn kept(points: impl Iterator<Item = (V3, f64)>, normal: V3, band: f64) -> Vec<bool> {
+fn kept(points: impl Iterator<Item = (V3, f64)>, normal: V3, band: f64) -> Vec<bool> {
     let [_, one, other] = axes_about(normal);
     let points: Vec<([f64; 2], bool)> =
         points.map(|(p, height)| ([math::dot(p, one), math::dot(p, other)], height <= band)).collect();

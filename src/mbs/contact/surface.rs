@@ -116,9 +116,8 @@ pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
     let points: Vec<math::V3> = bushings.chain(joints).collect();
     let is_beside = |shape: &Shape| {
         let (solid, in_body) = Solid::of(shape);
-        let x = math::add(body.position_m, math::mul(&turn, in_body.x));
-        let (q, r) = (math::qmul(body.orientation, in_body.q), math::matmul(&turn, &in_body.r));
-        let [low, high] = solid.bounds(&Placed { x, q, r });
+        let at = Placed { x: body.position_m, q: body.orientation, r: turn };
+        let [low, high] = solid.bounds(&at.of(&in_body));
         let near = |p: &math::V3| {
             let off: math::V3 = std::array::from_fn(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
             math::norm(off) <= solid.thickness().max(BESIDE_M)
