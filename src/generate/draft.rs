@@ -285,7 +285,7 @@ fn tracked(building: &Building, partition: &Partition, bodies: &Bodies) -> Vec<T
 /// those that a charge sets off is lost in steps. What moves at 40 rad/s, as whole floors do, is slower by 1.5e-3.
 const RELATIVE_RAD_S: f64 = 0.8 * 2.0 / LARGEST_RELATED_STEP_S;
 
-/// Mean displacement from which springs may be softer \[m\]: how a building falls is settled then.
+/// Displacement of nearly all of the mass from which springs may be softer \[m\]: how a building falls is settled then.
 const SOFT_AFTER_M: f64 = 0.5;
 
 /// Time after the last charge that tells whether a building stands \[s\]: it has fallen freely by 1.2 m then.

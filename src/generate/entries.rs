@@ -356,12 +356,11 @@ fn flow(law: &Homogenised) -> Vec<[f64; 2]> {
     if hardens { points } else { vec![[0.0, 1.0]] }
 }
 
-/// The same against plastic shortening \[m\], up to that at which a member is crushed; empty if it does not harden.
-pub fn hardening(law: &Homogenised, crushed_m: f64) -> Vec<[f64; 2]> {
+/// The same against plastic shortening \[m\] of a length \[m\]; empty if it does not harden.
+pub fn hardening(law: &Homogenised, length_m: f64) -> Vec<[f64; 2]> {
     let points = flow(law);
-    let scale = crushed_m / law.rupture_strain();
     if points.len() > 1 {
-        points.into_iter().map(|[x, share]| [x * scale, share]).collect()
+        points.into_iter().map(|[x, share]| [x * length_m, share]).collect()
     } else {
         Vec::new()
     }

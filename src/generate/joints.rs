@@ -13,6 +13,7 @@ use crate::fe::mesh::Mesh;
 use crate::library::StoreError;
 use crate::library::derive::Wanted;
 use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
+use crate::rc::crushing::CRUSHED_SHARE;
 use crate::rc::pushover::torsion_constant;
 use std::collections::BTreeMap;
 
@@ -89,10 +90,11 @@ pub fn hinges(
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
             compressive_capacity_n: capacity(entry.compressive_capacity_n),
             compressive_hardening: capacity(entry.tensile_elongation_m)
-                .map_or_else(Vec::new, |crushed_m| hardening(law, crushed_m)),
+                .map_or_else(Vec::new, |_| hardening(law, half.length_m)),
             compressive_fading: capacity(entry.compressive_capacity_n)
                 .map_or_else(Vec::new, |most_n| left_under_compression(entry, most_n)),
-            crushing_shortening_m: capacity(entry.tensile_elongation_m),
+            crushing_shortening_m: capacity(entry.tensile_elongation_m)
+                .map(|_| CRUSHED_SHARE * law.rupture_strain() * half.length_m),
             associated_flow: true,
             origin: Origin {
                 members: vec![end.id.clone()],

@@ -62,6 +62,27 @@ fn nothing_is_softer_before_bodies_have_moved_as_far() {
     assert_eq!((plain.steps, &plain.tracked, &plain.energies), (soft.steps, &soft.tracked, &soft.energies));
 }
 
+/// As below a charge in the middle of a building: what stands is struck by what falls, and has to bear it as stiff as it is.
+#[test]
+fn nothing_is_softer_as_long_as_a_tenth_of_the_mass_stands() {
+    let mut m = tower();
+    m.bodies.push(solid("pier", [20.0, 0.0, 1.0], [2.0, 2.0, 2.0]));
+    m.bushings.push(joint("base", None, "pier", [20.0, 0.0, 0.0], 3e9, 5e7, [elastic(5e7), elastic(5e7)]));
+    let mass = |m: &Model| m.bodies.iter().map(|b| b.mass_kg).sum::<f64>();
+    let pier = m.bodies.last_mut().unwrap();
+    let given = pier.mass_kg;
+    for (share, stays) in [(0.12, true), (0.08, false)] {
+        let mut m = m.clone();
+        let others = mass(&m) - given;
+        let pier = m.bodies.last_mut().unwrap();
+        pier.mass_kg = others * share / (1.0 - share);
+        let [plain, soft] = with(m, 0.1);
+        println!("{share}: {} steps for {}", soft.steps, plain.steps);
+        assert_eq!(plain.steps == soft.steps, stays, "{share}");
+        assert_eq!(plain.tracked == soft.tracked, stays, "{share}");
+    }
+}
+
 #[test]
 fn a_given_step_stays() {
     let mut m = tower();

@@ -1,7 +1,7 @@
 //! Crushing of the end of a member against closed forms.
 
 use fallwerk::building::{HardeningPoint, Homogenised};
-use fallwerk::rc::crushing::Prism;
+use fallwerk::rc::crushing::{CRUSHED_SHARE, Prism};
 
 fn prism(friction: f64, hardening: &[[f64; 2]]) -> Prism {
     let hardening = hardening
@@ -74,4 +74,33 @@ fn hardening_raises_the_resistance_and_a_weakened_end_bears_its_share() {
     let half = at(&weak.points, way) / at(&whole.points, way);
     println!("{half:.4}");
     assert!((half - 0.5).abs() < 0.01);
+}
+
+/// What generated models take for the shortening at which columns are crushed; both ends are held across.
+#[test]
+fn a_column_is_crushed_at_the_share_of_its_rupture_strain_that_models_have() {
+    let law = [[0.0, 10.5e6], [0.01, 11.55e6], [0.1, 12.25e6]];
+    let column = |critical_plastic_strain: f64, length_m: f64, side: f64, hardening: &[[f64; 2]]| {
+        let like = prism(0.5, hardening);
+        let law = Homogenised { critical_plastic_strain, youngs_modulus_pa: 16.5e9, ..like.law.clone() };
+        Prism { section_m: [side; 2], length_m, mesh_size_m: 0.4, law, ..like }
+    };
+    let cases = [
+        (0.1, 2.5, 0.4, &law[..]),
+        (0.1, 2.5, 0.3, &law[..]),
+        (0.1, 3.5, 0.4, &law[..]),
+        (0.1, 3.2, 0.6, &law[..]),
+        (0.1, 2.5, 0.4, &law[..1]),
+        (0.05, 2.5, 0.4, &law[..]),
+        (0.2, 2.5, 0.4, &law[..]),
+    ];
+    for (critical, length, side, hardening) in cases {
+        let points = column(critical, length, side, hardening).crush().unwrap().points;
+        let most = points.iter().map(|p| p[1]).fold(0.0, f64::max);
+        let top = points.iter().position(|p| p[1] == most).unwrap();
+        let lost = points[top..].iter().find(|p| p[1] < 0.5 * most).unwrap()[0];
+        let share = lost / (critical * length);
+        println!("rupture strain {critical}, {length} m by {side} m: {share:.3}");
+        assert!((share / CRUSHED_SHARE - 1.0).abs() < 0.12, "{share}");
+    }
 }

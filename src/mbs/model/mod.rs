@@ -253,7 +253,7 @@ pub struct RunSettings {
     /// Frequency that inertia against relative motion keeps all others below until something touches or parts \[rad/s\]; `None`: there is none. Nor is there any where velocities at `t = 0` strain bushings. Models without ideal joints and forces only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relative_inertia_rad_s: Option<f64>,
-    /// Displacement, in the mean of the masses, from which springs along the axes of bushings are made softer where they are in the way of long steps, with their forces kept \[m\]; `None`: they never are. Models without ideal joints and forces only.
+    /// Displacement of nine tenths of the mass from which springs along the axes of bushings are made softer where they are in the way of long steps, with their forces kept \[m\]; `None`: they never are. Models without ideal joints and forces only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub soft_after_m: Option<f64>,
 }

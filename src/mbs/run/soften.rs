@@ -1,7 +1,7 @@
 //! Softer springs in what has come down, so that steps may be longer.
 //!
 //! Bushings are as stiff along their axes as members are, and columns between two floors vibrate at thousands of rad/s on them, which bounds the explicit step. While a building stands they decide how its loads are
-//! shared. Once it has moved by decimetres they only hold its parts together, within a millimetre of each other: [`super::relate`] has ended, and what is in the way of steps of [`LARGEST_SOFT_STEP_S`] becomes as soft as
+//! shared. Once nearly all of it has moved by decimetres they only hold its parts together, within a millimetre of each other: [`super::relate`] has ended, and what is in the way of steps of [`LARGEST_SOFT_STEP_S`] becomes as soft as
 //! they need. A spring keeps its force, so that nothing jumps; the elastic energy that it has more is booked as released.
 
 use super::{LARGEST_SOFT_STEP_S, Run};
@@ -11,6 +11,9 @@ use crate::mbs::{frequency, math};
 
 /// Share of the stiffness with which bodies on one spring alone would be as fast as steps allow: a column has one at either end.
 const SHARE: f64 = 0.7;
+/// Share of the mass that has to have moved. By the mean of all of it storeys below a charged one were softened as what had fallen freely struck them, and columns bore the blow on springs that give more back: of six storeys whose
+/// third is blasted (`buildings/mid-storey/mid-07.toml`) the roof was 5.02 m down after 1.4 s for 5.29 m in FE, with this 5.36 m.
+const COME_DOWN: f64 = 0.9;
 /// By how much longer steps may become at least.
 const WORTH_IT: f64 = 1.05;
 
@@ -21,7 +24,7 @@ impl Run<'_> {
         let is_fixed = self.is_soft || self.file.settings.time_step_s.is_some();
         let longest_s = self.share * LARGEST_SOFT_STEP_S;
         let may_gain = self.system.relative.is_none() && WORTH_IT * self.step_limit <= longest_s;
-        if is_fixed || !may_gain || !self.has_come_down && self.mean_path_m() < distance_m {
+        if is_fixed || !may_gain || !self.has_come_down && self.path_m() < distance_m {
             return;
         }
         self.has_come_down = true;
@@ -39,16 +42,18 @@ impl Run<'_> {
         self.step_limit = self.step_limit.max(step_s);
     }
 
-    /// How far bodies have moved, in the mean of their masses \[m\].
-    fn mean_path_m(&self) -> f64 {
+    /// How far [`COME_DOWN`] of the mass have moved at least \[m\].
+    fn path_m(&self) -> f64 {
         let alive = (0..self.system.count()).filter(|i| self.system.data[*i].alive);
-        let (mut mass, mut moment) = (0.0, 0.0);
-        for i in alive {
-            let own = self.system.data[i].mass;
-            mass += own;
-            moment += own * math::norm(math::sub(self.system.bodies[i].x, self.origin[i]));
-        }
-        if mass > 0.0 { moment / mass } else { 0.0 }
+        let path = |i: usize| math::norm(math::sub(self.system.bodies[i].x, self.origin[i]));
+        let mut moved: Vec<[f64; 2]> = alive.map(|i| [path(i), self.system.data[i].mass]).collect();
+        moved.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut stays_kg = (1.0 - COME_DOWN) * moved.iter().map(|m| m[1]).sum::<f64>();
+        let mut is_rest = |m: &[f64; 2]| {
+            stays_kg -= m[1];
+            stays_kg > 0.0
+        };
+        moved.into_iter().find(|m| !is_rest(m)).map_or(0.0, |m| m[0])
     }
 }
 
