@@ -76,12 +76,12 @@ pub fn passing(model: &Model, result: &RunResult) -> Passing {
     };
     let level = model.contact.ground.as_ref().map(|g| g.level_m);
     let mut ties = Ties::of(model, result);
-    let (mut joined, mut crushed) = (ties.joined(), ties.crushed_bodies());
+    let mut joined = ties.joined();
     let mut allowed = Allowed::default();
     let mut shapes = Shapes::of(model, result);
     for (output, (frame, time_s)) in result.frames.iter().zip(&result.times_s).enumerate() {
         if ties.at(*time_s) {
-            (joined, crushed) = (ties.joined(), ties.crushed_bodies());
+            joined = ties.joined();
         }
         shapes.at(model, output);
         let solids = placed((model, &shapes), frame, &ties.alive);
@@ -96,7 +96,7 @@ pub fn passing(model: &Model, result: &RunResult) -> Passing {
         for (i, j) in near(&solids) {
             let (Some(a), Some(b)) = (&solids[i], &solids[j]) else { continue };
             let may = match (a.body, b.body) {
-                (Some(x), Some(y)) if [x, y].iter().any(|i| crushed.contains(i)) => false,
+                (Some(x), Some(y)) if [x, y].iter().any(|i| ties.crushed.contains(i)) => false,
                 (Some(x), Some(y)) => !apart.contains(&key(x, y)) && !joined.pairs.contains(&key(x, y)),
                 _ => true,
             };
@@ -288,7 +288,7 @@ struct Ties {
     list: Vec<(String, [Option<usize>; 2], bool)>,
     /// Latent bushings whose pieces are one body yet.
     whole: BTreeSet<String>,
-    /// Bodies that are there, and those that are crushed, which touch no other bodies.
+    /// Bodies that are there, and those that are crushed, or were one body with what was: they touch no other bodies.
     alive: Vec<bool>,
     crushed: BTreeSet<usize>,
     /// Ends of connections and bodies in order of time \[s\].
@@ -346,9 +346,9 @@ impl Ties {
         while let Some((end_s, end)) = self.ends.last() {
             match end {
                 End::Of(id) | End::Crushed(id) if *end_s <= time_s => {
-                    let is_crushed = matches!(end, End::Crushed(_));
-                    let own = self.list.iter().filter(|(own, ..)| own == id && is_crushed);
-                    self.crushed.extend(own.filter_map(|(_, bodies, _)| bodies[1]));
+                    if matches!(end, End::Crushed(_)) {
+                        self.crushed.extend(self.one_with_second_of(id));
+                    }
                     self.list.retain(|(own, ..)| own != id);
                 }
                 End::Whole(id) if *end_s <= time_s => _ = self.whole.remove(id),
@@ -374,11 +374,11 @@ impl Ties {
         sets.into_labeling()
     }
 
-    /// Bodies that touch no others now: those that are crushed, with what is one body with them yet.
-    fn crushed_bodies(&self) -> BTreeSet<usize> {
-        let labels = self.sets(|id, _| self.whole.contains(id));
-        let roots: BTreeSet<usize> = self.crushed.iter().map(|body| labels[*body]).collect();
-        (0..labels.len()).filter(|body| roots.contains(&labels[*body])).collect()
+    /// The second body of a connection, with what is one body with it yet.
+    fn one_with_second_of(&self, id: &str) -> Vec<usize> {
+        let labels = self.sets(|latent, _| self.whole.contains(latent));
+        let second = self.list.iter().find(|(own, ..)| own == id).and_then(|(_, bodies, _)| bodies[1]);
+        (0..labels.len()).filter(|body| second.is_some_and(|own| labels[own] == labels[*body])).collect()
     }
 
     /// Who is joined now; pieces of a body that parted do not touch what the others of their set are joined to.
@@ -450,7 +450,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_one_with_a_crushed_body_touches_nothing_until_it_parts() {
+    fn what_was_one_with_a_body_when_it_was_crushed_touches_nothing() {
         let join = |id: &str, a: usize, b: usize, latent: bool| (id.to_string(), [Some(a), Some(b)], latent);
         let mut ties = Ties {
             list: vec![join("foot", 0, 1, false), join("middle", 1, 2, true)],
@@ -459,10 +459,10 @@ mod tests {
             crushed: BTreeSet::new(),
             ends: vec![(2.0, End::Whole("middle".into())), (1.0, End::Crushed("foot".into()))],
         };
-        assert!(!ties.at(0.5) && ties.crushed_bodies().is_empty());
+        assert!(!ties.at(0.5) && ties.crushed.is_empty());
         assert!(ties.at(1.5));
-        assert_eq!(ties.crushed_bodies(), BTreeSet::from([1, 2]));
+        assert_eq!(ties.crushed, BTreeSet::from([1, 2]));
         assert!(ties.at(2.5));
-        assert_eq!(ties.crushed_bodies(), BTreeSet::from([1]));
+        assert_eq!(ties.crushed, BTreeSet::from([1, 2]));
     }
 }

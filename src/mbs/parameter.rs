@@ -52,6 +52,9 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
                 _ => Err(unknown("friction or restitution")),
             }
         }
+        ("contact", _) => Err(fail(format!(
+            "expected {CONTACT} after contact: surfaces of planes, obstacles and single pairs cannot be varied"
+        ))),
         ("bodies", [_, ..]) => {
             each(&mut model.bodies, |b| &b.id, |b, field| body(b, field, value), name, "body", BODY)
         }

@@ -284,6 +284,37 @@ fn curves_of_a_smaller_column_are_scaled_from_a_similar_one() {
     scaled.model.check().expect("a sound model");
 }
 
+/// Moments go with `b h²` of the axis that they are about: a column of twice the area bears four times as much about one axis and twice as much about the other, and a building turned by a right angle has them the other way round.
+#[test]
+fn curves_of_a_rectangular_column_are_scaled_about_each_axis() {
+    let (rules, mut store, _cache) = knowledge();
+    for (sides, along) in [([400.0, 600.0], 0), ([600.0, 400.0], 1)] {
+        let building = reference(|text| {
+            let width = format!("width = \"{} mm\" ", sides[0]);
+            let depth = format!("depth = \"{} mm\" ", sides[1]);
+            text.replacen("width = \"400 mm\" ", &width, 1).replacen("depth = \"400 mm\" ", &depth, 1)
+        });
+        let scaled = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+        let foot = scaled.model.bushings.iter().find(|b| b.id == "C1-A2.bottom").unwrap();
+        let entry = &scaled.entries[&foot.origin.entries[0]];
+        let from = entry.provenance.inputs.settings["scaled_from"].as_str().unwrap();
+        assert!(from.contains("400x400"), "{from}");
+        let from = store.get(from).unwrap();
+        for axis in 0..2 {
+            // of the section, the first axis is along its width
+            let depth = if axis == along { 1.5 } else { 1.0 };
+            let (a, b) = (&from.axes[axis].curve, &entry.axes[axis].curve);
+            for (x, y) in a.levels.iter().zip(&b.levels) {
+                assert!((y.axial_force_n - 1.5 * x.axial_force_n).abs() < 1e-3);
+                assert!((y.peak_nm() / x.peak_nm() / (1.5 * depth) - 1.0).abs() < 1e-9, "{sides:?} {axis}");
+                let rotation = y.fracture_rotation_rad / x.fracture_rotation_rad;
+                assert!((rotation * depth - 1.0).abs() < 1e-9, "{sides:?} {axis}: {rotation}");
+            }
+        }
+        assert!(scaled.notes.iter().any(|n| n.contains("width")), "{:?}", scaled.notes);
+    }
+}
+
 #[test]
 fn without_any_entry_the_curves_are_those_of_the_sections() {
     let building = reference(|text| text);

@@ -36,6 +36,7 @@ fn names_follow_the_file() {
         ("bodies.c.mass_kg", "\"c\" is not the id of a body (did you mean"),
         ("bodies.a.colour", "expected mass_factor"),
         ("contact.bodies.friction", "no such contact"),
+        ("contact.planes.p.friction", "surfaces of planes, obstacles and single pairs cannot be varied"),
         ("gravity_m_s2.3", "expected 0, 1 or 2"),
     ] {
         let text = apply(&mut m, name, 1.0).unwrap_err().to_string();

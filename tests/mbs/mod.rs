@@ -23,6 +23,7 @@ mod near;
 mod onset;
 mod overlap;
 mod relative;
+mod reversal;
 mod shared_mass;
 mod sleep;
 mod soften;

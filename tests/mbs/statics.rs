@@ -277,6 +277,22 @@ fn what_is_crushed_props_nothing_up() {
     m.bushings[0].crushing_shortening_m = Some(0.1);
     let crushed = end(&m);
     assert!((crushed + 3.1).abs() < 0.01, "{crushed}");
+    // nor do its halves, when it parts as the floor is on its way down
+    let whole = m.bodies.remove(0);
+    for (id, z) in [("low", 0.75), ("high", 2.25)] {
+        let half = solid(id, [0.0, 0.0, z], [0.4, 0.4, 1.5]);
+        m.bodies.push(Body { shapes: shapes([0.2, 0.2, 0.75]), ..half });
+    }
+    assert_eq!(whole.mass_kg, m.bodies[1].mass_kg + m.bodies[2].mass_kg);
+    m.bushings[0].body_b = "high".into();
+    let middle =
+        joint("middle", Some("low"), "high", [0.0, 0.0, 1.5], 1e9, 1e8, [elastic(1e8), elastic(1e8)]);
+    m.bushings.push(Bushing { latent: Some("middle".into()), ..middle });
+    for parts_s in [0.4, 0.6, 0.8] {
+        m.events = vec![Event { release: vec!["middle".into()], ..Event::at("parts", parts_s) }];
+        let parted = end(&m);
+        assert!((parted + 3.1).abs() < 0.01, "{parts_s}: {parted}");
+    }
 }
 
 #[test]

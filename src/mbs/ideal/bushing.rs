@@ -1,6 +1,6 @@
 //! Compliant connections among ideal joints: the law of [`crate::mbs::joint`], whose history moves on at the end of each step only.
 
-use super::force::Exerted;
+use super::force::{Exerted, turned_back};
 use super::joint::{Pose, is_ground, pose_of};
 use super::turn::follow;
 use crate::curve::{CapacityTable, CurveError, ResistanceCurve};
@@ -39,6 +39,8 @@ pub struct Held {
     axial_force: f64,
     borne: f64,
     risen: f64,
+    /// Rates of its stretch and of its rotations about its bending axes at the end of the last step \[m/s, rad/s\].
+    rate: V3,
     /// Time from the end of the last step to what is evaluated, and the length of that step, zero if rates have jumped since \[s\].
     span_s: f64,
     last_s: f64,
@@ -79,6 +81,7 @@ impl Held {
             axial_force: 0.0,
             borne: 0.0,
             risen: 0.0,
+            rate: [0.0; 3],
             span_s: 0.0,
             last_s: 0.0,
         };
@@ -171,12 +174,37 @@ impl Held {
     }
 
     /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
-    pub fn commit(&mut self) -> Option<bool> {
+    pub fn commit(&mut self, poses: &[Pose]) -> Option<bool> {
+        self.rate = self.rates(poses);
         self.committed.clone_from(&self.trial);
         self.turned = follow(self.trial.theta, self.turned);
         (self.risen, self.borne) = (self.axial_force - self.borne, self.axial_force);
         self.last_s = std::mem::take(&mut self.span_s);
         self.is_broken().then_some(!self.trial.hinge.fractured)
+    }
+
+    /// Rates of its stretch and of its rotations about its bending axes \[m/s, rad/s\].
+    fn rates(&self, poses: &[Pose]) -> V3 {
+        let of = |side: usize| {
+            let pose = pose_of(poses, self.bodies[side]);
+            [pose.v, pose.w]
+        };
+        let rows = self.committed.rows(&states(self.bodies, poses));
+        [0, 4, 5].map(|k: usize| rows[k].stretch([of(0), of(1)]))
+    }
+
+    /// Work of flow that a step \[s\] leaves out, as it turns back in it ([`turned_back`]) \[J\].
+    pub fn turned_back_j(&self, poses: &[Pose], step: f64) -> f64 {
+        let [old, new] = [&self.committed, &self.trial];
+        let bent = |k: usize| new.hinge.plastic_rad[k] - old.hinge.plastic_rad[k];
+        let flow = [new.crushed - old.crushed, bent(0), bent(1)];
+        let flowed = [old.is_stretching(), old.flowing, old.flowing];
+        if flow == [0.0; 3] && flowed == [false; 3] {
+            return 0.0;
+        }
+        let (now, [first, second]) = (self.rates(poses), new.hinge.moment_nm);
+        let force = [new.axial_force, first, second];
+        (0..3).map(|k| force[k].abs() * turned_back(flow[k], flowed[k], [self.rate[k], now[k]], step)).sum()
     }
 
     /// Whether it broke when it was applied last: by tension of a joint, at the end of the last step.
@@ -248,9 +276,8 @@ impl Held {
             let body = self.bodies[side];
             if is_ground(body) { [[0.0; 3]; 2] } else { motion[body] }
         };
-        let ([va, wa], [vb, wb]) = (of(0), of(1));
         for row in self.committed.rows(&states(self.bodies, poses)) {
-            let stretch = dot(row.force, vb) - dot(row.force, va) + dot(row.turn_b, wb) - dot(row.turn_a, wa);
+            let stretch = row.stretch([of(0), of(1)]);
             for (side, sign, turn) in [(0, 1.0, row.turn_a), (1, -1.0, row.turn_b)] {
                 if !is_ground(self.bodies[side]) {
                     let [f, t] = &mut loads[self.bodies[side]];

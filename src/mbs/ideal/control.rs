@@ -111,12 +111,13 @@ impl Marcher {
     }
 
     /// Whether a hinge begins or ceases to flow in a step, at the cost of more energy than is allowed: the estimate of the error does not see a force that changes its slope early in the
-    /// step.
+    /// step. Nor does the energy see one that flows, turns back and still flows at the end.
     fn turns_over(&self, step: f64, tolerance: f64) -> bool {
+        let both = [self.state.as_slice(), self.next.as_slice()];
         self.fixed_s.is_none()
             && step > EVENT_S
-            && self.motion.has_turned_over()
-            && self.motion.energy_error([&self.state, &self.next], REST_M) > tolerance
+            && (self.motion.has_turned_over() && self.motion.energy_error(both, REST_M) > tolerance
+                || self.motion.turned_back(both, REST_M, step) > tolerance)
     }
 
     /// Whether a hinge fractures in a step that can be shorter.

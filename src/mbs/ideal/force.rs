@@ -177,6 +177,8 @@ pub enum Acting {
         last: Turn,
         /// Axes about which it flowed in the last step.
         flowing: [bool; 3],
+        /// Rates of its rotations at the end of it \[rad/s\].
+        rate: V3,
     },
     /// See [`Force::Force`].
     Force {
@@ -219,6 +221,7 @@ impl Acting {
                 held: [0.0; 3],
                 last: Turn::near(NO_TURN, [0.0; 3]),
                 flowing: [false; 3],
+                rate: [0.0; 3],
             },
             Force::Force { body, point_m, force_n } => {
                 let p = pose_of(poses, body);
@@ -291,13 +294,14 @@ impl Acting {
     }
 
     /// Takes the pose in which it was applied last into the history.
-    pub fn commit(&mut self, laws: &[HingeLaw]) -> Committed {
+    pub fn commit(&mut self, poses: &[Pose], laws: &[HingeLaw]) -> Committed {
         match self {
             Self::Torsion { held, last, .. } => {
                 *held = last.angle;
                 Committed { lost: last.is_lost(), ..Committed::default() }
             }
-            Self::Hinge { law, history, factor, held, last, flowing, .. } => {
+            Self::Hinge { bodies, law, history, factor, held, last, flowing, rate, .. } => {
+                *rate = last.rate(bodies.map(|b| pose_of(poses, b)));
                 let law = &laws[*law];
                 for ((own, flows), rotation) in history.iter_mut().zip(flowing).zip(last.theta) {
                     let before = std::mem::replace(own, law.after(*own, rotation, *factor));
@@ -452,6 +456,19 @@ impl Acting {
         flows(&laws[*law], history, last, *factor) != *flowing
     }
 
+    /// Work of flow that a step \[s\] leaves out, as a hinge turns back in it ([`turned_back`]) \[J\].
+    pub fn turned_back_j(&self, poses: &[Pose], laws: &[HingeLaw], step: f64) -> f64 {
+        let Self::Hinge { bodies, law, history, factor, last, flowing, rate, .. } = self else { return 0.0 };
+        let after = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], last.theta[i], *factor));
+        let flow = [0, 1, 2].map(|i: usize| after[i].1.plastic - history[i].plastic);
+        if flow == [0.0; 3] && *flowing == [false; 3] {
+            return 0.0;
+        }
+        let now = last.rate(bodies.map(|b| pose_of(poses, b)));
+        let lost = |i: usize| after[i].0.abs() * turned_back(flow[i], flowing[i], [rate[i], now[i]], step);
+        (0..3).map(lost).sum()
+    }
+
     /// Whether a hinge has flowed.
     pub fn has_flowed(&self) -> bool {
         self.dissipated_j() > 0.0
@@ -473,6 +490,19 @@ impl Acting {
     pub fn beyond(&self, laws: &[HingeLaw]) -> Option<f64> {
         let Self::Hinge { law, last, .. } = self else { return None };
         Some(norm(last.theta) - laws[*law].fracture_rad)
+    }
+}
+
+/// How far something flowed within a step beyond what its end tells, by its rates at both ends (straight in between): where it turned back in it, from flow in this step or in the one before. Its law, which sees the end alone, takes
+/// that for nothing, and a force that does not change has no error that could tell.
+pub(super) fn turned_back(flow: f64, flowed: bool, [from, to]: [f64; 2], step: f64) -> f64 {
+    let turns = from * to < 0.0;
+    let way = |rate: f64| 0.5 * step * rate * rate / (to - from).abs();
+    match flow * to {
+        beyond if beyond < 0.0 && turns => way(to),
+        beyond if beyond < 0.0 => 0.5 * step * to.abs(),
+        _ if flow == 0.0 && flowed && turns => way(from),
+        _ => 0.0,
     }
 }
 

@@ -103,8 +103,23 @@ impl Motion {
     /// fall at least.
     pub fn energy_error(&self, [from, to]: [&[f64]; 2], rest_m: f64) -> f64 {
         let [before, after] = [(from, 0.0), (to, 1.0)].map(|(state, share)| self.observe(state, share));
+        (after.total_j() - before.total_j()).abs() / self.compared_j(&[before, after], rest_m)
+    }
+
+    /// Share of the same energies that flow in a step \[s\] would have that turns back in it.
+    pub fn turned_back(&self, [from, to]: [&[f64]; 2], rest_m: f64, step: f64) -> f64 {
+        let lost_j = self.turned_back_j(step);
+        if lost_j == 0.0 {
+            return 0.0;
+        }
+        let both = [(from, 0.0), (to, 1.0)].map(|(state, share)| self.observe(state, share));
+        lost_j / self.compared_j(&both, rest_m)
+    }
+
+    /// What errors of the energy are compared with \[J\].
+    fn compared_j(&self, states: &[Observed; 2], rest_m: f64) -> f64 {
         let rest_j = rest_m * norm(self.gravity) * self.mass.iter().sum::<f64>();
-        (after.total_j() - before.total_j()).abs() / before.own_j().max(after.own_j()).max(rest_j)
+        states.iter().map(Observed::own_j).fold(rest_j, f64::max)
     }
 
     /// What the balance of a run keeps constant of a state that follows on what was committed: [`Motion::total_j`], with bushings the work of all forces in place of what

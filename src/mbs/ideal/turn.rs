@@ -4,7 +4,10 @@
 //! rotation vector `θ` the torque of moments `m` along it is `T⁻ᵀ m = m + ½ θ×m + c θ×(θ×m)` (`mbs/stance.rs`); of the turn about one axis `n` it is along
 //! the gradient of that turn, `(n_a + n_b) / (1 + n_a · n_b)` for the axis as either body carries it.
 
-use crate::mbs::math::{LOG_NEAR, Q, V3, axpy, cross, dot, norm, qlog_factor, scale, tangent_coefficient};
+use super::joint::Pose;
+use crate::mbs::math::{
+    LOG_NEAR, Q, V3, axpy, cross, dot, mul_t, norm, qlog_factor, scale, sub, tangent_coefficient,
+};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Length of a rotation vector up to which the shortest one is the nearest to any that a step may lead to \[rad\].
@@ -63,6 +66,13 @@ impl Turn {
     #[inline]
     pub fn torque(&self, moment: V3) -> V3 {
         axpy(moment, 1.0, self.excess(moment))
+    }
+
+    /// Rate of the rotation vector of the second of two bodies against the first, `T⁻¹ ω` \[rad/s\].
+    pub fn rate(&self, [first, second]: [&Pose; 2]) -> V3 {
+        let w = mul_t(&first.r, sub(second.w, first.w));
+        let once = cross(w, self.theta);
+        axpy(axpy(w, 0.5, once), self.coefficient, cross(self.theta, cross(self.theta, w)))
     }
 
     /// What the torque has beyond the moments.
@@ -134,7 +144,7 @@ fn nearest(angle: f64, last: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mbs::math::{qexp, qmul, sub};
+    use crate::mbs::math::{qexp, qmul};
 
     /// What a small turn `by` of a body makes of the numbers of a rotation, per its length.
     fn slope(q: Q, by: V3, of: impl Fn(Q) -> f64) -> f64 {

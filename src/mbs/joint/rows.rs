@@ -51,3 +51,11 @@ pub struct Row {
     /// Moment arm on the second body.
     pub turn_b: V3,
 }
+
+impl Row {
+    /// Its stretch by small motions of both bodies: displacement and rotation, or their rates.
+    pub fn stretch(&self, [[va, wa], [vb, wb]]: [[V3; 2]; 2]) -> f64 {
+        let force = math::dot(self.force, vb) - math::dot(self.force, va);
+        force + math::dot(self.turn_b, wb) - math::dot(self.turn_a, wa)
+    }
+}

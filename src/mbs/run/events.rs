@@ -81,8 +81,9 @@ impl Run<'_> {
                 let time_s = self.time - self.separate(i);
                 broken.push((i, time_s));
                 let joint = &self.system.joints[i];
-                // what is crushed touches nothing from now on, also where it breaks by rotation in the same step
+                // what is crushed touches nothing from now on, also where it breaks by rotation in the same step or parts later
                 let cause = if joint.is_crushed() {
+                    self.latent.pieces[joint.b].iter().for_each(|piece| self.crushed[*piece] = true);
                     FractureCause::Compression
                 } else if joint.hinge.fractured {
                     FractureCause::Rotation
@@ -100,7 +101,7 @@ impl Run<'_> {
         broken.into_iter().for_each(|(joint, time_s)| self.ask_about_fracture(joint, time_s));
         self.system.pack();
         self.sleep.rouse_all(&mut self.system, &mut self.contacts, 0.5 * self.last_step);
-        connect(&mut self.contacts, &self.system, &self.latent);
+        connect(&mut self.contacts, &self.system, &self.latent, &self.crushed);
         if self.model.settings.time_step_s.is_none() && self.system.joints.iter().all(|j| !j.alive) {
             self.step_limit = LARGEST_STEP_S;
         }
@@ -161,7 +162,7 @@ impl Run<'_> {
         }
         if any {
             self.system.pack();
-            connect(&mut self.contacts, &self.system, &self.latent);
+            connect(&mut self.contacts, &self.system, &self.latent, &self.crushed);
             if was_related {
                 self.relate();
             }

@@ -79,6 +79,8 @@ struct Run<'a> {
     /// States before a step that a body may part in.
     before: Vec<BodyState>,
     resting: Vec<bool>,
+    /// Bodies of the file that are, or were a part of, a member that has been crushed.
+    crushed: Vec<bool>,
     options: &'a SolverOptions,
     system: System,
     contacts: ContactSet,
@@ -168,7 +170,8 @@ impl<'a> Run<'a> {
             |of: f64| choose_step(&model, of, share).map_err(|e| usable_step(e, file, alone.max(frequency)));
         let (alone_limit, step_limit) = (choose(alone)?, choose(frequency)?);
         let mut contacts = ContactSet::new(&model, options.contact);
-        connect(&mut contacts, &system, &latent);
+        let crushed = vec![false; file.bodies.len()];
+        connect(&mut contacts, &system, &latent, &crushed);
         let of = |b: usize| (0..file.bushings[b].hinges().len()).map(move |k| (b, k));
         let hinges: Vec<(usize, usize)> = (0..file.bushings.len()).flat_map(of).collect();
         let n = system.count();
@@ -189,6 +192,7 @@ impl<'a> Run<'a> {
             meetings: Meetings::default(),
             before: Vec::new(),
             resting: Vec::new(),
+            crushed,
             options,
             system,
             contacts,

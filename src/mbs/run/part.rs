@@ -115,7 +115,7 @@ impl Run<'_> {
         self.contacts = ContactSet::new(&self.model, self.options.contact);
         (self.contacts.energy, self.contacts.work) = (energy, work);
         self.contacts.resume_crushed(crushed.into_iter());
-        connect(&mut self.contacts, &self.system, &self.latent);
+        connect(&mut self.contacts, &self.system, &self.latent, &self.crushed);
         self.origin = self.centers();
         self.choose_step()?;
         for (bushing, _) in &parting.live {

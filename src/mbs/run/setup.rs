@@ -16,13 +16,14 @@ use crate::mbs::system::System;
 use petgraph::unionfind::UnionFind;
 use std::collections::BTreeSet;
 
-/// Tells the contacts which bodies are there and which a joint connects, and what is crushed: what is left of such a member holds nothing up. Pieces of what was one body count as that body as far as intact joints still connect them: a column
+/// Tells the contacts which bodies are there and which a joint connects, and which bodies of the file are `crushed`: what is left of such a member holds nothing up. Pieces of what was one body count as that body as far as intact joints still connect them: a column
 /// that did not touch its floor as a whole does not touch the pieces of it either. The ground is another matter: what comes off a foot may fall onto it, and what no joint holds in height stands on it.
-pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Latent) {
+pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Latent, crushed: &[bool]) {
     let counts =
         |j: &&JointData| j.alive && (j.a.max(j.b) < system.count() || j.bears_weight(&system.bodies));
     let joined = || system.joints.iter().filter(counts).map(|j| (j.a, j.b));
-    let crushed = system.joints.iter().filter(|j| j.is_crushed()).map(|j| j.b).collect();
+    let is_crushed = |body: &usize| latent.pieces[*body].iter().any(|piece| crushed[*piece]);
+    let crushed = (0..system.count()).filter(is_crushed).collect();
     if !latent.has_parted() {
         contacts.connect(joined(), |i| system.data[i].alive, crushed);
         return;

@@ -33,7 +33,7 @@ impl Motion {
         let (mut broken, mut opened) = (Vec::new(), Vec::new());
         for (force, id) in self.forces.iter_mut().zip(&self.force_ids) {
             let flowed = force.has_flowed();
-            let committed = force.commit(&self.laws);
+            let committed = force.commit(&self.poses, &self.laws);
             if !flowed && force.has_flowed() {
                 self.yielded.push(*id);
             }
@@ -51,7 +51,7 @@ impl Motion {
         }
         for (bushing, id) in self.bushings.iter_mut().zip(&self.bushing_ids) {
             let flowed = bushing.has_flowed();
-            let breaks = bushing.commit();
+            let breaks = bushing.commit(&self.poses);
             if !flowed && bushing.has_flowed() {
                 self.yielded.push(*id);
             }
@@ -72,6 +72,13 @@ impl Motion {
     /// Whether a hinge began or ceased to flow on the way from what was committed to the state whose rate was taken last.
     pub fn has_turned_over(&self) -> bool {
         self.forces.iter().any(|f| f.has_turned_over(&self.laws))
+    }
+
+    /// Work of flow that a step \[s\] to the state whose rate was taken last leaves out, as hinges and bushings turn back in it \[J\].
+    pub fn turned_back_j(&self, step: f64) -> f64 {
+        let forces = self.forces.iter().map(|f| f.turned_back_j(&self.poses, &self.laws, step));
+        let bushings = self.bushings.iter().map(|b| b.turned_back_j(&self.poses, step));
+        forces.chain(bushings).sum()
     }
 
     /// Takes joints and forces away, by their places in the mechanism.
