@@ -50,7 +50,6 @@ struct Size {
 #[derive(Debug, Clone, Copy)]
 struct Bent {
     moment: f64,
-    force: f64,
     stiffness: f64,
     rotation: f64,
 }
@@ -235,8 +234,7 @@ impl Size {
     /// Whether an entry is of the whole section.
     fn is_whole(&self, entry: &Entry) -> bool {
         entry.axes.iter().enumerate().all(|(k, axis)| {
-            let own = self.about(k);
-            let plastic = own.strength_pa * own.width_m * own.depth_m * own.depth_m;
+            let plastic = self.about(k).moment_nm();
             let at_rest = axis
                 .curve
                 .levels
@@ -249,6 +247,11 @@ impl Size {
     /// With the side across a bending axis as its depth: that of the first one is across the first.
     fn about(self, axis: usize) -> Self {
         if axis == 0 { self } else { Self { width_m: self.depth_m, depth_m: self.width_m, ..self } }
+    }
+
+    /// What moments scale with \[N m\].
+    fn moment_nm(&self) -> f64 {
+        self.strength_pa * self.width_m * self.depth_m.powi(2)
     }
 
     /// In the mean of both axes, so that a building turned by a right angle has the same entries.
@@ -266,12 +269,11 @@ impl Size {
 
     fn to(self, other: &Self) -> Factors {
         let of = |f: &dyn Fn(&Self) -> f64| f(other) / f(&self);
-        let force = of(&|s| s.strength_pa * s.width_m * s.depth_m);
         let spring = of(&|s| s.modulus_pa * s.width_m * s.depth_m / s.length_m);
         let smaller = |s: &Self| s.width_m.min(s.depth_m);
         Factors {
             about: [0, 1].map(|axis| self.about(axis).bent(&other.about(axis))),
-            force,
+            force: of(&|s| s.strength_pa * s.width_m * s.depth_m),
             torsion: spring * of(&|s| smaller(s).powi(2)),
             spring,
             length: of(&|s| s.width_m + s.depth_m),
@@ -282,8 +284,7 @@ impl Size {
     fn bent(&self, other: &Self) -> Bent {
         let of = |f: &dyn Fn(&Self) -> f64| f(other) / f(self);
         Bent {
-            moment: of(&|s| s.strength_pa * s.width_m * s.depth_m.powi(2)),
-            force: of(&|s| s.strength_pa * s.width_m * s.depth_m),
+            moment: of(&Self::moment_nm),
             stiffness: of(&|s| s.modulus_pa * s.width_m * s.depth_m.powi(3) / s.length_m),
             rotation: of(&|s| s.strain * s.mesh_m / s.depth_m),
         }
@@ -294,11 +295,11 @@ impl Factors {
     fn applied(&self, entry: &Entry) -> Computed {
         let axis = |(bent, record): (&Bent, &AxisRecord)| AxisRecord {
             envelopes: Vec::new(),
-            curve: bent.curve(&record.curve),
+            curve: bent.curve(self.force, &record.curve),
             reverse: record
                 .reverse
                 .as_ref()
-                .map(|branch| Branch { envelopes: Vec::new(), curve: bent.curve(&branch.curve) }),
+                .map(|branch| Branch { envelopes: Vec::new(), curve: bent.curve(self.force, &branch.curve) }),
         };
         let force = entry.validity.axial_force_n.map(|n| self.force * n);
         let least = self.about[0].rotation.min(self.about[1].rotation);
@@ -322,9 +323,10 @@ impl Factors {
 }
 
 impl Bent {
-    fn curve(&self, curve: &ResistanceCurve) -> ResistanceCurve {
+    /// A curve with axial forces times a factor.
+    fn curve(&self, force: f64, curve: &ResistanceCurve) -> ResistanceCurve {
         let level = |level: &CapacityLevel| CapacityLevel {
-            axial_force_n: self.force * level.axial_force_n,
+            axial_force_n: force * level.axial_force_n,
             capacity: level.capacity.iter().map(|[r, m]| [self.rotation * r, self.moment * m]).collect(),
             fracture_rotation_rad: self.rotation * level.fracture_rotation_rad,
         };

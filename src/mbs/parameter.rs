@@ -39,11 +39,11 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
         ("settings", ["end_time_s"]) => set(Some(&mut model.settings.end_time_s), value).ok_or(unknown("")),
         ("settings", ["tolerance"]) => set(Some(&mut model.settings.tolerance), value).ok_or(unknown("")),
         ("settings", _) => Err(unknown("end_time_s or tolerance")),
-        ("contact", [surface, field]) => {
-            let pair = match *surface {
-                "ground" => model.contact.ground.as_mut().map(|g| (&mut g.friction, &mut g.restitution)),
-                "bodies" => model.contact.bodies.as_mut().map(|b| (&mut b.friction, &mut b.restitution)),
-                _ => return Err(unknown(CONTACT)),
+        ("contact", [surface @ ("ground" | "bodies"), field]) => {
+            let pair = if *surface == "ground" {
+                model.contact.ground.as_mut().map(|g| (&mut g.friction, &mut g.restitution))
+            } else {
+                model.contact.bodies.as_mut().map(|b| (&mut b.friction, &mut b.restitution))
             };
             let (friction, restitution) = pair.ok_or_else(|| fail("the model has no such contact".into()))?;
             match *field {

@@ -13,8 +13,7 @@ use crate::fe::mesh::{Element, Mesh};
 use crate::fe::model::ContactSettings;
 
 /// Shortening at which a member that stays straight has lost half of its force to layers that erode, over the rupture strain of its law times its length: 0.95 if all layers were strained alike (`(1 - exp(-ε)) / ε`); those at its
-/// ends are held across and strained less. 0.72 to 0.83 of
-/// columns of 2.5 to 3.5 m at rupture strains of 0.05 to 0.2 (`tests/rc/crushing.rs`).
+/// ends are held across and strained less. 0.72 to 0.83 of columns of 2.5 to 3.5 m at rupture strains of 0.05 to 0.2 (`tests/rc/crushing.rs`).
 pub const CRUSHED_SHARE: f64 = 0.8;
 /// Speed of the far section \[m/s\], reached after [`RAMP_S`] \[s\].
 pub const SPEED_M_S: f64 = 2.0;

@@ -49,25 +49,22 @@ fn cases() -> impl Iterator<Item = Case> {
     [60.0, 244.9, 700.0, 1_880.0].into_iter().flat_map(of)
 }
 
-/// A block of 2 kg, or 2 kg m² about all axes.
-fn block(end_time_s: f64) -> Model {
+/// A block of 2 kg, or 2 kg m² about all axes, that a joint lets move along or about an axis.
+fn block(end_time_s: f64, kind: JointKind, axis: [f64; 3]) -> Model {
     let mut m = model("reversal", end_time_s, end_time_s / 20.0);
     m.gravity_m_s2 = [0.0; 3];
     let mut body = solid("block", [0.0; 3], [0.1; 3]);
     (body.mass_kg, body.shapes) = (MASS, Vec::new());
     body.inertia_kg_m2 = [[MASS, 0.0, 0.0], [0.0, MASS, 0.0], [0.0, 0.0, MASS]];
     m.bodies.push(body);
+    m.joints.push(Joint { axis: Some(axis), ..ideal("pin", kind, None, "block", [0.0; 3]) });
     track(&mut m, "block", [1.0, 0.0, 0.0]);
     m
 }
 
 /// Pulled along x on a guide, against a bushing that stretches.
 fn pulled(case: Case, end_time_s: f64, elongation_m: f64) -> Model {
-    let mut m = block(end_time_s);
-    m.joints.push(Joint {
-        axis: Some([1.0, 0.0, 0.0]),
-        ..ideal("guide", JointKind::Prismatic, None, "block", [0.0; 3])
-    });
+    let mut m = block(end_time_s, JointKind::Prismatic, [1.0, 0.0, 0.0]);
     m.forces.push(Force::Force {
         id: "pull".into(),
         body: "block".into(),
@@ -86,11 +83,7 @@ fn pulled(case: Case, end_time_s: f64, elongation_m: f64) -> Model {
 
 /// Turned about z on a pin, against a hinge or a bushing.
 fn turned(case: Case, end_time_s: f64, on_bushing: bool) -> Model {
-    let mut m = block(end_time_s);
-    m.joints.push(Joint {
-        axis: Some([0.0, 0.0, 1.0]),
-        ..ideal("pin", JointKind::Revolute, None, "block", [0.0; 3])
-    });
+    let mut m = block(end_time_s, JointKind::Revolute, [0.0, 0.0, 1.0]);
     m.forces.push(Force::Torque {
         id: "turn".into(),
         body: "block".into(),

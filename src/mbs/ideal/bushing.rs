@@ -175,12 +175,21 @@ impl Held {
 
     /// Takes the pose in which it was applied last into its history; whether it breaks, and whether by tension.
     pub fn commit(&mut self, poses: &[Pose]) -> Option<bool> {
-        self.rate = self.rates(poses);
+        if self.may_flow() {
+            self.rate = self.rates(poses);
+        }
         self.committed.clone_from(&self.trial);
         self.turned = follow(self.trial.theta, self.turned);
         (self.risen, self.borne) = (self.axial_force - self.borne, self.axial_force);
         self.last_s = std::mem::take(&mut self.span_s);
         self.is_broken().then_some(!self.trial.hinge.fractured)
+    }
+
+    /// Whether anything of it may be plastic.
+    fn may_flow(&self) -> bool {
+        let own = &self.given.bushing;
+        let stretches = own.tensile_elongation_m.is_some() || own.compressive_capacity_n.is_some();
+        stretches || self.committed.has_curve()
     }
 
     /// Rates of its stretch and of its rotations about its bending axes \[m/s, rad/s\].

@@ -68,11 +68,10 @@ impl Turn {
         axpy(moment, 1.0, self.excess(moment))
     }
 
-    /// Rate of the rotation vector of the second of two bodies against the first, `T⁻¹ ω` \[rad/s\].
+    /// Rate of the rotation vector of the second of two bodies against the first, `T⁻¹ ω` \[rad/s\]; `T` of the opposite turn is its transpose.
     pub fn rate(&self, [first, second]: [&Pose; 2]) -> V3 {
         let w = mul_t(&first.r, sub(second.w, first.w));
-        let once = cross(w, self.theta);
-        axpy(axpy(w, 0.5, once), self.coefficient, cross(self.theta, cross(self.theta, w)))
+        Self { theta: scale(-1.0, self.theta), ..*self }.torque(w)
     }
 
     /// What the torque has beyond the moments.

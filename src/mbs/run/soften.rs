@@ -24,7 +24,7 @@ impl Run<'_> {
         let is_fixed = self.is_soft || self.file.settings.time_step_s.is_some();
         let longest_s = self.share * LARGEST_SOFT_STEP_S;
         let may_gain = self.system.relative.is_none() && WORTH_IT * self.step_limit <= longest_s;
-        if is_fixed || !may_gain || !self.has_come_down && self.path_m() < distance_m {
+        if is_fixed || !may_gain || !self.has_come_down && !self.have_moved(distance_m) {
             return;
         }
         self.has_come_down = true;
@@ -42,18 +42,18 @@ impl Run<'_> {
         self.step_limit = self.step_limit.max(step_s);
     }
 
-    /// How far [`COME_DOWN`] of the mass have moved at least \[m\].
-    fn path_m(&self) -> f64 {
+    /// Whether more than [`COME_DOWN`] of the mass have moved by a distance \[m\].
+    fn have_moved(&self, distance_m: f64) -> bool {
         let alive = (0..self.system.count()).filter(|i| self.system.data[*i].alive);
-        let path = |i: usize| math::norm(math::sub(self.system.bodies[i].x, self.origin[i]));
-        let mut moved: Vec<[f64; 2]> = alive.map(|i| [path(i), self.system.data[i].mass]).collect();
-        moved.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let mut stays_kg = (1.0 - COME_DOWN) * moved.iter().map(|m| m[1]).sum::<f64>();
-        let mut is_rest = |m: &[f64; 2]| {
-            stays_kg -= m[1];
-            stays_kg > 0.0
-        };
-        moved.into_iter().find(|m| !is_rest(m)).map_or(0.0, |m| m[0])
+        let (mut whole_kg, mut moved_kg) = (0.0, 0.0);
+        for i in alive {
+            let own_kg = self.system.data[i].mass;
+            whole_kg += own_kg;
+            if math::norm(math::sub(self.system.bodies[i].x, self.origin[i])) >= distance_m {
+                moved_kg += own_kg;
+            }
+        }
+        moved_kg > COME_DOWN * whole_kg
     }
 }
 
