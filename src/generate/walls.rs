@@ -5,6 +5,8 @@
 //!
 //! Out of its plane a wall is a beam between floors: springs `6 E I / h` that carry over to each other ([`CarryOver`]).
 //!
+//! Where a spring stands on a seam between two pieces of a floor, each piece has its share of it.
+//!
 //! Walls yield axially at the squash load `f A` of the homogenised law either way, and out of the plane by the elements across their thickness, in plane strain ([`crate::rc::layers`]), times `1 - (N/N_p)²`.
 //! In shear a wall stays elastic.
 
@@ -23,6 +25,9 @@ use std::collections::BTreeMap;
 /// How far beyond an end its neighbour is looked for \[m\].
 const BEYOND_M: f64 = 1e-4;
 
+/// How far from a spring the pieces are looked for that it may stand on \[m\]: less than any piece is wide.
+const BESIDE_M: f64 = 1e-3;
+
 /// Axial forces of the levels of a curve over the squash load.
 const LEVELS: [f64; 7] = [-0.95, -0.75, -0.4, 0.0, 0.4, 0.75, 0.95];
 
@@ -38,22 +43,20 @@ pub fn springs(
     for (wall, member) in walls {
         let solid = structure.boxes(wall).iter().copied().reduce(Aabb::around);
         let Some(half) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
-        let own = of_wall(building, structure, (bodies, decision), &half);
-        if !own.is_empty() {
-            curves.insert(curve_id(&member.id), half.curve(planes));
+        for (part, spring) in of_wall(building, structure, (bodies, decision), &half) {
+            curves.entry(part.curve_id(&member.id)).or_insert_with(|| part.curve(planes));
+            springs.push(spring);
         }
-        springs.extend(own);
     }
     (springs, curves)
 }
 
-fn curve_id(wall: &str) -> String {
-    format!("wall/{wall}")
-}
-
-/// Half of a wall storey in its length and in its height.
+/// Half of a wall storey in its length and in its height, or a share of it.
+#[derive(Clone, Copy)]
 struct Half<'a> {
     wall: usize,
+    /// How much of it a spring stands for.
+    share: f64,
     law: &'a Homogenised,
     /// Share of its strength that preparation leaves.
     strength: f64,
@@ -73,6 +76,7 @@ impl<'a> Half<'a> {
         let along = usize::from(size[1] > size[0]);
         Self {
             wall,
+            share: 1.0,
             law: building.law_of(member),
             strength: building.strength_factor(&member.id),
             solid,
@@ -84,15 +88,32 @@ impl<'a> Half<'a> {
         }
     }
 
+    /// Where its spring stands at its foot (`end` 0) or head \[m\].
+    fn point_m(&self, side: usize, end: usize) -> [f64; 3] {
+        let mut point_m = self.solid.center();
+        point_m[self.along] = self.solid.min[self.along] + (0.5 + side as f64) * self.length_m;
+        point_m[2] = if end == 0 { self.solid.min[2] } else { self.solid.max[2] };
+        point_m
+    }
+
+    fn curve_id(&self, wall: &str) -> String {
+        if self.share < 1.0 { format!("wall/{wall}/{}", self.share) } else { format!("wall/{wall}") }
+    }
+
+    /// Its share of the length \[m\].
+    fn own_m(&self) -> f64 {
+        self.share * self.length_m
+    }
+
     /// Force at which the section flows \[N\].
     fn squash_n(&self) -> f64 {
         let first = self.law.hardening.first().map_or(0.0, |p| p.stress_pa);
-        self.strength * first * self.length_m * self.thickness_m
+        self.strength * first * self.own_m() * self.thickness_m
     }
 
     /// Elastic stiffness out of the plane in sway, `6 E I / h` \[N m/rad\].
     fn out_of_plane(&self) -> f64 {
-        3.0 * self.law.youngs_modulus_pa * self.length_m * self.thickness_m.powi(3) / 12.0 / self.height_m
+        3.0 * self.law.youngs_modulus_pa * self.own_m() * self.thickness_m.powi(3) / 12.0 / self.height_m
     }
 
     /// What the springs at foot and head carry over to each other: out of the plane they are a beam.
@@ -123,7 +144,7 @@ impl<'a> Half<'a> {
         let edges = |axis: usize| edges_between(&planes[axis], [self.solid.min[axis], self.solid.max[axis]]);
         let row_m = edges(2).windows(2).map(|z| z[1] - z[0]).fold(0.0, f64::max);
         let across = edges(1 - self.along);
-        let layers = Layer::between(&across, self.length_m, self.strength, true, self.law);
+        let layers = Layer::between(&across, self.own_m(), self.strength, true, self.law);
         let rows = Rows { row_m, shear_span_m: self.height_m, held: Held::OneWay };
         let without = Layers::of(layers.collect()).map(|layers| layers.weaker(&rows, 0.0));
         let level = |share: f64| {
@@ -136,66 +157,92 @@ impl<'a> Half<'a> {
     }
 }
 
-fn of_wall(
+/// The springs of a wall, those at its foot first, each with what it stands for.
+fn of_wall<'a>(
     building: &Building,
     structure: &Structure,
     (bodies, decision): (&Bodies, &Decision),
-    half: &Half,
-) -> Vec<Bushing> {
-    let (mut list, mut feet) = (Vec::new(), [None, None]);
-    let (wall, solid, along) = (half.wall, half.solid, half.along);
-    let size = solid.size();
+    half: &Half<'a>,
+) -> Vec<(Half<'a>, Bushing)> {
+    let wall = &building.members[half.wall].id;
+    let (mut list, mut feet) = (Vec::new(), BTreeMap::new());
+    let parts = [0, 1].map(|side| parts(building, structure, bodies, half, side));
     for (end, name) in [(0, "bottom"), (1, "top")] {
-        for side in 0..2 {
-            let mut point_m = solid.center();
-            point_m[along] = solid.min[along] + (0.25 + 0.5 * side as f64) * size[along];
-            point_m[2] = if end == 0 { solid.min[2] } else { solid.max[2] };
-            let mut outside = point_m;
-            outside[2] += if end == 0 { -BEYOND_M } else { BEYOND_M };
-            let next = structure.partition.member_at(outside);
-            let other = next.and_then(|member| bodies.of(member, outside));
-            let Some(body) = bodies.of(wall, point_m) else { continue };
-            if other.is_none() && !stands(building, wall, (2, point_m), next) || other == Some(body) {
-                continue;
+        for (side, parts) in parts.iter().enumerate() {
+            for (k, (part, neighbours)) in parts.iter().enumerate() {
+                let Some(other) = neighbours[end] else { continue };
+                let line = format!("{wall}.{name}");
+                let letter = if parts.len() > 1 { ["a", "b", "c", "d"][k] } else { "" };
+                let id = format!("{line}-{}{letter}", side + 1);
+                let mut own = spring(building, bodies, part, other, (id, part.point_m(side, end)));
+                if decision.elastic_lines.contains(&line) {
+                    own = part.elastic(own);
+                }
+                own.origin.members.push(line);
+                if end == 0 {
+                    feet.insert((side, k), own.id.clone());
+                } else {
+                    own.carry_over = feet.remove(&(side, k)).map(|foot| part.carry_over(foot));
+                }
+                list.push((*part, own));
             }
-            let line = format!("{}.{name}", building.members[wall].id);
-            let id = format!("{line}-{}", side + 1);
-            let mut own = spring(building, bodies, half, [other, Some(body)], (id, point_m));
-            if decision.elastic_lines.contains(&line) {
-                own = half.elastic(own);
-            }
-            own.origin.members.push(line);
-            if end == 0 {
-                feet[side] = Some(own.id.clone());
-            } else {
-                own.carry_over = feet[side].take().map(|foot| half.carry_over(foot));
-            }
-            list.push(own);
         }
     }
     list
+}
+
+/// What a spring at an end of a wall leads to: a body, or the ground; nothing if there is no spring.
+type Neighbour = Option<Option<usize>>;
+
+/// A half of a wall in the parts that stand between the same bodies, found beside its spring at foot and head: one, unless that is on a seam of a floor.
+fn parts<'a>(
+    building: &Building,
+    structure: &Structure,
+    bodies: &Bodies,
+    half: &Half<'a>,
+    side: usize,
+) -> Vec<(Half<'a>, [Neighbour; 2])> {
+    let mut parts: Vec<(Half, [Neighbour; 2])> = Vec::new();
+    for beside in [[-BESIDE_M; 2], [-BESIDE_M, BESIDE_M], [BESIDE_M, -BESIDE_M], [BESIDE_M; 2]] {
+        let neighbours = [0, 1].map(|end| {
+            let mut at = half.point_m(side, end);
+            let own = bodies.of(half.wall, at)?;
+            (0..2).for_each(|i| at[i] += beside[i]);
+            let outside = [at[0], at[1], at[2] + if end == 0 { -BEYOND_M } else { BEYOND_M }];
+            let next = structure.partition.member_at(outside);
+            let other = next.and_then(|member| bodies.of(member, outside));
+            let is_joined = other.is_some() || stands(building, half.wall, (2, at), next);
+            (is_joined && other != Some(own)).then_some(other)
+        });
+        match parts.iter_mut().find(|part| part.1 == neighbours) {
+            Some((part, _)) => part.share += 0.25,
+            None => parts.push((Half { share: 0.25, ..*half }, neighbours)),
+        }
+    }
+    parts
 }
 
 fn spring(
     building: &Building,
     bodies: &Bodies,
     half: &Half,
-    [other, own]: [Option<usize>; 2],
+    other: Option<usize>,
     (id, point_m): (String, [f64; 3]),
 ) -> Bushing {
-    let Half { wall, law, along, length_m: length, thickness_m: thickness, height_m: height, .. } = *half;
-    let area = length * thickness;
-    let shear = 5.0 / 6.0 * area * law.shear_modulus_pa() / height;
-    let out_of_plane = Bending::Curve { curve: curve_id(&building.members[wall].id), strength_factor: 1.0 };
+    let Half { wall, law, along, length_m, thickness_m, height_m, .. } = *half;
+    let area = half.own_m() * thickness_m;
+    let shear = 5.0 / 6.0 * area * law.shear_modulus_pa() / height_m;
+    let member = &building.members[wall].id;
+    let out_of_plane = Bending::Curve { curve: half.curve_id(member), strength_factor: 1.0 };
     let in_plane = Bending::Elastic {
-        stiffness_nm_rad: law.youngs_modulus_pa * thickness * length.powi(3) / 12.0 / height,
+        stiffness_nm_rad: law.youngs_modulus_pa * area * length_m.powi(2) / 12.0 / height_m,
     };
-    let torsion = law.shear_modulus_pa() * length * thickness.powi(3) / 3.0 / height;
+    let torsion = law.shear_modulus_pa() * half.own_m() * thickness_m.powi(3) / 3.0 / height_m;
     let squash_n = half.squash_n();
     let name = |i: usize| bodies.list[i].id.clone();
-    let own = own.map(name).unwrap_or_default();
+    let own = bodies.of(wall, point_m).map(name).unwrap_or_default();
     Bushing {
-        axial_stiffness_n_m: law.youngs_modulus_pa * area / height,
+        axial_stiffness_n_m: law.youngs_modulus_pa * area / height_m,
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: torsion,
         // axes 1 and 2 are x and y: bending about x is out of the plane of a wall along x
@@ -205,7 +252,7 @@ fn spring(
         compressive_capacity_n: Some(squash_n),
         associated_flow: true,
         origin: Origin {
-            members: vec![building.members[wall].id.clone()],
+            members: vec![member.clone()],
             rules: bodies.list.iter().find(|b| b.id == own).map_or(Vec::new(), |b| b.origin.rules.clone()),
             entries: Vec::new(),
         },

@@ -11,6 +11,7 @@ mod rigid;
 mod skipping;
 mod stiffness;
 mod undemanded;
+mod walls;
 mod webs;
 
 use fallwerk::base::tree::Format;
@@ -335,63 +336,6 @@ fn without_any_entry_the_curves_are_those_of_the_sections() {
     };
     let [own, other] = [contact(&of_sections), contact(&derived)];
     assert!((own / other - 1.0).abs() < 0.05, "{own} {other}");
-}
-
-#[test]
-fn walls_stand_on_springs_between_ground_and_floor() {
-    let scene = fallwerk::study::plan::Scene::of(1, 1);
-    assert!(scene.has_wall && scene.heights_m.len() == 1);
-    let building = parse(&scene.toml(), Format::Toml, "scene").expect("a sound building");
-    let (rules, mut store, _cache) = knowledge();
-    let generated = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
-    let springs: Vec<_> = generated.model.bushings.iter().filter(|b| b.id.starts_with("W1.")).collect();
-    let ids: Vec<&str> = springs.iter().map(|b| b.id.as_str()).collect();
-    assert_eq!(ids, ["W1.bottom-1", "W1.bottom-2", "W1.top-1", "W1.top-2"]);
-    for spring in &springs {
-        assert_eq!(spring.body_a.is_none(), spring.id.contains("bottom"), "{}", spring.id);
-        let end = spring.id.rsplit_once('-').unwrap().0;
-        assert_eq!(spring.body_b, "W1");
-        assert_eq!(spring.origin.members, ["W1", end]);
-    }
-    // both halves in a row: the height over the stiffness of the whole area
-    let wall = building.members.iter().find(|m| m.id == "W1").unwrap();
-    let body = generated.model.bodies.iter().find(|b| b.id == "W1").unwrap();
-    let height = 2.0 * body.position_m[2];
-    let size = wall.solid.size();
-    let whole = 16.5e9 * size[0] * size[1] / height;
-    let series: f64 = 0.5 * springs[..2].iter().map(|b| b.axial_stiffness_n_m).sum::<f64>();
-    assert!((series / whole - 1.0).abs() < 1e-9, "{series} {whole}");
-    // both halves together yield like the whole section: f A
-    let first = building.law_of(wall).hardening[0].stress_pa;
-    let squash: f64 = springs[..2].iter().filter_map(|b| b.compressive_capacity_n).sum();
-    assert!((squash / (first * size[0] * size[1]) - 1.0).abs() < 1e-9, "{squash}");
-    let along = usize::from(size[1] > size[0]);
-    // and out of the plane as one element across does in plane strain: h sqrt(G / E) = 2/√3 f, M = h l t² / 6; it hardens by a sixth
-    let yields = 2.0 / 3.0_f64.sqrt() * 2.4_f64.sqrt() * first * size[along] * size[1 - along].powi(2) / 6.0;
-    let Bending::Curve { curve, .. } = &springs[0].bending[along] else { panic!("elastic out of the plane") };
-    let levels = &generated.model.curves[curve].levels;
-    let at_rest = levels.iter().find(|l| l.axial_force_n == 0.0).unwrap();
-    let ratio = 2.0 * at_rest.capacity[0][1] / yields;
-    assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
-    // N² of the squash load is lost
-    let high = &levels[levels.len() - 1];
-    let share: f64 = high.axial_force_n / (0.5 * squash);
-    assert!((high.peak_nm() / at_rest.peak_nm() / (1.0 - share * share) - 1.0).abs() < 1e-9);
-    // out of the plane a wall between floors is a beam: 12 E I / h³ in sway, E I / h in pure bending
-    let bending = 16.5e9 * 0.5 * size[along] * size[1 - along].powi(3) / 12.0;
-    let stiffness = generated.model.curves[curve].stiffness_nm_rad;
-    assert!((stiffness * height / (6.0 * bending) - 1.0).abs() < 1e-9, "{stiffness}");
-    let carry = springs[2].carry_over.as_ref().unwrap();
-    assert_eq!((carry.bushing.as_str(), carry.flexibility_rad_nm[1 - along]), ("W1.bottom-1", 0.0));
-    let both = 2.0 / (1.0 / stiffness + 2.0 * carry.flexibility_rad_nm[along]);
-    assert!((both * height / (4.0 * bending) - 1.0).abs() < 1e-9, "{both}");
-    let mut still = generated.model.clone();
-    still.events.clear();
-    still.settings.end_time_s = 0.1;
-    let run = fallwerk::mbs::simulate(&still).unwrap();
-    let moved =
-        run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
-    assert!(moved < 1e-5, "{moved}");
 }
 
 #[test]

@@ -63,6 +63,33 @@ fn secondary_beam_hangs_on_the_main_beams() {
     assert!(feet.iter().all(|n| (n / feet[0] - 1.0).abs() < 1e-9), "{feet:?}");
 }
 
+/// Beams wider than a column, over which other ones end: these end at the wide beam's faces, beyond the column's, and hang in its joint all the same. The columns are held the same way as by narrow beams.
+#[test]
+fn beams_end_at_a_beam_wider_than_its_column() {
+    let state = |width_m: f64| {
+        let mut building = empty();
+        columns(&mut building, 3.5);
+        let half = 0.5 * width_m;
+        add(&mut building, "B-1", MemberKind::Beam, [-0.2, -half, 3.0], [6.2, half, 3.5]);
+        add(&mut building, "B-2", MemberKind::Beam, [-0.2, 5.0 - half, 3.0], [6.2, 5.0 + half, 3.5]);
+        add(&mut building, "B-A", MemberKind::Beam, [-0.15, 0.0, 3.0], [0.15, 5.0, 3.5]);
+        add(&mut building, "B-B", MemberKind::Beam, [5.85, 0.0, 3.0], [6.15, 5.0, 3.5]);
+        let (structure, demands) = solved(&building);
+        let start = structure.end("B-A.start").unwrap().point_m[1];
+        (start, demands)
+    };
+    let moment = |demands: &Demands, id: &str| {
+        demands.ends.iter().find(|e| e.id == id).unwrap().before.unwrap().forces.moment_nm[0].abs()
+    };
+    let ((narrow_m, narrow), (wide_m, wide)) = (state(0.38), state(0.6));
+    assert!((narrow_m - 0.2).abs() < 1e-9 && (wide_m - 0.3).abs() < 1e-9, "{narrow_m} {wide_m}");
+    let feet = ["C-A1.bottom", "C-A2.bottom", "C-B1.bottom", "C-B2.bottom"].map(|id| axial(&wide, id));
+    assert!(feet.iter().all(|n| (n / feet[0] - 1.0).abs() < 1e-9), "{feet:?}");
+    // the joint clamps B-A either way, over clear lengths of 4.6 and 4.4 m
+    let [a, b] = [&narrow, &wide].map(|demands| moment(demands, "B-A.start"));
+    assert!((b / a - 1.0).abs() < 0.25 && b > 1e3, "{a} {b}");
+}
+
 /// A column that stands on the middle of a beam: half of its weight goes to either side.
 #[test]
 fn transfer_beam() {

@@ -1,10 +1,10 @@
 //! Joints: where uprights meet each other and the beams, and the nodes that stand for them.
 
-use super::Builder;
+use super::{Builder, meet};
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
-use crate::building::{Building, MemberKind};
+use crate::building::{Building, Member, MemberKind};
 use crate::graph::ends::{End, is_upright};
 use crate::graph::frame::FrameNode;
 use crate::graph::paths::plan_overlap;
@@ -125,18 +125,35 @@ impl Builder<'_> {
         block
     }
 
-    /// Whether a beam's end section at `coordinate` lies in a joint.
+    /// Whether a beam's end section at `coordinate` lies in a joint: within its uprights, or within a wider beam that passes over them.
     fn frames_into(&self, joint: &Joint, beam: usize, axis: usize, coordinate: f64) -> bool {
-        let beam = &self.member(beam).solid;
+        let own = &self.member(beam).solid;
         let across = 1 - axis;
-        let gap = |low: f64, high: f64, i: usize| (beam.min[i] - high).max(low - beam.max[i]);
+        let gap = |low: f64, high: f64, i: usize| (own.min[i] - high).max(low - own.max[i]);
+        let lies_in = |solid: &Aabb| {
+            coordinate > solid.min[axis] - COORDINATE_TOLERANCE_M
+                && coordinate < solid.max[axis] + COORDINATE_TOLERANCE_M
+        };
         gap(joint.range_m[0], joint.range_m[1], 2) < COORDINATE_TOLERANCE_M
             && joint.uprights.iter().any(|u| {
                 let solid = &self.member(*u).solid;
-                let within = coordinate > solid.min[axis] - COORDINATE_TOLERANCE_M
-                    && coordinate < solid.max[axis] + COORDINATE_TOLERANCE_M;
-                within && gap(solid.min[across], solid.max[across], across) < -COORDINATE_TOLERANCE_M
+                gap(solid.min[across], solid.max[across], across) < -COORDINATE_TOLERANCE_M
+                    && (lies_in(solid) || self.beams_over(joint, solid, beam).any(|o| lies_in(&o.solid)))
             })
+    }
+
+    /// Beams across a beam that pass over an upright of a joint.
+    fn beams_over<'b>(
+        &'b self,
+        joint: &Joint,
+        upright: &Aabb,
+        beam: usize,
+    ) -> impl Iterator<Item = &'b Member> {
+        let mut block = *upright;
+        (block.min[2], block.max[2]) = (joint.range_m[0], joint.range_m[1]);
+        let axis = self.member(beam).axis;
+        let near = self.beams.near(&block, COORDINATE_TOLERANCE_M).into_iter().map(|b| self.member(b));
+        near.filter(move |o| o.axis != axis && meet(&o.solid, &block))
     }
 
     /// Ties the ends of all bars to nodes: a clamp, a joint, another beam, or nothing.

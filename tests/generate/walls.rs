@@ -1,0 +1,109 @@
+//! Walls on springs between ground and floors, on one piece of a floor or on the seam between two.
+
+use super::{knowledge, reference};
+use fallwerk::base::tree::Format;
+use fallwerk::building::parse;
+use fallwerk::generate::{Accuracy, Derive, Wishes, generate};
+use fallwerk::mbs::model::{Bending, Bushing};
+
+#[test]
+fn walls_stand_on_springs_between_ground_and_floor() {
+    let scene = fallwerk::study::plan::Scene::of(1, 1);
+    assert!(scene.has_wall && scene.heights_m.len() == 1);
+    let building = parse(&scene.toml(), Format::Toml, "scene").expect("a sound building");
+    let (rules, mut store, _cache) = knowledge();
+    let generated = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    let springs: Vec<_> = generated.model.bushings.iter().filter(|b| b.id.starts_with("W1.")).collect();
+    let ids: Vec<&str> = springs.iter().map(|b| b.id.as_str()).collect();
+    assert_eq!(ids, ["W1.bottom-1", "W1.bottom-2", "W1.top-1", "W1.top-2"]);
+    for spring in &springs {
+        assert_eq!(spring.body_a.is_none(), spring.id.contains("bottom"), "{}", spring.id);
+        let end = spring.id.rsplit_once('-').unwrap().0;
+        assert_eq!(spring.body_b, "W1");
+        assert_eq!(spring.origin.members, ["W1", end]);
+    }
+    // both halves in a row: the height over the stiffness of the whole area
+    let wall = building.members.iter().find(|m| m.id == "W1").unwrap();
+    let body = generated.model.bodies.iter().find(|b| b.id == "W1").unwrap();
+    let height = 2.0 * body.position_m[2];
+    let size = wall.solid.size();
+    let whole = 16.5e9 * size[0] * size[1] / height;
+    let series: f64 = 0.5 * springs[..2].iter().map(|b| b.axial_stiffness_n_m).sum::<f64>();
+    assert!((series / whole - 1.0).abs() < 1e-9, "{series} {whole}");
+    // both halves together yield like the whole section: f A
+    let first = building.law_of(wall).hardening[0].stress_pa;
+    let squash: f64 = springs[..2].iter().filter_map(|b| b.compressive_capacity_n).sum();
+    assert!((squash / (first * size[0] * size[1]) - 1.0).abs() < 1e-9, "{squash}");
+    let along = usize::from(size[1] > size[0]);
+    // and out of the plane as one element across does in plane strain: h sqrt(G / E) = 2/√3 f, M = h l t² / 6; it hardens by a sixth
+    let yields = 2.0 / 3.0_f64.sqrt() * 2.4_f64.sqrt() * first * size[along] * size[1 - along].powi(2) / 6.0;
+    let Bending::Curve { curve, .. } = &springs[0].bending[along] else { panic!("elastic out of the plane") };
+    let levels = &generated.model.curves[curve].levels;
+    let at_rest = levels.iter().find(|l| l.axial_force_n == 0.0).unwrap();
+    let ratio = 2.0 * at_rest.capacity[0][1] / yields;
+    assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+    // N² of the squash load is lost
+    let high = &levels[levels.len() - 1];
+    let share: f64 = high.axial_force_n / (0.5 * squash);
+    assert!((high.peak_nm() / at_rest.peak_nm() / (1.0 - share * share) - 1.0).abs() < 1e-9);
+    // out of the plane a wall between floors is a beam: 12 E I / h³ in sway, E I / h in pure bending
+    let bending = 16.5e9 * 0.5 * size[along] * size[1 - along].powi(3) / 12.0;
+    let stiffness = generated.model.curves[curve].stiffness_nm_rad;
+    assert!((stiffness * height / (6.0 * bending) - 1.0).abs() < 1e-9, "{stiffness}");
+    let carry = springs[2].carry_over.as_ref().unwrap();
+    assert_eq!((carry.bushing.as_str(), carry.flexibility_rad_nm[1 - along]), ("W1.bottom-1", 0.0));
+    let both = 2.0 / (1.0 / stiffness + 2.0 * carry.flexibility_rad_nm[along]);
+    assert!((both * height / (4.0 * bending) - 1.0).abs() < 1e-9, "{both}");
+    let mut still = generated.model.clone();
+    still.events.clear();
+    still.settings.end_time_s = 0.1;
+    let run = fallwerk::mbs::simulate(&still).unwrap();
+    let moved =
+        run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    assert!(moved < 1e-5, "{moved}");
+}
+
+/// A wall between two rows of columns stands on the seam between the pieces of these: each of them bears half of its springs, and the building moves as its mirror image does. (With all of a spring on one of the pieces
+/// the other lay loose against the wall.)
+#[test]
+fn a_wall_on_a_seam_stands_on_the_pieces_at_both_of_its_sides() {
+    let wall = "\n[[members]]\nid = \"W2\"\nkind = \"wall\"\nsection = \"slab\"\nfrom = [1, 2.5, 3.5]\nto = [5, 2.5, 6.75]\n\n[[events]]";
+    let model = |row: &str| {
+        let building = reference(|t| {
+            let t = t.replacen("\n[[events]]", wall, 1);
+            t.replace("member = \"C1-A1\"", &format!("member = \"C1-A{row}\""))
+                .replace("member = \"C1-B1\"", &format!("member = \"C1-B{row}\""))
+        });
+        let (rules, mut store, _cache) = knowledge();
+        let wishes = Wishes { derive: Derive::Similar, accuracy: Accuracy::Balanced };
+        generate(&building, &rules, &mut store, wishes, &|_| {}).unwrap().model
+    };
+    let mut front = model("1");
+    let springs: Vec<&Bushing> = front.bushings.iter().filter(|b| b.id.starts_with("W2.")).collect();
+    let ids: Vec<&str> = springs.iter().map(|b| b.id.as_str()).collect();
+    assert_eq!(ids[..4], ["W2.bottom-1a", "W2.bottom-1b", "W2.bottom-2a", "W2.bottom-2b"]);
+    assert_eq!(ids[4..], ["W2.top-1a", "W2.top-1b", "W2.top-2a", "W2.top-2b"]);
+    assert_ne!(springs[0].body_a, springs[1].body_a);
+    let whole = 16.5e9 * 4.0 * 0.25 / (0.5 * 3.25);
+    let sum: f64 = springs[..4].iter().map(|b| b.axial_stiffness_n_m).sum();
+    assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} {whole}");
+    let Bending::Curve { curve, .. } = &springs[0].bending[0] else { panic!("elastic out of the plane") };
+    let out_of_plane = 6.0 * 16.5e9 * 1.0 * 0.25_f64.powi(3) / 12.0 / 3.25;
+    assert!((front.curves[curve].stiffness_nm_rad / out_of_plane - 1.0).abs() < 1e-9);
+    let mut rear = model("2");
+    let ends = [&mut front, &mut rear].map(|model| {
+        model.settings.end_time_s = 0.8;
+        let run = fallwerk::mbs::simulate(model).unwrap();
+        let tops = ["C3-A1.top", "C3-A2.top"].map(|id| {
+            let point = run.tracked.iter().find(|p| p.id == id).unwrap();
+            *point.displacement_m.last().unwrap()
+        });
+        assert!(run.steps < 500, "{}", run.steps);
+        tops
+    });
+    for (a, b) in ends[0].iter().zip(ends[1].iter().rev()) {
+        let off = [a[0] - b[0], a[1] + b[1], a[2] - b[2]].iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        assert!(off < 1e-4, "{a:?} {b:?}");
+    }
+    assert!(ends[0][0][2] < -0.5, "it falls: {ends:?}");
+}
