@@ -21,7 +21,7 @@ pub struct Tracked {
 pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked> {
     let mut points = Vec::new();
     for (index, member) in building.members.iter().enumerate() {
-        if is_taken_away(building, &member.id) {
+        if is_taken_away(building, &member.id) || loses_its_top(building, partition, index) {
             continue;
         }
         let (low, high) = (member.solid.min, member.solid.max);
@@ -56,14 +56,18 @@ pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked
             _ => {}
         }
     }
-    points.extend(building.members.iter().filter_map(|m| over_removed(building, m)));
+    let taken = |i: &usize| {
+        is_taken_away(building, &building.members[*i].id) || loses_its_top(building, partition, *i)
+    };
+    let taken = (0..building.members.len()).filter(taken);
+    points.extend(taken.filter_map(|i| over_removed(building, &building.members[i])));
     points
 }
 
-/// The point of a floor, or of a beam, over the middle of a column that is taken away. Where a column stands on it the top of that one tells how it falls.
+/// The point of a floor, or of a beam, over the middle of a column that is taken away or loses its top. Where a column stands on it the top of that one tells how it falls.
 fn over_removed(building: &Building, column: &Member) -> Option<Tracked> {
     let is_upright = column.kind == MemberKind::Column && !column.is_skew();
-    if !is_upright || !is_taken_away(building, &column.id) {
+    if !is_upright {
         return None;
     }
     let [x, y, middle] = column.solid.center();
@@ -86,6 +90,30 @@ fn over_removed(building: &Building, column: &Member) -> Option<Tracked> {
         member: borne.id.clone(),
         point_m: [x, y, z],
     })
+}
+
+/// Shortest rest that charges leave of a column, over the smaller side of its section: what is shorter is less than an element, and goes with them.
+pub const SHORTEST_REST: f64 = 0.5;
+
+/// The level up to which charges take stretches of an upright column at most \[m\]: what is above carries its top.
+pub fn stretches_to_m(building: &Building, column: &Member) -> Option<f64> {
+    let own = building.events.iter().filter(|e| e.member == column.id).filter_map(|e| e.stretch_m);
+    let upright = column.kind == MemberKind::Column && !column.is_skew();
+    own.filter(|_| upright).map(|[_, to]| column.solid.min[2] + to).reduce(f64::max)
+}
+
+/// Whether stretches that charges take of a column reach its upper end.
+fn loses_its_top(building: &Building, partition: &Partition, member: usize) -> bool {
+    let column = &building.members[member];
+    let Some(to) = stretches_to_m(building, column) else { return false };
+    let top = clear_range(partition, member, 2).map_or(column.solid.max[2], |range| range[1]);
+    let size = column.solid.size();
+    top - to < SHORTEST_REST * size[0].min(size[1])
+}
+
+/// Whether a member is cut, or removed or interrupted during the run.
+pub fn is_charged_or_cut(building: &Building, member: &str) -> bool {
+    building.events.iter().any(|e| e.member == member) || building.is_cut(member)
 }
 
 /// Whether a member is cut or removed whole during the run.

@@ -34,10 +34,27 @@ impl MeshGrid {
         let placed = building.members.iter().zip(&moved).zip(&apart);
         let solids: Vec<Aabb> =
             placed.map(|((m, moved), apart)| if *apart { m.solid } else { moved.solid }).collect();
+        let cut = with_stretches(building, kept, SNAP_SHARE * size_m);
         let planes =
-            std::array::from_fn(|axis| subdivided(building, &solids, &apart, &kept[axis], axis, size_m));
+            std::array::from_fn(|axis| subdivided(building, &solids, &apart, &cut[axis], axis, size_m));
         Self { planes, solids, openings: moved.into_iter().map(|m| m.openings).collect(), apart }
     }
+}
+
+/// The planes with those at which stretches of charges begin and end, where none is nearer than `snap_m`: what a charge takes is then what its stretch says.
+fn with_stretches(building: &Building, mut planes: [Vec<f64>; 3], snap_m: f64) -> [Vec<f64>; 3] {
+    for charge in &building.events {
+        let Some(member) = building.members.iter().find(|m| m.id == charge.member && !m.is_skew()) else {
+            continue;
+        };
+        for at in charge.stretch_m.into_iter().flatten().map(|at| member.solid.min[member.axis] + at) {
+            let own = &mut planes[member.axis];
+            if own.iter().all(|plane| (plane - at).abs() > snap_m) {
+                own.insert(own.partition_point(|plane| *plane < at), at);
+            }
+        }
+    }
+    planes
 }
 
 /// Members that are to have a mesh of their own: those turned out of the axes, and columns of which a side face would come nearer to a face of another member than the building

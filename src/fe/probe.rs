@@ -25,10 +25,17 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// A point carried by all nodes of a part (`rigid_fit`) or by the nearest one.
-    pub fn new(mesh: &Mesh, id: &str, part: usize, point_m: [f64; 3], rigid_fit: bool) -> Option<Self> {
+    /// A point carried by all nodes of a part above a level \[m\] (`rigid_fit`) or by the nearest one.
+    pub fn new(
+        mesh: &Mesh,
+        id: &str,
+        part: usize,
+        point_m: [f64; 3],
+        (rigid_fit, above_m): (bool, f64),
+    ) -> Option<Self> {
+        let own = |e: &usize| mesh.elements[*e].part == part && mesh.center(*e)[2] > above_m;
         let mut nodes: Vec<usize> =
-            mesh.elements.iter().filter(|e| e.part == part).flat_map(|e| e.nodes).collect();
+            (0..mesh.elements.len()).filter(own).flat_map(|e| mesh.elements[e].nodes).collect();
         nodes.sort_unstable();
         nodes.dedup();
         if !rigid_fit {

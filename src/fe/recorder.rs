@@ -14,7 +14,7 @@ use super::truss::BarRupture;
 use super::vtu::{Frame, FrameSink};
 use super::watch::{Books, Watch};
 use crate::building::partition::Partition;
-use crate::building::tracked::tracked_points;
+use crate::building::tracked::{stretches_to_m, tracked_points};
 use crate::building::{Building, MemberKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -64,7 +64,11 @@ impl Recorder {
             .iter()
             .filter_map(|t| {
                 let part = building.members.iter().position(|m| m.id == t.member)?;
-                Probe::new(mesh, &t.id, part, t.point_m, building.members[part].kind == MemberKind::Column)
+                let member = &building.members[part];
+                // of a column of which charges take a stretch what is above it carries the top
+                let above_m = stretches_to_m(building, member).unwrap_or(f64::NEG_INFINITY);
+                let carried_by = (member.kind == MemberKind::Column, above_m);
+                Probe::new(mesh, &t.id, part, t.point_m, carried_by)
             })
             .collect();
         let start_m: Vec<[f64; 3]> =

@@ -8,7 +8,7 @@
 use super::axes::FloorAxes;
 use crate::base::geom::Aabb;
 use crate::building::rows::MEETS_M;
-use crate::building::tracked::is_taken_away;
+use crate::building::tracked::is_charged_or_cut;
 use crate::building::{Building, Member, MemberKind};
 
 /// How much a joint bends in comparison with its beams: without a column, with one on it, with one under it, with both.
@@ -26,7 +26,7 @@ pub struct BeamJoints {
 impl BeamJoints {
     /// Of a floor between two heights.
     pub fn of(building: &Building, [low_m, high_m]: [f64; 2]) -> Self {
-        let stands = |m: &&Member| m.kind == MemberKind::Column && !is_taken_away(building, &m.id);
+        let stands = |m: &&Member| m.kind == MemberKind::Column && !is_charged_or_cut(building, &m.id);
         let columns = building.members.iter().filter(stands);
         let meets = |s: &&Aabb| s.min[2] <= high_m + MEETS_M && s.max[2] >= low_m - MEETS_M;
         let middle_m = 0.5 * (low_m + high_m);

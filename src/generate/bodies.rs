@@ -1,6 +1,7 @@
 //! Rigid bodies from sets of members.
 
 use super::cells::Piece;
+use super::stumps::Stumps;
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
 use crate::building::partition::merged;
@@ -55,6 +56,8 @@ pub struct Bodies {
     floors: BTreeMap<usize, Floor>,
     /// Which bodies are pieces of floors that bend.
     bending: BTreeSet<usize>,
+    /// Columns of which charges take a stretch, by member.
+    stumps: BTreeMap<usize, Stumps>,
 }
 
 impl Bodies {
@@ -76,6 +79,22 @@ impl Bodies {
         self.list.extend(bodies);
         self.floors.insert(first, Floor::of(pieces));
         first
+    }
+
+    /// Enters the pieces of a column of which charges take a stretch.
+    pub fn add_stumps(&mut self, stumps: Stumps, pieces: Vec<Piece>, bodies: Vec<Body>) {
+        self.add_pieces(&[stumps.member], pieces, bodies);
+        self.stumps.insert(stumps.member, stumps);
+    }
+
+    /// The pieces of a column of which charges take a stretch.
+    pub fn stumps_of(&self, member: usize) -> Option<&Stumps> {
+        self.stumps.get(&member)
+    }
+
+    /// Columns of which charges take a stretch.
+    pub fn stumps(&self) -> impl Iterator<Item = &Stumps> {
+        self.stumps.values()
     }
 
     /// Enters bodies that are parts of pieces of floors.

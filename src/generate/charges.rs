@@ -1,6 +1,6 @@
 //! What charges take away: whole bodies, and the webs of beams.
 //!
-//! A column or a wall is a body of its own. A beam is one with its slab: what goes is its web (`webs`), from joint block to joint block, with its share of the
+//! A column or a wall is a body of its own, or a column its pieces where charges take a stretch of it (`stumps`). A beam is one with its slab: what goes is its web (`webs`), from joint block to joint block, with its share of the
 //! springs of its floor; the slab stays. A floor goes as a whole where all of its members have charges, with the last of them.
 
 use super::GenerateError;
@@ -47,7 +47,16 @@ pub fn events(
     for (index, charge) in building.events.iter().enumerate() {
         let Some((member, last)) = place.get(charge.member.as_str()).copied() else { continue };
         let mut own = webs.get(&member).cloned().unwrap_or_default();
+        let stumps = bodies.stumps_of(member);
+        if let Some(stumps) = stumps {
+            let pieces = bodies.all_of(member);
+            own.extend(stumps.taken_by(index).map(|k| bodies.list[pieces[k]].id.clone()));
+        }
         match last {
+            _ if stumps.is_some() => {
+                let none = || format!("charge `{}` takes nothing away: no part of `{}` lies on its stretch between the joints of the column", charge.id, charge.member);
+                notes.extend(own.is_empty().then(none));
+            }
             Some(last) if last == index => {
                 own.extend(bodies.all_of(member).into_iter().map(|i| bodies.list[i].id.clone()));
             }

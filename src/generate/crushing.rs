@@ -13,7 +13,7 @@ use crate::library::Entry;
 use crate::library::derive_contact::WantedContact;
 use crate::library::thin::thinned;
 use crate::mbs::model::{CrushedFace, Face, Shape};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Plastic shortening over the elastic one at which a curve has left its elastic line.
 const YIELDS: f64 = 0.1;
@@ -30,14 +30,13 @@ pub struct Struck {
 }
 
 impl Struck {
-    /// The columns that may break once something has happened to them.
-    pub fn of(building: &Building, ends: &[MemberEnd], decision: &Decision) -> Self {
+    /// The columns that may break once something has happened to them, and those of which charges leave stumps.
+    pub fn of(building: &Building, ends: &[MemberEnd], decision: &Decision, bodies: &Bodies) -> Self {
         let mut struck = Self::default();
         let mut alike = BTreeMap::<(String, [u64; 3]), String>::new();
-        let may: BTreeMap<usize, ()> = decision.sections().map(|(member, _)| (member, ())).collect();
-        for end in
-            ends.iter().filter(|e| e.end == End::Lower && e.clear_m > 0.0 && may.contains_key(&e.member))
-        {
+        let may: BTreeSet<usize> =
+            decision.sections().map(|(member, _)| member).chain(bodies.stumps().map(|s| s.member)).collect();
+        for end in ends.iter().filter(|e| e.end == End::Lower && e.clear_m > 0.0 && may.contains(&e.member)) {
             let member = &building.members[end.member];
             let size = member.solid.size();
             let numbers = [end.clear_m, size[(end.axis + 1) % 3], size[(end.axis + 2) % 3]];
@@ -69,7 +68,7 @@ impl Struck {
         Ok(self)
     }
 
-    /// The faces at both ends of the columns, as far as there are entries and each is one box.
+    /// The faces at both ends of the columns and of their stumps, as far as there are entries and each is one box.
     pub fn faces(&self, building: &Building, bodies: &Bodies, found: &Entries) -> Vec<CrushedFace> {
         let mut faces = Vec::new();
         for (member, place) in &self.place_of {
@@ -79,17 +78,26 @@ impl Struck {
             };
             let (force_n, axis) = (resistance(entry), building.members[*member].axis);
             let own = bodies.all_of(*member);
-            for (index, face) in [(own.first(), low(axis)), (own.last(), high(axis))] {
-                let body = index.map(|i| &bodies.list[*i]);
-                let Some(body) = body.filter(|b| matches!(b.shapes[..], [Shape::Box { .. }])) else {
+            let stumps = bodies.stumps_of(*member);
+            let faces_of = match (stumps, own.first(), own.last()) {
+                (Some(stumps), ..) => stumps
+                    .faces(low(axis), high(axis))
+                    .map(|(k, face, share)| (own[k], face, share))
+                    .collect(),
+                (None, Some(first), Some(last)) => vec![(*first, low(axis), 1.0), (*last, high(axis), 1.0)],
+                _ => Vec::new(),
+            };
+            for (index, face, share) in faces_of {
+                let body = &bodies.list[index];
+                if !matches!(body.shapes[..], [Shape::Box { .. }]) {
                     continue;
-                };
+                }
                 if !force_n.is_empty() && body.origin.members == [building.members[*member].id.clone()] {
                     faces.push(CrushedFace {
                         body: body.id.clone(),
                         shape: 0,
                         face,
-                        force_n: force_n.clone(),
+                        force_n: force_n.iter().map(|[way, force]| [share * way, *force]).collect(),
                         subsystem: Some(key.clone()),
                     });
                 }

@@ -7,6 +7,7 @@ use super::decide::Decision;
 use super::floors::{Grid, Line};
 use super::grillage::{self, Grillage};
 use super::lines::Lines;
+use super::stumps::Stumps;
 use super::webs::{self, Stays, Web, Webs};
 use super::{Accuracy, GenerateError, Unmet, charges, entries, floor_mass, joints};
 use crate::building::ends::MemberEnd;
@@ -78,7 +79,7 @@ impl Parts<'_> {
                 stays.add(building, &away, &why, decision)?;
             }
             match division {
-                None => self.add_whole(cluster, &name, &mut bodies),
+                None => self.add_whole(cluster, &name, &mut bodies)?,
                 Some(floor) => {
                     let named = (cluster.as_slice(), name.as_str());
                     floors.push(self.add_floor(named, floor, &charged, (&mut bodies, &mut stays))?);
@@ -98,11 +99,25 @@ impl Parts<'_> {
         Ok(Division { bodies, floors, lines, stays, unmet, notes })
     }
 
-    /// Adds a cluster that is one body, or a column that may break between its ends, in its pieces.
-    fn add_whole(&self, cluster: &[usize], name: &str, bodies: &mut Bodies) {
+    /// Adds a cluster that is one body, or in its pieces a column that may break between its ends, or of which charges take a stretch.
+    ///
+    /// # Errors
+    /// If they take one out of a column that is one with other members.
+    fn add_whole(&self, cluster: &[usize], name: &str, bodies: &mut Bodies) -> Result<(), GenerateError> {
         let Self { building, structure, decision, .. } = *self;
         let rules = decision.rules_of(building, cluster);
         let column = if let [column] = *cluster { Some(column) } else { None };
+        let stumps = || cluster.iter().find_map(|m| Stumps::of(building, structure, *m));
+        if let Some(stumps) = stumps().filter(|stumps| !stumps.is_taken_whole()) {
+            if column.is_none() {
+                return Err(GenerateError::Stretch(building.members[stumps.member].id.clone()));
+            }
+            let pieces = stumps.cut(structure, building.members[stumps.member].axis);
+            let id = |p: &Piece| format!("{name}/{}", p.cell[0] + 1);
+            let own = pieces.iter().map(|p| p.body(building, structure, id(p), rules.clone())).collect();
+            bodies.add_stumps(stumps, pieces, own);
+            return Ok(());
+        }
         match column.and_then(|c| Some((c, decision.sections_of(c)?))) {
             Some((column, sections)) => {
                 let pieces = sections.cut(building, structure, column);
@@ -113,6 +128,7 @@ impl Parts<'_> {
             }
             None => bodies.add(cluster, bodies::body(building, structure, cluster, rules)),
         }
+        Ok(())
     }
 
     /// Adds the pieces of a floor, and the beams that may break away from them; `charged` are the charges on members.

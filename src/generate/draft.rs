@@ -118,7 +118,7 @@ impl<'a> Draft<'a> {
             .iter()
             .map(|(_, line)| library.asked(&line.id, None, || Ok(Query::Strip(line.wanted.clone()))));
         let struck = if event_rules::puts_contact_in(building, rules)? {
-            Struck::of(building, ends, self.decision).known_to(library, &mut notes)?
+            Struck::of(building, ends, self.decision, &self.division.bodies).known_to(library, &mut notes)?
         } else {
             Struck::default()
         };
@@ -144,6 +144,11 @@ impl<'a> Draft<'a> {
         let mut webs = webs_of(building, &around.planes, floors, (bodies, self.decision), &mut curves);
         let event_rules = event_rules::of(building, rules, self.decision, (bodies, &sections), &webs)?;
         hinges.extend(sections);
+        for stumps in bodies.stumps() {
+            let rules = self.decision.rules_of(building, &[stumps.member]);
+            hinges.extend(stumps.springs(building, bodies, &rules));
+            notes.extend(stumps.notes(building));
+        }
         let mut contact = contact(building);
         contact.crushing = struck.faces(building, bodies, found);
         let shared_masses = self.add_floors((&mut hinges, &mut curves), &mut contact);

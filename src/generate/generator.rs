@@ -12,7 +12,7 @@ use super::{
 };
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::lines::{Line as PlateLine, lines as plate_lines};
-use crate::building::{Building, Override};
+use crate::building::{Building, MemberKind, Override};
 use crate::fe::mesh::Mesh;
 use crate::fe::weld;
 use crate::graph::demand::Solved;
@@ -21,6 +21,7 @@ use crate::graph::{Demands, Structure};
 use crate::library::{Entry, Store};
 use crate::rc::around::Surroundings;
 use crate::rules::RuleBase;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
@@ -112,8 +113,10 @@ impl<'a> Generator<'a> {
     ) -> Result<Self, GenerateError> {
         let Wishes { derive, accuracy } = wishes.into();
         building.without_skew("no MBS model can be generated").map_err(GenerateError::Skew)?;
-        if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some()) {
-            return Err(GenerateError::Stretch(charge.id.clone(), charge.member.clone()));
+        let column =
+            |id: &String| building.members.iter().any(|m| m.id == *id && m.kind == MemberKind::Column);
+        if let Some(charge) = building.events.iter().find(|e| e.stretch_m.is_some() && !column(&e.member)) {
+            return Err(GenerateError::BeamStretch(charge.id.clone(), charge.member.clone()));
         }
         let mut stages = Stages::begin();
         let structure = Structure::of(building);
@@ -126,7 +129,12 @@ impl<'a> Generator<'a> {
             (Known::of(building, &structure, (&ends, &plates), &demands), demands, frame)
         };
         let meshed = || {
-            let (mesh, _) = Mesh::of(building, building.settings.mesh_size_m);
+            // curves are those of whole columns, whatever stretch of one a charge takes
+            let mut whole = Cow::Borrowed(building);
+            if building.events.iter().any(|charge| charge.stretch_m.is_some()) {
+                whole.to_mut().events.iter_mut().for_each(|charge| charge.stretch_m = None);
+            }
+            let (mesh, _) = Mesh::of(&whole, building.settings.mesh_size_m);
             weld::check(building, &mesh, building.settings.mesh_size_m)?;
             Ok::<_, GenerateError>((Surroundings::of(&mesh), mesh))
         };

@@ -17,6 +17,9 @@ use crate::rc::crushing::CRUSHED_SHARE;
 use crate::rc::pushover::torsion_constant;
 use std::collections::BTreeMap;
 
+/// Share of a stump's length at which its hinge stands at most.
+const IN_STUMP: f64 = 0.5;
+
 /// What the joints are placed in.
 pub struct Place<'a> {
     pub building: &'a Building,
@@ -77,6 +80,10 @@ pub fn hinges(
             _ => Bending::Curve { curve: curve_id(key, axis), strength_factor: 1.0 },
         });
         let half = Prism::of(place.building, end);
+        // of a column in stumps what is left at this end, where it is less than half of it
+        let left_m = place.bodies.stumps_of(end.member).and_then(|s| s.left_m(end));
+        let left_m = left_m.map_or(half.length_m, |stump| stump.min(half.length_m));
+        let at_most_m = if left_m < half.length_m { IN_STUMP * left_m } else { f64::INFINITY };
         let with_joint = Prism { length_m: half.length_m + half_joint_m(place, end), ..half };
         let law = place.building.law_of(&place.building.members[end.member]);
         // what does not yield neither breaks nor crushes
@@ -94,7 +101,7 @@ pub fn hinges(
             compressive_fading: capacity(entry.compressive_capacity_n)
                 .map_or_else(Vec::new, |most_n| left_under_compression(entry, most_n)),
             crushing_shortening_m: capacity(entry.tensile_elongation_m)
-                .map(|_| CRUSHED_SHARE * law.rupture_strain() * half.length_m),
+                .map(|_| CRUSHED_SHARE * law.rupture_strain() * left_m),
             associated_flow: true,
             origin: Origin {
                 members: vec![end.id.clone()],
@@ -105,7 +112,7 @@ pub fn hinges(
                 end.id.clone(),
                 other.map(|o| place.bodies.list[o].id.clone()),
                 place.bodies.list[own].id.clone(),
-                hinge_point(end, hinge.offset_m),
+                hinge_point(end, hinge.offset_m.min(at_most_m)),
                 axes(end.axis, end.outward),
             )
         });
@@ -211,6 +218,9 @@ pub fn carry_over(place: &Place, ends: &[&MemberEnd], hinges: &mut [Bushing]) {
     for i in 0..hinges.len() {
         let Some(end) = ends.get(hinges[i].id.as_str()) else { continue };
         let Some(other) = first.insert(end.member, i) else { continue };
+        if place.bodies.stumps_of(end.member).is_some() {
+            continue;
+        }
         let own = place.bodies.all_of(end.member);
         let is_own = |h: &Bushing| own.iter().any(|b| place.bodies.list[*b].id == h.body_b);
         if ![other, i].iter().all(|k| is_own(&hinges[*k])) {

@@ -36,6 +36,7 @@ mod panels;
 mod rigid;
 mod sections;
 mod stretch;
+mod stumps;
 mod through;
 mod twist;
 mod unasked;
@@ -168,11 +169,16 @@ pub enum GenerateError {
         /// Why.
         reason: String,
     },
-    /// A stretch of a member cannot be removed from a rigid body.
+    /// A stretch of a beam or brace cannot be removed.
     #[error(
-        "charge `{0}` removes a stretch of `{1}`: the MBS model takes whole members away only; give the charge without a stretch, or split the member"
+        "charge `{0}` removes a stretch of `{1}`: the MBS model takes stretches out of columns only, other members go whole; give the charge without a stretch, or split the member"
     )]
-    Stretch(String, String),
+    BeamStretch(String, String),
+    /// A stretch cannot be removed from what is one body with others.
+    #[error(
+        "a charge removes a stretch of column `{0}`, which is one body with other members in the MBS model: have it be one of its own (rule or override), or give the charge without a stretch"
+    )]
+    Stretch(String),
     /// A charge on a part of a body.
     #[error(
         "charge `{charge}` is on `{member}`, which is one body with other members in the MBS model ({body}): give charges to all of these members, or to columns, walls and beams with a slab on them only; the FE model can take it away alone"

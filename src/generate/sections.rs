@@ -48,21 +48,7 @@ impl Sections {
 
     /// The pieces of a member, from its lower end on.
     pub fn cut(&self, building: &Building, structure: &Structure, member: usize) -> Vec<Piece> {
-        let edges = self.edges(building, structure, member);
-        let axis = building.members[member].axis;
-        let piece = |(k, edge): (usize, &[f64])| {
-            let mut slice = Aabb { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
-            // what the member has beyond its clear length belongs to the pieces at its ends
-            if k > 0 {
-                slice.min[axis] = edge[0];
-            }
-            if k + 1 < self.pieces {
-                slice.max[axis] = edge[1];
-            }
-            let boxes = structure.boxes(member).iter().filter_map(|b| b.intersection(&slice, 1e-9));
-            Piece { cell: [k, 0], boxes: boxes.map(|b| (member, b)).collect() }
-        };
-        edges.windows(2).enumerate().map(piece).collect()
+        slice(structure, member, building.members[member].axis, &self.edges(building, structure, member))
     }
 
     /// Where the pieces begin and end along the member \[m\].
@@ -73,6 +59,23 @@ impl Sections {
         let to = own().map(|b| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
         (0..=self.pieces).map(|k| from + (to - from) * k as f64 / self.pieces as f64).collect()
     }
+}
+
+/// The pieces of a member between edges along an axis \[m\], from its lower end on.
+pub fn slice(structure: &Structure, member: usize, axis: usize, edges: &[f64]) -> Vec<Piece> {
+    let piece = |(k, edge): (usize, &[f64])| {
+        let mut slice = Aabb { min: [f64::NEG_INFINITY; 3], max: [f64::INFINITY; 3] };
+        // what the member has beyond its clear length belongs to the pieces at its ends
+        if k > 0 {
+            slice.min[axis] = edge[0];
+        }
+        if k + 2 < edges.len() {
+            slice.max[axis] = edge[1];
+        }
+        let boxes = structure.boxes(member).iter().filter_map(|b| b.intersection(&slice, 1e-9));
+        Piece { cell: [k, 0], boxes: boxes.map(|b| (member, b)).collect() }
+    };
+    edges.windows(2).enumerate().map(piece).collect()
 }
 
 /// The latent hinges between the pieces of all columns that have such, with their curves. They bear what the lower end of the column bears, less what the joint there lends to it.

@@ -86,7 +86,8 @@ fn a_point_whose_elements_have_failed_is_debris() {
         let speed = 4.0 * (mesh.nodes[n][0] - 1.0).max(0.0);
         body.prescribed_m_s[n] = [Some(speed), None, None];
     }
-    let at = |point: [f64; 3], whole: bool| Probe::new(&mesh, "p", 0, point, whole).unwrap();
+    let at =
+        |point: [f64; 3], whole: bool| Probe::new(&mesh, "p", 0, point, (whole, f64::NEG_INFINITY)).unwrap();
     let probes =
         [at([2.0, 1.0, 1.0], false), at([1.0, 1.0, 1.0], false), at([0.0; 3], false), at([1.0; 3], true)];
     let found = |body: &Dynamics| probes.each_ref().map(|p| p.is_debris(&mesh, &body.blocks));

@@ -10,6 +10,7 @@ mod review;
 mod rigid;
 mod skipping;
 mod stiffness;
+mod stumps;
 mod undemanded;
 mod walls;
 mod webs;
@@ -176,17 +177,6 @@ fn a_missing_curve_is_named_and_not_replaced() {
         Err(GenerateError::Missing(ends)) => assert!(ends.iter().any(|e| e.starts_with("C1")), "{ends:?}"),
         other => panic!("{other:?}"),
     }
-}
-
-#[test]
-fn a_stretch_of_a_column_is_refused_with_a_remedy() {
-    let building = {
-        let mut b = reference(|t| t);
-        b.events[0].stretch_m = Some([0.5, 1.0]);
-        b
-    };
-    let message = generated(&building).unwrap_err().to_string();
-    assert!(message.contains("whole members") && message.contains(&building.events[0].member), "{message}");
 }
 
 #[test]

@@ -324,7 +324,7 @@ fn a_heavy_block_comes_to_rest_on_a_light_one() {
     }
 }
 
-/// What sweeps leave to the next step rocks a stack, the more so the longer the step.
+/// What sweeps leave to the next step rocks a stack, the more so the longer the step: of 16 runs whose gravity differs by 1e-6 the topmost cube moves by up to 0.4, 2.2 and 4.6 mm.
 #[test]
 fn a_stack_stands_at_long_steps() {
     for step_s in [2e-3, 5e-3, 1e-2] {
@@ -339,7 +339,7 @@ fn a_stack_stands_at_long_steps() {
         let off = |p: [f64; 3]| (p[0] * p[0] + p[1] * p[1] + (p[2] - 3.8).powi(2)).sqrt();
         let most = result.frames.iter().map(|f| off(f.position_m[9])).fold(0.0, f64::max);
         println!("step {:.0} ms: the topmost of ten cubes moves by {:.2} mm", 1e3 * step_s, 1e3 * most);
-        assert!(most < 3e-3, "{step_s}: {most}");
+        assert!(most < 0.6 * step_s, "{step_s}: {most}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Crushing: faces of boxes that bear no more than a force, and get shorter under more.
 //!
 //! A face with the resistance `F(s)` at the shortening `s` so far bears at most `F h` of impulse in a step of length `h`, each of its contact points an equal share, at least a
-//! quarter: a box that stands on an edge has half of the resistance, on a corner a quarter. Points that bear all of their share go on closing; by what they are in the other solid
+//! quarter: a box that stands on an edge has half of the resistance, on a corner a quarter, and of what lies behind the face as much is worn as it gets shorter there. Points that bear all of their share go on closing; by what they are in the other solid
 //! after the step, along the axis of the box, the box is shorter from then on. So the impulse of an impact is spread over the time that crushing takes, its work is
 //! `∫ F ds`, and nothing comes back: points that may crush have no rebound. Where two faces meet that crush, the weaker one does.
 //!
@@ -32,6 +32,8 @@ pub(super) const NONE: u32 = u32::MAX;
 pub struct Crushed {
     /// Shortening \[m\].
     pub depth_m: f64,
+    /// Way along the line of its resistance \[m\]: of an edge half of the shortening, of a corner a quarter.
+    pub worn_m: f64,
     /// Work that it took \[J\].
     pub energy_j: f64,
 }
@@ -104,6 +106,7 @@ impl ContactSet {
     pub fn crushed(&self) -> impl ExactSizeIterator<Item = Crushed> + '_ {
         self.faces.all.iter().map(|f| Crushed {
             depth_m: f.so_far.depth_m + f.pending.depth_m,
+            worn_m: f.so_far.worn_m + f.pending.worn_m,
             energy_j: f.so_far.energy_j + f.pending.energy_j,
         })
     }
@@ -139,6 +142,7 @@ impl ContactSet {
                 continue;
             }
             face.so_far.depth_m += more.depth_m;
+            face.so_far.worn_m += more.worn_m;
             face.so_far.energy_j += more.energy_j;
             self.colliders[face.collider].shorten(face.axis, face.sign, more.depth_m);
             any[face.collider] = true;
@@ -225,12 +229,13 @@ impl ContactSet {
             let r = &self.placed[face.collider].r;
             let cosine = (0..3).map(|i| r[i][face.axis] * block.normal[i]).sum::<f64>().abs();
             let rows = &mut self.rows.rows[block.range()];
-            let depth = rows.iter().filter(|r| r.normal >= ALL * block.cap).map(|r| -r.gap);
-            let depth = depth.fold(0.0, f64::max);
+            let bearing = rows.iter().filter(|r| r.normal >= ALL * block.cap);
+            let (depth, count) = bearing.fold((0.0_f64, 0.0), |(most, n), r| (most.max(-r.gap), n + 1.0));
             if depth > 0.0 {
                 rows.iter_mut().for_each(|row| row.gap += depth);
                 let face = &mut self.faces.all[block.face as usize];
                 face.pending.depth_m = face.pending.depth_m.max(depth / cosine);
+                face.pending.worn_m += depth / cosine * count / face.points.max(CORNERS);
                 self.faces.any_pending = true;
             }
         }
@@ -240,6 +245,6 @@ impl ContactSet {
 impl Face {
     /// Force that it bears now \[N\].
     fn bears(&self) -> f64 {
-        interpolate(&self.force, self.so_far.depth_m)
+        interpolate(&self.force, self.so_far.worn_m)
     }
 }

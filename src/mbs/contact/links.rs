@@ -3,8 +3,10 @@
 //! What a unit impulse at a point adds to the velocities of all bodies of the mechanism is found once a step, along the normal and two directions across it. With it the
 //! sweeps act on the mechanism as on one body, however light the part that is hit.
 
+use super::coulomb::Single;
+use super::groups::Groups;
 use super::rows::{Block, Motion, Rows};
-use crate::mbs::math::{self, V3};
+use crate::mbs::math::{self, M3, V3};
 use std::collections::BTreeMap;
 
 /// A mechanism as contacts see it.
@@ -32,6 +34,8 @@ pub(super) struct Links {
     /// Of each linked row the directions and where their responses are: `list[ends[d]..ends[d + 1]]`.
     rows: Vec<([V3; 3], [usize; 4])>,
     list: Vec<(u32, Motion)>,
+    /// Of each linked row what unit impulses along its directions add to its velocity, if it is the only one of its group and has friction.
+    single: Vec<Option<M3>>,
     /// Pairs of bodies that joints connect, so many that all of a mechanism are.
     pub joined: Vec<[u32; 2]>,
     scratch: Vec<(usize, [V3; 2])>,
@@ -42,6 +46,7 @@ impl Links {
         self.rows.clear();
         self.list.clear();
         self.joined.clear();
+        self.single.clear();
     }
 
     /// Notes who is in one mechanism with whom, of so many bodies.
@@ -87,13 +92,15 @@ impl Rows {
         !self.links.rows.is_empty()
     }
 
-    /// Finds the responses of the linked rows of the blocks from `first` on, and their effective masses with them.
-    pub fn link(&mut self, first: usize, mechanism: &mut dyn Linked) {
+    /// Finds the responses of the rows of the blocks from `first` on that joints link, and of those that are the only ones of their `groups` with friction; and their effective masses with them.
+    pub fn link(&mut self, first: usize, groups: &Groups, mechanism: &mut dyn Linked) {
         let ground = self.motion.len() - 1;
+        let counts = self.counts(groups);
         for k in first..self.blocks.len() {
             let block = self.blocks[k];
             let held = |b: u32| (b as usize) < ground && mechanism.part(b as usize).is_some();
-            if !block.bodies.iter().any(|b| held(*b)) {
+            let is_single = block.friction > 0.0 && counts[groups.of_block(&block)] == 1;
+            if !is_single && !block.bodies.iter().any(|b| held(*b)) {
                 continue;
             }
             self.blocks[k].linked = self.links.rows.len() as u32;
@@ -101,6 +108,16 @@ impl Rows {
                 self.link_row(&block, i, mechanism);
             }
         }
+        self.single_out(groups, &counts);
+    }
+
+    /// Points of each group.
+    fn counts(&self, groups: &Groups) -> Vec<u32> {
+        let mut counts = vec![0; groups.count()];
+        for block in &self.blocks {
+            counts[groups.of_block(block)] += block.count;
+        }
+        counts
     }
 
     fn link_row(&mut self, block: &Block, i: usize, mechanism: &mut dyn Linked) {
@@ -139,6 +156,43 @@ impl Rows {
         }
     }
 
+    /// Notes which linked rows are the only ones of their groups: their impulses are found at once ([`Single`]).
+    fn single_out(&mut self, groups: &Groups, counts: &[u32]) {
+        self.links.single = vec![None; self.links.rows.len()];
+        for block in &self.blocks {
+            let is_free = block.friction > 0.0 && block.cap == f64::INFINITY && block.rolling == 0.0;
+            let row = &self.rows[block.first as usize];
+            if block.linked == ALONE || !is_free || counts[groups.of_block(block)] > 1 || row.mass[0] == 0.0 {
+                continue;
+            }
+            let at = block.linked as usize;
+            let axes = self.links.rows[at].0;
+            let columns = [0, 1, 2].map(|d| {
+                let [a, b] = block.bodies.map(|body| self.links.response(at, d, body));
+                row.passing(&a, &b)
+            });
+            let k = axes.map(|axis| columns.map(|column| math::dot(axis, column)));
+            self.links.single[at] = Some(k);
+        }
+    }
+
+    /// The impulse of a point that is the only one of its group, along the directions of its row; none if there are others, or if Coulomb's law has no solution.
+    fn single(&self, block: &Block) -> Option<V3> {
+        let k = (*self.links.single.get(block.linked as usize)?)?;
+        let row = &self.rows[block.first as usize];
+        let axes = &self.links.rows[block.linked as usize].0;
+        let along = |v: V3| axes.map(|axis| math::dot(axis, v));
+        let [a, b] = block.bodies.map(|b| &self.motion[b as usize]);
+        let had = along(math::axpy(row.tangent, row.normal, block.normal));
+        let free = math::sub(along(row.passing(a, b)), math::mul(&k, had));
+        Single { k, free, target: row.target, friction: block.friction }.impulse()
+    }
+
+    /// Whether the impulse of a block is that of Coulomb's law for a single point.
+    pub fn is_single(&self, block: &Block) -> bool {
+        block.linked != ALONE && self.single(block).is_some()
+    }
+
     /// One over the mass that moves with a body \[1/kg\].
     fn loosest(&self, body: u32, mechanism: &dyn Linked) -> f64 {
         let i = body as usize;
@@ -164,16 +218,33 @@ impl Rows {
 
     /// A visit of a linked block.
     pub fn visit_linked(&mut self, block: &Block) -> f64 {
+        if let Some([normal, s, t]) = self.single(block) {
+            return self.set_single(block, normal, [s, t]);
+        }
         let n = block.normal;
         let mut largest = 0.0_f64;
         for (k, i) in block.range().enumerate() {
             let [a, b] = block.bodies.map(|b| &self.motion[b as usize]);
             let row = &mut self.rows[i];
-            let (p, change) = row.correct(row.relative(a, b), n, block.friction, block.cap);
+            let (p, change) = row.correct(row.passing(a, b), n, block.friction, block.cap);
             largest = largest.max(change);
             self.links.kick(block.linked as usize + k, p, &mut self.motion);
         }
         largest
+    }
+}
+
+impl Rows {
+    /// Gives the only point of a block its impulse; the square of the change of velocity.
+    fn set_single(&mut self, block: &Block, normal: f64, [s, t]: [f64; 2]) -> f64 {
+        let axes = self.links.rows[block.linked as usize].0;
+        let row = &mut self.rows[block.first as usize];
+        let tangent = math::axpy(math::scale(s, axes[1]), t, axes[2]);
+        let (along, across) = (normal - row.normal, math::sub(tangent, row.tangent));
+        (row.normal, row.tangent) = (normal, tangent);
+        let [m, mt] = [row.mass[0] * row.mass[0], row.mass[1] * row.mass[1]];
+        self.links.kick(block.linked as usize, math::axpy(across, along, block.normal), &mut self.motion);
+        (along * along / m).max(math::dot(across, across) / mt)
     }
 }
 

@@ -16,6 +16,7 @@
 //! | `links` | impulses on bodies that ideal joints hold together |
 //! | `impact` | impacts with rebound of bodies that no joint holds: rounds of Moreau's law |
 //! | `strike` | impacts of bodies that ideal joints hold together, and jams |
+//! | `coulomb` | the impulse of a single point of a mechanism, by Coulomb's law at once |
 //! | `crush` | faces that get shorter under more than they bear |
 //! | `overlap` | which solids are inside others at the start |
 //! | `rest` | velocities at the full step |
@@ -39,6 +40,7 @@
 //! work against the acting forces is the caller's to book.
 
 mod collide;
+mod coulomb;
 mod crush;
 mod faces;
 mod gaps;

@@ -369,12 +369,17 @@ impl ContactSet {
             let point = Point { on: [*foot; 2], id: *id, ..Point::default() };
             let mass = pair.enter(&self.kept, point);
             let k = usize::from(pair.count) - 1;
+            // the point of a ball goes with its centre
+            let turning = if round { math::sub(at.x, body.x) } else { to_foot };
+            let halfway =
+                if pair.points[k].normal > 0.0 { math::add(arm, body.mean_turn(h, turning)) } else { arm };
             pair.points[k].mass = if keep && mass[0] > 0.0 {
                 mass
             } else {
                 masses(&[Inverse::of(body), Inverse::default()], &[arm, [0.0; 3]], n)
             };
-            self.rows.rows.push(row(&pair.points[k], [arm, [0.0; 3]], gap, n, h, k));
+            let arms = [[arm, [0.0; 3]], [halfway, [0.0; 3]]];
+            self.rows.rows.push(row(&pair.points[k], arms, gap, n, h, k));
         }
         self.rows.close_block([collider.body, self.ground], first, slot, pair.surface, n);
         f64::NEG_INFINITY
@@ -405,6 +410,10 @@ impl ContactSet {
         let round = [a, b].iter().any(|i| self.colliders[*i].solid.is_round());
         let pair = &mut self.pairs[slot];
         let n = spots.normal;
+        let centres = [a, b].map(|i| {
+            let is_ball = self.colliders[i].solid.is_round();
+            is_ball.then(|| self.placed[i].x)
+        });
         let mut gaps = [0.0; MOST_POINTS];
         let mut arms = [[[0.0; 3]; 2]; MOST_POINTS];
         let mut least = f64::INFINITY;
@@ -431,11 +440,16 @@ impl ContactSet {
                 n,
             );
             if within.holds(gap, h * speed) {
+                let halfway = if pair.points[k].normal > 0.0 {
+                    halfway(bodies, [of_a, of_b], centres, (spots.on[k], arms[k]), h)
+                } else {
+                    arms[k]
+                };
                 if pair.points[k].mass[0] == 0.0 {
                     let inverse = [of_a, of_b].map(|i| bodies.get(i).map_or(Inverse::default(), Inverse::of));
                     pair.points[k].mass = masses(&inverse, &arms[k], n);
                 }
-                self.rows.rows.push(row(&pair.points[k], arms[k], gap, n, h, k));
+                self.rows.rows.push(row(&pair.points[k], [arms[k], halfway], gap, n, h, k));
                 closes_s = if speed < 0.0 { closes_s.min(-gap / speed) } else { closes_s };
             }
         }
@@ -598,6 +612,30 @@ pub(super) fn speed_of(bodies: &[Moving], body: usize, arm: V3) -> V3 {
     bodies.get(body).map_or([0.0; 3], |b| math::add(b.v, math::cross(b.w, arm)))
 }
 
+/// The arms of a point that has borne, in the middle of a step of `h` \[s\], in which it goes with its bodies.
+fn halfway(
+    bodies: &[Moving],
+    of: [usize; 2],
+    balls: [Option<V3>; 2],
+    (on, arms): ([V3; 2], [V3; 2]),
+    h: f64,
+) -> [V3; 2] {
+    let body = |i: usize| bodies.get(of[i]);
+    let moved = |i: usize| {
+        let Some(body) = body(i) else { return [[0.0; 3]; 2] };
+        // the point of a ball goes with its centre
+        let turns = body.mean_turn(h, math::sub(balls[i].unwrap_or(on[i]), body.x));
+        [math::scale(0.5 * h, body.v), turns]
+    };
+    let [a, b] = [moved(0), moved(1)];
+    let whole = |m: [V3; 2]| math::add(m[0], m[1]);
+    match balls.map(|ball| ball.is_some()) {
+        [true, false] => [math::add(arms[0], a[1]), math::add(arms[1], math::sub(whole(a), b[0]))],
+        [false, true] => [math::add(arms[0], math::sub(whole(b), a[0])), math::add(arms[1], b[1])],
+        _ => [math::add(arms[0], a[1]), math::add(arms[1], b[1])],
+    }
+}
+
 /// Inverses of the inverse effective masses: along the normal, and the largest one across it.
 fn masses(inverse: &[Inverse; 2], arms: &[V3; 2], n: V3) -> [f64; 2] {
     let both = |p: V3, q: V3| inverse[0].response(arms[0], p, q) + inverse[1].response(arms[1], p, q);
@@ -612,10 +650,11 @@ fn masses(inverse: &[Inverse; 2], arms: &[V3; 2], n: V3) -> [f64; 2] {
     [1.0 / both(n, n), 1.0 / across]
 }
 
-fn row(point: &Point, arms: [V3; 2], gap: f64, n: V3, h: f64, k: usize) -> Row {
+fn row(point: &Point, [arms, halfway]: [[V3; 2]; 2], gap: f64, n: V3, h: f64, k: usize) -> Row {
     let tangent = math::axpy(point.tangent, -math::dot(point.tangent, n), n);
     Row {
         arms,
+        halfway,
         mass: point.mass,
         target: -gap.max(0.0) / h,
         gap,

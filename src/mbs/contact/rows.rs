@@ -89,8 +89,10 @@ impl Block {
 /// One contact point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Row {
-    /// From the centres of mass \[m\].
+    /// From the centres of mass \[m\]: at the begin of the step, where impulses act; and in the middle of it, whose velocities are its ways. (A point that sticks to a turning body would otherwise go along its tangent, and outwards by
+    /// `½ h² ω² r` in a step. With impulses there as well work is not that of a constraint: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327.)
     pub arms: [V3; 2],
+    pub halfway: [V3; 2],
     /// Inverse of the inverse effective masses along and across the normal.
     pub mass: [f64; 2],
     /// Smallest velocity along the normal \[m/s\].
@@ -112,6 +114,13 @@ impl Row {
     pub fn relative(&self, a: &Motion, b: &Motion) -> V3 {
         let of_b = math::add(b.v, math::cross(b.w, self.arms[1]));
         math::sub(of_b, math::add(a.v, math::cross(a.w, self.arms[0])))
+    }
+
+    /// The same on the way through the step.
+    #[inline(always)]
+    pub fn passing(&self, a: &Motion, b: &Motion) -> V3 {
+        let of_b = math::add(b.v, math::cross(b.w, self.halfway[1]));
+        math::sub(of_b, math::add(a.v, math::cross(a.w, self.halfway[0])))
     }
 }
 
@@ -295,7 +304,7 @@ impl Rows {
         let n = block.normal;
         let mut largest = 0.0_f64;
         for row in &mut self.rows[block.range()] {
-            let u = row.relative(&of_a, &of_b);
+            let u = row.passing(&of_a, &of_b);
             if row.stays_open(u, n) {
                 continue;
             }
@@ -318,7 +327,7 @@ impl Rows {
         let n = block.normal;
         let mut largest = 0.0_f64;
         for row in &mut self.rows[block.range()] {
-            let u = math::scale(-1.0, math::add(of_a.v, math::cross(of_a.w, row.arms[0])));
+            let u = math::scale(-1.0, math::add(of_a.v, math::cross(of_a.w, row.halfway[0])));
             if row.stays_open(u, n) {
                 continue;
             }
@@ -336,7 +345,7 @@ impl Rows {
         for block in &self.blocks {
             let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
             for row in &self.rows[block.range()] {
-                let way = h * math::dot(row.relative(a, b), block.normal);
+                let way = h * math::dot(row.passing(a, b), block.normal);
                 if way < -SINKS_M && row.normal < block.cap {
                     least = least.min(row.gap + way);
                 }
@@ -350,7 +359,7 @@ impl Rows {
         for block in &self.blocks {
             let [a, b] = block.bodies.map(|i| &self.motion[i as usize]);
             for row in &mut self.rows[block.range()] {
-                row.gap += h * math::dot(row.relative(a, b), block.normal);
+                row.gap += h * math::dot(row.passing(a, b), block.normal);
             }
         }
     }

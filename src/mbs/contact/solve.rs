@@ -77,7 +77,8 @@ impl ContactSet {
                 // an impulse may move any of them
                 (0..bodies.len()).for_each(|i| self.rows.enter_body(i, bodies, &self.still));
                 self.rows.links.join(bodies.len(), m);
-                self.rows.link(0, m);
+                let groups = self.groups();
+                self.rows.link(0, &groups, m);
             }
             let linked = mechanism.is_some();
             if linked {
@@ -200,9 +201,9 @@ impl ContactSet {
             let now = block.bodies.map(|i| self.rows.motion[i as usize]);
             for row in &self.rows.rows[block.range()] {
                 let p = math::axpy(row.tangent, row.normal, block.normal);
-                let start = math::dot(p, row.relative(&first[0], &first[1]));
+                let start = math::dot(p, row.passing(&first[0], &first[1]));
                 *linear += start - row.normal * row.target;
-                *square += math::dot(p, row.relative(&now[0], &now[1])) - start;
+                *square += math::dot(p, row.passing(&now[0], &now[1])) - start;
             }
         }
         self.rows.scale_down(groups, &works, 1.0, |i| before(i as u32));
@@ -219,7 +220,8 @@ impl ContactSet {
             if self.rows.blocks.len() > first {
                 self.cap(bodies, h);
                 if let Some(m) = mechanism.as_deref_mut() {
-                    self.rows.link(first, m);
+                    let groups = self.groups();
+                    self.rows.link(first, &groups, m);
                 }
                 self.rows.warm_start(first);
                 self.start_rolls(first, h, true);

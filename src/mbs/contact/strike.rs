@@ -100,9 +100,14 @@ impl ContactSet {
         for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
             most_j[groups.of(i)] += JAMMED * kinetic_j(body);
         }
+        // what Coulomb's law says of a single point is no jam
+        let is_single: Vec<bool> = self.rows.blocks.iter().map(|b| self.rows.is_single(b)).collect();
         let Rows { blocks, rows, motion, .. } = &mut self.rows;
         let mut any = false;
-        for block in blocks.iter_mut().filter(|b| b.linked != ALONE && b.friction > 0.0) {
+        let may_jam = |(block, is_single): &(&mut Block, bool)| {
+            !is_single && block.linked != ALONE && block.friction > 0.0
+        };
+        for (block, _) in blocks.iter_mut().zip(is_single).filter(may_jam) {
             let [a, b] = block.bodies.map(|i| mean(bodies, motion, i));
             let (mut along_j, mut across_j) = (0.0, 0.0);
             for row in &rows[block.range()] {

@@ -1,6 +1,6 @@
 //! What goes into the contacts and comes out of them: bodies, partners, first contacts, energies, work done, settings.
 
-use crate::mbs::math::{M3, Q, V3};
+use crate::mbs::math::{self, M3, Q, V3};
 use crate::mbs::model::{GROUND, Model};
 
 /// A body as the contacts see it.
@@ -30,6 +30,15 @@ pub struct Moving {
     pub shift: V3,
     /// Out: the same as a rotation vector, global frame \[rad\].
     pub turn: V3,
+}
+
+impl Moving {
+    /// By how much an arm is turned in the mean over a step of `h` \[s\], to third order \[m\].
+    #[inline]
+    pub fn mean_turn(&self, h: f64, arm: V3) -> V3 {
+        let first = math::scale(0.5 * h, math::cross(self.w, arm));
+        math::axpy(first, h / 3.0, math::cross(self.w, first))
+    }
 }
 
 /// What a body met.

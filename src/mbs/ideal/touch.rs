@@ -19,6 +19,8 @@ const ALTERNATING: f64 = 0.8;
 const MOST_STOPS: u32 = 8;
 /// Change of a velocity from which accelerations are found anew within a step \[m/s, rad/s\].
 const JUMP: f64 = 1e-3;
+/// The same over a step of the accelerations that go with the turning of bodies, for a change of their velocities \[m/s\]: those of before it are an error of first order where a contact bears all the time.
+const TURNED: f64 = 1e-10;
 /// Displacement that opens a gap from which what it does to forces and joints is found \[m, rad\].
 const SHIFT: f64 = 1e-5;
 
@@ -232,8 +234,9 @@ impl Marcher {
         }
         let works = self.state.len() - WORKS;
         let before = self.motion.power(&self.state);
-        let (mut largest, mut shift) = (0.0_f64, 0.0_f64);
+        let (mut largest, mut shift, mut spin) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (b, moving) in touching.moving.iter().enumerate() {
+            spin = spin.max(norm(moving.w));
             let [v, w] = six(&self.state, b);
             let change = [sub(sub(moving.v, moving.kick_v), v), sub(sub(moving.w, moving.kick_w), w)];
             largest = change.iter().flatten().fold(largest, |l, c| l.max(c.abs()));
@@ -252,7 +255,7 @@ impl Marcher {
         if shift > 0.0 {
             self.open(touching, far);
         }
-        if largest > JUMP || far {
+        if largest > JUMP || largest * spin * h > TURNED || far {
             self.refresh();
         } else if largest > 0.0 {
             self.turn_rates();

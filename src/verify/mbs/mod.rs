@@ -18,6 +18,7 @@ mod parting;
 mod pendulums;
 pub mod pile;
 mod spin;
+mod turning;
 
 use super::{Case, Figure};
 use crate::mbs::ideal::Mechanism;
@@ -35,6 +36,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(leaning::cases());
     all.extend(crosswise::cases());
     all.extend(spin::cases());
+    all.extend(turning::cases());
     all.extend(contact::cases());
     all.extend(impact::cases());
     all.extend(linkages::cases());
