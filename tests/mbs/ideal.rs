@@ -65,6 +65,24 @@ fn a_released_joint_lets_go_at_its_time() {
     assert!(matches!(&result.events[0].kind, EventKind::Removal { event } if event == "cut"));
 }
 
+/// A body that has fallen freely has the energy that it had: nothing is released with it, wherever zero is.
+#[test]
+fn what_goes_takes_what_it_has_gained_with_it() {
+    for height_m in [0.0, 10.0, -300.0] {
+        let mut m = bob();
+        m.bodies.push(solid("stone", [5.0, 0.0, height_m], [0.4; 3]));
+        m.events.push(Event { remove_bodies: vec!["stone".into()], ..Event::at("gone", 0.35) });
+        let result = simulate(&m).unwrap();
+        let released_j = result.energies.released_j.last().unwrap();
+        let scale_j = m.bodies[1].mass_kg * G;
+        assert!(released_j.abs() < 1e-6 * scale_j, "{height_m}: {released_j}");
+        // what is left: a pendulum that hangs still
+        let gravity_j = result.energies.gravity_j.last().unwrap();
+        assert!(gravity_j.abs() < 1e-6 * scale_j, "{height_m}: {gravity_j}");
+        assert!(result.energy_error < 1e-9, "{height_m}: {}", result.energy_error);
+    }
+}
+
 #[test]
 fn a_force_acts_while_it_is_on_and_its_work_is_in_the_books() {
     let mut m = model("push", 1.0, 0.1);

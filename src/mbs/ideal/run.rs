@@ -298,12 +298,16 @@ impl<'a> Run<'a> {
             self.marcher.synchronise();
         }
         let before = self.marcher.motion.observe(&self.marcher.state, 0.0);
-        let mut any = self.switch(time);
+        let (mut any, mut from_j) = (self.switch(time), 0.0);
         for event in model.events.iter().filter(happens) {
             any = true;
             let Marcher { motion, state, .. } = &mut self.marcher;
             for id in &event.remove_bodies {
                 if let Some(i) = model.bodies.iter().position(|b| b.id == *id) {
+                    if !motion.is_gone(i) {
+                        let body = &model.bodies[i];
+                        from_j -= body.mass_kg * math::dot(model.gravity_m_s2, body.position_m);
+                    }
                     motion.remove(i, state);
                 }
             }
@@ -330,7 +334,9 @@ impl<'a> Run<'a> {
             let bound = |o: &Observed| o.elastic_j + o.plastic_j;
             let free = |o: &Observed| o.kinetic_j + o.gravity_j;
             self.record.unbound_j += bound(&before) - bound(&after);
-            self.record.released_j += free(&before) - free(&after);
+            // what a body had at t = 0 counts for nothing, with it and without it
+            self.record.start.gravity_j -= from_j;
+            self.record.released_j += free(&before) - free(&after) - from_j;
         }
     }
 }
