@@ -279,7 +279,8 @@ fn see_any(
             for i in 0..3 {
                 put(&mut at.r[i], l, body.r[i]);
             }
-            put(&mut at.torque, l, body.torque);
+            // a body turns on with its angular momentum as it is: without the torque of that its velocity at the contact would be one of half a step later
+            put(&mut at.torque, l, math::sub(body.torque, math::cross(body.w, body.l)));
         }
         at.go(inverse, half_s);
         for (l, (body, data)) in bodies.iter().zip(data).enumerate() {

@@ -324,6 +324,22 @@ fn a_heavy_block_comes_to_rest_on_a_light_one() {
     }
 }
 
+/// A ball with unequal moments of inertia that rolls and spins: friction turns its angular momentum and does no work.
+#[test]
+fn friction_does_no_work_on_a_ball_that_rolls() {
+    let mut m = on_ground("roll", 3.0, 1.0);
+    let mut ball = solid("ball", [0.0, 0.0, 0.2], [0.4; 3]);
+    (ball.mass_kg, ball.shapes) = (3.0, vec![Shape::Sphere { center_m: [0.0; 3], radius_m: 0.2 }]);
+    ball.inertia_kg_m2 = [[0.04, 0.0, 0.0], [0.0, 0.04, 0.0], [0.0, 0.0, 0.02]];
+    (ball.velocity_m_s, ball.angular_velocity_rad_s) = ([0.0, -0.6, 0.0], [3.0, 0.0, 10.0]);
+    m.bodies.push(ball);
+    m.settings.time_step_s = Some(1e-3);
+    let result = simulate(&m).unwrap();
+    let done_j = result.energies.friction_j.last().unwrap();
+    assert!(done_j.abs() < 1e-5, "{done_j}");
+    assert!(result.energy_error < 1e-6, "{}", result.energy_error);
+}
+
 /// What sweeps leave to the next step rocks a stack, the more so the longer the step: of 16 runs whose gravity differs by 1e-6 the topmost cube moves by up to 0.4, 2.2 and 4.6 mm.
 #[test]
 fn a_stack_stands_at_long_steps() {
