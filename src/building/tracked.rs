@@ -20,8 +20,11 @@ pub struct Tracked {
 /// All tracked points in the order of the members.
 pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked> {
     let mut points = Vec::new();
+    let is_taken = |i: &usize| {
+        is_taken_away(building, &building.members[*i].id) || loses_its_top(building, partition, *i)
+    };
     for (index, member) in building.members.iter().enumerate() {
-        if is_taken_away(building, &member.id) || loses_its_top(building, partition, index) {
+        if is_taken(&index) {
             continue;
         }
         let (low, high) = (member.solid.min, member.solid.max);
@@ -56,10 +59,7 @@ pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked
             _ => {}
         }
     }
-    let taken = |i: &usize| {
-        is_taken_away(building, &building.members[*i].id) || loses_its_top(building, partition, *i)
-    };
-    let taken = (0..building.members.len()).filter(taken);
+    let taken = (0..building.members.len()).filter(is_taken);
     points.extend(taken.filter_map(|i| over_removed(building, &building.members[i])));
     points
 }

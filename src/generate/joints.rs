@@ -172,6 +172,16 @@ impl Prism {
         self.moduli_pa[0] * self.section_m[k] * self.section_m[1 - k].powi(3) / 12.0
     }
 
+    /// A bushing with the stiffnesses of its length along, across and in torsion.
+    pub fn springs(&self, bushing: Bushing) -> Bushing {
+        Bushing {
+            axial_stiffness_n_m: self.axial_n_m(),
+            shear_stiffness_n_m: [self.shear_n() / self.length_m; 2],
+            torsional_stiffness_nm_rad: self.torsion_nm2() / self.length_m,
+            ..bushing
+        }
+    }
+
     /// From a hinge to the middle \[m\].
     fn arm_m(&self, hinge: &Bushing, end: &MemberEnd) -> f64 {
         self.length_m - (hinge.point_m[end.axis] - end.point_m[end.axis]).abs()

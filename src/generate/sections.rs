@@ -10,6 +10,7 @@ use super::joints::{Prism, axes};
 use crate::base::geom::Aabb;
 use crate::base::piecewise::interpolate;
 use crate::building::Building;
+use crate::building::tracked::clear_range;
 use crate::curve::ResistanceCurve;
 use crate::graph::Structure;
 use crate::mbs::model::{Bending, Bushing, Origin};
@@ -53,10 +54,8 @@ impl Sections {
 
     /// Where the pieces begin and end along the member \[m\].
     fn edges(&self, building: &Building, structure: &Structure, member: usize) -> Vec<f64> {
-        let axis = building.members[member].axis;
-        let own = || structure.boxes(member).iter();
-        let from = own().map(|b| b.min[axis]).fold(f64::INFINITY, f64::min);
-        let to = own().map(|b| b.max[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let clear = clear_range(&structure.partition, member, building.members[member].axis);
+        let [from, to] = clear.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);
         (0..=self.pieces).map(|k| from + (to - from) * k as f64 / self.pieces as f64).collect()
     }
 }
@@ -99,15 +98,12 @@ pub fn hinges(
             let bending = [0, 1].map(|axis| stretch.bending(axis, end, curves));
             let mut point_m = stretch.middle_m;
             point_m[stretch.axis] = stretch.edges[k + 1];
-            list.push(Bushing {
+            list.push(stretch.prism.springs(Bushing {
                 id: id.clone(),
                 body_a: Some(below),
                 body_b: above,
                 point_m,
                 axes: axes(stretch.axis, 1.0),
-                axial_stiffness_n_m: stretch.prism.axial_n_m(),
-                shear_stiffness_n_m: [stretch.prism.shear_n() / stretch.prism.length_m; 2],
-                torsional_stiffness_nm_rad: stretch.prism.torsion_nm2() / stretch.prism.length_m,
                 bending,
                 latent: Some(id.clone()),
                 shear_capacity_n: end.tensile_capacity_n.map(shear_capacity),
@@ -118,7 +114,7 @@ pub fn hinges(
                     entries: end.origin.entries.clone(),
                 },
                 ..(*end).clone()
-            });
+            }));
         }
     }
     list

@@ -6,9 +6,8 @@
 use super::bodies::Bodies;
 use super::joints::{Prism, axes};
 use super::sections::slice;
-use crate::base::geom::Aabb;
 use crate::building::ends::MemberEnd;
-use crate::building::tracked::SHORTEST_REST;
+use crate::building::tracked::{SHORTEST_REST, clear_range};
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::mbs::model::{Bending, Bushing, Face, Origin};
@@ -42,7 +41,7 @@ impl Stumps {
             .into_iter()
             .map(|(i, s, _)| (i, s.map_or([f64::NEG_INFINITY, f64::INFINITY], |s| s.map(|z| low + z))))
             .collect();
-        let [from, to] = extent(structure, member, column.axis)?;
+        let [from, to] = clear_range(&structure.partition, member, column.axis)?;
         let mut edges: Vec<f64> =
             stretches.iter().flat_map(|(_, s)| *s).filter(|z| *z > from && *z < to).collect();
         edges.extend([from, to]);
@@ -131,10 +130,7 @@ impl Stumps {
             point_m[member.axis] = self.edges[k];
             let bending =
                 [0, 1].map(|i| Bending::Elastic { stiffness_nm_rad: prism.bending_nm2(i) / length_m });
-            Bushing {
-                axial_stiffness_n_m: prism.axial_n_m(),
-                shear_stiffness_n_m: [prism.shear_n() / length_m; 2],
-                torsional_stiffness_nm_rad: prism.torsion_nm2() / length_m,
+            prism.springs(Bushing {
                 bending,
                 origin: Origin {
                     members: vec![member.id.clone()],
@@ -148,14 +144,8 @@ impl Stumps {
                     point_m,
                     axes(member.axis, 1.0),
                 )
-            }
+            })
         };
         (1..self.taken.len()).map(spring).collect()
     }
-}
-
-/// Where what a member has of its own begins and ends along an axis \[m\].
-fn extent(structure: &Structure, member: usize, axis: usize) -> Option<[f64; 2]> {
-    let whole = structure.boxes(member).iter().copied().reduce(Aabb::around)?;
-    Some([whole.min[axis], whole.max[axis]])
 }

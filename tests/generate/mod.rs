@@ -38,6 +38,12 @@ fn knowledge() -> (RuleBase, Store, tempfile::TempDir) {
     (rules, store, cache)
 }
 
+/// How far tracked points of a model move at most \[m\].
+fn moved_m(model: &fallwerk::mbs::model::Model) -> f64 {
+    let run = fallwerk::mbs::simulate(model).unwrap();
+    run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()))
+}
+
 /// The shipped rules, but for floors that fold where their beams may yield and do not bend.
 fn folding() -> RuleBase {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -1,6 +1,6 @@
 //! What the analyst decides in the building file: the model that comes of it, and who is named as its reason.
 
-use super::{folding, generated, knowledge, reference, standing};
+use super::{folding, generated, knowledge, moved_m, reference, standing};
 use fallwerk::base::hash::ContentHash;
 use fallwerk::base::tree::Format;
 use fallwerk::building::{Building, Override, OverrideAction, parse};
@@ -150,9 +150,7 @@ fn floors_bend_or_are_whole_as_the_analyst_says() {
     assert!((piece.mass_kg - other.mass_kg - 2500.0 * 0.16 * 3.0).abs() < 1e-6, "a column heavier");
     let mut still = model.clone();
     still.settings.end_time_s = 0.1;
-    let run = fallwerk::mbs::simulate(&still).unwrap();
-    let moved =
-        run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    let moved = moved_m(&still);
     assert!(moved < 1e-5, "{moved}");
 }
 

@@ -1,6 +1,6 @@
 //! Walls on springs between ground and floors, on one piece of a floor or on the seam between two.
 
-use super::{knowledge, reference};
+use super::{knowledge, moved_m, reference};
 use fallwerk::base::tree::Format;
 use fallwerk::building::parse;
 use fallwerk::generate::{Accuracy, Derive, Wishes, generate};
@@ -57,9 +57,7 @@ fn walls_stand_on_springs_between_ground_and_floor() {
     let mut still = generated.model.clone();
     still.events.clear();
     still.settings.end_time_s = 0.1;
-    let run = fallwerk::mbs::simulate(&still).unwrap();
-    let moved =
-        run.tracked.iter().flat_map(|p| &p.displacement_m).flatten().fold(0.0_f64, |a, u| a.max(u.abs()));
+    let moved = moved_m(&still);
     assert!(moved < 1e-5, "{moved}");
 }
 

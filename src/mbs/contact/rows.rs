@@ -112,16 +112,21 @@ impl Row {
     /// Velocity of the second body's point against the first one's.
     #[inline(always)]
     pub fn relative(&self, a: &Motion, b: &Motion) -> V3 {
-        let of_b = math::add(b.v, math::cross(b.w, self.arms[1]));
-        math::sub(of_b, math::add(a.v, math::cross(a.w, self.arms[0])))
+        between(a, b, &self.arms)
     }
 
     /// The same on the way through the step.
     #[inline(always)]
     pub fn passing(&self, a: &Motion, b: &Motion) -> V3 {
-        let of_b = math::add(b.v, math::cross(b.w, self.halfway[1]));
-        math::sub(of_b, math::add(a.v, math::cross(a.w, self.halfway[0])))
+        between(a, b, &self.halfway)
     }
+}
+
+/// Velocity of a point of the second of two bodies against that of the first one.
+#[inline(always)]
+fn between(a: &Motion, b: &Motion, arms: &[V3; 2]) -> V3 {
+    let of_b = math::add(b.v, math::cross(b.w, arms[1]));
+    math::sub(of_b, math::add(a.v, math::cross(a.w, arms[0])))
 }
 
 impl Row {

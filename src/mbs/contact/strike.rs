@@ -100,14 +100,8 @@ impl ContactSet {
         for (i, body) in bodies.iter().enumerate().filter(|(_, body)| body.alive) {
             most_j[groups.of(i)] += JAMMED * kinetic_j(body);
         }
-        // what Coulomb's law says of a single point is no jam
-        let is_single: Vec<bool> = self.rows.blocks.iter().map(|b| self.rows.is_single(b)).collect();
-        let Rows { blocks, rows, motion, .. } = &mut self.rows;
-        let mut any = false;
-        let may_jam = |(block, is_single): &(&mut Block, bool)| {
-            !is_single && block.linked != ALONE && block.friction > 0.0
-        };
-        for (block, _) in blocks.iter_mut().zip(is_single).filter(may_jam) {
+        let Rows { blocks, rows, motion, .. } = &self.rows;
+        let is_opposed = |block: &Block| {
             let [a, b] = block.bodies.map(|i| mean(bodies, motion, i));
             let (mut along_j, mut across_j) = (0.0, 0.0);
             for row in &rows[block.range()] {
@@ -116,16 +110,20 @@ impl ContactSet {
                 across_j += math::dot(u, row.tangent);
             }
             let opposed_j = along_j.abs().min(across_j.abs());
-            if along_j * across_j < 0.0 && opposed_j > most_j[groups.of_block(block)] {
-                block.friction = 0.0;
-                any = true;
-            }
-        }
-        if !any {
+            along_j * across_j < 0.0 && opposed_j > most_j[groups.of_block(block)]
+        };
+        // what Coulomb's law says of a single point is no jam
+        let is_jammed = |block: &Block| {
+            let may_jam = block.linked != ALONE && block.friction > 0.0;
+            may_jam && is_opposed(block) && !self.rows.is_single(block)
+        };
+        let jammed: Vec<usize> = (0..blocks.len()).filter(|k| is_jammed(&blocks[*k])).collect();
+        if jammed.is_empty() {
             return;
         }
         self.work.jammed += 1;
-        for row in rows {
+        jammed.into_iter().for_each(|k| self.rows.blocks[k].friction = 0.0);
+        for row in &mut self.rows.rows {
             (row.normal, row.tangent) = (0.0, [0.0; 3]);
         }
         self.rows.restart(bodies);
