@@ -1,7 +1,7 @@
 //! Axes on which the columns of a floor stand, and axes in the middle of the spans that a slab bridges by itself.
 //!
 //! A slab without beams bends across its spans as well as along them: what is far from a column does not turn with it, yields later than what is near, and has its own weight to bear. A piece about a column as wide as half of the spans beside it is too stiff and
-//! too strong for that (ARCHITECTURE.md has the figures). With a piece in the middle of each span and of each panel the floor is a coarse grillage (Hambly, Bridge Deck Behaviour, 1976, chapter 3) with its yield lines.
+//! too strong for that (docs/decisions/floors.md has the figures). With a piece in the middle of each span and of each panel the floor is a coarse grillage (Hambly, Bridge Deck Behaviour, 1976, chapter 3) with its yield lines.
 
 use crate::base::geom::Aabb;
 use crate::building::rows::{MEETS_M, Row, SAME_ROW_M, rows};

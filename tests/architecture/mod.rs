@@ -2,6 +2,7 @@
 //! paths of some machine.
 
 mod check;
+mod pages;
 mod table;
 mod tokens;
 
@@ -89,7 +90,6 @@ fn no_source_file_is_long() {
     none(&sources().into_iter().filter_map(long).collect::<Vec<_>>());
 }
 
-/// Rows `| [`name`] | ... |` or `| `name` | ... |` of a table: cells without back quotes and brackets.
 #[test]
 fn nobody_holds_a_standard_stream() {
     // progress is told from the threads of a pool: one that waits for the stream waits for ever
@@ -97,6 +97,7 @@ fn nobody_holds_a_standard_stream() {
     none(&sources().into_iter().filter(|(_, text)| held(text)).map(|(path, _)| path).collect::<Vec<_>>());
 }
 
+/// Rows `| [`name`] | ... |` or `| `name` | ... |` of a table: cells without back quotes and brackets.
 fn rows(text: &str) -> Vec<Vec<String>> {
     text.lines()
         .map(|line| line.trim_start_matches("//!").trim())

@@ -36,7 +36,7 @@ fn a_strip_of_a_floor_bends_as_a_t_beam() {
         "{:.4e} {about_hinge:.4e}",
         early[1] / early[0]
     );
-    // plastic moment between that of the first yield stress and that of the last one times what a mesh one element deep bears beyond theory (5 / 3, see the decisions in ARCHITECTURE.md)
+    // plastic moment between that of the first yield stress and that of the last one times what a mesh one element deep bears beyond theory (5 / 3)
     let neutral = 0.5 * area / width;
     let lever = |p: &[f64; 3]| {
         let (top, bottom) = (p[2] - 0.5 * p[1], p[2] + 0.5 * p[1]);

@@ -22,7 +22,7 @@ fn records() -> Vec<(Study, Building)> {
     list
 }
 
-/// What sections bore before they broke is about what they can bear: `σ b h² / 4` in bending, of which coarse meshes bear up to 1.3 times (ARCHITECTURE.md), `σ b h` along themselves, with the largest stress of the law.
+/// What sections bore before they broke is about what they can bear: `σ b h² / 4` in bending, of which coarse meshes bear up to 1.3 times (docs/decisions/finite-elements.md), `σ b h` along themselves, with the largest stress of the law.
 #[test]
 fn sections_break_under_what_they_can_bear() {
     let (mut moments, mut count) = (Vec::new(), 0);
