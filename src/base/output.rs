@@ -104,6 +104,12 @@ pub fn may_write(path: &Path, endings: &[&str], reads: &[&Path]) -> Result<(), S
     Ok(())
 }
 
+/// Whether a file at a path would lie in a folder, or below it.
+pub fn is_within(path: &Path, folder: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    real(parent_of(path)).zip(real(folder)).is_some_and(|(parent, folder)| parent.starts_with(folder))
+}
+
 /// [`write_atomic`] without the last step: for many files in one folder, followed by one [`sync_folder`].
 ///
 /// # Errors

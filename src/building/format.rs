@@ -214,7 +214,7 @@ pub const HOMOGENISED: Table = Table {
             "rate_factor",
             Kind::Table(&RATE_FACTOR),
             "{ c = \"40 1/s\", p = 5 }",
-            "Rate factor on the yield stress, in FE only; default: none.",
+            "Rate factor on the yield stress; default: none.",
         ),
     ],
 };

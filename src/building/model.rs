@@ -160,6 +160,12 @@ impl Homogenised {
         self.youngs_modulus_pa / (2.0 * (1.0 + self.poisson_ratio))
     }
 
+    /// Without its rate factor: what slow pushes are made with.
+    #[must_use]
+    pub fn in_slow_motion(&self) -> Self {
+        Self { rate_factor: None, ..self.clone() }
+    }
+
     /// Strain at which it breaks when it is pulled or pressed along one axis: the smaller one of both criteria.
     pub fn rupture_strain(&self) -> f64 {
         self.critical_plastic_strain.min(self.critical_principal_strain.unwrap_or(f64::INFINITY))

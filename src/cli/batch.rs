@@ -79,9 +79,21 @@ fn read(path: &Path) -> Result<Table, Failure> {
     if let Some(twice) = names.iter().enumerate().find(|(i, n)| names[..*i].contains(n)) {
         return Err(fail(format!("column {} is \"{}\" again: give each name once", twice.0 + 1, twice.1)));
     }
+    if names.len() == 1 && names[0].contains([';', '\t']) {
+        return Err(fail(format!(
+            "its first line, \"{}\", has no comma: separate cells by commas, and write decimal points",
+            names[0]
+        )));
+    }
     let mut rows = Vec::new();
     for (i, record) in reader.records().enumerate() {
-        let record = record.map_err(|e| fail(e.to_string()))?;
+        let record = record.map_err(|e| match e.kind() {
+            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => fail(format!(
+                "row {} has {len} cells, expected {expected_len} as in the line of names: cells are separated by commas, numbers have decimal points",
+                i + 1
+            )),
+            _ => fail(e.to_string()),
+        })?;
         let value = |(name, text): (&String, &str)| {
             text.parse::<f64>()
                 .ok()

@@ -3,7 +3,7 @@
 use crate::base::piecewise::{interpolate, places};
 use crate::curve::ResistanceCurve;
 use crate::mbs::Model;
-use crate::mbs::model::{Bending, Bushing};
+use crate::mbs::model::{Bending, Bushing, RateFactor};
 
 /// Its resistances, a line each.
 pub(super) fn resistance_text(model: &Model, joint: &Bushing) -> String {
@@ -29,10 +29,19 @@ pub(super) fn resistance_text(model: &Model, joint: &Bushing) -> String {
         force("along axis 2", along_2),
     ];
     let most: Vec<String> = most.into_iter().flatten().collect();
-    match most.is_empty() {
-        true => text + "  elastic under forces\n",
-        false => text + &format!("  bears at most: {}\n", most.join(", ")),
-    }
+    text += &match most.is_empty() {
+        true => "  elastic under forces\n".into(),
+        false => format!("  bears at most: {}\n", most.join(", ")),
+    };
+    text + &joint.rate_factor.as_ref().map_or(String::new(), rate_text)
+}
+
+fn rate_text(RateFactor { rotation_rad_s, elongation_m_s, exponent }: &RateFactor) -> String {
+    let [a, b] = rotation_rad_s;
+    let along = elongation_m_s.map_or(String::new(), |c| format!(", {c:.3} m/s along itself"));
+    format!(
+        "  bears more the faster it flows: twice as much at {a:.3} and {b:.3} rad/s{along} (exponent {exponent})\n"
+    )
 }
 
 /// That a joint's curves of an entry reach beyond the axial forces \[N\] for which the entry holds, if they do.

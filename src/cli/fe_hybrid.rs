@@ -35,6 +35,9 @@ pub(super) struct Options {
     /// Time in seconds for which they have to be that quiet [default: 0.02]
     #[arg(long, value_name = "S", requires = "hybrid", allow_negative_numbers = true)]
     rigid_after: Option<f64>,
+    /// Time in seconds after a charge for which nothing begins to count as quiet [default: 0.08]
+    #[arg(long, value_name = "S", requires = "hybrid", allow_negative_numbers = true)]
+    rigid_settle: Option<f64>,
     /// Time in seconds between two checks of the loads on rigid parts [default: 0.008]
     #[arg(long, value_name = "S", requires = "hybrid", allow_negative_numbers = true)]
     rigid_check: Option<f64>,
@@ -79,6 +82,7 @@ impl Options {
         Ok(Some(HybridSettings {
             rate_1_s: self.rigid_rate.unwrap_or(default.rate_1_s),
             quiet_s: self.rigid_after.unwrap_or(default.quiet_s),
+            settle_s: self.rigid_settle.unwrap_or(default.settle_s),
             check_s: self.rigid_check.unwrap_or(default.check_s),
             overload_strain: self.rigid_overload.unwrap_or(default.overload_strain),
             rings: self.rigid_rings.unwrap_or(default.rings),

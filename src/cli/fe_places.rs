@@ -3,8 +3,10 @@
 use super::Failure;
 use crate::base::output::{OutputError, OutputFolder, TEMPORARY_PREFIX};
 use crate::fe::mass_scaling::MassScalingError;
+use crate::fe::restart::MAGIC;
 use crate::fe::run::{Checkpoints, FeError};
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Name of the checkpoint among unfinished results.
@@ -26,7 +28,7 @@ pub(super) fn checkpoints(
     };
     let refused = |why: String| {
         let path = path.display();
-        let remedy = "name a file in a folder that can be written";
+        let remedy = "name a new file, in a folder that can be written";
         Err(Failure::input(format!("--checkpoint {path} cannot be written: {why}; {remedy}")))
     };
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -36,6 +38,9 @@ pub(super) fn checkpoints(
     if path.exists() && !path.is_file() {
         return refused("it is no regular file".into());
     }
+    if path.is_file() && !is_checkpoint(path) {
+        return refused("it exists and is no checkpoint, and would be replaced".into());
+    }
     // Checkpoints are written beside their place and renamed into it: that is what is tried.
     let trial = folder.join(format!("{TEMPORARY_PREFIX}{}-trial", std::process::id()));
     if let Err(e) = fs::write(&trial, [0; 64]) {
@@ -44,6 +49,13 @@ pub(super) fn checkpoints(
     }
     let _ = fs::remove_file(&trial);
     Ok(Some(Checkpoints { path: path.clone(), every_s }))
+}
+
+/// Whether a file begins as checkpoints do; an empty one counts.
+fn is_checkpoint(path: &Path) -> bool {
+    let mut begin = Vec::new();
+    let read = fs::File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut begin));
+    read.is_ok() && MAGIC.starts_with(&begin)
 }
 
 /// A checkpoint among the results in a folder has served when the run is done.

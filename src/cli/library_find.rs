@@ -2,7 +2,7 @@
 
 use super::library::{Failure, report};
 use crate::base::diagnostic::closest;
-use crate::base::output::write_atomic;
+use crate::base::output::{is_within, may_write, write_atomic};
 use crate::base::units::{Dimension, parse_quantity};
 use crate::library::entry::{Adjoining, ColumnEnd};
 use crate::library::features::{NUMBERS, NumberFeature};
@@ -182,6 +182,13 @@ pub(super) fn run(
         value["rivals"] = json!({ "count": rivals.count, "differ": names });
     }
     if let (Some(path), Some(entry)) = (&arguments.output, entry) {
+        may_write(path, &["json"], &[]).map_err(Failure::Usage)?;
+        if is_within(path, store.folder()) {
+            let (path, folder) = (path.display(), store.folder().display());
+            return Err(Failure::Usage(format!(
+                "{path} is in the library {folder}, whose records commands keep; name a file elsewhere"
+            )));
+        }
         let text = entry.to_text().map_err(io::Error::from)?;
         write_atomic(path, text.as_bytes())
             .map_err(|e| Failure::Usage(format!("{}: {e}", path.display())))?;

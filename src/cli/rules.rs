@@ -9,6 +9,7 @@ use crate::rules::diff::statistics;
 use crate::rules::{Problem, Problems, Rule, RuleBase, Source, features};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -207,13 +208,17 @@ fn show(rule: &Rule, json: bool, out: &mut dyn Write) -> io::Result<u8> {
 
 fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
     let (problems, gaps, remarks) = (base.not_carried_out(), base.gaps(), base.remarks());
+    let unknown = unknown_studies(base, Path::new(STUDIES));
     let fails = !(problems.is_empty() && gaps.is_empty() && remarks.is_empty());
     if json {
         let words = |list: &[Problem]| list.iter().map(ToString::to_string).collect::<Vec<_>>();
         let (count, problems, remarks) = (base.rules().len(), words(&problems), words(&remarks));
-        let value = json!({ "rules": count, "problems": problems, "gaps": gaps, "remarks": remarks });
+        let value = json!({ "rules": count, "problems": problems, "gaps": gaps, "remarks": remarks, "unknown_studies": unknown });
         write_json(out, &value)?;
     } else {
+        for words in &unknown {
+            writeln!(out, "note: {words}")?;
+        }
         for problem in problems.iter().chain(&remarks) {
             writeln!(out, "{problem}")?;
         }
@@ -230,6 +235,27 @@ fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
         writeln!(out, "{} rules: {verdict}", base.rules().len())?;
     }
     Ok(u8::from(fails))
+}
+
+/// Where the records of studies lie.
+const STUDIES: &str = "kb/studies";
+
+/// Rules whose evidence names studies of which there is no record, in words; none where there is no folder of records.
+fn unknown_studies(base: &RuleBase, folder: &Path) -> Vec<String> {
+    if !folder.is_dir() {
+        return Vec::new();
+    }
+    let mut list = Vec::new();
+    for rule in base.rules() {
+        // `s1-110:W3.top` is a place in `s1-110`
+        let named = rule.evidence.iter().chain(&rule.counter_examples);
+        let named: BTreeSet<&str> = named.filter_map(|name| name.split(':').next()).collect();
+        let unknown = named.into_iter().filter(|study| !folder.join(format!("{study}.json")).is_file());
+        list.extend(unknown.map(|study| {
+            format!("rule `{}` names the study `{study}`, of which {STUDIES} has no record", rule.id)
+        }));
+    }
+    list
 }
 
 /// `1 gap`, `2 gaps`; none of none.

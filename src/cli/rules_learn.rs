@@ -36,19 +36,34 @@ pub fn learned(arguments: &LearnArgs) -> Result<String, Failure> {
     let failed =
         |path: &Path, e: std::io::Error| Failure::input(format!("cannot write {}: {e}", path.display()));
     fs::create_dir_all(&arguments.output).map_err(|e| failed(&arguments.output, e))?;
-    for name in file_names() {
-        let path = arguments.output.join(&name);
-        match files.iter().find(|(file, _)| *file == name) {
-            Some((_, text)) => write_atomic(&path, text.as_bytes()).map_err(|e| failed(&path, e))?,
-            // of a question that has no rules any more
-            None if path.is_file() => fs::remove_file(&path).map_err(|e| failed(&path, e))?,
+    let paths: Vec<(String, PathBuf)> =
+        file_names().into_iter().map(|name| (name.clone(), arguments.output.join(name))).collect();
+    if let Some((_, path)) = paths.iter().find(|(_, path)| path.exists() && !is_learned(path)) {
+        return Err(Failure::input(format!(
+            "{} was not written by `fallwerk rules learn` and would be replaced; name another folder with -o, or move it",
+            path.display()
+        )));
+    }
+    let mut removed = String::new();
+    for (name, path) in &paths {
+        match files.iter().find(|(file, _)| file == name) {
+            Some((_, text)) => write_atomic(path, text.as_bytes()).map_err(|e| failed(path, e))?,
+            None if path.is_file() => {
+                fs::remove_file(path).map_err(|e| failed(path, e))?;
+                removed += &format!("removed {}: its question has no rules any more\n", path.display());
+            }
             None => {}
         }
     }
     let rules = files.iter().filter(|(name, _)| name.ends_with(".toml"));
     let count: usize = rules.map(|(_, text)| text.matches("[[rule]]").count()).sum();
     let studies = if cases.len() == 1 { "1 study".to_string() } else { format!("{} studies", cases.len()) };
-    Ok(format!("{studies}, {count} rules in {}\n", arguments.output.display()))
+    Ok(format!("{removed}{studies}, {count} rules in {}\n", arguments.output.display()))
+}
+
+/// Whether a file names this command as its author.
+fn is_learned(path: &Path) -> bool {
+    fs::read_to_string(path).is_ok_and(|text| text.contains("`fallwerk rules learn`"))
 }
 
 fn told(problems: Problems) -> Failure {

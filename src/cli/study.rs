@@ -129,8 +129,12 @@ fn plan(seed: u32, count: u32, irregular: bool, folder: &Path) -> Result<(), Fai
 
 /// A record from its file.
 pub(super) fn read(path: &Path) -> Result<Study, Failure> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| Failure::input(format!("cannot read {}: {e}", path.display())))?;
+    let text = std::fs::read_to_string(path).map_err(|e| {
+        Failure::input(format!(
+            "cannot read {}: {e}; `fallwerk study list` names the records",
+            path.display()
+        ))
+    })?;
     let study: Study = from_text(&text)
         .map_err(|e| Failure::input(format!("{} is no study record: {e}", path.display())))?;
     if study.schema != crate::study::record::STUDY_SCHEMA {

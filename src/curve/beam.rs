@@ -15,6 +15,7 @@
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 use super::hinge::FAR_INSIDE;
 use super::onset::{Course, added, leaves};
+use super::rate::{Rate, is_same};
 
 /// Relative accuracy of a return, in terms of the moment.
 const TOLERANCE: f64 = 1e-13;
@@ -82,6 +83,8 @@ pub struct BeamEnds {
     pub ends: [BeamEnd; 2],
     /// Axial force at the begin of the step to the next evaluation, as of [`super::Hinge2::axial_before_n`].
     pub axial_before_n: Option<f64>,
+    /// What the rate of their flow in the step to the next evaluation does to their strength; `None`: nothing.
+    pub rate: Option<Rate>,
     /// Elastic rotation in the middle in the last step \[rad\], and the load then.
     last: (f64, SpanLoad),
 }
@@ -143,13 +146,13 @@ impl BeamEnds {
         let mut step = BeamStep::default();
         let levels: [AxialLevel; 2] =
             std::array::from_fn(|i| table.level(axial_force_n, &mut self.ends[i].hint));
-        let mut capacities = [0.0; 2];
+        let (is_rated, mut capacities) = (self.rate.is_some(), [0.0; 2]);
         let bears: [bool; 2] = std::array::from_fn(|i| {
             let end = &mut self.ends[i];
             let capacity = table.capacity_at(end.alpha_rad, levels[i], &mut end.hint);
             step.out_of_range |= capacity.out_of_range && trial[i].abs() > capacity.moment_nm;
             capacities[i] = capacity.moment_nm.copysign(trial[i]);
-            trial[i].abs() <= capacity.moment_nm
+            trial[i].abs() <= capacity.moment_nm || (is_rated && is_same(old[i].moment_nm, trial[i]))
         });
         let mut moments = trial;
         let mean_n = 0.5 * (self.axial_before_n.unwrap_or(axial_force_n) + axial_force_n);
@@ -166,7 +169,8 @@ impl BeamEnds {
             moments = self.moments(springs, [turn_rad, across_m]);
         }
         for (i, flow) in step.flow_rad.into_iter().enumerate() {
-            let (begin, reached) = (old[i].moment_nm, capacities[i]);
+            let reached = if is_rated { moments[i] } else { capacities[i] };
+            let begin = old[i].moment_nm;
             self.ends[i].course = if flow == 0.0 {
                 Course::elastic(begin, moments[i])
             } else {
@@ -259,7 +263,7 @@ impl BeamEnds {
             let mut change = 0.0_f64;
             for i in 0..2 {
                 let moment = trial[i] - other * flow[1 - i];
-                let new = self.ends[i].back(table, own, moment, levels[i]);
+                let new = self.ends[i].back(table, own, moment, levels[i], self.rate);
                 change = change.max(own * (new - flow[i]).abs());
                 flow[i] = new;
             }
@@ -272,14 +276,28 @@ impl BeamEnds {
 }
 
 impl BeamEnd {
-    /// The plastic rotation that brings a moment back to the capacity, for a stiffness: the zero of `|M| - k x - C(α + x)`, by Newton inside a shrinking bracket; nothing if the moment is inside.
-    fn back(&mut self, table: &CapacityTable, stiffness: f64, moment: f64, level: AxialLevel) -> f64 {
+    /// The plastic rotation that brings a moment back to the capacity, for a stiffness: the zero of `|M| - k x - C(α + x) r(x)`, by Newton inside a shrinking bracket; nothing if the moment is inside.
+    fn back(
+        &mut self,
+        table: &CapacityTable,
+        stiffness: f64,
+        moment: f64,
+        level: AxialLevel,
+        rate: Option<Rate>,
+    ) -> f64 {
         let size = moment.abs();
         let mut excess = |x: f64| {
             let capacity = table.capacity_at(self.alpha_rad + x, level, &mut self.hint);
-            (size - stiffness * x - capacity.moment_nm, -stiffness - capacity.slope_nm_rad)
+            let Some([factor, growth]) = rate.map(|rate| rate.at(x)) else {
+                return (size - stiffness * x - capacity.moment_nm, -stiffness - capacity.slope_nm_rad);
+            };
+            let slope = -stiffness - capacity.slope_nm_rad * factor - capacity.moment_nm * growth;
+            (size - stiffness * x - capacity.moment_nm * factor, slope)
         };
         let (mut low, mut high, mut x) = (0.0, size / stiffness, 0.0);
+        if rate.is_some() && excess(0.0).0 > 0.0 {
+            x = self.course.flow_after(0.0).abs().min(0.5 * high);
+        }
         for _ in 0..SEARCHES {
             let (g, slope) = excess(x);
             if x == 0.0 && g <= 0.0 {

@@ -10,6 +10,8 @@ use super::{CapacityLevel, ResistanceCurve};
 const POINTS: u32 = 8;
 /// Share of the largest moment so far below which a layer has broken.
 const BROKEN: f64 = 0.5;
+/// The same of a section of layers of which the first is a small part.
+const BREAKS: f64 = 0.8;
 
 impl ResistanceCurve {
     /// Share of the compressive capacity \[N\] that is left over the plastic rotation \[rad\], from `[0, 1]` on, falling; constant behind the last point. `C` is that of the push under the largest force, which is borne up to the end
@@ -32,15 +34,26 @@ impl ResistanceCurve {
         }
         left
     }
+
+    /// Plastic rotation at which the first layer breaks under the smallest axial force, or the end of the curve \[rad\]: that layer has the rupture strain of its law then, so strains are to rotations as that is to this.
+    pub fn first_break_rad(&self) -> f64 {
+        let least = self.levels.iter().min_by(|a, b| a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs()));
+        least.map_or(f64::INFINITY, |level| level.falls_to_rad(BREAKS))
+    }
 }
 
 impl CapacityLevel {
     /// Plastic rotation at which the first layer has broken: where the capacity has fallen to half of what it was, or its end \[rad\].
     fn breaks_rad(&self) -> f64 {
+        self.falls_to_rad(BROKEN)
+    }
+
+    /// Plastic rotation at which the capacity has fallen to a share of what it was, or its end \[rad\].
+    fn falls_to_rad(&self, share: f64) -> f64 {
         let mut most = 0.0_f64;
         let has_broken = |p: &&[f64; 2]| {
             most = most.max(p[1]);
-            p[1] < BROKEN * most
+            p[1] < share * most
         };
         self.capacity.iter().find(has_broken).map_or(self.fracture_rotation_rad, |p| p[0])
     }

@@ -16,6 +16,7 @@
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 use super::onset;
+use super::rate::{Rate, is_same};
 use super::turning::{self, Turning};
 
 /// State of a hinge.
@@ -47,8 +48,14 @@ pub struct Hinge2 {
     pub pace: f64,
     /// Axial force at the begin of the step to the next evaluation (compression positive), if it is known: what flows in the step does so under the mean of it and that of its end \[N\].
     pub axial_before_n: Option<f64>,
+    /// What the rate of its flow in the step to the next evaluation does to its strength, about both axes; `None`: nothing.
+    pub rates: Option<[Rate; 2]>,
+    /// The same along its flow.
+    rate: Option<Rate>,
     /// Whether it flowed in the last step, and how it was turned in it \[rad\].
     flows: bool,
+    /// How far it flowed along itself when it did last \[rad\]: where the search begins, if it has a rate.
+    flowed_rad: f64,
     turned_rad: [f64; 2],
     hint: [CapacityHint; 2],
 }
@@ -59,6 +66,11 @@ struct Begin {
     moment_nm: [f64; 2],
     flowed: bool,
     turned_rad: [f64; 2],
+}
+
+/// Whether moments are those of the same pose once more.
+fn are_same(before_nm: [f64; 2], after_nm: [f64; 2]) -> bool {
+    (0..2).all(|i| is_same(before_nm[i], after_nm[i]))
 }
 
 /// Whether the moments of a [`Hinge2::trial`] are outside by more than rounding.
@@ -103,8 +115,6 @@ const RETURN_TOLERANCE: f64 = 1e-13;
 pub const WELL_INSIDE: f64 = 1.0 - 1e-9;
 /// The same up to which a bound for all axial forces is as good as a nearer one.
 pub(super) const FAR_INSIDE: f64 = 0.6;
-/// Change of moments, over themselves, that is rounding: the same pose once more.
-const SAME: f64 = 1e-12;
 /// Smallest capacity, relative to the peak: keeps the ratio `M/C` finite at the end of softening.
 const CAPACITY_FLOOR: f64 = 1e-9;
 
@@ -127,9 +137,10 @@ impl Hinge2 {
         if self.is_well_inside(laws, trial, axial_force_n) {
             return stays;
         }
+        self.rate = None;
         let levels = self.levels(laws, axial_force_n);
         let first = self.trial(laws, trial, 0.0, levels);
-        if !is_outside(first) {
+        if !is_outside(first) || (self.rates.is_some() && are_same(begin.moment_nm, trial)) {
             return stays;
         }
         let (step, x) = self.flow(laws, e, levels, &begin, first);
@@ -152,11 +163,14 @@ impl Hinge2 {
         first: [f64; 2],
     ) -> (HingeStep, f64) {
         let k = laws.map(|law| law.stiffness_nm_rad());
+        self.rate = self.rates.map(|rates| Rate::along(rates, e));
         let (old, trial) = (begin.moment_nm, self.moment_nm);
         let plastic = laws.map(|law| matches!(law, AxisLaw::Plastic(_)));
         let both = plastic == [true; 2];
-        let leaves = (both || !begin.flowed).then(|| self.leaves(laws, [old, trial], levels, begin.flowed));
-        let onset = leaves.filter(|(share, inside)| !begin.flowed && *inside && *share < 1.0).map(|l| l.0);
+        let leaves =
+            (both || !begin.flowed).then(|| self.leaves(laws, [old, trial], levels, 1.0, begin.flowed));
+        let mut onset =
+            leaves.filter(|(share, inside)| !begin.flowed && *inside && *share < 1.0).map(|l| l.0);
         let turned = match leaves {
             Some((share, _)) if both => self.turn(laws, [old, trial], share, begin.turned_rad, levels),
             _ => None,
@@ -173,8 +187,13 @@ impl Hinge2 {
             self.moment_nm[i] = k[i] * e[i];
             dissipated_j += 0.5 * (old[i] + self.moment_nm[i]) * flow;
         }
+        if let (Some(share), Some(rate)) = (&mut onset, self.rate) {
+            // stiff as it is, it is at what the rate lets it bear as soon as it flows
+            *share = self.leaves(laws, [old, trial], levels, rate.at(x)[0], false).0.min(1.0);
+        }
         self.dissipated_j += dissipated_j;
         self.alpha_rad += x;
+        self.flowed_rad = x;
         (self.flows, self.flow_rad, self.begins) = (true, flow_rad, onset.unwrap_or(0.0));
         let end = self.moment_nm;
         let onset_nm = onset.map_or([0.0; 2], |share| {
@@ -184,17 +203,18 @@ impl Hinge2 {
         (HingeStep { elastic_j, flowing: true, onset_nm }, x)
     }
 
-    /// The share of a step after which the moments, from where they are at its begin straight to where they would be without flow, leave the surface, and whether they begin inside. What `flowed` and goes on
+    /// The share of a step after which the moments, from where they are at its begin straight to where they would be without flow, leave the surface, a `factor` larger than it is, and whether they begin inside. What `flowed` and goes on
     /// outwards does not: where it begins inside, the capacity has grown within the step.
     fn leaves(
         &mut self,
         laws: [AxisLaw<'_>; 2],
         [begin, trial]: [[f64; 2]; 2],
         levels: [AxialLevel; 2],
+        factor: f64,
         flowed: bool,
     ) -> (f64, bool) {
         // a s² + b s + c = 0 where the moments are at the capacities
-        let (mut a, mut b, mut c) = (0.0, 0.0, -1.0);
+        let (mut a, mut b, mut c) = (0.0, 0.0, -factor * factor);
         for i in 0..2 {
             if let AxisLaw::Plastic(table) = laws[i] {
                 let capacity = table.capacity_at(self.alpha_rad, levels[i], &mut self.hint[i]).moment_nm;
@@ -224,9 +244,9 @@ impl Hinge2 {
     ) -> Option<([f64; 2], [f64; 2])> {
         let k = laws.map(|law| law.stiffness_nm_rad());
         let turn = [0, 1].map(|i| (trial[i] - begin[i]) / k[i]);
-        let is_same = [0, 1].iter().all(|i| (trial[*i] - begin[*i]).abs() <= SAME * trial[*i].abs());
-        self.turned_rad = if is_same { before } else { turn };
-        if is_same {
+        let stays = are_same(begin, trial);
+        self.turned_rad = if stays { before } else { turn };
+        if stays {
             return None;
         }
         let share = if (0.0..1.0).contains(&share) { share } else { 0.0 };
@@ -317,7 +337,7 @@ impl Hinge2 {
         levels
     }
 
-    /// `f_trial(α + x)` and `-d(1/f_trial)/dx`.
+    /// `f_trial(α + x)` and `d(1/f_trial)/dx`.
     #[inline]
     fn trial(
         &mut self,
@@ -344,7 +364,9 @@ impl Hinge2 {
             }
         }
         let f = f2.sqrt();
-        [f, slope / (f2 * f)]
+        let slope = slope / (f2 * f);
+        let Some([factor, growth]) = self.rate.map(|rate| rate.at(x)) else { return [f, slope] };
+        [f / factor, factor * slope + growth / f]
     }
 
     /// The plastic increment, the zero of `1 - x/|e| - 1/f_trial(α + x)`, which is positive while the moment is outside: Newton from the start of the
@@ -359,6 +381,10 @@ impl Hinge2 {
     ) -> f64 {
         let (mut low, mut high) = (0.0, length);
         let mut x = 0.0;
+        if self.rate.is_some() && self.flowed_rad > 0.0 && self.flowed_rad < length {
+            x = self.flowed_rad;
+            at = self.trial(laws, trial, x, levels);
+        }
         for i in 0..100 {
             if i > 0 {
                 at = self.trial(laws, trial, x, levels);

@@ -20,6 +20,7 @@ mod lever;
 mod limits;
 pub mod loops;
 pub mod onset;
+pub mod rate;
 mod turning;
 
 pub use beam::{BeamEnds, MiddleSprings, SpanLoad};
@@ -29,6 +30,7 @@ pub use cyclic_fit::MeasuredExcursion;
 pub use envelope::Envelope;
 pub use hinge::{Hinge2, HingeStep};
 pub use loops::CyclicHinge;
+pub use rate::Rate;
 
 use serde::{Deserialize, Serialize};
 

@@ -79,6 +79,10 @@ impl Notes {
                 bushing.compressive_capacity_n.is_some(),
                 "the compressive capacity is left out: it does not crush",
             ),
+            (
+                bushing.rate_factor.is_some(),
+                "the rate factor is left out: it bears as much as in slow motion",
+            ),
             (bushing.carry_over.is_some(), NOTHING_CARRIED_OVER),
             (
                 bushing.latent.is_some(),

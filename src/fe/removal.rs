@@ -152,6 +152,7 @@ fn take_away(mesh: &Mesh, body: &mut Dynamics, recorder: &mut Recorder, elements
     body.assemble_mass(mesh, |e| !recorder.removed[e]);
     recorder.removed_j += body.kinetic_j() - before;
     if let Some(mut hybrid) = body.hybrid.take() {
+        hybrid.wait();
         hybrid.renew(body);
         body.hybrid = Some(hybrid);
     }

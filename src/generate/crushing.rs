@@ -7,6 +7,7 @@ use super::GenerateError;
 use super::bodies::Bodies;
 use super::decide::Decision;
 use super::entries::{Entries, Known};
+use super::rates;
 use crate::building::Building;
 use crate::building::ends::{End, MemberEnd};
 use crate::library::Entry;
@@ -97,6 +98,7 @@ impl Struck {
                         body: body.id.clone(),
                         shape: 0,
                         face,
+                        rate_factor: rates::of_face(building.law_of(&building.members[*member]), entry),
                         force_n: force_n.iter().map(|[way, force]| [share * way, *force]).collect(),
                         subsystem: Some(key.clone()),
                     });

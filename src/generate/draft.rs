@@ -10,7 +10,7 @@ use super::generator::Basis;
 use super::joints;
 use super::lines::{Lines, obeyed};
 use super::webs::{Stays, Webs};
-use super::{GenerateError, charges, doubts, event_rules, levers, sections, walls};
+use super::{GenerateError, charges, doubts, event_rules, levers, rates, sections, walls};
 use crate::base::hash::ContentHash;
 use crate::building::Building;
 use crate::building::ends::MemberEnd;
@@ -157,6 +157,7 @@ impl<'a> Draft<'a> {
         let used: BTreeSet<&String> =
             hinges.iter().flat_map(|h| &h.bending).filter_map(Bending::curve).collect();
         curves.retain(|id, _| used.contains(id));
+        rates::put_in(building, &mut hinges, &curves);
         let overloaded = doubts::overloaded(demands, &self.live(&hinges));
         let words = |(end, ratio): &(String, f64)| doubts::overloaded_words(end, *ratio, self.decision);
         notes.extend(overloaded.iter().map(words));

@@ -9,7 +9,7 @@ use crate::library::derive::{DeriveError, Wanted};
 use crate::library::derive_contact::WantedContact;
 use crate::library::derive_strip::WantedStrip;
 use crate::library::entry::AxisRecord;
-use crate::library::similar::{Candidates, Similar};
+use crate::library::similar::{Candidates, FARTHEST, Similar};
 use crate::library::{Entry, EntryKind, Store, StoreError};
 use crate::material::j2::HardeningTable;
 use std::cell::RefCell;
@@ -90,9 +90,18 @@ impl Scaled {
             notes.extend(own.iter().take(NOTED).map(note));
             let more = own.len().saturating_sub(NOTED);
             if more > 0 {
-                notes.push(format!(
-                    "{more} more of {kind} have no entries of their own, and nearer ones to scale: `fallwerk explain` tells of each"
-                ));
+                let of_section = own[NOTED..].iter().filter(|s| s.distance > FARTHEST).count();
+                let from = match of_section {
+                    0 => "their curves are scaled from nearer ones".to_string(),
+                    all if all == more => {
+                        "nor is any similar enough: their curves are those of their sections".into()
+                    }
+                    some => format!(
+                        "the curves of {some} are those of their sections, as none is similar, the others' scaled from nearer ones"
+                    ),
+                };
+                let words = format!("{more} more of {kind} have no entries of their own; {from}");
+                notes.push(format!("{words}: `fallwerk explain` tells of each"));
             }
         }
         notes

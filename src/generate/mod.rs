@@ -33,6 +33,7 @@ mod levers;
 mod lines;
 mod nearest;
 mod panels;
+mod rates;
 mod rigid;
 mod sections;
 mod stretch;

@@ -23,6 +23,8 @@ pub struct Cache {
     db: Option<sled::Db>,
     records: sled::Tree,
     meta: sled::Tree,
+    /// Whether it could not be written: what waits in it is given up, since sled may wait for ever to write it.
+    has_failed: Cell<bool>,
 }
 
 /// Why the working copy cannot be used, in words.
@@ -49,7 +51,9 @@ impl Cache {
             let db = once_unlocked(
                 &sled::Config::new().path(&path).flush_every_ms(None).cache_capacity(64 << 20),
             )?;
-            Ok(Self { records: db.open_tree("records")?, meta: db.open_tree("meta")?, db: Some(db) })
+            let trees = db.open_tree("records").and_then(|records| Ok((records, db.open_tree("meta")?)));
+            let (records, meta) = trees.inspect_err(|_| std::mem::forget(db.clone()))?;
+            Ok(Self { records, meta, db: Some(db), has_failed: Cell::new(false) })
         })
     }
 
@@ -112,7 +116,7 @@ impl Cache {
         records: impl Iterator<Item = (&'a str, &'a [u8])>,
         manifest: &Manifest,
     ) -> Result<(), Fault> {
-        guarded("writing", || {
+        let written = guarded("writing", || {
             for (key, bytes) in records {
                 let mut value = blake3::hash(bytes).as_bytes().to_vec();
                 value.extend_from_slice(bytes);
@@ -122,16 +126,26 @@ impl Cache {
             self.meta.insert("manifest", manifest_hash(manifest).as_bytes().as_slice())?;
             self.meta.flush()?;
             self.records.flush().map(|_| ())
-        })
+        });
+        self.has_failed.set(self.has_failed.get() || written.is_err());
+        written
     }
 }
 
 impl Drop for Cache {
     fn drop(&mut self) {
-        if let Some(db) = self.db.take() {
+        let Some(db) = self.db.take() else { return };
+        if self.has_failed.get() {
+            abandon((&db, &self.records, &self.meta));
+        } else {
             let _ = guarded("closing", || db.flush().map(|_| ()));
         }
     }
+}
+
+/// Keeps handles of a database for ever: the last one flushes as it goes, which on a full disk does not return.
+fn abandon((db, records, meta): (&sled::Db, &sled::Tree, &sled::Tree)) {
+    std::mem::forget((db.clone(), records.clone(), meta.clone()));
 }
 
 /// Moves a database out of the way, over the one set aside before; removes it if it cannot be moved.

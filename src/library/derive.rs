@@ -64,7 +64,7 @@ impl Wanted {
         let member = &building.members[end.member];
         let model = EndModel::cut_from(building, partition, mesh, end.member, end.end)?;
         let section = building.sections[&member.section].clone();
-        let law = building.law_of(member).clone();
+        let law = building.law_of(member).in_slow_motion();
         let strength = model.mesh.elements[*model.section_elements.first()?].strength;
         let shares = &crate::rc::pushover::AXIAL_SHARES;
         let (features, inputs) =

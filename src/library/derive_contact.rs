@@ -31,7 +31,7 @@ impl WantedContact {
     pub fn of(building: &Building, end: &MemberEnd) -> Self {
         let member = &building.members[end.member];
         let section = building.sections[&member.section].clone();
-        let law = building.law_of(member).clone();
+        let law = building.law_of(member).in_slow_motion();
         let size = member.solid.size();
         let mut sides = [1, 2].map(|i| micrometres(size[(end.axis + i) % 3]));
         sides.sort_by(f64::total_cmp);

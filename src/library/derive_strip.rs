@@ -39,7 +39,7 @@ impl WantedStrip {
         };
         let member = &building.members[sample.part];
         let section = building.sections[&member.section].clone();
-        let law = building.law_of(member).clone();
+        let law = building.law_of(member).in_slow_motion();
         let [first, second] = model.section_m;
         let size = if place.axis == 0 { [first, second] } else { [second, first] };
         let (features, inputs) =

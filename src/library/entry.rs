@@ -267,7 +267,11 @@ impl Entry {
         let stated = stated.as_ref().and_then(Value::as_str).ok_or("no checksum")?;
         let found = ContentHash::of_value(&value).map_err(|e| e.to_string())?.to_string();
         if stated != found {
-            return Err(format!("checksum is {}…, the content gives {}…", head(stated), head(&found)));
+            return Err(format!(
+                "checksum is {}…, the content gives {}…: take the file from version control, or remove it and import or derive the entry again",
+                head(stated),
+                head(&found)
+            ));
         }
         let entry: Self = json::from_value(value).map_err(|e| e.to_string())?;
         super::check::entry(&entry)?;

@@ -30,7 +30,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 /// Farthest entry that is scaled: the logarithm of the ratio of depths, and half of those of slenderness and of strength.
-const FARTHEST: f64 = 1.0;
+pub const FARTHEST: f64 = 1.0;
 /// Range of the peak moment without axial force over `f b h²` of a whole section (0.42 for two elements across the depth): one outside is of a column that other members partly own.
 const WHOLE: [f64; 2] = [0.25, 0.75];
 

@@ -8,6 +8,7 @@
 
 use super::fibre::SectionInput;
 use super::rate::power;
+use super::section_capacity::ConcreteLimits;
 use crate::building::Bar;
 use serde::{Deserialize, Serialize};
 
@@ -65,7 +66,7 @@ impl Confinement {
         let ratios = [0, 1].map(|i| ties.legs[i] * area / (ties.spacing_m * core_m[1 - i]));
         let box_m2 = core_m[0] * core_m[1];
         let clear = ties.spacing_m - ties.diameter_m;
-        let arches = 1.0 - sum_of_squared_gaps_m2(&input.bars, ties.all_bars_held) / (6.0 * box_m2);
+        let arches = 1.0 - sum_of_squared_gaps_m2(&input.bars, core_m, ties.all_bars_held) / (6.0 * box_m2);
         let between = core_m.map(|side| (1.0 - 0.5 * clear / side).max(0.0));
         let steel: f64 = input.bars.iter().map(area_m2).sum();
         let effectiveness = arches.max(0.0) * between[0] * between[1] / (1.0 - steel / box_m2);
@@ -92,36 +93,42 @@ pub(super) fn area_m2(bar: &Bar) -> f64 {
     0.25 * std::f64::consts::PI * bar.diameter_m * bar.diameter_m
 }
 
-/// Σ w'² over the four faces \[m²\]: clear distances between neighbouring bars that are held.
-fn sum_of_squared_gaps_m2(bars: &[Bar], all_held: bool) -> f64 {
-    let mut sum = 0.0;
-    for axis in [0, 1] {
-        for side in [1.0, -1.0] {
-            let place = |b: &Bar| side * [b.x_m, b.y_m][axis];
-            let outermost = bars.iter().map(place).fold(f64::NEG_INFINITY, f64::max);
-            let mut face: Vec<(f64, f64)> = bars
-                .iter()
-                .filter(|b| place(b) > outermost - 0.75 * b.diameter_m)
-                .map(|b| ([b.y_m, b.x_m][axis], b.diameter_m))
-                .collect();
-            face.sort_by(|a, b| a.0.total_cmp(&b.0));
-            if !all_held && face.len() > 2 {
-                face = vec![face[0], face[face.len() - 1]];
-            }
-            sum += face
-                .windows(2)
-                .map(|w| (w[1].0 - w[0].0 - 0.5 * (w[0].1 + w[1].1)).max(0.0))
-                .fold(0.0, |s, gap| s + gap * gap);
+/// Share of the core within which the bars of a face lie.
+const FACE: f64 = 0.25;
+/// Bars nearer than this many diameters to each other along a face are one behind the other.
+const BEHIND: f64 = 0.75;
+
+/// Σ w'² over the four faces \[m²\]: clear distances between neighbouring bars that are held, and from the last one to the corner of the core where no bar stands in that.
+fn sum_of_squared_gaps_m2(bars: &[Bar], core_m: [f64; 2], all_held: bool) -> f64 {
+    let faces = [0, 1].into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]);
+    let of_face = |(axis, side): (usize, f64)| -> f64 {
+        let place = |b: &Bar| side * [b.x_m, b.y_m][axis];
+        let mut face: Vec<(f64, f64)> = bars
+            .iter()
+            .filter(|b| place(b) > (0.5 - FACE) * core_m[axis])
+            .map(|b| ([b.y_m, b.x_m][axis], b.diameter_m))
+            .collect();
+        face.sort_by(|a, b| a.0.total_cmp(&b.0));
+        face.dedup_by(|b, a| b.0 - a.0 < BEHIND * a.1);
+        if !all_held && face.len() > 2 {
+            face = vec![face[0], face[face.len() - 1]];
         }
-    }
-    sum
+        let half_m = 0.5 * core_m[1 - axis];
+        let (Some(first), Some(last)) = (face.first(), face.last()) else { return 4.0 * half_m * half_m };
+        // a bar in a corner lies at the tie
+        let ends = [(half_m + first.0, first.1), (half_m - last.0, last.1)];
+        let open = ends.into_iter().map(|(way, d)| (way - 0.5 * d, d)).filter(|(gap, d)| gap > d);
+        let between = face.windows(2).map(|w| w[1].0 - w[0].0 - 0.5 * (w[0].1 + w[1].1));
+        between.chain(open.map(|(gap, _)| gap)).map(|gap| gap.max(0.0).powi(2)).sum()
+    };
+    faces.map(of_face).sum()
 }
 
 /// Which curves core and cover follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ConcreteLaw {
-    /// Parabola and rectangle of EN 1992-1-1, 3.1.7, to 0.0035; no confinement, no tension.
+    /// Parabola and rectangle of EN 1992-1-1, 3.1.7 ([`ConcreteLimits`]); no confinement, no tension.
     ParabolaRectangle,
     /// Popovics' curve with `E_c = 5000 sqrt(f_c / MPa)` MPa: core with the values of [`Confinement`], nothing beyond `ε_cu`; cover nothing beyond
     /// 0.005 (Mander, Priestley and Park 1988, eq. 3-7). No tension.
@@ -208,7 +215,7 @@ impl ConcreteCurve {
     /// Strain beyond which there is no stress for ever.
     pub fn end_strain(&self) -> f64 {
         match *self {
-            Self::ParabolaRectangle { .. } => super::section_capacity::STRAIN_CU2,
+            Self::ParabolaRectangle { strength_pa } => ConcreteLimits::of(strength_pa).strain_cu2,
             Self::Popovics { end_strain, .. } => end_strain,
             Self::KentPark { .. } => f64::INFINITY,
         }
@@ -221,8 +228,7 @@ impl ConcreteCurve {
         }
         match *self {
             Self::ParabolaRectangle { strength_pa } => {
-                let left = (1.0 - strain / super::section_capacity::STRAIN_C2).max(0.0);
-                if strain <= 0.0 { 0.0 } else { strength_pa * (1.0 - left * left) }
+                strength_pa * ConcreteLimits::of(strength_pa).share(strain)
             }
             Self::Popovics { strength_pa, strain: peak, exponent, .. } => {
                 let x = strain / peak;

@@ -187,6 +187,32 @@ fn elastic_and_hinged_cantilevers_are_exact() {
     near("plastic", rotation[2][0] - rotation[1][0], 0.04 * 0.3, 1e-12);
 }
 
+/// Four corner bars, of which the upper ones stand somewhat further inside, or are not there: Mander's arches by hand.
+#[test]
+fn arches_span_from_bar_to_bar_on_all_faces() {
+    let effectiveness = |upper: &[f64]| {
+        let lower = [-0.16, 0.16].map(|x| [x, -0.16]);
+        let places = lower.into_iter().chain(upper.iter().map(|x| [*x, 0.16]));
+        let bars: Vec<Bar> = places.map(|[x_m, y_m]| Bar { x_m, y_m, diameter_m: 0.02 }).collect();
+        let steel = bars.len() as f64 * 1e-4 * HALF_TURN;
+        let found = Confinement::of(&SectionInput { bars, ..s1() }).unwrap();
+        found.effectiveness * (1.0 - steel / (0.348 * 0.348))
+    };
+    let between = (1.0 - 0.5 * (0.15 - 0.008) / 0.348_f64).powi(2);
+    let of =
+        |gaps: [f64; 4]| between * (1.0 - gaps.iter().map(|g| g * g).sum::<f64>() / (6.0 * 0.348 * 0.348));
+    near("corners", effectiveness(&[-0.16, 0.16]), of([0.3; 4]), 1e-12);
+    near("inset", effectiveness(&[-0.145, 0.145]), of([0.3, 0.3, 0.3, 0.27]), 1e-12);
+    near(
+        "far inset",
+        effectiveness(&[-0.12, 0.12]),
+        of([0.3, 0.3, 0.3, (0.22_f64.powi(2) + 2.0 * 0.044_f64.powi(2)).sqrt()]),
+        1e-12,
+    );
+    // from the lower bars to the upper end of the core, and all of its upper face
+    near("none", effectiveness(&[]), of([0.3, 0.324, 0.324, 0.348]), 1e-12);
+}
+
 #[test]
 fn directions_turn_with_the_section() {
     let mut bars: Vec<Bar> =

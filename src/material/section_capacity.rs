@@ -1,13 +1,13 @@
 //! Bending capacity of a reinforced rectangular section under axial force.
 //!
 //! Plane sections remain plane, full bond, concrete without tension. Concrete follows the
-//! parabola-rectangle of EN 1992-1-1, 3.1.7 (1), eq. 3.17-3.18 with n = 2, without partial factors:
-//! `σ = f_c (1 − (1 − ε/ε_c2)²)` up to `ε_c2`, then `f_c` up to `ε_cu2`. Steel is elastic with a linear
+//! parabola-rectangle of EN 1992-1-1, 3.1.7 (1), eq. 3.17-3.18, without partial factors:
+//! `σ = f_c (1 − (1 − ε/ε_c2)^n)` up to `ε_c2`, then `f_c` up to `ε_cu2` ([`ConcreteLimits`]). Steel is elastic with a linear
 //! branch after yield. The ultimate state is the strain profile through one of the three pivots of
 //! EN 1992-1-1, figure 6.1: bar at its ultimate strain, edge at `ε_cu2`, or (section wholly compressed)
 //! `ε_c2` at `(1 − ε_c2/ε_cu2) h` from the compressed edge. Concrete displaced by bars is deducted.
 //!
-//! The concrete part is integrated in closed form, bars are points. Axial force and strain are positive
+//! The concrete part is integrated in closed form (up to C50/60; beyond it by Gauss's rule in [`PANELS`] panels), bars are points. Axial force and strain are positive
 //! in **compression**; moments are about the centre of the gross rectangle. Uniaxial bending; no
 //! confinement, no bar buckling. For the homogenised (J2) law see [`HomogenisedCapacity`].
 
@@ -15,13 +15,50 @@ use crate::base::root::{self, Close};
 use crate::building::{Bar, Concrete, Homogenised, Section, SectionShape, Steel};
 use serde::Serialize;
 
-/// Strain at which the parabola reaches the strength, EN 1992-1-1 table 3.1, f_ck <= 50 MPa.
-pub const STRAIN_C2: f64 = 0.002;
-/// Ultimate strain of concrete in bending, EN 1992-1-1 table 3.1, f_ck <= 50 MPa.
-pub const STRAIN_CU2: f64 = 0.0035;
+/// Strength up to which concrete has one parabola, and the largest of EN 1992-1-1 \[Pa\]: beyond it the values at it are used.
+const ORDINARY_PA: f64 = 50e6;
+const LARGEST_PA: f64 = 90e6;
+
+/// The parabola and rectangle of a concrete, EN 1992-1-1 table 3.1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ConcreteLimits {
+    /// Strain `ε_c2` at which the parabola reaches the strength.
+    pub strain_c2: f64,
+    /// Ultimate strain `ε_cu2` in bending.
+    pub strain_cu2: f64,
+    /// Exponent `n`.
+    pub exponent: f64,
+}
+
+impl ConcreteLimits {
+    /// Of a characteristic strength \[Pa\].
+    pub fn of(strength_pa: f64) -> Self {
+        if strength_pa <= ORDINARY_PA {
+            return Self { strain_c2: 0.002, strain_cu2: 0.0035, exponent: 2.0 };
+        }
+        let beyond_mpa = (strength_pa.min(LARGEST_PA) - ORDINARY_PA) / 1e6;
+        let short = ((LARGEST_PA - strength_pa).max(0.0) / 1e8).powi(4);
+        Self {
+            strain_c2: 1e-3 * (2.0 + 0.085 * beyond_mpa.powf(0.53)).min(2.6 + 35.0 * short),
+            strain_cu2: 1e-3 * (2.6 + 35.0 * short),
+            exponent: 1.4 + 23.4 * short,
+        }
+    }
+
+    /// Stress over the strength at a strain; nothing in tension.
+    pub fn share(&self, strain: f64) -> f64 {
+        if strain <= 0.0 {
+            return 0.0;
+        }
+        let short = 1.0 - strain.min(self.strain_c2) / self.strain_c2;
+        if self.exponent == 2.0 { 1.0 - short * short } else { 1.0 - short.powf(self.exponent) }
+    }
+}
 
 /// Width of the bracket, of the one that it starts with, at which a search over strain profiles ends.
 const EXACT: f64 = 1e-15;
+/// Panels of each part of a section whose stress is no polynomial.
+const PANELS: u32 = 16;
 
 /// Stress-strain line of reinforcing steel, equal in tension and compression.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -111,6 +148,7 @@ pub struct FibreSection {
     bars: Vec<(f64, f64)>,
     /// Concrete strength \[Pa\].
     strength_pa: f64,
+    concrete: ConcreteLimits,
     /// Steel.
     steel: SteelLaw,
 }
@@ -137,7 +175,7 @@ impl FibreSection {
             })
             .collect();
         bars.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self { breadth_m, height_m, bars, strength_pa, steel }
+        Self { breadth_m, height_m, bars, strength_pa, concrete: ConcreteLimits::of(strength_pa), steel }
     }
 
     /// The section of a member with perfectly plastic steel; a plate counts as a strip of `strip_m`.
@@ -184,31 +222,31 @@ impl FibreSection {
 
     /// Concrete stress \[Pa\]: parabola-rectangle, nothing in tension.
     fn concrete_stress_pa(&self, strain: f64) -> f64 {
-        if strain <= 0.0 {
-            return 0.0;
-        }
-        let short = 1.0 - strain.min(STRAIN_C2) / STRAIN_C2;
-        self.strength_pa * (1.0 - short * short)
+        self.strength_pa * self.concrete.share(strain)
     }
 
     /// Force \[N\] and moment about the centre \[N m\] of the concrete.
     ///
     /// With `s` the distance from the compressed edge the strain is linear, so both pieces of the law are
-    /// polynomials of degree 2 in `s` (3 with the lever): two Gauss points on each piece are exact.
+    /// polynomials of degree 2 in `s` (3 with the lever): two Gauss points on each piece are exact. Other exponents have [`PANELS`] such pairs.
     fn concrete_resultants(&self, profile: Profile) -> (f64, f64) {
         let Profile { edge_strain, curvature_1_m: curvature } = profile;
         let h = self.height_m;
         let at = |strain: f64| {
             if curvature > 0.0 { ((edge_strain - strain) / curvature).clamp(0.0, h) } else { h }
         };
-        let cuts = if curvature > 0.0 { [0.0, at(STRAIN_C2), at(0.0)] } else { [0.0, 0.0, h] };
+        let cuts = if curvature > 0.0 { [0.0, at(self.concrete.strain_c2), at(0.0)] } else { [0.0, 0.0, h] };
+        let panels = if self.concrete.exponent == 2.0 { 1 } else { PANELS };
         let (mut force, mut moment) = (0.0, 0.0);
         for piece in cuts.windows(2) {
-            let (mid, half) = (0.5 * (piece[0] + piece[1]), 0.5 * (piece[1] - piece[0]));
-            for s in [mid - half / 3f64.sqrt(), mid + half / 3f64.sqrt()] {
-                let share = self.concrete_stress_pa(edge_strain - curvature * s) * self.breadth_m * half;
-                force += share;
-                moment += share * (0.5 * h - s);
+            let half = 0.5 * (piece[1] - piece[0]) / f64::from(panels);
+            for panel in 0..panels {
+                let mid = piece[0] + (2.0 * f64::from(panel) + 1.0) * half;
+                for s in [mid - half / 3f64.sqrt(), mid + half / 3f64.sqrt()] {
+                    let share = self.concrete_stress_pa(edge_strain - curvature * s) * self.breadth_m * half;
+                    force += share;
+                    moment += share * (0.5 * h - s);
+                }
             }
         }
         (force, moment)
@@ -221,18 +259,19 @@ impl FibreSection {
         let h = self.height_m;
         let far = self.bars.last().map_or(h, |bar| bar.0);
         let steel = self.steel.ultimate_strain;
+        let ConcreteLimits { strain_c2, strain_cu2, .. } = self.concrete;
         if t <= 1.0 {
-            let edge_strain = -steel + t * (STRAIN_CU2 + steel);
+            let edge_strain = -steel + t * (strain_cu2 + steel);
             Profile { edge_strain, curvature_1_m: (edge_strain + steel) / far }
         } else if t <= 2.0 {
-            let (first, last) = ((STRAIN_CU2 + steel) / far, STRAIN_CU2 / h);
+            let (first, last) = ((strain_cu2 + steel) / far, strain_cu2 / h);
             // Linear in the depth of the neutral axis, which spreads the points evenly.
-            let depth = STRAIN_CU2 / first + (t - 1.0) * (STRAIN_CU2 / last - STRAIN_CU2 / first);
-            Profile { edge_strain: STRAIN_CU2, curvature_1_m: STRAIN_CU2 / depth }
+            let depth = strain_cu2 / first + (t - 1.0) * (strain_cu2 / last - strain_cu2 / first);
+            Profile { edge_strain: strain_cu2, curvature_1_m: strain_cu2 / depth }
         } else {
-            let pivot = (1.0 - STRAIN_C2 / STRAIN_CU2) * h;
-            let edge_strain = STRAIN_CU2 + (t - 2.0) * (STRAIN_C2 - STRAIN_CU2);
-            Profile { edge_strain, curvature_1_m: (edge_strain - STRAIN_C2) / pivot }
+            let pivot = (1.0 - strain_c2 / strain_cu2) * h;
+            let curvature_1_m = (3.0 - t) * strain_cu2 / h;
+            Profile { edge_strain: strain_c2 + curvature_1_m * pivot, curvature_1_m }
         }
     }
 
@@ -270,12 +309,12 @@ impl FibreSection {
     /// First yield at an axial force \[N\]: the far bar reaches its yield strain or the compressed edge
     /// `ε_c2`, whichever comes at the smaller curvature. `None` if no such profile carries the force.
     pub fn first_yield(&self, axial_force_n: f64) -> Option<SectionState> {
-        let curvature = increasing(0.0, STRAIN_CU2 * 20.0 / self.height_m, |curvature| {
+        let curvature = increasing(0.0, self.concrete.strain_cu2 * 20.0 / self.height_m, |curvature| {
             let Some(state) = self.at_curvature(axial_force_n, curvature) else { return 1.0 };
             let far = self.bars.last().map_or(0.0, |bar| bar.0);
             let far_strain = state.profile.edge_strain - curvature * far;
             let steel = -far_strain * self.steel.youngs_modulus_pa / self.steel.yield_strength_pa;
-            steel.max(state.profile.edge_strain / STRAIN_C2) - 1.0
+            steel.max(state.profile.edge_strain / self.concrete.strain_c2) - 1.0
         });
         self.at_curvature(axial_force_n, curvature).filter(|state| state.moment_nm > 0.0 && curvature > 1e-9)
     }
@@ -372,6 +411,23 @@ mod tests {
         let edge = CompressedEdge::DepthHigh;
         let section = FibreSection::rectangle([0.3; 2], &bars(0.115, 0.016, false), 25e6, STEEL, edge);
         check(&section, &[[0.0, 54.36], [225.0, 78.08], [675.0, 115.65], [1350.0, 112.12]]);
+    }
+
+    /// The same of 70 and 90 MPa, against strips of 0.1 mm with the values of EN 1992-1-1 table 3.1 (0.2416 %, 0.2656 % and 1.4374; 0.26 % both and 1.4).
+    #[test]
+    fn strong_concrete_breaks_at_smaller_strains() {
+        for (strength_mpa, reference) in [
+            (70.0, [[480.0, 303.31], [3360.0, 566.27], [6720.0, 511.92]]),
+            (90.0, [[480.0, 309.44], [4320.0, 660.98], [8640.0, 568.11]]),
+        ] {
+            let (bars, edge) = (bars(0.16, 0.020, true), CompressedEdge::WidthHigh);
+            let section = FibreSection::rectangle([0.4; 2], &bars, strength_mpa * 1e6, STEEL, edge);
+            check(&section, &reference);
+        }
+        let [at, beyond] = [50e6, 50.001e6].map(ConcreteLimits::of);
+        assert!(
+            (at.strain_cu2 - beyond.strain_cu2).abs() < 5e-6 && (at.exponent - beyond.exponent).abs() < 2e-3
+        );
     }
 
     #[test]

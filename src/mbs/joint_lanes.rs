@@ -4,7 +4,7 @@
 //! A joint whose angle is not small, or that may flow, crush or break ([`JointData::elastic_range`]), has its law evaluated by itself in between. So all joints give the same bytes as if each were
 //! evaluated by [`JointData::apply`] in turn.
 
-use super::joint::{ElasticRange, JointData, Pace};
+use super::joint::{ElasticRange, JointData, Pace, Stride};
 use super::lanes::{LANES, Lane, ZERO, get, get_matrix, put};
 use super::math::{self, M3};
 use super::stance::{self, Chord, Stance};
@@ -269,7 +269,7 @@ for_each_isa! {
         bodies: &mut [BodyState],
         data: &[BodyData],
         tables: &[CapacityTable],
-        pace: f64,
+        stride: Stride,
         act: &mut Act,
     ) -> bool
 }
@@ -281,7 +281,7 @@ fn apply_any(
     bodies: &mut [BodyState],
     data: &[BodyData],
     tables: &[CapacityTable],
-    pace: f64,
+    stride: Stride,
     act: &mut Act,
 ) -> bool {
     let mut eventful = false;
@@ -303,7 +303,7 @@ fn apply_any(
             put(&mut block.relative, l, get(&act.turn, l));
             if act.plain[l] == 0 {
                 eventful = true;
-                joint.hinge.pace = pace;
+                joint.expect(stride);
                 yield_alone(joint, act, l, tables);
                 block.learn(l, joint, tables);
             } else {
@@ -435,8 +435,9 @@ mod tests {
         let (mut eventful, mut largest) = (0, 0.0_f64);
         for _ in 0..2000 {
             alone.reset_forces();
+            let stride = alone.stride();
             for joint in &mut alone.joints {
-                joint.hinge.pace = alone.pace;
+                joint.expect(stride);
                 joint.apply(&mut alone.bodies, &alone.tables);
             }
             let n = alone.count();

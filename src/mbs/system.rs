@@ -5,7 +5,7 @@
 
 use super::carry::CarryOver;
 use super::frequency;
-use super::joint::JointData;
+use super::joint::{JointData, Stride};
 use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
 use super::model::{Bending, Body, Bushing, Model};
@@ -333,6 +333,11 @@ impl System {
         self.lanes = lanes(&self.blocks, self.joints.len());
     }
 
+    /// The step to the next evaluation of the joints.
+    pub(super) fn stride(&self) -> Stride {
+        Stride { pace: self.pace, length_s: self.drifted_s }
+    }
+
     /// Number of moving bodies.
     pub fn count(&self) -> usize {
         self.bodies.len() - 1
@@ -352,6 +357,7 @@ impl System {
     /// Adds the forces of all intact joints; hinge histories advance. Whether any of them may have flowed or broken.
     #[inline]
     pub fn add_joint_forces(&mut self) -> bool {
+        let stride = self.stride();
         joint_lanes::apply_all(
             self.isa,
             &mut self.blocks,
@@ -359,7 +365,7 @@ impl System {
             &mut self.bodies,
             &self.data,
             &self.tables,
-            self.pace,
+            stride,
             &mut self.act,
         )
     }

@@ -6,6 +6,7 @@ mod events;
 mod known;
 mod lines;
 mod overrides;
+mod rates;
 mod review;
 mod rigid;
 mod skipping;

@@ -11,7 +11,14 @@ const SIZE: [f64; 3] = [0.4, 0.4, 3.0];
 const FORCE_N: f64 = 10.5e6 * 0.16;
 
 fn face(body: &str, face: Face, force_n: &[[f64; 2]]) -> CrushedFace {
-    CrushedFace { body: body.into(), shape: 0, face, force_n: force_n.to_vec(), subsystem: None }
+    CrushedFace {
+        body: body.into(),
+        shape: 0,
+        face,
+        force_n: force_n.to_vec(),
+        rate_factor: None,
+        subsystem: None,
+    }
 }
 
 /// A column of so many tonnes more than its own above flat ground that its foot strikes at `t = 0` at a speed.

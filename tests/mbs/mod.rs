@@ -22,6 +22,7 @@ mod motion;
 mod near;
 mod onset;
 mod overlap;
+mod rates;
 mod relative;
 mod reversal;
 mod shared_mass;

@@ -15,7 +15,7 @@ fn short(text: &str) -> String {
     let mut short = String::new();
     for line in text.lines() {
         let is_end = line.trim_start().starts_with("end_time ") || line.trim_start().starts_with("end_time=");
-        short += if is_end { "end_time = 0.06" } else { line };
+        short += if is_end { "end_time = 0.14" } else { line };
         short.push('\n');
     }
     short

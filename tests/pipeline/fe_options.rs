@@ -96,7 +96,7 @@ fn switching_of_rigid_parts_can_be_left_out_and_says_so() {
     assert!(code == 2 && err.contains("--hybrid"), "{err}");
     let run = |switching: &str| {
         let arguments = ["fe", "building.toml", "--hybrid", "--rigid-switching", switching];
-        let short = ["--end-time", "0.04", "-o", switching];
+        let short = ["--end-time", "0.04", "--rigid-settle", "0", "-o", switching];
         let (code, _, err) = fallwerk(room.path(), &[&arguments[..], &short].concat());
         assert_eq!(code, 0, "{err}");
         let text = fs::read_to_string(room.path().join(switching).join("fe.json")).unwrap();

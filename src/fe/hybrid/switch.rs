@@ -46,6 +46,8 @@ pub struct HybridSettings {
     pub rate_1_s: f64,
     /// Time for which it has to be \[s\].
     pub quiet_s: f64,
+    /// Time after a charge for which nothing begins to be quiet \[s\]: what becomes rigid before it has begun to move is held.
+    pub settle_s: f64,
     /// Elements that a rigid part has at least.
     pub least_elements: usize,
     /// Time between two checks of the loads on sets \[s\].
@@ -65,6 +67,7 @@ impl Default for HybridSettings {
             softens: true,
             rate_1_s: 0.025,
             quiet_s: 0.02,
+            settle_s: 0.08,
             least_elements: 16,
             check_s: 0.008,
             overload_strain: 2e-4,
@@ -82,6 +85,14 @@ impl HybridSettings {
             ("the time between two checks of rigid parts", self.check_s),
             ("the plastic strain that overloads a rigid part", self.overload_strain),
         ];
+        if !(self.settle_s >= 0.0 && self.settle_s.is_finite()) {
+            let name = "the time after a charge for which nothing becomes rigid";
+            return Err(Refused::Setting {
+                name,
+                value: self.settle_s,
+                expected: "zero or a positive number",
+            });
+        }
         match positive.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
             Some((name, value)) => Err(Refused::Setting { name, value, expected: "a positive number" }),
             None => Ok(()),
@@ -158,6 +169,15 @@ impl Hybrid {
         if now >= self.watching.check_at_s {
             self.watching.check_at_s = now + self.settings.check_s;
             self.check_loads(body);
+        }
+    }
+
+    /// Elements that deform wait until what a charge has set off shows: a part that became rigid before would be held.
+    pub(in crate::fe) fn wait(&mut self) {
+        for (quiet_s, resting) in self.watching.quiet_s.iter_mut().zip(&self.resting) {
+            if !resting {
+                *quiet_s = -self.settings.settle_s;
+            }
         }
     }
 

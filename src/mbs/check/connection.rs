@@ -3,7 +3,7 @@
 use super::{List, ORTHONORMAL_TOLERANCE, closest, orthonormality_error};
 use crate::mbs::latent::held_together;
 use crate::mbs::math;
-use crate::mbs::model::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Model};
+use crate::mbs::model::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Model, RateFactor};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of its free length below which the ends of a spring are one point: rounding gives it a direction.
@@ -162,6 +162,9 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
                 .into()
         });
     }
+    if let Some(factor) = &joint.rate_factor {
+        check_rate_factor(model, joint, factor, &format!("{path}.rate_factor"), list);
+    }
     if let Some(t) = joint.tensile_elongation_m {
         list.not_negative(&format!("{path}.tensile_elongation_m"), t);
     }
@@ -295,6 +298,23 @@ fn check_held(model: &Model, bushing: &Bushing, id: &str, path: &str, list: &mut
     list.require(!bushing.associated_flow, &format!("{path}.associated_flow"), || {
         format!("has no meaning: joint \"{id}\" does not shorten; leave it out")
     });
+}
+
+fn check_rate_factor(model: &Model, bushing: &Bushing, factor: &RateFactor, path: &str, list: &mut List) {
+    let RateFactor { rotation_rad_s, elongation_m_s, exponent } = factor;
+    for (k, rate) in rotation_rad_s.iter().enumerate() {
+        list.positive(&format!("{path}.rotation_rad_s[{k}]"), *rate);
+    }
+    if let Some(rate) = elongation_m_s {
+        list.positive(&format!("{path}.elongation_m_s"), *rate);
+    }
+    list.require((1.0..=20.0).contains(exponent), &format!("{path}.exponent"), || {
+        format!("is {exponent}, expected 1 to 20")
+    });
+    list.require(bushing.has_capacity(), path, || {
+        "has nothing to act on: the bushing neither yields nor breaks; leave it out".into()
+    });
+    list.without_ideal(model, path);
 }
 
 fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list: &mut List) {

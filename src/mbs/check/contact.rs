@@ -2,7 +2,7 @@
 
 use super::{List, ORTHONORMAL_TOLERANCE};
 use crate::mbs::math;
-use crate::mbs::model::{CrushedFace, GROUND, Model, PairRule, Shape};
+use crate::mbs::model::{CrushedFace, FaceRate, GROUND, Model, PairRule, Shape};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn check(model: &Model, known: &BTreeSet<&str>, list: &mut List) {
@@ -123,6 +123,12 @@ fn crushing(model: &Model, face: &CrushedFace, path: &str, list: &mut List) {
                 face.body,
                 body.shapes.len()
             )
+        });
+    }
+    if let Some(FaceRate { speed_m_s, exponent }) = &face.rate_factor {
+        list.positive(&format!("{path}.rate_factor.speed_m_s"), *speed_m_s);
+        list.require((1.0..=20.0).contains(exponent), &format!("{path}.rate_factor.exponent"), || {
+            format!("is {exponent}, expected 1 to 20")
         });
     }
     let curve = &face.force_n;

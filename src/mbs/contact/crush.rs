@@ -13,6 +13,7 @@
 use super::rows::{Block, Motion, Row};
 use super::{ContactEnergy, ContactSet, Moving};
 use crate::base::piecewise::interpolate;
+use crate::curve::Rate;
 use crate::mbs::math::{self, V3};
 use crate::mbs::model::Model;
 
@@ -45,6 +46,8 @@ struct Face {
     axis: usize,
     sign: f64,
     force: Vec<[f64; 2]>,
+    /// What a speed \[m/s\] does to it.
+    rate: Option<Rate>,
     /// Half of the length at which nothing more is crushed \[m\].
     least_m: f64,
     so_far: Crushed,
@@ -84,6 +87,7 @@ impl Faces {
                 axis,
                 sign,
                 force: entry.force_n.clone(),
+                rate: entry.rate_factor.map(|rate| Rate { doubled: rate.speed_m_s, exponent: rate.exponent }),
                 least_m: RUBBLE * half[axis],
                 so_far: Crushed::default(),
                 pending: Crushed::default(),
@@ -187,15 +191,17 @@ impl ContactSet {
         for block in self.rows.blocks.iter_mut().filter(|b| b.face != NONE) {
             let face = &self.faces.all[block.face as usize];
             let pair = &mut self.pairs[block.slot as usize];
+            let [a, b] = block.bodies.map(before);
+            let rows = &self.rows.rows[block.range()];
+            let nears = |r: &Row| -math::dot(r.relative(&a, &b), block.normal);
             if !pair.bore {
-                let [a, b] = block.bodies.map(before);
-                let rows = &self.rows.rows[block.range()];
-                let touch =
-                    |r: &Row| r.gap.max(0.0) / (h * -math::dot(r.relative(&a, &b), block.normal)).max(r.gap);
+                let touch = |r: &Row| r.gap.max(0.0) / (h * nears(r)).max(r.gap);
                 let left = 1.0 - rows.iter().map(touch).fold(1.0, f64::min);
                 pair.resistance = [0.5 * left * left, 0.5 + left - 0.5 * left * left];
             }
-            block.cap = pair.resistance[0] * h * face.bears() / face.points.max(CORNERS);
+            let speed = face.rate.map(|rate| rate.at(rows.iter().map(nears).fold(0.0, f64::max))[0]);
+            let bears = speed.map_or(face.bears(), |factor| factor * face.bears());
+            block.cap = pair.resistance[0] * h * bears / face.points.max(CORNERS);
         }
     }
 

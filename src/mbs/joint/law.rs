@@ -5,6 +5,7 @@ use crate::base::piecewise::interpolate;
 use crate::curve::CapacityTable;
 use crate::curve::hinge::AxisLaw;
 use crate::curve::onset::{Course, added, leaves};
+use crate::curve::rate::{Rate, is_same};
 use crate::mbs::math::{self, V3};
 use crate::mbs::stance::{Chord, Stance};
 
@@ -36,9 +37,14 @@ impl JointData {
         self.axial_force = -self.outward * k[0] * gap[0];
         let (trial, bears) = (self.axial_force, self.left * self.compressive_capacity);
         let closed = if k[0] > 0.0 { (trial - old) / k[0] + shortened } else { 0.0 };
-        self.harden(k[0]);
         let lowest = if self.tensile_elongation > 0.0 { -self.tensile_capacity } else { f64::NEG_INFINITY };
-        let admissible = self.axial_force.clamp(lowest, self.left * self.compressive_capacity);
+        let admissible = match self.rate {
+            Some(rate) => self.rated_force(rate, old, lowest),
+            None => {
+                self.harden(k[0]);
+                self.axial_force.clamp(lowest, self.left * self.compressive_capacity)
+            }
+        };
         if admissible != self.axial_force {
             let flow = (self.axial_force - admissible) / k[0];
             self.axial_force = admissible;
@@ -47,7 +53,9 @@ impl JointData {
             self.elongated += (-flow).max(0.0);
             self.pressed += flow.max(0.0);
             gap[0] += self.outward * flow;
-            let capacity = if flow > 0.0 { bears } else { lowest };
+            // at a rate it is at what that lets it bear as soon as it flows, stiff as it is
+            let at_rest = if flow > 0.0 { bears } else { lowest };
+            let capacity = if self.rate.is_some() { admissible } else { at_rest };
             let from = leaves(old, capacity, trial);
             let onset = from.map_or(0.0, |share| added(old, capacity, admissible, share));
             self.onset[0][0] = -self.outward * onset;
@@ -113,6 +121,37 @@ impl JointData {
             let share = (trial - left * n0 - stiffness * x0) / (left * (n1 - n0) + stiffness * (x1 - x0));
             n0 + share * (n1 - n0)
         });
+    }
+
+    /// The axial force at the end of a step, with what the rate of flow adds to the capacities; `old` is that at its begin, `lowest` that at which it stretches \[N\].
+    #[inline(never)]
+    fn rated_force(&mut self, rate: Rate, old: f64, lowest: f64) -> f64 {
+        let (trial, stiffness) = (self.axial_force, self.translation[0]);
+        let bears = |pressed: f64| self.compression(pressed).map(|c| self.left * c);
+        if is_same(old, trial) || stiffness <= 0.0 {
+            trial
+        } else if trial > bears(self.pressed)[0] {
+            let flow = rate.flow(trial, stiffness, |x| bears(self.pressed + x));
+            self.compressive_capacity = self.compression(self.pressed + flow)[0];
+            trial - stiffness * flow
+        } else if trial < lowest {
+            trial + stiffness * rate.flow(-trial, stiffness, |_| [-lowest, 0.0])
+        } else {
+            trial
+        }
+    }
+
+    /// Compression at which the axial spring flows after a plastic shortening, if the hinge has not turned \[N\], and its slope \[N/m\].
+    fn compression(&self, pressed: f64) -> [f64; 2] {
+        let Some(hardening) = &self.hardening else { return [self.compressive_capacity, 0.0] };
+        let upper = hardening.partition_point(|[x, _]| *x <= pressed);
+        let Some([x0, n0]) = upper.checked_sub(1).map(|i| hardening[i]) else {
+            return [self.compressive_capacity, 0.0];
+        };
+        hardening.get(upper).map_or([n0, 0.0], |[x1, n1]| {
+            let slope = (n1 - n0) / (x1 - x0);
+            [n0 + slope * (pressed - x0), slope]
+        })
     }
 
     /// Moments about the joint axes of a beam with hinges at its ends; takes what is plastic off the gap and sets the bending part of the elastic energy.

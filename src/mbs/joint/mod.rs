@@ -12,16 +12,25 @@ pub use rows::Row;
 
 use super::math::{self, Q, V3};
 use super::mid_beam::MidBeam;
-use super::model::Bushing;
+use super::model::{Bushing, RateFactor};
 use super::stance::{Chord, Stance, bend, loads, stance, torque};
 use super::system::BodyState;
 use crate::curve::onset::Course;
-use crate::curve::{CapacityTable, Hinge2};
+use crate::curve::{CapacityTable, Hinge2, Rate};
 
 /// Sine of the angle to a plane across axis 0 up to which a direction lies in it.
 const ACROSS: f64 = 1e-9;
 /// Marks an axis without a curve.
 const NO_TABLE: u32 = u32::MAX;
+
+/// The step to the next evaluation.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Stride {
+    /// How long it is against the one before; zero: rates have jumped in between, or nothing is known.
+    pub pace: f64,
+    /// Its length \[s\]; zero: it is none in time.
+    pub length_s: f64,
+}
 
 /// A compiled joint and its history.
 #[derive(Debug, Clone)]
@@ -75,6 +84,9 @@ pub struct JointData {
     /// Whether its hinge shortens it as it turns, and by how much it did in the last evaluation \[m\].
     is_associated: bool,
     shortened: f64,
+    /// How its strength grows with the rate at which it flows, and for the elongation of the step to the next evaluation.
+    rate_factor: Option<RateFactor>,
+    rate: Option<Rate>,
     /// What the other end of its member turns it by ([`super::carry`]) \[rad\].
     pub(in crate::mbs) lean: [f64; 2],
     /// Hinge about the axes 1 and 2.
@@ -148,6 +160,8 @@ impl JointData {
             crush_j: 0.0,
             is_associated: joint.associated_flow,
             shortened: 0.0,
+            rate_factor: joint.rate_factor,
+            rate: None,
             lean: [0.0; 2],
             hinge: Hinge2::default(),
             theta: [0.0; 3],
@@ -161,6 +175,19 @@ impl JointData {
             onset_j: 0.0,
             course: Course::default(),
             beam: MidBeam::of(joint, outward, gravity),
+        }
+    }
+
+    /// Tells its laws how long the step to the next evaluation is.
+    #[inline]
+    pub(in crate::mbs) fn expect(&mut self, stride: Stride) {
+        self.hinge.pace = stride.pace;
+        let Some(factor) = self.rate_factor.filter(|_| stride.length_s > 0.0) else { return };
+        let rate = |c: f64| Rate { doubled: c * stride.length_s, exponent: factor.exponent };
+        self.rate = factor.elongation_m_s.map(rate);
+        match &mut self.beam {
+            Some(beam) => beam.ends.rate = Some(rate(factor.rotation_rad_s[beam.axis - 1])),
+            None => self.hinge.rates = Some(factor.rotation_rad_s.map(rate)),
         }
     }
 

@@ -243,12 +243,29 @@ pub struct Bushing {
     /// Whether its hinge shortens it as it turns under an axial force, by normality to the surface of its capacities ([`crate::curve::CapacityTable::shortening_m`]).
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub associated_flow: bool,
+    /// How its strength grows with the rate at which it flows; `None`: not at all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_factor: Option<RateFactor>,
     /// The bushing at the other end of body `b`, if that is a member that bends between them; in one of both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry_over: Option<CarryOver>,
     /// Provenance.
     #[serde(default)]
     pub origin: Origin,
+}
+
+/// Factor `1 + (v / c)^(1 / p)` on what a bushing bears as it flows (Cowper and Symonds 1957; [`crate::curve::rate`]): on its curves with the rate `v` of plastic rotation, on its tensile and compressive capacities with that of plastic
+/// elongation or shortening. What parts at once when a capacity is reached does so without it. Not in models with ideal joints and forces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RateFactor {
+    /// `c` of rotation about axes 1 and 2 \[rad/s\].
+    pub rotation_rad_s: [f64; 2],
+    /// `c` of elongation and shortening \[m/s\]; `None`: these have no factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elongation_m_s: Option<f64>,
+    /// `p`, 1 to 20.
+    pub exponent: f64,
 }
 
 /// What the ends of a member carry over to each other: a rigid member on rotation springs is a beam in sway only ([`crate::mbs`], `carry.rs`).
@@ -356,6 +373,7 @@ impl Bushing {
             compressive_fading: Vec::new(),
             crushing_shortening_m: None,
             associated_flow: false,
+            rate_factor: None,
             carry_over: None,
             origin: Origin::default(),
         }

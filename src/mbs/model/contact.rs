@@ -118,9 +118,22 @@ pub struct CrushedFace {
     pub face: Face,
     /// Shortening so far \[m\] from 0 and the force that the whole face bears then \[N\]; constant beyond the last point.
     pub force_n: Vec<[f64; 2]>,
+    /// How that grows with the speed at which what it strikes comes nearer; `None`: not at all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_factor: Option<FaceRate>,
     /// Library entry that the curve is from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub subsystem: Option<String>,
+}
+
+/// Factor `1 + (v / c)^(1 / p)` on the force that a face bears, with the speed `v` of its fastest contact point along the normal at the begin of a step (Cowper and Symonds 1957).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FaceRate {
+    /// `c` \[m/s\].
+    pub speed_m_s: f64,
+    /// `p`, 1 to 20.
+    pub exponent: f64,
 }
 
 /// A face of a box by the axis of the box that it looks along.

@@ -13,10 +13,10 @@ mod contact;
 mod event_rule;
 mod mass;
 
-pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Span};
+pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, RateFactor, Span};
 pub use contact::{
-    BodyContact, Contact, CrushedFace, Face, GROUND, GroundPlane, ObstacleBox, ObstaclePlane, PairRule,
-    RESTITUTION, Shape,
+    BodyContact, Contact, CrushedFace, Face, FaceRate, GROUND, GroundPlane, ObstacleBox, ObstaclePlane,
+    PairRule, RESTITUTION, Shape,
 };
 
 pub use event_rule::{Broken, EventRule, Met, Range, Trigger};

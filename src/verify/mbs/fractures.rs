@@ -29,7 +29,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// A cube of 100 kg without gravity on a bushing in its centre, all of whose springs have one stiffness \[N/m, N m/rad\].
-fn held(stiffness: f64) -> (Model, Bushing) {
+pub(super) fn held(stiffness: f64) -> (Model, Bushing) {
     let mut m = model(0.1, 0.01);
     m.gravity_m_s2 = [0.0; 3];
     m.bodies.push(solid("mass", 100.0, [1.0; 3], [0.0; 3]));

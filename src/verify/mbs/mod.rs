@@ -17,6 +17,7 @@ mod pancake;
 mod parting;
 mod pendulums;
 pub mod pile;
+mod rates;
 mod spin;
 mod turning;
 
@@ -44,6 +45,7 @@ pub fn cases() -> Vec<Case> {
     all.extend(parting::cases());
     all.extend(fractures::cases());
     all.extend(breaking::cases());
+    all.extend(rates::cases());
     all.extend(chimney::cases());
     all
 }

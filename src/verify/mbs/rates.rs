@@ -1,0 +1,136 @@
+//! Bushings and faces that bear more the faster they flow: how far a body goes until they have stopped it.
+
+use super::contact::{energy, run};
+use super::fractures::held;
+use crate::curve::{CapacityLevel, ResistanceCurve};
+use crate::mbs::model::{
+    Bending, Contact, CrushedFace, Face, FaceRate, GroundPlane, Model, RateFactor, Shape,
+};
+use crate::mbs::result::RunResult;
+use crate::verify::{Case, Figure};
+
+/// The cases of this file.
+pub fn cases() -> Vec<Case> {
+    vec![
+        Case::short(
+            "rate-hinge",
+            "A body of 1000 kg m² at 2 rad/s about a hinge that flows at 3 kN m times 1 + (ω / 0.5 rad/s)^(1/p), with p of 1 and 5 and steps of 0.5 ms.",
+            hinge,
+        ),
+        Case::short(
+            "rate-stretch",
+            "100 kg at 1 m/s on a spring of 1 GN/m that flows at 2 kN times 1 + (v / 0.5 m/s)^(1/5), in tension and in compression, with steps of 0.1 ms.",
+            stretch,
+        ),
+        Case::short(
+            "rate-crush",
+            "A box of 20 t that strikes the ground at 8 m/s with a face that bears 1.68 MN times 1 + (v / 60 m/s)^(1/5), with steps of 1 ms.",
+            crush,
+        ),
+    ]
+}
+
+/// Rate factor `1 + (v / c)^(1 / p)`.
+type Rate = [f64; 2];
+
+/// The way `∫ m v / F dv` on which a force `F = f (1 + (v / c)^(1 / p)) - g` stops a mass `m` that comes with `v`, by Simpson's rule over `s = (v / v_0)^(1 / p)`, in which the force is a line.
+fn way([m, v, f, g]: [f64; 4], [c, p]: Rate) -> f64 {
+    const PANELS: u32 = 2000;
+    let along = |s: f64| {
+        let speed = v * s.powf(p);
+        let force = f * (1.0 + s * (v / c).powf(1.0 / p)) - g;
+        m * speed / force * p * v * s.powf(p - 1.0)
+    };
+    let h = 1.0 / f64::from(PANELS);
+    let panel = |i: u32| {
+        let s = f64::from(i) * h;
+        along(s) + 4.0 * along(s + 0.5 * h) + along(s + h)
+    };
+    (0..PANELS).map(panel).sum::<f64>() * h / 6.0
+}
+
+fn figures(
+    name: &'static str,
+    unit: &'static str,
+    ways: [f64; 2],
+    most: f64,
+    result: &RunResult,
+) -> [Figure; 2] {
+    let source = "∫ m v / F(v) dv, by Simpson's rule";
+    [Figure::relative(name, unit, ways, most, source), energy(result, 1e-5)]
+}
+
+fn hinge() -> Result<Vec<Figure>, String> {
+    let mut all = Vec::new();
+    for (exponent, name) in [(1.0, "rotation, p = 1"), (5.0, "rotation, p = 5")] {
+        let (mut m, mut link) = held(1e5);
+        m.settings.time_step_s = Some(5e-4);
+        m.settings.end_time_s = 1.0;
+        m.bodies[0].inertia_kg_m2 = [[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]];
+        m.bodies[0].angular_velocity_rad_s = [0.0, 2.0, 0.0];
+        let level = CapacityLevel {
+            axial_force_n: 0.0,
+            capacity: vec![[0.0, 3e3], [2.0, 3e3]],
+            fracture_rotation_rad: 2.0,
+        };
+        let curve = ResistanceCurve { stiffness_nm_rad: 1e8, levels: vec![level], cyclic: None };
+        m.curves.insert("curve".into(), curve);
+        link.bending[0] = Bending::Curve { curve: "curve".into(), strength_factor: 1.0 };
+        link.rate_factor = Some(RateFactor { rotation_rad_s: [0.5; 2], elongation_m_s: None, exponent });
+        m.bushings.push(link);
+        let result = run(&m)?;
+        let turned = result.hinges[0].plastic_rotation_rad.last().copied().unwrap_or(f64::NAN);
+        let exact = way([1e3, 2.0, 3e3, 0.0], [0.5, exponent]);
+        all.extend(figures(name, "rad", [exact, turned], 2e-3, &result));
+    }
+    Ok(all)
+}
+
+fn stretch() -> Result<Vec<Figure>, String> {
+    let mut all = Vec::new();
+    for (sense, name) in [(1.0, "way, stretched"), (-1.0, "way, pressed")] {
+        let (mut m, mut link) = held(1e9);
+        m.settings.time_step_s = Some(1e-4);
+        m.bodies[0].velocity_m_s[0] = sense;
+        (link.tensile_capacity_n, link.tensile_elongation_m) = (Some(2e3), Some(1.0));
+        link.compressive_capacity_n = Some(2e3);
+        let factor = RateFactor { rotation_rad_s: [1.0; 2], elongation_m_s: Some(0.5), exponent: 5.0 };
+        link.rate_factor = Some(factor);
+        m.bushings.push(link);
+        let result = run(&m)?;
+        let gone = result.frames.last().map_or(f64::NAN, |f| f.position_m[0][0].abs());
+        let exact = way([100.0, 1.0, 2e3, 0.0], [0.5, 5.0]);
+        all.extend(figures(name, "m", [exact, gone], 2e-3, &result));
+    }
+    Ok(all)
+}
+
+fn crush() -> Result<Vec<Figure>, String> {
+    const MASS_KG: f64 = 20e3;
+    const FORCE_N: f64 = 1.68e6;
+    let mut m = Model::empty("crush", [0.0, 0.0, -9.81], 0.6, 0.01);
+    m.settings.time_step_s = Some(1e-3);
+    let mut body = held(1.0).0.bodies.remove(0);
+    (body.mass_kg, body.position_m) = (MASS_KG, [0.0, 0.0, 1.5]);
+    body.inertia_kg_m2 = [[1e4, 0.0, 0.0], [0.0, 1e4, 0.0], [0.0, 0.0, 1e3]];
+    body.velocity_m_s = [0.0, 0.0, -8.0];
+    body.shapes = vec![Shape::Box { center_m: [0.0; 3], half_extents_m: [0.2, 0.2, 1.5], orientation: None }];
+    let id = body.id.clone();
+    m.bodies.push(body);
+    m.contact = Contact {
+        ground: Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 }),
+        crushing: vec![CrushedFace {
+            body: id,
+            shape: 0,
+            face: Face::LowZ,
+            force_n: vec![[0.0, FORCE_N]],
+            rate_factor: Some(FaceRate { speed_m_s: 60.0, exponent: 5.0 }),
+            subsystem: None,
+        }],
+        ..Contact::default()
+    };
+    let result = run(&m)?;
+    let depth = result.crushed[0].depth_m.last().copied().unwrap_or(f64::NAN);
+    let exact = way([MASS_KG, 8.0, FORCE_N, MASS_KG * 9.81], [60.0, 5.0]);
+    Ok(figures("shortening", "m", [exact, depth], 2e-3, &result).into())
+}
