@@ -191,6 +191,11 @@ impl JointData {
         }
     }
 
+    /// Whether its strength grows with the rate at which it flows.
+    pub(in crate::mbs) fn is_rated(&self) -> bool {
+        self.rate_factor.is_some()
+    }
+
     /// Makes bending axis `k` (0 or 1) linear elastic.
     pub fn set_elastic(&mut self, k: usize, stiffness_nm_rad: f64) {
         self.rotation[k + 1] = stiffness_nm_rad;
