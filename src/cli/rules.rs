@@ -4,6 +4,7 @@
 
 use super::knowledge;
 use super::rules_learn::{LearnArgs, difference, learned};
+use super::study::STUDIES;
 use crate::base::hash::readable_json;
 use crate::rules::diff::statistics;
 use crate::rules::{Problem, Problems, Rule, RuleBase, Source, features};
@@ -236,9 +237,6 @@ fn check(base: &RuleBase, json: bool, out: &mut dyn Write) -> io::Result<u8> {
     }
     Ok(u8::from(fails))
 }
-
-/// Where the records of studies lie.
-const STUDIES: &str = "kb/studies";
 
 /// Rules whose evidence names studies of which there is no record, in words; none where there is no folder of records.
 fn unknown_studies(base: &RuleBase, folder: &Path) -> Vec<String> {

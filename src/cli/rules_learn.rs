@@ -1,7 +1,8 @@
 //! `fallwerk rules learn` and `fallwerk rules diff`: rules out of study records, and what changed between two rule folders.
 
+use super::Failure;
+use super::study::{self, STUDIES};
 use super::study_run::Task;
-use super::{Failure, study};
 use crate::base::output::write_atomic;
 use crate::learn::{Case, Learned, file_names, learn};
 use crate::rules::diff::{Change, changes};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, clap::Args)]
 pub struct LearnArgs {
     /// Folder of the study records
-    #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+    #[arg(long, value_name = "DIR", default_value = STUDIES)]
     pub kb: PathBuf,
     /// Folders of the building files of the studies
     #[arg(long, value_name = "DIR", default_values = ["kb/plan", "kb/irregular", "buildings"])]

@@ -10,6 +10,9 @@ use crate::study::{EndZone, Study};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
+/// Where the records of studies lie.
+pub(super) const STUDIES: &str = "kb/studies";
+
 /// Most scenes of a plan: the length of the sequence.
 const MOST_SCENES: u32 = 1 << 16;
 
@@ -49,7 +52,7 @@ enum Verb {
         #[arg(required = true)]
         buildings: Vec<PathBuf>,
         /// Folder of the records
-        #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+        #[arg(long, value_name = "DIR", default_value = STUDIES)]
         kb: PathBuf,
         /// Threads [default: all cores]; of several buildings so many are run at once
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -65,7 +68,7 @@ enum Verb {
     /// List the records
     List {
         /// Folder of the records
-        #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+        #[arg(long, value_name = "DIR", default_value = STUDIES)]
         kb: PathBuf,
         /// Print JSON
         #[arg(long)]
@@ -76,7 +79,7 @@ enum Verb {
         /// The record: a JSON file, or its name in the folder of records, such as s1-001
         record: PathBuf,
         /// Folder of the records
-        #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+        #[arg(long, value_name = "DIR", default_value = STUDIES)]
         kb: PathBuf,
     },
 }

@@ -2,6 +2,7 @@
 
 use super::knowledge::{CurveArgs, LatentArgs};
 use super::progress::Progress;
+use super::study::STUDIES;
 use super::study_run::{Task, files};
 use super::{Failure, Outcome, print};
 use crate::generate::generate;
@@ -22,7 +23,7 @@ pub struct Arguments {
     #[arg(required = true)]
     buildings: Vec<PathBuf>,
     /// Folder of the records
-    #[arg(long, value_name = "DIR", default_value = "kb/studies")]
+    #[arg(long, value_name = "DIR", default_value = STUDIES)]
     kb: PathBuf,
     #[command(flatten)]
     curves: CurveArgs,

@@ -2,7 +2,7 @@
 
 use super::progress::Progress;
 use super::verify_columns;
-use super::{Failure, Outcome, print, thread_pool};
+use super::{Failure, Outcome, print, thread_pool, write};
 use crate::base::output::OutputFolder;
 use crate::verify::{Case, Figure, Form, fe, manual, mbs, rc, select, suite};
 use std::path::{Path, PathBuf};
@@ -157,14 +157,13 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 fn write_models(folder: &Path) -> Result<Outcome, Failure> {
     let failed = |e: &dyn std::fmt::Display| Failure::input(format!("{}: {e}", folder.display()));
     let output = OutputFolder::create(folder).map_err(|e| Failure::input(e.to_string()))?;
-    let write = |name: String, text: String| {
-        output.write(&name, text.as_bytes()).map(|_| ()).map_err(|e| Failure::input(e.to_string()))
-    };
     for named in mbs::models::all() {
         let text = serde_json::to_string_pretty(&named.model).map_err(|e| failed(&e))?;
-        write(format!("{}.json", named.file), text + "\n")?;
+        write(&output, &format!("{}.json", named.file), &(text + "\n"))?;
     }
-    mbs::known().iter().try_for_each(|known| write(format!("{}.path.csv", known.file), known.csv()))?;
+    for known in mbs::known() {
+        write(&output, &format!("{}.path.csv", known.file), &known.csv())?;
+    }
     output.commit().map_err(|e| Failure::input(e.to_string()))?;
     Ok(Outcome::Done)
 }

@@ -14,15 +14,13 @@
 
 use super::capacity::{AxialLevel, CapacityHint, CapacityTable, Nearby};
 use super::hinge::FAR_INSIDE;
-use super::onset::{Course, added, leaves};
+use super::onset::{self, Course, Search, added, leaves};
 use super::rate::{Rate, is_same};
 
 /// Relative accuracy of a return, in terms of the moment.
 const TOLERANCE: f64 = 1e-13;
 /// Most repetitions of the returns of both ends.
 const SWEEPS: usize = 200;
-/// Most steps of the search for one return.
-const SEARCHES: usize = 100;
 
 /// The springs in the middle of a beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -276,7 +274,7 @@ impl BeamEnds {
 }
 
 impl BeamEnd {
-    /// The plastic rotation that brings a moment back to the capacity, for a stiffness: the zero of `|M| - k x - C(α + x) r(x)`, by Newton inside a shrinking bracket; nothing if the moment is inside.
+    /// The plastic rotation that brings a moment back to the capacity, for a stiffness: the zero of `|M| - k x - C(α + x) r(x)` ([`onset::flow`]); nothing if the moment is inside.
     fn back(
         &mut self,
         table: &CapacityTable,
@@ -285,36 +283,16 @@ impl BeamEnd {
         level: AxialLevel,
         rate: Option<Rate>,
     ) -> f64 {
-        let size = moment.abs();
-        let mut excess = |x: f64| {
-            let capacity = table.capacity_at(self.alpha_rad + x, level, &mut self.hint);
-            let Some([factor, growth]) = rate.map(|rate| rate.at(x)) else {
-                return (size - stiffness * x - capacity.moment_nm, -stiffness - capacity.slope_nm_rad);
-            };
-            let slope = -stiffness - capacity.slope_nm_rad * factor - capacity.moment_nm * growth;
-            (size - stiffness * x - capacity.moment_nm * factor, slope)
+        let from = Search {
+            start: rate.map_or(0.0, |_| self.course.flow_after(0.0).abs()),
+            tolerance: TOLERANCE * table.peak_nm(),
         };
-        let (mut low, mut high, mut x) = (0.0, size / stiffness, 0.0);
-        if rate.is_some() && excess(0.0).0 > 0.0 {
-            x = self.course.flow_after(0.0).abs().min(0.5 * high);
-        }
-        for _ in 0..SEARCHES {
-            let (g, slope) = excess(x);
-            if x == 0.0 && g <= 0.0 {
-                return 0.0;
-            }
-            if g.abs() <= TOLERANCE * table.peak_nm() || high - low <= 1e-15 * high {
-                break;
-            }
-            if g > 0.0 {
-                low = x;
-            } else {
-                high = x;
-            }
-            let newton = x - g / slope;
-            x = if slope < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        }
-        x.copysign(moment)
+        let bears = |x: f64| {
+            let capacity = table.capacity_at(self.alpha_rad + x, level, &mut self.hint);
+            let at_rest = [capacity.moment_nm, capacity.slope_nm_rad];
+            rate.map_or(at_rest, |rate| rate.on(x, at_rest))
+        };
+        onset::flow(moment.abs(), stiffness, from, bears).copysign(moment)
     }
 }
 

@@ -37,8 +37,7 @@ impl ResistanceCurve {
 
     /// Plastic rotation at which the first layer breaks under the smallest axial force, or the end of the curve \[rad\]: that layer has the rupture strain of its law then, so strains are to rotations as that is to this.
     pub fn first_break_rad(&self) -> f64 {
-        let least = self.levels.iter().min_by(|a, b| a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs()));
-        least.map_or(f64::INFINITY, |level| level.falls_to_rad(BREAKS))
+        self.free_level().map_or(f64::INFINITY, |level| level.falls_to_rad(BREAKS))
     }
 }
 

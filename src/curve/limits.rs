@@ -19,13 +19,16 @@ impl ResistanceCurve {
         self.past_compression().up_to_crushing(crushing)
     }
 
+    /// The level under the smallest axial force.
+    pub fn free_level(&self) -> Option<&CapacityLevel> {
+        self.levels.iter().min_by(|a, b| a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs()))
+    }
+
     /// A push under a compressive force ends when what is left of the section no longer bears that force, which goes on pressing. In a structure the force goes elsewhere then, and the parts hang together
     /// as long as without it: behind its end, a compressed level is that without axial force, as much larger or smaller as its peak is.
     fn past_compression(&self) -> Self {
         let mut curve = self.clone();
-        let nearest =
-            |a: &&CapacityLevel, b: &&CapacityLevel| a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs());
-        let Some(free) = self.levels.iter().min_by(nearest) else { return curve };
+        let Some(free) = self.free_level() else { return curve };
         for level in &mut curve.levels {
             let end = level.fracture_rotation_rad;
             if level.axial_force_n <= free.axial_force_n || end >= free.fracture_rotation_rad {

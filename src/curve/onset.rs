@@ -17,6 +17,42 @@ pub fn added(begin: f64, capacity: f64, end: f64, share: f64) -> f64 {
     0.5 * (capacity - begin - share * (end - begin))
 }
 
+/// How a [`flow`] is searched for.
+#[derive(Debug, Clone, Copy)]
+pub struct Search {
+    /// A flow to begin with, if the force is outside; it is not taken if it is far too large.
+    pub start: f64,
+    /// Accuracy of the force.
+    pub tolerance: f64,
+}
+
+/// Most steps of the search for a flow.
+const SEARCHES: usize = 100;
+
+/// The flow `x` at which a force that would be at `trial` is back at what is borne, `trial - k x = F(x)`, by Newton inside a shrinking bracket; nothing if it is inside. `bears` gives `F` and its slope.
+pub fn flow(trial: f64, stiffness: f64, from: Search, mut bears: impl FnMut(f64) -> [f64; 2]) -> f64 {
+    let (mut low, mut high) = (0.0, trial / stiffness);
+    let mut x = if from.start > 0.0 && trial > bears(0.0)[0] { from.start.min(0.5 * high) } else { 0.0 };
+    for _ in 0..SEARCHES {
+        let [borne, slope] = bears(x);
+        let (excess, slope) = (trial - stiffness * x - borne, -stiffness - slope);
+        if x == 0.0 && excess <= 0.0 {
+            return 0.0;
+        }
+        if excess.abs() <= from.tolerance || high - low <= 1e-15 * high {
+            break;
+        }
+        if excess > 0.0 {
+            low = x;
+        } else {
+            high = x;
+        }
+        let newton = x - excess / slope;
+        x = if slope < 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
+    }
+    x
+}
+
 /// How a force goes within a step: in proportion from its begin to what it reaches, where it flows, and from there to its end.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Course {

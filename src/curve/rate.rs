@@ -30,26 +30,11 @@ impl Rate {
         if slowness > 0.0 { Self { doubled: length / slowness, ..a } } else { a }
     }
 
-    /// The flow at which a spring that would be at `trial` is back at its capacity, `trial - k x = C(x) r(x)`: by Newton inside a shrinking bracket. `capacity` gives `C` and its slope and grows slower than
-    /// the spring unloads; `trial` is above it without flow.
-    pub fn flow(&self, trial: f64, stiffness: f64, capacity: impl Fn(f64) -> [f64; 2]) -> f64 {
-        let (mut low, mut high) = (0.0, trial / stiffness);
-        let mut x = 0.5 * high;
-        for _ in 0..MOST_STEPS {
-            let ([c, dc], [r, dr]) = (capacity(x), self.at(x));
-            let excess = trial - stiffness * x - c * r;
-            if excess.abs() <= TOLERANCE * trial || high - low <= f64::EPSILON * high {
-                break;
-            }
-            if excess > 0.0 {
-                low = x;
-            } else {
-                high = x;
-            }
-            let newton = x + excess / (stiffness + dc * r + c * dr);
-            x = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        }
-        x
+    /// What is borne after a flow, and its slope, for that at rest.
+    #[inline]
+    pub fn on(&self, flow: f64, [at_rest, slope]: [f64; 2]) -> [f64; 2] {
+        let [factor, growth] = self.at(flow);
+        [at_rest * factor, slope * factor + at_rest * growth]
     }
 }
 
@@ -61,15 +46,11 @@ pub fn is_same(before: f64, after: f64) -> bool {
     (after - before).abs() <= SAME * after.abs()
 }
 
-/// Relative accuracy of a flow, in terms of the force.
-const TOLERANCE: f64 = 1e-13;
-/// Most steps of the search for one.
-const MOST_STEPS: usize = 100;
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::curve::hinge::AxisLaw;
+    use crate::curve::onset::{Search, flow};
     use crate::curve::{
         BeamEnds, CapacityLevel, CapacityTable, Hinge2, MiddleSprings, ResistanceCurve, SpanLoad,
     };
@@ -144,7 +125,8 @@ mod tests {
         for doubled in [1e-9, 1e-4, 1.0, 1e4] {
             for trial in [1.0001e6, 1.2e6, 5e7] {
                 let rate = Rate { doubled, exponent: 5.0 };
-                let x = rate.flow(trial, 1e9, hardening);
+                let from = Search { start: f64::INFINITY, tolerance: 1e-13 * trial };
+                let x = flow(trial, 1e9, from, |x| rate.on(x, hardening(x)));
                 let excess = trial - 1e9 * x - hardening(x)[0] * rate.at(x)[0];
                 assert!(x > 0.0 && excess.abs() < 1e-9 * trial, "{doubled} {trial}: {x} {excess}");
             }

@@ -235,12 +235,9 @@ impl Size {
     fn is_whole(&self, entry: &Entry) -> bool {
         entry.axes.iter().enumerate().all(|(k, axis)| {
             let plastic = self.about(k).moment_nm();
-            let at_rest = axis
-                .curve
-                .levels
-                .iter()
-                .min_by(|a, b| a.axial_force_n.abs().total_cmp(&b.axial_force_n.abs()));
-            at_rest.is_some_and(|level| (WHOLE[0]..WHOLE[1]).contains(&(level.peak_nm() / plastic)))
+            axis.curve
+                .free_level()
+                .is_some_and(|level| (WHOLE[0]..WHOLE[1]).contains(&(level.peak_nm() / plastic)))
         })
     }
 

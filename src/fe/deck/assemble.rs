@@ -231,11 +231,11 @@ fn check_shape(id: u64, x: &[[f64; 3]; 8], at: At, messages: &mut Messages) {
         let [a, b, c] = EDGES[i];
         triple(edge(i, a), edge(i, b), edge(i, c))
     };
-    let volume = volume_m3(x);
     // nodes that are no numbers have been told
     if x.iter().flatten().any(|v| !v.is_finite()) {
         return;
     }
+    let volume = volume_m3(x);
     let good = |v: f64| v > 0.0 && v.is_finite();
     if good(volume) && (0..8).all(|i| good(corner(i))) {
         return;

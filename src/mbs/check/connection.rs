@@ -308,9 +308,7 @@ fn check_rate_factor(model: &Model, bushing: &Bushing, factor: &RateFactor, path
     if let Some(rate) = elongation_m_s {
         list.positive(&format!("{path}.elongation_m_s"), *rate);
     }
-    list.require((1.0..=20.0).contains(exponent), &format!("{path}.exponent"), || {
-        format!("is {exponent}, expected 1 to 20")
-    });
+    list.rate_exponent(&format!("{path}.exponent"), *exponent);
     list.require(bushing.has_capacity(), path, || {
         "has nothing to act on: the bushing neither yields nor breaks; leave it out".into()
     });

@@ -127,9 +127,7 @@ fn crushing(model: &Model, face: &CrushedFace, path: &str, list: &mut List) {
     }
     if let Some(FaceRate { speed_m_s, exponent }) = &face.rate_factor {
         list.positive(&format!("{path}.rate_factor.speed_m_s"), *speed_m_s);
-        list.require((1.0..=20.0).contains(exponent), &format!("{path}.rate_factor.exponent"), || {
-            format!("is {exponent}, expected 1 to 20")
-        });
+        list.rate_exponent(&format!("{path}.rate_factor.exponent"), *exponent);
     }
     let curve = &face.force_n;
     let path = format!("{path}.force_n");

@@ -348,6 +348,10 @@ impl List {
             format!("is {value}, expected a positive number")
         });
     }
+    /// The exponent `p` of a rate factor.
+    fn rate_exponent(&mut self, path: &str, value: f64) {
+        self.require((1.0..=20.0).contains(&value), path, || format!("is {value}, expected 1 to 20"));
+    }
     /// Finite numbers of a magnitude that can be meant.
     fn within(&mut self, path: &str, values: &[f64], most: f64, unit: &str) {
         let largest = values.iter().map(|v| v.abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);

@@ -4,10 +4,13 @@ use super::{JointData, NO_TABLE, Pace};
 use crate::base::piecewise::interpolate;
 use crate::curve::CapacityTable;
 use crate::curve::hinge::AxisLaw;
-use crate::curve::onset::{Course, added, leaves};
+use crate::curve::onset::{Course, Search, added, flow, leaves};
 use crate::curve::rate::{Rate, is_same};
 use crate::mbs::math::{self, V3};
 use crate::mbs::stance::{Chord, Stance};
+
+/// Relative accuracy of an axial force that flows at a rate.
+const TOLERANCE: f64 = 1e-13;
 
 impl JointData {
     /// The law: force and moment along the joint axes, for a rotation vector in that frame; the history advances.
@@ -127,15 +130,16 @@ impl JointData {
     #[inline(never)]
     fn rated_force(&mut self, rate: Rate, old: f64, lowest: f64) -> f64 {
         let (trial, stiffness) = (self.axial_force, self.translation[0]);
+        let from = |trial: f64| Search { start: f64::INFINITY, tolerance: TOLERANCE * trial };
         let bears = |pressed: f64| self.compression(pressed).map(|c| self.left * c);
         if is_same(old, trial) || stiffness <= 0.0 {
             trial
         } else if trial > bears(self.pressed)[0] {
-            let flow = rate.flow(trial, stiffness, |x| bears(self.pressed + x));
+            let flow = flow(trial, stiffness, from(trial), |x| rate.on(x, bears(self.pressed + x)));
             self.compressive_capacity = self.compression(self.pressed + flow)[0];
             trial - stiffness * flow
         } else if trial < lowest {
-            trial + stiffness * rate.flow(-trial, stiffness, |_| [-lowest, 0.0])
+            trial + stiffness * flow(-trial, stiffness, from(-trial), |x| rate.on(x, [-lowest, 0.0]))
         } else {
             trial
         }

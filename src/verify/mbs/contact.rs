@@ -10,7 +10,7 @@ use crate::mbs::system::System;
 use crate::mbs::{SolverOptions, simulate, simulate_with};
 use crate::verify::{Case, Figure};
 
-const G: f64 = 9.81;
+pub(super) const G: f64 = 9.81;
 const SIM: &str = "SimBenchmark (leggedrobotics), closed form";
 
 /// The cases of this file.

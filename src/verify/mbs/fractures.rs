@@ -122,20 +122,25 @@ fn stretch() -> Result<Vec<Figure>, String> {
     Ok(all)
 }
 
-fn hinge() -> Result<Vec<Figure>, String> {
+/// A body of 1000 kg m² at 2 rad/s about a hinge that flows at 3 kN m up to a rotation, with steps of 0.5 ms.
+pub(super) fn turning(stiffness_nm_rad: f64, breaks_rad: f64) -> (Model, Bushing) {
     let (mut m, mut link) = held(1e5);
     m.settings.time_step_s = Some(5e-4);
-    m.settings.end_time_s = 0.2;
     m.bodies[0].inertia_kg_m2 = [[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]];
     m.bodies[0].angular_velocity_rad_s = [0.0, 2.0, 0.0];
     let level = CapacityLevel {
         axial_force_n: 0.0,
         capacity: vec![[0.0, 3e3], [1.0, 3e3]],
-        fracture_rotation_rad: 0.15,
+        fracture_rotation_rad: breaks_rad,
     };
-    m.curves
-        .insert("curve".into(), ResistanceCurve { stiffness_nm_rad: 1e6, levels: vec![level], cyclic: None });
+    m.curves.insert("curve".into(), ResistanceCurve { stiffness_nm_rad, levels: vec![level], cyclic: None });
     link.bending[0] = Bending::Curve { curve: "curve".into(), strength_factor: 1.0 };
+    (m, link)
+}
+
+fn hinge() -> Result<Vec<Figure>, String> {
+    let (mut m, link) = turning(1e6, 0.15);
+    m.settings.end_time_s = 0.2;
     m.bushings.push(link);
     let result = run(&m)?;
     let [time_s, w] = closed_form([1e3, 2.0, 1e6, 3e3, 0.15]);

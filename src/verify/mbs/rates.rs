@@ -1,11 +1,8 @@
 //! Bushings and faces that bear more the faster they flow: how far a body goes until they have stopped it.
 
-use super::contact::{energy, run};
-use super::fractures::held;
-use crate::curve::{CapacityLevel, ResistanceCurve};
-use crate::mbs::model::{
-    Bending, Contact, CrushedFace, Face, FaceRate, GroundPlane, Model, RateFactor, Shape,
-};
+use super::contact::{G, energy, ground, model, run, solid};
+use super::fractures::{held, turning};
+use crate::mbs::model::{Contact, CrushedFace, Face, FaceRate, RateFactor};
 use crate::mbs::result::RunResult;
 use crate::verify::{Case, Figure};
 
@@ -63,19 +60,8 @@ fn figures(
 fn hinge() -> Result<Vec<Figure>, String> {
     let mut all = Vec::new();
     for (exponent, name) in [(1.0, "rotation, p = 1"), (5.0, "rotation, p = 5")] {
-        let (mut m, mut link) = held(1e5);
-        m.settings.time_step_s = Some(5e-4);
+        let (mut m, mut link) = turning(1e8, 2.0);
         m.settings.end_time_s = 1.0;
-        m.bodies[0].inertia_kg_m2 = [[1e3, 0.0, 0.0], [0.0, 1e3, 0.0], [0.0, 0.0, 1e3]];
-        m.bodies[0].angular_velocity_rad_s = [0.0, 2.0, 0.0];
-        let level = CapacityLevel {
-            axial_force_n: 0.0,
-            capacity: vec![[0.0, 3e3], [2.0, 3e3]],
-            fracture_rotation_rad: 2.0,
-        };
-        let curve = ResistanceCurve { stiffness_nm_rad: 1e8, levels: vec![level], cyclic: None };
-        m.curves.insert("curve".into(), curve);
-        link.bending[0] = Bending::Curve { curve: "curve".into(), strength_factor: 1.0 };
         link.rate_factor = Some(RateFactor { rotation_rad_s: [0.5; 2], elongation_m_s: None, exponent });
         m.bushings.push(link);
         let result = run(&m)?;
@@ -108,17 +94,13 @@ fn stretch() -> Result<Vec<Figure>, String> {
 fn crush() -> Result<Vec<Figure>, String> {
     const MASS_KG: f64 = 20e3;
     const FORCE_N: f64 = 1.68e6;
-    let mut m = Model::empty("crush", [0.0, 0.0, -9.81], 0.6, 0.01);
+    let mut m = model(0.6, 0.01);
     m.settings.time_step_s = Some(1e-3);
-    let mut body = held(1.0).0.bodies.remove(0);
-    (body.mass_kg, body.position_m) = (MASS_KG, [0.0, 0.0, 1.5]);
-    body.inertia_kg_m2 = [[1e4, 0.0, 0.0], [0.0, 1e4, 0.0], [0.0, 0.0, 1e3]];
-    body.velocity_m_s = [0.0, 0.0, -8.0];
-    body.shapes = vec![Shape::Box { center_m: [0.0; 3], half_extents_m: [0.2, 0.2, 1.5], orientation: None }];
+    let body = solid(&mut m, [0.0, 0.0, 1.5], [0.4, 0.4, 3.0]);
+    (body.mass_kg, body.velocity_m_s) = (MASS_KG, [0.0, 0.0, -8.0]);
     let id = body.id.clone();
-    m.bodies.push(body);
     m.contact = Contact {
-        ground: Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 }),
+        ground: ground(0.5, 0.0),
         crushing: vec![CrushedFace {
             body: id,
             shape: 0,
@@ -131,6 +113,6 @@ fn crush() -> Result<Vec<Figure>, String> {
     };
     let result = run(&m)?;
     let depth = result.crushed[0].depth_m.last().copied().unwrap_or(f64::NAN);
-    let exact = way([MASS_KG, 8.0, FORCE_N, MASS_KG * 9.81], [60.0, 5.0]);
+    let exact = way([MASS_KG, 8.0, FORCE_N, MASS_KG * G], [60.0, 5.0]);
     Ok(figures("shortening", "m", [exact, depth], 2e-3, &result).into())
 }
