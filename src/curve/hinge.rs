@@ -78,6 +78,12 @@ fn is_outside([f, _]: [f64; 2]) -> bool {
     f > 1.0 && 1.0 - 1.0 / f > 0.0
 }
 
+/// [`Hinge2::trial`] by that at rest, for a flow in the time of the rate.
+fn rated([f, slope]: [f64; 2], rate: Option<Rate>, x: f64) -> [f64; 2] {
+    let Some([factor, growth]) = rate.map(|rate| rate.at(x)) else { return [f, slope] };
+    [f / factor, factor * slope + growth / f]
+}
+
 /// The law of one axis.
 #[derive(Debug, Clone, Copy)]
 pub enum AxisLaw<'a> {
@@ -163,10 +169,11 @@ impl Hinge2 {
         first: [f64; 2],
     ) -> (HingeStep, f64) {
         let k = laws.map(|law| law.stiffness_nm_rad());
-        self.rate = self.rates.map(|rates| Rate::along(rates, e));
         let (old, trial) = (begin.moment_nm, self.moment_nm);
         let plastic = laws.map(|law| matches!(law, AxisLaw::Plastic(_)));
         let both = plastic == [true; 2];
+        let of_plastic = |e: [f64; 2]| [0, 1].map(|i| if plastic[i] { e[i] } else { 0.0 });
+        self.rate = self.rates.map(|rates| Rate::along(rates, of_plastic(e)));
         let leaves =
             (both || !begin.flowed).then(|| self.leaves(laws, [old, trial], levels, 1.0, begin.flowed));
         let mut onset =
@@ -176,7 +183,8 @@ impl Hinge2 {
             _ => None,
         };
         let (from, first) = turned.unwrap_or((e, first));
-        let active = [0, 1].map(|i| if plastic[i] { from[i] } else { 0.0 });
+        let active = of_plastic(from);
+        self.rate = self.rates.map(|rates| Rate::along(rates, active));
         let length = (active[0] * active[0] + active[1] * active[1]).sqrt();
         let x = self.solve(laws, [k[0] * from[0], k[1] * from[1]], length, levels, first);
         let flow_rad = [0, 1].map(|i| active[i] * (x / length) + (e[i] - from[i]));
@@ -255,9 +263,15 @@ impl Hinge2 {
             from: [0, 1].map(|i| begin[i] / k[i] + share * turn[i]),
             path: turn.map(|t| (1.0 - share) * t),
             ahead: ahead.map(|t| (1.0 - share) * t),
+            is_rated: self.rate.is_some(),
         };
         let along = |[a, b]: [f64; 2]| [k[0] * a, k[1] * b];
-        let reached = turning.trial(|direction, x| 1.0 / self.trial(laws, along(direction), x, levels)[0])?;
+        let reached = turning.trial(|direction, flow| {
+            let at_rest = self.surface(laws, along(direction), flow.before + flow.flow, levels);
+            let rate = self.rate.map(|rate| rate.within(flow.share));
+            let [f, slope] = rated(at_rest, rate, flow.flow);
+            [1.0 / f, slope]
+        })?;
         let there = self.trial(laws, along(reached), 0.0, levels);
         is_outside(there).then_some((reached, there))
     }
@@ -337,9 +351,21 @@ impl Hinge2 {
         levels
     }
 
-    /// `f_trial(α + x)` and `d(1/f_trial)/dx`.
+    /// `f_trial(α + x)` and `d(1/f_trial)/dx`, where `x` flows in this step.
     #[inline]
     fn trial(
+        &mut self,
+        laws: [AxisLaw<'_>; 2],
+        trial: [f64; 2],
+        x: f64,
+        levels: [AxialLevel; 2],
+    ) -> [f64; 2] {
+        rated(self.surface(laws, trial, x, levels), self.rate, x)
+    }
+
+    /// The same at rest.
+    #[inline]
+    fn surface(
         &mut self,
         laws: [AxisLaw<'_>; 2],
         trial: [f64; 2],
@@ -364,9 +390,7 @@ impl Hinge2 {
             }
         }
         let f = f2.sqrt();
-        let slope = slope / (f2 * f);
-        let Some([factor, growth]) = self.rate.map(|rate| rate.at(x)) else { return [f, slope] };
-        [f / factor, factor * slope + growth / f]
+        [f, slope / (f2 * f)]
     }
 
     /// The plastic increment, the zero of `1 - x/|e| - 1/f_trial(α + x)`, which is positive while the moment is outside: Newton from the start of the

@@ -23,6 +23,11 @@ impl Rate {
         [1.0 + more, more / (self.exponent * flow)]
     }
 
+    /// That within a share of the step.
+    pub fn within(self, share: f64) -> Self {
+        Self { doubled: share * self.doubled, ..self }
+    }
+
     /// That of a flow in a direction, by those along two axes.
     pub fn along([a, b]: [Self; 2], direction: [f64; 2]) -> Self {
         let length = direction[0].hypot(direction[1]);

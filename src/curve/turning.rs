@@ -4,8 +4,12 @@
 //! `tan(φ/2)` by `exp(-|Δθ|/R)`, and the flow is `∫ |θ'| cos φ dt = |Δθ| + R ln((1 + t₁²)/(1 + t₀²))` with `t = tan(φ/2)` (Krieg and Krieg, J. Pressure Vessel Technol. 99 (1977) 510-515). The return
 //! along the trial moment is the same to first order in the step only.
 //!
+//! With a rate factor the surface lies where the flow of a piece in its share of the step lets it be, and the elastic rotation goes back to it from as long as it would be without flow; that it turns by does not change.
+//!
 //! Of a hinge that turns by much more than it yields at, `e` follows the direction of the rate. The rotation of a step tells that of its middle; by how much the rate at the end is different shows
 //! against the step before.
+
+use super::onset::{self, Search};
 
 /// Share of the rotation of a step that its change against the step before may have: more is no smooth motion.
 const MOST_AHEAD: f64 = 0.5;
@@ -14,6 +18,8 @@ const SHORTEST: f64 = 0.05;
 /// A rotation over which the elastic one turns and changes its length is divided: into so many pieces times the share by which one end is shorter, and times the change of `tan(φ/2)`; at most so many.
 const PIECES: f64 = 16.0;
 const MOST_PIECES: f64 = 32.0;
+/// Accuracy of a return to a surface that depends on the rate, over the length: it decides about the turn only.
+const RETURN_TOLERANCE: f64 = 1e-9;
 /// Sine of an angle that is none.
 const STRAIGHT: f64 = 1e-9;
 /// Rotation over yield rotation below which the lag behind the rate is the first term of its series.
@@ -28,6 +34,34 @@ pub(super) struct Turning {
     pub path: [f64; 2],
     /// What it would be more with the rate at its end \[rad\].
     pub ahead: [f64; 2],
+    /// Whether the surface depends on the rate of the flow.
+    pub is_rated: bool,
+}
+
+/// A flow in a part of a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Flow {
+    /// What flowed in the step before that part, and in it \[rad\].
+    pub before: f64,
+    pub flow: f64,
+    /// Its share of the time of the step.
+    pub share: f64,
+}
+
+impl Flow {
+    fn of(before: f64, share: f64) -> Self {
+        Self { before, flow: 0.0, share }
+    }
+
+    fn and(self, flow: f64) -> Self {
+        Self { flow, ..self }
+    }
+}
+
+/// Length at which the elastic rotation, `whole` without flow, is on a surface that the flow moves.
+fn returned(whole: f64, surface: impl FnMut(f64) -> [f64; 2]) -> f64 {
+    let from = Search { start: f64::INFINITY, tolerance: RETURN_TOLERANCE * whole };
+    whole - onset::flow(whole, 1.0, from, surface)
 }
 
 /// What a rotation would be more with the rate at its end, by the rotation of the step before, `pace` times as long as which this one took; zero: nothing is known of that.
@@ -42,14 +76,14 @@ pub(super) fn ahead(turn: [f64; 2], before: [f64; 2], pace: f64) -> [f64; 2] {
 }
 
 impl Turning {
-    /// Elastic rotation from which the radial return ends where the hinge does. `reach` is told a direction and a flow \[rad\], and says how long it is on the surface then.
+    /// Elastic rotation from which the radial return ends where the hinge does. `reach` is asked for a direction and a [`Flow`], and says how long it is on the surface then, and the slope of that.
     /// `None` where all goes one way.
-    pub fn trial(&self, mut reach: impl FnMut([f64; 2], f64) -> f64) -> Option<[f64; 2]> {
+    pub fn trial(&self, mut reach: impl FnMut([f64; 2], Flow) -> [f64; 2]) -> Option<[f64; 2]> {
         let is_straight = |a, b| cross(a, b).abs() <= STRAIGHT * (length(a) * length(b));
         if is_straight(self.from, self.path) && is_straight(self.path, self.ahead) {
             return None;
         }
-        let Turn { direction, whole, uneven } = self.once(0.0, &mut reach)?;
+        let Turn { direction, whole, uneven } = self.once(Flow::of(0.0, 1.0), &mut reach)?;
         let pieces = (PIECES * uneven).ceil().min(MOST_PIECES);
         if pieces <= 1.0 {
             return Some(direction.map(|d| whole * d));
@@ -58,27 +92,38 @@ impl Turning {
             // the rate changes evenly
             let later = (2.0 * f64::from(i) + 1.0) / pieces - 1.0;
             let path = [0, 1].map(|k| (self.path[k] + later * self.ahead[k]) / pieces);
-            Self { from, path, ahead: self.ahead.map(|a| a / (pieces * pieces)) }
+            Self { from, path, ahead: self.ahead.map(|a| a / (pieces * pieces)), ..*self }
         };
         let last = pieces as u32 - 1;
         let (mut from, mut flow) = (self.from, 0.0);
         for i in 0..last {
-            let Turn { direction, whole, .. } = piece(i, from).once(flow, &mut reach)?;
-            let first = (whole - reach(direction, flow)).max(0.0);
-            let length = reach(direction, flow + first);
+            let after = Flow::of(flow, 1.0 / pieces);
+            let Turn { direction, whole, .. } = piece(i, from).once(after, &mut reach)?;
+            let length = if self.is_rated {
+                returned(whole, |x| reach(direction, after.and(x)))
+            } else {
+                let first = (whole - reach(direction, after)[0]).max(0.0);
+                reach(direction, after.and(first))[0]
+            };
             flow += (whole - length).max(0.0);
             from = direction.map(|d| length * d);
         }
-        let Turn { direction, whole, .. } = piece(last, from).once(flow, &mut reach)?;
+        let after = Flow::of(flow, 1.0 / pieces);
+        let Turn { direction, whole, .. } = piece(last, from).once(after, &mut reach)?;
         Some(direction.map(|d| (flow + whole) * d))
     }
 
     /// All of it at once, after a flow, with the mean of the lengths at begin and end.
-    fn once(&self, before: f64, reach: &mut impl FnMut([f64; 2], f64) -> f64) -> Option<Turn> {
+    fn once(&self, after: Flow, reach: &mut impl FnMut([f64; 2], Flow) -> [f64; 2]) -> Option<Turn> {
         let (begin, path) = (length(self.from), length(self.path));
         let (direction, grown, _) = self.turn(begin, path)?;
         let flow = (path + begin * grown).max(0.0);
-        let end = reach(direction, before + flow).max(SHORTEST * begin);
+        let end = if self.is_rated {
+            returned(begin + path + begin * grown, |x| reach(direction, after.and(x)))
+        } else {
+            reach(direction, after.and(flow))[0]
+        };
+        let end = end.max(SHORTEST * begin);
         let mean = 0.5 * (begin + end);
         let (direction, grown, turn) = self.turn(mean, path)?;
         let uneven = (1.0 - end.min(begin) / end.max(begin)) * turn.abs();

@@ -16,7 +16,7 @@ pub fn put_in(building: &Building, bushings: &mut [Bushing], curves: &BTreeMap<S
     if laws.values().all(|law| law.rate_factor.is_none()) {
         return;
     }
-    for bushing in bushings.iter_mut().filter(|b| b.has_capacity()) {
+    for bushing in bushings.iter_mut().filter(|b| b.flows()) {
         // `C1-A1.top` is an end of `C1-A1`
         let of_member =
             |id: &String| laws.get(id.as_str()).or_else(|| laws.get(id.rsplit_once('.')?.0)).copied();
@@ -37,7 +37,10 @@ fn of(
     let of_axis = |axis: usize| breaks_rad(axis).or_else(|| breaks_rad(1 - axis)).unwrap_or(rupture);
     RateFactor {
         rotation_rad_s: [0, 1].map(|axis| c_1_s * of_axis(axis) / rupture),
-        elongation_m_s: bushing.tensile_elongation_m.filter(|u| *u > 0.0).map(|u| c_1_s * u / rupture),
+        elongation_m_s: bushing
+            .tensile_elongation_m
+            .filter(|u| *u > 0.0 && bushing.flows_along())
+            .map(|u| c_1_s * u / rupture),
         exponent: p,
     }
 }

@@ -1,4 +1,4 @@
-//! The energy balance over a run: whether the sum of all energies holds, and whether contacts only take.
+//! The energy balance over a run: whether the sum of all energies holds, and whether contacts and what yields only take.
 
 use super::error::SolveError;
 use super::result::Energies;
@@ -16,6 +16,9 @@ pub(super) struct Balance {
     taken_j: f64,
     /// Largest amount by which contacts gave back of it \[J\].
     made_j: f64,
+    /// Most that what yields had dissipated, and the largest amount by which that fell: the sum does not show it, since it is what the sum leaves for it \[J\].
+    dissipated_j: f64,
+    returned_j: f64,
     /// Largest error of the sum over the energy turned over.
     pub error: f64,
     /// Largest growth of the sum over the energy turned over.
@@ -42,6 +45,8 @@ impl Balance {
         self.taken_j = self.taken_j.max(taken_j);
         self.made_j = self.made_j.max(self.taken_j - taken_j - kick_j);
         self.turnover_j = self.turnover_j.max(turned_j).max(taken_j);
+        self.dissipated_j = self.dissipated_j.max(energies.plastic_j);
+        self.returned_j = self.returned_j.max(self.dissipated_j - energies.plastic_j);
         let grown = (total_j - start_j) / self.turnover_j;
         self.growth = self.growth.max(grown - kick_j / self.turnover_j);
         self.error = self.error.max(grown.abs());
@@ -57,6 +62,11 @@ impl Balance {
     /// do not settle, as in a jammed mechanism, can make some.
     pub fn made(&self) -> f64 {
         self.made_j / self.turnover_j.max(self.contacts_j)
+    }
+
+    /// Energy that what yields gave back of what it had dissipated, as a share of that turned over: a law that breaks the second law of thermodynamics in steps of this length.
+    pub fn returned(&self) -> f64 {
+        self.returned_j / self.turnover_j
     }
 
     /// The diagnosis if contacts have made more than a share.
@@ -115,6 +125,15 @@ mod tests {
             balance.note(&look(kinetic_j, taken_j), 0.0, 0.0);
         }
         assert!((balance.made() - 0.01).abs() < 1e-9, "{}", balance.made());
+    }
+
+    #[test]
+    fn what_yields_only_takes() {
+        let mut balance = Balance::new(1e-3, 0.0);
+        for (kinetic_j, plastic_j) in [(100.0, 0.0), (60.0, 40.0), (70.0, 30.0), (50.0, 50.0)] {
+            balance.note(&Energies { kinetic_j, plastic_j, ..Energies::default() }, 0.0, kinetic_j);
+        }
+        assert!(balance.error < 1e-9 && (balance.returned() - 0.1).abs() < 1e-12, "{}", balance.returned());
     }
 
     #[test]

@@ -15,7 +15,6 @@
 //!
 //! Each end is evaluated for itself, eight at a time, under a lean that is extrapolated from those that fitted the moments of the two steps before. Where both ends turn out to be elastic, the lean that fits their moments is known in closed form, and they are corrected to it
 //! ([`CarryOver::go_on`]): the forces of the step are those of the beam. Where one of them flows, both keep the extrapolated lean: second order in the step for moments that are smooth in time, with a little energy taken from vibrations near the limit of stability. It shows in the energy balance.
-//! A hinge that flows at a rate is nearly as stiff as an elastic one where the rate is far above that at which its strength is doubled, and vibrations about an extrapolated lean would grow: leans stay as they are while one flows.
 
 use super::joint::JointData;
 use super::math;
@@ -135,11 +134,7 @@ impl CarryOver {
             }
             self.present = leans;
         }
-        let is_stiff = |i: usize| joints[i].flowing && joints[i].is_rated();
-        let next = match self.joints.into_iter().any(is_stiff) {
-            true => self.present,
-            false => std::array::from_fn(|k| 2.0 * leans[k] - self.fitted[k]),
-        };
+        let next = std::array::from_fn(|k| 2.0 * leans[k] - self.fitted[k]);
         self.fitted = leans;
         self.set(joints, next);
         true

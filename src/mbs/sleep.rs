@@ -136,6 +136,12 @@ impl Sleep {
     /// Puts the islands to sleep in which all bodies have rested.
     fn look(&mut self, system: &mut System, contacts: &mut ContactSet, h: f64) {
         let n = self.rest.len();
+        // what creeps under a load beyond its strength at rest never ends
+        for joint in system.joints.iter().filter(|j| j.alive && j.flowing && j.is_rated()) {
+            for i in [joint.a, joint.b].into_iter().filter(|i| *i < n) {
+                self.rest[i] = Rest::default();
+            }
+        }
         let awake = |i: usize| system.data[i].alive && !system.data[i].asleep;
         if !(0..n).any(|i| awake(i) && self.rest[i].time_s >= REST_S) {
             return;

@@ -167,6 +167,9 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     }
     if let Some(t) = joint.tensile_elongation_m {
         list.not_negative(&format!("{path}.tensile_elongation_m"), t);
+        list.require(joint.tensile_capacity_n.is_some(), &format!("{path}.tensile_elongation_m"), || {
+            "needs a tensile_capacity_n at which the bushing stretches; leave out one or give both".into()
+        });
     }
     if let Some(t) = joint.tensile_capacity_n {
         list.not_negative(&format!("{path}.tensile_capacity_n"), t);
@@ -309,8 +312,13 @@ fn check_rate_factor(model: &Model, bushing: &Bushing, factor: &RateFactor, path
         list.positive(&format!("{path}.elongation_m_s"), *rate);
     }
     list.rate_exponent(&format!("{path}.exponent"), *exponent);
-    list.require(bushing.has_capacity(), path, || {
-        "has nothing to act on: the bushing neither yields nor breaks; leave it out".into()
+    list.require(bushing.flows(), path, || {
+        "has nothing to act on: the bushing has no curve and does not flow along itself; leave it out".into()
+    });
+    list.require(elongation_m_s.is_none() || bushing.flows_along(), &format!("{path}.elongation_m_s"), || {
+        "has nothing to act on: the bushing has no compressive_capacity_n, and no tensile_capacity_n with a \
+         tensile_elongation_m; leave it out"
+            .into()
     });
     list.without_ideal(model, path);
 }

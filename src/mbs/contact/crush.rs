@@ -167,6 +167,12 @@ impl ContactSet {
         for face in &mut self.faces.all {
             face.points = 0.0;
         }
+        let before = |i: u32| bodies.get(i as usize).map_or(Motion::default(), |b| Motion { v: b.v, w: b.w });
+        let nears_by = |block: &Block, rows: &[Row]| {
+            let [a, b] = block.bodies.map(before);
+            let nears = |r: &Row| -math::dot(r.relative(&a, &b), block.normal);
+            rows.iter().map(nears).fold(0.0, f64::max)
+        };
         for k in 0..self.rows.blocks.len() {
             let block = self.rows.blocks[k];
             let pair = &self.pairs[block.slot as usize];
@@ -177,7 +183,11 @@ impl ContactSet {
                 self.weakest(pair.b as usize, math::scale(-1.0, block.normal))
             };
             let face = match (of_a, of_b) {
-                (Some(a), Some(b)) if self.faces.all[b].bears() < self.faces.all[a].bears() => Some(b),
+                (Some(a), Some(b)) => {
+                    let speed_m_s = nears_by(&block, &self.rows.rows[block.range()]);
+                    let [at_a, at_b] = [a, b].map(|f| self.faces.all[f].bears_at(speed_m_s));
+                    Some(if at_b < at_a { b } else { a })
+                }
                 (a, b) => a.or(b),
             };
             let block = &mut self.rows.blocks[k];
@@ -187,7 +197,6 @@ impl ContactSet {
                 block.restitution = 0.0;
             }
         }
-        let before = |i: u32| bodies.get(i as usize).map_or(Motion::default(), |b| Motion { v: b.v, w: b.w });
         for block in self.rows.blocks.iter_mut().filter(|b| b.face != NONE) {
             let face = &self.faces.all[block.face as usize];
             let pair = &mut self.pairs[block.slot as usize];
@@ -199,9 +208,8 @@ impl ContactSet {
                 let left = 1.0 - rows.iter().map(touch).fold(1.0, f64::min);
                 pair.resistance = [0.5 * left * left, 0.5 + left - 0.5 * left * left];
             }
-            let speed = face.rate.map(|rate| rate.at(rows.iter().map(nears).fold(0.0, f64::max))[0]);
-            let bears = speed.map_or(face.bears(), |factor| factor * face.bears());
-            block.cap = pair.resistance[0] * h * bears / face.points.max(CORNERS);
+            let bears_n = face.bears_at(nears_by(block, rows));
+            block.cap = pair.resistance[0] * h * bears_n / face.points.max(CORNERS);
         }
     }
 
@@ -252,5 +260,10 @@ impl Face {
     /// Force that it bears now \[N\].
     fn bears(&self) -> f64 {
         interpolate(&self.force, self.so_far.worn_m)
+    }
+
+    /// The same at a speed at which it is shortened \[m/s\].
+    fn bears_at(&self, speed_m_s: f64) -> f64 {
+        self.rate.map_or(1.0, |rate| rate.at(speed_m_s)[0]) * self.bears()
     }
 }

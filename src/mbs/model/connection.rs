@@ -344,6 +344,18 @@ impl Bushing {
             || self.shear_capacity_n.is_some()
     }
 
+    /// Whether it may stretch or shorten plastically at a capacity, rather than part at once.
+    pub fn flows_along(&self) -> bool {
+        let stretches =
+            self.tensile_capacity_n.is_some() && self.tensile_elongation_m.is_some_and(|u| u > 0.0);
+        stretches || self.compressive_capacity_n.is_some()
+    }
+
+    /// Whether anything of it flows: what a rate has a say in.
+    pub fn flows(&self) -> bool {
+        self.bending.iter().any(|b| matches!(b, Bending::Curve { .. })) || self.flows_along()
+    }
+
     /// One between two bodies that resists nothing yet, has no limits and no provenance.
     pub fn free(
         id: String,

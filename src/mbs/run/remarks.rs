@@ -13,9 +13,9 @@ const ENERGY_WORTH_TELLING: f64 = 1e-3;
 const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
 
 /// Settings of a model of bushings that make its run finer, and where they stand; those of one of ideal joints.
-pub(super) const FINER: &str = "step (--step, or settings.time_step_s in the model's file, model.json)";
+pub(super) const FINER: &str = "step (--step, or settings.time_step_s in the model's file)";
 pub(in crate::mbs) const FINER_IDEAL: &str =
-    "settings.tolerance or step (--step, or settings.time_step_s in the model's file, model.json)";
+    "settings.tolerance or step (--step, or settings.time_step_s in the model's file)";
 
 /// What is worth saying of a run that came to its end, and the settings that make it finer.
 pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, finer: &str) -> Vec<String> {
@@ -36,6 +36,12 @@ pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, f
         list.push(format!(
             "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints; a smaller {finer} shows what that changes",
             books.made()
+        ));
+    }
+    if books.returned() > ENERGY_WORTH_TELLING {
+        list.push(format!(
+            "what yields gave back {:.1e} of the energy turned over, of what it had dissipated: its law does not hold in these steps; a smaller {finer} shows what that changes",
+            books.returned()
         ));
     }
     if let Some(work) = contacts.filter(|w| w.jammed > 0) {

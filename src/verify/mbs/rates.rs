@@ -15,6 +15,11 @@ pub fn cases() -> Vec<Case> {
             hinge,
         ),
         Case::short(
+            "rate-oblique",
+            "The same with p of 5 about an axis between both bending axes, one as stiff as the other: flow, and the swinging on the spring after it, go along one line.",
+            oblique,
+        ),
+        Case::short(
             "rate-stretch",
             "100 kg at 1 m/s on a spring of 1 GN/m that flows at 2 kN times 1 + (v / 0.5 m/s)^(1/5), in tension and in compression, with steps of 0.1 ms.",
             stretch,
@@ -69,6 +74,30 @@ fn hinge() -> Result<Vec<Figure>, String> {
         let exact = way([1e3, 2.0, 3e3, 0.0], [0.5, exponent]);
         all.extend(figures(name, "rad", [exact, turned], 2e-3, &result));
     }
+    Ok(all)
+}
+
+fn oblique() -> Result<Vec<Figure>, String> {
+    let (mut m, mut link) = turning(1e8, 2.0);
+    m.settings.end_time_s = 2.0;
+    m.bodies[0].angular_velocity_rad_s = [0.0, 1.2, 1.6];
+    link.bending[1] = link.bending[0].clone();
+    link.rate_factor = Some(RateFactor { rotation_rad_s: [0.5; 2], elongation_m_s: None, exponent: 5.0 });
+    m.bushings.push(link);
+    let result = run(&m)?;
+    let turned = result.hinges[0].plastic_rotation_rad.last().copied().unwrap_or(f64::NAN);
+    let exact = way([1e3, 2.0, 3e3, 0.0], [0.5, 5.0]);
+    let plastic_j = &result.energies.plastic_j;
+    let fallen =
+        plastic_j.windows(2).map(|p| (p[0] - p[1]).max(0.0)).sum::<f64>() / plastic_j[plastic_j.len() - 1];
+    let mut all: Vec<Figure> = figures("rotation", "rad", [exact, turned], 2e-3, &result).into();
+    all.push(Figure::absolute(
+        "dissipation that is given back, of all",
+        "-",
+        [0.0, fallen],
+        1e-12,
+        "second law",
+    ));
     Ok(all)
 }
 
