@@ -596,6 +596,39 @@ fn what_passes_an_edge_is_not_struck() {
     }
 }
 
+/// Over the joint of two slabs that lie flush nothing is struck, by boxes and hulls, turned or not; a step up of a millimetre is.
+#[test]
+fn seams_of_slabs_are_no_steps() {
+    let over = |step_up_m: f64, yaw: f64, is_hull: bool, speed: f64| {
+        let mut m = model("seam", 0.5, 0.05);
+        let mut body = solid("box", [-0.8, 0.0, 0.1], [0.4, 0.3, 0.2]);
+        if is_hull {
+            body.shapes = vec![Shape::Hull { points_m: body.shapes[0].corners() }];
+        }
+        body.orientation = [(0.5 * yaw).cos(), 0.0, 0.0, (0.5 * yaw).sin()];
+        body.velocity_m_s = [speed, 0.0, 0.0];
+        m.bodies.push(body);
+        let slab = |id: &str, x: [f64; 2], top: f64| ObstacleBox {
+            id: id.into(),
+            min_m: [x[0], -2.0, -1.0],
+            max_m: [x[1], 2.0, top],
+            friction: 0.0,
+            restitution: 0.0,
+        };
+        m.contact.obstacles = vec![slab("a", [-3.0, 0.0], 0.0), slab("b", [0.0, 3.0], step_up_m)];
+        track(&mut m, "box", [-0.8, 0.0, 0.1]);
+        simulate(&m).unwrap().tracked[0].displacement_m.last().unwrap()[0] / (0.5 * speed)
+    };
+    for (yaw, is_hull, speed) in
+        [(0.0, false, 2.0), (0.0, true, 2.0), (0.5, false, 2.0), (0.5, true, 4.0), (0.0, false, 20.0)]
+    {
+        let went = over(0.0, yaw, is_hull, speed);
+        assert!((went - 1.0).abs() < 1e-3, "{yaw} {is_hull} {speed}: {went}");
+    }
+    assert!((over(1e-5, 0.0, false, 2.0) - 1.0).abs() < 1e-3, "less than contacts leave unopened");
+    assert!(over(1e-3, 0.0, false, 2.0) < 0.7, "a step up is struck");
+}
+
 #[test]
 fn what_hangs_above_the_ground_on_a_joint_strikes_it() {
     let mut m = model("pendulum over the ground", 1.0, 0.05);

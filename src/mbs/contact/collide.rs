@@ -215,6 +215,11 @@ impl Solid {
         }
     }
 
+    /// Calls `visit` with the normal of each face in its frame; a ball has none.
+    pub fn each_normal(&self, mut visit: impl FnMut(V3)) {
+        self.each_face(|n, _| visit(array(n)));
+    }
+
     /// The face with a corner that reaches farthest along a direction of its frame, and of these the one that looks most along it; a ball has none.
     fn face_towards(&self, along: Vector) -> Option<Face> {
         match self {

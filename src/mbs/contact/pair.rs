@@ -432,7 +432,7 @@ impl ContactSet {
         pair.offset = if pair.fresh { depth } else { pair.offset.min(depth) };
         pair.fresh = false;
         let first = self.rows.rows.len() as u32;
-        let mut closes_s = f64::INFINITY;
+        let mut first_closes = (f64::INFINITY, 0);
         for k in 0..usize::from(pair.count) {
             let gap = gaps[k] + pair.offset;
             let speed = math::dot(
@@ -450,13 +450,25 @@ impl ContactSet {
                     pair.points[k].mass = masses(&inverse, &arms[k], n);
                 }
                 self.rows.rows.push(row(&pair.points[k], [arms[k], halfway], gap, n, h, k));
-                closes_s = if speed < 0.0 { closes_s.min(-gap / speed) } else { closes_s };
+                let closes_s = -gap / speed;
+                if speed < 0.0 && closes_s < first_closes.0 {
+                    first_closes = (closes_s, k);
+                }
             }
         }
         let (offset, surface) = (pair.offset, pair.surface);
-        let is_coming = least > self.settings.margin_m && offset == 0.0 && within.from == f64::NEG_INFINITY;
-        if is_coming && self.pass_by([a, b], bodies, (closes_s, h), allowed) {
+        let is_new = pair.points[..usize::from(pair.count)].iter().all(|p| p.normal == 0.0);
+        let is_far = least > self.settings.margin_m && offset == 0.0;
+        let (closes_s, k) = first_closes;
+        let passes =
+            is_first && is_far && closes_s < h && self.pass_by([a, b], bodies, (closes_s, h), allowed);
+        let grazes = !passes
+            && (is_first && is_new && !round)
+            && self.grazes([a, b], bodies, (n, arms[k]), (closes_s, h));
+        if passes || grazes {
             self.rows.rows.truncate(first as usize);
+            // another face may be what meets next
+            self.pairs[slot].outdated |= grazes;
             return (f64::NEG_INFINITY, 0.0);
         }
         self.rows.close_block([of_a, of_b], first, slot, surface, n);

@@ -9,8 +9,9 @@ use std::collections::BTreeMap;
 /// Height up to which a solid stands on the ground \[m\].
 const AT_GROUND_M: f64 = 1e-3;
 
-/// How far from a shape a connection with the ground may be to be at its foot: this, or half its thickness \[m\].
+/// How far from a shape a connection with the ground may be to be at its foot: half the thickness of the shape, or this \[m\], but of a small body no more than a share of its size.
 const BESIDE_M: f64 = 0.25;
+const BESIDE_SHARE: f64 = 0.25;
 
 /// What holds where two solids meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -114,13 +115,26 @@ pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
     let bushings = model.bushings.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
     let joints = model.joints.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
     let points: Vec<math::V3> = bushings.chain(joints).collect();
-    let is_beside = |shape: &Shape| {
+    let at = Placed { x: body.position_m, q: body.orientation, r: turn };
+    let bounds = |shape: &Shape| {
         let (solid, in_body) = Solid::of(shape);
-        let at = Placed { x: body.position_m, q: body.orientation, r: turn };
-        let [low, high] = solid.bounds(&at.of(&in_body));
+        solid.bounds(&at.of(&in_body))
+    };
+    let corners = body.shapes.iter().flat_map(bounds).chain(points.iter().copied());
+    let none = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let [least, most] = corners.fold(none, |[least, most], p| {
+        [0, 1].map(|side| {
+            std::array::from_fn(|k| if side == 0 { least[k].min(p[k]) } else { most[k].max(p[k]) })
+        })
+    });
+    let size_m = math::norm(math::sub(most, least));
+    let beside_m = BESIDE_M.min(BESIDE_SHARE * size_m);
+    let is_beside = |shape: &Shape| {
+        let (solid, _) = Solid::of(shape);
+        let [low, high] = bounds(shape);
         let near = |p: &math::V3| {
             let off: math::V3 = std::array::from_fn(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
-            math::norm(off) <= solid.thickness().max(BESIDE_M)
+            math::norm(off) <= solid.thickness().max(beside_m)
         };
         points.is_empty() || points.iter().any(near)
     };

@@ -54,8 +54,10 @@ pub(super) fn choose_step(model: &Model, frequency: f64, share: f64) -> Result<f
     if let Some(given) = model.settings.time_step_s {
         return if given > limit { Err(SolveError::time_step(given, limit, limit)) } else { Ok(given) };
     }
-    let (step, interval) =
-        (share * (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S), model.settings.output_interval_s);
+    let interval = model.settings.output_interval_s;
+    let automatic = (frequency::STEP_FRACTION * limit).min(LARGEST_STEP_S);
+    // steps end at outputs: a share of one that is cut off there anyway would be no shorter
+    let step = if share < 1.0 { share * automatic.min(interval) } else { automatic };
     if interval / step >= MOST_STEPS {
         let (bushing, highest_rad_s) = stiffest(model);
         return Err(SolveError::TooManySteps { bushing, highest_rad_s, step_s: step, interval_s: interval });

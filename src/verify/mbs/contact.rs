@@ -3,7 +3,7 @@
 use super::pile;
 use crate::mbs::contact::{ContactSet, Settings};
 use crate::mbs::math;
-use crate::mbs::model::{Body, BodyContact, GroundPlane, Model, ObstaclePlane, Origin, Shape};
+use crate::mbs::model::{Body, BodyContact, GroundPlane, Model, ObstacleBox, ObstaclePlane, Origin, Shape};
 use crate::mbs::result::RunResult;
 use crate::mbs::step;
 use crate::mbs::system::System;
@@ -17,6 +17,11 @@ const SIM: &str = "SimBenchmark (leggedrobotics), closed form";
 pub fn cases() -> Vec<Case> {
     vec![
         Case::short("contact-slide", "Box with 5 m/s on rough ground (0.5): where it stops.", slide),
+        Case::short(
+            "contact-seam",
+            "Box with 5 m/s over two slabs without friction that lie flush, 10 mm apart, and 0.1 mm one below the other, with a restitution of 0.5; and one that falls 0.1 mm beside a wall: none of them strikes an edge.",
+            seam,
+        ),
         Case::short(
             "contact-incline",
             "Box on a plane of 30°: way in 1 s for four coefficients of friction.",
@@ -135,6 +140,43 @@ pub(super) fn energy(result: &RunResult, allowed: f64) -> Figure {
 
 pub(super) fn last(result: &RunResult) -> &crate::mbs::result::Frame {
     result.frames.last().expect("a run has outputs")
+}
+
+fn seam() -> Result<Vec<Figure>, String> {
+    const SPEED_M_S: f64 = 5.0;
+    let slab = |id: &str, min_m: [f64; 3], max_m: [f64; 3]| ObstacleBox {
+        id: id.into(),
+        min_m,
+        max_m,
+        friction: 0.0,
+        restitution: 0.5,
+    };
+    let mut all = Vec::new();
+    for (name, gap_m, lower_m) in
+        [("speed, flush", 0.0, 0.0), ("speed, a gap", 0.01, 0.0), ("speed, a step down", 0.0, 1e-4)]
+    {
+        let mut m = model(0.5, 0.01);
+        let body = solid(&mut m, [-1.0, 0.0, 0.1], [0.4, 0.3, 0.2]);
+        body.velocity_m_s = [SPEED_M_S, 0.0, 0.0];
+        m.contact.obstacles = vec![
+            slab("first", [-3.0, -1.0, -1.0], [0.0, 1.0, 0.0]),
+            slab("second", [gap_m, -1.0, -1.0], [3.0, 1.0, -lower_m]),
+        ];
+        let result = run(&m)?;
+        let x = |k: usize| result.frames[k].position_m[0][0];
+        let last = result.frames.len() - 1;
+        let found = (x(last) - x(0)) / result.times_s[last];
+        all.push(Figure::relative(name, "m/s", [SPEED_M_S, found], 2e-4, "nothing is in its way"));
+    }
+    let mut m = model(0.7, 0.01);
+    solid(&mut m, [-0.2001, 0.0, 1.0], [0.4, 0.3, 0.2]);
+    m.contact.obstacles = vec![slab("wall", [0.0, -1.0, -3.0], [0.3, 1.0, 0.0])];
+    let result = run(&m)?;
+    let end = result.frames.last().map_or([f64::NAN; 3], |f| f.position_m[0]);
+    let fall = 1.0 - end[2];
+    all.push(Figure::relative("way beside a wall", "m", [0.5 * G * 0.49, fall], 1e-6, "g t²/2"));
+    all.push(Figure::absolute("thrown aside", "m", [-0.2001, end[0]], 1e-9, "nothing is in its way"));
+    Ok(all)
 }
 
 fn slide() -> Result<Vec<Figure>, String> {
