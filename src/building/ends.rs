@@ -48,6 +48,26 @@ impl MemberEnd {
         partition.member_at(probe)
     }
 
+    /// Whether a column, wall or footing goes on beyond the floor at the end, so that the axial force passes into it.
+    pub fn goes_on(&self, building: &Building, partition: &Partition) -> bool {
+        let planes = &partition.planes[self.axis];
+        let middle = |k: usize| 0.5 * (planes[k] + planes[k + 1]);
+        let is_beyond = |at: &f64| (at - self.point_m[self.axis]) * self.outward < 0.0;
+        let cells = (0..planes.len().saturating_sub(1)).map(middle).filter(is_beyond);
+        let mut beyond: Vec<f64> = cells.collect();
+        beyond.sort_by(|a, b| (self.outward * b).total_cmp(&(self.outward * a)));
+        for at in beyond {
+            let mut probe = self.point_m;
+            probe[self.axis] = at;
+            match partition.member_at(probe).map(|m| building.members[m].kind) {
+                Some(MemberKind::Column | MemberKind::Wall | MemberKind::Footing) => return true,
+                Some(_) => {}
+                None => return false,
+            }
+        }
+        false
+    }
+
     /// Whether a floor that folds at one of two beam ends folds at the other as well: both lie on a line across it.
     pub fn on_line_of(&self, other: &Self) -> bool {
         let near = (self.point_m[self.axis] - other.point_m[self.axis]).abs() < SAME_LINE_M;

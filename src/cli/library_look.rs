@@ -146,6 +146,11 @@ pub(super) fn show(entry: &Entry, json: bool, out: &mut dyn Write) -> Result<u8,
     along.extend(entry.tensile_capacity_n.map(|n| format!("flows in tension at {}", kilo(n))));
     along.extend(entry.tensile_elongation_m.map(|u| format!("separates at {:.1} mm", u * 1e3)));
     along.extend(entry.compressive_capacity_n.map(|n| format!("crushes at {}", kilo(n))));
+    along.extend(
+        entry
+            .bearing_capacity_n
+            .map(|n| format!("its floor bears {} where no column goes on beyond it", kilo(n))),
+    );
     along.extend(entry.hinge_offset_m.map(|u| format!("hinge {:.1} mm inside the member", u * 1e3)));
     if !along.is_empty() {
         writeln!(out, "  along it    {}", along.join(", "))?;

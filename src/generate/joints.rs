@@ -88,6 +88,9 @@ pub fn hinges(
         let law = place.building.law_of(&place.building.members[end.member]);
         // what does not yield neither breaks nor crushes
         let capacity = |capacity: Option<f64>| capacity.filter(|_| !is_elastic);
+        let bearing_n = entry.bearing_capacity_n.filter(|_| !end.goes_on(place.building, place.partition));
+        let crushes_n =
+            entry.compressive_capacity_n.map(|most_n| bearing_n.map_or(most_n, |n| n.min(most_n)));
         joints.push(Bushing {
             axial_stiffness_n_m: with_joint.axial_n_m(),
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
@@ -95,10 +98,10 @@ pub fn hinges(
             bending,
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
-            compressive_capacity_n: capacity(entry.compressive_capacity_n),
+            compressive_capacity_n: capacity(crushes_n),
             compressive_hardening: capacity(entry.tensile_elongation_m)
                 .map_or_else(Vec::new, |_| hardening(law, half.length_m)),
-            compressive_fading: capacity(entry.compressive_capacity_n)
+            compressive_fading: capacity(crushes_n)
                 .map_or_else(Vec::new, |most_n| left_under_compression(entry, most_n)),
             crushing_shortening_m: capacity(entry.tensile_elongation_m)
                 .map(|_| CRUSHED_SHARE * law.rupture_strain() * left_m),

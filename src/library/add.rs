@@ -61,12 +61,6 @@ fn fit_together(
     in_meta: &mut Vec<Diagnostic>,
 ) {
     let first = curve.levels.first().map(|l| l.span).unwrap_or_default();
-    for (name, text) in [("citation", &meta.citation), ("by", &meta.by)] {
-        if text.is_empty() {
-            let error = Diagnostic::error("empty", format!("`{name}` is empty"));
-            in_meta.push(error.help("say where the curve comes from, and who measured or computed it"));
-        }
-    }
     let kind = meta.kind.name();
     if meta.kind.is_bending() != curve.is_bending {
         let wanted = if meta.kind.is_bending() { "moment over rotation" } else { "force over displacement" };

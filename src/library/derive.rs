@@ -99,6 +99,7 @@ impl Wanted {
             tensile_capacity_n: Some(curves.tensile_capacity_n),
             tensile_elongation_m: Some(curves.tensile_elongation_m),
             compressive_capacity_n: Some(curves.compressive_capacity_n),
+            bearing_capacity_n: curves.bearing_capacity_n,
             hinge_offset_m: Some(curves.hinge_offset_m),
             quality: Quality {
                 kinetic_energy_ratio: Some(

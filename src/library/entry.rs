@@ -59,6 +59,9 @@ pub struct Entry {
     /// Axial force at which the section crushes \[N\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compressive_capacity_n: Option<f64>,
+    /// Axial force that the floor at the end does not bear where no column goes on beyond it \[N\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bearing_capacity_n: Option<f64>,
     /// Distance of the hinge from the end section, along the member \[m\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hinge_offset_m: Option<f64>,
@@ -89,6 +92,8 @@ pub struct Computed {
     pub tensile_elongation_m: Option<f64>,
     /// Axial force at which the section crushes \[N\].
     pub compressive_capacity_n: Option<f64>,
+    /// Axial force that the floor at the end does not bear where no column goes on beyond it \[N\].
+    pub bearing_capacity_n: Option<f64>,
     /// Distance of the hinge from the end section, along the member \[m\].
     pub hinge_offset_m: Option<f64>,
     /// How good the curves are.
@@ -147,6 +152,7 @@ impl Entry {
             tensile_capacity_n: computed.tensile_capacity_n,
             tensile_elongation_m: computed.tensile_elongation_m,
             compressive_capacity_n: computed.compressive_capacity_n,
+            bearing_capacity_n: computed.bearing_capacity_n,
             hinge_offset_m: computed.hinge_offset_m,
             quality: computed.quality,
             provenance: Provenance {

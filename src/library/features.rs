@@ -75,6 +75,15 @@ impl EntryKind {
         }
     }
 
+    /// The two ends that a member with such a hinge has; none if it is no matter of kinds.
+    pub fn ends(self) -> Option<[ColumnEnd; 2]> {
+        match self {
+            Self::ColumnHinge | Self::WallHinge => Some([ColumnEnd::Bottom, ColumnEnd::Top]),
+            Self::BeamHinge => Some([ColumnEnd::Lower, ColumnEnd::Upper]),
+            _ => None,
+        }
+    }
+
     /// Whether its resistance is a moment over a rotation (else a force over a displacement).
     pub fn is_bending(self) -> bool {
         matches!(self, Self::ColumnHinge | Self::BeamHinge | Self::WallHinge | Self::SlabYieldLine)

@@ -76,6 +76,9 @@ fn computed(a: &Entry, b: &Entry, share: f64) -> Option<Computed> {
         tensile_capacity_n: both(a.tensile_capacity_n, b.tensile_capacity_n),
         tensile_elongation_m: both(a.tensile_elongation_m, b.tensile_elongation_m),
         compressive_capacity_n: both(a.compressive_capacity_n, b.compressive_capacity_n),
+        bearing_capacity_n: both(a.bearing_capacity_n, b.bearing_capacity_n)
+            .or(a.bearing_capacity_n)
+            .or(b.bearing_capacity_n),
         hinge_offset_m: both(a.hinge_offset_m, b.hinge_offset_m),
         quality: worse(&a.quality, &b.quality),
     })

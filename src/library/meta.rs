@@ -307,6 +307,9 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<Meta> {
     let top = Fields { node: root, table: &META };
     let section = |name: &str, table| top.child(name).map(|node| Fields { node, table });
     let source = section("source", &SOURCE);
+    if let Some(source) = source {
+        named(source, errors);
+    }
     let loading = section("loading", &LOADING);
     let kind = top.text("kind").and_then(EntryKind::of_name);
     let origin = top.text("origin").and_then(Origin::of_name);
@@ -321,7 +324,7 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<Meta> {
         );
     }
     let direction = direction(kind?, loading, errors);
-    let features = features(section("features", &FEATURES)?)?;
+    let features = features(kind?, section("features", &FEATURES)?, errors)?;
     let loading = loading?;
     Some(Meta {
         kind: kind?,
@@ -344,6 +347,19 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<Meta> {
     })
 }
 
+/// A source has a name, and whoever it is of.
+fn named(source: Fields, errors: &mut Vec<Diagnostic>) {
+    for name in ["citation", "by"] {
+        if source.text(name).is_some_and(|text| text.trim().is_empty()) {
+            errors.push(
+                Diagnostic::error("empty", format!("`{name}` is empty"))
+                    .at(source.span(name), "")
+                    .help("say where the curve comes from, and who measured or computed it"),
+            );
+        }
+    }
+}
+
 /// The direction of a spring: as stated, else by its kind.
 fn direction(kind: EntryKind, loading: Option<Fields>, errors: &mut Vec<Diagnostic>) -> Option<Direction> {
     let stated = loading.and_then(|l| l.text("direction"));
@@ -363,7 +379,18 @@ fn direction(kind: EntryKind, loading: Option<Fields>, errors: &mut Vec<Diagnost
     }
 }
 
-fn features(f: Fields) -> Option<Features> {
+fn features(kind: EntryKind, f: Fields, errors: &mut Vec<Diagnostic>) -> Option<Features> {
+    let end = f.text("end").and_then(ColumnEnd::of_name);
+    if let (Some(end), Some(ends)) = (end, kind.ends())
+        && !ends.contains(&end)
+    {
+        let [one, other] = ends.map(ColumnEnd::name);
+        errors.push(
+            Diagnostic::error("wrong-end", format!("a `{}` has no `{}` end", kind.name(), end.name()))
+                .at(f.span("end"), "")
+                .help(format!("write `{one}` or `{other}`, or leave the key out")),
+        );
+    }
     let rc = RcFeatures {
         concrete_strength_pa: f.number("concrete_strength"),
         reinforcement_ratio: f.number("reinforcement_ratio"),
@@ -376,7 +403,7 @@ fn features(f: Fields) -> Option<Features> {
         width_m: f.number("width")?,
         depth_m: f.number("depth")?,
         length_to_inflection_m: f.number("length_to_inflection"),
-        end: f.text("end").and_then(ColumnEnd::of_name),
+        end,
         adjoining: f.text("adjoining").and_then(Adjoining::of_name),
         law: None,
         mesh_size_m: None,

@@ -67,7 +67,11 @@ pub fn scaled(section: &RcSection, mut computed: Computed) -> Computed {
         stiffness.shear_n_m = stiffness.shear_n_m.map(|s| s * factor);
         stiffness.torsion_nm_rad *= factor;
     }
-    for capacity in [&mut computed.tensile_capacity_n, &mut computed.compressive_capacity_n] {
+    for capacity in [
+        &mut computed.tensile_capacity_n,
+        &mut computed.compressive_capacity_n,
+        &mut computed.bearing_capacity_n,
+    ] {
         *capacity = capacity.map(|c| c * factor);
     }
     computed.validity.axial_force_n = computed.validity.axial_force_n.map(|n| n * factor);

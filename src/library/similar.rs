@@ -312,6 +312,7 @@ impl Factors {
             tensile_capacity_n: entry.tensile_capacity_n.map(|n| self.force * n),
             tensile_elongation_m: entry.tensile_elongation_m.map(|u| self.length * u),
             compressive_capacity_n: entry.compressive_capacity_n.map(|n| self.force * n),
+            bearing_capacity_n: entry.bearing_capacity_n.map(|n| self.force * n),
             hinge_offset_m: entry.hinge_offset_m.map(|u| self.length * u),
             quality: entry.quality.clone(),
             validity: Validity { axial_force_n: force, rotation_rad: rotation, displacement_m: None },

@@ -38,6 +38,8 @@ pub struct EndModel {
     pub section_elements: Vec<usize>,
     /// Nodes of the far section with the share of its area that each carries.
     pub tip_nodes: Vec<(usize, f64)>,
+    /// The same of the face of the joint opposite the end, within its section: there a column that goes on bears what this one does. Empty if nothing lies beyond the end.
+    pub opposite_nodes: Vec<(usize, f64)>,
 }
 
 impl EndModel {
@@ -83,6 +85,7 @@ impl EndModel {
         let section_elements =
             own.iter().copied().filter(|e| piece.elements[*e].nodes.iter().any(|n| on(n, at))).collect();
         let tip_nodes = tip_shares(&piece, &own, axis, far);
+        let opposite_nodes = opposite_shares(&piece, part, owner, point_m, outward);
         let across: [f64; 2] = std::array::from_fn(|i| {
             let other = (axis + 1 + i) % 3;
             owner.solid.size()[other]
@@ -99,6 +102,7 @@ impl EndModel {
             section_nodes,
             section_elements,
             tip_nodes,
+            opposite_nodes,
             mesh: piece,
         })
     }
@@ -177,6 +181,28 @@ fn clamp_cut(mesh: &Mesh, keep: &[bool], part: usize, old: &[usize], piece: &mut
             piece.fixed.push(new);
         }
     }
+}
+
+/// Nodes of the face at which the solid beyond an end ends, within the section of the member, with their share of the area.
+fn opposite_shares(
+    mesh: &Mesh,
+    part: usize,
+    owner: &Member,
+    point: [f64; 3],
+    outward: f64,
+) -> Vec<(usize, f64)> {
+    let axis = owner.axis;
+    let is_within = |p: [f64; 3]| {
+        (0..3).all(|i| (p[i] - point[i]).abs() < 0.5 * owner.solid.size()[i] || i == axis)
+            && (p[axis] - point[axis]) * outward < 0.0
+    };
+    let joint: Vec<usize> = (0..mesh.elements.len())
+        .filter(|e| mesh.elements[*e].part != part && is_within(mesh.center(*e)))
+        .collect();
+    let away = |n: &usize| -outward * mesh.nodes[*n][axis];
+    let nodes = joint.iter().flat_map(|e| mesh.elements[*e].nodes);
+    let Some(last) = nodes.max_by(|a, b| away(a).total_cmp(&away(b))) else { return Vec::new() };
+    tip_shares(mesh, &joint, axis, mesh.nodes[last][axis])
 }
 
 /// Nodes of the far section with their share of the area.

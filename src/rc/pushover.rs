@@ -77,8 +77,10 @@ pub struct EndCurves {
     pub torsional_stiffness_nm_rad: f64,
     /// Tension at which the section separates, `σ_y(ε_crit) A` \[N\].
     pub tensile_capacity_n: f64,
-    /// Compression at which the section crushes, or that what it stands on does not bear \[N\].
+    /// Compression at which the section crushes, or that what it stands on does not bear with a column that goes on beyond it either \[N\].
     pub compressive_capacity_n: f64,
+    /// Compression that the floor at the end does not bear where no column goes on beyond it \[N\]; none if it bears all that were tried.
+    pub bearing_capacity_n: Option<f64>,
     /// Plastic elongation at that tension, `ε_crit l`: the law hardens, so that the bar stretches along its whole length \[m\].
     pub tensile_elongation_m: f64,
     /// Difference of the peaks for the two senses of rotation over their mean, larger of both axes.
@@ -110,7 +112,8 @@ pub enum PushoverError {
 
 /// All curves of a member end; `progress` is told after each push (done, all).
 ///
-/// A large compression that what the member stands on does not bear (a thin slab under a strong column) has no push; it bounds the compressive capacity.
+/// A large compression that what the member stands on does not bear (a thin slab under a strong column) passes on into the column beyond it, which the pushes with compressions of more than a tenth of the squash load
+/// then have: the axial force acts on the opposite face of the joint as well. Where no column goes on, it is [`EndCurves::bearing_capacity_n`]. One for which there is no push with that either bounds the compressive capacity.
 ///
 /// # Errors
 /// If a push cannot be made at an axial force of up to a tenth of the squash load, or does not stay finite.
@@ -129,21 +132,30 @@ pub fn derive(
     jobs.extend([(0, 0.1 * squash, -1.0), (1, 0.1 * squash, -1.0)]);
     let done = std::sync::atomic::AtomicUsize::new(0);
     let all = jobs.len();
-    let results: Vec<Result<(Push, f64), PushoverError>> = jobs
-        .par_iter()
-        .map(|(axis, force, sense)| {
-            let result = push(model, *axis, *force, *sense);
-            progress(done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
-            result
-        })
-        .collect();
+    let run = |(axis, force, sense): &(usize, f64, f64), goes_on: bool| {
+        let result = push(model, *axis, *force, *sense, goes_on);
+        let number = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
+        progress(number.min(all), all);
+        result
+    };
+    let is_large = |force_n: f64| force_n > 0.15 * squash;
     let unborne = |r: &Result<_, PushoverError>| match r {
-        Err(PushoverError::Preload { axial_force_n, .. }) => {
-            Some(*axial_force_n).filter(|n| *n > 0.15 * squash)
-        }
+        Err(PushoverError::Preload { axial_force_n, .. }) => Some(*axial_force_n).filter(|n| is_large(*n)),
         _ => None,
     };
-    let limit = results.iter().filter_map(unborne).fold(f64::INFINITY, f64::min);
+    let least = |results: &[Result<_, _>]| results.iter().filter_map(unborne).fold(f64::INFINITY, f64::min);
+    let mut results: Vec<Result<(Push, f64), PushoverError>> =
+        jobs.par_iter().map(|job| run(job, false)).collect();
+    let borne_by_floor = least(&results);
+    if borne_by_floor < f64::INFINITY && !model.opposite_nodes.is_empty() {
+        let redo = |(job, result): (&(usize, f64, f64), &mut Result<_, _>)| {
+            if is_large(job.1) {
+                *result = run(job, true);
+            }
+        };
+        jobs.par_iter().zip(results.par_iter_mut()).for_each(redo);
+    }
+    let limit = least(&results);
     let kept = jobs.iter().zip(results).filter(|((_, force, _), _)| *force < limit);
     let pushes: Vec<(Push, f64)> = kept.map(|(_, result)| result).collect::<Result<_, _>>()?;
     let count = AXIAL_SHARES.iter().filter(|share| **share * squash < limit).count();
@@ -172,6 +184,7 @@ pub fn derive(
         torsional_stiffness_nm_rad: shear_modulus * model.torsion_m4 / model.length_m,
         tensile_capacity_n,
         compressive_capacity_n: tensile_capacity_n.min(limit),
+        bearing_capacity_n: Some(borne_by_floor).filter(|n| *n < f64::INFINITY),
         tensile_elongation_m: rupture * model.length_m,
         asymmetry,
         elements: model.mesh.elements.len(),
@@ -202,7 +215,8 @@ pub fn torsion_constant(section_m: [f64; 2]) -> f64 {
     a * b.powi(3) * (16.0 / 3.0 - 3.36 * b / a * (1.0 - b.powi(4) / (12.0 * a.powi(4))))
 }
 
-/// One push about the direction `axis + 1 + bending` under an axial force \[N\] (compression positive), in the sense 1 or -1; also returns the axial stiffness \[N/m\].
+/// One push about the direction `axis + 1 + bending` under an axial force \[N\] (compression positive), in the sense 1 or -1; also returns the axial stiffness \[N/m\]. `goes_on`: a column beyond the joint bears
+/// the axial force.
 ///
 /// # Errors
 /// If there is no state under the axial force, or the run does not stay finite.
@@ -211,12 +225,18 @@ pub fn push(
     bending: usize,
     axial_force_n: f64,
     sense: f64,
+    goes_on: bool,
 ) -> Result<(Push, f64), PushoverError> {
     let mut body = Dynamics::new(&model.mesh, 0.0, RigidSurfaces::default(), false);
     let apply = |body: &mut Dynamics| {
         let (chord, length) = chord(model, body);
         for (n, share) in &model.tip_nodes {
             body.applied_n[*n] = std::array::from_fn(|i| -axial_force_n * share * chord[i] / length);
+        }
+        // what is along the member passes on; what is across it the floor bears
+        let along = axial_force_n * chord[model.axis] / length;
+        for (n, share) in model.opposite_nodes.iter().filter(|_| goes_on) {
+            body.applied_n[*n][model.axis] = along * share;
         }
     };
     let rest = tip_center(model, &body)[model.axis];

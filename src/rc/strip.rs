@@ -50,7 +50,7 @@ pub fn derive_strip(
     jobs.push((0.0, 1.0));
     let (done, all) = (AtomicUsize::new(0), jobs.len());
     let run = |(force, sense): &(f64, f64)| {
-        let result = push(model, bending, *force, *sense);
+        let result = push(model, bending, *force, *sense, false);
         progress(done.fetch_add(1, Ordering::Relaxed) + 1, all);
         result
     };
@@ -158,6 +158,7 @@ impl EndModel {
             section_nodes,
             section_elements,
             tip_nodes,
+            opposite_nodes: Vec::new(),
             mesh: piece,
         })
     }

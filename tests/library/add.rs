@@ -148,7 +148,7 @@ fn implausible_numbers_and_empty_sources_are_refused() {
     assert!(told("displacement [mm], force [MN]\n0,0\n1,1e6\n").contains("a force of"));
     let nobody = EXAMPLE.replace("by = \"nobody\"", "by = \" \"");
     let words = made(EXAMPLE_CURVE, &nobody).unwrap_err();
-    assert!(words.contains("`by` is empty"), "{words}");
+    assert!(words.contains("`by` is empty") && words.contains("by = \" \""), "{words}");
 }
 
 #[test]
@@ -163,6 +163,9 @@ fn curve_and_description_must_fit_together() {
     );
     let twice = EXAMPLE.replace("# axial_force = \"600 kN\"", "axial_force = \"600 kN\"");
     assert!(made(EXAMPLE_CURVE, &twice).unwrap_err().contains("given twice"));
+    let end = EXAMPLE.replace("end = \"bottom\"", "end = \"lower\"");
+    let told = made(EXAMPLE_CURVE, &end).unwrap_err();
+    assert!(told.contains("a `column_hinge` has no `lower` end") && told.contains("write `bottom` or `top`"));
     let program = EXAMPLE.replace("origin = \"test\"", "origin = \"program\"");
     assert!(made(EXAMPLE_CURVE, &program).unwrap_err().contains("needs the key `program`"));
     let entry = made(springs, &EXAMPLE.replace("\"column_hinge\"", "\"axial_spring\"")).unwrap();

@@ -131,6 +131,7 @@ pub fn computed(seed: u32, levels: u32, points: u32) -> Computed {
         tensile_capacity_n: Some(1.2e6),
         tensile_elongation_m: Some(0.12),
         compressive_capacity_n: Some(1.2e6),
+        bearing_capacity_n: None,
         hinge_offset_m: Some(0.3),
         quality: Quality {
             kinetic_energy_ratio: Some(0.011),
