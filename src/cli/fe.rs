@@ -1,6 +1,6 @@
 //! `fallwerk fe`: the FE run of a building alone, or of a keyword deck.
 
-use super::fe_against::Against;
+use super::fe_against::{Against, Other};
 use super::fe_hybrid;
 use super::fe_places::{self as places, failure, unwritable};
 use super::knowledge::KnowledgeArgs;
@@ -162,6 +162,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     let building = read_building(&arguments.building, arguments.json)?;
     let options = options(arguments, &building)?;
+    let other = arguments.against.as_deref().map(Other::read).transpose()?;
     if let Some(path) = &arguments.write_deck {
         return super::fe_deck::write_building(&building, options.mesh_size_m, [path, &arguments.building]);
     }
@@ -188,9 +189,10 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     progress.finish();
     let mesh_size_m = options.mesh_size_m.unwrap_or(building.settings.mesh_size_m);
     write(&output, &building, &fe, mesh_size_m, "fe")?;
-    let against = arguments.against.as_ref().map(|path| Against::of(path, &fe)).transpose()?;
     places::remove_checkpoint(output.path())?;
     let folder = output.commit().map_err(|e| unwritable(&e))?;
+    // the results are in their place whatever the other run is
+    let against = other.map(|other| Against::of(&other, &fe)).transpose()?;
     let collapsed = fe.tracked.iter().any(|h| fell(&h.displacement_m));
     let unfired = unfired(&building, fe.times_s.last().copied().unwrap_or(0.0));
     let points = fe.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..]));

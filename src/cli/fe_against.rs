@@ -7,7 +7,7 @@ use crate::fe::result::{FeRun, History};
 use crate::validate::measure::at;
 use crate::validate::points::PointErrors;
 use serde::Deserialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is read of an `fe.json`.
 #[derive(Deserialize)]
@@ -20,6 +20,27 @@ struct Reference {
 #[derive(Deserialize)]
 struct Contact {
     first_ground_contact_s: Option<f64>,
+}
+
+/// The run to compare with.
+pub(super) struct Other {
+    path: PathBuf,
+    reference: Reference,
+}
+
+fn bad(path: &Path, what: &str) -> Failure {
+    let path = path.display();
+    Failure::input(format!("--against {path}: {what}; give the fe.json of an FE run of the same building"))
+}
+
+impl Other {
+    /// Reads the `fe.json` at `path`: before a run, which is not to be lost to a wrong name.
+    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+        let text = std::fs::read_to_string(path).map_err(|e| bad(path, &format!("cannot be read: {e}")))?;
+        let reference =
+            json::from_text(&text).map_err(|e| bad(path, &format!("is no result of an FE run: {e}")))?;
+        Ok(Self { path: path.to_path_buf(), reference })
+    }
 }
 
 /// The comparison.
@@ -35,27 +56,20 @@ pub(super) struct Against {
 }
 
 impl Against {
-    /// Compares the tracked points of a run with those in `fe.json` at `path`.
-    pub(super) fn of(path: &Path, run: &FeRun) -> Result<Self, Failure> {
-        let bad = |what: String| {
-            Failure::input(format!(
-                "--against {}: {what}; give the fe.json of an FE run of the same building",
-                path.display()
-            ))
-        };
-        let text = std::fs::read_to_string(path).map_err(|e| bad(format!("cannot be read: {e}")))?;
-        let reference: Reference =
-            json::from_text(&text).map_err(|e| bad(format!("is no result of an FE run: {e}")))?;
+    /// Compares the tracked points of a run with those of another one.
+    pub(super) fn of(other: &Other, run: &FeRun) -> Result<Self, Failure> {
+        let Other { path, reference } = other;
+        let bad = |what: &str| bad(path, what);
         let times = run.times_s.len().min(reference.times_s.len());
         let same = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
         if !run.times_s[..times].iter().zip(&reference.times_s).all(same) {
-            return Err(bad("its outputs are at other times".into()));
+            return Err(bad("its outputs are at other times"));
         }
         for point in &run.tracked {
             let of = reference.tracked.iter().find(|p| p.id == point.id);
-            let of = of.ok_or_else(|| bad(format!("it has no tracked point `{}`", point.id)))?;
+            let of = of.ok_or_else(|| bad(&format!("it has no tracked point `{}`", point.id)))?;
             if of.displacement_m.len() < times {
-                return Err(bad(format!("the history of `{}` is too short", point.id)));
+                return Err(bad(&format!("the history of `{}` is too short", point.id)));
             }
         }
         let history = |id: &str| run.tracked.iter().find(|p| p.id == id).map(|p| &p.displacement_m[..]);

@@ -16,6 +16,8 @@ use toml::Spanned;
 
 /// Version of the file format.
 pub const RULES_SCHEMA: i64 = 1;
+/// Longest id of a rule: it stands in traces and tables.
+const LONGEST_ID: usize = 200;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -157,6 +159,10 @@ impl Reader<'_> {
         let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '-' | '_' | '/');
         if id.is_empty() || !id.chars().all(plain) {
             self.problem(raw.id.span(), format!("id `{id}`: use small letters, digits, `-`, `_` and `/`"));
+        }
+        if id.len() > LONGEST_ID {
+            let message = format!("an id of {} characters: use at most {LONGEST_ID}", id.len());
+            self.problem(raw.id.span(), message);
         }
         if raw.words.get_ref().trim().is_empty() {
             self.problem(raw.words.span(), "`words` must say the rule in plain language".to_string());

@@ -86,6 +86,12 @@ fn faults_of_one_rule_are_named_with_what_would_be_right() {
 }
 
 #[test]
+fn ids_are_no_novels() {
+    assert!(base(&[rule(&"a".repeat(200), &[])]).is_ok());
+    assert!(message(&[rule(&"a".repeat(201), &[])]).contains("an id of 201 characters: use at most 200"));
+}
+
+#[test]
 fn the_mark_stands_below_the_fault() {
     let found = message(&[rule("a", &["when = \"member.kind == 'beam' or membr.charged\""])]);
     let lines: Vec<&str> = found.lines().collect();
