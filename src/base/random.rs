@@ -25,7 +25,7 @@ impl Random {
 
     /// Between two numbers, even over decades.
     pub fn decades(&mut self, a: f64, b: f64) -> f64 {
-        a * (b / a).powf(self.share())
+        a * libm::pow(b / a, self.share())
     }
 
     /// An integer below `n`.

@@ -117,7 +117,7 @@ fn advance(body: &mut Dynamics, cycles: usize) {
 }
 
 fn block(settings: &Settings) -> Dynamics {
-    let n = (settings.elements as f64).cbrt().round().max(1.0) as usize;
+    let n = libm::cbrt(settings.elements as f64).round().max(1.0) as usize;
     let edge = EDGE_M * n as f64;
     let hardening = vec![point(0.0, 10.5e6), point(0.01, 11.55e6), point(0.1, 12.25e6)];
     let mut law = Law { youngs_modulus_pa: 16.5e9, form: settings.form, ..elastic() };

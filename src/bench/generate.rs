@@ -100,7 +100,7 @@ fn medians(all: &[Generated]) -> Vec<(&'static str, f64)> {
 
 /// Exponent with which a time grows from one number of members to another.
 pub fn exponent(members: [usize; 2], times_s: [f64; 2]) -> f64 {
-    (times_s[1] / times_s[0]).ln() / (members[1] as f64 / members[0] as f64).ln()
+    libm::log(times_s[1] / times_s[0]) / libm::log(members[1] as f64 / members[0] as f64)
 }
 
 /// The table as Markdown: a column a frame, and the exponent between the last and the largest with a tenth of its members.

@@ -512,7 +512,7 @@ fn mesh(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
                 .at(span, show(size, Dimension::Length))
                 .help(format!(
                     "with {} it is below {:.0e}",
-                    show(round_to_digits(1.05 * (volume / MAX_ELEMENTS).cbrt(), 2), Dimension::Length),
+                    show(round_to_digits(1.05 * libm::cbrt(volume / MAX_ELEMENTS), 2), Dimension::Length),
                     MAX_ELEMENTS
                 ));
         found.push(error);

@@ -56,7 +56,7 @@ pub(super) fn cosine_and_sine(degrees: f64) -> [f64; 2] {
             return turn;
         }
     }
-    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincos(degrees.to_radians());
     [cosine, sine]
 }
 

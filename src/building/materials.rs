@@ -342,7 +342,7 @@ fn check_bars(bars: &[Placed<Bar>], size: [f64; 2], tie_diameter: f64, found: &m
     }
     for (i, a) in bars.iter().enumerate() {
         for b in &bars[i + 1..] {
-            let distance = (a.item.x_m - b.item.x_m).hypot(a.item.y_m - b.item.y_m);
+            let distance = libm::hypot(a.item.x_m - b.item.x_m, a.item.y_m - b.item.y_m);
             let needed = 0.5 * (a.item.diameter_m + b.item.diameter_m);
             if distance < needed - 1e-9 {
                 let message = format!("two bars overlap: their centres are {} apart", mm(distance));

@@ -125,7 +125,7 @@ fn rounded_down(x: f64) -> f64 {
     }
     let digits = |value: f64| format!("{value:.8e}").parse().unwrap_or(value);
     let near: f64 = digits(x);
-    if near <= x { near } else { digits(near - 10f64.powi(near.log10().floor() as i32 - 8)) }
+    if near <= x { near } else { digits(near - 10f64.powi(libm::log10(near).floor() as i32 - 8)) }
 }
 
 #[cfg(test)]

@@ -80,7 +80,7 @@ impl CyclicRule {
         if rest <= energy_j {
             return 0.0;
         }
-        1.0 - (energy_j.max(0.0) / rest).powf(self.energy_exponent)
+        1.0 - libm::pow(energy_j.max(0.0) / rest, self.energy_exponent)
     }
 
     /// Unloading stiffness over the elastic one at the largest rotation reached \[rad\], without the part of the energy.
@@ -88,7 +88,7 @@ impl CyclicRule {
         if reached_rad <= self.yield_rotation_rad {
             return 1.0;
         }
-        (self.yield_rotation_rad / reached_rad).powf(self.unloading_exponent)
+        libm::pow(self.yield_rotation_rad / reached_rad, self.unloading_exponent)
     }
 
     /// The rule between this one and another, linear in the share of the other in each of its numbers; what was fitted is not said of it.

@@ -55,8 +55,8 @@ pub fn fit(
         let sum: f64 = pairs.map(|(e, s)| (s - measured(e)) * (s - measured(e))).sum();
         (sum / number as f64).sqrt()
     };
-    let [low, high] = REFERENCE_RAD.map(f64::ln);
-    let at = |i: u32| (low + (high - low) * f64::from(i) / f64::from(SEARCH)).exp();
+    let [low, high] = REFERENCE_RAD.map(libm::log);
+    let at = |i: u32| libm::exp(low + (high - low) * f64::from(i) / f64::from(SEARCH));
     let mut best = f64::INFINITY;
     for i in 0..=SEARCH {
         let tried = CyclicRule { strength_reference_rad: at(i), ..rule };
@@ -107,8 +107,10 @@ fn stiffnesses(
     for e in excursions {
         reached = reached.max(e.rotation_rad.abs());
         if let Some(unloading) = e.unloading_nm_rad.filter(|_| reached > yield_rotation_rad) {
-            points
-                .push([(reached / yield_rotation_rad).ln(), (backbone.stiffness_nm_rad() / unloading).ln()]);
+            points.push([
+                libm::log(reached / yield_rotation_rad),
+                libm::log(backbone.stiffness_nm_rad() / unloading),
+            ]);
         }
     }
     points

@@ -286,7 +286,7 @@ impl Hinge2 {
         let left = if share > self.begins { (1.0 - share) / (1.0 - self.begins) } else { 1.0 };
         let flow = self.flow_rad.map(|flow| left * flow);
         (0..2).for_each(|k| self.plastic_rad[k] -= flow[k]);
-        self.alpha_rad = (self.alpha_rad - flow[0].hypot(flow[1])).max(0.0);
+        self.alpha_rad = (self.alpha_rad - libm::hypot(flow[0], flow[1])).max(0.0);
     }
 
     /// How much shorter the flow of its last step made the member by normality ([`CapacityTable::shortening_m`]) \[m\].

@@ -21,7 +21,7 @@ impl ResistanceCurve {
             return self.clone();
         }
         let lever_m = |turn_rad: f64| {
-            let (sin, cos) = turn_rad.sin_cos();
+            let (sin, cos) = libm::sincos(turn_rad);
             let chord_m = (offset_m * offset_m + arm_m * arm_m + 2.0 * offset_m * arm_m * cos).sqrt();
             offset_m * arm_m * sin / chord_m
         };

@@ -30,8 +30,8 @@ impl Rate {
 
     /// That of a flow in a direction, by those along two axes.
     pub fn along([a, b]: [Self; 2], direction: [f64; 2]) -> Self {
-        let length = direction[0].hypot(direction[1]);
-        let slowness = (direction[0] / a.doubled).hypot(direction[1] / b.doubled);
+        let length = libm::hypot(direction[0], direction[1]);
+        let slowness = libm::hypot(direction[0] / a.doubled, direction[1] / b.doubled);
         if slowness > 0.0 { Self { doubled: length / slowness, ..a } } else { a }
     }
 

@@ -22,13 +22,13 @@ pub fn word(id: &str) -> String {
 
 /// Euler angles 3-1-3 of a matrix whose columns are the turned axes \[rad\].
 pub fn euler_313(r: &M3) -> V3 {
-    let across = r[0][2].hypot(r[1][2]);
-    let b = across.atan2(r[2][2]);
+    let across = libm::hypot(r[0][2], r[1][2]);
+    let b = libm::atan2(across, r[2][2]);
     if across > 1e-12 {
-        [r[0][2].atan2(-r[1][2]), b, r[2][0].atan2(r[2][1])]
+        [libm::atan2(r[0][2], -r[1][2]), b, libm::atan2(r[2][0], r[2][1])]
     } else {
         // the two turns about z are one: all of it is the first
-        [r[1][0].atan2(r[0][0]), b, 0.0]
+        [libm::atan2(r[1][0], r[0][0]), b, 0.0]
     }
 }
 

@@ -62,7 +62,7 @@ impl ConcretePoints {
                 continue;
             };
             let volume = super::hexahedron::volume_m3(&element.nodes.map(|n| mesh.nodes[n]));
-            let steps = (volume.cbrt() / LENGTH_STEP_M).round().max(1.0);
+            let steps = (libm::cbrt(volume) / LENGTH_STEP_M).round().max(1.0);
             let next = this.points.len() as u32;
             let index = *known.entry((element.law, steps as u64, element.smear.to_bits())).or_insert(next);
             if index == next {

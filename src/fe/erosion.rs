@@ -380,7 +380,7 @@ pub fn principal_strain(reference: &[Vec3; 8], x: &[Vec3; 8]) -> f64 {
         dot(f[1], f[2]),
         dot(f[2], f[0]),
     ];
-    0.5 * largest_eigenvalue(&c).ln()
+    0.5 * libm::log(largest_eigenvalue(&c))
 }
 
 /// Largest eigenvalue of a symmetric 3 x 3 matrix `xx, yy, zz, xy, yz, zx` (Smith 1961, Commun. ACM 4, 168).
@@ -394,6 +394,6 @@ fn largest_eigenvalue(a: &[f64; 6]) -> f64 {
     }
     let determinant = d[0] * (d[1] * d[2] - a[4] * a[4]) - a[3] * (a[3] * d[2] - a[4] * a[5])
         + a[5] * (a[3] * a[4] - d[1] * a[5]);
-    let angle = (0.5 * determinant / (spread * spread * spread)).clamp(-1.0, 1.0).acos() / 3.0;
-    mean + 2.0 * spread * angle.cos()
+    let angle = libm::acos((0.5 * determinant / (spread * spread * spread)).clamp(-1.0, 1.0)) / 3.0;
+    mean + 2.0 * spread * libm::cos(angle)
 }

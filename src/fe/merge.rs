@@ -171,7 +171,7 @@ fn placed(kept: &[f64], faces: [f64; 2]) -> [f64; 2] {
 
 /// By how much, as the absolute value of a logarithm, a length or volume changes; infinite if nothing is left of it.
 fn change(real: f64, meshed: f64) -> f64 {
-    if meshed > 0.0 { (real / meshed).ln().abs() } else { f64::INFINITY }
+    if meshed > 0.0 { libm::log(real / meshed).abs() } else { f64::INFINITY }
 }
 
 /// Change of the length of a member along an axis.
@@ -185,7 +185,7 @@ fn length_change(member: &Member, kept: &[f64], axis: usize) -> f64 {
 fn most_lost(building: &Building, apart: &[bool], kept: &[Vec<f64>; 3], real_m3: &[f64]) -> Option<usize> {
     let meshed_m3 =
         Partition::on_planes(&moved(building, apart, kept), kept.clone()).volumes(building.members.len());
-    let most = MOST_CHANGE.ln() + 1e-9;
+    let most = libm::log(MOST_CHANGE) + 1e-9;
     let lost = |index: &usize| {
         let member = &building.members[*index];
         !apart[*index]
@@ -229,7 +229,7 @@ fn face_to_keep(
             building.members.iter().zip(apart).filter(|(m, apart)| !**apart && (!touching || meets(m)));
         others.flat_map(|(m, _)| m.openings.iter().chain([&m.solid]).copied()).collect()
     };
-    let mut changed = axes.iter().filter(|axis| by(**axis) > 0.5 * MOST_CHANGE.ln());
+    let mut changed = axes.iter().filter(|axis| by(**axis) > 0.5 * libm::log(MOST_CHANGE));
     changed
         .find_map(|axis| farthest(&[own.solid], &[*axis]))
         .or_else(|| farthest(&own.openings, &[0, 1, 2]))

@@ -181,7 +181,7 @@ fn measure(nodes: &[Point; 8], step_s: f64) -> Measures {
         let angle = |a: usize, b: usize, c: usize, d: usize| {
             let one = cross(minus(p[b], p[a]), minus(p[c], p[a]));
             let other = cross(minus(p[c], p[a]), minus(p[d], p[a]));
-            length(cross(one, other)).atan2(dot(one, other)).to_degrees()
+            libm::atan2(length(cross(one, other)), dot(one, other)).to_degrees()
         };
         angle(0, 1, 2, 3).max(angle(1, 2, 3, 0))
     });

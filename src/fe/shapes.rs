@@ -147,7 +147,7 @@ fn o_grid(radius_m: f64, refine: usize) -> (Vec<[f64; 2]>, Vec<[usize; 4]>) {
     for ring in 1..=rings {
         for (k, (i, j)) in rim.iter().enumerate() {
             let (inner, angle) = (core(*i, *j), std::f64::consts::TAU * (k as f64 / around as f64 - 0.375));
-            let outer = [radius_m * angle.cos(), radius_m * angle.sin()];
+            let outer = [radius_m * libm::cos(angle), radius_m * libm::sin(angle)];
             let share = ring as f64 / rings as f64;
             plane.push(std::array::from_fn(|a| inner[a] + share * (outer[a] - inner[a])));
         }

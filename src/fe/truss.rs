@@ -86,7 +86,7 @@ impl Bar {
 
     /// Logarithmic strain since the start.
     pub fn strain(&self) -> f64 {
-        (self.length_m[1] / self.length_m[0]).ln()
+        libm::log(self.length_m[1] / self.length_m[0])
     }
 
     /// Axial stiffness over length, `E A / l` \[N/m\], at a length \[m\].
@@ -107,7 +107,7 @@ impl Bar {
 
     /// Takes it to a new length \[m\].
     fn stretch(&mut self, length_m: f64, table: &HardeningTable, step: KernelStep) {
-        let strain = (length_m / self.length_m[1]).ln();
+        let strain = libm::log(length_m / self.length_m[1]);
         let trial = self.stress_pa + self.youngs_modulus_pa * strain;
         let third = self.youngs_modulus_pa / 3.0; // E in the place of 3 G
         let (increment, _) = if table.has_rate() && step.viscous {

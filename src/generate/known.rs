@@ -221,7 +221,7 @@ impl<'a> Site<'a> {
         let gap = |o: &Obstacle, i: usize| {
             (o.solid.min[i] - member.solid.max[i]).max(member.solid.min[i] - o.solid.max[i]).max(0.0)
         };
-        let distances = self.building.obstacles.iter().map(|o| gap(o, 0).hypot(gap(o, 1)));
+        let distances = self.building.obstacles.iter().map(|o| libm::hypot(gap(o, 0), gap(o, 1)));
         distances.reduce(f64::min).filter(|_| top_m > 0.0).map(|distance| distance / top_m)
     }
 

@@ -133,7 +133,7 @@ impl Panel {
     /// Its springs between the bodies of a floor.
     pub fn springs(&self, cuts: &[Cut], bodies: &[Body], yielding: &mut YieldingEnds) -> [Bushing; 2] {
         let [a, b] = self.sides_m;
-        let length_m = a.hypot(b);
+        let length_m = libm::hypot(a, b);
         let stiffness_nm_rad = self.stiffness_nm_rad();
         let width_m = 0.5 * self.share * self.poisson * length_m;
         // beside an opening a cut may have no slab at the faces of its columns

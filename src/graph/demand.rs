@@ -334,9 +334,9 @@ fn utilisation(moment_nm: [f64; 2], axial_ratio: f64, at: impl Fn(f64) -> ([f64;
         let (capacity_nm, exponent) = at(share);
         let of = |i: usize| match moment_nm[i].abs() {
             0.0 => 0.0,
-            moment => (share * moment / capacity_nm[i].max(0.0)).min(BEYOND).powf(exponent),
+            moment => libm::pow((share * moment / capacity_nm[i].max(0.0)).min(BEYOND), exponent),
         };
-        (of(0) + of(1)).powf(1.0 / exponent) - 1.0
+        libm::pow(of(0) + of(1), 1.0 / exponent) - 1.0
     };
     let capacity_nm = if axial_ratio < 1.0 { at(1.0).0.map(|c| c.max(0.0)) } else { [0.0; 2] };
     if moment_nm == [0.0; 2] {

@@ -48,12 +48,12 @@ pub fn bending_n_m2(section: &BeamSection, stretch: &Stretch) -> [f64; 2] {
     let rate = PI / stretch.span_m * (acts / (1.0 - acts)).sqrt();
     // moments of e^{-α d} over the stretch, which begins at the edge and has length one
     let z = rate * length_m;
-    let end = (-z).exp();
+    let end = libm::exp(-z);
     let zeroth = (1.0 - end) / z;
     let first = (1.0 - end * (1.0 + z)) / (z * z);
     let (mut turn, mut across) = (1.0, 1.0);
     for beyond in stretch.beyond_m.iter().flatten() {
-        let more = slip * with / (1.0 + (rate * beyond).tanh());
+        let more = slip * with / (1.0 + libm::tanh(rate * beyond));
         turn += more * zeroth;
         // M = 1 - 2 x, three times its integral
         across += 3.0 * more * (zeroth - 2.0 * first);

@@ -365,7 +365,7 @@ impl Split {
 pub fn between(low: f64, high: f64) -> f64 {
     let middle = 0.5 * low + 0.5 * high;
     let size = low.abs().max(high.abs()).max(f64::MIN_POSITIVE);
-    let first = -(size.log10().ceil() as i32);
+    let first = -(libm::log10(size).ceil() as i32);
     for digits in first..first + 17 {
         let text = if digits > 0 {
             format!("{middle:.*}", digits as usize)

@@ -126,7 +126,7 @@ pub(super) fn log_ratio(a: f64, b: f64) -> f64 {
     if (a - b).abs() <= 1e-9 * a.abs().max(b.abs()) {
         0.0
     } else if a / b > 0.0 {
-        (a / b).ln().abs()
+        libm::log(a / b).abs()
     } else {
         f64::INFINITY
     }

@@ -257,7 +257,7 @@ impl Size {
     }
 
     fn distance_across(&self, other: &Self) -> f64 {
-        let ratio = |a: f64, b: f64| (a / b).ln().abs();
+        let ratio = |a: f64, b: f64| libm::log(a / b).abs();
         ratio(self.depth_m, other.depth_m)
             + ratio(self.width_m / self.depth_m, other.width_m / other.depth_m)
             + 0.5 * ratio(self.length_m / self.depth_m, other.length_m / other.depth_m)

@@ -200,7 +200,7 @@ impl FibreSection {
 impl<'a> Cut<'a> {
     fn of(section: &'a FibreSection, direction_rad: f64) -> Self {
         let input = &section.input;
-        let (sin, cos) = direction_rad.sin_cos();
+        let (sin, cos) = libm::sincos(direction_rad);
         let core = Confinement::of(input).map_or([0.0; 2], |c| c.core_m);
         let fibres = if sin.abs() < 1e-9 {
             strips(input.size_m, core)

@@ -39,7 +39,7 @@ impl ConcreteLimits {
         let beyond_mpa = (strength_pa.min(LARGEST_PA) - ORDINARY_PA) / 1e6;
         let short = ((LARGEST_PA - strength_pa).max(0.0) / 1e8).powi(4);
         Self {
-            strain_c2: 1e-3 * (2.0 + 0.085 * beyond_mpa.powf(0.53)).min(2.6 + 35.0 * short),
+            strain_c2: 1e-3 * (2.0 + 0.085 * libm::pow(beyond_mpa, 0.53)).min(2.6 + 35.0 * short),
             strain_cu2: 1e-3 * (2.6 + 35.0 * short),
             exponent: 1.4 + 23.4 * short,
         }
@@ -51,7 +51,7 @@ impl ConcreteLimits {
             return 0.0;
         }
         let short = 1.0 - strain.min(self.strain_c2) / self.strain_c2;
-        if self.exponent == 2.0 { 1.0 - short * short } else { 1.0 - short.powf(self.exponent) }
+        if self.exponent == 2.0 { 1.0 - short * short } else { 1.0 - libm::pow(short, self.exponent) }
     }
 }
 

@@ -189,7 +189,7 @@ pub fn qexp(r: V3) -> Q {
         exp_series(s2)
     } else {
         let s = s2.sqrt();
-        (0.5 * s.sin() / s, s.cos())
+        (0.5 * libm::sin(s) / s, libm::cos(s))
     };
     [c, half_sinc * r[0], half_sinc * r[1], half_sinc * r[2]]
 }
@@ -221,7 +221,7 @@ pub fn qlog_factor(q: Q) -> f64 {
         log_factor(s2, q[0])
     } else {
         let s = s2.sqrt();
-        if s < 1e-150 { 2.0 } else { 2.0 * s.atan2(q[0]) / s }
+        if s < 1e-150 { 2.0 } else { 2.0 * libm::atan2(s, q[0]) / s }
     }
 }
 

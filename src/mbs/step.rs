@@ -419,7 +419,7 @@ fn turn(r: V3, v: V3) -> V3 {
         turn_series(r2)
     } else {
         let s = r2.sqrt();
-        (s.sin() / s, (1.0 - s.cos()) / r2)
+        (libm::sin(s) / s, (1.0 - libm::cos(s)) / r2)
     };
     turn_by(r, v, factors)
 }

@@ -277,7 +277,7 @@ impl RcMember {
                 if low.abs() < SAME_M {
                     let onto = truss.nodes[0];
                     let at = self.mesh.nodes[onto];
-                    let away = |b: &&Bar| (b.x_m - at[0]).hypot(b.y_m - at[1]);
+                    let away = |b: &&Bar| libm::hypot(b.x_m - at[0], b.y_m - at[1]);
                     let nearest = bars.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
                     let diameter_m = nearest.map_or(0.02, |b| b.diameter_m);
                     let law = anchorage.of_bar(steel, diameter_m, strength_pa).law();

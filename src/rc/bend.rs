@@ -203,7 +203,7 @@ pub fn bend(
         anchored,
         cover,
         bars: BarBending::of(member),
-        direction: [angle.cos(), angle.sin()],
+        direction: [libm::cos(angle), libm::sin(angle)],
         rest_m: 0.0,
         axial_n: bend.axial_n,
         plane: (member.joint == Joint::Symmetry).then(|| Plane::of(member)),

@@ -48,7 +48,8 @@ impl Leg {
         if self.is_first && since < self.rise_s {
             return self.speed_rad_s * (since / self.rise_s);
         }
-        let share = |part: f64, whole: f64| if part < whole { (0.5 * PI * part / whole).sin() } else { 1.0 };
+        let share =
+            |part: f64, whole: f64| if part < whole { libm::sin(0.5 * PI * part / whole) } else { 1.0 };
         self.speed_rad_s * share(since, self.rise_s) * share(left.max(0.0), self.fall_s)
     }
 }

@@ -321,7 +321,7 @@ impl Run<'_> {
 
     /// Motion of the upper section at a speed \[m/s or rad/s\].
     fn motion(&self, speed: f64) -> Motion {
-        let (sin, cos) = self.load.direction_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.load.direction_deg.to_radians());
         match self.load.drive {
             Drive::Crush => Motion { along_m_s: Some(-speed), ..Motion::default() },
             Drive::Tension => Motion { along_m_s: Some(speed), ..Motion::default() },
@@ -333,7 +333,7 @@ impl Run<'_> {
     /// Resistance \[N or N m\].
     fn resistance(&self) -> f64 {
         let [lower, upper] = [0, 1].map(|i: usize| self.plates[i].resultants(&self.body));
-        let (sin, cos) = self.load.direction_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.load.direction_deg.to_radians());
         let mean = |i: usize| 0.5 * (upper.force_n[i] - lower.force_n[i]);
         match self.load.drive {
             Drive::Crush => -mean(2),

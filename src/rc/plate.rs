@@ -69,7 +69,7 @@ impl Plate {
     /// Takes the last step's motion of the section to the nearest one that it can have.
     pub fn hold(&mut self, body: &mut Dynamics, motion: &Motion) {
         let dt = body.taken_s;
-        let (sin, cos) = self.turned_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.turned_rad);
         let along = motion.along_m_s.unwrap_or_else(|| self.mean_along_m_s(body));
         let rigid = |x: &[f64; 3]| {
             let arm = [x[0] - self.moved_m[0], x[1] - self.moved_m[1]];

@@ -199,14 +199,14 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
 
 /// An envelope over chord rotation about the end section, described about a point `c` further along the member.
 pub(super) fn moved(points: &[[f64; 2]], length: f64, c: f64) -> Vec<[f64; 2]> {
-    let turn = |r: f64| (length * r.sin()).atan2(length * r.cos() - c);
+    let turn = |r: f64| libm::atan2(length * libm::sin(r), length * libm::cos(r) - c);
     points.iter().map(|[r, m]| [turn(*r), m * (1.0 - c / length)]).collect()
 }
 
 /// Pole of a plane motion: `p`, `q` two positions of a point and `angle` the rotation between them, in a frame whose first axis
 /// points along the member. Returns its coordinate along the member.
 fn pole(p: [f64; 2], q: [f64; 2], angle: f64) -> f64 {
-    0.5 * (p[0] + q[0]) - 0.5 * (q[1] - p[1]) / (0.5 * angle).tan()
+    0.5 * (p[0] + q[0]) - 0.5 * (q[1] - p[1]) / libm::tan(0.5 * angle)
 }
 
 /// Torsion constant of a rectangle (Roark's formulas for stress and strain, table 10.1, case 4) \[m⁴\].
@@ -255,7 +255,7 @@ pub fn push(
     let (mut told, mut sinks_rad) = ([0.0; 2], None);
     loop {
         let rotation = chord_rotation(model, &body, start, direction);
-        let speed = speed_at(body.time_s) * model.length_m * rotation.cos().max(0.1);
+        let speed = speed_at(body.time_s) * model.length_m * libm::cos(rotation).max(0.1);
         for n in &guides {
             body.prescribed_m_s[*n][direction] = Some(sense * speed);
         }
@@ -392,7 +392,7 @@ fn tip_pose(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize
             along += share * sign * body.x[*n][model.axis];
         }
     }
-    let rotation = (-model.outward * along * side.signum()).atan2(across);
+    let rotation = libm::atan2(-model.outward * along * side.signum(), across);
     ([model.outward * (tip[model.axis] - model.point_m[model.axis]), side.abs()], rotation)
 }
 
@@ -400,7 +400,7 @@ fn tip_pose(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize
 pub(super) fn chord_rotation(model: &EndModel, body: &Dynamics, start: [f64; 3], direction: usize) -> f64 {
     let tip = tip_center(model, body);
     let along = model.outward * (tip[model.axis] - model.point_m[model.axis]);
-    ((tip[direction] - start[direction]).abs()).atan2(along.max(0.05 * model.length_m))
+    libm::atan2((tip[direction] - start[direction]).abs(), along.max(0.05 * model.length_m))
 }
 
 /// Moment of the end section that resists the push \[N m\].

@@ -261,7 +261,7 @@ fn fitting(section: RcSection) -> Result<RcSection, String> {
     for (i, a) in bars.iter().enumerate() {
         if bars[i + 1..]
             .iter()
-            .any(|b| (a.x_m - b.x_m).hypot(a.y_m - b.y_m) < 0.5 * (a.diameter_m + b.diameter_m) - 1e-9)
+            .any(|b| libm::hypot(a.x_m - b.x_m, a.y_m - b.y_m) < 0.5 * (a.diameter_m + b.diameter_m) - 1e-9)
         {
             return Err(format!("{}: two bars overlap", section.name));
         }

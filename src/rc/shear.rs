@@ -73,7 +73,7 @@ impl Sheared {
 
 /// Axis of a direction \[deg\]: 0 along x, 1 along y.
 pub fn axis_of(direction_deg: f64) -> usize {
-    let (sin, cos) = direction_deg.to_radians().sin_cos();
+    let (sin, cos) = libm::sincos(direction_deg.to_radians());
     usize::from(sin.abs() > cos.abs())
 }
 
@@ -90,8 +90,8 @@ pub fn en_without_ties_n(section: &RcSection, axis: usize, axial_n: f64) -> f64 
     let s = Sheared::of_section(section, axis, axial_n);
     let k = (1.0 + (0.2 / s.effective_m).sqrt()).min(2.0);
     let ratio = (s.tension_m2 / (s.width_m * s.effective_m)).min(0.02);
-    let least = 0.035 * k.powf(1.5) * s.strength_mpa.sqrt();
-    let own = 0.18 * k * (100.0 * ratio * s.strength_mpa).cbrt();
+    let least = 0.035 * libm::pow(k, 1.5) * s.strength_mpa.sqrt();
+    let own = 0.18 * k * libm::cbrt(100.0 * ratio * s.strength_mpa);
     let pressed = 0.15 * s.pressed_mpa.min(0.2 * s.strength_mpa);
     (own.max(least) + pressed).max(0.0) * s.width_m * s.effective_m * 1e6
 }

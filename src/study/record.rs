@@ -115,7 +115,7 @@ impl Motion {
 fn points(tracked: &[History], every: usize) -> Vec<PointMotion> {
     let all = tracked.iter().flat_map(|h| &h.displacement_m).flatten();
     let largest_mm = 1e3 * all.fold(0.0, |most: f64, x| most.max(x.abs()));
-    let digits = (COARSE_MM / largest_mm).log10().ceil().clamp(0.0, 3.0) as i32;
+    let digits = libm::log10(COARSE_MM / largest_mm).ceil().clamp(0.0, 3.0) as i32;
     let (per_mm, per_m) = (10f64.powi(digits), 10f64.powi(3 + digits));
     let of = |h: &History| PointMotion {
         id: h.id.clone(),

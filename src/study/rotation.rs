@@ -94,7 +94,7 @@ impl EndZone {
 /// The angle by which bending takes the axis of a member off that of its joint \[rad\]; twist about the axis, which no hinge describes, is left out.
 fn bending(member: &Matrix3<f64>, joint: &Matrix3<f64>, axis: usize) -> f64 {
     let (member, joint) = (member.column(axis), joint.column(axis));
-    member.cross(&joint).norm().atan2(member.dot(&joint))
+    libm::atan2(member.cross(&joint).norm(), member.dot(&joint))
 }
 
 /// Elements of the joint behind an end; of a free end those of other members beside it; none if the end is held.

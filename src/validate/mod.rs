@@ -285,7 +285,7 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
             let turns = |until_s: f64| {
                 let outputs = mbs.times_s.partition_point(|t| *t <= until_s);
                 let rotations = turned.into_iter().flat_map(|h| h.rotation_rad.iter().take(outputs));
-                rotations.map(|[a, b]| a.hypot(*b)).fold(0.0, f64::max) > TURNED_RAD
+                rotations.map(|[a, b]| libm::hypot(*a, *b)).fold(0.0, f64::max) > TURNED_RAD
             };
             let both = |fe: Option<bool>, until_s: f64| Some(Both { fe: fe?, mbs: turns(until_s) });
             SiteComparison {

@@ -12,7 +12,7 @@ pub fn number(x: f64) -> String {
     if !x.is_finite() {
         return x.to_string();
     }
-    let exponent = x.abs().log10().floor() as i32;
+    let exponent = libm::log10(x.abs()).floor() as i32;
     if !(-4..7).contains(&exponent) {
         let text = format!("{x:.4e}");
         let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));

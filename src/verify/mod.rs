@@ -10,6 +10,7 @@
 //! | `suite` | cases, their choice by name, running them side by side |
 //! | `manual` | the table for a terminal, the JSON list, the Markdown page |
 //! | `columns` | tested columns of reinforced concrete: data |
+//! | `rotation` | rotation matrices, the same on all processors |
 //! | `fe/` | the cases of the explicit finite element solver |
 //! | `mbs/` | the cases of the multibody solver |
 //! | `rc/` | the cases of reinforced concrete: material point, bar, section, member end, tested columns |
@@ -20,6 +21,7 @@ pub mod figure;
 pub mod manual;
 pub mod mbs;
 pub mod rc;
+mod rotation;
 pub mod suite;
 
 pub use figure::{Figure, Tolerance};

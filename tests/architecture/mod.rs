@@ -1,7 +1,8 @@
-//! Holds the source to its design: direction of use between modules, tables that name every module, length of files, no
-//! paths of some machine.
+//! Holds the source to its design: direction of use between modules, tables that name every module, length of files, elementary
+//! functions of one library, no paths of some machine.
 
 mod check;
+mod elementary;
 mod pages;
 mod table;
 mod tokens;

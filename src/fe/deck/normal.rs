@@ -50,7 +50,7 @@ pub(super) fn least_step_of_element(step_s: f64, safety: f64) -> f64 {
 /// the two then keeps its digits.
 pub(super) fn head_of(wall: &RigidPlane) -> [f64; 3] {
     let far = wall.point_m.iter().fold(1.0_f64, |a, c| a.max(c.abs()));
-    let scale = far.log2().ceil().exp2();
+    let scale = libm::exp2(libm::log2(far).ceil());
     std::array::from_fn(|i| wall.point_m[i] + scale * wall.normal[i])
 }
 

@@ -27,7 +27,7 @@ pub fn effective_width_m(outstand_m: f64, span_m: f64, poisson: f64) -> f64 {
     if t < NARROW {
         return outstand_m / (1.0 - poisson * poisson);
     }
-    let (s, c) = (t.sinh(), t.cosh());
+    let (s, c) = (libm::sinh(t), libm::cosh(t));
     2.0 * s * s / (wave * (1.0 + poisson) * ((3.0 - poisson) * s * c - (1.0 + poisson) * t))
 }
 

@@ -96,7 +96,7 @@ impl Builder<'_> {
     fn nearest_to(&self, cell: &Aabb, carriers: &[usize], places: &Boxes) -> Vec<usize> {
         let (mut flat, center, size) = (*cell, cell.center(), cell.size());
         (flat.min[2], flat.max[2]) = (0.0, 0.0);
-        let half = 0.5 * size[0].hypot(size[1]);
+        let half = 0.5 * libm::hypot(size[0], size[1]);
         let mut reach = half + LOAD_BIN_M;
         loop {
             let found = places.near(&flat, reach);
@@ -161,7 +161,7 @@ impl Builder<'_> {
             for (point, force) in Samples::of(cell, weight).each() {
                 let distance = |n: usize| {
                     let at = self.nodes[n].point_m;
-                    (at[0] - point[0]).hypot(at[1] - point[1])
+                    libm::hypot(at[0] - point[0], at[1] - point[1])
                 };
                 let least = nodes.iter().map(|n| distance(*n)).fold(f64::INFINITY, f64::min);
                 let near: Vec<usize> =

@@ -88,7 +88,7 @@ impl Span {
 
     /// Length of its centre line over a metre along `axis`.
     fn stretch(&self) -> f64 {
-        if self.skew == 0.0 { 1.0 } else { self.skew.hypot(1.0) }
+        if self.skew == 0.0 { 1.0 } else { libm::hypot(self.skew, 1.0) }
     }
 }
 

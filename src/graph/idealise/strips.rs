@@ -87,7 +87,7 @@ impl Builder<'_> {
         let member = self.member(slab);
         let mut line = member.solid.center();
         (line[0], line[1]) = (from[0], from[1]);
-        let stretch = skew.hypot(1.0);
+        let stretch = libm::hypot(skew, 1.0);
         let aside = |p: [f64; 2]| (p[across] - from[across] - skew * (p[axis] - from[axis])) / stretch;
         let corners = corners(&member.solid).map(aside);
         let edges =

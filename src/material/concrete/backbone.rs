@@ -207,7 +207,7 @@ fn compressive_line(law: &ConcreteLaw, length_m: f64) -> Result<Vec<[f64; 2]>, L
     let power = e * span / (fc - limit);
     let rising = (0..=RISING).map(|i| {
         let left = 1.0 - i as f64 / RISING as f64;
-        [e0 - span * left, fc - (fc - limit) * left.powf(power)]
+        [e0 - span * left, fc - (fc - limit) * libm::pow(left, power)]
     });
     let mut line: Vec<[f64; 2]> = rising.collect();
     let before = 0.5 * limit * limit / e + area(&line);
@@ -215,8 +215,8 @@ fn compressive_line(law: &ConcreteLaw, length_m: f64) -> Result<Vec<[f64; 2]>, L
     let falling: Vec<[f64; 2]> = (1..=FALLING)
         .map(|i| {
             let x = LAST * i as f64 / FALLING as f64;
-            let end = (-LAST).exp();
-            [x, ((-x).exp() - end) / (1.0 - end)]
+            let end = libm::exp(-LAST);
+            [x, (libm::exp(-x) - end) / (1.0 - end)]
         })
         .collect();
     let unit = area(&falling) + 0.5 * falling[0][0] * (1.0 + falling[0][1]);
@@ -240,8 +240,8 @@ fn tensile_line(law: &ConcreteLaw, length_m: f64) -> Result<(Vec<f64>, Vec<f64>)
         return Ok(points.iter().map(|p| (p[0], p[1])).unzip());
     }
     let hordijk = |x: f64| {
-        let tail = (-6.93f64).exp();
-        (1.0 + 27.0 * x * x * x) * (-6.93 * x).exp() - x * 28.0 * tail
+        let tail = libm::exp(-6.93);
+        (1.0 + 27.0 * x * x * x) * libm::exp(-6.93 * x) - x * 28.0 * tail
     };
     let shape: Vec<[f64; 2]> = OPENINGS.iter().map(|x| [*x, hordijk(*x).max(0.0)]).collect();
     let ft = law.tensile_strength_pa;

@@ -118,9 +118,9 @@ impl ConcreteLaw {
     /// the least that the law takes: `1.4 f_c / E`, within 12 % of `ε_c1 = 0.7 f^0.31` ‰ of the same table.
     pub fn of_strength(compressive_strength_pa: f64) -> Self {
         let mpa = compressive_strength_pa * 1e-6;
-        let tensile_strength_pa = 0.3e6 * mpa.powf(2.0 / 3.0);
-        let fracture_energy_j_m2 = 73.0 * mpa.powf(0.18);
-        let youngs_modulus_pa = 22e9 * (mpa / 10.0).powf(0.3);
+        let tensile_strength_pa = 0.3e6 * libm::pow(mpa, 2.0 / 3.0);
+        let fracture_energy_j_m2 = 73.0 * libm::pow(mpa, 0.18);
+        let youngs_modulus_pa = 22e9 * libm::pow(mpa / 10.0, 0.3);
         Self {
             density_kg_m3: 2400.0,
             youngs_modulus_pa,
@@ -145,7 +145,7 @@ impl ConcreteLaw {
             crushing_energy_j_m2: compression * self.crushing_energy_j_m2,
             tensile_strength_pa: tension * self.tensile_strength_pa,
             fracture_energy_j_m2: tension * self.fracture_energy_j_m2,
-            youngs_modulus_pa: (rate_1_s.abs() / 30e-6).max(1.0).powf(0.026) * self.youngs_modulus_pa,
+            youngs_modulus_pa: libm::pow((rate_1_s.abs() / 30e-6).max(1.0), 0.026) * self.youngs_modulus_pa,
             ..self.clone()
         }
     }
@@ -223,13 +223,13 @@ pub const CRUSHING_ENERGY_J_M2: f64 = 25e3;
 /// Compressive strength at a strain rate over the static one, fib Model Code 2010, eq. 5.1-112.
 pub fn compression_rate_factor(rate_1_s: f64) -> f64 {
     let ratio = (rate_1_s.abs() / 30e-6).max(1.0);
-    if rate_1_s.abs() <= 30.0 { ratio.powf(0.014) } else { 0.012 * ratio.cbrt() }
+    if rate_1_s.abs() <= 30.0 { libm::pow(ratio, 0.014) } else { 0.012 * libm::cbrt(ratio) }
 }
 
 /// Tensile strength at a strain rate over the static one, fib Model Code 2010, eq. 5.1-114.
 pub fn tension_rate_factor(rate_1_s: f64) -> f64 {
     let ratio = (rate_1_s.abs() / 1e-6).max(1.0);
-    if rate_1_s.abs() <= 10.0 { ratio.powf(0.018) } else { 0.0062 * ratio.cbrt() }
+    if rate_1_s.abs() <= 10.0 { libm::pow(ratio, 0.018) } else { 0.0062 * libm::cbrt(ratio) }
 }
 
 #[cfg(test)]

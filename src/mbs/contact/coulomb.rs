@@ -46,13 +46,13 @@ impl Single {
     /// The only direction across the normal in which joints let the point move, if they hold it in the other one.
     fn plane(&self) -> Option<f64> {
         let [p, q, across] = [self.k[1][1], self.k[2][2], 0.5 * (self.k[1][2] + self.k[2][1])];
-        let (mean, off) = (0.5 * (p + q), (0.5 * (p - q)).hypot(across));
-        (mean - off < HELD * (mean + off)).then(|| 0.5 * across.atan2(0.5 * (p - q)))
+        let (mean, off) = (0.5 * (p + q), libm::hypot(0.5 * (p - q), across));
+        (mean - off < HELD * (mean + off)).then(|| 0.5 * libm::atan2(across, 0.5 * (p - q)))
     }
 
     /// [`Self::sticks`] where it moves in one direction only.
     fn sticks_in(&self, angle: f64) -> Option<V3> {
-        let d = [0.0, angle.cos(), angle.sin()];
+        let d = [0.0, libm::cos(angle), libm::sin(angle)];
         let (of_n, of_t) = (math::mul(&self.k, [1.0, 0.0, 0.0]), math::mul(&self.k, d));
         let [a, b, c, e] = [of_n[0], of_t[0], math::dot(d, of_n), math::dot(d, of_t)];
         let (n, t) = (self.target - self.free[0], -math::dot(d, self.free));
@@ -65,13 +65,13 @@ impl Single {
     fn sticks(&self) -> Option<V3> {
         let wanted = math::sub([self.target, 0.0, 0.0], self.free);
         let p = math::mul(&math::inverse(&self.k), wanted);
-        let across = p[1].hypot(p[2]);
+        let across = libm::hypot(p[1], p[2]);
         (p[0] >= 0.0 && across <= self.friction * p[0]).then_some(p)
     }
 
     /// The impulse under friction against a direction of slip, and the velocity of slip that it leaves; none if the point is not held by one that pushes.
     fn against(&self, angle: f64) -> Option<(V3, [f64; 2])> {
-        let d = [angle.cos(), angle.sin()];
+        let d = [libm::cos(angle), libm::sin(angle)];
         let unit = [1.0, -self.friction * d[0], -self.friction * d[1]];
         let moved = math::mul(&self.k, unit);
         let normal = (self.target - self.free[0]) / moved[0];
@@ -82,13 +82,13 @@ impl Single {
     /// The impulse against a direction, if the point slips on in it.
     fn ahead(&self, angle: f64) -> Option<V3> {
         let (p, u) = self.against(angle)?;
-        (angle.cos() * u[0] + angle.sin() * u[1] >= 0.0).then_some(p)
+        (libm::cos(angle) * u[0] + libm::sin(angle) * u[1] >= 0.0).then_some(p)
     }
 
     fn slips(&self) -> Option<V3> {
         let aside = |angle: f64| {
             let (_, u) = self.against(angle)?;
-            Some(angle.cos() * u[1] - angle.sin() * u[0])
+            Some(libm::cos(angle) * u[1] - libm::sin(angle) * u[0])
         };
         // half of a division off the axes, on which the roots of plane motions are
         let angle = |k: usize| TAU * (k as f64 + 0.5) / DIRECTIONS as f64;

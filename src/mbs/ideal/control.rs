@@ -58,7 +58,11 @@ impl Marcher {
             }
             let exact = self.fixed_s.is_some() || error <= 1.0 || step <= EVENT_S;
             if let Some(touching) = self.touching.as_mut().filter(|_| !(short && exact)) {
-                touching.advise(if exact { step * error.max(1e-3).powf(-1.0 / 3.0) } else { 0.5 * step });
+                touching.advise(if exact {
+                    step * libm::pow(error.max(1e-3), -1.0 / 3.0)
+                } else {
+                    0.5 * step
+                });
             }
             if exact && !self.breaks(step) && !self.turns_over(step, tolerance) {
                 if let Some(touching) = &mut self.touching {
@@ -91,7 +95,7 @@ impl Marcher {
         if error > 1.0 {
             self.tally.steps[1] += 1;
             self.ceiling = step * CEILING[0];
-            self.step = step * (CAUTION * sized.powf(-1.0 / order)).clamp(CHANGE[0], 1.0);
+            self.step = step * (CAUTION * libm::pow(sized, -1.0 / order)).clamp(CHANGE[0], 1.0);
             self.repeated = true;
             return Ok(None);
         }
@@ -102,7 +106,7 @@ impl Marcher {
             return Ok(None);
         }
         // with the error of the step before, so that steps settle at a bound of stability instead of trying it again and again
-        let by_both = sized.powf(-PROPORTIONAL / order) * self.before.powf(INTEGRAL / order);
+        let by_both = libm::pow(sized, -PROPORTIONAL / order) * libm::pow(self.before, INTEGRAL / order);
         let most = if self.repeated { 1.0 } else { CHANGE[1] };
         (self.before, self.repeated) = (sized, false);
         self.ceiling *= CEILING[1];
@@ -150,5 +154,5 @@ pub(super) fn error(
 pub(super) fn first_step(state: &[f64], rate: &[f64], tolerance: f64) -> f64 {
     let size = |v: &f64| 1.0 + v.abs();
     let fastest = state.iter().zip(rate).map(|(s, r)| r.abs() / size(s)).fold(0.0, f64::max);
-    0.1 * tolerance.powf(0.2) / fastest.max(1e-3)
+    0.1 * libm::pow(tolerance, 0.2) / fastest.max(1e-3)
 }

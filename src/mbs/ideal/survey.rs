@@ -168,7 +168,7 @@ impl Motion {
         // a start without symmetry, and the same in every run
         let mut motion: Vec<[V3; 2]> = (0..self.mass.len())
             .map(|b| {
-                let at = |i: usize| ((12.9898 * (6 * b + i + 1) as f64).sin() * 43_758.545).fract();
+                let at = |i: usize| (libm::sin(12.9898 * (6 * b + i + 1) as f64) * 43_758.545).fract();
                 [[at(0), at(1), at(2)], [at(3), at(4), at(5)]]
             })
             .collect();

@@ -49,14 +49,14 @@ impl Turn {
         if sine < ALONE && before > PI {
             // no axis of its own
             let axis = scale(1.0 / before, last);
-            let angle = nearest(2.0 * dot(v, axis).atan2(w), before);
+            let angle = nearest(2.0 * libm::atan2(dot(v, axis), w), before);
             return Self { theta: scale(angle, axis), coefficient: 0.0 };
         }
         if sine < f64::MIN_POSITIVE {
             return Self { theta: [0.0; 3], coefficient: 1.0 / 12.0 };
         }
         let axis = scale(1.0 / sine, v);
-        let angle = nearest(2.0 * sine.atan2(w), dot(last, axis));
+        let angle = nearest(2.0 * libm::atan2(sine, w), dot(last, axis));
         // of the quaternion that belongs to this number of revolutions
         let factor = angle / sine;
         Self { theta: scale(angle, axis), coefficient: tangent_coefficient(angle * angle, factor, w) }
@@ -114,7 +114,7 @@ impl Twist {
         let along = dot(v, axis);
         let cosine2 = (w * w + along * along).max(f64::MIN_POSITIVE);
         let both = axpy(axpy(scale(w * w, axis), w, cross(v, axis)), along, v);
-        let angle = nearest(2.0 * along.atan2(w), last);
+        let angle = nearest(2.0 * libm::atan2(along, w), last);
         Self { angle, gradient: scale(1.0 / cosine2, both), cosine2 }
     }
 

@@ -203,7 +203,7 @@ impl Scene {
         let Point { seed, number } = *point;
         let most = MOST_COLUMNS / ((bays[0] + 1) * (bays[1] + 1));
         // low buildings more often: a storey more costs as much as they do
-        let storeys = 1 + (MOST_STOREYS * point.at(Of::Storeys).powf(1.5)) as usize;
+        let storeys = 1 + (MOST_STOREYS * libm::pow(point.at(Of::Storeys), 1.5)) as usize;
         let storeys = storeys.min(most);
         let spans = [Of::SpanX, Of::SpanY].map(|of| point.module(of, SPAN_M));
         let uneven = point.is(Of::Uneven, 0.2);

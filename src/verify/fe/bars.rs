@@ -140,7 +140,7 @@ fn rupture() -> Result<Vec<Figure>, String> {
         body.step(false);
     }
     let last = yield_pa + modulus * critical;
-    let stretched = (body.trusses.bars[0].length_m[1]).ln();
+    let stretched = libm::log(body.trusses.bars[0].length_m[1]);
     let work =
         1e-4 * (yield_pa * critical + 0.5 * modulus * critical * critical + 0.5 * last * last / STEEL_PA);
     let stored = body.trusses.internal_j();

@@ -168,8 +168,9 @@ fn timoshenko_1_s() -> f64 {
         let root = ((r2 - s2) * (r2 - s2) + 4.0 / (b * b)).sqrt();
         let alpha = ((root - (r2 + s2)) / 2.0).sqrt();
         let beta = ((root + (r2 + s2)) / 2.0).sqrt();
-        let first = (b * b * (r2 - s2) * (r2 - s2) + 2.0) * (b * alpha).cosh() * (b * beta).cos();
-        let second = b * (r2 + s2) / (1.0 - b * b * r2 * s2).sqrt() * (b * alpha).sinh() * (b * beta).sin();
+        let first = (b * b * (r2 - s2) * (r2 - s2) + 2.0) * libm::cosh(b * alpha) * libm::cos(b * beta);
+        let second =
+            b * (r2 + s2) / (1.0 - b * b * r2 * s2).sqrt() * libm::sinh(b * alpha) * libm::sin(b * beta);
         2.0 + first - second
     };
     let (mut low, mut high) = (1.0, 3.6); // Euler: 3.516

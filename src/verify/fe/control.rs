@@ -59,7 +59,7 @@ fn rate_factor() -> Result<Vec<Figure>, String> {
     };
     let source = "σ_y (1 + (ε̇ / C)^(1/P)), Cowper and Symonds 1957";
     let figure = |rate_1_s: f64| {
-        let expected = YIELD_PA * (1.0 + (rate_1_s / rate.c_1_s).powf(1.0 / rate.p));
+        let expected = YIELD_PA * (1.0 + libm::pow(rate_1_s / rate.c_1_s, 1.0 / rate.p));
         let name = format!("flow stress at {rate_1_s} 1/s");
         Figure::relative(name, "Pa", [expected, stretched(rate_1_s)], 1e-4, source)
     };

@@ -7,8 +7,9 @@ use crate::fe::dynamics::Dynamics;
 use crate::fe::mesh::Mesh;
 use crate::fe::preload::equilibrate;
 use crate::fe::shapes::{distort, elastic, grid, nearest};
+use crate::verify::rotation::rotation;
 use crate::verify::{Case, Figure};
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::Vector3;
 
 const YOUNG_PA: f64 = 30e9;
 const SHEAR_PA: f64 = 12.5e9;
@@ -82,13 +83,13 @@ fn patch_test(form: &TestedForm) -> Result<Vec<Figure>, String> {
 
 fn finite_rotation(form: &TestedForm) -> Result<Vec<Figure>, String> {
     let mesh = distorted(2, form);
-    let axis = Unit::new_normalize(Vector3::new(1.0, 2.0, -1.5));
+    let axis = Vector3::new(1.0, 2.0, -1.5).normalize();
     let turn = |stretch: f64| {
         let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
         let place = |n: usize, angle: f64| {
             let x = mesh.nodes[n];
             let stretched = Vector3::new(x[0] * (1.0 + stretch), x[1], x[2]);
-            <[f64; 3]>::from(Rotation3::from_axis_angle(&axis, angle) * stretched)
+            <[f64; 3]>::from(rotation(angle * axis) * stretched)
         };
         deform(&mut body, |n| place(n, 0.0));
         let forces = |body: &Dynamics| (0..body.x.len()).map(|n| body.internal_n(n)).collect::<Vec<_>>();

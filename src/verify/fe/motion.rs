@@ -4,8 +4,9 @@ use super::body::{Crossings, add_motion, center, change, missing_j, momenta, sto
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 use crate::fe::shapes::{Random, bilinear, distort, elastic, grid, ground, nearest};
+use crate::verify::rotation::rotation;
 use crate::verify::{Case, Figure};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 const GRAVITY_M_S2: f64 = 9.81;
 const CONSERVED: &str = "conservation";
@@ -143,17 +144,17 @@ fn tumbling() -> Result<Vec<Figure>, String> {
     while body.time_s < 1.0 {
         body.step(false);
         last = edge(&body, sides).y;
-        turned = turned.max(last.acos().to_degrees());
+        turned = turned.max(libm::acos(last).to_degrees());
     }
     let exact = rigid_rotation(inertia, Vector3::from(spin), body.time_s);
-    let angle = |a: Vector3<f64>, b: Vector3<f64>| a.cross(&b).norm().atan2(a.dot(&b)).to_degrees();
+    let angle = |a: Vector3<f64>, b: Vector3<f64>| libm::atan2(a.cross(&b).norm(), a.dot(&b)).to_degrees();
     let off = angle(edge(&body, ends), exact.column(0).into());
-    let middle = exact.column(1).y.acos().to_degrees();
+    let middle = libm::acos(exact.column(1).y).to_degrees();
     Ok(vec![
         Figure::absolute(
             "tilt of the middle axis",
             "deg",
-            [middle, last.acos().to_degrees()],
+            [middle, libm::acos(last).to_degrees()],
             0.5,
             "Euler's equations",
         ),
@@ -176,7 +177,7 @@ fn falling_rod(degrees: f64, factor: f64) -> Result<Vec<Figure>, String> {
     let pivot = |p: [f64; 3]| p[2] == 0.0 && (p[0] - 0.5 * width).abs() < 1e-9;
     let mut mesh = grid([2, 1, 20], [width, width, height], law, pivot);
     let tip = nearest(&mesh, [0.5 * width, 0.0, height]);
-    let tilt = Rotation3::from_axis_angle(&Vector3::y_axis(), f64::to_radians(degrees));
+    let tilt = rotation(f64::to_radians(degrees) * Vector3::y());
     for p in &mut mesh.nodes {
         *p = (tilt * Vector3::new(p[0] - 0.5 * width, p[1], p[2])).into();
     }
@@ -189,7 +190,7 @@ fn falling_rod(degrees: f64, factor: f64) -> Result<Vec<Figure>, String> {
     }
     let time = *down.times_s.first().ok_or("the rod did not fall")?;
     let exact = factor * (height / GRAVITY_M_S2).sqrt();
-    let fastest = (3.0 * GRAVITY_M_S2 * height * f64::to_radians(degrees).cos()).sqrt();
+    let fastest = (3.0 * GRAVITY_M_S2 * height * libm::cos(f64::to_radians(degrees))).sqrt();
     Ok(vec![
         Figure::relative("time to the horizontal", "s", [exact, time], 0.005, "rigid rod, elliptic integral"),
         Figure::relative("tip speed", "m/s", [fastest, speed], 0.005, "sqrt(3 g H cos θ0)"),

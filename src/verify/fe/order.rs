@@ -45,13 +45,13 @@ fn bending(form: &TestedForm, tolerance: f64) -> Result<Vec<Figure>, String> {
         for (n, p) in mesh.nodes.iter().enumerate() {
             let hold = |holds: bool| holds.then_some(0.0);
             body.prescribed_m_s[n] = [hold(p[0] == 0.0), Some(0.0), hold(p[0] == 10.0)];
-            body.applied_n[n][2] = -body.mass_kg[n] * (std::f64::consts::PI * p[0] / 20.0).cos();
+            body.applied_n[n][2] = -body.mass_kg[n] * libm::cos(std::f64::consts::PI * p[0] / 20.0);
         }
         equilibrate(&mut body)?;
         let middle = nearest(&mesh, [0.0, 0.5, 0.5]);
         sunk.push(mesh.nodes[middle][2] - body.x[middle][2]);
     }
-    let order = ((sunk[0] - sunk[1]) / (sunk[1] - sunk[2])).abs().log2();
+    let order = libm::log2(((sunk[0] - sunk[1]) / (sunk[1] - sunk[2])).abs());
     Ok(vec![Figure::absolute("order of the deflection", "-", [2.0, order], tolerance, THEORY)])
 }
 
@@ -66,7 +66,7 @@ fn frequency() -> Result<Vec<Figure>, String> {
         let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
         fix_step(&mut body, 5e-6);
         for (v, x) in body.v.iter_mut().zip(&mesh.nodes) {
-            v[0] = 1e-3 * (number * std::f64::consts::FRAC_PI_2 * x[0] / length).sin();
+            v[0] = 1e-3 * libm::sin(number * std::f64::consts::FRAC_PI_2 * x[0] / length);
         }
         let mut zero = Crossings::default();
         while zero.times_s.len() < 5 && body.time_s < 0.1 {
@@ -75,7 +75,7 @@ fn frequency() -> Result<Vec<Figure>, String> {
         }
         errors.push(zero.frequency_1_s()? / exact - 1.0);
     }
-    let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
+    let orders = [libm::log2(errors[0] / errors[1]), libm::log2(errors[1] / errors[2])];
     Ok(vec![
         Figure::absolute("order, 5 to 10 elements", "-", [2.0, orders[0]], 0.15, THEORY),
         Figure::absolute("order, 10 to 20 elements", "-", [2.0, orders[1]], 0.1, THEORY),
@@ -100,10 +100,10 @@ fn time() -> Result<Vec<Figure>, String> {
         for _ in 0..steps {
             body.step(false);
         }
-        let exact = 1e-3 / omega * (omega * body.time_s).sin();
+        let exact = 1e-3 / omega * libm::sin(omega * body.time_s);
         errors.push((body.x[top[0]][0] - mesh.nodes[top[0]][0] - exact).abs() * omega / 1e-3);
     }
-    let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
+    let orders = [libm::log2(errors[0] / errors[1]), libm::log2(errors[1] / errors[2])];
     Ok(vec![
         Figure::absolute("order, 80 to 160 steps", "-", [2.0, orders[0]], 0.1, THEORY),
         Figure::absolute("order, 160 to 320 steps", "-", [2.0, orders[1]], 0.1, THEORY),

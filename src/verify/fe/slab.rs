@@ -192,7 +192,7 @@ pub fn respond(setup: &Setup) -> Result<Response, String> {
     }
     sound(&body)?;
     let [strained, hourglass, _] = body.blocks.energies_j();
-    let strain = |t: &usize| body.trusses.bars[*t].strain().exp() - 1.0;
+    let strain = |t: &usize| libm::exp(body.trusses.bars[*t].strain()) - 1.0;
     let mut strains = [0.0_f64; 2];
     for bar in &model.bars {
         let each: Vec<f64> = bar.iter().map(strain).collect();

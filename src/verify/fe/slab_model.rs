@@ -83,7 +83,7 @@ pub fn pressure_pa(load: Load, time_s: f64) -> f64 {
     match load {
         Load::Exponential => {
             let x = time_s / DURATION_S;
-            PEAK_PA * (1.0 - x) * (-decay() * x).exp()
+            PEAK_PA * (1.0 - x) * libm::exp(-decay() * x)
         }
         Load::Record => {
             let i = RECORD.partition_point(|p| p[0] <= 1e3 * time_s).clamp(1, RECORD.len() - 1);
@@ -101,7 +101,7 @@ fn decay() -> f64 {
     let (mut low, mut high) = (0.01_f64, 50.0_f64);
     for _ in 0..60 {
         let b = 0.5 * (low + high);
-        let impulse = 1.0 / b - (1.0 - (-b).exp()) / (b * b);
+        let impulse = 1.0 / b - (1.0 - libm::exp(-b)) / (b * b);
         if impulse > IMPULSE_PA_S / (PEAK_PA * DURATION_S) { low = b } else { high = b }
     }
     low

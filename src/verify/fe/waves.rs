@@ -114,7 +114,7 @@ fn axial_frequencies() -> Result<Vec<Figure>, String> {
         let number = f64::from(2 * mode - 1);
         let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
         for (v, x) in body.v.iter_mut().zip(&mesh.nodes) {
-            v[0] = 1e-3 * (number * std::f64::consts::FRAC_PI_2 * x[0] / length).sin();
+            v[0] = 1e-3 * libm::sin(number * std::f64::consts::FRAC_PI_2 * x[0] / length);
         }
         let mut zero = Crossings::default();
         while zero.times_s.len() < 5 && body.time_s < 0.1 {

@@ -45,7 +45,7 @@ fn figures() -> Result<Vec<Figure>, String> {
                 figures.push(time("yields", [yields_s, found_yields_s]));
                 figures.push(time("breaks", [breaks_s, found_breaks_s]));
                 let [w, _, y, _] = last(&result).orientation[0];
-                let angle = [rotation, 2.0 * y.atan2(w)];
+                let angle = [rotation, 2.0 * libm::atan2(y, w)];
                 figures.push(Figure::absolute(name("rotation"), "rad", angle, off, SOURCE));
                 figures.push(energy(&result, 1e-3));
             }
@@ -58,7 +58,7 @@ fn figures() -> Result<Vec<Figure>, String> {
 fn known(fracture_rad: f64) -> [f64; 3] {
     let rate = (STIFFNESS_NM_RAD / INERTIA_KG_M2).sqrt();
     let (yield_rad, slower) = (CAPACITY_NM / STIFFNESS_NM_RAD, CAPACITY_NM / INERTIA_KG_M2);
-    let yields_s = (yield_rad * rate / RATE_RAD_S).asin() / rate;
+    let yields_s = libm::asin(yield_rad * rate / RATE_RAD_S) / rate;
     let at_yield = (RATE_RAD_S.powi(2) - (yield_rad * rate).powi(2)).sqrt();
     let left = (at_yield * at_yield - 2.0 * slower * fracture_rad).sqrt();
     let breaks_s = yields_s + (at_yield - left) / slower;

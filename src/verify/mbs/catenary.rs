@@ -82,7 +82,7 @@ pub fn between_two(capacity_nm: f64, shear_n_m: f64) -> Model {
     };
     let curve = ResistanceCurve { stiffness_nm_rad, levels: vec![level], cyclic: None };
     m.curves.insert("end".into(), curve);
-    let side_m = (MASS_KG / 2500.0_f64).cbrt();
+    let side_m = libm::cbrt(MASS_KG / 2500.0);
     m.bodies.push(solid("mass", 2500.0, [side_m; 3], [0.0; 3]));
     for side in [-1.0, 1.0] {
         let ends = ["start", "end"].map(|place| format!("{place} {side}"));
@@ -109,7 +109,7 @@ pub fn between_two(capacity_nm: f64, shear_n_m: f64) -> Model {
 
 /// How much longer a beam is \[m\].
 fn longer_m(v: f64) -> f64 {
-    v.hypot(LENGTH_M) - LENGTH_M
+    libm::hypot(v, LENGTH_M) - LENGTH_M
 }
 
 /// Half of the period of the struck mass \[s\]; `v = A sin φ` takes the pole at the turning point away.
@@ -119,7 +119,7 @@ fn half_period(amplitude: f64) -> f64 {
     let speed = |v: f64| (SPEED_M_S.powi(2) - 2.0 * AXIAL_N_M / MASS_KG * longer_m(v).powi(2)).sqrt();
     let at = |i: u32| {
         let phi = (f64::from(i) + 0.5) * width;
-        amplitude * phi.cos() / speed(amplitude * phi.sin())
+        amplitude * libm::cos(phi) / speed(amplitude * libm::sin(phi))
     };
     2.0 * width * (0..COUNT).map(at).sum::<f64>()
 }

@@ -144,11 +144,11 @@ impl Tower {
     /// Square of the angular velocity and angular acceleration at a tilt \[rad²/s², rad/s²\]: energy and moment of momentum of a rigid prism.
     fn motion(&self, tilt: f64) -> [f64; 2] {
         let (high, offset) = (0.5 * self.height_m, self.offset_m());
-        let lever = high.hypot(offset);
+        let lever = libm::hypot(high, offset);
         let inertia = (self.height_m.powi(2) + self.side_m.powi(2)) / 12.0 + lever * lever;
-        let past = tilt - offset.atan2(high);
-        let fallen = lever * ((tilt - past).cos() - past.cos());
-        [self.spin_rad_s.powi(2) + 2.0 * G * fallen / inertia, G * lever * past.sin() / inertia]
+        let past = tilt - libm::atan2(offset, high);
+        let fallen = lever * (libm::cos(tilt - past) - libm::cos(past));
+        [self.spin_rad_s.powi(2) + 2.0 * G * fallen / inertia, G * lever * libm::sin(past) / inertia]
     }
 
     /// Moment \[N m\] and axial force \[N\], compression positive, of the section at a share of the height: the equations of motion of the part above.
@@ -157,8 +157,8 @@ impl Tower {
         let (offset, up) = (self.offset_m(), 0.5 * (1.0 + share) * self.height_m);
         let (mass, length) = (self.weight_n() / G * (1.0 - share), self.height_m * (1.0 - share));
         // the centre of the part lies `up` above and `offset` behind what the tower turns about
-        let across = acceleration * up + rate2 * offset - G * tilt.sin();
-        let along = acceleration * offset - rate2 * up + G * tilt.cos();
+        let across = acceleration * up + rate2 * offset - G * libm::sin(tilt);
+        let along = acceleration * offset - rate2 * up + G * libm::cos(tilt);
         let own = mass * (self.side_m.powi(2) + length * length) / 12.0;
         [own * acceleration + mass * across * 0.5 * length, mass * along]
     }
@@ -258,7 +258,7 @@ impl Tower {
             _ => None,
         });
         let (time_s, joint) = opens.ok_or("no section opens")?;
-        let tilt = |i: usize| 2.0 * result.frames[i].orientation[0][2].asin();
+        let tilt = |i: usize| 2.0 * libm::asin(result.frames[i].orientation[0][2]);
         let after = result.times_s.partition_point(|t| *t < time_s).clamp(1, result.times_s.len() - 1);
         let [from, to] = [result.times_s[after - 1], result.times_s[after]];
         let tilt_rad = tilt(after - 1) + (time_s - from) / (to - from) * (tilt(after) - tilt(after - 1));
@@ -287,12 +287,12 @@ fn rod() -> Result<Vec<Figure>, String> {
     let own = Tower { lever_m: 0.0, ..blocks(150.0, 30, 0.5 / 27.0) };
     let (found, result) = own.run(&own.breaks()?)?;
     let before = result.times_s.partition_point(|t| *t < found.time_s) - 1;
-    let sine = (2.0 * result.frames[before].orientation[0][2].asin()).sin();
+    let sine = libm::sin(2.0 * libm::asin(result.frames[before].orientation[0][2]));
     let off = |(i, history): (usize, &crate::mbs::result::HingeHistory)| {
         let x = (i + 1) as f64 / own.blocks as f64;
         let moment = history.moment_nm[before];
         let shape = 0.25 * own.weight_n() * own.height_m * sine * x * (1.0 - x).powi(2);
-        (moment[0].hypot(moment[1]) - shape).abs() / own.bond_nm
+        (libm::hypot(moment[0], moment[1]) - shape).abs() / own.bond_nm
     };
     let worst = result.hinges.iter().enumerate().map(off).fold(0.0, f64::max);
     Ok(vec![

@@ -200,7 +200,7 @@ fn tilted(friction: f64, restitution: f64, end_s: f64) -> Model {
     m.contact.planes.push(ObstaclePlane {
         id: "slope".into(),
         point_m: [0.0; 3],
-        normal: [2.0 * tilt.sin(), 0.0, 2.0 * tilt.cos()],
+        normal: [2.0 * libm::sin(tilt), 0.0, 2.0 * libm::cos(tilt)],
         friction,
         restitution,
     });
@@ -212,11 +212,12 @@ fn incline() -> Result<Vec<Figure>, String> {
     let mut figures = Vec::new();
     for friction in [0.0, 0.3, 0.57, 0.58] {
         let mut m = tilted(friction, 0.0, 1.0);
-        let at = [0.2 * tilt.sin(), 0.0, 0.2 * tilt.cos()];
-        solid(&mut m, at, [1.0, 1.0, 0.4]).orientation = [(0.5 * tilt).cos(), 0.0, (0.5 * tilt).sin(), 0.0];
+        let at = [0.2 * libm::sin(tilt), 0.0, 0.2 * libm::cos(tilt)];
+        solid(&mut m, at, [1.0, 1.0, 0.4]).orientation =
+            [libm::cos(0.5 * tilt), 0.0, libm::sin(0.5 * tilt), 0.0];
         let result = run(&m)?;
         let way = math::norm(math::sub(last(&result).position_m[0], at));
-        let exact = 0.5 * (G * (tilt.sin() - friction * tilt.cos())).max(0.0);
+        let exact = 0.5 * (G * (libm::sin(tilt) - friction * libm::cos(tilt))).max(0.0);
         figures.push(Figure::absolute(
             format!("way in 1 s, friction {friction}"),
             "m",
@@ -233,11 +234,11 @@ fn roll() -> Result<Vec<Figure>, String> {
     let mut figures = Vec::new();
     for (friction, acceleration, spin) in [(0.4, 3.503571, 3.503571), (0.1, 4.055429, 2.123927)] {
         let mut m = tilted(friction, 0.0, 0.5);
-        let at = [0.5 * tilt.sin(), 0.0, 0.5 * tilt.cos()];
+        let at = [0.5 * libm::sin(tilt), 0.0, 0.5 * libm::cos(tilt)];
         ball(&mut m, 10.0, 0.5, at);
         let result = run(&m)?;
         let way = math::norm(math::sub(last(&result).position_m[0], at));
-        let turn = 2.0 * last(&result).orientation[0][0].abs().min(1.0).acos();
+        let turn = 2.0 * libm::acos(last(&result).orientation[0][0].abs().min(1.0));
         figures.push(Figure::relative(
             format!("way, friction {friction}"),
             "m",
@@ -303,24 +304,26 @@ fn elastic() -> Result<Vec<Figure>, String> {
 
 fn rocking() -> Result<Vec<Figure>, String> {
     let (b, h) = (0.2_f64, 1.75_f64);
-    let radius = b.hypot(h);
-    let alpha = (b / h).atan();
+    let radius = libm::hypot(b, h);
+    let alpha = libm::atan(b / h);
     let p2 = 0.75 * G / radius;
     let mut m = model(1.2, 5e-4);
     m.contact.ground = ground(2.0, 0.0);
     let start = 0.6 * alpha;
     // Turned about the lower edge at x = b: the centre moves on a circle about it.
     let lean = alpha - start;
-    let column = solid(&mut m, [b - radius * lean.sin(), 0.0, radius * lean.cos()], [0.4, 0.4, 3.5]);
-    column.orientation = [(0.5 * start).cos(), 0.0, (0.5 * start).sin(), 0.0];
+    let column =
+        solid(&mut m, [b - radius * libm::sin(lean), 0.0, radius * libm::cos(lean)], [0.4, 0.4, 3.5]);
+    column.orientation = [libm::cos(0.5 * start), 0.0, libm::sin(0.5 * start), 0.0];
     let result = run(&m)?;
-    let angle = |i: usize| 2.0 * result.frames[i].orientation[0][2].asin();
+    let angle = |i: usize| 2.0 * libm::asin(result.frames[i].orientation[0][2]);
     let speed = |i: usize| (angle(i + 1) - angle(i - 1)) / 1e-3;
     let hit = (1..result.frames.len()).find(|i| angle(*i) <= 0.0).ok_or("it does not come back")?;
     let quarter = 5e-4 * (hit as f64 - 4.0) - angle(hit - 4) / speed(hit - 4);
     // Speed at the impact from that at an angle, by the energy on either side.
-    let at_impact =
-        |i: usize| (speed(i).powi(2) + 2.0 * p2 * ((alpha - angle(i).abs()).cos() - alpha.cos())).sqrt();
+    let at_impact = |i: usize| {
+        (speed(i).powi(2) + 2.0 * p2 * (libm::cos(alpha - angle(i).abs()) - libm::cos(alpha))).sqrt()
+    };
     let (before, after) = (at_impact(hit - 20), at_impact(hit + 20));
     Ok(vec![
         Figure::relative("time to the impact", "s", [0.76683327, quarter], 2e-4, "Housner 1963, exact"),
@@ -450,7 +453,7 @@ fn thin() -> Result<Vec<Figure>, String> {
             let falling = solid(&mut m, [0.0, 0.0, 1.5 * f64::from(i)], [2.0, 2.0, 0.05]);
             falling.velocity_m_s[2] = -speed;
             let tilt = 0.05 * f64::from(i - 1);
-            falling.orientation = [(0.5 * tilt).cos(), (0.5 * tilt).sin(), 0.0, 0.0];
+            falling.orientation = [libm::cos(0.5 * tilt), libm::sin(0.5 * tilt), 0.0, 0.0];
         }
         let result = run(&m)?;
         let z: Vec<f64> = last(&result).position_m.iter().map(|p| p[2]).collect();
@@ -491,7 +494,7 @@ fn cards() -> Result<Vec<Figure>, String> {
     m.contact.bodies = Some(BodyContact { friction: 0.6, restitution: 0.0 });
     let (length, width, thick, lean) = (1.0_f64, 0.7, 0.02, 0.3_f64);
     // A card that leans by `lean`: its upper inner edge is at the plane of symmetry, its lower outer edge on the floor.
-    let (s, c) = lean.sin_cos();
+    let (s, c) = libm::sincos(lean);
     let height = length * c + thick * s;
     let pair = |m: &mut Model, x: f64, floor: f64| {
         for side in [-1.0, 1.0] {
@@ -501,7 +504,7 @@ fn cards() -> Result<Vec<Figure>, String> {
                 [x + side * inner[0], 0.0, floor + height - inner[1] - thick * s],
                 [thick, width, length],
             );
-            card.orientation = [(0.5 * lean).cos(), 0.0, -side * (0.5 * lean).sin(), 0.0];
+            card.orientation = [libm::cos(0.5 * lean), 0.0, -side * libm::sin(0.5 * lean), 0.0];
         }
     };
     let reach = length * s + thick * c;

@@ -35,7 +35,7 @@ pub fn cases() -> Vec<Case> {
 
 fn figures() -> Result<Vec<Figure>, String> {
     let [along, across] = known(END_S);
-    let whole = along.hypot(across);
+    let whole = libm::hypot(along, across);
     let mut figures = Vec::new();
     for (held, name, within) in [(false, "bushing", 1e-3), (true, "spherical joint", 5e-4)] {
         let result = run(&column(held))?;
@@ -64,13 +64,13 @@ fn moment_nm() -> f64 {
 /// Rotations along the moment and across it after a time \[rad\].
 fn known(time_s: f64) -> [f64; 2] {
     let (v, a) = (RATE_RAD_S, moment_nm() / inertia());
-    let time = |tau: f64| 0.5 * v / a * (0.5 * (1.0 - tau * tau) - tau.ln());
+    let time = |tau: f64| 0.5 * v / a * (0.5 * (1.0 - tau * tau) - libm::log(tau));
     let (mut low, mut high) = (f64::MIN_POSITIVE, 1.0);
     for _ in 0..2000 {
         let tau = 0.5 * (low + high);
         *(if time(tau) > time_s { &mut low } else { &mut high }) = tau;
     }
-    let along = 0.25 * v * v / a * (0.25 * (low.powi(4) - 1.0) - low.ln());
+    let along = 0.25 * v * v / a * (0.25 * (low.powi(4) - 1.0) - libm::log(low));
     let across = 0.5 * v * v / a * (4.0 / 3.0 - low - low.powi(3) / 3.0);
     [along, across]
 }

@@ -50,8 +50,8 @@ pub(super) fn held(stiffness: f64) -> (Model, Bushing) {
 /// When a body of inertia `m` and velocity `v` on a spring `k` that flows from `c` on has gone as far as `flow` beyond, and its velocity then.
 fn closed_form([m, v, k, c, flow]: [f64; 5]) -> [f64; 2] {
     let rate = (k / m).sqrt();
-    let onset = (c / (k * v / rate)).asin() / rate;
-    let slower = v * (rate * onset).cos();
+    let onset = libm::asin(c / (k * v / rate)) / rate;
+    let slower = v * libm::cos(rate * onset);
     let last = (slower * slower - 2.0 * c / m * flow).sqrt();
     [onset + (slower - last) * m / c, last]
 }

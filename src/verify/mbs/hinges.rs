@@ -117,7 +117,7 @@ fn leaning(capacity_nm: f64) -> Mechanism {
 }
 
 fn tilt(state: &[f64]) -> f64 {
-    state[0].atan2(state[2])
+    libm::atan2(state[0], state[2])
 }
 
 /// Time and angular velocity when the column lies level.

@@ -200,17 +200,18 @@ pub(super) struct Squeezer {
 /// The squeezer's measures.
 pub(super) fn squeezer_layout() -> Squeezer {
     let [beta, theta, gamma, delta, epsilon] = ANGLES;
-    let unit = |a: f64| [a.cos(), a.sin(), 0.0];
+    let unit = |a: f64| [libm::cos(a), libm::sin(a), 0.0];
     let plus = |p: V3, s: f64, d: V3| [p[0] + s * d[0], p[1] + s * d[1], 0.0];
     // a point of a body's frame: origin, angle of its axes, coordinates
-    let on = |p: V3, a: f64, x: f64, y: f64| plus(plus(p, x, unit(a)), -y, [a.sin(), -a.cos(), 0.0]);
+    let on =
+        |p: V3, a: f64, x: f64, y: f64| plus(plus(p, x, unit(a)), -y, [libm::sin(a), -libm::cos(a), 0.0]);
     let f = plus([0.0; 3], RR, unit(beta));
     let e = plus(f, -28e-3, unit(beta + theta));
     let g = plus(POINT_A, 40e-3, unit(delta));
-    let h = plus(POINT_A, 40e-3, [epsilon.sin(), -epsilon.cos(), 0.0]);
+    let h = plus(POINT_A, 40e-3, [libm::sin(epsilon), -libm::cos(epsilon), 0.0]);
     let d = on(POINT_B, gamma, 20e-3, -18e-3);
     let from_e = |p: V3, arm: f64, back: f64| {
-        let length = (e[0] - p[0]).hypot(e[1] - p[1]);
+        let length = libm::hypot(e[0] - p[0], e[1] - p[1]);
         plus(p, (arm - back) / length, [e[0] - p[0], e[1] - p[1], 0.0])
     };
     Squeezer {

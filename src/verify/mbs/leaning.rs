@@ -39,7 +39,7 @@ fn figures() -> Result<Vec<Figure>, String> {
     for (held, name, within) in [(false, "bushing", 2e-3), (true, "revolute joint", 5e-4)] {
         let result = run(&column(held))?;
         let q = last(&result).orientation[0];
-        let angle = 2.0 * q[2].atan2(q[0]);
+        let angle = 2.0 * libm::atan2(q[2], q[0]);
         let [kinetic_j, axial_n] = known(angle);
         let found_j = result.energies.kinetic_j.last().copied().unwrap_or(f64::NAN);
         let hinge = &result.hinges[0];
@@ -72,21 +72,21 @@ fn known(angle_rad: f64) -> [f64; 2] {
     let c = 2.0 * PLASTIC_NM / inertia;
     let q = (kappa * b - a) / (1.0 + kappa * kappa);
     let p = kappa * q - b;
-    let particular = |x: f64| p * x.sin() + q * x.cos() + c / kappa;
+    let particular = |x: f64| p * libm::sin(x) + q * libm::cos(x) + c / kappa;
     let left = RATE_RAD_S * RATE_RAD_S - particular(LEAN_RAD);
-    let rate2 = particular(angle_rad) + left * (kappa * (angle_rad - LEAN_RAD)).exp();
-    let axial = MASS_KG * (GRAVITY_M_S2 * angle_rad.cos() - 0.5 * LENGTH_M * rate2);
+    let rate2 = particular(angle_rad) + left * libm::exp(kappa * (angle_rad - LEAN_RAD));
+    let axial = MASS_KG * (GRAVITY_M_S2 * libm::cos(angle_rad) - 0.5 * LENGTH_M * rate2);
     [0.5 * inertia * rate2, axial]
 }
 
 /// The column on a bushing, or on a revolute joint that holds the point of one.
 fn column(held: bool) -> Model {
     let mut m = Model::empty("leaning column", [0.0, 0.0, -GRAVITY_M_S2], 0.4, 0.01);
-    let (sine, cosine) = LEAN_RAD.sin_cos();
+    let (sine, cosine) = libm::sincos(LEAN_RAD);
     let half = 0.5 * LENGTH_M;
     let across = MASS_KG * LENGTH_M * LENGTH_M / 12.0;
     let mut column = body("column", MASS_KG, [across, across, 10.0], [half * sine, 0.0, half * cosine]);
-    let (half_sine, half_cosine) = (0.5 * LEAN_RAD).sin_cos();
+    let (half_sine, half_cosine) = libm::sincos(0.5 * LEAN_RAD);
     column.orientation = [half_cosine, 0.0, half_sine, 0.0];
     column.angular_velocity_rad_s = [0.0, RATE_RAD_S, 0.0];
     column.velocity_m_s = [RATE_RAD_S * half * cosine, 0.0, -RATE_RAD_S * half * sine];

@@ -34,7 +34,7 @@ fn crank_model(restitution: f64) -> Model {
     let mut m = model(1.0, 0.02);
     m.gravity_m_s2 = [0.0; 3];
     let (angle, spin) = (2.0_f64, 10.0);
-    let knee = [0.3 * angle.cos(), 0.0, 0.3 * angle.sin()];
+    let knee = [0.3 * libm::cos(angle), 0.0, 0.3 * libm::sin(angle)];
     let along = (1.0 - knee[2] * knee[2]).sqrt();
     let end = [knee[0] + along, 0.0, 0.0];
     // the far end of the rod moves along x only
@@ -92,9 +92,9 @@ fn rod() -> Result<Vec<Figure>, String> {
     let mut m = model(1.3, 1e-3);
     m.contact.ground = ground(0.0, restitution);
     let tilt = 1.0_f64;
-    let (radius, middle) = (0.1, [tilt.cos(), 0.0, 0.1 + tilt.sin()]);
+    let (radius, middle) = (0.1, [libm::cos(tilt), 0.0, 0.1 + libm::sin(tilt)]);
     let body = solid(&mut m, middle, [2.0, 0.1, 0.1]);
-    body.orientation = [(0.5 * tilt).cos(), 0.0, -(0.5 * tilt).sin(), 0.0];
+    body.orientation = [libm::cos(0.5 * tilt), 0.0, -libm::sin(0.5 * tilt), 0.0];
     body.shapes = vec![Shape::Sphere { center_m: [1.0, 0.0, 0.0], radius_m: radius }];
     m.joints.push(revolute("pin".into(), [None, Some("body0")], [0.0, 0.0, radius], Y));
     let result = run(&m)?;
@@ -102,7 +102,7 @@ fn rod() -> Result<Vec<Figure>, String> {
     let hit_s = result.first_ground_contact_s.ok_or("it does not come down")?;
     let after = result.times_s.iter().position(|t| *t > hit_s).unwrap_or(0);
     let highest = rises[after..].iter().copied().fold(0.0, f64::max);
-    let known = restitution * restitution * tilt.sin();
+    let known = restitution * restitution * libm::sin(tilt);
     Ok(vec![
         Figure::relative(
             "time of the impact",
@@ -126,7 +126,8 @@ fn rod() -> Result<Vec<Figure>, String> {
 fn fall_s(tilt: f64, body: &Body) -> f64 {
     let inertia = body.inertia_kg_m2[1][1] + body.mass_kg;
     let rate = |u: f64| {
-        let drop = if u == 0.0 { tilt.cos() } else { (tilt.sin() - (tilt - u * u).sin()) / (u * u) };
+        let drop =
+            if u == 0.0 { libm::cos(tilt) } else { (libm::sin(tilt) - libm::sin(tilt - u * u)) / (u * u) };
         2.0 / (2.0 * body.mass_kg * G * drop / inertia).sqrt()
     };
     // Simpson's rule

@@ -32,10 +32,10 @@ impl Draws {
         let (u1, u2, u3) = (self.next(), self.next(), self.next());
         let (low, high) = ((1.0 - u1).sqrt(), u1.sqrt());
         [
-            high * (2.0 * PI * u3).cos(),
-            low * (2.0 * PI * u2).sin(),
-            low * (2.0 * PI * u2).cos(),
-            high * (2.0 * PI * u3).sin(),
+            high * libm::cos(2.0 * PI * u3),
+            low * libm::sin(2.0 * PI * u2),
+            low * libm::cos(2.0 * PI * u2),
+            high * libm::sin(2.0 * PI * u3),
         ]
     }
 }

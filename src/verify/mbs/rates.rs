@@ -39,9 +39,9 @@ type Rate = [f64; 2];
 fn way([m, v, f, g]: [f64; 4], [c, p]: Rate) -> f64 {
     const PANELS: u32 = 2000;
     let along = |s: f64| {
-        let speed = v * s.powf(p);
-        let force = f * (1.0 + s * (v / c).powf(1.0 / p)) - g;
-        m * speed / force * p * v * s.powf(p - 1.0)
+        let speed = v * libm::pow(s, p);
+        let force = f * (1.0 + s * libm::pow(v / c, 1.0 / p)) - g;
+        m * speed / force * p * v * libm::pow(s, p - 1.0)
     };
     let h = 1.0 / f64::from(PANELS);
     let panel = |i: u32| {

@@ -86,8 +86,11 @@ fn jacobi(u: f64, m: f64) -> [f64; 3] {
         ratios.push(c / a);
         scale *= 2.0;
     }
-    let phi = ratios.iter().rev().fold(scale * a * u, |phi, ratio| 0.5 * (phi + (ratio * phi.sin()).asin()));
-    [phi.sin(), phi.cos(), (1.0 - m * phi.sin().powi(2)).sqrt()]
+    let phi = ratios
+        .iter()
+        .rev()
+        .fold(scale * a * u, |phi, ratio| 0.5 * (phi + libm::asin(ratio * libm::sin(phi))));
+    [libm::sin(phi), libm::cos(phi), (1.0 - m * libm::sin(phi).powi(2)).sqrt()]
 }
 
 fn precession() -> Result<Vec<Figure>, String> {

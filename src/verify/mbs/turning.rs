@@ -41,7 +41,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 fn angle(position_m: V3) -> f64 {
-    position_m[1].atan2(position_m[0])
+    libm::atan2(position_m[1], position_m[0])
 }
 
 /// How far an angle is from that of a turn \[rad\].
@@ -68,7 +68,7 @@ fn table() -> Result<Vec<Figure>, String> {
     let result = run(&m)?;
     let at = last(&result).position_m[1];
     Ok(vec![
-        Figure::absolute("radius", "m", [radius_m, at[0].hypot(at[1])], 1e-4, RIGID),
+        Figure::absolute("radius", "m", [radius_m, libm::hypot(at[0], at[1])], 1e-4, RIGID),
         energy(&result, 1e-9),
     ])
 }
@@ -117,7 +117,7 @@ fn cone() -> Result<Vec<Figure>, String> {
     let across = 2.0 * ROD_M * ROD_M / 12.0;
     let at = [0.5 * ROD_M * aside, 0.0, height_m - 0.5 * ROD_M * down];
     let mut rod = body("rod", 2.0, [1e-9, across, across], at);
-    rod.orientation = about_y(down.asin());
+    rod.orientation = about_y(libm::asin(down));
     rod.velocity_m_s = [0.0, rate * at[0], 0.0];
     rod.angular_velocity_rad_s = [0.0, 0.0, rate];
     rod.shapes = vec![Shape::Sphere { center_m: [0.5 * ROD_M, 0.0, 0.0], radius_m: 2.0 * TIP_M }];
@@ -147,13 +147,13 @@ fn cone() -> Result<Vec<Figure>, String> {
 
 /// Orientation of a body that is turned about y by an angle \[rad\].
 fn about_y(angle: f64) -> [f64; 4] {
-    [(0.5 * angle).cos(), 0.0, (0.5 * angle).sin(), 0.0]
+    [libm::cos(0.5 * angle), 0.0, libm::sin(0.5 * angle), 0.0]
 }
 
 /// A cart of 3 kg on a line along x with a rod of 2 kg that hangs from it at an angle from the vertical \[rad\], its end on the ground; velocities of the cart \[m/s\] and of that angle \[rad/s\].
 fn cart(lean: f64, [slide, swing]: [f64; 2], friction: f64) -> Model {
     let mut m = Model::empty("cart", [0.0; 3], 1e-3, 1e-3);
-    let (sin, cos) = lean.sin_cos();
+    let (sin, cos) = libm::sincos(lean);
     let height_m = ROD_M * cos + TIP_M;
     let mut cart = body("cart", 3.0, [1.0; 3], [0.0, 0.0, height_m]);
     cart.velocity_m_s = [slide, 0.0, 0.0];
@@ -180,7 +180,7 @@ fn leaning() -> Result<Vec<Figure>, String> {
     let sticks = energy_left(&cart(upright - 0.9, [1.0, -3.0], 0.6))?;
     // slips towards -x: J_t = μ J_n, and the rod no longer turns
     let (lean, slide, swing, friction) = (upright - 1.3, -0.5, -3.0, 0.6);
-    let (sin, cos) = lean.sin_cos();
+    let (sin, cos) = libm::sincos(lean);
     let (whole_kg, coupled, turned) = (5.0, 0.5 * 2.0 * ROD_M * cos, 2.0 * ROD_M * ROD_M / 3.0);
     // (M + m) Δẋ - c φ̇ = μ J, c Δẋ - I φ̇ = J (L sin φ + μ (L cos φ + r)), with φ̇ before
     let lever = ROD_M * sin + friction * (ROD_M * cos + TIP_M);

@@ -114,7 +114,7 @@ fn cycles() -> Result<Vec<Figure>, String> {
     let xi = (bend + 0.0025) / 0.0025;
     let exponent = 20.0 - 18.5 * xi / (0.15 + xi);
     walk(&law, &mut state, &[bend], 1e-5);
-    let expected = top - E * (0.03 - bend) * (0.01 + 0.99 * 2f64.powf(-1.0 / exponent));
+    let expected = top - E * (0.03 - bend) * (0.01 + 0.99 * libm::pow(2.0, -1.0 / exponent));
     let mut figures = vec![
         Figure::relative("slope after a reversal at 3 %", "Pa", [E, slope], 1e-3, "E"),
         Figure::relative(

@@ -271,7 +271,7 @@ impl Spread {
             (mean, (squares / (values.len() - 1) as f64).sqrt())
         };
         let (mean, sigma) = deviation(ratios);
-        let logarithms: Vec<f64> = ratios.iter().map(|r| r.ln()).collect();
+        let logarithms: Vec<f64> = ratios.iter().map(|r| libm::log(*r)).collect();
         let mut sorted = ratios.to_vec();
         sorted.sort_by(f64::total_cmp);
         let half = sorted.len() / 2;

@@ -47,7 +47,7 @@ impl Exponential {
     /// From the energy over the volume \[J/m³\], and the damage where `exp(-b ε_p)` is `decay`.
     fn new(start_pa: f64, a: f64, energy_j_m3: f64, damage: f64, decay: f64) -> Self {
         let b = start_pa * (1.0 + 0.5 * a) / energy_j_m3;
-        Self { start_pa, a, b, d: b * (1.0 - damage).ln() / decay.ln() }
+        Self { start_pa, a, b, d: b * libm::log(1.0 - damage) / libm::log(decay) }
     }
 
     fn tension() -> Self {
@@ -64,9 +64,9 @@ impl Exponential {
 
     /// Strain and stress \[Pa\] at a plastic strain.
     fn at(&self, plastic: f64) -> [f64; 2] {
-        let decay = (-self.b * plastic).exp();
+        let decay = libm::exp(-self.b * plastic);
         let stress = self.start_pa * ((1.0 + self.a) * decay - self.a * decay * decay);
-        [plastic + stress / ((-self.d * plastic).exp() * YOUNG_PA), stress]
+        [plastic + stress / (libm::exp(-self.d * plastic) * YOUNG_PA), stress]
     }
 
     /// Stress \[Pa\] at a strain.

@@ -1,8 +1,9 @@
 //! Strain paths of all six components: bounds, dissipation, other axes, other steps.
 
 use crate::material::concrete::{ConcreteLaw, ConcretePoint, ConcreteState, Surface};
+use crate::verify::rotation::rotation;
 use crate::verify::{Case, Figure};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 type Tensor = [f64; 6];
@@ -64,7 +65,7 @@ fn numbers(seed: u64) -> impl FnMut() -> f64 {
 
 /// An amplitude between 10^-5 and 10^-2 of strain, or of fewer decades.
 fn amplitude(next: &mut impl FnMut() -> f64, decades: f64) -> f64 {
-    0.5e-2 * 10f64.powf(-0.5 * decades * (1.0 + next()))
+    0.5e-2 * libm::pow(10.0, -0.5 * decades * (1.0 + next()))
 }
 
 /// Principal values in falling order.
@@ -217,7 +218,7 @@ fn largest_difference(size: f64, count: usize) -> Result<f64, String> {
     for path in 0..20 {
         let mut next = numbers(1000 + path);
         let axis = Vector3::new(next(), next(), next());
-        let q = *Rotation3::new(3.0 * axis).matrix();
+        let q = rotation(3.0 * axis);
         let mut states = [ConcreteState::default(); 2];
         let mut way = [0.0; 6];
         for k in 0..count {
