@@ -1,8 +1,9 @@
 //! Entries of column ends whose capacity is that of their section, layer of elements by layer ([`crate::rc::layers`]): for ends that the library has no entry for, nor one that could be scaled to them.
 //!
 //! The plastic rotation is in the row of elements at the joint, to which the joint lends strength; the elastic stiffness is computed for the end itself ([`elastic`]), shear and torsion are those of the prism.
-//! Where a joint gives way before its column, that is not seen.
+//! Where a joint gives way before its column, that is not seen. When the section breaks, and what is left of it then, is as pushes show it ([`super::after_break`]).
 
+use super::after_break::as_pushed;
 use super::derive::Wanted;
 use super::entry::{AxisRecord, Computed, Entry, EntryKind, Origin, Stiffness, Validity};
 use crate::base::geom::Aabb;
@@ -22,18 +23,26 @@ const SHEAR_SHARE: f64 = 5.0 / 6.0;
 /// If it cannot be written as JSON.
 pub fn layered(wanted: &Wanted) -> Result<Option<Entry>, serde_json::Error> {
     let (model, Some(law)) = (&wanted.model, &wanted.inputs.law) else { return Ok(None) };
-    let rows: Vec<(Aabb, f64, f64)> = model.section_elements.iter().map(|e| element(model, *e)).collect();
-    let row_m = rows.iter().map(|(solid, ..)| solid.size()[model.axis]).fold(0.0, f64::max);
+    let elements: Vec<(Aabb, f64, f64)> = model.section_elements.iter().map(|e| element(model, *e)).collect();
+    let row_m = elements.iter().map(|(solid, ..)| solid.size()[model.axis]).fold(0.0, f64::max);
     let offset_m = POLE * row_m;
     let Ok(stiffness) = elastic(model, offset_m) else { return Ok(None) };
     // a rotation about the first axis of the section bends across the second one, and the other way round
-    let sections = [2, 1].map(|depth| section(&rows, [3 - depth, depth].map(|i| (model.axis + i) % 3), law));
+    let sections =
+        [2, 1].map(|depth| section(&elements, [3 - depth, depth].map(|i| (model.axis + i) % 3), law));
     let [Some(first), Some(second)] = sections else { return Ok(None) };
     let [k, l] = stiffness.bending_nm_rad;
     // the moment is naught at the far end of the submodel
     let shear_span_m = model.length_m - offset_m;
     let rows = Rows { row_m, shear_span_m, held: Held::AtJoint };
-    let curves = [first.curve(&rows, k), second.curve(&rows, l)];
+    let curves = [(&first, k, 2), (&second, l, 1)].map(|(section, stiffness, depth)| {
+        let curve = section.curve(&rows, stiffness);
+        let farthest_m = farthest_centre_m(&elements, (model.axis + depth) % 3);
+        if farthest_m <= 0.0 {
+            return curve; // a single layer: its centre is not strained
+        }
+        as_pushed(&curve, section.squash_n, law.rupture_strain() * row_m / farthest_m)
+    });
     // as the submodel has it: what the law bears when it breaks
     let table = HardeningTable::new(&law.hardening);
     let rupture = law.rupture_strain();
@@ -57,6 +66,14 @@ pub fn layered(wanted: &Wanted) -> Result<Option<Entry>, serde_json::Error> {
     };
     let features = wanted.features.clone();
     Entry::unthinned(EntryKind::ColumnHinge, Origin::Submodel, features, inputs, computed).map(Some)
+}
+
+/// How far the centre of an element is from the middle of the section at most, along an axis \[m\].
+fn farthest_centre_m(elements: &[(Aabb, f64, f64)], axis: usize) -> f64 {
+    let at = |(solid, ..): &(Aabb, f64, f64)| solid.center()[axis];
+    let low = elements.iter().map(at).fold(f64::INFINITY, f64::min);
+    let high = elements.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
+    0.5 * (high - low)
 }
 
 /// An element at the end section: its box, and its factors on area and on strength.

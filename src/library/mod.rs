@@ -14,11 +14,13 @@
 //! | [`journal`], `history` | the journal of events; what the store tells it |
 //! | [`find`], `query`, `interpolate` | the distance between features; queries; an entry between two |
 //! | [`derive`] | entries computed by the homogenised submodel |
+//! | [`layered`], [`after_break`] | entries of column ends from their sections; what is left of one once it breaks |
 //! | [`rc`], [`mesh_check`], [`rc_kinds`], [`rc_springs`] | entries of sections in concrete and steel: bending, and how much it depends on the mesh; columns, beams, slabs, walls; springs |
 //! | [`add`], [`curve_file`], [`meta`] | entries from tests and other programs: the curve, what is said of it |
 //! | [`exchange`] | verify, export, import |
 
 pub mod add;
+pub mod after_break;
 mod cache;
 mod check;
 pub mod curve_file;

@@ -77,13 +77,15 @@ fn a_pulled_piece_cracks_yields_and_ruptures_where_closed_forms_say() {
 
 #[test]
 fn ties_and_axial_force_make_a_piece_stronger_in_shear() {
-    let with = run(&coarse(Drive::Shear, &[0.0, 0.2]));
+    // at 0.2 a run in elements this coarse is at the limit of what is quasi-static, 4 to 5 % by the last digits
+    let with = run(&coarse(Drive::Shear, &[0.0, 0.3]));
     let bare = section(&SMALL[..SMALL.find("[ties]").unwrap()]);
     let without = springs::run(&bare, &coarse(Drive::Shear, &[0.0]), &|_, _| {}).unwrap();
     let peak = |c: &SpringCase| c.figures.unwrap().peak;
     assert!(peak(&with.cases[0]) > 1.2 * peak(&without.cases[0]));
     assert!(peak(&with.cases[1]) > peak(&with.cases[0]));
-    assert!(with.cases.iter().chain(&without.cases).all(|c| c.fault().is_none()));
+    let faults: Vec<String> = with.cases.iter().chain(&without.cases).filter_map(|c| c.fault()).collect();
+    assert!(faults.is_empty(), "{faults:?}");
     let stiffness = ratio(&with.cases[0], "elastic stiffness");
     assert!((0.85..1.25).contains(&stiffness), "{stiffness:.3}");
     // coarse, but of the size of the formulae
