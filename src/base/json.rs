@@ -62,7 +62,7 @@ pub fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, JsonError> {
     })
 }
 
-/// What is wrong with the begin of a text.
+/// What is wrong with the start of a text.
 fn no_json(text: &str) -> Option<&'static str> {
     if text.starts_with('\u{feff}') {
         return Some("begins with a byte order mark, which is no part of JSON: save it as UTF-8 without one");

@@ -55,7 +55,7 @@ pub struct Settled {
     pub end_s: f64,
     /// The hinge that turned most in the last second, and by how much \[rad\]; none: no hinge did.
     pub turns: Option<(String, f64)>,
-    /// Bodies at the begin.
+    /// Bodies at the start.
     pub bodies: usize,
     /// Whether columns or floors of the model may break between their ends.
     pub folds: bool,

@@ -57,7 +57,7 @@ enum AccuracyArgument {
 /// Whether latent hinges may give way.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub struct LatentArgs {
-    /// Whether latent hinges may give way, and rules about contacts and fractures fire, while the model runs; off: for comparison only, it stays as it is at the begin
+    /// Whether latent hinges may give way, and rules about contacts and fractures fire, while the model runs; off: for comparison only, it stays as it is at the start
     #[arg(long, value_enum, default_value = "on")]
     latent: Switch,
 }

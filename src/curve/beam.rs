@@ -79,7 +79,7 @@ pub struct BeamEnd {
 pub struct BeamEnds {
     /// The ends.
     pub ends: [BeamEnd; 2],
-    /// Axial force at the begin of the step to the next evaluation, as of [`super::Hinge2::axial_before_n`].
+    /// Axial force at the start of the step to the next evaluation, as of [`super::Hinge2::axial_before_n`].
     pub axial_before_n: Option<f64>,
     /// What the rate of their flow in the step to the next evaluation does to their strength; `None`: nothing.
     pub rate: Option<Rate>,
@@ -100,7 +100,7 @@ pub struct BeamStep {
     pub out_of_range: bool,
     /// By how much both ends turned \[rad\].
     pub flow_rad: [f64; 2],
-    /// What the moments at the ends have done in the step beyond the mean of its begin and end, where they began to flow ([`super::onset`]) \[N m\].
+    /// What the moments at the ends have done in the step beyond the mean of its start and end, where they began to flow ([`super::onset`]) \[N m\].
     pub onset_nm: [f64; 2],
 }
 

@@ -46,7 +46,7 @@ pub struct Hinge2 {
     pub out_of_range: bool,
     /// How long the step to the next evaluation is against the one before; zero: rates have jumped in between, or nothing is known.
     pub pace: f64,
-    /// Axial force at the begin of the step to the next evaluation (compression positive), if it is known: what flows in the step does so under the mean of it and that of its end \[N\].
+    /// Axial force at the start of the step to the next evaluation (compression positive), if it is known: what flows in the step does so under the mean of it and that of its end \[N\].
     pub axial_before_n: Option<f64>,
     /// What the rate of its flow in the step to the next evaluation does to its strength, about both axes; `None`: nothing.
     pub rates: Option<[Rate; 2]>,
@@ -111,7 +111,7 @@ pub struct HingeStep {
     pub elastic_j: f64,
     /// Whether plastic rotation grew.
     pub flowing: bool,
-    /// What the moments have done in the step beyond the mean of its begin and end, if it began to flow ([`onset`]) \[N m\].
+    /// What the moments have done in the step beyond the mean of its start and end, if it began to flow ([`onset`]) \[N m\].
     pub onset_nm: [f64; 2],
 }
 
@@ -211,7 +211,7 @@ impl Hinge2 {
         (HingeStep { elastic_j, flowing: true, onset_nm }, x)
     }
 
-    /// The share of a step after which the moments, from where they are at its begin straight to where they would be without flow, leave the surface, a `factor` larger than it is, and whether they begin inside. What `flowed` and goes on
+    /// The share of a step after which the moments, from where they are at its start straight to where they would be without flow, leave the surface, a `factor` larger than it is, and whether they begin inside. What `flowed` and goes on
     /// outwards does not: where it begins inside, the capacity has grown within the step.
     fn leaves(
         &mut self,

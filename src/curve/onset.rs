@@ -1,18 +1,18 @@
-//! What a force that begins to flow within a step does beyond the mean of its begin and end.
+//! What a force that begins to flow within a step does beyond the mean of its start and end.
 //!
-//! The leapfrog gives half of the force at the begin of a step and half of that at its end: the trapezoidal rule, which is right for forces that change in proportion. One that rises from `F_0` to its capacity `F_y` at a share `s` of
+//! The leapfrog gives half of the force at the start of a step and half of that at its end: the trapezoidal rule, which is right for forces that change in proportion. One that rises from `F_0` to its capacity `F_y` at a share `s` of
 //! the step, and flows from there to `F_1`, has done `h [s (F_0 + F_y) + (1 - s) (F_y + F_1)] / 2`. What is missing, `h [F_y - F_0 - s (F_1 - F_0)] / 2`, is added to the force at the end of the step, which acts for about `h`. It is
 //! naught for what flows already and for what stays elastic. Without it a spring whose elastic range is crossed in a fraction of a step loses half of what it dissipates in that step.
 //!
 //! What breaks within a step has done only a part of that: its [`Course`] tells how much.
 
-/// Share of the step at which a force reaches its capacity, for the force at its begin, at its capacity, and as it would be without flow; none if it flows already, or not at all.
+/// Share of the step at which a force reaches its capacity, for the force at its start, at its capacity, and as it would be without flow; none if it flows already, or not at all.
 pub fn leaves(begin: f64, capacity: f64, trial: f64) -> Option<f64> {
     let (rise, whole) = (capacity - begin, trial - begin);
     (rise * whole > 0.0 && rise.abs() < whole.abs()).then(|| rise / whole)
 }
 
-/// What is added to the force at the end of a step that reaches its capacity at a share of it, for the force at the begin, at its capacity, and at the end.
+/// What is added to the force at the end of a step that reaches its capacity at a share of it, for the force at the start, at its capacity, and at the end.
 pub fn added(begin: f64, capacity: f64, end: f64, share: f64) -> f64 {
     0.5 * (capacity - begin - share * (end - begin))
 }
@@ -53,7 +53,7 @@ pub fn flow(trial: f64, stiffness: f64, from: Search, mut bears: impl FnMut(f64)
     x
 }
 
-/// How a force goes within a step: in proportion from its begin to what it reaches, where it flows, and from there to its end.
+/// How a force goes within a step: in proportion from its start to what it reaches, where it flows, and from there to its end.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Course {
     begin: f64,
@@ -104,7 +104,7 @@ impl Course {
         }
     }
 
-    /// Its impulse up to a share of the step, over the length of the step, less the half of its begin that the step before has given. What flows all the time may have fallen at once (snap-back): it acts as at the end.
+    /// Its impulse up to a share of the step, over the length of the step, less the half of its start that the step before has given. What flows all the time may have fallen at once (snap-back): it acts as at the end.
     pub fn left(&self, share: f64) -> f64 {
         if self.from == 0.0 {
             return (share - 0.5) * self.end;
@@ -114,7 +114,7 @@ impl Course {
         0.5 * (rises * (self.begin + self.at(rises)) + rest - self.begin)
     }
 
-    /// Of the work that the mean of begin and end does on the way of a whole step, what is left undone.
+    /// Of the work that the mean of start and end does on the way of a whole step, what is left undone.
     pub fn undone_j(&self, share: f64, way: f64) -> f64 {
         way * (0.5 * self.end - self.left(share))
     }

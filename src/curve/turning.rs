@@ -13,7 +13,7 @@ use super::onset::{self, Search};
 
 /// Share of the rotation of a step that its change against the step before may have: more is no smooth motion.
 const MOST_AHEAD: f64 = 0.5;
-/// Least length of the elastic rotation at the end, over that at the begin, that the turn is found with.
+/// Least length of the elastic rotation at the end, over that at the start, that the turn is found with.
 const SHORTEST: f64 = 0.05;
 /// A rotation over which the elastic one turns and changes its length is divided: into so many pieces times the share by which one end is shorter, and times the change of `tan(φ/2)`; at most so many.
 const PIECES: f64 = 16.0;
@@ -113,7 +113,7 @@ impl Turning {
         Some(direction.map(|d| (flow + whole) * d))
     }
 
-    /// All of it at once, after a flow, with the mean of the lengths at begin and end.
+    /// All of it at once, after a flow, with the mean of the lengths at start and end.
     fn once(&self, after: Flow, reach: &mut impl FnMut([f64; 2], Flow) -> [f64; 2]) -> Option<Turn> {
         let (begin, path) = (length(self.from), length(self.path));
         let (direction, grown, _) = self.turn(begin, path)?;

@@ -86,7 +86,7 @@ impl Notes {
             (bushing.carry_over.is_some(), NOTHING_CARRIED_OVER),
             (
                 bushing.latent.is_some(),
-                "it is latent here, rigid until it is overloaded, and live from the begin there",
+                "it is latent here, rigid until it is overloaded, and live from the start there",
             ),
         ];
         for (_, text) in left_out.into_iter().filter(|(is_there, _)| *is_there) {

@@ -1,7 +1,7 @@
 //! Charges of a building: which elements they remove, when, and what leaves with them.
 //!
 //! A removal over time leaves the forces that the elements exerted on the rest of the structure, which fall linearly to zero, as in alternate path analyses that replace a column by its end forces. The elements themselves are gone
-//! from the begin: with their stiffness a column would be pressed harder as its share falls and shed its load at the very end, and without it, under a stress that is kept, it buckles within itself, its nodes gathering speed by
+//! from the start: with their stiffness a column would be pressed harder as its share falls and shed its load at the very end, and without it, under a stress that is kept, it buckles within itself, its nodes gathering speed by
 //! `exp(t √(σ/ρ) / L)` with half the length of an element: a factor of 1e20 in 0.3 s under 3 MPa.
 
 use super::dynamics::{Death, Dynamics};

@@ -64,7 +64,7 @@ impl EventReason {
             remains: own.on.words(),
             then: own.effect_words().to_string(),
             done: crushed.then(|| {
-                "the ends of these members may be crushed, from the begin of the run on".to_string()
+                "the ends of these members may be crushed, from the start of the run on".to_string()
             }),
         }
     }

@@ -27,7 +27,7 @@ pub struct RunResult {
     pub energies: EnergyHistory,
     /// Histories of the joints that have a curve.
     pub hinges: Vec<HingeHistory>,
-    /// Bushings that were latent at the begin.
+    /// Bushings that were latent at the start.
     #[serde(default)]
     pub latent: Vec<LatentRecord>,
     /// Faces that may be crushed.

@@ -39,10 +39,10 @@ pub struct Sleep {
 /// For how long a body has been at rest, and where it was in that time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Rest {
-    /// Time at rest, and that since the begin of the last span of [`REST_S`] \[s\].
+    /// Time at rest, and that since the start of the last span of [`REST_S`] \[s\].
     time_s: f64,
     span_s: f64,
-    /// Poses at the begin of that span and in its middle.
+    /// Poses at the start of that span and in its middle.
     begin: Pose,
     middle: Option<Pose>,
 }

@@ -1,6 +1,6 @@
 //! A bushing that separates does so within a step, not at its end.
 //!
-//! The leapfrog has given its force at the begin of the step to the half of it, and would give that at the end, which is beyond what it bears, to half a step behind. With forces that grow in proportion to the stretch, which the
+//! The leapfrog has given its force at the start of the step to the half of it, and would give that at the end, which is beyond what it bears, to half a step behind. With forces that grow in proportion to the stretch, which the
 //! velocities of the step tell, the capacity is reached at a share `s` of the step; until then the force has done the impulse `h (s F_0 + s² ΔF / 2)`, of which `h F_0 / 2` is given. The elastic energy set free is that at `s`. A hinge or an axial spring that flows does so at its capacity, from
 //! where it reached it in the step ([`Course`]), and the share of its flow that is beyond fracture tells `s`. Moments are treated likewise: elastic ones grow in proportion, one of a hinge that flows is as at the end of the step. Of a beam the moments at its ends do so, and those in its middle and the shear follow from them.
 

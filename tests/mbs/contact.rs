@@ -44,7 +44,7 @@ fn box_on_an_incline_slides_or_stays() {
 }
 
 /// Two blocks on a stiff spring bounce: within a step the ground turns the lower one back, whose displacement strains the spring. A leapfrog conserves the energy less what forces add in half a step, which is positive: so no sum of energies
-/// is below that at the begin, and without that part none is above it.
+/// is below that at the start, and without that part none is above it.
 #[test]
 fn an_impact_within_a_step_strains_springs_for_what_it_books() {
     let mut m = model("bounce", 1.0, 1e-3);

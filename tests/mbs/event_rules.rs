@@ -94,7 +94,7 @@ fn a_bar_may_break_from_the_blow_on_that_a_rule_asks_for() {
     let (speed, with) = speed.unwrap();
     assert_eq!(with, "kerb");
     assert!((speed - (2.0 * G * FALL_M).sqrt()).abs() < 0.01, "{speed}");
-    // from the blow on it is as if it had been watched from the begin
+    // from the blow on it is as if it had been watched from the start
     let mut watched = m.clone();
     watched.event_rules.clear();
     let watched = simulate(&watched).unwrap();
@@ -274,7 +274,7 @@ fn what_lies_or_is_being_struck_does_not_meet_anew() {
     }
 }
 
-/// Who lies on the kerb from the begin has not met it; a blow from above makes it meet what strikes, and the kerb harder.
+/// Who lies on the kerb from the start has not met it; a blow from above makes it meet what strikes, and the kerb harder.
 #[test]
 fn contact_at_rest_is_no_meeting_until_a_blow_comes_through() {
     let mut m = falling_bar(1e9);

@@ -138,7 +138,7 @@ fn plastic_work_of_a_softening_hinge_closes_the_balance_to_the_tolerance() {
     assert!(result.energy_error < 1e-7, "{}", result.energy_error);
     let (turn, last) = (&result.turns[0], result.times_s.len() - 1);
     assert!(turn.rotation_rad[last][1] > 0.4 && (turn.moment_nm[last][1] - 500.0).abs() < 1e-6);
-    // along the plateau, the softening line and the rest, less the elastic line at the begin and what comes back elastically
+    // along the plateau, the softening line and the rest, less the elastic line at the start and what comes back elastically
     let (k, rotation) = (2e7, turn.rotation_rad[last][1]);
     let area = 3e3 * 0.1 + 0.5 * (3e3 + 500.0) * 0.3 + 500.0 * (rotation - 0.4);
     let dissipated = area - 0.5 * (3e3 * 3e3 + 500.0 * 500.0) / k;
@@ -328,7 +328,7 @@ fn contact_in_a_direction_that_joints_hold_makes_no_energy() {
     }
 }
 
-/// A structure that contact keeps in leapfrog steps throughout: the work of its hinges, booked with the velocities at the begin of a step led on, once fell behind by a thousandth.
+/// A structure that contact keeps in leapfrog steps throughout: the work of its hinges, booked with the velocities at the start of a step led on, once fell behind by a thousandth.
 #[test]
 fn hinges_in_contact_steps_do_the_work_that_is_booked() {
     let result = simulate(&fallwerk::bench::mbs_trials::random(3074)).unwrap();

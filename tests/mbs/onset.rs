@@ -3,7 +3,7 @@
 use fallwerk::mbs::simulate;
 use fallwerk::verify::mbs::onset::{lost_j, pulled, turned};
 
-/// The elastic range is crossed in a part of the first step: what is lost is `T e + T² / 2k`, to second order in the step. The mean of begin and end alone loses up to half of it at 1 ms.
+/// The elastic range is crossed in a part of the first step: what is lost is `T e + T² / 2k`, to second order in the step. The mean of start and end alone loses up to half of it at 1 ms.
 #[test]
 fn a_bushing_that_breaks_at_once_takes_its_work_to_second_order() {
     let exact = 5e4 * 0.002 + 0.5 * 5e4 * 5e4 / 1e8;

@@ -194,7 +194,7 @@ fn a_vibration_keeps_its_energy_when_it_ends() {
     let released = e.released_j.last().unwrap();
     println!("growth {:.1e}, {released} J of {} released", related.energy_growth, e.kinetic_j[0]);
     assert!(related.energy_growth < 1e-4, "{}", related.energy_growth);
-    // at the begin the vibration takes over `½ k/ω² v²` of inertia, in the end it gives back what it has then
+    // at the start the vibration takes over `½ k/ω² v²` of inertia, in the end it gives back what it has then
     assert!(*released > -1.01 * taken_j() && *released < 0.01 * taken_j(), "{released} J, {} J", taken_j());
 }
 
@@ -204,7 +204,7 @@ fn it_goes_on_while_bodies_turn() {
     let [plain, related] = with(flying(0.5));
     assert!(2 * related.steps < plain.steps, "{} for {}", related.steps, plain.steps);
     let e = &related.energies;
-    // at steps of up to 1.8 / ω a vibration seems to have more energy at some of its phases than at others, no more in the end than at the begin
+    // at steps of up to 1.8 / ω a vibration seems to have more energy at some of its phases than at others, no more in the end than at the start
     let most =
         |from: usize, to: usize| (from..to).map(|i| (e.total_j(i) - e.total_j(0)).abs()).fold(0.0, f64::max);
     let (count, first) = (related.times_s.len(), most(0, related.times_s.len() / 6));

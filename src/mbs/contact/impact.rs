@@ -5,7 +5,7 @@
 //! 1988); resting ones `u⁺ >= 0`. Points that move apart, or are still some way off, have no part in it: if the round makes them close, they are hit in the next one, with the velocities
 //! that this one left. So a chain of bodies with gaps is hit one after the other, one without gaps at once.
 //!
-//! The step keeps one velocity from its begin to its end. Bodies that impulses of a round connect change their velocities together, at the time of the first impact among them:
+//! The step keeps one velocity from its start to its end. Bodies that impulses of a round connect change their velocities together, at the time of the first impact among them:
 //! what forces add until then is taken off the velocity after it, and the displacement `-t Δv` that a body has not made by then is taken back. With that the energy of the step changes by
 //! `p (u⁻ + u⁺) / 2` with the velocities at `t`: for `e = 1` by nothing, however many points there are. Impulses that make energy all the same (sweeps that have not
 //! converged, friction with rebound) are scaled down, group by group of the bodies that contacts connect.
@@ -57,11 +57,11 @@ impl Impacts {
 
 /// How a point approaches in a step.
 struct Approach {
-    /// Velocity along the normal at the begin of the step, without forces of the step; what forces add in half of it, and to either body \[m/s\].
+    /// Velocity along the normal at the start of the step, without forces of the step; what forces add in half of it, and to either body \[m/s\].
     speed: f64,
     kick: f64,
     kicks: f64,
-    /// Distances on the way that leads to the end of the step, at its begin and at its end \[m\].
+    /// Distances on the way that leads to the end of the step, at its start and at its end \[m\].
     gap: f64,
     end: f64,
 }

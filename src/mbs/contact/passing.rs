@@ -1,6 +1,6 @@
 //! Solids that pass each other within a step, and balls that meet within it.
 //!
-//! A point closes in a step if its gap along the normal at the begin of the step does. Solids that pass an edge of each other would be struck by points that have left the other solid by then. Until the first point closes, the plane
+//! A point closes in a step if its gap along the normal at the start of the step does. Solids that pass an edge of each other would be struck by points that have left the other solid by then. Until the first point closes, the plane
 //! between both parts them; if another direction parts them at that time, and still does at the end of the step, they have not met in between, since paths are straight and turns within a step small.
 
 use super::collide::{Placed, Solid};

@@ -1,6 +1,6 @@
 //! What contacts that go on bearing add to velocities at the full step.
 //!
-//! The impulse of a step is given at its begin, forces act half before it and half after: between two steps a body at rest on others has the velocity that its weight gives it in half a step. Where the
+//! The impulse of a step is given at its start, forces act half before it and half after: between two steps a body at rest on others has the velocity that its weight gives it in half a step. Where the
 //! motion is to go on without these contacts, half of the impulse that they would have next is due.
 
 use super::{ContactSet, Linked, Moving};

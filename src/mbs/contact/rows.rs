@@ -89,7 +89,7 @@ impl Block {
 /// One contact point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Row {
-    /// From the centres of mass \[m\]: at the begin of the step, where impulses act; and in the middle of it, whose velocities are its ways. (A point that sticks to a turning body would otherwise go along its tangent, and outwards by
+    /// From the centres of mass \[m\]: at the start of the step, where impulses act; and in the middle of it, whose velocities are its ways. (A point that sticks to a turning body would otherwise go along its tangent, and outwards by
     /// `½ h² ω² r` in a step. With impulses there as well work is not that of a constraint: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23 (1977) 327.)
     pub arms: [V3; 2],
     pub halfway: [V3; 2],

@@ -41,7 +41,7 @@ impl ContactSet {
         self.solve_linked(bodies, h, Some(h), None).map(|_| ())
     }
 
-    /// The same for bodies of which joints hold some together; their velocities before fit the joints, and those after do. Impacts are at the begin of a step: `whole_s` \[s\] is the length that it had before it was
+    /// The same for bodies of which joints hold some together; their velocities before fit the joints, and those after do. Impacts are at the start of a step: `whole_s` \[s\] is the length that it had before it was
     /// shortened for them, its own if it was not; with none nothing is done where there is an impact within the step but to find the time of the first \[s\].
     ///
     /// # Errors
@@ -149,7 +149,7 @@ impl ContactSet {
         h * math::norm(v) + h * math::norm(w) * self.radius[i]
     }
 
-    /// Distance that two bodies may close in this step beyond what their velocities at its begin do \[m\].
+    /// Distance that two bodies may close in this step beyond what their velocities at its start do \[m\].
     fn allowed(&self, [a, b]: [usize; 2]) -> f64 {
         (self.growth[a] + self.growth[b]) + self.settings.margin_m
     }

@@ -1,6 +1,6 @@
 //! Impacts of bodies that ideal joints hold together, and what friction and joints jam.
 //!
-//! Impacts are at the begin of a step, up to which the step before ends, and which is next to nothing: within a step what forces and joints do to a velocity changes with it, and what is hit then may hit another one.
+//! Impacts are at the start of a step, up to which the step before ends, and which is next to nothing: within a step what forces and joints do to a velocity changes with it, and what is hit then may hit another one.
 
 use super::groups::Groups;
 use super::links::ALONE;
@@ -16,11 +16,11 @@ const LEAST_M_S: f64 = 1e-9;
 const JAMMED: f64 = 0.5;
 /// Speed at which a point may approach that bore in the last step, over what that impulse stops.
 const HELD: f64 = 0.1;
-/// Share of a step at its begin in which an impact is one at the begin, and in which points of a pair are hit with one that is.
+/// Share of a step at its start in which an impact is one at the start, and in which points of a pair are hit with one that is.
 const AT_ONCE: f64 = 1e-3;
 const TOGETHER: f64 = 0.1;
 
-/// Velocity of a point along the normal at the begin of a step, what forces add to it in half of the step, and the sum of what they add to either body, without signs \[m/s\].
+/// Velocity of a point along the normal at the start of a step, what forces add to it in half of the step, and the sum of what they add to either body, without signs \[m/s\].
 fn approach(block: &Block, row: &Row, bodies: &[Moving]) -> [f64; 3] {
     let [a, b] = [0, 1].map(|side| {
         let along = |v: V3, w: V3| math::dot(math::add(v, math::cross(w, row.arms[side])), block.normal);
@@ -31,7 +31,7 @@ fn approach(block: &Block, row: &Row, bodies: &[Moving]) -> [f64; 3] {
     [b[0] - a[0] - kick, kick, a[1].abs() + b[1].abs()]
 }
 
-/// Velocity of a point along the normal at the begin of a step \[m/s\], and its acceleration \[m/s²\]; none if it approaches too slowly for an impact, for which a step counts with the length that it had before it was shortened.
+/// Velocity of a point along the normal at the start of a step \[m/s\], and its acceleration \[m/s²\]; none if it approaches too slowly for an impact, for which a step counts with the length that it had before it was shortened.
 fn strike(
     block: &Block,
     row: &Row,
@@ -67,7 +67,7 @@ impl ContactSet {
         strikes
     }
 
-    /// How long a step of `h` \[s\] is up to its first impact, or with one at its begin, after which velocities are others: next to nothing \[s\]; none if there is no impact.
+    /// How long a step of `h` \[s\] is up to its first impact, or with one at its start, after which velocities are others: next to nothing \[s\]; none if there is no impact.
     pub(super) fn first_hit_s(&self, bodies: &[Moving], h: f64) -> Option<f64> {
         let blocks = self.rows.blocks.iter();
         let hits = blocks.flat_map(|block| self.rows.rows[block.range()].iter().map(move |row| (block, row)));
@@ -130,7 +130,7 @@ impl ContactSet {
         self.sweeps(bodies);
     }
 
-    /// Gives impacts at the begin of a step their rebound by Newton's coefficient of restitution; false if there are none.
+    /// Gives impacts at the start of a step their rebound by Newton's coefficient of restitution; false if there are none.
     pub(super) fn rebound_linked(
         &mut self,
         bodies: &[Moving],

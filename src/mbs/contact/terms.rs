@@ -86,7 +86,7 @@ pub struct Touch {
     pub a: usize,
     /// What it met.
     pub b: Partner,
-    /// When, from the begin of the step \[s\].
+    /// When, from the start of the step \[s\].
     pub after_s: f64,
 }
 
@@ -124,7 +124,7 @@ pub struct Work {
     pub last_unfinished: u64,
     /// Steps in which friction was left out where it jammed bodies on ideal joints.
     pub jammed: u64,
-    /// Deepest penetration seen at the begin of a step \[m\].
+    /// Deepest penetration seen at the start of a step \[m\].
     pub deepest_m: f64,
 }
 

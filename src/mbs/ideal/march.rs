@@ -165,7 +165,7 @@ pub struct Marcher {
 /// An accepted step: states in between.
 #[derive(Debug, Clone, Copy)]
 pub struct Span<'a> {
-    /// Its begin \[s\].
+    /// Its start \[s\].
     pub from_s: f64,
     /// Its length \[s\].
     pub length_s: f64,

@@ -91,7 +91,7 @@ struct Record {
     /// Half of the last step if it was one of the leapfrog, else zero, and what forces add to the kinetic energy in it \[s, J\].
     kick_s: f64,
     kick_j: f64,
-    /// Where in its step the output is, from its begin (0) to its end (1).
+    /// Where in its step the output is, from its start (0) to its end (1).
     share: f64,
     books: Balance,
     overturned: Overturned,

@@ -1,7 +1,7 @@
 //! Contact of bodies on ideal joints.
 //!
 //! While a bound on the bodies' paths says that nothing can meet, steps know nothing of contact; where the bound is used up a glance at what is near renews it. Else steps are those
-//! of the leapfrog, each begun by a jump: impulses at the begin of the step change the velocities so that no gap closes in it, joints included, and displacements without
+//! of the leapfrog, each begun by a jump: impulses at the start of the step change the velocities so that no gap closes in it, joints included, and displacements without
 //! velocity open what is closed.
 
 use super::march::{MarchError, Marcher};
@@ -155,7 +155,7 @@ impl Marcher {
         !touching.missed
     }
 
-    /// The jump at the begin of a step of `h` \[s\], or of a shorter one that ends with the first impact within; its length \[s\].
+    /// The jump at the start of a step of `h` \[s\], or of a shorter one that ends with the first impact within; its length \[s\].
     ///
     /// # Errors
     /// If bodies are too deep in each other.

@@ -126,7 +126,7 @@ impl JointData {
         });
     }
 
-    /// The axial force at the end of a step, with what the rate of flow adds to the capacities; `old` is that at its begin, `lowest` that at which it stretches \[N\].
+    /// The axial force at the end of a step, with what the rate of flow adds to the capacities; `old` is that at its start, `lowest` that at which it stretches \[N\].
     #[inline(never)]
     fn rated_force(&mut self, rate: Rate, old: f64, lowest: f64) -> f64 {
         let (trial, stiffness) = (self.axial_force, self.translation[0]);

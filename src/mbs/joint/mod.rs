@@ -105,7 +105,7 @@ pub struct JointData {
     strained: [V3; 2],
     /// Whether evaluations are a step apart.
     pub(in crate::mbs) pace: Pace,
-    /// What force and moment along its axes have done in the last step beyond the mean of its begin and end ([`crate::curve::onset`]) \[N, N m\], and their work in it \[J\].
+    /// What force and moment along its axes have done in the last step beyond the mean of its start and end ([`crate::curve::onset`]) \[N, N m\], and their work in it \[J\].
     onset: [V3; 2],
     onset_j: f64,
     /// How its axial force (compression positive) went in the last step in which its axial spring flowed \[N, m\].

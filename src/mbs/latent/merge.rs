@@ -113,7 +113,7 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
     if !model.shared_masses.is_empty() {
         let whole =
             held_together(model, &model.bushings.iter().map(|b| b.latent.is_some()).collect::<Vec<_>>());
-        // a body that is less than at the begin would have taken its share of the inertia with it
+        // a body that is less than at the start would have taken its share of the inertia with it
         let is_whole = |id: &String| {
             at(id).is_some_and(|i| {
                 let count = whole.iter().filter(|label| **label == whole[i]).count();

@@ -253,7 +253,7 @@ impl Latent {
         self.count_watched();
     }
 
-    /// Whether bodies of the running model were one at the begin; the ground, which comes last, was never part of one.
+    /// Whether bodies of the running model were one at the start; the ground, which comes last, was never part of one.
     pub fn were_one(&self, a: usize, b: usize) -> bool {
         let first = |body: usize| self.pieces.get(body).map(|own| self.family[own[0]]);
         a == b || first(a).is_some() && first(a) == first(b)
@@ -431,7 +431,7 @@ impl Latent {
     }
 }
 
-/// Which bushings of a model are watched from the begin: those that no rule about events names.
+/// Which bushings of a model are watched from the start: those that no rule about events names.
 fn watched_from_begin(file: &Model) -> Vec<bool> {
     let named: BTreeSet<&String> = file.event_rules.iter().flat_map(|r| &r.watch).collect();
     file.bushings.iter().map(|b| !named.contains(&b.id)).collect()

@@ -213,7 +213,7 @@ pub struct Bushing {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// The section that it is part of, if it is latent: its bodies then move as one until the forces that a bushing of this section would have to bear reach its resistance (bending of its curves,
-    /// shear, tension, compression); those of a section give way together. It needs a body on both sides, all its stiffnesses, and a model without ideal joints and forces. `None`: it is live from the begin.
+    /// shear, tension, compression); those of a section give way together. It needs a body on both sides, all its stiffnesses, and a model without ideal joints and forces. `None`: it is live from the start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub latent: Option<String>,
     /// Tension \[N\] at which it separates; `None`: never.

@@ -126,7 +126,7 @@ pub struct CrushedFace {
     pub subsystem: Option<String>,
 }
 
-/// Factor `1 + (v / c)^(1 / p)` on the force that a face bears, with the speed `v` of its fastest contact point along the normal at the begin of a step (Cowper and Symonds 1957).
+/// Factor `1 + (v / c)^(1 / p)` on the force that a face bears, with the speed `v` of its fastest contact point along the normal at the start of a step (Cowper and Symonds 1957).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaceRate {

@@ -71,7 +71,7 @@ pub enum Met {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Broken {
-    /// At a bushing that was live from the begin.
+    /// At a bushing that was live from the start.
     End,
     /// At one that was latent.
     Span,

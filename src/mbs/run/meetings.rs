@@ -69,7 +69,7 @@ impl Meetings {
                 last_s: approach.time_s,
             };
             self.list.push(meeting);
-            // what touches from the begin, at rest, does not meet
+            // what touches from the start, at rest, does not meet
             return approach.time_s > 0.0 || approach.speed_m_s > at_rest_m_s;
         };
         known.last_s = approach.time_s;

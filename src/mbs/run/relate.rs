@@ -8,7 +8,7 @@ use crate::mbs::{frequency, math};
 
 /// Changes of a velocity \[m/s\] and an angular velocity \[rad/s\] in a step up to which a contact is none to bodies with inertia against relative motion: a wall that stands beside a column.
 const LIGHT_TOUCH: [f64; 2] = [0.02, 0.02];
-/// Energy that inertia against relative motion may have at the begin, as a share of what is turned over: as much as an error that is told.
+/// Energy that inertia against relative motion may have at the start, as a share of what is turned over: as much as an error that is told.
 const MOST_AT_BEGIN: f64 = 1e-3;
 /// Share of the energy turned over that the forces of half a step may have in them, which falls with the square of the step: by as much a full step may seem to lose after a charge. By what share of a step it is shortened at most.
 const VIBRATION: f64 = 7e-3;

@@ -118,7 +118,7 @@ pub(super) fn joints_of(model: &Model, body: usize) -> String {
     if list.is_empty() { "none".into() } else { list.join(", ") }
 }
 
-/// How many outputs a run has after that at its begin.
+/// How many outputs a run has after that at its start.
 pub(super) fn outputs(settings: &RunSettings) -> usize {
     (settings.end_time_s / settings.output_interval_s * (1.0 + 1e-12)).floor() as usize
 }

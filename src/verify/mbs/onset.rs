@@ -1,6 +1,6 @@
 //! What begins to flow within a step dissipates what it does in small ones.
 //!
-//! A bushing of 100 kN/m a millimetre yields half a millimetre from its rest, which a body at 10 m/s crosses in the twentieth part of a step of a millisecond; leapfrog kicks by the mean force of begin and end would take half of what it dissipates in it.
+//! A bushing of 100 kN/m a millimetre yields half a millimetre from its rest, which a body at 10 m/s crosses in the twentieth part of a step of a millisecond; leapfrog kicks by the mean force of start and end would take half of what it dissipates in it.
 
 use super::contact::{energy, run};
 use super::models::solid;
