@@ -1,5 +1,5 @@
 //! What every module may use and none owns: axis-aligned boxes and which of them are near one, units, source files as trees with
-//! places, JSON with paths, diagnostics, hashes, atomic output, grids for viewers, lines through points, roots, sparse equations, instruction sets, random numbers, time measurement.
+//! places, JSON with paths, diagnostics, hashes, atomic output, grids for viewers, lines through points, medians, roots, sparse equations, instruction sets, random numbers, time measurement.
 
 pub mod boxes;
 pub mod cpu;
@@ -8,6 +8,7 @@ pub mod geom;
 pub mod hash;
 pub mod isa;
 pub mod json;
+pub mod median;
 pub mod output;
 pub mod piecewise;
 pub mod prefetch;

@@ -8,6 +8,7 @@ use super::progress::Progress;
 use super::summary::{Summary, as_json, as_text};
 use super::{Failure, Outcome, fe, fe_hybrid, print, read_building, simulate, thread_pool, write};
 use crate::base::hash::{ContentHash, readable_json};
+use crate::base::median::median;
 use crate::base::output::OutputFolder;
 use crate::building::Building;
 use crate::fe::hybrid::HybridSettings;
@@ -281,11 +282,6 @@ fn run_mbs(generated: &Generated, options: &SolverOptions) -> Result<(Vec<RunRes
     Ok((runs, median(wall_s)))
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}
-
 /// The run without its processor time, which differs from run to run.
 fn write_mbs(output: &OutputFolder, mbs: &RunResult) -> Result<(), Failure> {
     write_json(output, "mbs.json", &RunResult { cpu_s: 0.0, ..mbs.clone() })?;
@@ -297,15 +293,4 @@ fn write_mbs(output: &OutputFolder, mbs: &RunResult) -> Result<(), Failure> {
 fn write_json<T: serde::Serialize>(output: &OutputFolder, name: &str, value: &T) -> Result<(), Failure> {
     let text = readable_json(value).map_err(|e| Failure::input(format!("{name}: {e}")))?;
     write(output, name, &text)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::median;
-
-    #[test]
-    fn the_median_ignores_an_outlier() {
-        assert_eq!(median(vec![0.9, 0.02, 0.03]), 0.03);
-        assert_eq!(median(Vec::new()), 0.0);
-    }
 }

@@ -171,33 +171,3 @@ impl Backbone for LevelBackbone {
         self.points[0][0]
     }
 }
-
-impl ResistanceCurve {
-    /// Energy that a first loading at an axial force dissipates up to a plastic rotation, or to the fracture rotation if that comes before \[J\].
-    pub fn dissipated_j(&self, plastic_rotation_rad: f64, axial_force_n: f64) -> f64 {
-        let end = plastic_rotation_rad.min(self.fracture_rotation_rad(axial_force_n));
-        let mut at: Vec<f64> = self.rotations(axial_force_n).into_iter().filter(|x| *x < end).collect();
-        at.push(end);
-        let moment = |x: f64| self.capacity_nm(x, axial_force_n);
-        at.windows(2).map(|w| 0.5 * (moment(w[0]) + moment(w[1])) * (w[1] - w[0])).sum()
-    }
-
-    /// Plastic rotation behind the peak at which this share of it is left, the fracture rotation at most: the ultimate rotation for a share of
-    /// 0.8 \[rad\].
-    pub fn ultimate_rotation_rad(&self, axial_force_n: f64, share: f64) -> f64 {
-        let fracture = self.fracture_rotation_rad(axial_force_n);
-        let points: Vec<[f64; 2]> =
-            self.rotations(axial_force_n).iter().map(|x| [*x, self.capacity_nm(*x, axial_force_n)]).collect();
-        let peak = points.iter().map(|p| p[1]).fold(0.0, f64::max);
-        let top = points.iter().position(|p| p[1] >= peak).unwrap_or(0);
-        let level = share * peak;
-        let fall = points[top..].windows(2).find(|w| w[0][1] >= level && w[1][1] < level);
-        let at = fall.map(|w| w[0][0] + (w[0][1] - level) / (w[0][1] - w[1][1]) * (w[1][0] - w[0][0]));
-        at.unwrap_or(fracture).min(fracture)
-    }
-
-    /// Energy that a first loading dissipates up to the ultimate rotation at an axial force, 80 % of the peak being left there \[J\].
-    pub fn ultimate_energy_j(&self, axial_force_n: f64) -> f64 {
-        self.dissipated_j(self.ultimate_rotation_rad(axial_force_n, 0.8), axial_force_n)
-    }
-}

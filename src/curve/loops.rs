@@ -285,14 +285,11 @@ mod tests {
     }
 
     #[test]
-    fn curves_without_a_rule_are_read_and_energies_are_areas() {
+    fn curves_without_a_rule_are_read_and_come_back() {
         let plain = r#"{"stiffness_nm_rad":1000.0,"levels":[{"axial_force_n":0.0,"capacity":[[0.0,10.0],[0.1,10.0],[0.2,0.0]],"fracture_rotation_rad":0.2}]}"#;
         let mut curve: ResistanceCurve = serde_json::from_str(plain).unwrap();
         assert_eq!(curve.cyclic, None);
         assert_eq!(serde_json::to_string(&curve).unwrap(), plain);
-        assert!((curve.ultimate_rotation_rad(0.0, 0.8) - 0.12).abs() < 1e-12);
-        assert!((curve.ultimate_energy_j(0.0) - (1.0 + 0.02 * 9.0)).abs() < 1e-12);
-        assert!((curve.dissipated_j(1.0, 0.0) - 1.5).abs() < 1e-12);
         curve.cyclic = Some(rule(1.5, 0.4));
         let text = serde_json::to_string(&curve).unwrap();
         assert_eq!(serde_json::from_str::<ResistanceCurve>(&text).unwrap(), curve);

@@ -46,16 +46,8 @@ pub fn embed(mesh: &Mesh, nodes: &[usize]) -> Result<Vec<Tie>, EmbedError> {
     Ok(ties)
 }
 
-/// [`embed`] of all nodes of the bars, in the order of the nodes.
-pub fn embed_trusses(mesh: &Mesh) -> Result<Vec<Tie>, EmbedError> {
-    let mut nodes: Vec<usize> = mesh.trusses.iter().flat_map(|t| t.nodes).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    embed(mesh, &nodes)
-}
-
 /// Natural coordinates of a point in a hexahedron, `None` if it is outside.
-pub fn natural_coordinates(corners: &[Vec3; 8], at_m: Vec3) -> Option<Vec3> {
+fn natural_coordinates(corners: &[Vec3; 8], at_m: Vec3) -> Option<Vec3> {
     let mut xi = [0.0; 3];
     for _ in 0..ITERATIONS {
         let (place, tangent) = map(corners, xi);

@@ -76,7 +76,7 @@ pub struct BlockMaterial {
 pub struct BlockState {
     /// Cauchy stress in the element's frame \[Pa\]: xx, yy, zz, xy, yz, zx.
     pub stress: [Lane; 6],
-    /// Generalised hourglass stresses, `3 * α + i` \[N m ... per unit q\].
+    /// Generalised hourglass stresses `Q_iα`, `3 * α + i` \[N\]: work per unit of `q_iα`, which is a length since γ has no unit.
     pub hourglass: [Lane; 12],
     /// Equivalent plastic strain.
     pub plastic_strain: Lane,
@@ -293,15 +293,15 @@ pub(super) fn update<const ASQBI: bool>(
     step: KernelStep,
 ) -> Lane {
     let mut s = Scratch::new();
-    let rate_factor = step.rate_1_s();
-    let control = Control::of(material.form, rate_factor);
+    let rate_1_s = step.rate_1_s();
+    let control = Control::of(material.form, rate_1_s);
     for l in 0..LANES {
         deform::<ASQBI>(l, x, v, factor, &control, material, state, &mut s);
     }
-    radial_return(material, table, state, &mut s, rate_factor);
+    radial_return(material, table, state, &mut s, rate_1_s);
     let mut bound = ZERO;
     for l in 0..LANES {
-        resist::<ASQBI>(l, rate_factor, &control, material, &s, state, force, &mut bound);
+        resist::<ASQBI>(l, rate_1_s, &control, material, &s, state, force, &mut bound);
     }
     bound
 }
@@ -546,7 +546,7 @@ fn radial_return(
 #[expect(clippy::too_many_arguments, reason = "a hot loop on plain arrays")]
 fn resist<const ASQBI: bool>(
     l: usize,
-    rate_factor: f64,
+    rate_1_s: f64,
     control: &Control,
     material: &BlockMaterial,
     s: &Scratch,
@@ -583,7 +583,7 @@ fn resist<const ASQBI: bool>(
     let limit = frequency_bound(&g, volume * inverse_mass, lambda, mu, s.distortion[l]);
     let limit = if ASQBI { limit } else { control.bound * limit };
     let (pressure, damped) =
-        bulk_viscosity(rate_factor * trace, volume, material.mass_kg[l], lambda + 2.0 * mu, limit);
+        bulk_viscosity(rate_1_s * trace, volume, material.mass_kg[l], lambda + 2.0 * mu, limit);
     let scale = if acts { volume * share } else { 0.0 };
     state.internal_j[l] += scale * power;
     // the force of this step acts over half of the next increment too: only the mean of two steps books its true work

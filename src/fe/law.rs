@@ -101,6 +101,41 @@ impl Default for ElementForm {
     }
 }
 
+/// Density of steel bars \[kg/m³\].
+const STEEL_KG_M3: f64 = 7850.0;
+
+impl From<ConcreteLaw> for Law {
+    fn from(concrete: ConcreteLaw) -> Self {
+        Self {
+            density_kg_m3: concrete.density_kg_m3,
+            youngs_modulus_pa: concrete.youngs_modulus_pa,
+            poisson_ratio: concrete.poisson_ratio,
+            hardening: Vec::new(),
+            rate: None,
+            erosion: Erosion::NEVER,
+            form: ElementForm::default(),
+            concrete: Some(concrete),
+            rebar: None,
+        }
+    }
+}
+
+impl From<RebarLaw> for Law {
+    fn from(rebar: RebarLaw) -> Self {
+        Self {
+            density_kg_m3: STEEL_KG_M3,
+            youngs_modulus_pa: rebar.youngs_modulus_pa,
+            poisson_ratio: 0.3,
+            hardening: Vec::new(),
+            rate: None,
+            erosion: Erosion::NEVER,
+            form: ElementForm::default(),
+            concrete: None,
+            rebar: Some(rebar),
+        }
+    }
+}
+
 impl From<&Homogenised> for Law {
     fn from(law: &Homogenised) -> Self {
         Self {

@@ -181,11 +181,6 @@ impl Structure {
         self.ends.iter().find(|e| e.id == id)
     }
 
-    /// Connections at a member end, such as those of a column's top.
-    pub fn connections_at(&self, member: usize, end: End) -> impl Iterator<Item = &Connection> {
-        self.connections().filter(move |c| c.members[0] == member && c.end == Some(end))
-    }
-
     /// The disjoint boxes that a member owns, unmerged.
     pub fn boxes(&self, member: usize) -> &[Aabb] {
         &self.boxes[member]

@@ -305,34 +305,6 @@ impl FibreSection {
             .map(|state| [state.axial_force_n, state.moment_nm])
             .collect()
     }
-
-    /// First yield at an axial force \[N\]: the far bar reaches its yield strain or the compressed edge
-    /// `ε_c2`, whichever comes at the smaller curvature. `None` if no such profile carries the force.
-    pub fn first_yield(&self, axial_force_n: f64) -> Option<SectionState> {
-        let curvature = increasing(0.0, self.concrete.strain_cu2 * 20.0 / self.height_m, |curvature| {
-            let Some(state) = self.at_curvature(axial_force_n, curvature) else { return 1.0 };
-            let far = self.bars.last().map_or(0.0, |bar| bar.0);
-            let far_strain = state.profile.edge_strain - curvature * far;
-            let steel = -far_strain * self.steel.youngs_modulus_pa / self.steel.yield_strength_pa;
-            steel.max(state.profile.edge_strain / self.concrete.strain_c2) - 1.0
-        });
-        self.at_curvature(axial_force_n, curvature).filter(|state| state.moment_nm > 0.0 && curvature > 1e-9)
-    }
-
-    /// Flexural stiffness of the cracked section \[N m²\]: the secant to [first yield](Self::first_yield).
-    pub fn cracked_stiffness_nm2(&self, axial_force_n: f64) -> Option<f64> {
-        self.first_yield(axial_force_n).map(|state| state.moment_nm / state.profile.curvature_1_m)
-    }
-
-    /// The state of a given curvature \[1/m\] and axial force \[N\]; `None` if no edge strain carries it.
-    pub fn at_curvature(&self, axial_force_n: f64, curvature_1_m: f64) -> Option<SectionState> {
-        let state = |edge_strain| self.resultants(Profile { edge_strain, curvature_1_m });
-        let (low, high) = (-self.steel.ultimate_strain, self.steel.ultimate_strain);
-        if state(low).axial_force_n > axial_force_n || state(high).axial_force_n < axial_force_n {
-            return None;
-        }
-        Some(state(increasing(low, high, |strain| state(strain).axial_force_n - axial_force_n)))
-    }
 }
 
 /// The root of an increasing function between two arguments.
@@ -442,16 +414,6 @@ mod tests {
         let expected = 30e6 * (0.16 - steel_area) + 400e6 * steel_area;
         assert!((compression - expected).abs() < 1.0, "{compression} {expected}");
         assert!(section.ultimate(1.001 * compression).is_none());
-    }
-
-    #[test]
-    fn cracked_stiffness_is_below_the_gross_stiffness() {
-        let edge = CompressedEdge::DepthHigh;
-        let section = FibreSection::rectangle([0.4; 2], &bars(0.16, 0.020, true), 30e6, STEEL, edge);
-        let gross = 30e9 * 0.4f64.powi(4) / 12.0;
-        let ratios = [0.0, 480e3, 1440e3].map(|n| section.cracked_stiffness_nm2(n).unwrap() / gross);
-        assert!(ratios[0] > 0.15 && ratios[0] < 0.35, "{ratios:?}");
-        assert!(ratios.windows(2).all(|r| r[0] < r[1]) && ratios[2] < 1.0, "{ratios:?}");
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub(super) struct JointBlock {
     drop: Lane,
     /// Where the joint is elastic.
     force: [Lane; 2],
-    shear_ease: [Lane; 2],
+    inverse_shear2: [Lane; 2],
     ease: [Lane; 2],
     ends: [Lane; 2],
 }
@@ -101,7 +101,7 @@ impl JointBlock {
             load: [ZERO; 2],
             drop: ZERO,
             force: [[f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]],
-            shear_ease: [ZERO; 2],
+            inverse_shear2: [ZERO; 2],
             ease: [ZERO; 2],
             ends: [[f64::INFINITY; LANES]; 2],
         };
@@ -121,7 +121,7 @@ impl JointBlock {
                 block.shear_lever[l] = beam.shear_lever_n(joint.translation);
                 (block.reach[l], block.free[l]) = (beam.reach_m, beam.free_m);
             }
-            put(&mut block.shear_ease, l, joint.shear_ease);
+            put(&mut block.inverse_shear2, l, joint.inverse_shear2);
             block.bear(l, joint);
             block.learn(l, joint, tables);
         }
@@ -203,8 +203,8 @@ impl JointBlock {
             let (middle, of_shear) = (middle - self.drop[l], self.shear_lever[l] * across);
             let ends = [middle - of_shear, middle + of_shear];
             let used = bent[0] * bent[0] * self.ease[0][l] + bent[1] * bent[1] * self.ease[1][l];
-            let sheared2 =
-                local[1] * local[1] * self.shear_ease[0][l] + local[2] * local[2] * self.shear_ease[1][l];
+            let sheared2 = local[1] * local[1] * self.inverse_shear2[0][l]
+                + local[2] * local[2] * self.inverse_shear2[1][l];
             let stretch = math::dot(local, gap);
             act.elastic[l] = 0.5 * (bent[0] * e[0] + bent[1] * e[1]) + 0.5 * (stretch + moment[0] * theta[0]);
             act.axial[l] = axial;

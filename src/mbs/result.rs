@@ -2,7 +2,7 @@
 
 use super::contact::Work;
 use super::math;
-use super::model::{Face, Shape};
+use super::model::{Face, Model, Shape};
 use serde::{Deserialize, Serialize};
 
 /// Version of the result file.
@@ -66,6 +66,43 @@ pub struct RunResult {
     pub body_work: BodyWork,
     /// Remarks, such as an axial force outside the levels of a curve.
     pub warnings: Vec<String>,
+}
+
+impl RunResult {
+    /// Of a model before its first output, without histories but those of its tracked points; room for so many outputs.
+    pub(super) fn empty(model: &Model, outputs: usize) -> Self {
+        let tracked = model.tracked.iter().map(|point| TrackedHistory {
+            id: point.id.clone(),
+            origin_m: point.point_m,
+            displacement_m: Vec::with_capacity(outputs),
+        });
+        Self {
+            schema: RESULT_SCHEMA.into(),
+            name: model.name.clone(),
+            times_s: Vec::new(),
+            tracked: tracked.collect(),
+            bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
+            frames: Vec::with_capacity(outputs),
+            energies: Default::default(),
+            hinges: Vec::new(),
+            latent: Vec::new(),
+            crushed: Vec::new(),
+            turns: Vec::new(),
+            reactions: Vec::new(),
+            events: Vec::new(),
+            first_ground_contact_s: None,
+            steps: 0,
+            time_step_s: 0.0,
+            highest_frequency_rad_s: 0.0,
+            preload_iterations: None,
+            cpu_s: 0.0,
+            energy_error: 0.0,
+            energy_growth: 0.0,
+            contact_work: Default::default(),
+            body_work: Default::default(),
+            warnings: Vec::new(),
+        }
+    }
 }
 
 /// Displacement history of a point.

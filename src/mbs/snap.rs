@@ -148,7 +148,7 @@ fn share(joint: &JointData, along: &[Course; 3], is_stretching: bool) -> f64 {
         f64::INFINITY
     };
     // the ellipse of the shear forces: a s² + b s + c = 0
-    let product = |f: V3, g: V3| (0..2).map(|k| joint.shear_ease[k] * f[k + 1] * g[k + 1]).sum::<f64>();
+    let product = |f: V3, g: V3| (0..2).map(|k| joint.inverse_shear2[k] * f[k + 1] * g[k + 1]).sum::<f64>();
     let (a, b, c) = (product(change, change), 2.0 * product(begin, change), product(begin, begin) - 1.0);
     let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
     let sheared = if a + b + c < 0.0 || a == 0.0 { f64::INFINITY } else { (root - b) / (2.0 * a) };

@@ -11,7 +11,7 @@
 use super::anchorage::BarSlip;
 use crate::fe::concrete::ConcretePoints;
 use crate::fe::hexahedron::volume_m3;
-use crate::fe::law::{ElementForm, Erosion, Law};
+use crate::fe::law::Law;
 use crate::fe::mesh::{Element, Mesh, Truss};
 use crate::material::concrete::{ConcreteLaw, LawError};
 use crate::material::fibre::SectionInput;
@@ -32,8 +32,6 @@ const SAME_M: f64 = 1e-6;
 const TIE_HARDENING: f64 = 0.01;
 /// Least share of concrete in an element beside a bar: one much smaller than the bar would have none.
 const LEAST_CONCRETE: f64 = 0.1;
-/// Density of reinforcing steel \[kg/m³\].
-const STEEL_KG_M3: f64 = 7850.0;
 
 /// What the member stands on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -484,17 +482,7 @@ fn share_of(at: f64) -> f64 {
 
 /// Laws of the mesh: concrete, block, bars, ties.
 fn laws(section: &SectionInput, concrete: &ConcreteLaw) -> Vec<Law> {
-    let member = Law {
-        density_kg_m3: concrete.density_kg_m3,
-        youngs_modulus_pa: concrete.youngs_modulus_pa,
-        poisson_ratio: concrete.poisson_ratio,
-        hardening: Vec::new(),
-        rate: None,
-        erosion: Erosion::NEVER,
-        form: ElementForm::default(),
-        concrete: Some(concrete.clone()),
-        rebar: None,
-    };
+    let member = Law::from(concrete.clone());
     let block = Law { concrete: None, ..member.clone() };
     let ties = section.ties.map_or(section.steel, |t| RebarLaw {
         youngs_modulus_pa: section.steel.youngs_modulus_pa,
@@ -504,22 +492,7 @@ fn laws(section: &SectionInput, concrete: &ConcreteLaw) -> Vec<Law> {
         loops: LoopShape::default(),
         buckling: None,
     });
-    vec![member, block, steel_law(section.steel), steel_law(ties)]
-}
-
-/// A law of bars.
-fn steel_law(rebar: RebarLaw) -> Law {
-    Law {
-        density_kg_m3: STEEL_KG_M3,
-        youngs_modulus_pa: rebar.youngs_modulus_pa,
-        poisson_ratio: 0.3,
-        hardening: Vec::new(),
-        rate: None,
-        erosion: Erosion::NEVER,
-        form: ElementForm::default(),
-        concrete: None,
-        rebar: Some(rebar),
-    }
+    vec![member, block, section.steel.into(), ties.into()]
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@
 //! recorded as a quality figure.
 
 use super::cut::EndModel;
+use crate::base::median::median;
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
 use crate::fe::preload;
@@ -189,12 +190,6 @@ pub fn derive(
         asymmetry,
         elements: model.mesh.elements.len(),
     })
-}
-
-/// Median; zero for an empty list.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// An envelope over chord rotation about the end section, described about a point `c` further along the member.

@@ -1,7 +1,8 @@
 //! A strip of a floor across a line at which it may fold: the piece of the global mesh from a clamped section on one side to the section without moment on the other.
 
 use super::cut::{EndModel, tip_shares};
-use super::pushover::{POLE_LIMIT_DEPTHS, Push, PushoverError, median, moved, push, torsion_constant};
+use super::pushover::{POLE_LIMIT_DEPTHS, Push, PushoverError, moved, push, torsion_constant};
+use crate::base::median::median;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::fe::mesh::Mesh;
 use crate::material::j2::HardeningTable;

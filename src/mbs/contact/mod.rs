@@ -115,6 +115,8 @@ impl Collider {
     }
 }
 
+/// Points that are this near take part without approaching \[m\].
+const MARGIN_M: f64 = 2e-4;
 /// A path that no body travels \[m\].
 const NEVER_M: f64 = 1e300;
 
@@ -128,7 +130,7 @@ struct Plane {
 /// All contacts of a run.
 #[derive(Debug, Clone)]
 pub struct ContactSet {
-    /// How the impulses are found.
+    /// How contacts are searched.
     pub settings: Settings,
     /// Energies taken.
     pub energy: ContactEnergy,
@@ -388,8 +390,7 @@ impl ContactSet {
         if self.alarm.is_infinite() {
             return self.alarm > 0.0;
         }
-        let margin = self.settings.margin_m;
-        let late = |(i, path): (usize, &f64)| self.travel[i] + path + margin > self.budget[i];
+        let late = |(i, path): (usize, &f64)| self.travel[i] + path + MARGIN_M > self.budget[i];
         if paths_m.iter().enumerate().any(late) {
             return false;
         }
@@ -401,7 +402,7 @@ impl ContactSet {
         let until = |i: u32| self.travel[i as usize] + paths_m.get(i as usize).copied().unwrap_or(0.0);
         let apart = |e: &Entry| {
             let [a, b] = e.bodies;
-            self.is_still([a as usize, b as usize]) || until(a) + until(b) + margin < e.limit
+            self.is_still([a as usize, b as usize]) || until(a) + until(b) + MARGIN_M < e.limit
         };
         self.clock + 2.0 * longest < self.alarm || self.order.iter().all(apart)
     }
@@ -471,7 +472,7 @@ impl ContactSet {
             };
             let moving = self.order.iter().filter(|e| !self.is_still(e.bodies.map(|i| i as usize)));
             let least = moving.map(left).fold(NEVER_M, f64::min);
-            self.alarm = self.clock + (least - self.settings.margin_m);
+            self.alarm = self.clock + (least - MARGIN_M);
         }
     }
 
@@ -501,14 +502,13 @@ impl ContactSet {
         if self.alarm.is_infinite() || !self.settings.skip {
             return self.alarm == f64::INFINITY;
         }
-        let margin = self.settings.margin_m;
         let mut largest = 0.0_f64;
         let mut late = false;
         for (i, (v, w)) in velocities.enumerate() {
             let path = self.path_of(i, v, w, h);
             self.path[i] = path;
             largest = largest.max(path);
-            late |= self.travel[i] + path + margin > self.budget[i];
+            late |= self.travel[i] + path + MARGIN_M > self.budget[i];
         }
         if !late && self.clock + 2.0 * largest >= self.alarm {
             self.count_slack();

@@ -4,9 +4,11 @@ use super::collide::{self, Placed};
 use super::gaps;
 use super::rows::{Block, Inverse, Row};
 use super::spread;
-use super::{ContactSet, Moving, NEVER_M, Partner, Surface};
+use super::{ContactSet, MARGIN_M, Moving, NEVER_M, Partner, Surface};
 use crate::mbs::math::{self, V3};
 
+/// Relative motion of a pair until its points are searched again, as a share of the thickness of its solids.
+const STALE: f64 = 1e-2;
 /// Most points of a pair.
 pub(super) const MOST_POINTS: usize = 8;
 /// Share of the turn up to which points are kept, of those of which some do not count.
@@ -165,8 +167,7 @@ impl ContactSet {
 
     /// Enters new bounds of the solids that may leave theirs in this step, and the pairs that come of it.
     pub(super) fn enter_bounds(&mut self, bodies: &[Moving], h: f64) {
-        let margin = self.settings.margin_m;
-        let left = |set: &Self, i: usize| set.budget[i] - (set.travel[i] + set.path[i] + margin);
+        let left = |set: &Self, i: usize| set.budget[i] - (set.travel[i] + set.path[i] + MARGIN_M);
         if self.alarm == f64::INFINITY || !(0..bodies.len()).any(|i| bodies[i].alive && left(self, i) < 0.0) {
             return;
         }
@@ -192,7 +193,7 @@ impl ContactSet {
             let more = if obstacle {
                 0.0
             } else {
-                margin
+                MARGIN_M
                     + 2.0 * self.path[body]
                     + (AHEAD.0 / h * self.path[body]).max(AHEAD.1 * collider.thickness)
             };
@@ -336,10 +337,9 @@ impl ContactSet {
         }
         let normal = math::mul_t(&at.r, n);
         let turned = math::sub(normal, pair.weighed);
-        let stale = self.settings.stale;
         let round = collider.solid.is_round();
         // one that had no points has none to keep the masses of, however long it was looked at
-        let keep = !round && !self.kept.is_empty() && math::dot(turned, turned) <= stale * stale;
+        let keep = !round && !self.kept.is_empty() && math::dot(turned, turned) <= STALE * STALE;
         if !keep {
             pair.weighed = normal;
         }
@@ -458,7 +458,7 @@ impl ContactSet {
         }
         let (offset, surface) = (pair.offset, pair.surface);
         let is_new = pair.points[..usize::from(pair.count)].iter().all(|p| p.normal == 0.0);
-        let is_far = least > self.settings.margin_m && offset == 0.0;
+        let is_far = least > MARGIN_M && offset == 0.0;
         let (closes_s, k) = first_closes;
         let passes =
             is_first && is_far && closes_s < h && self.pass_by([a, b], bodies, (closes_s, h), allowed);
@@ -508,13 +508,12 @@ impl ContactSet {
         }
         let n = spots.normal;
         let turned = math::add(n, math::mul(&self.placed[pair.b as usize].r, pair.normal[1]));
-        let stale = self.settings.stale;
         // what turns towards points that do not count needs them at once
-        let most = if pair.is_thinned { THINNED * stale } else { stale };
+        let most = if pair.is_thinned { THINNED * STALE } else { STALE };
         if math::dot(turned, turned) > most * most {
             return true;
         }
-        let far = stale * a.thickness.min(b.thickness);
+        let far = STALE * a.thickness.min(b.thickness);
         spots.on[..usize::from(pair.count)].iter().any(|[on_a, on_b]| {
             let d = math::sub(*on_b, *on_a);
             let slip = math::axpy(d, -math::dot(d, n), n);
@@ -525,7 +524,7 @@ impl ContactSet {
     /// How far corners of two solids come nearer, or farther apart, by the turn up to which their points are kept \[m\].
     fn tilt_m(&self, [a, b]: [usize; 2]) -> f64 {
         let radius = |i: usize| if i == self.ground { f64::INFINITY } else { self.radius[i] };
-        2.0 * self.settings.stale * radius(a).min(radius(b))
+        2.0 * STALE * radius(a).min(radius(b))
     }
 
     fn search(&mut self, slot: usize, reach: f64) {

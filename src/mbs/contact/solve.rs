@@ -2,7 +2,7 @@
 
 use super::groups::Groups;
 use super::rows::{Block, DEEP_M, Motion};
-use super::{ContactSet, Linked, Moving, TooDeep};
+use super::{ContactSet, Linked, MARGIN_M, Moving, TooDeep};
 use crate::mbs::math::{self, V3};
 
 /// Times that pairs are looked for again because impulses made bodies faster.
@@ -11,6 +11,28 @@ const MOST_EXTENSIONS: usize = 4;
 const DEPTH_LIMIT: f64 = 1.0;
 /// Approach speed from which there is rebound, over the velocity that forces add in half a step.
 pub(super) const REBOUND_FROM: f64 = 4.0;
+/// Sweeps end when no velocity of a point changes by more than this share of the velocity that forces add in a step.
+const TOLERANCE: f64 = 1e-3;
+/// Most sweeps of a step in which the impulses of the last one nearly hold.
+const SWEEPS: usize = 4;
+/// Visits of points in conjugate directions in any other step, unless so many sweeps need more.
+const VISITS: usize = 240;
+/// Visits in plain sweeps of such a step with an impact, and where there are no conjugate directions: ideal joints, rolling.
+const PLAIN_VISITS: usize = 600;
+/// Most sweeps of such a step.
+const MOST_SWEEPS: usize = 400;
+/// Visits of points in conjugate directions where sweeps left velocities far from settled.
+const SEARCH_VISITS: usize = 40_000;
+/// The same where masses are alike, after an impact that goes through many bodies.
+const STRUCK_VISITS: usize = 10_000;
+/// Sweeps that open gaps.
+const GAP_SWEEPS: usize = 2;
+/// The same in steps that leave a gap deeper than [`DEEP_M`].
+const DEEP_SWEEPS: usize = 30;
+/// Share of a gap opened in a visit.
+const GAP_RATE: f64 = 0.2;
+/// Penetration that is left alone \[m\].
+const SLOP_M: f64 = 1e-4;
 /// Change of a velocity in the first sweep, over what forces add in a step, from which a step counts as unsteady.
 const UNSTEADY: f64 = 0.45;
 /// Change of a velocity after the sweeps, over the same, from which conjugate directions go on, and the fewest of them that are worth it.
@@ -151,14 +173,13 @@ impl ContactSet {
 
     /// Distance that two bodies may close in this step beyond what their velocities at its start do \[m\].
     fn allowed(&self, [a, b]: [usize; 2]) -> f64 {
-        (self.growth[a] + self.growth[b]) + self.settings.margin_m
+        (self.growth[a] + self.growth[b]) + MARGIN_M
     }
 
     /// Looks at the pairs that may touch.
     fn look_at_all(&mut self, bodies: &[Moving], h: f64) {
-        let margin = self.settings.margin_m;
         self.until.clear();
-        self.until.extend(self.travel.iter().zip(&self.path).map(|(travel, path)| travel + path + margin));
+        self.until.extend(self.travel.iter().zip(&self.path).map(|(travel, path)| travel + path + MARGIN_M));
         for k in 0..self.order.len() {
             self.order[k].allowed = 0.0;
             let entry = self.order[k];
@@ -239,13 +260,12 @@ impl ContactSet {
     fn hold(&mut self, bodies: &[Moving]) -> bool {
         let count = self.rows.rows.len();
         let tolerance_m_s = SEARCH_FROM * scale_m_s(bodies);
-        let most = self.settings.struck_visits / (2 * count);
+        let most = STRUCK_VISITS / (2 * count);
         self.conjugate(&self.groups(), count, most, tolerance_m_s) <= tolerance_m_s
     }
 
     /// Sweeps, and conjugate directions after an impact; whether the last ones changed velocities by no more than what leaves them to the next step.
     pub(super) fn sweeps(&mut self, bodies: &[Moving]) -> bool {
-        let s = self.settings;
         let scale = scale_m_s(bodies);
         let mut change = self.rows.sweep(false, true);
         let mut done = 1;
@@ -253,14 +273,13 @@ impl ContactSet {
         let may_search = self.rows.may_search();
         let is_unsteady = change > UNSTEADY * scale;
         if is_unsteady && change <= STRUCK_FROM * scale && may_search {
-            let most = (s.visits / (2 * count)).clamp(s.sweeps / 2, s.most_sweeps / 2);
-            change = self.conjugate(&self.groups(), count, most, s.tolerance * scale);
+            let most = (VISITS / (2 * count)).clamp(SWEEPS / 2, MOST_SWEEPS / 2);
+            change = self.conjugate(&self.groups(), count, most, TOLERANCE * scale);
         } else {
-            let most =
-                if is_unsteady { (s.plain_visits / count).clamp(s.sweeps, s.most_sweeps) } else { s.sweeps };
+            let most = if is_unsteady { (PLAIN_VISITS / count).clamp(SWEEPS, MOST_SWEEPS) } else { SWEEPS };
             let mut whole = true;
-            while done < most && (change > s.tolerance * scale || !whole) {
-                whole = change <= s.tolerance * scale || done % WHOLE_EVERY == 0 || done + 1 == most;
+            while done < most && (change > TOLERANCE * scale || !whole) {
+                whole = change <= TOLERANCE * scale || done % WHOLE_EVERY == 0 || done + 1 == most;
                 change = self.rows.sweep(done % 2 == 1, whole);
                 done += 1;
             }
@@ -268,9 +287,9 @@ impl ContactSet {
         let mut is_settled = change <= SEARCH_FROM * scale;
         if !is_settled {
             let (visits, from, until) = if self.rows.are_uneven() {
-                (s.search_visits, SEARCH_FROM, s.tolerance)
+                (SEARCH_VISITS, SEARCH_FROM, TOLERANCE)
             } else {
-                (s.struck_visits, STRUCK_FROM, SEARCH_FROM)
+                (STRUCK_VISITS, STRUCK_FROM, SEARCH_FROM)
             };
             let moves = visits / (2 * count);
             if change > from * scale && moves >= FEWEST_MOVES && may_search {
@@ -281,7 +300,7 @@ impl ContactSet {
         if change > ROCKING * scale && may_search && self.settle(bodies, scale) {
             is_settled = true;
         }
-        if change > s.tolerance * scale && self.work.last_unfinished != self.work.steps {
+        if change > TOLERANCE * scale && self.work.last_unfinished != self.work.steps {
             self.work.unfinished += 1;
             self.work.last_unfinished = self.work.steps;
         }
@@ -312,8 +331,8 @@ impl ContactSet {
             self.rows.leave(|_| false);
             return false;
         }
-        let tolerance_m_s = self.settings.tolerance * scale_m_s;
-        let most = self.settings.search_visits / (2 * count);
+        let tolerance_m_s = TOLERANCE * scale_m_s;
+        let most = SEARCH_VISITS / (2 * count);
         let left = self.conjugate(&groups, count, most, tolerance_m_s);
         let all = self.rows.leave(|_| false) == count;
         all && left <= SEARCH_FROM * scale_m_s
@@ -340,7 +359,7 @@ impl ContactSet {
 
     /// Enters the points that come within reach of the bodies that impulses made faster; false if there is no such body.
     pub(super) fn extend(&mut self, bodies: &[Moving], h: f64) -> bool {
-        let allowed = 0.5 * self.settings.margin_m;
+        let allowed = 0.5 * MARGIN_M;
         let mut any = false;
         for k in 0..self.rows.acting.len() {
             let i = self.rows.acting[k] as usize;
@@ -361,7 +380,7 @@ impl ContactSet {
         for k in 0..self.order.len() {
             let entry = self.order[k];
             let [a, b] = entry.bodies.map(|i| i as usize);
-            let path = self.path[a] + self.path[b] + self.settings.margin_m;
+            let path = self.path[a] + self.path[b] + MARGIN_M;
             if self.is_still([a, b])
                 || self.growth[a] + self.growth[b] == 0.0
                 || self.travel[a] + self.travel[b] + path < entry.limit
@@ -387,9 +406,9 @@ impl ContactSet {
         self.rows.look_ahead(h);
         self.crush();
         let worst = self.rows.worst();
-        if worst < -self.settings.slop_m {
-            let sweeps = if worst < -DEEP_M { self.settings.deep_sweeps } else { self.settings.gap_sweeps };
-            self.rows.separate(sweeps, self.settings.gap_rate);
+        if worst < -SLOP_M {
+            let sweeps = if worst < -DEEP_M { DEEP_SWEEPS } else { GAP_SWEEPS };
+            self.rows.separate(sweeps, GAP_RATE);
         }
         for i in self.rows.acting.iter().map(|i| *i as usize) {
             (bodies[i].v, bodies[i].w) = (self.rows.motion[i].v, self.rows.motion[i].w);

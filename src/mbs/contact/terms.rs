@@ -128,57 +128,16 @@ pub struct Work {
     pub deepest_m: f64,
 }
 
-/// How the impulses are found.
+/// How contacts are searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Points that are this near take part without approaching \[m\].
-    pub margin_m: f64,
-    /// Sweeps end when no velocity of a point changes by more than this share of the velocity that forces add in a step.
-    pub tolerance: f64,
-    /// Most sweeps of a step in which the impulses of the last one nearly hold.
-    pub sweeps: usize,
-    /// Visits of points in conjugate directions in any other step, unless so many sweeps need more.
-    pub visits: usize,
-    /// Visits in plain sweeps of such a step with an impact, and where there are no conjugate directions: ideal joints, rolling.
-    pub plain_visits: usize,
-    /// Most sweeps of such a step.
-    pub most_sweeps: usize,
-    /// Visits of points in conjugate directions where sweeps left velocities far from settled.
-    pub search_visits: usize,
-    /// The same where masses are alike, after an impact that goes through many bodies.
-    pub struck_visits: usize,
-    /// Sweeps that open gaps.
-    pub gap_sweeps: usize,
-    /// The same in steps that leave a gap deeper than 0.5 mm.
-    pub deep_sweeps: usize,
-    /// Share of a gap opened in a visit.
-    pub gap_rate: f64,
-    /// Penetration that is left alone \[m\].
-    pub slop_m: f64,
     /// Whether pairs that cannot meet in a step are left alone, and steps in which none can. Without it every pair is looked at in every step.
     pub skip: bool,
-    /// Relative motion of a pair until its points are searched again, as a share of the thickness of its solids.
-    pub stale: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self {
-            margin_m: 2e-4,
-            tolerance: 1e-3,
-            sweeps: 4,
-            visits: 240,
-            plain_visits: 600,
-            most_sweeps: 400,
-            search_visits: 40_000,
-            struck_visits: 10_000,
-            gap_sweeps: 2,
-            deep_sweeps: 30,
-            gap_rate: 0.2,
-            slop_m: 1e-4,
-            skip: true,
-            stale: 1e-2,
-        }
+        Self { skip: true }
     }
 }
 

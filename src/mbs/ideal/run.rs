@@ -12,8 +12,8 @@ use crate::mbs::error::SolveError;
 use crate::mbs::math::{self, V3};
 use crate::mbs::model::{Bending, Body, Bushing, Event, Force, Model};
 use crate::mbs::result::{
-    Energies, EventKind, FractureCause, Frame, HingeHistory, RESULT_SCHEMA, ReactionHistory, RunEvent,
-    RunResult, TrackedHistory, TurnHistory,
+    Energies, EventKind, FractureCause, Frame, HingeHistory, ReactionHistory, RunEvent, RunResult,
+    TurnHistory,
 };
 use crate::mbs::run::{
     FINER_IDEAL, Overturned, SAME, SolverOptions, closing_remarks, remark_on_overlaps, remarks_on_wishes,
@@ -552,11 +552,6 @@ fn joints_of(model: &Model, body: &str) -> String {
 }
 
 fn empty(model: &Model) -> RunResult {
-    let tracked = model.tracked.iter().map(|t| TrackedHistory {
-        id: t.id.clone(),
-        origin_m: t.point_m,
-        displacement_m: Vec::new(),
-    });
     let turns = model.forces.iter().filter(|f| turns(f)).map(|f| TurnHistory {
         id: f.id().into(),
         rotation_rad: Vec::new(),
@@ -578,29 +573,9 @@ fn empty(model: &Model) -> RunResult {
         torque_nm: Vec::new(),
     });
     RunResult {
-        schema: RESULT_SCHEMA.into(),
-        name: model.name.clone(),
-        times_s: Vec::new(),
-        tracked: tracked.collect(),
-        bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
-        frames: Vec::new(),
-        energies: Default::default(),
         hinges: hinges.collect(),
-        latent: Vec::new(),
-        crushed: Vec::new(),
         turns: turns.collect(),
         reactions: reactions.collect(),
-        events: Vec::new(),
-        first_ground_contact_s: None,
-        steps: 0,
-        time_step_s: 0.0,
-        highest_frequency_rad_s: 0.0,
-        preload_iterations: None,
-        cpu_s: 0.0,
-        energy_error: 0.0,
-        energy_growth: 0.0,
-        contact_work: Default::default(),
-        body_work: Default::default(),
-        warnings: Vec::new(),
+        ..RunResult::empty(model, 0)
     }
 }

@@ -61,7 +61,7 @@ pub struct JointData {
     /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
     tensile_elongation: f64,
     /// `1/C²` of the shear forces along axes 1 and 2 at which it separates \[1/N²\], and the square of the share of that of the last evaluation.
-    pub(in crate::mbs) shear_ease: [f64; 2],
+    pub(in crate::mbs) inverse_shear2: [f64; 2],
     sheared2: f64,
     /// Forces along axes 1 and 2 of the last evaluation \[N\].
     pub(in crate::mbs) shear: [f64; 2],
@@ -143,7 +143,7 @@ impl JointData {
             strength: 1.0,
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
-            shear_ease: joint.shear_capacity_n.map_or([0.0; 2], |c| c.map(|c| 1.0 / (c * c))),
+            inverse_shear2: joint.shear_capacity_n.map_or([0.0; 2], |c| c.map(|c| 1.0 / (c * c))),
             sheared2: 0.0,
             shear: [0.0; 2],
             elongated: 0.0,
@@ -214,7 +214,7 @@ impl JointData {
         self.tensile_capacity *= ratio;
         self.compressive_capacity *= ratio;
         self.hardening.iter_mut().flat_map(|h| h.iter_mut()).for_each(|[_, force]| *force *= ratio);
-        self.shear_ease = self.shear_ease.map(|ease| ease / (ratio * ratio));
+        self.inverse_shear2 = self.inverse_shear2.map(|inverse| inverse / (ratio * ratio));
     }
 
     /// Its hinges: accumulated plastic rotation \[rad\], and whether it broke; both ends of a beam, else its own first.
@@ -449,7 +449,7 @@ impl JointData {
 
     /// Square of the share of the capacity that a force \[N\] along its axes takes in shear.
     pub(in crate::mbs) fn shear_used2(&self, force: V3) -> f64 {
-        force[1] * force[1] * self.shear_ease[0] + force[2] * force[2] * self.shear_ease[1]
+        force[1] * force[1] * self.inverse_shear2[0] + force[2] * force[2] * self.inverse_shear2[1]
     }
 
     /// Whether it resists turns, and has turned by more than [`MOST_TURN_RAD`].

@@ -15,7 +15,7 @@ use crate::mbs::tables::Tables;
 pub struct SolverOptions {
     /// Relative energy error above which the run stops.
     pub energy_limit: f64,
-    /// How contact impulses are found.
+    /// How contacts are searched.
     pub contact: Settings,
     /// Whether a run with the automatic step is repeated with half and a quarter of it where its energies grow, or where it stops for its energies or a contact that will not hold; one with ideal joints or forces
     /// and steps of the leapfrog for a coarse tolerance once with steps of Runge and Kutta.

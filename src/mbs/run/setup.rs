@@ -9,9 +9,7 @@ use crate::mbs::latent::Latent;
 use crate::mbs::math;
 use crate::mbs::model::{Bending, Bushing, Model, RunSettings};
 use crate::mbs::preload::PreloadError;
-use crate::mbs::result::{
-    CrushedHistory, HingeHistory, LatentRecord, RESULT_SCHEMA, RunResult, TrackedHistory,
-};
+use crate::mbs::result::{CrushedHistory, HingeHistory, LatentRecord, RunResult};
 use crate::mbs::system::System;
 use petgraph::unionfind::UnionFind;
 use std::collections::BTreeSet;
@@ -130,11 +128,6 @@ pub(super) fn empty_result(
     preload_iterations: Option<usize>,
 ) -> RunResult {
     let outputs = outputs(&model.settings) + 1;
-    let histories = model.tracked.iter().map(|point| TrackedHistory {
-        id: point.id.clone(),
-        origin_m: point.point_m,
-        displacement_m: Vec::with_capacity(outputs),
-    });
     let crushed = model.contact.crushing.iter().map(|f| CrushedHistory {
         body: f.body.clone(),
         shape: f.shape,
@@ -155,29 +148,11 @@ pub(super) fn empty_result(
         axial_force_n: Vec::with_capacity(outputs),
     });
     RunResult {
-        schema: RESULT_SCHEMA.into(),
-        name: model.name.clone(),
-        times_s: Vec::new(),
-        tracked: histories.collect(),
-        bodies: model.bodies.iter().map(|b| b.id.clone()).collect(),
-        frames: Vec::with_capacity(outputs),
-        energies: Default::default(),
         hinges: hinge_histories.collect(),
         latent: latent.collect(),
         crushed: crushed.collect(),
-        turns: Vec::new(),
-        reactions: Vec::new(),
-        events: Vec::new(),
-        first_ground_contact_s: None,
-        steps: 0,
-        time_step_s: 0.0,
         highest_frequency_rad_s: frequency,
         preload_iterations,
-        cpu_s: 0.0,
-        energy_error: 0.0,
-        energy_growth: 0.0,
-        contact_work: Default::default(),
-        body_work: Default::default(),
-        warnings: Vec::new(),
+        ..RunResult::empty(model, outputs)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A quarter of the slab: mid-span at x = 0, mid-width at y = 0, unloaded face at z = 0. All sizes are whole inches or fractions in the source.
 
-use crate::fe::law::{ElementForm, Erosion, Law};
+use crate::fe::law::Law;
 use crate::fe::mesh::{Mesh, Truss};
 use crate::fe::shapes::grid;
 use crate::material::concrete::ConcreteLaw;
@@ -183,9 +183,9 @@ impl SlabModel {
         };
         let z = planes(&[HEIGHT_M], size);
         let counts = [x.len() - 1, y.len() - 1, z.len() - 1];
-        let law = law_of_concrete(concrete().at_rate(concrete_1_s));
+        let law = Law::from(concrete().at_rate(concrete_1_s));
         let mut mesh = grid(counts, counts.map(|c| c as f64), law, |_| false);
-        mesh.laws.push(law_of_bars(steel().at_rate(steel_1_s)));
+        mesh.laws.push(steel().at_rate(steel_1_s).into());
         for node in &mut mesh.nodes {
             let index = node.map(|c| c.round() as usize);
             *node = [x[index[0]], y[index[1]], z[index[2]]];
@@ -219,29 +219,4 @@ impl SlabModel {
 
 fn bar(nodes: [usize; 2], share: f64) -> Truss {
     Truss { nodes, area_m2: share * BAR_AREA_M2, part: 0, law: 1 }
-}
-
-fn law_of_concrete(concrete: ConcreteLaw) -> Law {
-    Law {
-        density_kg_m3: concrete.density_kg_m3,
-        youngs_modulus_pa: concrete.youngs_modulus_pa,
-        poisson_ratio: concrete.poisson_ratio,
-        hardening: Vec::new(),
-        rate: None,
-        erosion: Erosion::NEVER,
-        form: ElementForm::default(),
-        concrete: Some(concrete),
-        rebar: None,
-    }
-}
-
-fn law_of_bars(rebar: RebarLaw) -> Law {
-    Law {
-        density_kg_m3: 7850.0,
-        youngs_modulus_pa: rebar.youngs_modulus_pa,
-        poisson_ratio: 0.3,
-        concrete: None,
-        rebar: Some(rebar),
-        ..law_of_concrete(concrete())
-    }
 }

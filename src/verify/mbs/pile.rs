@@ -99,11 +99,7 @@ pub fn model(side: usize, end_time_s: f64, time_step_s: f64) -> Model {
 /// How far cubes are in each other and in the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Depths {
-    /// Mean over the pairs that overlap \[m\].
-    pub mean_m: f64,
-    /// What a hundredth of them exceed \[m\].
-    pub p99_m: f64,
-    /// Largest \[m\].
+    /// Largest of the pairs that overlap \[m\].
     pub largest_m: f64,
     /// Lowest corner below the ground \[m\].
     pub ground_m: f64,
@@ -113,29 +109,18 @@ pub struct Depths {
 pub fn depths(frame: &Frame) -> Depths {
     let turns: Vec<M3> = frame.orientation.iter().map(|q| math::qmat(*q)).collect();
     let half = 0.5 * EDGE_M;
-    let mut all = Vec::new();
-    let mut ground_m = 0.0_f64;
+    let (mut largest_m, mut ground_m) = (0.0_f64, 0.0_f64);
     for (i, x) in frame.position_m.iter().enumerate() {
         let down: f64 = turns[i][2].iter().map(|v| v.abs() * half).sum();
         ground_m = ground_m.max(down - x[2]);
         for (j, y) in frame.position_m.iter().enumerate().skip(i + 1) {
             let d = math::sub(*y, *x);
             if math::dot(d, d) < 3.0 * EDGE_M * EDGE_M {
-                let depth = overlap(d, &turns[i], &turns[j], half);
-                if depth > 0.0 {
-                    all.push(depth);
-                }
+                largest_m = largest_m.max(overlap(d, &turns[i], &turns[j], half));
             }
         }
     }
-    all.sort_by(f64::total_cmp);
-    let count = all.len().max(1);
-    Depths {
-        mean_m: all.iter().sum::<f64>() / count as f64,
-        p99_m: all.get(all.len() * 99 / 100).copied().unwrap_or(0.0),
-        largest_m: all.last().copied().unwrap_or(0.0),
-        ground_m,
-    }
+    Depths { largest_m, ground_m }
 }
 
 fn overlap(d: V3, a: &M3, b: &M3, half: f64) -> f64 {
