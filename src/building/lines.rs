@@ -1,4 +1,4 @@
-//! Where slabs and walls may yield: strips of a slab between neighbouring columns, and the feet and heads of walls.
+//! Where slabs and walls may yield: strips of a slab between neighbouring columns, and the bases and tops of walls.
 
 use super::connect::unsupported_groups;
 use super::model::{Building, Member, MemberKind};

@@ -1,4 +1,4 @@
-//! What compression a section still bears once it has turned.
+//! Residual compressive capacity of a section over its plastic rotation.
 //!
 //! Under a compressive force `n` (over that at which the section flows as a whole) the neutral axis of a rectangle lies `n h / 2` off its middle, so a layer at `h / 4` from there, the centre of half of the section, has the
 //! strain `κ h (n / 2 + 1/4)`. At the strain at which that layer breaks the section has turned by `C / (n / 2 + 1/4)`. Half a section does not bear a large force: its end is the break. A small one it bears until it is

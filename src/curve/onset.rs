@@ -1,8 +1,8 @@
-//! What a force that begins to flow within a step does beyond the mean of its start and end.
+//! Impulse correction for yielding within a step: what a force that begins to flow there does beyond the mean of its start and end.
 //!
 //! The leapfrog gives half of the force at the start of a step and half of that at its end: the trapezoidal rule, which is right for forces that change in proportion. One that rises from `F_0` to its capacity `F_y` at a share `s` of
 //! the step, and flows from there to `F_1`, has done `h [s (F_0 + F_y) + (1 - s) (F_y + F_1)] / 2`. What is missing, `h [F_y - F_0 - s (F_1 - F_0)] / 2`, is added to the force at the end of the step, which acts for about `h`. It is
-//! naught for what flows already and for what stays elastic. Without it a spring whose elastic range is crossed in a fraction of a step loses half of what it dissipates in that step.
+//! zero for what flows already and for what stays elastic. Without it a spring whose elastic range is crossed in a fraction of a step loses half of what it dissipates in that step.
 //!
 //! What breaks within a step has done only a part of that: its [`Course`] tells how much.
 

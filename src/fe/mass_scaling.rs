@@ -1,4 +1,4 @@
-//! Selective mass scaling: a longer time step by more mass, only where elements ask for a shorter one.
+//! Conventional mass scaling, local: a longer time step by more lumped mass on the elements that limit it, and on no others.
 //!
 //! The squared frequency bound of an element falls as its mass grows, so an element that allows the step `Δt_e` gets the mass
 //! `m (Δt / Δt_e)²` and then allows the wished step Δt, safety and viscosity included. The mass is real to the run: it falls, bears on supports and takes part in

@@ -87,7 +87,7 @@ impl Spread<'_> {
         let member = end
             .map(|e| e.member)
             .or_else(|| self.building.members.iter().position(|m| m.id == decided.target));
-        // strips of slabs, feet and heads of walls
+        // strips of slabs, bases and tops of walls
         let Some(member) = member else {
             return answers.enter(&decided.target, decided, decided.action, false);
         };

@@ -118,7 +118,7 @@ impl<'a> YieldingEnds<'a> {
         let curve = self.known.entry(own).or_insert_with(|| {
             let name = format!("{BEAM_CURVES}{id}");
             let pushes = self.pushes.entry(of_section).or_insert_with(|| section.pushes(row_m, cut.held));
-            // the moment is naught in the middle of the span, where the cut is
+            // the moment is zero in the middle of the span, where the cut is
             self.curves.insert(name.clone(), pushes.curve(half_length_m, stiffness_nm_rad));
             name
         });

@@ -94,7 +94,7 @@ pub struct Decision {
     pub elastic: BTreeSet<String>,
     /// Beam ends at which floors may fold, with the ids of the rules that say so.
     pub latent: BTreeMap<String, Vec<String>>,
-    /// Lines of slabs, and feet and heads of walls, that stay elastic.
+    /// Lines of slabs, and bases and tops of walls, that stay elastic.
     pub elastic_lines: BTreeSet<String>,
     /// Columns that may break between their ends once something has happened to them.
     sections: BTreeMap<usize, Sections>,

@@ -28,7 +28,7 @@ pub struct Known {
     pub members: Vec<Subject>,
     /// Of the ends of columns and beams, in their order.
     pub ends: Vec<Subject>,
-    /// Of the lines of slabs, and the feet and heads of walls.
+    /// Of the lines of slabs, and the bases and tops of walls.
     pub lines: Vec<Subject>,
 }
 

@@ -1,4 +1,4 @@
-//! What is known of lines of slabs and of feet and heads of walls before any run.
+//! What is known of lines of slabs and of bases and tops of walls before any run.
 
 use super::known::{Joints, Site};
 use crate::base::geom::Aabb;

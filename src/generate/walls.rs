@@ -1,4 +1,4 @@
-//! Walls between floors: rigid plates on springs at foot and head that yield.
+//! Walls between floors: rigid plates on springs at base and top that yield.
 //!
 //! A wall storey of height `h` is as stiff as half of its height at either end: `E A / (h/2)`, `G A_s / (h/2)` and, about its own plane, `E I / (h/2)`. Each end has two springs, in the middles of its halves, which bear the
 //! moment in its plane as a couple.
@@ -116,7 +116,7 @@ impl<'a> Half<'a> {
         3.0 * self.law.youngs_modulus_pa * self.own_m() * self.thickness_m.powi(3) / 12.0 / self.height_m
     }
 
-    /// What the springs at foot and head carry over to each other: out of the plane they are a beam.
+    /// What the springs at base and top carry over to each other: out of the plane they are a beam.
     fn carry_over(&self, foot: String) -> CarryOver {
         let flexibility = 1.0 / self.out_of_plane();
         CarryOver {
@@ -194,7 +194,7 @@ fn of_wall<'a>(
 /// What a spring at an end of a wall leads to: a body, or the ground; nothing if there is no spring.
 type Neighbour = Option<Option<usize>>;
 
-/// A half of a wall in the parts that stand between the same bodies, found beside its spring at foot and head: one, unless that is on a seam of a floor.
+/// A half of a wall in the parts that stand between the same bodies, found beside its spring at base and top: one, unless that is on a seam of a floor.
 fn parts<'a>(
     building: &Building,
     structure: &Structure,

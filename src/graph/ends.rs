@@ -69,7 +69,7 @@ pub struct MemberEnd {
     pub supported: bool,
 }
 
-/// The long axis of a member that acts as a bar: columns and beams as given, walls upright.
+/// The long axis of a member that acts as a bar: columns and beams as given, walls along z.
 pub fn bar_axis(member: &Member) -> Option<usize> {
     match member.kind {
         MemberKind::Column | MemberKind::Beam => Some(member.axis),
@@ -78,7 +78,7 @@ pub fn bar_axis(member: &Member) -> Option<usize> {
     }
 }
 
-/// Whether a member carries upright loads to what is below it.
+/// Whether a member is a bar along z, which carries loads down: a column or a wall.
 pub fn is_upright(member: &Member) -> bool {
     bar_axis(member) == Some(2)
 }

@@ -127,10 +127,10 @@ impl Structure {
         found.into_iter().map(|(_, id)| id.to_owned()).collect()
     }
 
-    /// For every member whether it is an upright that stands, through members left, straight on the ground.
+    /// For every member whether it is a column or wall that stands, through members left, straight on the ground.
     ///
-    /// From the foot of an upright we go down through the cells under its section: first the joint (slab,
-    /// beam), then the next upright, and so on to a supported face.
+    /// From the base of a column or wall we go down through the cells under its section: first the joint (slab,
+    /// beam), then the next column or wall, and so on to a supported face.
     fn complete_stacks(&self, building: &Building, removed: &BTreeSet<usize>) -> Vec<bool> {
         let mut order: Vec<usize> =
             (0..building.members.len()).filter(|m| is_upright(&building.members[*m])).collect();
@@ -158,7 +158,7 @@ impl Structure {
         })
     }
 
-    /// Uprights that end under the foot of `member` with nothing but solid in between.
+    /// Columns and walls that end under the base of `member` with nothing but solid in between.
     fn uprights_below(&self, building: &Building, member: usize) -> Vec<usize> {
         let solid = &building.members[member].solid;
         let candidates = building.members.iter().enumerate().filter(|(index, other)| {
@@ -192,7 +192,7 @@ impl Structure {
             .all(|k| self.partition.owner_at([i, j, k]).is_some())
     }
 
-    /// The vertical path of a member, given which uprights stand on a complete stack.
+    /// The vertical path of a member, given which columns and walls stand on a complete stack.
     fn vertical_path(&self, building: &Building, member: usize, complete: &[bool]) -> VerticalPath {
         let this = &building.members[member];
         if this.kind == MemberKind::Footing {
@@ -218,7 +218,7 @@ impl Structure {
     }
 }
 
-/// Whether an upright ends inside or under another solid and overlaps it or abuts on it in plan (a beam that
+/// Whether a column or wall ends inside or under another solid and overlaps it or abuts on it in plan (a beam that
 /// ends at the face of the column).
 fn bears(upright: &Aabb, carried: &Aabb) -> bool {
     let top = upright.max[2];

@@ -8,7 +8,7 @@
 //! E κ = M / I_flange + (1 / I_apart - 1 / I_flange) M_edge e^{-α d} / (1 + tanh(α r))
 //! ```
 //!
-//! Where a column at an edge is gone and the floors above it act as a frame, moments are largest just there; where it held up the only floor, they are naught there.
+//! Where a column at an edge is gone and the floors above it act as a frame, moments are largest just there; where it held up the only floor, they are zero there.
 
 use super::frame::BeamSection;
 use std::f64::consts::PI;

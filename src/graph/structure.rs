@@ -210,7 +210,7 @@ fn slenderness(kind: MemberKind) -> u8 {
     }
 }
 
-/// One connection for a pair, or one for each place (bottom, top, side) if the first is upright.
+/// One connection for a pair, or one for each place (bottom, top, side) if the first is a column or wall.
 fn connections_of_pair(building: &Building, pair: (usize, usize), touching: &Touching) -> Vec<Connection> {
     let (low, high) = pair;
     let largest = touching

@@ -32,7 +32,7 @@ pub fn layered(wanted: &Wanted) -> Result<Option<Entry>, serde_json::Error> {
         [2, 1].map(|depth| section(&elements, [3 - depth, depth].map(|i| (model.axis + i) % 3), law));
     let [Some(first), Some(second)] = sections else { return Ok(None) };
     let [k, l] = stiffness.bending_nm_rad;
-    // the moment is naught at the far end of the submodel
+    // the moment is zero at the far end of the submodel
     let shear_span_m = model.length_m - offset_m;
     let rows = Rows { row_m, shear_span_m, held: Held::AtJoint };
     let curves = [(&first, k, 2), (&second, l, 1)].map(|(section, stiffness, depth)| {

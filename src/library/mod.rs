@@ -13,11 +13,12 @@
 //! | [`store`] | opening, reading, writing |
 //! | [`journal`], `history` | the journal of events; what the store tells it |
 //! | [`find`], `query`, `interpolate` | the distance between features; queries; an entry between two |
-//! | [`derive`] | entries computed by the homogenised submodel |
-//! | [`layered`], [`after_break`] | entries of column ends from their sections; what is left of one once it breaks |
+//! | [`derive`], [`derive_strip`], [`derive_contact`] | entries computed by the homogenised submodel: member ends, strips of slabs, ends that strike something |
+//! | [`layered`], [`after_break`], [`similar`] | entries of column ends that the library has no own entry for: from layers of elements, with what is left of them once they break; by similarity |
 //! | [`rc`], [`mesh_check`], [`rc_kinds`], [`rc_springs`] | entries of sections in concrete and steel: bending, and how much it depends on the mesh; columns, beams, slabs, walls; springs |
 //! | [`add`], [`curve_file`], [`meta`] | entries from tests and other programs: the curve, what is said of it |
 //! | [`exchange`] | verify, export, import |
+//! | `error` | what can go wrong with the store |
 
 pub mod add;
 pub mod after_break;

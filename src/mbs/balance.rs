@@ -1,4 +1,7 @@
 //! The energy balance over a run: whether the sum of all energies holds, and whether contacts and what yields only take.
+//!
+//! **Energy turned over** is what errors are compared with: the largest value so far of kinetic energy, work of gravity (without sign) and dissipation by what yields together, or of what contacts have
+//! taken, or of the work of applied forces on ideal joints; in a model in which nothing happens a scale of it ([`Balance::new`]).
 
 use super::error::SolveError;
 use super::result::Energies;
@@ -8,7 +11,7 @@ use super::result::Energies;
 pub(super) struct Balance {
     /// Sum of all energies at the first look \[J\].
     start_j: Option<f64>,
-    /// Energy turned over: the largest so far \[J\].
+    /// Energy turned over so far \[J\].
     turnover_j: f64,
     /// Least energy that what contacts make is compared with \[J\].
     contacts_j: f64,

@@ -1,4 +1,4 @@
-//! Members that bend between two bushings: what the moment at one end turns the other by.
+//! Carry-over of moments between the ends of a member that bends between two bushings.
 //!
 //! A rigid member with a rotation spring `6 E I / L` at either end is the beam in sway, where both ends bear the same moment. In pure bending it is three times too stiff, since
 //! the ends of a beam carry over half of their moment to each other. With a flexibility `d` between the ends
@@ -9,7 +9,7 @@
 //!
 //! (rotations against the chord and moments in the same sense) sway is as it was, and with `d = L / (6 E I)` the matrix is that of the beam, `L / (6 E I) [2 -1; -1 2]`
 //! (Przemieniecki, Theory of Matrix Structural Analysis, 1968, eq. 5.116). The hinges at the ends follow their law for what is left of their rotation after the
-//! lean `q = d (M₁ - M₂)`.
+//! lean `q = d (M₁ - M₂)`, the rotation that the other end has carried over.
 //!
 //! When an end opens, the other one keeps the lean that it has: a kink of the size of elastic rotations.
 //!

@@ -7,13 +7,15 @@
 //! | [`math`] | vectors, quaternions |
 //! | [`system`] | the compiled model: compact arrays of bodies and joints |
 //! | [`joint`] | forces and energy of a compliant joint with its hinge law |
-//! | `stance` | where a joint is, and what its forces do to its bodies |
-//! | `snap` | when in a step a joint separates at a force, and what that changes |
+//! | `stance` | kinematics of a joint: where it is, and what its forces do to its bodies |
+//! | `snap` | separation of a bushing within a step: when, and what that changes |
 //! | `mid_beam` | a beam with hinges at its ends, as a joint in its middle |
 //! | `tables` | capacities that joints use, each compiled once |
-//! | `carry` | what the ends of a member carry over to each other |
-//! | `shared_mass` | inertia that bodies have together as parts of one elastic body |
-//! | `relative_mass` | inertia against relative motion, for longer steps |
+//! | `carry` | carry-over of moments between the ends of a member |
+//! | `weight` | how much of its weight a span bears as its floor falls |
+//! | `shared_mass` | inertial coupling of bodies as parts of one elastic body |
+//! | `relative_mass` | selective mass scaling: inertia against relative motion, for longer steps |
+//! | `block_solve` | solving with factors in blocks of six unknowns, as vector code |
 //! | `joint_lanes`, `lanes` | joints, eight at a time; numbers of eight of a kind |
 //! | [`frequency`] | the highest frequency, hence the time step |
 //! | [`preload`] | static equilibrium before `t = 0` |

@@ -1,4 +1,4 @@
-//! Inertia against relative motion, which slows the fastest vibrations down so that steps may be longer.
+//! Selective, stiffness-proportional mass scaling: inertia against relative motion, which slows the fastest vibrations down so that steps may be longer, and leaves rigid-body motions their mass.
 //!
 //! A building that stands or falls, and touches nothing yet, moves at some tens of rad/s, and its stiffest springs vibrate at thousands, which bound the explicit step. With `D = K / ω²` of all springs on top of the mass
 //! every mode of frequency `ω_1` has `ω_1 / sqrt(1 + ω_1²/ω²) < ω` (stiffness-proportional mass scaling; Macek and Aubert, Earthq. Eng. Struct. Dyn. 24 (1995) 1315): slow ones are slower by `ω_1² / 2 ω²`, static

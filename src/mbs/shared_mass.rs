@@ -1,4 +1,4 @@
-//! Inertia that bodies have together, as long as they are parts of one elastic body.
+//! Inertial coupling of bodies, as long as they are parts of one elastic body: its consistent mass less the lumped mass that the bodies have.
 //!
 //! A floor is cut into rigid pieces in the middle of its spans. A span that bends has less inertia than its rigid halves: a clamped beam whose one end is lifted has 13/35 of its mass there, halves have a half. With `M` of
 //! the bodies alone and `D` of what is added ([`super::model::SharedMass`]) accelerations are `a = (M + D)⁻¹ f`, as if the forces were `f - D a = f - D (M + D)⁻¹ f`: those are the forces that the integrator gets. The

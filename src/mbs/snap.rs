@@ -1,4 +1,4 @@
-//! A bushing that separates does so within a step, not at its end.
+//! Separation of a bushing within a step, at the time at which its capacity is reached, not at the end of the step.
 //!
 //! The leapfrog has given its force at the start of the step to the half of it, and would give that at the end, which is beyond what it bears, to half a step behind. With forces that grow in proportion to the stretch, which the
 //! velocities of the step tell, the capacity is reached at a share `s` of the step; until then the force has done the impulse `h (s F_0 + s² ΔF / 2)`, of which `h F_0 / 2` is given. The elastic energy set free is that at `s`. A hinge or an axial spring that flows does so at its capacity, from

@@ -1,4 +1,4 @@
-//! Where a compliant joint is, and what its force and moment do to its bodies.
+//! Kinematics of a compliant joint: gap, rotation vector, and what force and moment do to its bodies.
 //!
 //! Let `J` be the joint frame carried by body B, the member, `g = p_B - p_A` the gap of the joint point and
 //! `θ = log(R)`, `R = R_Aᵀ R_B`, the rotation vector, which has the same components in the axes of either body. With `d = Jᵀ g` and an energy `U(d, θ)` the force is `F = J ∂U/∂d` and the torque

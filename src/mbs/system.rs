@@ -85,7 +85,7 @@ pub struct System {
     weight: Weight,
     /// Members that bend between two joints, and the blocks and lanes of these.
     pub(super) carries: Vec<CarryOver>,
-    /// Inertia that bodies have together.
+    /// Inertial coupling of bodies.
     pub(super) shared: Vec<Shared>,
     /// Inertia against relative motion; none: not now.
     pub(super) relative: Option<Relative>,

@@ -115,7 +115,7 @@ impl Held {
     }
 }
 
-/// The rows of elements of an end, up to where the moment is naught.
+/// The rows of elements of an end, up to where the moment is zero.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows {
     /// Length of a row along the member \[m\].
@@ -483,7 +483,7 @@ mod tests {
 
     #[test]
     fn plastic_rotation_spreads_while_a_section_hardens() {
-        // bilinear rows: with a moment that falls linearly to naught, ∫ κ_p dx = κ_p(M) L (1 - M_y / M) / 2
+        // bilinear rows: with a moment that falls linearly to zero, ∫ κ_p dx = κ_p(M) L (1 - M_y / M) / 2
         let (yields, moment, shear_span_m, row_m) = (100.0, 150.0, 4.0, 0.001);
         let plastic = |m: f64| row_m * 1e-4 * (m - yields).max(0.0);
         let push: Vec<[f64; 2]> =

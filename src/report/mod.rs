@@ -12,6 +12,7 @@
 //! | `figure` | charts as an SVG file of their own |
 //! | `loglog` | a plot on logarithmic axes as an SVG file |
 //! | `scatter` | points of two quantities that should be equal, as an SVG file |
+//! | `interaction` | strengths in the plane of two moments, as an SVG file |
 //! | `partition` | pictures of rigid and deforming parts, and their share over time |
 //! | `plots` | which charts a report has |
 //! | `page` | tables and figures for the template |

@@ -6,6 +6,7 @@
 //! | file | owns |
 //! |---|---|
 //! | [`features`], [`action`] | the catalogues: what can be asked, what can be decided |
+//! | `value` | values of features and of parameters |
 //! | [`expr`], `typing` | the language of conditions: grammar, types |
 //! | `rule`, `file` | one rule; reading rule files |
 //! | `logic`, [`check`] | which conditions can hold together; conflicts and gaps |

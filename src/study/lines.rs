@@ -1,4 +1,4 @@
-//! What an FE run shows at lines of slabs and at feet and heads of walls.
+//! What an FE run shows at lines of slabs and at bases and tops of walls.
 //!
 //! A strip of slab between two columns may fold at either of them or in its middle: its halves and what lies over the columns are taken as bodies that turn against each other. A wall turns against what is below or above it, or against
 //! the ground.

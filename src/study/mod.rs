@@ -44,7 +44,7 @@ pub struct Facts {
     pub first_contact_s: Option<f64>,
     /// Zones at member ends, removed members left out.
     pub ends: Vec<EndZone>,
-    /// Lines of slabs between columns, feet and heads of walls, removed members left out.
+    /// Lines of slabs between columns, bases and tops of walls, removed members left out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<EndZone>,
     /// Members.

@@ -131,16 +131,16 @@ pub struct BodyContact {
     faces: Faces,
     cells: Cells,
     pairs: Vec<Pair>,
-    /// For each pair the way below which it cannot meet \[m\], and the least of them.
+    /// For each pair the path length below which it cannot meet \[m\], and the least of them.
     due_m: Vec<f64>,
     first_due_m: f64,
     meetings: Vec<Meeting>,
     flags: Vec<u32>,
     /// Place of each flagged node among those that take part.
     place: Vec<u32>,
-    /// Upper bound of the relative way of any two nodes since the last search \[m\]; infinite before the first one.
+    /// Upper bound of the relative path length of any two nodes since the last search \[m\]; infinite before the first one.
     way_m: f64,
-    /// Common way since the last search \[m\].
+    /// Common displacement since the last search \[m\].
     drift_m: Vec3,
     changed: Vec<u32>,
     /// Working memory: nodes joined to a face.

@@ -5,7 +5,7 @@
 //! nodes are those of the rigid body in every step ([`motion`]), so that contact, output and strain rates need to know nothing of sets.
 //!
 //! **Hand-over.** Nodes that become rigid get the rigid velocities with their momentum and angular momentum. That is the projection on rigid motions in the norm of
-//! the kinetic energy, and what it takes from the kinetic energy is booked ([`Books`]), with the half of the last increment's work that belongs to forces which no longer act.
+//! the kinetic energy, and what it takes from the kinetic energy is booked ([`record::Books`]), with the half of the last increment's work that belongs to forces which no longer act.
 //! Stresses stay what they are in the elements' own frames. A release changes no velocity: elements are computed again, from their frozen stress.
 //!
 //! **Contact** is for deformable nodes: a place that is about to meet something is released first ([`switch`]). If a rigid node strikes all the same, it is

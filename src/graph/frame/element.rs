@@ -75,9 +75,9 @@ pub struct Element {
     pub loads: Vec<LineLoad>,
 }
 
-/// Square matrix of the twelve end freedoms, `[end 1: u, r, end 2: u, r]`.
+/// Square matrix of the twelve end degrees of freedom, `[end 1: u, r, end 2: u, r]`.
 pub type Matrix12 = [[f64; 12]; 12];
-/// Vector of the twelve end freedoms.
+/// Vector of the twelve end degrees of freedom.
 pub type Vector12 = [f64; 12];
 
 /// Bending planes: `(translation, rotation, sign)` with `rotation = sign · d translation / dx`.
@@ -160,7 +160,7 @@ impl Element {
         p
     }
 
-    /// From the freedoms of the two nodes (global) to those of the end points (local): rigid offset, then
+    /// From the degrees of freedom of the two nodes (global) to those of the end points (local): rigid offset, then
     /// rotation.
     pub fn from_nodes(&self, node_points_m: [[f64; 3]; 2]) -> Matrix12 {
         let axes = self.axes();

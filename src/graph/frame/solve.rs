@@ -52,7 +52,7 @@ impl FrameSolution {
     }
 }
 
-/// Each freedom of a node as a combination of unknowns; empty if it is held.
+/// Each degree of freedom of a node as a combination of unknowns; empty if it is held.
 type Ties = Vec<[Vec<(usize, f64)>; 6]>;
 
 impl Frame {
@@ -85,7 +85,7 @@ impl Frame {
         unique(loose.map(|e| e.member.clone()))
     }
 
-    /// Numbers the unknowns: three for each diaphragm, the rest node by node. Freedoms of nodes without an
+    /// Numbers the unknowns: three for each diaphragm, the rest node by node. Degrees of freedom of nodes without an
     /// element are held.
     fn ties(&self) -> (Ties, usize) {
         let mut used = vec![false; self.nodes.len()];
@@ -191,7 +191,7 @@ impl Frame {
     }
 }
 
-/// Freedoms of the nodes from the unknowns.
+/// Degrees of freedom of the nodes from the unknowns.
 fn expand(ties: &Ties, values: &[f64]) -> Vec<[f64; 6]> {
     let one = |tie: &Vec<(usize, f64)>| tie.iter().map(|(unknown, share)| share * values[*unknown]).sum();
     ties.iter().map(|node| std::array::from_fn(|i| one(&node[i]))).collect()

@@ -12,7 +12,7 @@
 
 use std::f64::consts::PI;
 
-/// Half wave of moments that keep their sense over a span, in spans: they rise from naught at one end to their most at the other at the least, as those of a cantilever bay and of the span behind it do.
+/// Half wave of moments that keep their sense over a span, in spans: they rise from zero at one end to their most at the other at the least, as those of a cantilever bay and of the span behind it do.
 pub const ONE_SENSE: f64 = 2.0;
 
 /// Beyond this the hyperbolic functions are those of an infinite slab to round-off.

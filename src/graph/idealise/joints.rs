@@ -1,4 +1,4 @@
-//! Joints: where uprights meet each other and the beams, and the nodes that stand for them.
+//! Joints: where columns and walls meet each other and the beams, and the nodes that stand for them.
 
 use super::{Builder, meet};
 use crate::base::boxes::Boxes;
@@ -12,11 +12,11 @@ use crate::graph::structure::Structure;
 use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A joint block over and under uprights.
+/// A joint block over and under columns and walls.
 pub(super) struct Joint {
-    /// Indices into `Structure::ends` of the uprights' ends in it.
+    /// Indices into `Structure::ends` of the ends of columns and walls in it.
     pub ends: Vec<usize>,
-    /// The uprights, removed ones too: the block stays when its column goes.
+    /// The columns and walls, removed ones too: the block stays when its column goes.
     pub uprights: Vec<usize>,
     /// Lowest and highest level \[m\].
     pub range_m: [f64; 2],
@@ -24,7 +24,7 @@ pub(super) struct Joint {
     pub node: usize,
 }
 
-/// Joints of a building: unsupported ends of uprights, joined where only solid lies between a top and the
+/// Joints of a building: unsupported ends of columns and walls, joined where only solid lies between a top and the
 /// next bottom above it.
 pub(super) fn find(structure: &Structure, building: &Building) -> Vec<Joint> {
     let upright: Vec<usize> = (0..structure.ends.len())
@@ -79,7 +79,7 @@ pub(super) fn find(structure: &Structure, building: &Building) -> Vec<Joint> {
 }
 
 impl Builder<'_> {
-    /// One node for each joint: on the mean axis of its uprights, at the mean level of its beams.
+    /// One node for each joint: on the mean axis of its columns and walls, at the mean level of its beams.
     pub(super) fn place_joints(&mut self) {
         let structure = self.structure;
         let ends_of = |member: usize| {
@@ -111,7 +111,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The box around a joint, as far as its uprights reach in plan.
+    /// The box around a joint, as far as its columns and walls reach in plan.
     fn block(&self, joint: &Joint) -> Aabb {
         let solids = joint.uprights.iter().map(|u| &self.member(*u).solid);
         let mut block = Aabb { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
@@ -125,7 +125,7 @@ impl Builder<'_> {
         block
     }
 
-    /// Whether a beam's end section at `coordinate` lies in a joint: within its uprights, or within a wider beam that passes over them.
+    /// Whether a beam's end section at `coordinate` lies in a joint: within its columns and walls, or within a wider beam that passes over them.
     fn frames_into(&self, joint: &Joint, beam: usize, axis: usize, coordinate: f64) -> bool {
         let own = &self.member(beam).solid;
         let across = 1 - axis;
@@ -142,7 +142,7 @@ impl Builder<'_> {
             })
     }
 
-    /// Beams across a beam that pass over an upright of a joint.
+    /// Beams across a beam that pass over a column or wall of a joint.
     fn beams_over<'b>(
         &'b self,
         joint: &Joint,

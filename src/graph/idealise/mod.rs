@@ -4,11 +4,11 @@
 //!   sections, uncracked, of the homogenised law's modulus. A beam carries the slab as a flange of the
 //!   effective width of plane stress (`flange`).
 //! * Joint blocks are rigid: a node at the column's axis in the middle of the beams' depth, with rigid
-//!   offsets to the end sections. Two uprights meet in a joint if only solid lies between them.
+//!   offsets to the end sections. Two columns or walls meet in a joint if only solid lies between them.
 //! * A slab is rigid in its plane (diaphragm), in which all axes of its floor lie (`level`). Out of plane it acts through the flanges; between aligned
 //!   columns that no beam joins it is a strip as wide as half the distance to the neighbours. A column without a beam and without
 //!   one in line with it has strips to its neighbours all round.
-//! * Dead load: each member's own cells. Uprights and beams carry theirs as a line load, joint blocks at their
+//! * Dead load: each member's own cells. Columns, walls and beams carry theirs as a line load, joint blocks at their
 //!   node; each point of a slab loads the nearest beam or strip (45° envelope of a panel), in bins of
 //!   [`LOAD_BIN_M`]. The torsion that a slab's edge gives its beam is left out.
 //! * Supported ends are clamped, also through a supported footing.
@@ -47,7 +47,7 @@ pub struct Idealised {
     pub weight_n: f64,
     /// Members whose weight found nothing to rest on; it is not in the frame.
     pub unplaced: Vec<String>,
-    /// Uprights that touch a slab above them and bear nothing of it.
+    /// Columns and walls that touch a slab above them and bear nothing of it.
     pub left_out: Vec<String>,
 }
 
@@ -152,7 +152,7 @@ fn meet(a: &Aabb, b: &Aabb) -> bool {
     gap(0) < -COORDINATE_TOLERANCE_M && gap(1) < -COORDINATE_TOLERANCE_M && gap(2) < COORDINATE_TOLERANCE_M
 }
 
-/// Whether two solids share a part of an upright face.
+/// Whether two solids share a part of a vertical face.
 fn abut(a: &Aabb, b: &Aabb) -> bool {
     let gap = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]);
     let touch = |i: usize| gap(i).abs() < COORDINATE_TOLERANCE_M;
@@ -326,7 +326,7 @@ impl Builder<'_> {
         (0..self.spans.len()).filter(|s| carries(&self.spans[*s])).collect()
     }
 
-    /// Joints whose uprights overlap a slab in plan or bear it at an edge, where it ends at their faces, and whose block meets it in height.
+    /// Joints whose columns and walls overlap a slab in plan or bear it at an edge, where it ends at their faces, and whose block meets it in height.
     fn joints_in_slab(&self, slab: usize) -> Vec<usize> {
         let solid = &self.member(slab).solid;
         let meets = |joint: &Joint| {
@@ -340,7 +340,7 @@ impl Builder<'_> {
         (0..self.joints.len()).filter(|j| meets(&self.joints[*j])).collect()
     }
 
-    /// Uprights under slabs that rest on beams or strips, none of which comes to their joints.
+    /// Columns and walls under slabs that rest on beams or strips, none of which comes to their joints.
     fn left_out(&self) -> Vec<String> {
         let mut found = BTreeSet::new();
         for slab in (0..self.building.members.len()).filter(|m| self.left(*m)) {

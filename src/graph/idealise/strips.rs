@@ -67,7 +67,7 @@ impl Builder<'_> {
         !joints.iter().any(inside)
     }
 
-    /// A strip between any two joints; none where there is no slab between their uprights.
+    /// A strip between any two joints; none where there is no slab between their columns and walls.
     fn skew_strip(&self, slab: usize, joints: &[usize], pair: [usize; 2]) -> Option<Span> {
         let away = |i: usize| (self.plan(pair[1])[i] - self.plan(pair[0])[i]).abs();
         let long = usize::from(away(1) > away(0));
@@ -97,7 +97,7 @@ impl Builder<'_> {
         Some(self.strip_at(slab, &place, ends.map(|j| self.joints[j].node)))
     }
 
-    /// Bounding box of a joint's uprights.
+    /// Bounding box of a joint's columns and walls.
     fn footprint(&self, joint: usize) -> Aabb {
         let solids = self.joints[joint].uprights.iter().map(|u| self.member(*u).solid);
         solids.reduce(Aabb::around).unwrap_or(Aabb { min: [0.0; 3], max: [0.0; 3] })

@@ -1,4 +1,4 @@
-//! Inertia that bodies have together.
+//! Checks of the inertial coupling of bodies.
 
 use super::List;
 use crate::mbs::latent::{merge, together};

@@ -6,7 +6,7 @@
 use crate::mbs::math::{self, M3, V3};
 use std::f64::consts::{PI, TAU};
 
-/// Inverse mass across the normal, over the larger one there, below which joints hold the point in that direction: what is left of it is round-off.
+/// Tangential inverse mass, over the larger one of the two, below which joints hold the point in that direction: what is left of it is round-off.
 const HELD: f64 = 1e-6;
 /// Impulse along the normal, over that without friction, above which friction and joints hold each other up: that is a jam.
 const MOST: f64 = 10.0;
@@ -43,7 +43,7 @@ impl Single {
         found.filter(|p| p[0] <= MOST * alone)
     }
 
-    /// The only direction across the normal in which joints let the point move, if they hold it in the other one.
+    /// The only tangential direction in which joints let the point move, if they hold it in the other one.
     fn plane(&self) -> Option<f64> {
         let [p, q, across] = [self.k[1][1], self.k[2][2], 0.5 * (self.k[1][2] + self.k[2][1])];
         let (mean, off) = (0.5 * (p + q), libm::hypot(0.5 * (p - q), across));

@@ -15,7 +15,7 @@ pub(super) struct Roll {
     pub moment: V3,
     /// Its sum over the rounds of an impact before this one.
     pub total: V3,
-    /// One over the largest inverse inertia across the normal.
+    /// One over the largest inverse inertia about tangential axes.
     inertia: f64,
     /// From the centre of mass of the first body to the contact: what a rotation is compared with in sweeps \[m\].
     arm_m: f64,

@@ -63,7 +63,7 @@ pub(super) struct Block {
     pub slot: u32,
     pub friction: f64,
     pub restitution: f64,
-    /// Lever of rolling resistance \[m\].
+    /// Rolling-resistance arm \[m\].
     pub rolling: f64,
     /// Largest impulse along the normal of each point \[N s\], and the face that is crushed there; [`super::crush::NONE`]: none.
     pub cap: f64,

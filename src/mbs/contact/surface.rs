@@ -20,11 +20,11 @@ pub struct Surface {
     pub friction: f64,
     /// Coefficient of restitution.
     pub restitution: f64,
-    /// Lever of rolling resistance \[m\].
+    /// Rolling-resistance arm \[m\].
     pub rolling: f64,
 }
 
-/// Whether a pair passes through each other, and its own friction, restitution and lever of rolling resistance.
+/// Whether a pair passes through each other, and its own friction, restitution and rolling-resistance arm.
 type Rule = (bool, [Option<f64>; 3]);
 
 /// Surfaces of a model.

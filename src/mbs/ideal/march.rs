@@ -118,7 +118,7 @@ pub struct Locked {
     pub energy_j: f64,
 }
 
-/// A mechanism on its way.
+/// Time integrator of a mechanism.
 #[derive(Debug)]
 pub struct Marcher {
     /// The mechanism; after a change of it or of the state comes a [`Marcher::restart`].

@@ -243,7 +243,7 @@ impl JointData {
 pub(in crate::mbs) struct ElasticRange {
     /// From and below which axial force \[N\].
     pub force: [f64; 2],
-    /// `1/C²` about both bending axes \[1/(N m)²\] ([`Hinge2::elastic_range`]).
+    /// `1/C²` about both bending axes \[1/(N m)²\] ([`crate::curve::Hinge2::elastic_range`]).
     pub ease: [f64; 2],
     /// Below which moments at both ends of a beam \[N m\] ([`crate::curve::BeamEnds::elastic_range`]).
     pub ends: [f64; 2],

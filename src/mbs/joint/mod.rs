@@ -87,7 +87,7 @@ pub struct JointData {
     /// How its strength grows with the rate at which it flows, and for the elongation of the step to the next evaluation.
     rate_factor: Option<RateFactor>,
     rate: Option<Rate>,
-    /// What the other end of its member turns it by ([`super::carry`]) \[rad\].
+    /// Lean: rotation carried over from the other end of its member ([`super::carry`]) \[rad\].
     pub(in crate::mbs) lean: [f64; 2],
     /// Hinge about the axes 1 and 2.
     pub hinge: Hinge2,

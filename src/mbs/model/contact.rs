@@ -97,7 +97,7 @@ pub struct Contact {
     /// What holds for single pairs; later ones win.
     #[serde(default)]
     pub pairs: Vec<PairRule>,
-    /// Lever of rolling resistance where two solids meet \[m\]: they bear a moment against rolling of up to this times the force between them.
+    /// Rolling-resistance arm where two solids meet \[m\]: they bear a moment against rolling of up to this times the force between them.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rolling_m: f64,
     /// Faces of boxes that are crushed by what they strike.
@@ -190,7 +190,7 @@ pub struct PairRule {
     /// Coefficient of restitution; `None`: that of the surface.
     #[serde(default)]
     pub restitution: Option<f64>,
-    /// Lever of rolling resistance \[m\]; `None`: that of all contacts.
+    /// Rolling-resistance arm \[m\]; `None`: that of all contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling_m: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Inertia that bodies have together.
+//! Inertial coupling of bodies: consistent minus lumped mass.
 
 use serde::{Deserialize, Serialize};
 

@@ -5,7 +5,7 @@
 //! | this one | bodies, events, settings |
 //! | `connection` | joints, bushings, forces |
 //! | `contact` | shapes, ground, obstacles, who may touch |
-//! | `mass` | inertia that bodies have together |
+//! | `mass` | inertial coupling of bodies |
 //! | `event_rule` | what contacts and fractures change |
 
 mod connection;
@@ -41,7 +41,7 @@ pub struct Model {
     pub gravity_m_s2: [f64; 3],
     /// Rigid bodies.
     pub bodies: Vec<Body>,
-    /// Inertia that bodies have together, as long as they move as parts of one elastic body.
+    /// Inertial coupling of bodies, as long as they move as parts of one elastic body.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shared_masses: Vec<SharedMass>,
     /// Resistance curves by id.

@@ -11,8 +11,9 @@
 //! | `bars` | two-node bars |
 //! | `statics` | dynamic relaxation, tied faces |
 //! | `control` | rate factor, mass scaling, a keyword deck |
-//! | `slab` | a reinforced slab under blast |
+//! | `slab` | a reinforced slab under blast (`slab_model`, `slab_estimate`: its mesh, the strain rate of its strengths) |
 //! | `order` | orders of convergence |
+//! | `body`, `forms` | what cases do with a body; element forms under test |
 
 mod bars;
 mod beam;
