@@ -4,22 +4,12 @@ use super::mesh::grid;
 use fallwerk::fe::concrete::ConcretePoints;
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
-use fallwerk::fe::law::{ElementForm, Erosion, Law};
+use fallwerk::fe::law::Law;
 use fallwerk::fe::mesh::Mesh;
 use fallwerk::material::concrete::ConcreteLaw;
 
 fn law(concrete: &ConcreteLaw) -> Law {
-    Law {
-        density_kg_m3: concrete.density_kg_m3,
-        youngs_modulus_pa: concrete.youngs_modulus_pa,
-        poisson_ratio: concrete.poisson_ratio,
-        hardening: Vec::new(),
-        rate: None,
-        erosion: Erosion::NEVER,
-        form: ElementForm::default(),
-        concrete: Some(concrete.clone()),
-        rebar: None,
-    }
+    Law::from(concrete.clone())
 }
 
 /// A cube on a plane, its top moved at a constant speed, sides free; the force at the base is a mean over steps. Returns the largest stress \[Pa\], the

@@ -184,7 +184,7 @@ impl ContactSet {
             };
             let face = match (of_a, of_b) {
                 (Some(a), Some(b)) => {
-                    let speed_m_s = nears_by(&block, &self.rows.rows[block.range()]);
+                    let speed_m_s = || nears_by(&block, &self.rows.rows[block.range()]);
                     let [at_a, at_b] = [a, b].map(|f| self.faces.all[f].bears_at(speed_m_s));
                     Some(if at_b < at_a { b } else { a })
                 }
@@ -208,7 +208,7 @@ impl ContactSet {
                 let left = 1.0 - rows.iter().map(touch).fold(1.0, f64::min);
                 pair.resistance = [0.5 * left * left, 0.5 + left - 0.5 * left * left];
             }
-            let bears_n = face.bears_at(nears_by(block, rows));
+            let bears_n = face.bears_at(|| nears_by(block, rows));
             block.cap = pair.resistance[0] * h * bears_n / face.points.max(CORNERS);
         }
     }
@@ -262,8 +262,8 @@ impl Face {
         interpolate(&self.force, self.so_far.worn_m)
     }
 
-    /// The same at a speed at which it is shortened \[m/s\].
-    fn bears_at(&self, speed_m_s: f64) -> f64 {
-        self.rate.map_or(1.0, |rate| rate.at(speed_m_s)[0]) * self.bears()
+    /// The same at a speed at which it is shortened \[m/s\], which is asked for if it matters.
+    fn bears_at(&self, speed_m_s: impl FnOnce() -> f64) -> f64 {
+        self.rate.map_or(1.0, |rate| rate.at(speed_m_s())[0]) * self.bears()
     }
 }

@@ -457,13 +457,13 @@ impl ContactSet {
             }
         }
         let (offset, surface) = (pair.offset, pair.surface);
-        let is_new = pair.points[..usize::from(pair.count)].iter().all(|p| p.normal == 0.0);
         let is_far = least > MARGIN_M && offset == 0.0;
         let (closes_s, k) = first_closes;
         let passes =
             is_first && is_far && closes_s < h && self.pass_by([a, b], bodies, (closes_s, h), allowed);
+        let bears = |pair: &Pair| pair.points[..usize::from(pair.count)].iter().any(|p| p.normal != 0.0);
         let grazes = !passes
-            && (is_first && is_new && !round)
+            && (is_first && !round && !bears(&self.pairs[slot]))
             && self.grazes([a, b], bodies, (n, arms[k]), (closes_s, h));
         if passes || grazes {
             self.rows.rows.truncate(first as usize);

@@ -51,6 +51,9 @@ impl ContactSet {
         (normal, arms): (V3, [V3; 2]),
         (closes_s, h): (f64, f64),
     ) -> bool {
+        if closes_s > SOON * h {
+            return false;
+        }
         let of = solids.map(|i| self.colliders[i].body);
         let kick = |i: usize| {
             bodies.get(of[i]).map_or([0.0; 3], |b| math::add(b.kick_v, math::cross(b.kick_w, arms[i])))
@@ -60,7 +63,7 @@ impl ContactSet {
         // what forces add in this step is no motion yet
         let nears_m_s = |n: V3| (-math::dot(velocity, n) - 2.0 * math::dot(kicks, n).abs()).max(0.0);
         let along_normal = nears_m_s(normal);
-        if along_normal <= SLOW_M_S || closes_s > SOON * h {
+        if along_normal <= SLOW_M_S {
             return false;
         }
         let [first, last] =

@@ -116,11 +116,12 @@ pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
     let joints = model.joints.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
     let points: Vec<math::V3> = bushings.chain(joints).collect();
     let at = Placed { x: body.position_m, q: body.orientation, r: turn };
-    let bounds = |shape: &Shape| {
+    let placed = |shape: &Shape| {
         let (solid, in_body) = Solid::of(shape);
-        solid.bounds(&at.of(&in_body))
+        (solid.thickness(), solid.bounds(&at.of(&in_body)))
     };
-    let corners = body.shapes.iter().flat_map(bounds).chain(points.iter().copied());
+    let solids: Vec<(f64, [math::V3; 2])> = body.shapes.iter().map(placed).collect();
+    let corners = solids.iter().flat_map(|(_, bounds)| bounds).chain(&points);
     let none = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     let [least, most] = corners.fold(none, |[least, most], p| {
         [0, 1].map(|side| {
@@ -129,14 +130,12 @@ pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
     });
     let size_m = math::norm(math::sub(most, least));
     let beside_m = BESIDE_M.min(BESIDE_SHARE * size_m);
-    let is_beside = |shape: &Shape| {
-        let (solid, _) = Solid::of(shape);
-        let [low, high] = bounds(shape);
+    let is_beside = |(thickness_m, [low, high]): &(f64, [math::V3; 2])| {
         let near = |p: &math::V3| {
             let off: math::V3 = std::array::from_fn(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
-            math::norm(off) <= solid.thickness().max(beside_m)
+            math::norm(off) <= thickness_m.max(beside_m)
         };
         points.is_empty() || points.iter().any(near)
     };
-    body.shapes.iter().map(|shape| stands(shape) && is_beside(shape)).collect()
+    body.shapes.iter().zip(&solids).map(|(shape, solid)| stands(shape) && is_beside(solid)).collect()
 }
