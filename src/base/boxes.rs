@@ -87,14 +87,12 @@ impl Boxes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::Random;
 
     #[test]
     fn the_tree_finds_what_a_walk_through_all_boxes_finds() {
-        let mut state = 7_u32;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 20) / 100.0
-        };
+        let mut random = Random::of(7);
+        let mut next = || random.below(4096) as f64 / 100.0;
         let mut boxes = Vec::new();
         for i in 0..500 {
             let min = [next(), next(), next()];

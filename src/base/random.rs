@@ -12,10 +12,20 @@ impl Random {
         random
     }
 
+    /// The sequence after a state of the generator.
+    pub const fn after(state: u64) -> Self {
+        Self(state)
+    }
+
     /// The next number from 0 to 1, 1 excluded.
     pub fn share(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// The next number from -1 to 1, 1 excluded.
+    pub fn symmetric(&mut self) -> f64 {
+        2.0 * self.share() - 1.0
     }
 
     /// Between two numbers.

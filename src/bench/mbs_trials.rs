@@ -1,7 +1,7 @@
 //! Small models at and beyond the limits of the multibody solver, and random hinge structures.
 
 use crate::base::random::Random;
-use crate::mbs::math::{V3, norm};
+use crate::mbs::math::{V3, norm, qunit};
 use crate::mbs::model::{Body, BodyContact, Force, GroundPlane, Joint, JointKind, Model, Origin, Shape};
 
 /// A model to be run, and what was varied in it.
@@ -214,8 +214,7 @@ pub fn random(seed: u64) -> Model {
         let place = [r.between(-4.0, 4.0), r.between(-4.0, 4.0), r.between(3.0, 9.0)];
         let mut body = cuboid(&id, mass, size, place);
         let q = [r.between(-1.0, 1.0), r.between(-1.0, 1.0), r.between(-1.0, 1.0), r.between(0.1, 1.0)];
-        let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
-        body.orientation = q.map(|v| v / length);
+        body.orientation = qunit(q);
         body.velocity_m_s = [r.between(-2.0, 2.0), r.between(-2.0, 2.0), r.between(-2.0, 2.0)];
         body.angular_velocity_rad_s = [r.between(-3.0, 3.0), r.between(-3.0, 3.0), r.between(-3.0, 3.0)];
         m.bodies.push(body);

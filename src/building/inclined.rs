@@ -1,5 +1,6 @@
 //! Members along any axis: two points and the roll of the section.
 
+use crate::base::vector::{cross, norm, scale};
 use serde::{Deserialize, Serialize};
 
 /// An axis whose horizontal part is smaller than this share of its length is vertical.
@@ -34,9 +35,9 @@ impl Inclined {
 
     /// Unit vectors along the axis, the width and the depth, right-handed.
     pub fn axes(&self) -> [[f64; 3]; 3] {
-        let along = scaled(1.0 / self.length_m(), self.vector());
+        let along = scale(1.0 / self.length_m(), self.vector());
         let level = [-along[1], along[0], 0.0];
-        let wide = if norm(level) < VERTICAL { [1.0, 0.0, 0.0] } else { scaled(1.0 / norm(level), level) };
+        let wide = if norm(level) < VERTICAL { [1.0, 0.0, 0.0] } else { scale(1.0 / norm(level), level) };
         let deep = cross(along, wide);
         let [cosine, sine] = cosine_and_sine(self.roll_deg);
         let mixed = |a: f64, b: f64| std::array::from_fn(|i| a * wide[i] + b * deep[i]);
@@ -60,21 +61,10 @@ pub(super) fn cosine_and_sine(degrees: f64) -> [f64; 2] {
     [cosine, sine]
 }
 
-pub(super) fn norm(a: [f64; 3]) -> f64 {
-    a.iter().map(|c| c * c).sum::<f64>().sqrt()
-}
-
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn scaled(factor: f64, a: [f64; 3]) -> [f64; 3] {
-    a.map(|c| factor * c)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::vector::dot;
 
     fn brace(to_m: [f64; 3], roll_deg: f64) -> Inclined {
         Inclined { from_m: [0.0; 3], to_m, roll_deg, width_m: 0.3, depth_m: 0.4 }
@@ -94,7 +84,6 @@ mod tests {
     fn the_roll_turns_the_section() {
         for (to, roll) in [([3.0, 1.0, 4.0], 30.0), ([0.0, 0.0, -2.0], 200.0), ([-1.0, 2.0, 0.0], -75.0)] {
             let ([a, b, c], [_, plain, _]) = (brace(to, roll).axes(), brace(to, 0.0).axes());
-            let dot = |p: [f64; 3], q: [f64; 3]| (0..3).map(|i| p[i] * q[i]).sum::<f64>();
             assert!((dot(b, plain) - roll.to_radians().cos()).abs() < 1e-14);
             assert!((dot(cross(plain, b), a) - roll.to_radians().sin()).abs() < 1e-14);
             assert!((dot(cross(a, b), c) - 1.0).abs() < 1e-14);

@@ -1,9 +1,10 @@
 //! Boxes turned out of the axes: where they are, whether they overlap or touch.
 
-use super::inclined::{cosine_and_sine, cross, norm};
+use super::inclined::cosine_and_sine;
 use super::model::Member;
 use super::partition::COORDINATE_TOLERANCE_M;
 use crate::base::geom::Aabb;
+use crate::base::vector::{cross, dot, norm, unit};
 
 /// Two directions whose sine differs by less than this are parallel.
 const PARALLEL: f64 = 1e-9;
@@ -92,7 +93,7 @@ impl TurnedBox {
     /// Lin, Manocha 1996).
     fn gaps(&self, other: &Self) -> Vec<([f64; 3], f64)> {
         let edges = self.axes.iter().flat_map(|a| other.axes.map(|b| cross(*a, b)));
-        let normals = edges.filter(|n| norm(*n) > PARALLEL).map(|n| n.map(|c| c / norm(n)));
+        let normals = edges.filter(|n| norm(*n) > PARALLEL).map(unit);
         let all = self.axes.into_iter().chain(other.axes).chain(normals);
         all.map(|e| (e, self.gap_along(other, e))).collect()
     }
@@ -123,10 +124,6 @@ impl TurnedBox {
     pub fn contains(&self, point_m: [f64; 3], tolerance: f64) -> bool {
         self.to_local(point_m).iter().zip(self.half_m).all(|(c, h)| c.abs() <= h + tolerance)
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The axes turned about the vertical one.

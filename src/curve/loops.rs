@@ -140,6 +140,7 @@ const LEAST_STIFFNESS: f64 = 1e-3;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::Random;
     use crate::curve::cyclic_fit::{MeasuredExcursion, fit};
     use crate::curve::{CapacityLevel, LevelBackbone, ResistanceCurve};
 
@@ -173,12 +174,8 @@ mod tests {
 
     /// Turning points that look random.
     fn wild(count: usize) -> Vec<f64> {
-        let mut seed = 12345u64;
-        let mut next = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 33) as f64 / f64::from(1u32 << 31)
-        };
-        (0..count).map(|_| 0.12 * (next() - 0.5)).collect()
+        let mut random = Random::of(1);
+        (0..count).map(|_| 0.06 * random.symmetric()).collect()
     }
 
     #[test]

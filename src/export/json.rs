@@ -1,7 +1,7 @@
 //! The model's own JSON, normalised: every key written, quaternions and axes of unit length, inertia tensors symmetric to the last digit.
 
 use crate::mbs::Model;
-use crate::mbs::math::{V3, norm, scale};
+use crate::mbs::math::{V3, norm, qnorm, qunit, scale};
 use crate::mbs::model::{Force, Shape};
 
 /// The text of a model.
@@ -51,8 +51,7 @@ fn unit(v: V3) -> V3 {
 }
 
 fn unit_quaternion(q: &mut [f64; 4]) {
-    let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
-    if (length - 1.0).abs() > 4.0 * f64::EPSILON {
-        *q = q.map(|v| v / length);
+    if (qnorm(*q) - 1.0).abs() > 4.0 * f64::EPSILON {
+        *q = qunit(*q);
     }
 }

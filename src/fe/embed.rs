@@ -3,8 +3,8 @@
 //! The trilinear map `x(ξ)` of the element is inverted by Newton's method; the weights are the shape functions `N_I(ξ)`. A node on the face between
 //! two elements belongs to the one with the lower index.
 
-use super::hexahedron::{Vec3, cross, dot, scaled};
 use super::mesh::{Mesh, Tie};
+use crate::base::vector::{V3, cross, dot, scale};
 
 /// How far outside an element in its natural coordinates a node still counts as inside; it is then tied to the nearest point of the
 /// surface.
@@ -47,11 +47,11 @@ pub fn embed(mesh: &Mesh, nodes: &[usize]) -> Result<Vec<Tie>, EmbedError> {
 }
 
 /// Natural coordinates of a point in a hexahedron, `None` if it is outside.
-fn natural_coordinates(corners: &[Vec3; 8], at_m: Vec3) -> Option<Vec3> {
+fn natural_coordinates(corners: &[V3; 8], at_m: V3) -> Option<V3> {
     let mut xi = [0.0; 3];
     for _ in 0..ITERATIONS {
         let (place, tangent) = map(corners, xi);
-        let gap: Vec3 = std::array::from_fn(|i| at_m[i] - place[i]);
+        let gap: V3 = std::array::from_fn(|i| at_m[i] - place[i]);
         let normal =
             [cross(tangent[1], tangent[2]), cross(tangent[2], tangent[0]), cross(tangent[0], tangent[1])];
         let volume = dot(tangent[0], normal[0]);
@@ -70,7 +70,7 @@ fn natural_coordinates(corners: &[Vec3; 8], at_m: Vec3) -> Option<Vec3> {
 }
 
 /// Signs of the corners in natural coordinates.
-const SIGNS: [Vec3; 8] = [
+const SIGNS: [V3; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
     [1.0, 1.0, -1.0],
@@ -82,12 +82,12 @@ const SIGNS: [Vec3; 8] = [
 ];
 
 /// Trilinear shape functions.
-fn shape(xi: Vec3) -> [f64; 8] {
+fn shape(xi: V3) -> [f64; 8] {
     SIGNS.map(|s| 0.125 * (1.0 + s[0] * xi[0]) * (1.0 + s[1] * xi[1]) * (1.0 + s[2] * xi[2]))
 }
 
 /// Position and tangents `∂x/∂ξ_a` at natural coordinates.
-fn map(corners: &[Vec3; 8], xi: Vec3) -> (Vec3, [Vec3; 3]) {
+fn map(corners: &[V3; 8], xi: V3) -> (V3, [V3; 3]) {
     let (mut place, mut tangent) = ([0.0; 3], [[0.0; 3]; 3]);
     for ((corner, s), weight) in corners.iter().zip(SIGNS).zip(shape(xi)) {
         for i in 0..3 {
@@ -96,7 +96,7 @@ fn map(corners: &[Vec3; 8], xi: Vec3) -> (Vec3, [Vec3; 3]) {
         for a in 0..3 {
             let (b, c) = ((a + 1) % 3, (a + 2) % 3);
             let slope = 0.125 * s[a] * (1.0 + s[b] * xi[b]) * (1.0 + s[c] * xi[c]);
-            let part = scaled(slope, *corner);
+            let part = scale(slope, *corner);
             for i in 0..3 {
                 tangent[a][i] += part[i];
             }
@@ -108,7 +108,7 @@ fn map(corners: &[Vec3; 8], xi: Vec3) -> (Vec3, [Vec3; 3]) {
 /// Boxes around the elements, sorted by their lower end along x.
 struct Boxes {
     /// `(low, high, element)`.
-    sorted: Vec<(Vec3, Vec3, usize)>,
+    sorted: Vec<(V3, V3, usize)>,
     /// Largest extent along x \[m\].
     widest_m: f64,
 }
@@ -117,25 +117,23 @@ impl Boxes {
     fn of(mesh: &Mesh) -> Self {
         let around = |(index, element): (usize, &super::mesh::Element)| {
             let corners = element.nodes.map(|n| mesh.nodes[n]);
-            let low: Vec3 =
-                std::array::from_fn(|i| corners.iter().map(|c| c[i]).fold(f64::INFINITY, f64::min));
-            let high: Vec3 =
+            let low: V3 = std::array::from_fn(|i| corners.iter().map(|c| c[i]).fold(f64::INFINITY, f64::min));
+            let high: V3 =
                 std::array::from_fn(|i| corners.iter().map(|c| c[i]).fold(f64::NEG_INFINITY, f64::max));
-            let slack: Vec3 = std::array::from_fn(|i| TOLERANCE * (high[i] - low[i]));
+            let slack: V3 = std::array::from_fn(|i| TOLERANCE * (high[i] - low[i]));
             (std::array::from_fn(|i| low[i] - slack[i]), std::array::from_fn(|i| high[i] + slack[i]), index)
         };
-        let mut sorted: Vec<(Vec3, Vec3, usize)> = mesh.elements.iter().enumerate().map(around).collect();
+        let mut sorted: Vec<(V3, V3, usize)> = mesh.elements.iter().enumerate().map(around).collect();
         sorted.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.2.cmp(&b.2)));
         let widest_m = sorted.iter().map(|(low, high, _)| high[0] - low[0]).fold(0.0, f64::max);
         Self { sorted, widest_m }
     }
 
     /// Elements whose box holds a point, in the order of their index.
-    fn holding(&self, at: Vec3) -> Vec<usize> {
+    fn holding(&self, at: V3) -> Vec<usize> {
         let from = self.sorted.partition_point(|b| b.0[0] < at[0] - self.widest_m);
         let to = self.sorted.partition_point(|b| b.0[0] <= at[0]);
-        let inside =
-            |(low, high, _): &&(Vec3, Vec3, usize)| (0..3).all(|i| low[i] <= at[i] && at[i] <= high[i]);
+        let inside = |(low, high, _): &&(V3, V3, usize)| (0..3).all(|i| low[i] <= at[i] && at[i] <= high[i]);
         let mut found: Vec<usize> = self.sorted[from..to].iter().filter(inside).map(|b| b.2).collect();
         found.sort_unstable();
         found

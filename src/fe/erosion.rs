@@ -17,9 +17,10 @@
 
 use super::blocks::Failing;
 use super::dynamics::{Death, Dynamics};
-use super::hexahedron::{Vec3, dot, gradient, to_nodes, to_patterns, volume_m3};
+use super::hexahedron::{gradient, to_nodes, to_patterns, volume_m3};
 use super::mesh::Mesh;
 use super::split::{self, Split};
+use crate::base::vector::{V3, dot};
 use serde::{Deserialize, Serialize};
 
 /// An element whose own critical step falls below this share of the first step has collapsed.
@@ -122,7 +123,7 @@ impl ErosionTable {
 struct Watched {
     element: usize,
     /// Mean gradient of the shape functions in the reference positions \[1/m\].
-    gradient: [Vec3; 8],
+    gradient: [V3; 8],
     limit: f64,
 }
 
@@ -338,7 +339,7 @@ pub fn free_nodes(body: &Dynamics) -> FreeNodes {
 }
 
 /// Mean gradient of the shape functions of a hexahedron \[1/m\].
-pub fn mean_gradient(nodes: &[Vec3; 8]) -> [Vec3; 8] {
+pub fn mean_gradient(nodes: &[V3; 8]) -> [V3; 8] {
     let mut patterns = [[0.0; 3]; 7];
     for i in 0..3 {
         let sums = to_patterns(nodes.map(|n| n[i]));
@@ -363,7 +364,7 @@ pub fn mean_gradient(nodes: &[Vec3; 8]) -> [Vec3; 8] {
 
 /// Largest logarithmic principal strain of the mean deformation gradient, given the reference gradient of the shape functions and the current
 /// node positions \[m\].
-pub fn principal_strain(reference: &[Vec3; 8], x: &[Vec3; 8]) -> f64 {
+pub fn principal_strain(reference: &[V3; 8], x: &[V3; 8]) -> f64 {
     let mut f = [[0.0; 3]; 3]; // columns of F: f[j] = Σ_I x_I b_Ij
     for (b, x) in reference.iter().zip(x) {
         for j in 0..3 {

@@ -14,11 +14,12 @@
 //! `μ` terms with traces are negative together, so with `G_p = Σ_I ∇N_I ∇N_I` at a point and `Ḡ` that of `b`
 //! `ω² <= (8/m) [λ V tr Ḡ + 2μ Σ_p w_p λ_max(G_p)]`, each `λ_max` by the largest row sum.
 
-use super::hexahedron::{Vec3, add, cross, dot, frame, gradient, scaled, to_global, to_nodes};
+use super::hexahedron::{frame, gradient, to_global, to_nodes};
 use super::kernel::{
     BlockForce, BlockMaterial, BlockState, KernelStep, LANES, Lane, patterns, turned_strain,
 };
 use super::limit::bulk_viscosity;
+use crate::base::vector::{V3, add, cross, dot, scale};
 use crate::material::j2::HardeningTable;
 use serde::{Deserialize, Serialize};
 
@@ -49,7 +50,7 @@ impl FullState {
 /// Geometry and motion at a point of one element.
 struct Point {
     /// Gradients of the pattern functions, `8 ∇N_I = Σ_k Λ_kI slope_k` \[1/m\].
-    slope: [Vec3; 7],
+    slope: [V3; 7],
     /// Volume that the point stands for \[m³\].
     weight: f64,
     /// Strain increment in the element's frame.
@@ -101,7 +102,7 @@ fn element(
     points: &mut FullState,
     step: KernelStep,
 ) -> ([[f64; 8]; 3], f64) {
-    let (at, moved) = (patterns(x, l), patterns(v, l).map(|u| scaled(factor, u)));
+    let (at, moved) = (patterns(x, l), patterns(v, l).map(|u| scale(factor, u)));
     let (e, volume) = gradient(&at);
     let rows = frame(at[0], at[1]);
     let (lambda, mu) = (material.lambda_pa[l], material.mu_pa[l]);
@@ -151,20 +152,20 @@ fn element(
 }
 
 /// Mean displacement gradient by rows, and the trace of `Σ_I b_I b_I`.
-fn mean_gradient(e: &[Vec3; 6], volume: f64, moved: &[Vec3; 7]) -> ([Vec3; 3], f64) {
+fn mean_gradient(e: &[V3; 6], volume: f64, moved: &[V3; 7]) -> ([V3; 3], f64) {
     let (mut mean, mut trace) = ([[0.0; 3]; 3], 0.0);
     for k in 0..6 {
-        let b = scaled(1.0 / (64.0 * volume), e[k]);
+        let b = scale(1.0 / (64.0 * volume), e[k]);
         trace += 8.0 * dot(b, b);
         for i in 0..3 {
-            mean[i] = add(mean[i], scaled(moved[k][i], b));
+            mean[i] = add(mean[i], scale(moved[k][i], b));
         }
     }
     (mean, trace)
 }
 
 /// Point `p` of an element, whose volume strain is `trace`.
-fn point(p: usize, at: &[Vec3; 7], moved: &[Vec3; 7], rows: &[Vec3; 3], trace: f64) -> Point {
+fn point(p: usize, at: &[V3; 7], moved: &[V3; 7], rows: &[V3; 3], trace: f64) -> Point {
     let side = |bit: usize| if p >> bit & 1 == 0 { -1.0 } else { 1.0 } / 3f64.sqrt();
     let (xi, eta, zeta) = (side(0), side(1), side(2));
     // derivatives of the pattern functions ξ, η, ζ, ηζ, ξζ, ξη, ξηζ
@@ -173,21 +174,21 @@ fn point(p: usize, at: &[Vec3; 7], moved: &[Vec3; 7], rows: &[Vec3; 3], trace: f
         [0.0, 1.0, 0.0, zeta, 0.0, xi, xi * zeta],
         [0.0, 0.0, 1.0, eta, xi, 0.0, xi * eta],
     ];
-    let along = |field: &[Vec3; 7], a: usize| {
-        (0..7).fold([0.0; 3], |sum, k| add(sum, scaled(0.125 * derivative[a][k], field[k])))
+    let along = |field: &[V3; 7], a: usize| {
+        (0..7).fold([0.0; 3], |sum, k| add(sum, scale(0.125 * derivative[a][k], field[k])))
     };
-    let tangent: [Vec3; 3] = std::array::from_fn(|a| along(at, a));
+    let tangent: [V3; 3] = std::array::from_fn(|a| along(at, a));
     let normal =
         [cross(tangent[1], tangent[2]), cross(tangent[2], tangent[0]), cross(tangent[0], tangent[1])];
     let weight = dot(tangent[0], normal[0]);
-    let dual = normal.map(|n| scaled(1.0 / weight, n));
+    let dual = normal.map(|n| scale(1.0 / weight, n));
     let slope =
-        std::array::from_fn(|k| (0..3).fold([0.0; 3], |sum, a| add(sum, scaled(derivative[a][k], dual[a]))));
+        std::array::from_fn(|k| (0..3).fold([0.0; 3], |sum, a| add(sum, scale(derivative[a][k], dual[a]))));
     let mut g = [[0.0; 3]; 3];
     for a in 0..3 {
         let u = along(moved, a);
         for i in 0..3 {
-            g[i] = add(g[i], scaled(u[i], dual[a]));
+            g[i] = add(g[i], scale(u[i], dual[a]));
         }
     }
     let mut strain = turned_strain(&g, rows);
@@ -236,7 +237,7 @@ fn respond(
 }
 
 /// Adds the pattern coefficients of the nodal forces `w s ∇N_I` of the deviator.
-fn add_force(coefficient: &mut [[f64; 7]; 3], point: &Point, rows: &[Vec3; 3], stress: &[f64; 6], mean: f64) {
+fn add_force(coefficient: &mut [[f64; 7]; 3], point: &Point, rows: &[V3; 3], stress: &[f64; 6], mean: f64) {
     let local = [
         [stress[0] - mean, stress[3], stress[5]],
         [stress[3], stress[1] - mean, stress[4]],
@@ -252,11 +253,11 @@ fn add_force(coefficient: &mut [[f64; 7]; 3], point: &Point, rows: &[Vec3; 3], s
 }
 
 /// Bound of the largest eigenvalue of `Σ_I ∇N_I ∇N_I`: the largest row sum.
-fn largest_row(slope: &[Vec3; 7]) -> f64 {
+fn largest_row(slope: &[V3; 7]) -> f64 {
     let mut g = [[0.0; 3]; 3];
     for s in slope {
         for i in 0..3 {
-            g[i] = add(g[i], scaled(0.125 * s[i], *s));
+            g[i] = add(g[i], scale(0.125 * s[i], *s));
         }
     }
     g.iter().map(|row| row.iter().map(|v| v.abs()).sum::<f64>()).fold(0.0, f64::max)

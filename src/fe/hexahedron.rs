@@ -15,8 +15,7 @@
 //!
 //! All functions work on one element; the kernel calls them in a loop over lanes that the compiler vectorises.
 
-/// A vector in space.
-pub type Vec3 = [f64; 3];
+use crate::base::vector::{V3, add, cross, dot, scale};
 
 /// Patterns 0..7: `ξ, η, ζ, ηζ, ξζ, ξη, ξηζ`.
 pub const PATTERNS: usize = 7;
@@ -56,23 +55,23 @@ pub fn to_nodes(c: [f64; PATTERNS]) -> [f64; 8] {
 
 /// `64 B` in pattern coefficients (the seventh is zero) and the volume, from the pattern sums of the positions.
 #[inline(always)]
-pub fn gradient(p: &[Vec3; PATTERNS]) -> ([Vec3; 6], f64) {
+pub fn gradient(p: &[V3; PATTERNS]) -> ([V3; 6], f64) {
     let [a1, a2, a3, c1, c2, c3, _] = *p;
     const THIRD: f64 = 1.0 / 3.0;
     let e = [
-        add(cross(a2, a3), scaled(THIRD, cross(c3, c2))),
-        add(cross(a3, a1), scaled(THIRD, cross(c1, c3))),
-        add(cross(a1, a2), scaled(THIRD, cross(c2, c1))),
-        scaled(THIRD, add(cross(c3, a2), cross(a3, c2))),
-        scaled(THIRD, add(cross(a1, c3), cross(c1, a3))),
-        scaled(THIRD, add(cross(c2, a1), cross(a2, c1))),
+        add(cross(a2, a3), scale(THIRD, cross(c3, c2))),
+        add(cross(a3, a1), scale(THIRD, cross(c1, c3))),
+        add(cross(a1, a2), scale(THIRD, cross(c2, c1))),
+        scale(THIRD, add(cross(c3, a2), cross(a3, c2))),
+        scale(THIRD, add(cross(a1, c3), cross(c1, a3))),
+        scale(THIRD, add(cross(c2, a1), cross(a2, c1))),
     ];
     let volume = (dot(a1, e[0]) + dot(c1, e[3])) * (1.0 / 64.0);
     (e, volume)
 }
 
 /// Exact volume of a trilinear hexahedron \[m³\].
-pub fn volume_m3(nodes: &[Vec3; 8]) -> f64 {
+pub fn volume_m3(nodes: &[V3; 8]) -> f64 {
     let mut patterns = [[0.0; 3]; PATTERNS];
     for i in 0..3 {
         let sums = to_patterns(nodes.map(|n| n[i]));
@@ -85,10 +84,10 @@ pub fn volume_m3(nodes: &[Vec3; 8]) -> f64 {
 
 /// Right-handed orthonormal frame (rows) by Gram-Schmidt from two directions.
 #[inline(always)]
-pub fn frame(first: Vec3, second: Vec3) -> [Vec3; 3] {
-    let e1 = scaled(1.0 / dot(first, first).sqrt(), first);
-    let rest = add(second, scaled(-dot(e1, second), e1));
-    let e2 = scaled(1.0 / dot(rest, rest).sqrt(), rest);
+pub fn frame(first: V3, second: V3) -> [V3; 3] {
+    let e1 = scale(1.0 / dot(first, first).sqrt(), first);
+    let rest = add(second, scale(-dot(e1, second), e1));
+    let e2 = scale(1.0 / dot(rest, rest).sqrt(), rest);
     [e1, e2, cross(e1, e2)]
 }
 
@@ -107,45 +106,21 @@ pub fn cbrt(x: f64) -> f64 {
     t + t * ((quotient - t) / (t + t + quotient))
 }
 
-/// Scalar product.
-#[inline(always)]
-pub fn dot(a: Vec3, b: Vec3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Vector product.
-#[inline(always)]
-pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// Sum.
-#[inline(always)]
-pub fn add(a: Vec3, b: Vec3) -> Vec3 {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// Multiple.
-#[inline(always)]
-pub fn scaled(factor: f64, a: Vec3) -> Vec3 {
-    [factor * a[0], factor * a[1], factor * a[2]]
-}
-
 /// `a[0] rows[0] + a[1] rows[1] + a[2] rows[2]`: a local vector in global components.
 #[inline(always)]
-pub fn to_global(rows: &[Vec3; 3], a: Vec3) -> Vec3 {
-    add(add(scaled(a[0], rows[0]), scaled(a[1], rows[1])), scaled(a[2], rows[2]))
+pub fn to_global(rows: &[V3; 3], a: V3) -> V3 {
+    add(add(scale(a[0], rows[0]), scale(a[1], rows[1])), scale(a[2], rows[2]))
 }
 
 /// Scalar products with three rows: a global vector in local components.
 #[inline(always)]
-pub fn to_local(rows: &[Vec3; 3], a: Vec3) -> Vec3 {
+pub fn to_local(rows: &[V3; 3], a: V3) -> V3 {
     [dot(rows[0], a), dot(rows[1], a), dot(rows[2], a)]
 }
 
 /// Nodes of a cube of edge 1, for tests.
 #[cfg(test)]
-pub(super) const UNIT_CUBE: [Vec3; 8] = [
+pub(super) const UNIT_CUBE: [V3; 8] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
     [1.0, 1.0, 0.0],

@@ -37,9 +37,10 @@
 //!   bending stiffness is missing. In a static solve, which has no rates, it acts as the stiffness form of the same coefficient; what that has gathered is
 //!   gone after the first step.
 
-use super::hexahedron::{Vec3, cbrt, dot, frame, gradient, scaled, to_patterns};
+use super::hexahedron::{cbrt, frame, gradient, to_patterns};
 use super::kernel::{BlockState, Scratch};
 use super::law::{ElementForm, Hourglass};
+use crate::base::vector::{V3, dot, scale};
 
 /// Constants of the forms other than ASQBI, for the blocks of one law.
 #[derive(Debug, Clone, Copy)]
@@ -102,7 +103,7 @@ impl Control {
 #[derive(Clone, Copy)]
 pub(super) struct Brick {
     /// `Λ_i x_i`: four times the edges \[m\].
-    pub(super) edge: Vec3,
+    pub(super) edge: V3,
     /// Volume \[m³\].
     pub(super) volume: f64,
     /// `b_jI b_jI` \[1/m²\].
@@ -117,12 +118,12 @@ pub(super) struct Brick {
 impl Brick {
     /// `H_ii` and `Λ_i x_i / 3`.
     #[inline(always)]
-    fn shape(&self) -> (Vec3, Vec3) {
+    fn shape(&self) -> (V3, V3) {
         let edge = self.edge;
         let faces = [edge[1] * edge[2], edge[2] * edge[0], edge[0] * edge[1]];
         let inverse = (1.0 / 3.0) / (edge[0] * faces[0]);
         let h = [faces[0] * faces[0] * inverse, faces[1] * faces[1] * inverse, faces[2] * faces[2] * inverse];
-        (h, scaled(1.0 / 3.0, edge))
+        (h, scale(1.0 / 3.0, edge))
     }
 }
 
@@ -230,7 +231,7 @@ pub(super) fn returned(control: &Control, before: f64, rate: f64, ratio: f64, ta
 
 /// Energy that hourglass stresses `3 * α + i` store in an element with its nodes at `x` \[m\]: `Q K⁻¹ Q / 2` with the moduli of its form \[J\]; none
 /// in the viscous form. Infinite in an element that is turned inside out, where the moduli mean nothing.
-pub(super) fn stored_j(form: ElementForm, x: &[Vec3; 8], [lambda, mu]: [f64; 2], stress: &[f64; 12]) -> f64 {
+pub(super) fn stored_j(form: ElementForm, x: &[V3; 8], [lambda, mu]: [f64; 2], stress: &[f64; 12]) -> f64 {
     let mut at = [[0.0; 3]; 7];
     for i in 0..3 {
         let sums = to_patterns(x.map(|n| n[i]));
@@ -243,7 +244,7 @@ pub(super) fn stored_j(form: ElementForm, x: &[Vec3; 8], [lambda, mu]: [f64; 2],
         return 0.0;
     }
     let rows = frame(at[0], at[1]);
-    let edge: Vec3 = std::array::from_fn(|i| dot(rows[i], at[i]));
+    let edge: V3 = std::array::from_fn(|i| dot(rows[i], at[i]));
     if volume.is_nan() || volume <= 0.0 || edge[0] * edge[1] * edge[2] <= 0.0 {
         return f64::INFINITY;
     }
@@ -273,9 +274,9 @@ pub(super) fn stored_j(form: ElementForm, x: &[Vec3; 8], [lambda, mu]: [f64; 2],
         sum += stress[9 + i] * stress[9 + i] / fourth;
     }
     // the three twists: diagonal h_j + h_k, couplings Λ_k x_k / 3
-    let d: Vec3 = std::array::from_fn(|i| plain * (h[(i + 1) % 3] + h[(i + 2) % 3]) + spring);
-    let c: Vec3 = third.map(|t| plain * t);
-    let p: Vec3 = std::array::from_fn(|i| stress[4 * i]);
+    let d: V3 = std::array::from_fn(|i| plain * (h[(i + 1) % 3] + h[(i + 2) % 3]) + spring);
+    let c: V3 = third.map(|t| plain * t);
+    let p: V3 = std::array::from_fn(|i| stress[4 * i]);
     let mut adjugate = 0.0;
     for i in 0..3 {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);

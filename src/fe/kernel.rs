@@ -30,13 +30,12 @@
 //! No fused multiply-add: results are the same bytes on every instruction set. Elements with share 0 strain no more: their
 //! state is frozen and their forces are zero, whatever their nodes do.
 
-use super::hexahedron::{
-    Vec3, add, cross, dot, frame, gradient, scaled, to_global, to_local, to_nodes, to_patterns,
-};
+use super::hexahedron::{frame, gradient, to_global, to_local, to_nodes, to_patterns};
 use super::hourglass::{self, Brick, Control};
 use super::law::{ElementForm, Hourglass};
 use super::limit::{bulk_viscosity, frequency_bound};
 use crate::base::isa::{Isa, for_each_isa};
+use crate::base::vector::{V3, add, cross, dot, scale};
 use crate::material::j2::HardeningTable;
 use serde::{Deserialize, Serialize};
 
@@ -388,11 +387,11 @@ fn deform<const ASQBI: bool>(
     let moved = patterns(v, l);
     let mut g = [[0.0; 3]; 3];
     for k in 0..6 {
-        let b = scaled(inverse, e[k]);
-        let u = scaled(factor, moved[k]);
+        let b = scale(inverse, e[k]);
+        let u = scale(factor, moved[k]);
         for i in 0..3 {
             s.b[3 * k + i][l] = b[i];
-            g[i] = add(g[i], scaled(u[i], b));
+            g[i] = add(g[i], scale(u[i], b));
         }
     }
     let unit = 1.0 / (edge[0] * edge[1] * edge[2]);
@@ -448,7 +447,7 @@ fn deform<const ASQBI: bool>(
 
 /// Pattern sums of a nodal vector field of one lane.
 #[inline(always)]
-pub(super) fn patterns(field: &BlockForce, l: usize) -> [Vec3; 7] {
+pub(super) fn patterns(field: &BlockForce, l: usize) -> [V3; 7] {
     let mut out = [[0.0; 3]; 7];
     for i in 0..3 {
         let mut nodal = [0.0; 8];
@@ -465,7 +464,7 @@ pub(super) fn patterns(field: &BlockForce, l: usize) -> [Vec3; 7] {
 
 /// Symmetric part of `L (I - L/2)^-1`, turned into the frame: xx, yy, zz, xy, yz, zx.
 #[inline(always)]
-pub(super) fn turned_strain(g: &[Vec3; 3], rows: &[Vec3; 3]) -> [f64; 6] {
+pub(super) fn turned_strain(g: &[V3; 3], rows: &[V3; 3]) -> [f64; 6] {
     let m = [
         [1.0 - 0.5 * g[0][0], -0.5 * g[0][1], -0.5 * g[0][2]],
         [-0.5 * g[1][0], 1.0 - 0.5 * g[1][1], -0.5 * g[1][2]],
@@ -584,10 +583,10 @@ fn resist<const ASQBI: bool>(
     let limit = if ASQBI { limit } else { control.bound * limit };
     let (pressure, damped) =
         bulk_viscosity(rate_1_s * trace, volume, material.mass_kg[l], lambda + 2.0 * mu, limit);
-    let scale = if acts { volume * share } else { 0.0 };
-    state.internal_j[l] += scale * power;
+    let acting = if acts { volume * share } else { 0.0 };
+    state.internal_j[l] += acting * power;
     // the force of this step acts over half of the next increment too: only the mean of two steps books its true work
-    state.viscous_j[l] += scale * 0.5 * (state.viscous_pa[l] + pressure) * trace;
+    state.viscous_j[l] += acting * 0.5 * (state.viscous_pa[l] + pressure) * trace;
     state.viscous_pa[l] = pressure;
 
     let mut rows = [[0.0; 3]; 3];
@@ -620,16 +619,16 @@ fn resist<const ASQBI: bool>(
     let half = [to_global(&rows, local[0]), to_global(&rows, local[1]), to_global(&rows, local[2])];
     let mut total = [[0.0; 3]; 3];
     for i in 0..3 {
-        total[i] = scaled(scale, to_global(&half, [rows[0][i], rows[1][i], rows[2][i]]));
+        total[i] = scale(acting, to_global(&half, [rows[0][i], rows[1][i], rows[2][i]]));
     }
     let mut coefficient = [[0.0; 7]; 3];
     for m in 0..4 {
         let q = to_global(&rows, [hourglass[3 * m], hourglass[3 * m + 1], hourglass[3 * m + 2]]);
-        let q = scaled(0.125 * share, q);
+        let q = scale(0.125 * share, q);
         let warp = [s.warp[3 * m][l], s.warp[3 * m + 1][l], s.warp[3 * m + 2][l]];
         for i in 0..3 {
             coefficient[i][3 + m] = q[i];
-            total[i] = add(total[i], scaled(-q[i], warp));
+            total[i] = add(total[i], scale(-q[i], warp));
         }
     }
     for k in 0..6 {

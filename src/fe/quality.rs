@@ -7,6 +7,7 @@ use super::blocks::Blocks;
 use super::dynamics::{STEP_SAFETY, allowed_step_s};
 use super::grid::{MeshGrid, SNAP_SHARE};
 use super::mesh::{Mesh, Snapped};
+use crate::base::vector::{cross, dot, norm, sub};
 use crate::building::Building;
 use serde::Serialize;
 
@@ -128,22 +129,6 @@ fn join(sum: &mut Option<Measures>, one: &Measures) {
 
 type Point = [f64; 3];
 
-fn minus(a: Point, b: Point) -> Point {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Point, b: Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn length(a: Point) -> f64 {
-    dot(a, a).sqrt()
-}
-
 /// Corners with their neighbours along the element's three directions, right-handed.
 const CORNERS: [[usize; 4]; 8] = [
     [0, 1, 3, 4],
@@ -164,24 +149,24 @@ const FACES: [[usize; 4]; 6] =
 
 /// Mean edges along the three directions \[m\].
 fn edges(nodes: &[Point; 8]) -> [f64; 3] {
-    EDGES.map(|four| four.iter().map(|[a, b]| length(minus(nodes[*b], nodes[*a]))).sum::<f64>() / 4.0)
+    EDGES.map(|four| four.iter().map(|[a, b]| norm(sub(nodes[*b], nodes[*a]))).sum::<f64>() / 4.0)
 }
 
 /// The measures of one element.
 fn measure(nodes: &[Point; 8], step_s: f64) -> Measures {
-    let lengths = EDGES.as_flattened().iter().map(|[a, b]| length(minus(nodes[*b], nodes[*a])));
+    let lengths = EDGES.as_flattened().iter().map(|[a, b]| norm(sub(nodes[*b], nodes[*a])));
     let edge_m = lengths.fold([f64::INFINITY, 0.0_f64], |[low, high], l| [low.min(l), high.max(l)]);
     let scaled = CORNERS.map(|[at, a, b, c]| {
-        let [a, b, c] = [a, b, c].map(|n| minus(nodes[n], nodes[at]));
-        let size = length(a) * length(b) * length(c);
+        let [a, b, c] = [a, b, c].map(|n| sub(nodes[n], nodes[at]));
+        let size = norm(a) * norm(b) * norm(c);
         if size > 0.0 { dot(cross(a, b), c) / size } else { 0.0 }
     });
     let warpage = FACES.map(|f| {
         let p = f.map(|n| nodes[n]);
         let angle = |a: usize, b: usize, c: usize, d: usize| {
-            let one = cross(minus(p[b], p[a]), minus(p[c], p[a]));
-            let other = cross(minus(p[c], p[a]), minus(p[d], p[a]));
-            libm::atan2(length(cross(one, other)), dot(one, other)).to_degrees()
+            let one = cross(sub(p[b], p[a]), sub(p[c], p[a]));
+            let other = cross(sub(p[c], p[a]), sub(p[d], p[a]));
+            libm::atan2(norm(cross(one, other)), dot(one, other)).to_degrees()
         };
         angle(0, 1, 2, 3).max(angle(1, 2, 3, 0))
     });

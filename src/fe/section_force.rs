@@ -4,8 +4,8 @@
 //! lower faces have the same with the other sign. The moment is taken about the middle of the layer, along its own axis as it is then. Discrete bars are not in it: buildings have none.
 
 use super::blocks::Blocks;
-use super::hexahedron::Vec3;
 use super::mesh::Mesh;
+use crate::base::vector::V3;
 use crate::building::{Building, MemberKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -79,7 +79,7 @@ impl Sections {
     }
 
     /// What the sections bear at an output; those of which an element has failed since the one before have broken, those of which charges took one are no longer looked at.
-    pub fn look(&mut self, blocks: &Blocks, removed: &[bool], x: &[Vec3], time_s: f64) {
+    pub fn look(&mut self, blocks: &Blocks, removed: &[bool], x: &[V3], time_s: f64) {
         let broken = &mut self.broken;
         self.whole.retain_mut(|section| {
             let lives = |e: &usize| blocks.share(*e) > 0.0 && !blocks.is_detached(*e);
@@ -117,7 +117,7 @@ fn axis_of(building: &Building, part: usize) -> Option<usize> {
 }
 
 /// Resultant of elements with their nodes and the forces on these \[N\].
-fn resultant(parts: &[([usize; 8], [Vec3; 8])], axis: usize, x: &[Vec3]) -> Option<SectionForce> {
+fn resultant(parts: &[([usize; 8], [V3; 8])], axis: usize, x: &[V3]) -> Option<SectionForce> {
     use nalgebra::Vector3;
     let at = |n: usize| Vector3::from(x[n]);
     let mean = |of: &dyn Fn(usize) -> bool| {
@@ -156,7 +156,7 @@ mod tests {
     use crate::fe::relaxation::static_state;
 
     /// What a cube along an axis bears, with forces on the nodes of its upper face and the opposite ones on those of its lower face.
-    fn bears(axis: usize, force: impl Fn(Vec3) -> Vec3) -> SectionForce {
+    fn bears(axis: usize, force: impl Fn(V3) -> V3) -> SectionForce {
         let mut forces = [[0.0; 3]; 8];
         for (i, at) in UNIT_CUBE.iter().enumerate() {
             let sign = if UPPER[axis].contains(&i) { 1.0 } else { -1.0 };

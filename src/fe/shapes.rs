@@ -3,6 +3,7 @@
 use super::contact::RigidSurfaces;
 use super::law::{ElementForm, Erosion, Law};
 use super::mesh::{Element, Mesh};
+use crate::base::random::Random;
 use crate::building::HardeningPoint;
 
 /// A point of a hardening table.
@@ -94,24 +95,12 @@ pub fn nearest(mesh: &Mesh, to: [f64; 3]) -> usize {
 
 /// Moves every node by up to `amount_m` in each direction where `free` holds, from a small generator.
 pub fn distort(nodes: &mut [[f64; 3]], amount_m: f64, seed: u64, free: impl Fn([f64; 3]) -> bool) {
-    let mut random = Random(seed);
+    let mut random = Random::after(seed);
     for node in nodes {
         let offset: [f64; 3] = std::array::from_fn(|_| amount_m * random.symmetric());
         if free(*node) {
             *node = std::array::from_fn(|i| node[i] + offset[i]);
         }
-    }
-}
-
-/// Linear congruential numbers (constants of Knuth's MMIX), the same on every machine.
-#[derive(Debug, Clone)]
-pub struct Random(pub u64);
-
-impl Random {
-    /// The next number in -1..1.
-    pub fn symmetric(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }
 

@@ -3,28 +3,29 @@
 //! The net strain over the interval averages elastic vibration out, as a strain-rate study wants it, and costs the
 //! time loop nothing.
 
-use super::hexahedron::{Vec3, add, cross, dot, gradient, scaled, to_patterns};
+use super::hexahedron::{gradient, to_patterns};
 use super::mesh::Mesh;
 use super::split::Split;
+use crate::base::vector::{V3, add, cross, dot, scale};
 use serde::{Deserialize, Serialize};
 
 /// The interval that is under way.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct StrainWindow {
     /// Node positions at its start \[m\].
-    start_m: Vec<Vec3>,
+    start_m: Vec<V3>,
     /// Elements that ended within it, with the strain they had reached.
     ended: Vec<(usize, f64)>,
 }
 
 impl StrainWindow {
     /// An interval that starts with the nodes at `x`.
-    pub fn new(x: &[Vec3]) -> Self {
+    pub fn new(x: &[V3]) -> Self {
         Self { start_m: x.to_vec(), ended: Vec::new() }
     }
 
     /// Keeps the strain of an element that ends now: afterwards its nodes go their own ways.
-    pub fn note_end(&mut self, mesh: &Mesh, element: usize, x: &[Vec3]) {
+    pub fn note_end(&mut self, mesh: &Mesh, element: usize, x: &[V3]) {
         self.ended.push((element, self.strain(mesh, element, x)));
     }
 
@@ -41,7 +42,7 @@ impl StrainWindow {
         &mut self,
         mesh: &Mesh,
         acts: impl Fn(usize) -> bool,
-        x: &[Vec3],
+        x: &[V3],
         interval_s: f64,
     ) -> Vec<f32> {
         let mut strains: Vec<f64> =
@@ -53,7 +54,7 @@ impl StrainWindow {
         strains.iter().map(|s| (s / interval_s) as f32).collect()
     }
 
-    fn strain(&self, mesh: &Mesh, element: usize, x: &[Vec3]) -> f64 {
+    fn strain(&self, mesh: &Mesh, element: usize, x: &[V3]) -> f64 {
         let nodes = mesh.elements[element].nodes;
         net_strain(&nodes.map(|n| self.start_m[n]), &nodes.map(|n| x[n]))
     }
@@ -61,7 +62,7 @@ impl StrainWindow {
 
 /// Equivalent deviatoric strain `sqrt(2/3 e:e)` between two positions of the nodes of a hexahedron, from the mean displacement
 /// gradient at mid-way (Hughes and Winget 1980): a rotation strains nothing. 0 if the volume is lost.
-pub fn net_strain(from: &[Vec3; 8], to: &[Vec3; 8]) -> f64 {
+pub fn net_strain(from: &[V3; 8], to: &[V3; 8]) -> f64 {
     let (mut at, mut moved) = ([[0.0; 3]; 7], [[0.0; 3]; 7]);
     for i in 0..3 {
         let (p, u) =
@@ -77,9 +78,9 @@ pub fn net_strain(from: &[Vec3; 8], to: &[Vec3; 8]) -> f64 {
     }
     let mut g = [[0.0; 3]; 3];
     for k in 0..6 {
-        let b = scaled(1.0 / (64.0 * volume), e[k]);
+        let b = scale(1.0 / (64.0 * volume), e[k]);
         for i in 0..3 {
-            g[i] = add(g[i], scaled(moved[k][i], b));
+            g[i] = add(g[i], scale(moved[k][i], b));
         }
     }
     let d = mid_strain(&g);
@@ -91,8 +92,8 @@ pub fn net_strain(from: &[Vec3; 8], to: &[Vec3; 8]) -> f64 {
 }
 
 /// Symmetric part of `L (I - L/2)^-1`: xx, yy, zz, xy, yz, zx.
-fn mid_strain(g: &[Vec3; 3]) -> [f64; 6] {
-    let m: [Vec3; 3] =
+fn mid_strain(g: &[V3; 3]) -> [f64; 6] {
+    let m: [V3; 3] =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)) - 0.5 * g[i][j]));
     let columns = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
     let inverse = 1.0 / dot(m[0], columns[0]);

@@ -12,9 +12,9 @@
 //! **Frequency.** `ω² = 4 (E A / l) / m` with the bar's own mass `m`, half at each end, `A / l` current. By the eigenvalue
 //! inequality of Irons and Treharne (1971) for lumped masses the largest over bars and hexahedra bounds that of the mesh, whatever they share.
 
-use super::hexahedron::{Vec3, add, dot, scaled};
 use super::kernel::KernelStep;
 use super::mesh::Mesh;
+use crate::base::vector::{V3, add, dot, scale};
 use crate::material::j2::HardeningTable;
 use crate::material::rebar::{RebarLaw, RebarState};
 use serde::{Deserialize, Serialize};
@@ -170,7 +170,7 @@ impl Trusses {
     }
 
     /// Takes the bars to the nodes' positions \[m\] and adds their forces on the nodes \[N\], in the order of the bars.
-    pub fn update(&mut self, x: &[Vec3], step: KernelStep, force_n: &mut [Vec3]) {
+    pub fn update(&mut self, x: &[V3], step: KernelStep, force_n: &mut [V3]) {
         self.bound_1_s2 = 0.0;
         self.ruptured.clear();
         for (index, bar) in self.bars.iter_mut().enumerate().filter(|(_, b)| b.acts) {
@@ -183,9 +183,9 @@ impl Trusses {
                 self.ruptured.push(index);
                 continue;
             }
-            let pull = scaled(bar.force_n(), unit);
+            let pull = scale(bar.force_n(), unit);
             force_n[bar.nodes[0]] = add(force_n[bar.nodes[0]], pull);
-            force_n[bar.nodes[1]] = add(force_n[bar.nodes[1]], scaled(-1.0, pull));
+            force_n[bar.nodes[1]] = add(force_n[bar.nodes[1]], scale(-1.0, pull));
             let square = 4.0 * bar.stiffness_n_m(length) / bar.mass_kg;
             self.bound_1_s2 = if square > self.bound_1_s2 { square } else { self.bound_1_s2 };
         }
@@ -212,21 +212,21 @@ impl Trusses {
 
     /// Nodes and elastic stiffness of the acting bars: the force on the first node is minus this times the displacement
     /// of the first relative to the second \[N/m\].
-    pub fn stiffnesses(&self, x: &[Vec3]) -> Vec<([usize; 2], [Vec3; 3])> {
+    pub fn stiffnesses(&self, x: &[V3]) -> Vec<([usize; 2], [V3; 3])> {
         let acting = self.bars.iter().filter(|b| b.acts);
         acting
             .map(|bar| {
                 let (unit, length) = direction(x, bar.nodes);
                 let k = bar.stiffness_n_m(length);
-                (bar.nodes, unit.map(|c| scaled(k * c, unit)))
+                (bar.nodes, unit.map(|c| scale(k * c, unit)))
             })
             .collect()
     }
 }
 
 /// Unit vector from the first to the second node, and the length \[m\].
-fn direction(x: &[Vec3], nodes: [usize; 2]) -> (Vec3, f64) {
-    let along: Vec3 = std::array::from_fn(|i| x[nodes[1]][i] - x[nodes[0]][i]);
+fn direction(x: &[V3], nodes: [usize; 2]) -> (V3, f64) {
+    let along: V3 = std::array::from_fn(|i| x[nodes[1]][i] - x[nodes[0]][i]);
     let length = dot(along, along).sqrt();
-    (scaled(1.0 / length, along), length)
+    (scale(1.0 / length, along), length)
 }

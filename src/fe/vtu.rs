@@ -1,10 +1,11 @@
 //! The mesh over time for ParaView: what acts at each output, with the fields that show how a building comes down.
 
 use super::dynamics::Dynamics;
-use super::hexahedron::{Vec3, add, dot, frame, scaled, to_patterns};
+use super::hexahedron::{frame, to_patterns};
 use super::mesh::Mesh;
 use crate::base::hash::ContentHash;
 use crate::base::output::write_renamed;
+use crate::base::vector::{V3, add, dot, scale};
 use crate::base::vtu::{Array, Cells, UnstructuredGrid, collection};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -145,7 +146,7 @@ fn hexahedron(frame: &Frame<'_>, index: usize) -> CellState {
 fn bar_state(frame: &Frame<'_>, index: usize) -> Option<CellState> {
     let bar = frame.body.trusses.bars.get(index).filter(|b| b.acts)?;
     let [a, b] = bar.nodes.map(|n| frame.body.x[n]);
-    let along: Vec3 = std::array::from_fn(|i| b[i] - a[i]);
+    let along: V3 = std::array::from_fn(|i| b[i] - a[i]);
     let length = dot(along, along).sqrt();
     let [x, y, z] = along.map(|c| c / length);
     Some(CellState {
@@ -171,11 +172,11 @@ fn global_stress(at: &Frame<'_>, index: usize, local: &[f64; 6]) -> [f64; 6] {
 }
 
 /// `Rᵀ σ R` of a symmetric tensor, `R` having the rows of a frame.
-fn turned(local: &[f64; 6], rows: &[Vec3; 3]) -> [f64; 6] {
+fn turned(local: &[f64; 6], rows: &[V3; 3]) -> [f64; 6] {
     let [xx, yy, zz, xy, yz, zx] = *local;
     let full = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
-    let half: [Vec3; 3] =
-        full.map(|r| add(add(scaled(r[0], rows[0]), scaled(r[1], rows[1])), scaled(r[2], rows[2])));
+    let half: [V3; 3] =
+        full.map(|r| add(add(scale(r[0], rows[0]), scale(r[1], rows[1])), scale(r[2], rows[2])));
     let entry = |i: usize, j: usize| (0..3).map(|a| rows[a][i] * half[a][j]).sum();
     [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)]
 }

@@ -16,11 +16,12 @@
 //! forces store nothing, and parts with an element turned inside out are not watched for alternation.
 
 use super::dynamics::Dynamics;
-use super::hexahedron::{Vec3, volume_m3};
+use super::hexahedron::volume_m3;
 use super::hourglass;
 use super::law::{ElementForm, Hourglass};
 use super::mesh::Mesh;
 use super::run::FeError;
+use crate::base::vector::V3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -145,7 +146,7 @@ pub struct Place {
     /// Part.
     pub part: String,
     /// Centre or position \[m\].
-    pub at_m: Vec3,
+    pub at_m: V3,
     /// Time step \[s\] of an element, speed \[m/s\] of a node.
     pub value: f64,
 }

@@ -60,14 +60,13 @@ fn search<T: Copy>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::Random;
 
     #[test]
     fn the_tree_finds_what_a_walk_through_all_places_finds() {
-        let mut state = 7_u32;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 24)
-        };
+        let mut random = Random::of(7);
+        // Whole numbers, so that places meet and lie in line.
+        let mut next = || random.below(256) as f64;
         let places: Vec<([f64; 2], usize)> = (0..300).map(|i| ([next(), next()], i)).collect();
         let tree = Nearest::of(places.clone());
         for _ in 0..300 {

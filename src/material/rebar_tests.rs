@@ -1,4 +1,5 @@
 use super::*;
+use crate::base::random::Random;
 
 const E: f64 = 200e9;
 
@@ -45,14 +46,6 @@ fn end(law: &RebarLaw, strains: &[f64]) -> f64 {
     let mut state = RebarState::default();
     walk(law, &mut state, strains, 1e-5);
     state.stress_pa
-}
-
-/// Numbers in 0..1, always the same.
-fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    }
 }
 
 #[test]
@@ -147,9 +140,9 @@ fn short_unloading_leaves_no_trace() {
 #[test]
 fn cycles_take_energy() {
     for law in all() {
-        let mut next = numbers(7);
+        let mut random = Random::after(7);
         for _ in 0..300 {
-            let corners: Vec<f64> = (0..6).map(|_| 0.07 * (next() - 0.5)).collect();
+            let corners: Vec<f64> = (0..6).map(|_| 0.07 * (random.share() - 0.5)).collect();
             let mut state = RebarState::default();
             let start = [0.04, corners[0]];
             let mut work = walk(&law, &mut state, &start, 2e-4);

@@ -2,54 +2,12 @@
 //!
 //! Quaternions are `[w, x, y, z]`, matrices are rows.
 
-/// A vector.
-pub type V3 = [f64; 3];
+pub use crate::base::vector::{V3, add, axpy, cross, dot, norm, scale, sub};
+
 /// A matrix by rows.
 pub type M3 = [[f64; 3]; 3];
 /// A unit quaternion `[w, x, y, z]`.
 pub type Q = [f64; 4];
-
-/// `a + b`.
-#[inline(always)]
-pub fn add(a: V3, b: V3) -> V3 {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// `a - b`.
-#[inline(always)]
-pub fn sub(a: V3, b: V3) -> V3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// `s a`.
-#[inline(always)]
-pub fn scale(s: f64, a: V3) -> V3 {
-    [s * a[0], s * a[1], s * a[2]]
-}
-
-/// `a + s b`.
-#[inline(always)]
-pub fn axpy(a: V3, s: f64, b: V3) -> V3 {
-    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
-}
-
-/// Scalar product.
-#[inline(always)]
-pub fn dot(a: V3, b: V3) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Vector product.
-#[inline(always)]
-pub fn cross(a: V3, b: V3) -> V3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// Euclidean length.
-#[inline(always)]
-pub fn norm(a: V3) -> f64 {
-    dot(a, a).sqrt()
-}
 
 /// `M a`.
 #[inline(always)]
@@ -127,6 +85,17 @@ pub fn qmul(a: Q, b: Q) -> Q {
 #[inline(always)]
 pub fn qconj(q: Q) -> Q {
     [q[0], -q[1], -q[2], -q[3]]
+}
+
+/// Length of a quaternion.
+pub fn qnorm(q: Q) -> f64 {
+    q.iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// The unit quaternion along one that is not zero.
+pub fn qunit(q: Q) -> Q {
+    let length = qnorm(q);
+    q.map(|v| v / length)
 }
 
 /// Scales to unit length; one Newton step, for quaternions that are nearly unit.

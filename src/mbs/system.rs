@@ -401,8 +401,7 @@ fn lanes(blocks: &[JointBlock], joints: usize) -> Vec<[usize; 2]> {
 impl BodyState {
     /// That of a body of the file.
     pub fn new(body: &Body) -> Self {
-        let length = body.orientation.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let q = body.orientation.map(|v| v / length);
+        let q = math::qunit(body.orientation);
         let r = math::qmat(q);
         let w_body = math::mul_t(&r, body.angular_velocity_rad_s);
         Self {

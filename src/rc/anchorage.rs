@@ -361,6 +361,7 @@ impl<'a> Anchored<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::random::Random;
 
     fn bar(length_m: Option<f64>, ending: Ending) -> EmbeddedBar {
         let steel = RebarLaw::bilinear(200e9, 500e6, 0.01, 0.075);
@@ -401,10 +402,9 @@ mod tests {
             let law = case.law();
             let mut state = SlipState::default();
             let (mut work, mut least) = (0.0, 0.0f64);
-            let mut seed = 5u64;
+            let mut random = Random::after(5);
             for _ in 0..200 {
-                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let to = 3e-3 * ((seed >> 11) as f64 / (1u64 << 53) as f64 - 0.2);
+                let to = 3e-3 * (random.share() - 0.2);
                 let from = state.slip_m;
                 for k in 1..=2000 {
                     let (old, at) = (state.stress_pa, state.slip_m);

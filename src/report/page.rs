@@ -9,6 +9,7 @@ use super::input::{
 };
 use super::number::{MISSING, count, duration, fixed, significant};
 use super::{partition, plots, scene};
+use crate::base::vector::{norm, sub};
 use minijinja::{AutoEscape, Environment, syntax::SyntaxConfig};
 use serde::Serialize;
 use serde_json::json;
@@ -248,11 +249,12 @@ fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, R
     let mut worst = (0, f64::NEG_INFINITY);
     for history in histories {
         let charts = plots::history_charts(history)?;
-        let largest = |u: &[[f64; 3]]| u.iter().map(norm).filter(|x| x.is_finite()).fold(f64::NAN, f64::max);
+        let largest =
+            |u: &[[f64; 3]]| u.iter().copied().map(norm).filter(|x| x.is_finite()).fold(f64::NAN, f64::max);
         let deviation_of = |other: &[[f64; 3]], until: f64| {
             let rows = history.time_s.iter().zip(history.fe_m.iter().zip(other));
             rows.filter(|(t, _)| **t <= until)
-                .map(|(t, (a, b))| (*t, norm(&std::array::from_fn(|i| a[i] - b[i]))))
+                .map(|(t, (a, b))| (*t, norm(sub(*a, *b))))
                 .filter(|x| x.1.is_finite())
                 .fold((f64::NAN, f64::NAN), |best, x| if best.1 >= x.1 { best } else { x })
         };
@@ -289,10 +291,6 @@ fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, R
         point.worst = true;
     }
     Ok(out)
-}
-
-fn norm(u: &[f64; 3]) -> f64 {
-    u.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// What FE and MBS say about the sites together.

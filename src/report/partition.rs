@@ -7,6 +7,7 @@ use super::ReportError;
 use super::chart::{Chart, Series, escape, seconds};
 use super::input::FirstContact;
 use super::plots::{check, contact_marks};
+use crate::base::vector::{cross, dot, norm, sub};
 use std::fmt::Write;
 
 /// Rigid and deforming parts over time, as shares and pictures.
@@ -158,18 +159,6 @@ const LIGHT: [f64; 3] = [0.48, -0.44, 0.76];
 /// Margin around the scene \[m\].
 const MARGIN_M: f64 = 0.6;
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn less(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
 /// A parallel projection that shows all pictures at one scale.
 struct Camera {
     right: [f64; 3],
@@ -270,8 +259,8 @@ impl Camera {
             if !c.iter().flatten().all(|x| x.is_finite()) {
                 continue;
             }
-            let normal = cross(less(c[2], c[0]), less(c[3], c[1]));
-            let length = dot(normal, normal).sqrt();
+            let normal = cross(sub(c[2], c[0]), sub(c[3], c[1]));
+            let length = norm(normal);
             if dot(normal, self.back) <= 0.0 {
                 continue;
             }

@@ -1,7 +1,8 @@
 //! One element: gradient, volume, rigid motion, stiffness, frequency bound, instruction sets.
 
-use super::mesh::{Random, Single, bilinear, elastic, grid, hexahedron, in_lanes};
+use super::mesh::{Single, bilinear, elastic, grid, hexahedron, in_lanes};
 use fallwerk::base::isa::Isa;
+use fallwerk::base::random::Random;
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::hexahedron::volume_m3;
@@ -197,7 +198,7 @@ fn element_has_six_rigid_modes_and_a_safe_frequency_bound() {
 
 /// Steps of random elements, some flowing, some without share.
 fn random_blocks(mut each: impl FnMut(&BlockForce, &BlockForce, &Single)) {
-    let mut random = Random(11);
+    let mut random = Random::after(11);
     let mut one = Single::new(&bilinear(30e9, 0.2, 2500.0, 20e6, 300e6), 2500.0);
     for _ in 0..200 {
         let mut x = in_lanes(&hexahedron(0.2, 5));

@@ -1,6 +1,7 @@
 //! Rigid sets in the FE dynamics: momenta, free flight, hand-over, release.
 
-use super::mesh::{Random, bilinear, elastic, grid, ground};
+use super::mesh::{bilinear, elastic, grid, ground};
+use fallwerk::base::random::Random;
 use fallwerk::base::tree::Format;
 use fallwerk::building::{EXAMPLE, parse};
 use fallwerk::fe::contact::RigidSurfaces;
@@ -54,7 +55,7 @@ fn assert_kept(before: [[f64; 3]; 2], after: [[f64; 3]; 2], within: f64) {
 fn tumbling(gravity: f64, shiver_m_s: f64) -> (Mesh, Dynamics) {
     let mesh = grid([8, 3, 4], [2.4, 0.6, 1.6], elastic(), |_| false);
     let mut body = Dynamics::new(&mesh, gravity, RigidSurfaces::default(), false);
-    let mut random = Random(5);
+    let mut random = Random::after(5);
     for n in 0..mesh.nodes.len() {
         let [x, y, z] = mesh.nodes[n];
         let turning = [2.0 * z - 0.7 * y, 0.7 * x - 1.0 * z, 1.0 * y - 2.0 * x];

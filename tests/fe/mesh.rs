@@ -3,7 +3,7 @@
 use fallwerk::fe::kernel::{BlockForce, BlockMaterial, BlockState, LANES};
 use fallwerk::fe::law::Law;
 pub use fallwerk::fe::shapes::{
-    Random, bilinear, distort, elastic, grid, ground, nearest, of_hexahedra, point, round_bar,
+    bilinear, distort, elastic, grid, ground, nearest, of_hexahedra, point, round_bar,
 };
 use fallwerk::material::j2::HardeningTable;
 

@@ -1,6 +1,7 @@
 //! Bars: static truss, pendulum, wave, plastic elongation and rupture; bars inside hexahedra.
 
-use super::mesh::{Random, bilinear, elastic, grid, hexahedron, of_hexahedra, point};
+use super::mesh::{bilinear, elastic, grid, hexahedron, of_hexahedra, point};
+use fallwerk::base::random::Random;
 use fallwerk::fe::contact::RigidSurfaces;
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::embed::embed;
@@ -187,7 +188,7 @@ fn bars_are_tied_to_the_elements_that_hold_them() {
     let mut mesh = grid([3, 3, 3], [1.0; 3], elastic(), |_| false);
     super::mesh::distort(&mut mesh.nodes, 0.06, 9, |p| p.iter().all(|c| *c > 0.01 && *c < 0.99));
     let first = mesh.nodes.len();
-    let mut random = Random(3);
+    let mut random = Random::after(3);
     for _ in 0..50 {
         mesh.nodes.push(std::array::from_fn(|_| 0.5 + 0.5 * random.symmetric()));
     }

@@ -1,5 +1,6 @@
 //! Rules learned from studies: the tree on data of which the true rule is known, and the rules of the repository from its records.
 
+use fallwerk::base::random::Random;
 use fallwerk::cli::rules_learn::{LearnArgs, cases, difference, learned};
 use fallwerk::learn::prune::{decided, validated};
 use fallwerk::learn::tree::{Column, Count, Kind, Node, Row, Table};
@@ -8,26 +9,16 @@ use fallwerk::rules::{Action, Aspect, RuleBase, Source, Subject, SubjectKind};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Numbers from 0 to 1, the same in each run.
-struct Dice(u32);
-
-impl Dice {
-    fn throw(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(self.0 >> 8) / f64::from(1_u32 << 24)
-    }
-}
-
 /// Places of some buildings with three features, of which the first two matter: what is true of a place is told.
 fn table(buildings: usize, places: usize, noise: f64, truth: impl Fn([f64; 3]) -> bool) -> Table {
     let column = |feature, more| Column { feature, kind: Kind::Number, more };
     let columns = vec![column("demand", Some(true)), column("share", None), column("chaff", None)];
-    let mut dice = Dice(3);
+    let mut dice = Random::of(3);
     let mut rows = Vec::new();
     for building in 0..buildings {
         for place in 0..places {
-            let values = [4.0 * dice.throw(), dice.throw(), dice.throw()];
-            let yes = truth(values) != (dice.throw() < noise);
+            let values = [4.0 * dice.share(), dice.share(), dice.share()];
+            let yes = truth(values) != (dice.share() < noise);
             let values = values.map(|x| Some((1e3 * x).round() / 1e3)).to_vec();
             rows.push(Row { building, place: format!("P{place}"), values, yes, held: false });
         }
@@ -66,10 +57,10 @@ fn noise_is_pruned_away_and_its_share_is_told() {
 #[test]
 fn a_miss_costs_more_than_a_false_alarm() {
     // three in ten are a yes above the threshold: still worth a yes
-    let mut dice = Dice(5);
+    let mut dice = Random::of(5);
     let mut table = table(20, 40, 0.0, |_| false);
     for row in &mut table.rows {
-        row.yes = row.values[0] > Some(2.0) && dice.throw() < 0.3;
+        row.yes = row.values[0] > Some(2.0) && dice.share() < 0.3;
     }
     let learned = validated(&table);
     let answers: Vec<Option<bool>> = learned.tree.leaves().iter().map(|l| l.count.answer()).collect();

@@ -18,7 +18,7 @@ mod statement;
 use super::Notes;
 use super::number::list;
 use crate::mbs::Model;
-use crate::mbs::math::{M3, V3, mul_t, qmat, sub};
+use crate::mbs::math::{M3, V3, mul_t, qmat, qunit, sub};
 use crate::mbs::model::Body;
 use statement::{Dataset, GROUND, number, reuler};
 
@@ -117,8 +117,7 @@ impl Writer<'_> {
 
 /// Rotation of a body, from its frame to the ground.
 fn turn(body: &Body) -> M3 {
-    let length = body.orientation.iter().map(|c| c * c).sum::<f64>().sqrt();
-    qmat(body.orientation.map(|c| c / length))
+    qmat(qunit(body.orientation))
 }
 
 /// Moments, then products if there are any: those of Adams are the integrals of `x y dm`, the negative of the tensor's.

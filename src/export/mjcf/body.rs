@@ -5,7 +5,7 @@ use super::tree::{Node, Tree};
 use super::{Sheet, attribute, contact, vector};
 use crate::export::Notes;
 use crate::export::number::plain;
-use crate::mbs::math::{M3, Q, V3, add, cross, dot, mul_t, norm, qconj, qmat, qmul, scale, sub};
+use crate::mbs::math::{M3, Q, V3, add, cross, dot, mul_t, norm, qconj, qmat, qmul, qunit, scale, sub};
 use crate::mbs::model::{Body, Model};
 use std::fmt::Write as _;
 
@@ -33,8 +33,7 @@ impl Pose {
             let q = [1.0, 0.0, 0.0, 0.0];
             return Self { x: [0.0; 3], q, r: qmat(q), v: [0.0; 3], w: [0.0; 3] };
         };
-        let length = b.orientation.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let q = b.orientation.map(|c| c / length);
+        let q = qunit(b.orientation);
         Self { x: b.position_m, q, r: qmat(q), v: b.velocity_m_s, w: b.angular_velocity_rad_s }
     }
 }

@@ -17,8 +17,8 @@ use super::rigid::RigidSurfaces;
 pub use super::rigid::Struck;
 use super::solve::{Condition, Rows};
 pub use super::solve::{Moving, Work};
+use crate::base::vector::{V3, dot};
 use crate::fe::dynamics::Death;
-use crate::fe::hexahedron::{Vec3, dot};
 use crate::fe::mesh::Mesh;
 use crate::fe::model::ContactSettings;
 use crate::fe::tie::Ties;
@@ -94,9 +94,9 @@ pub struct ContactSummary {
 #[derive(Debug, Clone, Copy)]
 pub struct Surroundings<'a> {
     /// Positions \[m\].
-    pub x: &'a [Vec3],
+    pub x: &'a [V3],
     /// Velocities \[m/s\].
-    pub v: &'a [Vec3],
+    pub v: &'a [V3],
     /// Masses \[kg\].
     pub mass_kg: &'a [f64],
     /// Nodes that follow others.
@@ -124,7 +124,7 @@ pub struct BodyContact {
     /// Nodes whose velocity in this step is found here.
     pub flagged: Vec<bool>,
     /// Velocity that most of the body has \[m/s\].
-    pub reference_m_s: Vec3,
+    pub reference_m_s: V3,
     /// Largest speed of a node against it in the last step \[m/s\].
     pub top_speed_m_s: f64,
     friction: f64,
@@ -141,7 +141,7 @@ pub struct BodyContact {
     /// Upper bound of the relative path length of any two nodes since the last search \[m\]; infinite before the first one.
     way_m: f64,
     /// Common displacement since the last search \[m\].
-    drift_m: Vec3,
+    drift_m: V3,
     changed: Vec<u32>,
     /// Working memory: nodes joined to a face.
     #[serde(skip)]
@@ -321,7 +321,7 @@ impl BodyContact {
         let depth = self.faces.depth_m(face);
         self.faces.mark_joined(face, marks);
         // the cells hold the nodes where they were at the last search
-        let back = |p: &Vec3, way: f64| std::array::from_fn(|i| p[i] - self.drift_m[i] + way);
+        let back = |p: &V3, way: f64| std::array::from_fn(|i| p[i] - self.drift_m[i] + way);
         self.cells.each(&back(&low, -self.way_m), &back(&high, self.way_m), |node| {
             let x = &now.x[node as usize];
             if marks[node as usize] == face || (0..3).any(|i| x[i] < low[i] || x[i] > high[i]) {
@@ -339,7 +339,7 @@ impl BodyContact {
     }
 
     /// The common velocity against which speeds count \[m/s\].
-    pub fn reference_m_s(&self) -> Vec3 {
+    pub fn reference_m_s(&self) -> V3 {
         self.reference_m_s
     }
 
@@ -350,7 +350,7 @@ impl BodyContact {
 
     /// Square of the speed against the common velocity \[m²/s²\].
     #[inline]
-    pub fn speed_squared(&self, v: &Vec3) -> f64 {
+    pub fn speed_squared(&self, v: &V3) -> f64 {
         (0..3).map(|i| (v[i] - self.reference_m_s[i]).powi(2)).sum()
     }
 
@@ -426,7 +426,7 @@ impl BodyContact {
     }
 
     /// A node has gone through a face. Debris may be squeezed out; anything else is an error.
-    fn lose(&mut self, pair: usize, over: Over, x: Vec3) {
+    fn lose(&mut self, pair: usize, over: Over, x: V3) {
         let Pair { node, face, .. } = self.pairs[pair];
         self.pairs[pair].held = false;
         if self.faces.elements_at(node).next().is_some() && self.lost.is_none() {

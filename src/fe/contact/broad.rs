@@ -1,6 +1,6 @@
 //! Cells of equal size that hold the nodes near a face ready.
 
-use crate::fe::hexahedron::Vec3;
+use crate::base::vector::V3;
 use serde::{Deserialize, Serialize};
 
 /// Cells for each node, at most.
@@ -10,17 +10,17 @@ const CELLS_PER_NODE: f64 = 2.0;
 /// cells, so that a few lost pieces do not make the grid coarse.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Cells {
-    low: Vec3,
+    low: V3,
     size_m: f64,
     count: [usize; 3],
     starts: Vec<u32>,
     /// Nodes with their positions at that time, cell after cell.
-    nodes: Vec<(Vec3, u32)>,
+    nodes: Vec<(V3, u32)>,
 }
 
 impl Cells {
     /// Sorts the nodes that `counts` into cells of at least `size_m`.
-    pub fn rebuild(&mut self, x: &[Vec3], counts: impl Fn(usize) -> bool, size_m: f64) {
+    pub fn rebuild(&mut self, x: &[V3], counts: impl Fn(usize) -> bool, size_m: f64) {
         let chosen: Vec<u32> = (0..x.len() as u32).filter(|n| counts(*n as usize)).collect();
         let total = chosen.len().max(1) as f64;
         let (mut low, mut extent) = ([0.0; 3], [0.0; 3]);
@@ -56,7 +56,7 @@ impl Cells {
         (self.starts, self.nodes) = (starts, nodes);
     }
 
-    fn cell(&self, p: &Vec3) -> [usize; 3] {
+    fn cell(&self, p: &V3) -> [usize; 3] {
         std::array::from_fn(|i| {
             let at = ((p[i] - self.low[i]) / self.size_m).floor();
             // beyond the ends and not a number: the outermost cells
@@ -69,7 +69,7 @@ impl Cells {
     }
 
     /// Nodes in a box, in a fixed order, by their positions at the time of sorting; all with a coordinate that is not a number.
-    pub fn each(&self, low: &Vec3, high: &Vec3, mut visit: impl FnMut(u32)) {
+    pub fn each(&self, low: &V3, high: &V3, mut visit: impl FnMut(u32)) {
         if self.starts.is_empty() {
             return;
         }
@@ -95,7 +95,7 @@ mod tests {
 
     #[test]
     fn every_node_in_a_box_is_found() {
-        let mut x: Vec<Vec3> =
+        let mut x: Vec<V3> =
             (0..1000).map(|i| [i % 10, i / 10 % 10, i / 100].map(|c| 0.37 * f64::from(c))).collect();
         x.push([1e6, 0.0, -1e6]);
         let mut cells = Cells::default();

@@ -1,6 +1,6 @@
 //! The outer faces of hexahedra, kept up to date while elements end.
 
-use crate::fe::hexahedron::{Vec3, add, dot, scaled};
+use crate::base::vector::{V3, add, dot, scale};
 use crate::fe::incidence::elements_of_nodes;
 use crate::fe::mesh::Mesh;
 use crate::fe::tie::Ties;
@@ -138,7 +138,7 @@ impl Faces {
 
     /// Sum of the area normals of the outer faces at a node, to compare directions; `None` for a node without faces: debris, or
     /// inside.
-    pub fn normal_at(&self, node: u32, x: &[Vec3]) -> Option<Vec3> {
+    pub fn normal_at(&self, node: u32, x: &[V3]) -> Option<V3> {
         let mut sum = [0.0; 3];
         let mut any = false;
         for e in self.elements_at(node) {
@@ -154,13 +154,13 @@ impl Faces {
     }
 }
 
-fn center(points: &[Vec3; 8], face: usize) -> Vec3 {
-    scaled(0.25, CORNERS[face].iter().fold([0.0; 3], |sum, c| add(sum, points[*c])))
+fn center(points: &[V3; 8], face: usize) -> V3 {
+    scale(0.25, CORNERS[face].iter().fold([0.0; 3], |sum, c| add(sum, points[*c])))
 }
 
-fn thicknesses(points: &[Vec3; 8]) -> [f32; 3] {
+fn thicknesses(points: &[V3; 8]) -> [f32; 3] {
     std::array::from_fn(|k| {
-        let between = add(center(points, 2 * k + 1), scaled(-1.0, center(points, 2 * k)));
+        let between = add(center(points, 2 * k + 1), scale(-1.0, center(points, 2 * k)));
         dot(between, between).sqrt() as f32
     })
 }

@@ -1,6 +1,6 @@
 //! Where a node stands over a quadrilateral face.
 
-use crate::fe::hexahedron::{Vec3, add, cross, dot, scaled};
+use crate::base::vector::{V3, add, cross, dot, scale};
 use serde::{Deserialize, Serialize};
 
 /// How far beyond its edge a face still holds a node, in its own coordinates -1..1: round-off only.
@@ -16,37 +16,37 @@ pub struct Over {
     /// Weights of the corners at the foot of the perpendicular; they sum to one.
     pub weights: [f64; 4],
     /// Unit normal of the face: of its two diagonals.
-    pub normal: Vec3,
+    pub normal: V3,
 }
 
 /// Area times unit normal of a face \[m²\]: half the cross product of its diagonals.
-pub fn area_normal(p: &[Vec3; 4]) -> Vec3 {
-    scaled(0.5, cross(minus(p[2], p[0]), minus(p[3], p[1])))
+pub fn area_normal(p: &[V3; 4]) -> V3 {
+    scale(0.5, cross(minus(p[2], p[0]), minus(p[3], p[1])))
 }
 
 /// Foot of the perpendicular from `x` on a bilinear face, along the normal of its diagonals, so that the force along the
 /// normal and its reaction at the corners lie on one line: angular momentum is kept. `None` if the foot
 /// lies beyond the edges, or the gap outside `-depth_m..=reach_m`.
-pub fn over(p: &[Vec3; 4], x: Vec3, depth_m: f64, reach_m: f64) -> Option<Over> {
+pub fn over(p: &[V3; 4], x: V3, depth_m: f64, reach_m: f64) -> Option<Over> {
     let area = area_normal(p);
     let size = dot(area, area).sqrt();
     if size.is_nan() || size <= 0.0 {
         return None;
     }
-    let normal = scaled(1.0 / size, area);
-    let middle = scaled(0.25, add(add(p[0], p[1]), add(p[2], p[3])));
+    let normal = scale(1.0 / size, area);
+    let middle = scale(0.25, add(add(p[0], p[1]), add(p[2], p[3])));
     let from = minus(x, middle);
     // patterns of the corner coordinates: along ξ, along η, twist
-    let a = scaled(0.25, minus(add(p[1], p[2]), add(p[0], p[3])));
-    let b = scaled(0.25, minus(add(p[2], p[3]), add(p[0], p[1])));
-    let c = scaled(0.25, minus(add(p[0], p[2]), add(p[1], p[3])));
+    let a = scale(0.25, minus(add(p[1], p[2]), add(p[0], p[3])));
+    let b = scale(0.25, minus(add(p[2], p[3]), add(p[0], p[1])));
+    let c = scale(0.25, minus(add(p[0], p[2]), add(p[1], p[3])));
     let (height, warp) = (dot(from, normal), dot(c, normal));
     if height > reach_m + warp.abs() || height < -depth_m - warp.abs() {
         return None;
     }
-    let e1 = scaled(1.0 / dot(a, a).sqrt(), minus(a, scaled(dot(a, normal), normal)));
+    let e1 = scale(1.0 / dot(a, a).sqrt(), minus(a, scale(dot(a, normal), normal)));
     let e2 = cross(normal, e1);
-    let plane = |v: Vec3| [dot(v, e1), dot(v, e2)];
+    let plane = |v: V3| [dot(v, e1), dot(v, e2)];
     let (from, a, b, c) = (plane(from), plane(a), plane(b), plane(c));
     let (mut s, mut t) = (0.0, 0.0);
     for _ in 0..ITERATIONS {
@@ -75,21 +75,21 @@ pub fn over(p: &[Vec3; 4], x: Vec3, depth_m: f64, reach_m: f64) -> Option<Over> 
 }
 
 /// Lower bound of the distance of a point from a face \[m\]: to the box around it, or to the slab along its normal.
-pub fn clearance_m(p: &[Vec3; 4], x: Vec3) -> f64 {
+pub fn clearance_m(p: &[V3; 4], x: V3) -> f64 {
     let area = area_normal(p);
-    let normal = scaled(1.0 / dot(area, area).sqrt().max(f64::MIN_POSITIVE), area);
-    let beyond = |at: &dyn Fn(Vec3) -> f64| {
+    let normal = scale(1.0 / dot(area, area).sqrt().max(f64::MIN_POSITIVE), area);
+    let beyond = |at: &dyn Fn(V3) -> f64| {
         let along = p.map(at);
         let low = along.iter().copied().fold(f64::INFINITY, f64::min);
         let high = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         (low - at(x)).max(at(x) - high)
     };
-    let axes = (0..3).map(|i| beyond(&|q: Vec3| q[i])).fold(0.0, f64::max);
-    axes.max(beyond(&|q: Vec3| dot(normal, q)))
+    let axes = (0..3).map(|i| beyond(&|q: V3| q[i])).fold(0.0, f64::max);
+    axes.max(beyond(&|q: V3| dot(normal, q)))
 }
 
 /// `a - b`.
-pub fn minus(a: Vec3, b: Vec3) -> Vec3 {
+pub fn minus(a: V3, b: V3) -> V3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -97,14 +97,14 @@ pub fn minus(a: Vec3, b: Vec3) -> Vec3 {
 mod tests {
     use super::*;
 
-    const WARPED: [Vec3; 4] = [[0.0, 0.0, 0.1], [2.0, 0.0, -0.1], [2.5, 1.0, 0.1], [0.0, 1.0, -0.1]];
+    const WARPED: [V3; 4] = [[0.0, 0.0, 0.1], [2.0, 0.0, -0.1], [2.5, 1.0, 0.1], [0.0, 1.0, -0.1]];
 
     #[test]
     fn foot_and_gap_give_the_node_back() {
         for x in [[0.4, 0.3, 0.05], [1.9, 0.8, -0.2], [0.1, 0.9, 0.3]] {
             let found = over(&WARPED, x, 1.0, 1.0).unwrap();
-            let foot = (0..4).fold([0.0; 3], |sum, i| add(sum, scaled(found.weights[i], WARPED[i])));
-            let back = add(foot, scaled(found.gap_m, found.normal));
+            let foot = (0..4).fold([0.0; 3], |sum, i| add(sum, scale(found.weights[i], WARPED[i])));
+            let back = add(foot, scale(found.gap_m, found.normal));
             assert!((0..3).all(|i| (back[i] - x[i]).abs() < 1e-12), "{x:?}: {found:?}");
             assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
         }
@@ -116,7 +116,7 @@ mod tests {
             let mut nearest = f64::INFINITY;
             for (s, t) in (0..=400).map(|i| (f64::from(i % 20) / 20.0, f64::from(i / 20) / 20.0)) {
                 let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
-                let at = (0..4).fold([0.0; 3], |sum, i| add(sum, scaled(weights[i], WARPED[i])));
+                let at = (0..4).fold([0.0; 3], |sum, i| add(sum, scale(weights[i], WARPED[i])));
                 nearest = f64::min(nearest, dot(minus(x, at), minus(x, at)).sqrt());
             }
             let bound = clearance_m(&WARPED, x);

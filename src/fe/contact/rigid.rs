@@ -7,8 +7,8 @@
 //! narrower than an element can slip between nodes.
 
 use crate::base::geom::Aabb;
+use crate::base::vector::{V3, add as plus, dot, scale};
 use crate::building::Building;
-use crate::fe::hexahedron::{Vec3, add as plus, dot, scaled};
 use crate::fe::model::RigidPlane;
 use serde::{Deserialize, Serialize};
 
@@ -29,9 +29,9 @@ pub struct Struck {
     /// Time step \[s\].
     pub dt_s: f64,
     /// Position \[m\].
-    pub x: Vec3,
+    pub x: V3,
     /// Velocity before the step \[m/s\].
-    pub old: Vec3,
+    pub old: V3,
 }
 
 /// A surface close to a node.
@@ -40,7 +40,7 @@ pub(super) struct Near {
     /// 0 for ground, 1 + i for box i, 1 + boxes + i for plane i.
     pub surface: usize,
     /// Unit normal.
-    pub normal: Vec3,
+    pub normal: V3,
     /// Height of the node above it \[m\].
     pub gap_m: f64,
     /// Friction coefficient.
@@ -94,7 +94,7 @@ impl RigidSurfaces {
 
     /// Takes in where the nodes are at the start. What is below the ground level then stands in an excavation whose bottom is its own
     /// lowest node; it meets the ground there, and the level only after it has come up.
-    pub(in crate::fe) fn begin(&mut self, x: &[Vec3]) {
+    pub(in crate::fe) fn begin(&mut self, x: &[V3]) {
         let nodes = x.len();
         self.touched = vec![false; nodes];
         self.pushes = vec![Push::default(); nodes];
@@ -116,7 +116,7 @@ impl RigidSurfaces {
     }
 
     /// Notes which embedded nodes have come up.
-    pub(in crate::fe) fn follow(&mut self, x: &[Vec3]) {
+    pub(in crate::fe) fn follow(&mut self, x: &[V3]) {
         if let Some((level, _)) = self.ground {
             self.embedded.iter_mut().zip(x).for_each(|(embedded, p)| *embedded &= p[2] < level);
         }
@@ -157,7 +157,7 @@ impl RigidSurfaces {
 
     /// Whether a node at `x` is not farther than `reach_m` from any of the surfaces, or behind it.
     #[inline]
-    pub(in crate::fe) fn is_near(&self, node: usize, x: &Vec3, reach_m: f64) -> bool {
+    pub(in crate::fe) fn is_near(&self, node: usize, x: &V3, reach_m: f64) -> bool {
         let over =
             |solid: &Aabb| (0..3).all(|i| (solid.min[i] - reach_m..solid.max[i] + reach_m).contains(&x[i]));
         self.ground.is_some_and(|(level, _)| x[2] <= level + reach_m)
@@ -171,7 +171,7 @@ impl RigidSurfaces {
     }
 
     /// The least reach with which [`Self::is_near`] can be true of a node at `x`, embedded or not \[m\].
-    pub(in crate::fe) fn gap_m(&self, node: usize, x: &Vec3) -> f64 {
+    pub(in crate::fe) fn gap_m(&self, node: usize, x: &V3) -> f64 {
         let over_ground = self.ground.map_or(f64::INFINITY, |(level, _)| x[2] - level);
         let out = |solid: &Aabb, i: usize| (solid.min[i] - x[i]).max(x[i] - solid.max[i]);
         let beside = |solid: &Aabb| (0..3).map(|i| out(solid, i)).fold(f64::NEG_INFINITY, f64::max);
@@ -187,7 +187,7 @@ impl RigidSurfaces {
         self.stops.get(plane).is_none_or(|s| s.get(node).copied().unwrap_or(true))
     }
 
-    fn crosses(&self, plane: usize, node: usize, dt: f64, x: &Vec3, new: &Vec3) -> bool {
+    fn crosses(&self, plane: usize, node: usize, dt: f64, x: &V3, new: &V3) -> bool {
         self.stops_at(plane, node)
             && height(&self.planes[plane], x) + dt * dot(self.planes[plane].normal, *new) < 0.0
     }
@@ -195,14 +195,14 @@ impl RigidSurfaces {
     /// Corrects the trial velocity of one node, leaving the components that are held as they are; returns the
     /// work on the node by normal and by friction impulses \[J\].
     #[inline]
-    pub fn resolve(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
+    pub fn resolve(&mut self, at: &Struck, new: &mut V3) -> [f64; 2] {
         let mut work = self.resolve_boxes(at, new);
         add(&mut work, self.resolve_planes(at, new));
         work
     }
 
     /// Surfaces that a node at `x` is not farther from than `reach_m`, boxes only if it is over one of their faces.
-    pub(super) fn near(&self, node: usize, x: &Vec3, reach_m: f64) -> Vec<Near> {
+    pub(super) fn near(&self, node: usize, x: &V3, reach_m: f64) -> Vec<Near> {
         let mut found = Vec::new();
         if let Some((level, friction)) = self.ground_of(node) {
             found.push(Near { surface: 0, normal: [0.0, 0.0, 1.0], gap_m: x[2] - level, friction });
@@ -228,7 +228,7 @@ impl RigidSurfaces {
     }
 
     /// Planes: impulses along the normal as far as the node can move, and friction in the plane.
-    fn resolve_planes(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
+    fn resolve_planes(&mut self, at: &Struck, new: &mut V3) -> [f64; 2] {
         let Struck { node, held, mass_kg: mass, dt_s: dt, x, old } = *at;
         let moves = held.map(|h| if h { 0.0 } else { 1.0 });
         let mut changes = [[0.0; 3]; 2];
@@ -239,13 +239,13 @@ impl RigidSurfaces {
                     continue;
                 }
                 let plane = &self.planes[index];
-                let along: Vec3 = std::array::from_fn(|i| moves[i] * plane.normal[i]);
+                let along: V3 = std::array::from_fn(|i| moves[i] * plane.normal[i]);
                 let (ability, speed) = (dot(along, plane.normal), dot(plane.normal, *new));
                 let target = (-height(plane, &x)).min(0.0) / dt;
                 let mut impulse_ns = 0.0;
                 if ability > 1e-12 && speed < target {
                     let change = (target - speed) / ability;
-                    let after = plus(*new, scaled(change, along));
+                    let after = plus(*new, scale(change, along));
                     let slipped = slowed(after, plane, held, plane.friction * change);
                     for i in 0..3 {
                         changes[0][i] += after[i] - new[i];
@@ -257,11 +257,11 @@ impl RigidSurfaces {
                 self.note(node, 1 + self.boxes.len() + index, impulse_ns);
             }
         }
-        let middle: Vec3 = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
+        let middle: V3 = std::array::from_fn(|i| 0.5 * (old[i] + new[i]));
         changes.map(|c| mass * dot(c, middle))
     }
 
-    fn resolve_boxes(&mut self, at: &Struck, new: &mut Vec3) -> [f64; 2] {
+    fn resolve_boxes(&mut self, at: &Struck, new: &mut V3) -> [f64; 2] {
         let Struck { node, held, dt_s: dt, x, .. } = *at;
         let mut work = [0.0; 2];
         if let Some((level, friction)) = self.ground_of(node)
@@ -315,13 +315,13 @@ impl RigidSurfaces {
 }
 
 /// Distance of a point from a plane, positive where matter may be \[m\].
-fn height(plane: &RigidPlane, x: &Vec3) -> f64 {
+fn height(plane: &RigidPlane, x: &V3) -> f64 {
     (0..3).map(|i| plane.normal[i] * (x[i] - plane.point_m[i])).sum()
 }
 
 /// A velocity whose part in the plane is lowered by `most` at the most.
-fn slowed(v: Vec3, plane: &RigidPlane, held: [bool; 3], most: f64) -> Vec3 {
-    let slip = plus(v, scaled(-dot(plane.normal, v), plane.normal));
+fn slowed(v: V3, plane: &RigidPlane, held: [bool; 3], most: f64) -> V3 {
+    let slip = plus(v, scale(-dot(plane.normal, v), plane.normal));
     let size = dot(slip, slip).sqrt();
     if size == 0.0 || most.is_nan() {
         return v;
@@ -344,7 +344,7 @@ fn entered_face(solid: &Aabb, x: [f64; 3]) -> (usize, f64) {
 }
 
 /// Sets the normal velocity and takes friction, leaving held components as they are; returns the work of both impulses.
-fn stop(at: &Struck, axis: usize, normal_velocity: f64, friction: f64, new: &mut Vec3) -> [f64; 2] {
+fn stop(at: &Struck, axis: usize, normal_velocity: f64, friction: f64, new: &mut V3) -> [f64; 2] {
     let (mass, old) = (at.mass_kg, &at.old);
     let change = normal_velocity - new[axis];
     let normal = mass * change * 0.5 * (old[axis] + normal_velocity);

@@ -9,7 +9,7 @@
 //! brakes. Pairs of opposite impulses keep momentum to round-off.
 
 use super::rigid::{RigidSurfaces, Struck};
-use crate::fe::hexahedron::{Vec3, add, dot, scaled};
+use crate::base::vector::{V3, add, dot, scale};
 use std::ops::Range;
 
 /// Sweeps over all contacts of a step, at most.
@@ -23,20 +23,20 @@ pub struct Moving {
     /// What does not change in the step.
     pub at: Struck,
     /// Velocity: trial, in the end final \[m/s\].
-    pub new: Vec3,
+    pub new: V3,
     /// `1 / mass` of the components that are not held \[1/kg\].
-    pub ability: Vec3,
+    pub ability: V3,
 }
 
 impl Moving {
     /// A node with its trial velocity.
-    pub fn new(at: Struck, new: Vec3) -> Self {
+    pub fn new(at: Struck, new: V3) -> Self {
         let ability = at.held.map(|h| if h || at.mass_kg == 0.0 { 0.0 } else { 1.0 / at.mass_kg });
         Self { at, new, ability }
     }
 
     /// Velocity at the full step \[m/s\].
-    pub fn middle(&self) -> Vec3 {
+    pub fn middle(&self) -> V3 {
         std::array::from_fn(|i| 0.5 * (self.at.old[i] + self.new[i]))
     }
 }
@@ -45,7 +45,7 @@ impl Moving {
 #[derive(Debug, Clone, Copy)]
 pub struct Condition {
     /// Unit normal.
-    pub normal: Vec3,
+    pub normal: V3,
     /// Least velocity along the normal \[m/s\].
     pub target_m_s: f64,
     /// Friction coefficient.
@@ -64,7 +64,7 @@ pub struct Row {
     /// Normal impulse \[N s\].
     pub normal_ns: f64,
     /// Friction impulse on the node \[N s\].
-    friction_ns: Vec3,
+    friction_ns: V3,
     /// Change of velocity by a unit impulse, along the normal and in the face \[1/kg\].
     ability: [f64; 2],
 }
@@ -130,7 +130,7 @@ impl Rows {
 
 /// Velocity of one side against the other.
 #[inline]
-fn relative(parts: &[(u32, f64)], velocity: impl Fn(&Moving) -> Vec3, nodes: &[Moving]) -> Vec3 {
+fn relative(parts: &[(u32, f64)], velocity: impl Fn(&Moving) -> V3, nodes: &[Moving]) -> V3 {
     let mut u = [0.0; 3];
     for (p, w) in parts {
         let v = velocity(&nodes[*p as usize]);
@@ -152,15 +152,15 @@ impl Row {
         if normal_ns == 0.0 && self.normal_ns == 0.0 {
             return 0.0;
         }
-        let slip = add(u, scaled(-speed, normal));
-        let mut wanted: Vec3 = std::array::from_fn(|i| self.friction_ns[i] - slip[i] / self.ability[1]);
+        let slip = add(u, scale(-speed, normal));
+        let mut wanted: V3 = std::array::from_fn(|i| self.friction_ns[i] - slip[i] / self.ability[1]);
         let size = dot(wanted, wanted).sqrt();
         let most = if normal_ns == 0.0 { 0.0 } else { friction * normal_ns };
         if size > most {
-            wanted = scaled(most / size, wanted);
+            wanted = scale(most / size, wanted);
         }
         let change = normal_ns - self.normal_ns;
-        let impulse: Vec3 = std::array::from_fn(|i| change * normal[i] + wanted[i] - self.friction_ns[i]);
+        let impulse: V3 = std::array::from_fn(|i| change * normal[i] + wanted[i] - self.friction_ns[i]);
         (self.normal_ns, self.friction_ns) = (normal_ns, wanted);
         for (p, w) in parts {
             let node = &mut nodes[*p as usize];

@@ -5,7 +5,7 @@
 
 use super::rigid::{Near, RigidSurfaces};
 use super::solve::{Condition, Moving, Rows};
-use crate::fe::hexahedron::{Vec3, dot};
+use crate::base::vector::{V3, dot};
 use crate::fe::tie::Ties;
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub struct TiedStrikes {
 
 impl TiedStrikes {
     /// Finds them, given positions \[m\] and velocities \[m/s\], and flags their masters.
-    pub fn prepare(&mut self, ties: &Ties, surfaces: &RigidSurfaces, [x, v]: [&[Vec3]; 2], dt_s: f64) {
+    pub fn prepare(&mut self, ties: &Ties, surfaces: &RigidSurfaces, [x, v]: [&[V3]; 2], dt_s: f64) {
         self.near.clear();
         self.flagged.drain(..).for_each(|n| self.flags[n] = false);
         if ties.is_empty() {

@@ -11,8 +11,8 @@
 //! ([`GROUNDING`] of the mean diagonal) makes `K` definite; as `r` is in balance the springs bear nothing.
 
 use super::sets::RigidSet;
+use crate::base::vector::{V3, add, cross, scale};
 use crate::fe::dynamics::Dynamics;
-use crate::fe::hexahedron::{Vec3, add, cross, scaled};
 use crate::fe::kernel::{BlockForce, BlockMaterial, BlockState, KernelStep, LANES, update_block};
 use crate::fe::preload::Factor;
 use nalgebra::Vector3;
@@ -28,7 +28,7 @@ pub struct Demand {
     /// Blocks with rigid elements of the set: lanes with their elements and the places of their nodes in the set.
     blocks: Vec<Vec<(u32, [u32; 8])>>,
     /// Forces of the frozen stresses on the nodes, in body coordinates \[N\].
-    frozen_n: Vec<Vec3>,
+    frozen_n: Vec<V3>,
 }
 
 const STILL: KernelStep = KernelStep { dt_s: 1.0, viscous: false };
@@ -121,32 +121,32 @@ impl Demand {
     fn out_of_balance(&self, set: &RigidSet, body: &Dynamics) -> Vec<f64> {
         let back = set.motion.rotation().transpose();
         let mean = 1.0 / f64::from(set.pulls.max(1));
-        let (mut force, mut moment) = (scaled(set.motion.mass_kg, body.acceleration_m_s2), [0.0; 3]);
+        let (mut force, mut moment) = (scale(set.motion.mass_kg, body.acceleration_m_s2), [0.0; 3]);
         for (i, sum) in set.boundary.iter().zip(&set.pull_n) {
             let n = set.nodes[*i as usize] as usize;
             let arm = std::array::from_fn(|k| body.x[n][k] - set.motion.centre_m[k]);
-            let pull = scaled(mean, *sum);
+            let pull = scale(mean, *sum);
             force = add(force, pull);
             moment = add(moment, cross(arm, pull));
         }
         let acceleration = set.motion.accelerations(force, moment);
-        let turned = |f: Vec3| -> Vec3 { (back * Vector3::from(f)).into() };
+        let turned = |f: V3| -> V3 { (back * Vector3::from(f)).into() };
         let mut rhs = vec![0.0; 3 * set.nodes.len()];
-        let mut add_to = |i: usize, f: Vec3| (0..3).for_each(|k| rhs[3 * i + k] += f[k]);
+        let mut add_to = |i: usize, f: V3| (0..3).for_each(|k| rhs[3 * i + k] += f[k]);
         for (i, (n, place)) in set.nodes.iter().zip(&set.places).enumerate() {
             let (m, a) = (body.mass_kg[*n as usize], acceleration(place));
             add_to(i, turned(std::array::from_fn(|k| m * (body.acceleration_m_s2[k] - a[k]))));
-            add_to(i, scaled(-1.0, self.frozen_n[i]));
+            add_to(i, scale(-1.0, self.frozen_n[i]));
         }
         for (i, sum) in set.boundary.iter().zip(&set.pull_n) {
-            add_to(*i as usize, turned(scaled(mean, *sum)));
+            add_to(*i as usize, turned(scale(mean, *sum)));
         }
         rhs
     }
 }
 
 /// Forces of the stresses of a group on its nodes \[N\].
-fn forces(group: &Group, body: &Dynamics) -> [[Vec3; 8]; LANES] {
+fn forces(group: &Group, body: &Dynamics) -> [[V3; 8]; LANES] {
     let mut elastic = group.material;
     elastic.yield_scale = [f64::INFINITY; LANES];
     let (mut state, mut force) = (group.state, [[0.0; LANES]; 24]);

@@ -12,7 +12,7 @@
 //! round-off. Nothing else is needed to keep both momenta: neither at the step nor when nodes come and go.
 
 use crate::base::isa::for_each_isa;
-use crate::fe::hexahedron::{Vec3, add, cross, scaled};
+use crate::base::vector::{V3, add, cross, scale};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -23,9 +23,9 @@ const ITERATIONS: usize = 30;
 #[derive(Debug, Clone, Copy)]
 pub struct Twist {
     /// Velocity of the centre \[m/s\].
-    pub velocity: Vec3,
+    pub velocity: V3,
     /// Angular velocity \[1/s\].
-    pub spin: Vec3,
+    pub spin: V3,
     /// `ω× (1 ∓ Δt/2 ω×)⁻¹ R`: velocity against the centre from the place in the body.
     gradient: Matrix3<f64>,
 }
@@ -38,7 +38,7 @@ impl Twist {
 
     /// Velocity of a place in body coordinates \[m/s\].
     #[inline]
-    pub fn at(&self, place: &Vec3) -> Vec3 {
+    pub fn at(&self, place: &V3) -> V3 {
         add(self.velocity, times(&self.gradient, place))
     }
 }
@@ -46,7 +46,7 @@ impl Twist {
 /// A vector and the columns of a matrix: `c + M r` for places `r` in the body. A fourth number, zero, fills a vector of the processor.
 pub(super) type Map = [[f64; 4]; 4];
 
-fn map_of(c: Vec3, m: &Matrix3<f64>) -> Map {
+fn map_of(c: V3, m: &Matrix3<f64>) -> Map {
     let column = |j: usize| [m[(0, j)], m[(1, j)], m[(2, j)], 0.0];
     [[c[0], c[1], c[2], 0.0], column(0), column(1), column(2)]
 }
@@ -54,19 +54,19 @@ fn map_of(c: Vec3, m: &Matrix3<f64>) -> Map {
 for_each_isa! {
     /// Velocities and positions of nodes from two maps of their places; the squares of the largest speeds, and of those against a reference velocity.
     pub(super) fn carry = carry_any(
-        nodes: (&[u32], &[Vec3]),
+        nodes: (&[u32], &[V3]),
         maps: &[Map; 2],
-        reference_m_s: &Vec3,
-        moved: (&mut [Vec3], &mut [Vec3]),
+        reference_m_s: &V3,
+        moved: (&mut [V3], &mut [V3]),
     ) -> [f64; 2]
 }
 
 #[inline(always)]
 fn carry_any(
-    (nodes, places): (&[u32], &[Vec3]),
+    (nodes, places): (&[u32], &[V3]),
     maps: &[Map; 2],
-    reference_m_s: &Vec3,
-    (v, x): (&mut [Vec3], &mut [Vec3]),
+    reference_m_s: &V3,
+    (v, x): (&mut [V3], &mut [V3]),
 ) -> [f64; 2] {
     let reference = [reference_m_s[0], reference_m_s[1], reference_m_s[2], 0.0];
     let (mut largest, mut against) = (0.0_f64, 0.0_f64);
@@ -89,7 +89,7 @@ fn carry_any(
 }
 
 #[inline(always)]
-fn mapped(map: &Map, r: &Vec3) -> [f64; 4] {
+fn mapped(map: &Map, r: &V3) -> [f64; 4] {
     let mut out = [0.0; 4];
     for i in 0..4 {
         out[i] = map[0][i] + (map[1][i] * r[0] + map[2][i] * r[1] + map[3][i] * r[2]);
@@ -103,39 +103,39 @@ pub struct Motion {
     /// Mass \[kg\].
     pub mass_kg: f64,
     /// Centre of mass \[m\].
-    pub centre_m: Vec3,
+    pub centre_m: V3,
     /// From body to space, `w, x, y, z`.
     turn: [f64; 4],
     /// Momentum at the half step \[kg m/s\].
-    pub momentum: Vec3,
+    pub momentum: V3,
     /// Angular momentum about the centre at the half step \[kg m²/s\].
-    pub spin_momentum: Vec3,
+    pub spin_momentum: V3,
     /// `Σ m r rᵀ` in body coordinates: xx, yy, zz, xy, yz, zx \[kg m²\].
     spread: [f64; 6],
 }
 
 /// The product with a vector.
 #[inline]
-fn times(m: &Matrix3<f64>, r: &Vec3) -> Vec3 {
+fn times(m: &Matrix3<f64>, r: &V3) -> V3 {
     std::array::from_fn(|i| m[(i, 0)] * r[0] + m[(i, 1)] * r[1] + m[(i, 2)] * r[2])
 }
 
 impl Motion {
     /// The motion with the momenta of the nodes given as mass \[kg\], position \[m\] and velocity \[m/s\]; `places` gets their body
     /// coordinates, which are from the centre and along the axes of space now.
-    pub fn of(nodes: impl Iterator<Item = (f64, Vec3, Vec3)> + Clone, places: &mut Vec<Vec3>) -> Self {
+    pub fn of(nodes: impl Iterator<Item = (f64, V3, V3)> + Clone, places: &mut Vec<V3>) -> Self {
         let (mut mass_kg, mut sum, mut momentum) = (0.0, [0.0; 3], [0.0; 3]);
         for (m, x, v) in nodes.clone() {
             mass_kg += m;
-            sum = add(sum, scaled(m, x));
-            momentum = add(momentum, scaled(m, v));
+            sum = add(sum, scale(m, x));
+            momentum = add(momentum, scale(m, v));
         }
-        let centre_m = scaled(1.0 / mass_kg, sum);
+        let centre_m = scale(1.0 / mass_kg, sum);
         let (mut spin_momentum, mut spread) = ([0.0; 3], [0.0; 6]);
         places.clear();
         for (m, x, v) in nodes {
-            let r: Vec3 = std::array::from_fn(|i| x[i] - centre_m[i]);
-            spin_momentum = add(spin_momentum, scaled(m, cross(r, v)));
+            let r: V3 = std::array::from_fn(|i| x[i] - centre_m[i]);
+            spin_momentum = add(spin_momentum, scale(m, cross(r, v)));
             for i in 0..3 {
                 spread[i] += m * r[i] * r[i];
                 spread[i + 3] += m * r[i] * r[(i + 1) % 3];
@@ -180,26 +180,26 @@ impl Motion {
             }
         }
         let gradient = spin.cross_matrix() * half * turn;
-        Twist { velocity: scaled(1.0 / self.mass_kg, self.momentum), spin: spin.into(), gradient }
+        Twist { velocity: scale(1.0 / self.mass_kg, self.momentum), spin: spin.into(), gradient }
     }
 
     /// Adds an impulse \[N s\] and its moment about the centre \[N m s\].
-    pub fn kick(&mut self, impulse: Vec3, moment: Vec3) {
+    pub fn kick(&mut self, impulse: V3, moment: V3) {
         self.momentum = add(self.momentum, impulse);
         self.spin_momentum = add(self.spin_momentum, moment);
     }
 
     /// Moves the set by a step with its velocities.
     pub fn drift(&mut self, twist: &Twist, dt_s: f64) {
-        self.centre_m = add(self.centre_m, scaled(dt_s, twist.velocity));
-        let [x, y, z] = scaled(0.5 * dt_s, twist.spin);
+        self.centre_m = add(self.centre_m, scale(dt_s, twist.velocity));
+        let [x, y, z] = scale(0.5 * dt_s, twist.spin);
         let turned = (Quaternion::new(1.0, x, y, z) * self.quaternion()).normalize();
         self.turn = [turned.w, turned.i, turned.j, turned.k];
     }
 
     /// Position of a place in body coordinates \[m\], given [`Self::rotation`].
     #[inline]
-    pub fn position(&self, rotation: &Matrix3<f64>, place: &Vec3) -> Vec3 {
+    pub fn position(&self, rotation: &Matrix3<f64>, place: &V3) -> V3 {
         add(self.centre_m, times(rotation, place))
     }
 
@@ -209,14 +209,14 @@ impl Motion {
     }
 
     /// The acceleration of a place in body coordinates \[m/s²\] under a force \[N\] and a moment about the centre \[N m\].
-    pub fn accelerations(&self, force: Vec3, moment: Vec3) -> impl Fn(&Vec3) -> Vec3 + use<> {
+    pub fn accelerations(&self, force: V3, moment: V3) -> impl Fn(&V3) -> V3 + use<> {
         let turn = self.rotation();
         let here = self.spread_in_space(&turn);
         let inertia = Matrix3::identity() * here.trace() - here;
         let inverse = inertia.try_inverse().unwrap_or_else(Matrix3::zeros);
         let spin = inverse * Vector3::from(self.spin_momentum);
         let turning = inverse * (Vector3::from(moment) - spin.cross(&Vector3::from(self.spin_momentum)));
-        let centre = scaled(1.0 / self.mass_kg, force);
+        let centre = scale(1.0 / self.mass_kg, force);
         move |place| {
             let r = turn * Vector3::from(*place);
             let a = turning.cross(&r) + spin.cross(&spin.cross(&r));
@@ -235,19 +235,19 @@ mod tests {
     use super::*;
 
     /// A brick of eight unequal masses that tumbles about its middle axis, unstable by Euler's equations.
-    fn tumbling() -> (Vec<f64>, Vec<Vec3>, Vec<Vec3>) {
+    fn tumbling() -> (Vec<f64>, Vec<V3>, Vec<V3>) {
         let spin = [0.05, 7.0, 0.02];
         let at = |i: usize| [0.3 * (i & 1) as f64, 0.5 * (i >> 1 & 1) as f64, 1.1 * (i >> 2) as f64];
-        let x: Vec<Vec3> = (0..8).map(at).collect();
+        let x: Vec<V3> = (0..8).map(at).collect();
         let v = x.iter().map(|x| add([2.0, -1.0, 3.0], cross(spin, *x))).collect();
         ((0..8).map(|i| 20.0 + i as f64).collect(), x, v)
     }
 
-    fn momenta(m: &[f64], x: &[Vec3], v: &[Vec3]) -> (Vec3, Vec3) {
+    fn momenta(m: &[f64], x: &[V3], v: &[V3]) -> (V3, V3) {
         let (mut p, mut l) = ([0.0; 3], [0.0; 3]);
         for i in 0..m.len() {
-            p = add(p, scaled(m[i], v[i]));
-            l = add(l, scaled(m[i], cross(x[i], v[i])));
+            p = add(p, scale(m[i], v[i]));
+            l = add(l, scale(m[i], cross(x[i], v[i])));
         }
         (p, l)
     }
@@ -256,11 +256,11 @@ mod tests {
     fn free_flight_keeps_momenta_of_the_nodes_shape_and_energy() {
         let (m, mut x, mut v) = tumbling();
         let before = momenta(&m, &x, &v);
-        let all = |x: &[Vec3], v: &[Vec3]| (0..8).map(|i| (m[i], x[i], v[i])).collect::<Vec<_>>();
+        let all = |x: &[V3], v: &[V3]| (0..8).map(|i| (m[i], x[i], v[i])).collect::<Vec<_>>();
         let mut places = Vec::new();
         let mut motion = Motion::of(all(&x, &v).into_iter(), &mut places);
         let energy =
-            |v: &[Vec3]| (0..8).map(|i| 0.5 * m[i] * crate::fe::hexahedron::dot(v[i], v[i])).sum::<f64>();
+            |v: &[V3]| (0..8).map(|i| 0.5 * m[i] * crate::base::vector::dot(v[i], v[i])).sum::<f64>();
         let first = energy(&v);
         for _ in 0..20_000 {
             let twist = motion.twist(2e-4);
@@ -270,7 +270,7 @@ mod tests {
                 let old = x[i];
                 v[i] = twist.at(&places[i]);
                 x[i] = motion.position(&turn, &places[i]);
-                let way: Vec3 = std::array::from_fn(|k| x[i][k] - old[k] - 2e-4 * v[i][k]);
+                let way: V3 = std::array::from_fn(|k| x[i][k] - old[k] - 2e-4 * v[i][k]);
                 assert!(way.iter().all(|w| w.abs() < 1e-13), "{way:?}");
             }
         }

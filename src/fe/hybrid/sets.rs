@@ -6,9 +6,9 @@ use super::motion::{Motion, Twist, carry};
 use super::parts::{NONE, Neighbours};
 use super::record::{Books, Reason, Switch};
 use super::switch::{HybridSettings, Watching};
+use crate::base::vector::{V3, add, cross, dot, scale};
 use crate::fe::contact::body::Moving;
 use crate::fe::dynamics::{Dynamics, Pushed};
-use crate::fe::hexahedron::{Vec3, add, cross, dot, scaled};
 use crate::fe::law::ElementForm;
 use crate::fe::mesh::Mesh;
 use serde::{Deserialize, Serialize};
@@ -24,11 +24,11 @@ pub struct RigidSet {
     /// Its nodes, in order.
     pub nodes: Vec<u32>,
     /// Their places in the body \[m\].
-    pub(super) places: Vec<Vec3>,
+    pub(super) places: Vec<V3>,
     /// Indices in `nodes` of those that elements outside act on.
     pub(super) boundary: Vec<u32>,
     /// Sums over steps of what these elements do to the nodes of `boundary` \[N\], and the steps.
-    pub(super) pull_n: Vec<Vec3>,
+    pub(super) pull_n: Vec<V3>,
     pub(super) pulls: u32,
     /// Its motion.
     pub motion: Motion,
@@ -46,9 +46,9 @@ pub struct RigidSet {
 struct Hit {
     set: usize,
     index: usize,
-    impulse_ns: Vec3,
+    impulse_ns: V3,
     /// Velocity that the contact wanted \[m/s\].
-    wanted: Vec3,
+    wanted: V3,
 }
 
 /// The rigid sets of a body and what switches them.
@@ -73,7 +73,7 @@ pub struct Hybrid {
     pub(super) near: Vec<u32>,
     /// State of the step under way: twist, momentum before, impulses.
     #[serde(skip)]
-    trials: Vec<(Twist, Vec3)>,
+    trials: Vec<(Twist, V3)>,
     #[serde(skip)]
     hits: Vec<Hit>,
 }
@@ -257,10 +257,10 @@ impl Hybrid {
             contact.flat_map(|c| c.flagged_nodes()).map(|n| self.set_of[*n as usize]).collect();
         for (s, set) in self.sets.iter_mut().enumerate() {
             self.books.skipped += set.elements.len() as u64;
-            let (mut force, mut moment) = (scaled(set.motion.mass_kg, weight), [0.0; 3]);
+            let (mut force, mut moment) = (scale(set.motion.mass_kg, weight), [0.0; 3]);
             for (i, sum) in set.boundary.iter().zip(&mut set.pull_n) {
                 let n = set.nodes[*i as usize] as usize;
-                let pull = scaled(-1.0, body.blocks.force_on(n));
+                let pull = scale(-1.0, body.blocks.force_on(n));
                 let arm = std::array::from_fn(|k| body.x[n][k] - set.motion.centre_m[k]);
                 force = add(force, pull);
                 moment = add(moment, cross(arm, pull));
@@ -268,7 +268,7 @@ impl Hybrid {
             }
             set.pulls += 1;
             let before = set.motion.momentum;
-            set.motion.kick(scaled(kick, force), scaled(kick, moment));
+            set.motion.kick(scale(kick, force), scale(kick, moment));
             let twist = set.motion.twist(dt);
             let reach_m = NEAR.0 + NEAR.1 * dt * set.top_speed_m_s;
             let is_clear = set.is_clear(body, reach_m);
@@ -295,17 +295,17 @@ impl Hybrid {
     }
 
     /// Gives a set the impulse by which contact has changed the velocity of one of its nodes; `false` if the node is in none.
-    pub(in crate::fe) fn hit(&mut self, node: &Moving, trial: &Vec3) -> bool {
+    pub(in crate::fe) fn hit(&mut self, node: &Moving, trial: &V3) -> bool {
         let n = node.at.node;
         let set = self.set_of[n] as usize;
         if self.set_of[n] == NONE {
             return false;
         }
-        let change: Vec3 = std::array::from_fn(|i| node.new[i] - trial[i]);
+        let change: V3 = std::array::from_fn(|i| node.new[i] - trial[i]);
         if change != [0.0; 3]
             && let Ok(index) = self.sets[set].nodes.binary_search(&(n as u32))
         {
-            let impulse_ns = scaled(node.at.mass_kg, change);
+            let impulse_ns = scale(node.at.mass_kg, change);
             let motion = &mut self.sets[set].motion;
             let arm = std::array::from_fn(|i| node.at.x[i] - motion.centre_m[i]);
             motion.kick(impulse_ns, cross(arm, impulse_ns));
@@ -404,7 +404,7 @@ impl RigidSet {
         for (n, place) in self.nodes.iter().zip(&self.places) {
             let n = *n as usize;
             let (old, new, force) = (body.v[n], twist.at(place), body.internal_n(n));
-            let change: Vec3 = std::array::from_fn(|i| new[i] - old[i]);
+            let change: V3 = std::array::from_fn(|i| new[i] - old[i]);
             energy_j += 0.5 * body.mass_kg[n] * (dot(new, new) - dot(old, old));
             energy_j -= 0.5 * body.taken_s * dot(force, change);
             body.v[n] = new;

@@ -19,8 +19,8 @@ use super::demand::Demand;
 use super::parts::Neighbours;
 use super::record::Reason;
 use super::sets::Hybrid;
+use crate::base::vector::V3;
 use crate::fe::dynamics::Dynamics;
-use crate::fe::hexahedron::Vec3;
 use crate::fe::strain_rate::net_strain;
 use serde::{Deserialize, Serialize};
 
@@ -104,7 +104,7 @@ impl HybridSettings {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Watching {
     /// Positions at the start of the window \[m\].
-    start_m: Vec<Vec3>,
+    start_m: Vec<V3>,
     window_ends_s: f64,
     /// How long each element has been quiet \[s\]; negative: has to wait.
     quiet_s: Vec<f64>,

@@ -1,5 +1,7 @@
 //! The beam element: stiffness, consistent loads, and the way from nodes to end points.
 
+use crate::base::vector::{cross, norm, sub, unit};
+
 /// Elastic properties of a beam's section in its own axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamSection {
@@ -86,12 +88,12 @@ const PLANES: [(usize, usize, f64); 2] = [(1, 5, 1.0), (2, 4, -1.0)];
 impl Element {
     /// Length between the end points \[m\].
     pub fn length_m(&self) -> f64 {
-        norm(difference(self.ends_m[1], self.ends_m[0]))
+        norm(sub(self.ends_m[1], self.ends_m[0]))
     }
 
     /// Rows: axes 0, 1, 2.
     pub fn axes(&self) -> [[f64; 3]; 3] {
-        let along = unit(difference(self.ends_m[1], self.ends_m[0]));
+        let along = unit(sub(self.ends_m[1], self.ends_m[0]));
         let in_axis: f64 = (0..3).map(|i| self.axis1[i] * along[i]).sum();
         let axis1 = unit(std::array::from_fn(|i| self.axis1[i] - in_axis * along[i]));
         [along, axis1, cross(along, axis1)]
@@ -166,7 +168,7 @@ impl Element {
         let axes = self.axes();
         let mut b = [[0.0; 12]; 12];
         for end in 0..2 {
-            let arm = difference(self.ends_m[end], node_points_m[end]);
+            let arm = sub(self.ends_m[end], node_points_m[end]);
             for row in 0..3 {
                 for j in 0..3 {
                     b[6 * end + row][6 * end + j] = axes[row][j];
@@ -193,24 +195,4 @@ fn shape(x: f64, length: f64, phi: f64) -> [f64; 4] {
         (3.0 * x2 - 2.0 * x3 + phi * x) / d,
         length * (-x2 + x3 - 0.5 * phi * (x - x2)) / d,
     ]
-}
-
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    a.iter().map(|c| c * c).sum::<f64>().sqrt()
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    a.map(|c| c / length)
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] - a[k] * b[j]
-    })
 }

@@ -5,6 +5,8 @@
 //! direction, a column of the adjugate of `B - y I`. The other two follow in the plane across it from one rotation after Jacobi, which
 //! is exact for equal values too. Errors are some units in the last place of the largest value.
 
+use crate::base::vector::dot;
+
 /// Polynomial for `cos(acos(c) / 3)`, `c` from 0 to 1, within 4.1e-5; two steps of Newton square that twice.
 const ROOT: [f64; 4] =
     [0.866_066_329_533_191_7, 0.165_330_350_220_845_4, -0.040_691_197_422_887_7, 0.009_319_683_897_481_92];
@@ -41,7 +43,7 @@ pub fn principal(t: &[f64; 6]) -> ([f64; 3], [[f64; 3]; 3]) {
     let u = [1.0 + side * v[0] * v[0] * a, side * ab, -side * v[0]];
     let w = [ab, side + v[1] * v[1] * a, -v[1]];
     let (bu, bw) = (times(&b, &u), times(&b, &w));
-    let (p, o, r) = (dot(&u, &bu), dot(&w, &bu), dot(&w, &bw));
+    let (p, o, r) = (dot(u, bu), dot(w, bu), dot(w, bw));
     let (middle, half) = (0.5 * (p + r), 0.5 * (p - r));
     let h = (half * half + o * o).sqrt();
     let x = h + half.abs();
@@ -105,13 +107,8 @@ fn direction(b: &[f64; 6], y: f64) -> [f64; 3] {
         if last { yz } else { column[1] },
         if last { zz } else { column[2] },
     ];
-    let unit = 1.0 / dot(&column, &column).sqrt();
+    let unit = 1.0 / dot(column, column).sqrt();
     [unit * column[0], unit * column[1], unit * column[2]]
-}
-
-#[inline(always)]
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
@@ -126,16 +123,7 @@ fn times(b: &[f64; 6], v: &[f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::{assemble, dot, principal};
-
-    /// Numbers from -1 to 1 (Knuth's linear congruential generator).
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::base::random::Random;
 
     /// Largest error of values, of `Q diag Qᵀ` over the size of the tensor, and of `QᵀQ`.
     fn errors(t: &[f64; 6], exact: Option<[f64; 3]>) -> f64 {
@@ -147,7 +135,7 @@ mod tests {
         for i in 0..3 {
             for j in 0..3 {
                 let unit = if i == j { 1.0 } else { 0.0 };
-                worst = worst.max((dot(&q[i], &q[j]) - unit).abs());
+                worst = worst.max((dot(q[i], q[j]) - unit).abs());
             }
         }
         let off = exact.map_or(0.0, |e| (0..3).map(|i| (e[i] - values[i]).abs() / size).fold(0.0, f64::max));
@@ -156,11 +144,11 @@ mod tests {
 
     #[test]
     fn values_and_directions_give_the_tensor_back() {
-        let mut random = Random(1);
+        let mut random = Random::after(1);
         let mut worst: f64 = 0.0;
         for case in 0..20_000 {
             let scale = 10f64.powi(case % 12 - 9);
-            let t: [f64; 6] = std::array::from_fn(|_| scale * random.next());
+            let t: [f64; 6] = std::array::from_fn(|_| scale * random.symmetric());
             let error = errors(&t, None);
             assert!(error < 5e-15, "{t:?}: {error}");
             worst = worst.max(error);
@@ -170,12 +158,12 @@ mod tests {
 
     #[test]
     fn equal_and_nearly_equal_values_are_no_exception() {
-        let mut random = Random(2);
+        let mut random = Random::after(2);
         for gap in [0.0, 1e-17, 1e-14, 1e-11, 1e-8, 1e-4] {
             for base in [[1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [1.0, 1.0, 1.0], [0.0; 3], [1.0, 0.0, -1.0]] {
                 let values = [base[0] + gap, base[1], base[2] - gap];
                 for _ in 0..200 {
-                    let t: [f64; 6] = std::array::from_fn(|_| random.next());
+                    let t: [f64; 6] = std::array::from_fn(|_| random.symmetric());
                     let (_, q) = principal(&t);
                     assert!(errors(&assemble(&values, &q), Some(values)) < 5e-15, "{values:?}");
                 }

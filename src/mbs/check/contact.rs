@@ -159,7 +159,7 @@ pub(super) fn check_shape(shape: &Shape, path: &str, list: &mut List) {
                 list.positive(&format!("{path}.half_extents_m[{axis}]"), *half);
             }
             if let Some(q) = orientation {
-                let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+                let length = math::qnorm(*q);
                 list.require(
                     (length - 1.0).abs() <= ORTHONORMAL_TOLERANCE,
                     &format!("{path}.orientation"),

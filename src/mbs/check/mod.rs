@@ -262,7 +262,7 @@ fn check_body(body: &Body, path: &str, list: &mut List) {
         list.finite(&format!("{path}.{name}"), values);
         list.within(&format!("{path}.{name}"), values, most, unit);
     }
-    let length = body.orientation.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let length = math::qnorm(body.orientation);
     list.require((length - 1.0).abs() <= ORTHONORMAL_TOLERANCE, &format!("{path}.orientation"), || {
         format!("has length {length}, expected a unit quaternion [w, x, y, z]")
     });

@@ -87,9 +87,7 @@ impl Solid {
     pub fn of(shape: &Shape) -> (Self, Placed) {
         match shape {
             Shape::Box { center_m, half_extents_m, orientation } => {
-                let q = orientation.unwrap_or(Placed::HERE.q);
-                let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
-                let q = q.map(|v| v / length);
+                let q = math::qunit(orientation.unwrap_or(Placed::HERE.q));
                 (Self::Box(*half_extents_m), Placed { x: *center_m, q, r: math::qmat(q) })
             }
             Shape::Sphere { center_m, radius_m } => {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | this one | the set-up, what can touch when |
 //! | `terms` | what goes in and out |
+//! | `collider` | solids of bodies and obstacles, and planes, as a model has them |
 //! | `collide` | solids, their bounds and contact points (the only file that knows `parry3d`) |
 //! | `surface` | friction and restitution of each pair, who passes through whom |
 //! | `pair` | pairs of solids and their points over time |
@@ -40,6 +41,7 @@
 //! work against the acting forces is the caller's to book.
 
 mod collide;
+mod collider;
 mod coulomb;
 mod crush;
 mod faces;
@@ -67,8 +69,9 @@ pub use surface::Surface;
 pub use terms::{ContactEnergy, Hit, Moving, Partner, Settings, TooDeep, Touch, Work};
 
 use super::math::{self, V3};
-use super::model::{Model, Shape};
-use collide::{Broad, Finder, Found, Placed, Solid};
+use super::model::Model;
+use collide::{Broad, Finder, Found, Placed};
+use collider::{Collider, Plane};
 use crush::Faces;
 use impact::Impacts;
 use pair::{Entry, Pair, Point};
@@ -76,56 +79,10 @@ use rows::{Motion, Rows};
 use std::collections::BTreeSet;
 use surface::Surfaces;
 
-#[derive(Debug, Clone)]
-struct Collider {
-    body: usize,
-    solid: Solid,
-    /// Its frame in the body; none if it is the body's.
-    local: Option<Placed>,
-    /// Whether that frame is turned in the body.
-    turned: bool,
-    thickness: f64,
-    /// What it is to others.
-    partner: Partner,
-    /// Whether it stands on the ground at the start, which it may not touch while an intact connection joins its body to it.
-    tied: bool,
-}
-
-impl Collider {
-    /// Where it is with its body in a pose, or by itself if that never moves.
-    #[inline]
-    fn placed(&self, body: Option<Placed>) -> Placed {
-        match (body, &self.local) {
-            (Some(body), None) => body,
-            (Some(body), Some(local)) if self.turned => body.of(local),
-            (Some(body), Some(local)) => Placed { x: math::add(body.x, math::mul(&body.r, local.x)), ..body },
-            (None, Some(local)) => *local,
-            (None, None) => Placed::HERE,
-        }
-    }
-
-    /// Takes `depth_m` \[m\] off a box on one side.
-    fn shorten(&mut self, axis: usize, sign: f64, depth_m: f64) {
-        let Solid::Box(half) = &mut self.solid else { return };
-        let depth_m = depth_m.min(2.0 * half[axis] * (1.0 - 1e-3));
-        half[axis] -= 0.5 * depth_m;
-        let local = self.local.get_or_insert(Placed::HERE);
-        let along: V3 = std::array::from_fn(|i| local.r[i][axis]);
-        local.x = math::axpy(local.x, -0.5 * sign * depth_m, along);
-    }
-}
-
 /// Points that are this near take part without approaching \[m\].
 const MARGIN_M: f64 = 2e-4;
 /// A path that no body travels \[m\].
 const NEVER_M: f64 = 1e300;
-
-#[derive(Debug, Clone, Copy)]
-struct Plane {
-    normal: V3,
-    level: f64,
-    partner: Partner,
-}
 
 /// All contacts of a run.
 #[derive(Debug, Clone)]
@@ -199,48 +156,13 @@ impl ContactSet {
     /// Compiles the contacts of a model; bodies have the order of the model.
     pub fn new(model: &Model, settings: Settings) -> Self {
         let ground = model.bodies.len();
-        let mut colliders = Vec::new();
+        let (colliders, planes) = (collider::of_model(model), collider::planes(model));
         let mut radius = vec![0.0_f64; ground];
-        for (body, entry) in model.bodies.iter().enumerate() {
-            for (shape, tied) in entry.shapes.iter().zip(surface::tied(model, entry)) {
-                let (solid, local) = Solid::of(shape);
-                radius[body] =
-                    radius[body].max(solid.radius(math::scale(-1.0, math::mul_t(&local.r, local.x))));
-                colliders.push(Collider {
-                    body,
-                    thickness: solid.thickness(),
-                    solid,
-                    local: (local != Placed::HERE).then_some(local),
-                    turned: local.q != Placed::HERE.q,
-                    partner: Partner::Body(body),
-                    tied,
-                });
+        for collider in &colliders {
+            if let Some(radius) = radius.get_mut(collider.body) {
+                *radius = radius.max(collider.radius());
             }
         }
-        for (i, o) in model.contact.obstacles.iter().enumerate() {
-            let middle = std::array::from_fn(|k| 0.5 * (o.min_m[k] + o.max_m[k]));
-            let half = std::array::from_fn(|k| 0.5 * (o.max_m[k] - o.min_m[k]));
-            let (solid, local) = Solid::of(&Shape::cuboid(middle, half));
-            colliders.push(Collider {
-                body: ground,
-                thickness: f64::INFINITY,
-                solid,
-                local: Some(local),
-                turned: false,
-                partner: Partner::Obstacle(i),
-                tied: false,
-            });
-        }
-        let flat = model.contact.ground.iter().map(|g| Plane {
-            normal: [0.0, 0.0, 1.0],
-            level: g.level_m,
-            partner: Partner::Ground,
-        });
-        let tilted = model.contact.planes.iter().enumerate().map(|(i, p)| {
-            let normal = math::scale(1.0 / math::norm(p.normal), p.normal);
-            Plane { normal, level: math::dot(normal, p.point_m), partner: Partner::Plane(i) }
-        });
-        let planes: Vec<Plane> = flat.chain(tilted).collect();
         let count = colliders.len();
         let mut set = Self {
             settings,

@@ -1,9 +1,10 @@
 //! Which solids are inside others at the start: contacts keep such an overlap, which a user may not have meant.
 
 use super::collide::{self, Finder, Found, Placed, Solid};
+use super::collider::Collider;
 use super::gaps;
 use super::pair::Pair;
-use super::{Collider, ContactSet, Partner};
+use super::{ContactSet, Partner};
 use crate::mbs::math::{self, Q, V3};
 use std::collections::BTreeMap;
 

@@ -5,7 +5,7 @@ use super::force::Force;
 use super::hinge_law::HingeLaw;
 use super::joint::{Joint, Kind, frame_about};
 use super::{Body, GROUND, Mechanism};
-use crate::mbs::math::{V3, axpy, cross, dot, norm, scale, sub};
+use crate::mbs::math::{V3, axpy, cross, dot, norm, qunit, scale, sub};
 use crate::mbs::model::{self, Bending, JointKind, Model};
 use std::collections::BTreeMap;
 
@@ -48,12 +48,11 @@ fn bushing(
 
 fn body(body: &model::Body) -> Body {
     let m = &body.inertia_kg_m2;
-    let length = body.orientation.iter().map(|v| v * v).sum::<f64>().sqrt();
     Body {
         mass_kg: body.mass_kg,
         inertia_kg_m2: std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (m[i][j] + m[j][i]))),
         position_m: body.position_m,
-        orientation: body.orientation.map(|v| v / length),
+        orientation: qunit(body.orientation),
         velocity_m_s: body.velocity_m_s,
         angular_velocity_rad_s: body.angular_velocity_rad_s,
     }

@@ -504,16 +504,11 @@ fn subtract_any(values: &mut [f64], scaled: &[f64], [t, w, b]: [usize; 3], [m, n
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A random number between -1 and 1.
-    fn random(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        2.0 * ((*seed >> 11) as f64 / (1u64 << 53) as f64) - 1.0
-    }
+    use crate::base::random::Random;
 
     /// Joints between bodies: random rows of six numbers a body, `S` dense and in blocks.
     fn check(bodies: &[[usize; 2]], rows: &[usize], twins: &[[usize; 2]]) -> usize {
-        let mut seed = 7u64;
+        let mut random = Random::after(7);
         let count: usize = rows.iter().sum();
         let unknowns = 6 * (1 + bodies.iter().flatten().max().unwrap());
         let mut first = vec![0];
@@ -522,7 +517,7 @@ mod tests {
         for (j, ends) in bodies.iter().enumerate() {
             for row in &mut g[first[j]..first[j + 1]] {
                 for body in ends {
-                    row[6 * body..6 * body + 6].iter_mut().for_each(|v| *v = random(&mut seed));
+                    row[6 * body..6 * body + 6].iter_mut().for_each(|v| *v = random.symmetric());
                 }
             }
         }
@@ -553,7 +548,7 @@ mod tests {
         }
         factor.factorise();
         // a right-hand side within reach
-        let some: Vec<f64> = (0..unknowns).map(|_| random(&mut seed)).collect();
+        let some: Vec<f64> = (0..unknowns).map(|_| random.symmetric()).collect();
         let wanted: Vec<f64> = g.iter().map(|row| product(row, &some)).collect();
         let mut x = wanted.clone();
         let mut sides: Vec<[f64; SIDES]> =

@@ -78,8 +78,9 @@ pub fn merge(model: &Model, latent: &[bool]) -> Merged {
         for i in own {
             let piece = &model.bodies[*i];
             // joined bodies have the axes of space
-            let pose = (own.len() > 1)
-                .then(|| (math::sub(piece.position_m, bodies[body].position_m), unit(piece.orientation)));
+            let pose = (own.len() > 1).then(|| {
+                (math::sub(piece.position_m, bodies[body].position_m), math::qunit(piece.orientation))
+            });
             places[*i] = Place { body, pose };
         }
     }
@@ -171,11 +172,6 @@ pub fn together(
     Some(SharedMass { bodies: ids, blocks: shared.blocks.iter().map(moved).collect() })
 }
 
-fn unit(q: Q) -> Q {
-    let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
-    q.map(|v| v / length)
-}
-
 /// One body from pieces.
 fn join(bodies: &[Body], own: &[usize]) -> Body {
     let first = &bodies[own[0]];
@@ -189,7 +185,7 @@ fn join(bodies: &[Body], own: &[usize]) -> Body {
     let (mut inertia, mut spin) = ([[0.0; 3]; 3], [0.0; 3]);
     for b in pieces() {
         let arm = math::sub(b.position_m, center);
-        let own = math::turned(&math::qmat(unit(b.orientation)), &b.inertia_kg_m2);
+        let own = math::turned(&math::qmat(math::qunit(b.orientation)), &b.inertia_kg_m2);
         inertia = math::matadd(&inertia, &math::matadd(&own, &math::point_inertia(b.mass_kg, arm)));
         let orbit = math::scale(b.mass_kg, math::cross(arm, math::sub(b.velocity_m_s, velocity)));
         spin = math::add(spin, math::add(orbit, math::mul(&own, b.angular_velocity_rad_s)));
@@ -203,7 +199,7 @@ fn join(bodies: &[Body], own: &[usize]) -> Body {
     body.angular_velocity_rad_s = math::mul(&math::inverse(&inertia), spin);
     body.shapes = pieces()
         .flat_map(|b| {
-            let (offset, turn) = (math::sub(b.position_m, center), unit(b.orientation));
+            let (offset, turn) = (math::sub(b.position_m, center), math::qunit(b.orientation));
             b.shapes.iter().map(move |shape| moved(shape, offset, turn))
         })
         .collect();

@@ -1,9 +1,10 @@
 //! Bodies in free motion and a rod on a pivot.
 
 use super::body::{Crossings, add_motion, center, change, missing_j, momenta, stored_j};
+use crate::base::random::Random;
 use crate::fe::contact::RigidSurfaces;
 use crate::fe::dynamics::Dynamics;
-use crate::fe::shapes::{Random, bilinear, distort, elastic, grid, ground, nearest};
+use crate::fe::shapes::{bilinear, distort, elastic, grid, ground, nearest};
 use crate::verify::rotation::rotation;
 use crate::verify::{Case, Figure};
 use nalgebra::{Matrix3, Vector3};
@@ -82,7 +83,7 @@ fn spinning_block() -> Result<Vec<Figure>, String> {
 fn free_flight() -> Result<Vec<Figure>, String> {
     let mesh = grid([3, 3, 4], [0.6, 0.6, 1.2], elastic(), |_| false);
     let mut body = Dynamics::new(&mesh, GRAVITY_M_S2, RigidSurfaces::default(), false);
-    let mut random = Random(3);
+    let mut random = Random::after(3);
     add_motion(&mut body, [3.0, 0.0, 6.0], [2.0, 5.0, -1.0]);
     for v in &mut body.v {
         *v = v.map(|c| c + 0.5 * random.symmetric());

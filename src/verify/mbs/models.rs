@@ -3,7 +3,7 @@
 //! `fallwerk verify mbs --models DIR` writes them, each beside a table of the known path of its tracked point where there is one.
 
 use super::iftomm::{bricard_points, squeezer_layout};
-use crate::mbs::math::{M3, Q, V3, mul, qexp, qmat};
+use crate::mbs::math::{M3, Q, V3, mul, qexp, qmat, qnorm};
 use crate::mbs::model::{
     Bending, Body, BodyContact, Bushing, Force, GroundPlane, Joint, JointKind, Model, Origin, Shape,
     TrackedPoint,
@@ -363,7 +363,7 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
 fn random_turn(next: &mut impl FnMut() -> f64) -> Q {
     loop {
         let q: Q = std::array::from_fn(|_| next());
-        let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let length = qnorm(q);
         if length <= 1.0 && length > 0.1 {
             return q.map(|v| v / length);
         }

@@ -1,5 +1,6 @@
 //! The reinforcing bar against closed forms and published points.
 
+use crate::base::random::Random;
 use crate::material::rebar::{Buckling, Hardening, RebarLaw, RebarState};
 use crate::verify::{Case, Figure};
 
@@ -79,20 +80,12 @@ fn monotonic() -> Result<Vec<Figure>, String> {
     ])
 }
 
-/// Numbers in 0..1, always the same.
-fn numbers(mut seed: u64) -> impl FnMut() -> f64 {
-    move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// Least work of a closed cycle of random corners gone round before, over the work so far.
 fn least_gain(law: &RebarLaw) -> f64 {
-    let mut next = numbers(7);
+    let mut random = Random::after(7);
     let mut least: f64 = 0.0;
     for _ in 0..300 {
-        let corners: Vec<f64> = (0..6).map(|_| 0.07 * (next() - 0.5)).collect();
+        let corners: Vec<f64> = (0..6).map(|_| 0.07 * (random.share() - 0.5)).collect();
         let mut state = RebarState::default();
         let mut round = corners.clone();
         round.push(corners[0]);

@@ -1,5 +1,6 @@
 //! Strain paths of all six components: bounds, dissipation, other axes, other steps.
 
+use crate::base::random::Random;
 use crate::material::concrete::{ConcreteLaw, ConcretePoint, ConcreteState, Surface};
 use crate::verify::rotation::rotation;
 use crate::verify::{Case, Figure};
@@ -56,11 +57,8 @@ fn point_of(law: &ConcreteLaw) -> Result<ConcretePoint, String> {
 
 /// Numbers in -1..1, always the same for a seed.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
+    let mut random = Random::after(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d);
+    move || random.symmetric()
 }
 
 /// An amplitude between 10^-5 and 10^-2 of strain, or of fewer decades.

@@ -1,7 +1,8 @@
 //! What is written is read back to the last bit.
 
-use super::super::mesh::{Random, bilinear, elastic, grid, point};
+use super::super::mesh::{bilinear, elastic, grid, point};
 use super::{CUBE, good, same};
+use fallwerk::base::random::Random;
 use fallwerk::base::tree::Format;
 use fallwerk::fe::deck::{normalised, of_building, write};
 use fallwerk::fe::law::{CowperSymonds, ElementForm, Erosion, Hourglass, Law};
@@ -12,7 +13,7 @@ use fallwerk::fe::model::{
 
 /// A model with all that a deck can say and awkward numbers.
 fn rich() -> Model {
-    let mut random = Random(7);
+    let mut random = Random::after(7);
     let mut mesh = grid([3, 2, 2], [1.0, 0.7, 0.3], elastic(), |p| p[0] == 0.0);
     for x in mesh.nodes.as_flattened_mut() {
         *x += 1e-3 * random.symmetric();
