@@ -35,7 +35,7 @@ struct Sheared {
     width_m: f64,
     effective_m: f64,
     area_m2: f64,
-    /// Bars in the half that is in tension at one end \[m²\].
+    /// Bars in the half that is in tension \[m²\].
     tension_m2: f64,
     /// Area of tie legs over their spacing \[m\], their spacing \[m\] and strength \[Pa\].
     ties: [f64; 3],
@@ -44,10 +44,13 @@ struct Sheared {
     pressed_mpa: f64,
 }
 
+/// The sides that may be in tension, as signs along the axis of the shear.
+const SIDES: [f64; 2] = [1.0, -1.0];
+
 impl Sheared {
-    /// Along x (axis 0) or y (axis 1), in concrete of a strength \[Pa\].
-    fn of(input: &SectionInput, strength_pa: f64, axis: usize, axial_n: f64) -> Self {
-        let place = |b: &crate::building::Bar| [b.x_m, b.y_m][axis];
+    /// Along x (axis 0) or y (axis 1), in concrete of a strength \[Pa\], in tension on a side.
+    fn of(input: &SectionInput, strength_pa: f64, axis: usize, side: f64, axial_n: f64) -> Self {
+        let place = |b: &crate::building::Bar| side * [b.x_m, b.y_m][axis];
         let area = |b: &crate::building::Bar| 0.25 * std::f64::consts::PI * b.diameter_m * b.diameter_m;
         let reach = input.bars.iter().map(place).fold(0.0, f64::max);
         let ties = input.ties.map_or([0.0, 1.0, 0.0], |t| {
@@ -65,9 +68,11 @@ impl Sheared {
         }
     }
 
-    /// The same of a section with its concrete.
-    fn of_section(section: &RcSection, axis: usize, axial_n: f64) -> Self {
-        Self::of(&section.input, section.concrete.compressive_strength_pa, axis, axial_n)
+    /// The same of a section with its concrete, on either side: a piece between ends that do not turn is in tension on one side at one end and on the other at the other.
+    fn of_section(section: &RcSection, axis: usize, axial_n: f64) -> [Self; 2] {
+        SIDES.map(|side| {
+            Self::of(&section.input, section.concrete.compressive_strength_pa, axis, side, axial_n)
+        })
     }
 }
 
@@ -85,9 +90,15 @@ pub fn cracking_n(section: &RcSection, axial_n: f64) -> f64 {
     area / 1.5 * ft * (1.0 + axial_n / area / ft).max(0.0).sqrt()
 }
 
-/// EN 1992-1-1 6.2.2, eq. 6.2 with `γ_c = 1`: members without shear reinforcement \[N\].
+/// EN 1992-1-1 6.2.2, eq. 6.2 with `γ_c = 1`: members without shear reinforcement, the weaker end of a piece \[N\].
 pub fn en_without_ties_n(section: &RcSection, axis: usize, axial_n: f64) -> f64 {
-    let s = Sheared::of_section(section, axis, axial_n);
+    Sheared::of_section(section, axis, axial_n)
+        .map(|s| without_ties_n(&s))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn without_ties_n(s: &Sheared) -> f64 {
     let k = (1.0 + (0.2 / s.effective_m).sqrt()).min(2.0);
     let ratio = (s.tension_m2 / (s.width_m * s.effective_m)).min(0.02);
     let least = 0.035 * libm::pow(k, 1.5) * s.strength_mpa.sqrt();
@@ -96,9 +107,13 @@ pub fn en_without_ties_n(section: &RcSection, axis: usize, axial_n: f64) -> f64 
     (own.max(least) + pressed).max(0.0) * s.width_m * s.effective_m * 1e6
 }
 
-/// EN 1992-1-1 6.2.3, eq. 6.8 and 6.9 with `γ = 1`, `z = 0.9 d`: the truss of the best inclination, `1 <= cot θ <= 2.5` \[N\]; and its `cot θ`.
+/// EN 1992-1-1 6.2.3, eq. 6.8 and 6.9 with `γ = 1`, `z = 0.9 d`: the truss of the best inclination, `1 <= cot θ <= 2.5`, of the weaker end of a piece \[N\]; and its `cot θ`.
 pub fn en_truss_n(section: &RcSection, axis: usize, axial_n: f64) -> [f64; 2] {
-    let s = Sheared::of_section(section, axis, axial_n);
+    let [one, other] = Sheared::of_section(section, axis, axial_n).map(|s| truss_n(&s));
+    if other[0] < one[0] { other } else { one }
+}
+
+fn truss_n(s: &Sheared) -> [f64; 2] {
     let share = s.pressed_mpa / s.strength_mpa;
     let alpha = match share {
         n if n <= 0.0 => 1.0,
@@ -117,9 +132,13 @@ pub fn en_truss_n(section: &RcSection, axis: usize, axial_n: f64) -> [f64; 2] {
 }
 
 /// ASCE 41-17, eq. 10-3 (Sezen and Moehle 2004) without loss by ductility (`k = 1`), sheared along x (axis 0) or y (axis 1), for concrete of a strength
-/// of `strength_pa`, an axial force of `axial_n` (compression positive) and a shear span of `span_m` \[N\].
+/// of `strength_pa`, an axial force of `axial_n` (compression positive) and a shear span of `span_m`: in tension on the side that bears less \[N\].
 pub fn asce_column_n(input: &SectionInput, strength_pa: f64, axis: usize, axial_n: f64, span_m: f64) -> f64 {
-    let s = Sheared::of(input, strength_pa, axis, axial_n);
+    let of = |side: f64| asce_n(&Sheared::of(input, strength_pa, axis, side, axial_n), span_m);
+    SIDES.map(of).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+fn asce_n(s: &Sheared, span_m: f64) -> f64 {
     let slender = (span_m / s.effective_m).clamp(2.0, 4.0);
     let alpha = (4.0 * (1.0 - s.ties[1] / s.effective_m)).clamp(0.0, 1.0);
     let ties = alpha * s.ties[0] * s.ties[2] * s.effective_m;
@@ -142,7 +161,8 @@ pub struct ShearDemand {
 }
 
 impl ShearDemand {
-    /// Of `[chord rotation (rad), moment (N m), ...]` points of a push along an axis of a member of a length \[m\]: `V = (M - N w) / L`. `None` for other directions.
+    /// Of `[chord rotation (rad), moment (N m), ...]` points of a push along an axis of a member of a length \[m\]: `V = (M - N w) / L`, beside the strength with the side behind it in tension; of a push to and fro the sense in which
+    /// it comes nearer to that. `None` for other directions.
     pub fn of(
         section: &RcSection,
         points: &[[f64; 3]],
@@ -152,12 +172,16 @@ impl ShearDemand {
     ) -> Option<Self> {
         let quarter = direction_deg / 90.0;
         let axis = (quarter == quarter.round()).then(|| usize::from(quarter % 2.0 != 0.0))?;
-        let shear = |p: &[f64; 3]| (p[1] / length_m - axial_n * p[0]).abs();
         let strength_pa = section.concrete.compressive_strength_pa;
-        Some(Self {
-            largest_n: points.iter().map(shear).fold(0.0, f64::max),
-            strength_n: asce_column_n(&section.input, strength_pa, axis, axial_n, length_m),
-        })
+        // towards + of the axis the side at - of it is in tension
+        let ahead = if quarter.rem_euclid(4.0) < 2.0 { 1.0 } else { -1.0 };
+        let [to, fro] = SIDES.map(|sense| {
+            let shear = |p: &[f64; 3]| sense * (p[1] / length_m - axial_n * p[0]);
+            let sheared = Sheared::of(&section.input, strength_pa, axis, -sense * ahead, axial_n);
+            let largest_n = points.iter().map(shear).fold(0.0, f64::max);
+            Self { largest_n, strength_n: asce_n(&sheared, length_m) }
+        });
+        Some(if fro.share() > to.share() { fro } else { to })
     }
 
     /// Force over strength.
@@ -206,6 +230,24 @@ mod tests {
         // N = 608 kN: sqrt(1 + 3.8 / 3.0822) = 1.4943; span 1.08 m: 3 d
         assert!((asce(608e3, 1.08) / (132.70e3 + 131.51e3 * 1.4943) - 1.0).abs() < 1e-3);
         assert_eq!(asce(0.0, 9.0), asce(0.0, 4.0 * 0.36), "a span beyond 4 d counts as 4 d");
+    }
+
+    /// Turned over, a section with other bars at its bottom than at its top bears the same, of a piece and of the end of a member.
+    #[test]
+    fn what_is_turned_over_bears_the_same() {
+        let mut s = read(&Source::new("section.toml", EXAMPLE)).unwrap();
+        s.input.bars.retain(|b| b.y_m < 0.1);
+        let mut over = s.clone();
+        over.input.bars.iter_mut().for_each(|b| b.y_m = -b.y_m);
+        let asce = |s: &RcSection| asce_column_n(&s.input, 38e6, 1, 2e5, 0.5);
+        assert_eq!(asce(&s), asce(&over));
+        assert_eq!(en_without_ties_n(&s, 1, 2e5), en_without_ties_n(&over, 1, 2e5));
+        assert_eq!(en_truss_n(&s, 1, 2e5), en_truss_n(&over, 1, 2e5));
+        let points = [[0.0; 3], [0.01, 200e3, 0.0]];
+        let of = |s: &RcSection, degrees: f64| ShearDemand::of(s, &points, 2e5, degrees, 1.08).unwrap();
+        assert_eq!(of(&s, 90.0), of(&over, 270.0));
+        // bars behind the push, or only those at mid-depth
+        assert!(of(&s, 90.0).strength_n > 1.2 * of(&s, 270.0).strength_n);
     }
 
     #[test]
