@@ -42,6 +42,9 @@ use super::kernel::{BlockState, Scratch};
 use super::law::{ElementForm, Hourglass};
 use crate::base::vector::{V3, dot, scale};
 
+/// Share of its volume that the parallelepiped at the centre of an element counts with at least. A brick has 1.
+const LEAST_CENTRE: f64 = 0.05;
+
 /// Constants of the forms other than ASQBI, for the blocks of one law.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Control {
@@ -121,10 +124,18 @@ impl Brick {
     fn shape(&self) -> (V3, V3) {
         let edge = self.edge;
         let faces = [edge[1] * edge[2], edge[2] * edge[0], edge[0] * edge[1]];
-        let inverse = (1.0 / 3.0) / (edge[0] * faces[0]);
+        let inverse = (1.0 / 3.0) / divisor(edge[0] * faces[0], self.volume);
         let h = [faces[0] * faces[0] * inverse, faces[1] * faces[1] * inverse, faces[2] * faces[2] * inverse];
         (h, scale(1.0 / 3.0, edge))
     }
+}
+
+/// What hourglass stiffnesses have as a divisor, for the product `e_0 e_1 e_2` of the edges of a brick in its frame, 64 times the volume of the parallelepiped at its
+/// centre. That may vanish or turn inside out in an element that keeps its volume: [`LEAST_CENTRE`] of the volume at least.
+#[inline(always)]
+pub(super) fn divisor(centre: f64, volume: f64) -> f64 {
+    let least = 64.0 * LEAST_CENTRE * volume;
+    if centre > least { centre } else { least }
 }
 
 /// Elastic increments of the generalised hourglass stresses of ASQBI, `3 * α + i`; in Lamé's constants

@@ -394,7 +394,7 @@ fn deform<const ASQBI: bool>(
             g[i] = add(g[i], scale(u[i], b));
         }
     }
-    let unit = 1.0 / (edge[0] * edge[1] * edge[2]);
+    let unit = 1.0 / hourglass::divisor(edge[0] * edge[1] * edge[2], volume);
     let per_edge = [unit * edge[1] * edge[2], unit * edge[2] * edge[0], unit * edge[0] * edge[1]];
     let mut distortion = 0.0;
     for m in 0..4 {

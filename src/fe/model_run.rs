@@ -181,6 +181,9 @@ pub fn run_model(
         if look {
             recorder.look(model, &body, kinetic_j)?;
         }
+        if last {
+            recorder.watch.end();
+        }
         if history {
             recorder.record(model, &mut body, kinetic_j)?;
             histories = next(body.time_s + 0.5 * body.dt_s, control.history_interval_s);
@@ -363,7 +366,8 @@ impl Recorder {
         self.run.energies.push(energies);
         let summary = &mut self.run.summary;
         if self.watch.judges(body) && energies.internal_j > 0.01 * self.watch.largest_j {
-            summary.hourglass_share = summary.hourglass_share.max(energies.hourglass_j / energies.internal_j);
+            summary.hourglass_share =
+                summary.hourglass_share.max((energies.hourglass_j / energies.internal_j).abs());
         }
         Ok(())
     }

@@ -240,7 +240,7 @@ impl Recorder {
             .map(|e| e.gravity_j.abs().max(e.kinetic_j + e.internal_j))
             .fold(1e-9, f64::max);
         if body.gravity_j > fall_j(building, body) {
-            self.hourglass_share = self.hourglass_share.max(books.hourglass_j / books.internal_j);
+            self.hourglass_share = self.hourglass_share.max((books.hourglass_j / books.internal_j).abs());
             self.energy_error = self.energy_error.max(residual_j.abs() / largest);
         }
     }

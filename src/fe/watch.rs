@@ -4,6 +4,7 @@
 //!
 //! * a position, velocity or energy is **not a number**;
 //! * the **balance** is off by more than [`ENERGY_LIMIT`] of the largest energy, in either direction;
+//! * **hourglass** control has given more than that share of it: what it takes it stores or loses, so nothing is to come back;
 //! * the work booked as **released** with dying elements exceeds that share of the supplied energy: what dies has grown within a step;
 //! * a part **alternates**. The balance does not show a time step beyond the limit, as central differences conserve their own
 //!   energy whatever the step: the kinetic energy, half the product of the velocities before and after the step, turns negative as the strain energy grows.
@@ -25,7 +26,7 @@ use crate::base::vector::V3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Share of the largest energy at which a run is stopped: residual, released work.
+/// Share of the largest energy at which a run is stopped: residual, hourglass work that is gained, released work.
 pub const ENERGY_LIMIT: f64 = 0.10;
 /// Steps between two looks at most.
 pub const LOOK_STEPS: u64 = 256;
@@ -132,6 +133,8 @@ pub enum Trouble {
     NotFinite(Option<usize>),
     /// Residual over the largest energy.
     Balance(f64),
+    /// Hourglass work, below zero, over the largest energy.
+    Hourglass(f64),
     /// Released work over supplied energy.
     Released(f64),
     /// A part whose nodes alternate, and the time step over the stability limit of that motion.
@@ -179,6 +182,11 @@ impl fmt::Display for Diagnosis {
             Trouble::Balance(share) => {
                 write!(f, "the energy balance is off by {:+.1} % of the largest energy", 100.0 * share)?;
             }
+            Trouble::Hourglass(share) => write!(
+                f,
+                "hourglass control has given {:.1} % of the largest energy, where it can only take",
+                -100.0 * share
+            )?,
             Trouble::Released(share) => write!(
                 f,
                 "elements died by forces that had grown within a step: the work released with them is {:.1} % of the energy supplied",
@@ -217,13 +225,15 @@ impl fmt::Display for Diagnosis {
 /// What has been seen so far. Part of checkpoints.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Watch {
-    /// Energy below which nothing is judged \[J\]; zero: judge from step 50 on.
+    /// Energy below which nothing is judged \[J\]; zero: judge from step 50 on, or at the end.
     floor_j: f64,
     /// Largest energy so far \[J\].
     pub largest_j: f64,
     /// Largest sum of the energy at the start, work of loads and of drives \[J\].
     supplied_j: f64,
     last: Books,
+    /// Whether the run is over, so that it is judged however few its steps are.
+    is_over: bool,
 }
 
 impl Watch {
@@ -249,9 +259,14 @@ impl Watch {
         }
     }
 
+    /// The next look is at the end of the run.
+    pub fn end(&mut self) {
+        self.is_over = true;
+    }
+
     /// Whether balances are judged yet.
     pub fn judges(&self, body: &Dynamics) -> bool {
-        self.floor_j > 0.0 || body.steps >= FIRST_JUDGED_STEP && self.largest_j > 0.0
+        self.floor_j > 0.0 || (self.is_over || body.steps >= FIRST_JUDGED_STEP) && self.largest_j > 0.0
     }
 
     fn trouble(&self, mesh: &Mesh, body: &Dynamics, books: &Books) -> Option<Trouble> {
@@ -271,6 +286,9 @@ impl Watch {
         let measure_j = self.largest_j.max(self.floor_j);
         if residual_j.abs() > ENERGY_LIMIT * measure_j {
             return Some(Trouble::Balance(residual_j / measure_j));
+        }
+        if books.hourglass_j < -ENERGY_LIMIT * measure_j {
+            return Some(Trouble::Hourglass(books.hourglass_j / measure_j));
         }
         let supplied_j = self.supplied_j.max(self.floor_j);
         if books.released_j.abs() > ENERGY_LIMIT * supplied_j {

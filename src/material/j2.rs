@@ -126,7 +126,7 @@ impl HardeningTable {
         }
     }
 
-    /// [`Self::plastic_increment`] of a step of `dt_s` \[s\] with the rate factor of its plastic strain rate; the hardening modulus is that at a constant rate.
+    /// [`Self::plastic_increment`] of a step of `dt_s` \[s\] with the rate factor of its plastic strain rate; the hardening modulus is the derivative of the stress by the plastic strain of the step, which that factor makes steep where little flows.
     pub fn rated_increment(
         &self,
         q_trial_pa: f64,
@@ -153,10 +153,13 @@ impl HardeningTable {
         dt_s: f64,
         most: f64,
     ) -> (f64, f64) {
-        let (found, factor) = self.rate.map_or((most, 1.0), |rate| {
-            rate.increment(self, [q_trial_pa, plastic_strain], shear_modulus_pa, scale, dt_s, most)
-        });
-        (found, scale * self.at(plastic_strain + found).1 * factor)
+        let Some(rate) = self.rate else { return (most, scale * self.at(plastic_strain + most).1) };
+        let trial = [q_trial_pa, plastic_strain];
+        let (found, factor) = rate.increment(self, trial, shear_modulus_pa, scale, dt_s, most);
+        let (stress_pa, slope_pa) = self.at(plastic_strain + found);
+        // d/dΔp of σ_y (1 + y) with y = (Δp / (C Δt))^(1/P)
+        let grows_pa = if found > 0.0 { stress_pa * (factor - 1.0) / (rate.p * found) } else { 0.0 };
+        (found, scale * (slope_pa * factor + grows_pa))
     }
 
     /// Plastic strain at which a segment ends.

@@ -17,7 +17,7 @@ use super::rigid::RigidSurfaces;
 pub use super::rigid::Struck;
 use super::solve::{Condition, Rows};
 pub use super::solve::{Moving, Work};
-use crate::base::vector::{V3, dot};
+use crate::base::vector::{V3, dot, sub};
 use crate::fe::dynamics::Death;
 use crate::fe::mesh::Mesh;
 use crate::fe::model::ContactSettings;
@@ -327,7 +327,7 @@ impl BodyContact {
             if marks[node as usize] == face || (0..3).any(|i| x[i] < low[i] || x[i] > high[i]) {
                 return;
             }
-            let to = |i: usize| dot(area, super::narrow::minus(*x, points[i])) / size;
+            let to = |i: usize| dot(area, sub(*x, points[i])) / size;
             let heights: [f64; 4] = std::array::from_fn(to);
             let (least, most) =
                 heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
@@ -384,6 +384,7 @@ impl BodyContact {
         let x = now.x[node as usize];
         let mut own = None;
         let mut behind: Option<usize> = None;
+        let mut sunk = Vec::new();
         for pair in pairs {
             if self.due_m[pair] > self.way_m + reach_m {
                 continue;
@@ -407,7 +408,7 @@ impl BodyContact {
                 continue;
             }
             if over.gap_m < -depth {
-                self.lose(pair, over, x);
+                sunk.push((pair, over));
                 continue;
             }
             if over.gap_m >= 0.0 {
@@ -421,6 +422,13 @@ impl BodyContact {
                     behind = Some(self.meetings.len());
                     self.meetings.push(Meeting { pair, over });
                 }
+            }
+        }
+        for (pair, over) in sunk {
+            if behind.is_some() {
+                self.pairs[pair].held = false; // beside an edge: the nearer face holds it
+            } else {
+                self.lose(pair, over, x);
             }
         }
     }

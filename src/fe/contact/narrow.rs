@@ -1,6 +1,6 @@
 //! Where a node stands over a quadrilateral face.
 
-use crate::base::vector::{V3, add, cross, dot, scale};
+use crate::base::vector::{V3, add, cross, dot, scale, sub};
 use serde::{Deserialize, Serialize};
 
 /// How far beyond its edge a face still holds a node, in its own coordinates -1..1: round-off only.
@@ -21,7 +21,7 @@ pub struct Over {
 
 /// Area times unit normal of a face \[m²\]: half the cross product of its diagonals.
 pub fn area_normal(p: &[V3; 4]) -> V3 {
-    scale(0.5, cross(minus(p[2], p[0]), minus(p[3], p[1])))
+    scale(0.5, cross(sub(p[2], p[0]), sub(p[3], p[1])))
 }
 
 /// Foot of the perpendicular from `x` on a bilinear face, along the normal of its diagonals, so that the force along the
@@ -35,16 +35,16 @@ pub fn over(p: &[V3; 4], x: V3, depth_m: f64, reach_m: f64) -> Option<Over> {
     }
     let normal = scale(1.0 / size, area);
     let middle = scale(0.25, add(add(p[0], p[1]), add(p[2], p[3])));
-    let from = minus(x, middle);
+    let from = sub(x, middle);
     // patterns of the corner coordinates: along ξ, along η, twist
-    let a = scale(0.25, minus(add(p[1], p[2]), add(p[0], p[3])));
-    let b = scale(0.25, minus(add(p[2], p[3]), add(p[0], p[1])));
-    let c = scale(0.25, minus(add(p[0], p[2]), add(p[1], p[3])));
+    let a = scale(0.25, sub(add(p[1], p[2]), add(p[0], p[3])));
+    let b = scale(0.25, sub(add(p[2], p[3]), add(p[0], p[1])));
+    let c = scale(0.25, sub(add(p[0], p[2]), add(p[1], p[3])));
     let (height, warp) = (dot(from, normal), dot(c, normal));
     if height > reach_m + warp.abs() || height < -depth_m - warp.abs() {
         return None;
     }
-    let e1 = scale(1.0 / dot(a, a).sqrt(), minus(a, scale(dot(a, normal), normal)));
+    let e1 = scale(1.0 / dot(a, a).sqrt(), sub(a, scale(dot(a, normal), normal)));
     let e2 = cross(normal, e1);
     let plane = |v: V3| [dot(v, e1), dot(v, e2)];
     let (from, a, b, c) = (plane(from), plane(a), plane(b), plane(c));
@@ -88,11 +88,6 @@ pub fn clearance_m(p: &[V3; 4], x: V3) -> f64 {
     axes.max(beyond(&|q: V3| dot(normal, q)))
 }
 
-/// `a - b`.
-pub fn minus(a: V3, b: V3) -> V3 {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -117,7 +112,7 @@ mod tests {
             for (s, t) in (0..=400).map(|i| (f64::from(i % 20) / 20.0, f64::from(i / 20) / 20.0)) {
                 let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t];
                 let at = (0..4).fold([0.0; 3], |sum, i| add(sum, scale(weights[i], WARPED[i])));
-                nearest = f64::min(nearest, dot(minus(x, at), minus(x, at)).sqrt());
+                nearest = f64::min(nearest, dot(sub(x, at), sub(x, at)).sqrt());
             }
             let bound = clearance_m(&WARPED, x);
             assert!(bound <= nearest + 1e-12 && bound > 0.5 * nearest - 0.11, "{bound} of {nearest}");

@@ -4,7 +4,7 @@ use crate::fe::contact::RigidSurfaces;
 use crate::fe::deck::{self, DeckOptions};
 use crate::fe::dynamics::Dynamics;
 use crate::fe::kernel::KernelStep;
-use crate::fe::law::{CowperSymonds, Law};
+use crate::fe::law::{CowperSymonds, ElementForm, Hourglass, Law};
 use crate::fe::mass_scaling::scale_mass;
 use crate::fe::model::Model;
 use crate::fe::model_run::{ModelOptions, run_model};
@@ -19,6 +19,12 @@ pub fn cases() -> Vec<Case> {
             "One element (235 MPa, C 40.4 1/s, P 5) stretched at constant volume to 2 % at constant rates from 0.001 to 10 000 1/s: \
              flow stress.",
             rate_factor,
+        ),
+        Case::short(
+            "rated-beam",
+            "A steel beam with a rate factor (235 MPa, C 40.4 1/s, P 5), 1 m x 50 mm x 50 mm in 20 x 2 x 2 elements, clamped at its foot, is let go at 20 m/s: \
+             nothing is supplied, so nothing is made, and hourglass control does not give.",
+            rated_beam,
         ),
         Case::short(
             "mass-scaling",
@@ -64,6 +70,35 @@ fn rate_factor() -> Result<Vec<Figure>, String> {
         Figure::relative(name, "Pa", [expected, stretched(rate_1_s)], 1e-4, source)
     };
     Ok([1e-3, 1.0, 40.4, 1e4].map(figure).into())
+}
+
+fn rated_beam() -> Result<Vec<Figure>, String> {
+    let rate = Some(CowperSymonds { c_1_s: 40.4, p: 5.0 });
+    let forms = [
+        ("assumed strains", Hourglass::Asqbi),
+        ("stiffness form", Hourglass::Stiffness { coefficient: 0.1 }),
+    ];
+    let mut all = Vec::new();
+    for (name, hourglass) in forms {
+        let form = ElementForm::OnePoint(hourglass);
+        let law = Law { rate, form, ..bilinear(210e9, 0.3, 7850.0, 235e6, 0.0) };
+        let mesh = grid([20, 2, 2], [1.0, 0.05, 0.05], law, |p| p[0] == 0.0);
+        let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+        (0..mesh.nodes.len()).filter(|n| mesh.nodes[*n][0] > 0.0).for_each(|n| body.v[n][2] = 20.0);
+        let start_j = body.kinetic_j();
+        let (mut most, mut least): (f64, f64) = (0.0, 0.0);
+        while body.time_s < 0.03 {
+            let kinetic_j = body.step(true);
+            let [internal_j, hourglass_j, _] = body.blocks.energies_j();
+            most = most.max((kinetic_j + internal_j) / start_j - 1.0);
+            least = least.min(hourglass_j / start_j);
+        }
+        let made = format!("{name}: kinetic and internal energy beyond that at the start");
+        let given = format!("{name}: energy that hourglass control gives");
+        all.push(Figure::absolute(made, "of that", [0.0, most], 0.01, "conservation"));
+        all.push(Figure::absolute(given, "of that", [0.0, -least], 0.01, "conservation"));
+    }
+    Ok(all)
 }
 
 /// A bar whose last element is a fifth as long as the others.
