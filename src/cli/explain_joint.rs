@@ -27,6 +27,7 @@ pub(super) fn resistance_text(model: &Model, joint: &Bushing) -> String {
         force("tension", joint.tensile_capacity_n),
         force("shear along axis 1", along_1),
         force("along axis 2", along_2),
+        joint.shear_slip_m.map(|m| format!("after which it slips by {:.0} mm", m * 1e3)),
     ];
     let most: Vec<String> = most.into_iter().flatten().collect();
     text += &match most.is_empty() {

@@ -74,7 +74,10 @@ impl Notes {
     fn add_of_bushing(&mut self, bushing: &Bushing) {
         let left_out = [
             (bushing.tensile_capacity_n.is_some(), "the tensile capacity is left out: it does not separate"),
-            (bushing.shear_capacity_n.is_some(), "the shear capacity is left out: it does not separate"),
+            (
+                bushing.shear_capacity_n.is_some(),
+                "the shear capacity is left out: it neither slips nor separates",
+            ),
             (
                 bushing.compressive_capacity_n.is_some(),
                 "the compressive capacity is left out: it does not crush",

@@ -4,6 +4,7 @@ use super::GenerateError;
 use super::bodies::Bodies;
 use super::decide::Decision;
 use super::entries::{Entries, Query, curve_id, hardening, left_under_compression};
+use super::sections::slip;
 use super::through::half_joint_m;
 use crate::building::ends::MemberEnd;
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
@@ -91,6 +92,7 @@ pub fn hinges(
         let bearing_n = entry.bearing_capacity_n.filter(|_| !end.goes_on(place.building, place.partition));
         let crushes_n =
             entry.compressive_capacity_n.map(|most_n| bearing_n.map_or(most_n, |n| n.min(most_n)));
+        let slips = slip(capacity(entry.tensile_capacity_n), capacity(entry.tensile_elongation_m));
         joints.push(Bushing {
             axial_stiffness_n_m: with_joint.axial_n_m(),
             shear_stiffness_n_m: hinge.stiffness.shear_n_m,
@@ -98,6 +100,8 @@ pub fn hinges(
             bending,
             tensile_capacity_n: capacity(entry.tensile_capacity_n),
             tensile_elongation_m: capacity(entry.tensile_elongation_m),
+            shear_capacity_n: slips.map(|u| u.0),
+            shear_slip_m: slips.map(|u| u.1),
             compressive_capacity_n: capacity(crushes_n),
             compressive_hardening: capacity(entry.tensile_elongation_m)
                 .map_or_else(Vec::new, |_| hardening(law, half.length_m)),

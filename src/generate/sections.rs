@@ -107,6 +107,7 @@ pub fn hinges(
                 bending,
                 latent: Some(id.clone()),
                 shear_capacity_n: end.tensile_capacity_n.map(shear_capacity),
+                shear_slip_m: None,
                 carry_over: None,
                 origin: Origin {
                     members: vec![id.clone()],
@@ -123,6 +124,11 @@ pub fn hinges(
 /// Shear force at which a section tears along an axis, of the force at which it tears in tension \[N\]: a J2 material bears `1/√3` of its tensile stress in pure shear (von Mises 1913), the law of the FE model that the curves come from.
 pub fn shear_capacity(tensile_capacity_n: f64) -> [f64; 2] {
     [tensile_capacity_n / 3.0_f64.sqrt(); 2]
+}
+
+/// Shear forces at which a section slips that stretches under a tensile capacity \[N\] by an elongation before it tears \[m\], and the slip after which it does: the equivalent plastic strain of a shear `γ` is `γ/√3` (von Mises).
+pub fn slip(tensile_capacity_n: Option<f64>, elongation_m: Option<f64>) -> Option<([f64; 2], f64)> {
+    Some((shear_capacity(tensile_capacity_n?), 3.0_f64.sqrt() * elongation_m?))
 }
 
 /// How many times longer than from the middle of a piece to that of the next one the stretch is that bends at a section: with one time, pieces on springs at both ends need steps 1.3 times as short as the whole column.

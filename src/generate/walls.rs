@@ -13,6 +13,7 @@
 use super::bodies::Bodies;
 use super::decide::Decision;
 use super::joints::{Place, axes, stands};
+use super::sections::slip;
 use crate::base::geom::Aabb;
 use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
@@ -133,6 +134,8 @@ impl<'a> Half<'a> {
             bending: if self.along == 0 { [out_of_plane, about_y] } else { [about_x, out_of_plane] },
             tensile_capacity_n: None,
             tensile_elongation_m: None,
+            shear_capacity_n: None,
+            shear_slip_m: None,
             compressive_capacity_n: None,
             associated_flow: false,
             ..spring
@@ -238,7 +241,8 @@ fn spring(
         stiffness_nm_rad: law.youngs_modulus_pa * area * length_m.powi(2) / 12.0 / height_m,
     };
     let torsion = law.shear_modulus_pa() * half.own_m() * thickness_m.powi(3) / 3.0 / height_m;
-    let squash_n = half.squash_n();
+    let (squash_n, elongation_m) = (half.squash_n(), law.critical_plastic_strain * half.mesh_m);
+    let slips = slip(Some(squash_n), Some(elongation_m));
     let name = |i: usize| bodies.list[i].id.clone();
     let own = bodies.of(wall, point_m).map(name).unwrap_or_default();
     Bushing {
@@ -248,7 +252,9 @@ fn spring(
         // axes 1 and 2 are x and y: bending about x is out of the plane of a wall along x
         bending: if along == 0 { [out_of_plane, in_plane] } else { [in_plane, out_of_plane] },
         tensile_capacity_n: Some(squash_n),
-        tensile_elongation_m: Some(law.critical_plastic_strain * half.mesh_m),
+        tensile_elongation_m: Some(elongation_m),
+        shear_capacity_n: slips.map(|u| u.0),
+        shear_slip_m: slips.map(|u| u.1),
         compressive_capacity_n: Some(squash_n),
         associated_flow: true,
         origin: Origin {

@@ -28,8 +28,9 @@ pub(super) struct JointBlock {
     crushed: Lane,
     plastic: [Lane; 2],
     lean: [Lane; 2],
-    /// Of beams: what is plastic of the gap across, whether that is along axis 1, what a gap across adds to the moments at the ends, and what the load does to the moment in the middle and from there to them.
+    /// What is plastic of the gap across.
     slip: [Lane; 2],
+    /// Of beams: whether they bend about axis 2, what a gap across adds to the moments at the ends, and what the load does to the moment in the middle and from there to them.
     bends_about_2: [u64; LANES],
     shear_lever: Lane,
     reach: Lane,
@@ -121,7 +122,7 @@ impl JointBlock {
                 block.shear_lever[l] = beam.shear_lever_n(joint.translation);
                 (block.reach[l], block.free[l]) = (beam.reach_m, beam.free_m);
             }
-            put(&mut block.inverse_shear2, l, joint.inverse_shear2);
+            put(&mut block.inverse_shear2, l, joint.shear.inverse2);
             block.bear(l, joint);
             block.learn(l, joint, tables);
         }
@@ -133,6 +134,7 @@ impl JointBlock {
     fn learn(&mut self, l: usize, joint: &JointData, tables: &[CapacityTable]) {
         self.crushed[l] = joint.crushed;
         put(&mut self.plastic, l, joint.hinge.plastic_rad);
+        put(&mut self.slip, l, joint.shear.slid);
         if let Some(beam) = &joint.beam {
             [self.plastic[beam.axis - 1][l], self.slip[beam.across() - 1][l]] = beam.plastic();
         }
@@ -311,7 +313,7 @@ fn apply_any(
                 joint.relative = get(&act.turn, l);
                 joint.theta = get(&act.theta, l);
                 joint.axial_force = act.axial[l];
-                joint.shear = [act.local[1][l], act.local[2][l]];
+                joint.shear.force = [act.local[1][l], act.local[2][l]];
                 joint.elastic_j = act.elastic[l];
                 joint.hinge.moment_nm = [act.moment[1][l], act.moment[2][l]];
                 if let Some(beam) = &mut joint.beam {

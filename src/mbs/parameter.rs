@@ -18,7 +18,7 @@ pub struct ParameterError {
 
 const LISTS: &str = "bodies, bushings, forces, events, contact, gravity_m_s2 or settings";
 const BODY: &str = "mass_factor (mass and inertia, spans and what bodies have together included), mass_kg, position_m.K, velocity_m_s.K or angular_velocity_rad_s.K";
-const BUSHING: &str = "strength_factor, stiffness_factor, tensile_capacity_n, tensile_elongation_m, compressive_capacity_n or shear_capacity_n.K";
+const BUSHING: &str = "strength_factor, stiffness_factor, tensile_capacity_n, tensile_elongation_m, compressive_capacity_n, shear_capacity_n.K or shear_slip_m";
 const FORCE: &str =
     "strength_factor, stiffness_factor, damping_factor, length_m, fracture_rad, force_n.K or torque_nm.K";
 const CONTACT: &str = "ground.friction, ground.restitution, bodies.friction or bodies.restitution";
@@ -202,6 +202,7 @@ fn bushing(bushing: &mut Bushing, field: &[&str], value: f64) -> Option<usize> {
         ["shear_capacity_n", place] => {
             bushing.shear_capacity_n.as_mut().and_then(|c| set(part(c, place), value))
         }
+        ["shear_slip_m"] => set(bushing.shear_slip_m.as_mut(), value),
         ["compressive_capacity_n"] => set(bushing.compressive_capacity_n.as_mut(), value),
         _ => None,
     }

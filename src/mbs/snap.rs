@@ -54,9 +54,13 @@ impl Snap {
             let begin = beam.of_ends(beam.ends.ends.map(|e| e.course.at(0.0)))[1];
             along[k] = Course::elastic(begin, end.along[k]);
         }
+        let slips = joint.shear.course();
+        if let Some((courses, _)) = slips {
+            [along[1], along[2]] = courses;
+        }
         let overrun_m = joint.overrun_m();
         let stretched_beyond = overrun_m / (h * speed[0].abs()).max(overrun_m).max(f64::MIN_POSITIVE);
-        let within = joint.broke_at().min(1.0 - stretched_beyond);
+        let within = joint.broke_at().min(1.0 - stretched_beyond).min(slips.map_or(1.0, |(_, share)| share));
         let share = share(joint, &along, is_stretching).clamp(0.0, within);
         let (theta, c) = bend(at.turn);
         let turn: V3 = std::array::from_fn(|k| {
@@ -77,13 +81,17 @@ impl Snap {
         };
         let set_free_j: V3 = std::array::from_fn(|k| stretched_j(k, end.along[k]) - stretched_j(k, force[k]));
         let sheared_j = joint.beam.as_ref().map_or(0.0, |beam| set_free_j[beam.across()]);
-        let axial_j = if is_stretching { along[0].undone_j(share, way[0]) - set_free_j[0] } else { 0.0 };
+        let flows = [is_stretching, slips.is_some(), slips.is_some()];
+        let undone = |k: usize| if flows[k] { along[k].undone_j(share, way[k]) - set_free_j[k] } else { 0.0 };
         let [local, moment] = [left, torn.left].map(|of| math::scale(h, of));
         Self {
             early_s: h * (1.0 - share),
             impulse: loads(&at.frame, at.arms, theta, chord.force(local), moment, c),
             elastic_j: joint.elastic_j - set_free_j.iter().sum::<f64>() - torn.elastic_j,
-            beyond_j: [torn.undone_j - torn.elastic_j - torn.against_load_j - sheared_j, axial_j],
+            beyond_j: [
+                torn.undone_j - torn.elastic_j - torn.against_load_j - sheared_j,
+                (0..3).map(undone).sum(),
+            ],
             against_load_j: torn.against_load_j,
         }
     }
@@ -147,10 +155,5 @@ fn share(joint: &JointData, along: &[Course; 3], is_stretching: bool) -> f64 {
     } else {
         f64::INFINITY
     };
-    // the ellipse of the shear forces: a s² + b s + c = 0
-    let product = |f: V3, g: V3| (0..2).map(|k| joint.inverse_shear2[k] * f[k + 1] * g[k + 1]).sum::<f64>();
-    let (a, b, c) = (product(change, change), 2.0 * product(begin, change), product(begin, begin) - 1.0);
-    let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
-    let sheared = if a + b + c < 0.0 || a == 0.0 { f64::INFINITY } else { (root - b) / (2.0 * a) };
-    pulled.min(sheared)
+    pulled.min(joint.shear.parts_at([along[1], along[2]]))
 }

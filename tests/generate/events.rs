@@ -49,11 +49,13 @@ fn the_rules_about_events_stand_in_the_model() {
         let lends = a.capacity[0][1] / b.capacity[0][1];
         assert!((1.1..1.4).contains(&lends), "{lends}");
     }
-    // a J2 material bears 1/sqrt(3) of its tensile stress in pure shear; ends of members flow in bending before
+    // a J2 material bears 1/sqrt(3) of its tensile stress in pure shear, and strains by sqrt(3) of its plastic strain
     let tears_n = bushing("C2-A2.section-1").tensile_capacity_n.unwrap();
     let [v1, v2] = bushing("C2-A2.section-1").shear_capacity_n.unwrap();
     assert!(((v1 / tears_n).powi(2) * 3.0 - 1.0).abs() < 1e-12 && v1 == v2, "{v1} {v2} of {tears_n}");
-    assert_eq!(bushing("C2-A2.bottom").shear_capacity_n, None);
+    let end = bushing("C2-A2.bottom");
+    assert_eq!((end.shear_capacity_n, bushing("C2-A2.section-1").shear_slip_m), (Some([v1, v2]), None));
+    assert!((end.shear_slip_m.unwrap() / end.tensile_elongation_m.unwrap()).powi(2) - 3.0 < 1e-12);
     let why: Vec<&str> =
         generated.trace.iter().filter(|r| r.part == "C2-A2.section-1").map(|r| r.rule.as_str()).collect();
     assert_eq!(why, ["seed/subdivide-columns-late", "seed/section-latent-late"]);

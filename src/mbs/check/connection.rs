@@ -162,6 +162,16 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
                 .into()
         });
     }
+    if let Some(slip) = joint.shear_slip_m {
+        let path = format!("{path}.shear_slip_m");
+        list.positive(&path, slip);
+        list.require(joint.shear_capacity_n.is_some(), &path, || {
+            "needs a shear_capacity_n at which the bushing slips; leave out one or give both".into()
+        });
+        list.require(joint.latent.is_none() && joint.beam.is_none(), &path, || {
+            "is for bushings that are neither latent nor in the middle of a beam: leave it out".into()
+        });
+    }
     if let Some(factor) = &joint.rate_factor {
         check_rate_factor(model, joint, factor, &format!("{path}.rate_factor"), list);
     }

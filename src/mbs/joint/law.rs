@@ -75,13 +75,31 @@ impl JointData {
             (beam.chord, beam.gap) = (*chord, at.gap);
         }
         let bent = self.bend_beam(theta, &mut gap, tables);
-        let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
-        self.sheared2 = self.shear_used2(local);
-        self.shear = [local[1], local[2]];
+        self.slip(&mut gap, &mut shifted);
+        let [v1, v2] = self.shear.force;
+        let local = [k[0] * gap[0], v1, v2];
         let moment = bent.unwrap_or_else(|| self.moments(theta, tables));
         self.elastic_j += 0.5 * (math::dot(local, gap) + moment[0] * theta[0]);
         self.begin_to_flow(before, [shifted, turned]);
         [math::add(local, self.onset[0]), math::add(moment, self.onset[1])]
+    }
+
+    /// Shear forces of the gap, which loses what is plastic of it; of joints that may slip also how they moved across in the step.
+    #[inline]
+    fn slip(&mut self, gap: &mut V3, shifted: &mut V3) {
+        let [_, k1, k2] = self.translation;
+        if self.shear.slips() {
+            let was = |k: usize, stiffness: f64| {
+                self.shear.slid[k] + if stiffness > 0.0 { self.shear.force[k] / stiffness } else { 0.0 }
+            };
+            (shifted[1], shifted[2]) = (gap[1] - was(0, k1), gap[2] - was(1, k2));
+            (gap[1], gap[2]) = (gap[1] - self.shear.slid[0], gap[2] - self.shear.slid[1]);
+        }
+        let [_, gap1, gap2] = gap;
+        let slipped = self.shear.load([k1, k2], [gap1, gap2]);
+        self.crush_j += slipped.work_j;
+        self.onset[0][1] += slipped.onset[0];
+        self.onset[0][2] += slipped.onset[1];
     }
 
     /// Books the work on a displacement and a rotation of a step along its axes \[m, rad\] of what was added to its force for the step before, and for this one.

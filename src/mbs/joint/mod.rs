@@ -6,9 +6,11 @@
 
 mod law;
 mod rows;
+mod shear;
 
 pub(super) use law::ElasticRange;
 pub use rows::Row;
+use shear::Shear;
 
 use super::math::{self, Q, V3};
 use super::mid_beam::MidBeam;
@@ -60,11 +62,8 @@ pub struct JointData {
     pub tensile_capacity: f64,
     /// Plastic elongation at which it separates; zero: it separates at the tensile capacity \[m\].
     tensile_elongation: f64,
-    /// `1/C²` of the shear forces along axes 1 and 2 at which it separates \[1/N²\], and the square of the share of that of the last evaluation.
-    pub(in crate::mbs) inverse_shear2: [f64; 2],
-    sheared2: f64,
-    /// Forces along axes 1 and 2 of the last evaluation \[N\].
-    pub(in crate::mbs) shear: [f64; 2],
+    /// Its shear springs along axes 1 and 2.
+    pub(in crate::mbs) shear: Shear,
     /// Plastic elongation so far, and shortening at the compressive capacity \[m\].
     elongated: f64,
     pressed: f64,
@@ -143,9 +142,7 @@ impl JointData {
             strength: 1.0,
             tensile_capacity: joint.tensile_capacity_n.unwrap_or(f64::INFINITY),
             tensile_elongation: joint.tensile_elongation_m.unwrap_or(0.0),
-            inverse_shear2: joint.shear_capacity_n.map_or([0.0; 2], |c| c.map(|c| 1.0 / (c * c))),
-            sheared2: 0.0,
-            shear: [0.0; 2],
+            shear: Shear::new(joint.shear_capacity_n, joint.shear_slip_m),
             elongated: 0.0,
             pressed: 0.0,
             crushing_shortening: joint.crushing_shortening_m.unwrap_or(f64::INFINITY),
@@ -214,7 +211,7 @@ impl JointData {
         self.tensile_capacity *= ratio;
         self.compressive_capacity *= ratio;
         self.hardening.iter_mut().flat_map(|h| h.iter_mut()).for_each(|[_, force]| *force *= ratio);
-        self.inverse_shear2 = self.inverse_shear2.map(|inverse| inverse / (ratio * ratio));
+        self.shear.strengthen(ratio);
     }
 
     /// Its hinges: accumulated plastic rotation \[rad\], and whether it broke; both ends of a beam, else its own first.
@@ -247,9 +244,9 @@ impl JointData {
         self.pressed >= self.crushing_shortening
     }
 
-    /// Whether a shear force has separated the joint.
+    /// Whether shear has separated the joint.
     pub fn is_sheared_off(&self) -> bool {
-        self.sheared2 >= 1.0
+        self.shear.is_off()
     }
 
     /// Whether its axial spring is at its capacity.
@@ -352,7 +349,8 @@ impl JointData {
         if let Some(beam) = &self.beam {
             gap[beam.across()] -= beam.plastic()[1];
         }
-        let local = [k[0] * gap[0], k[1] * gap[1], k[2] * gap[2]];
+        let [s1, s2] = self.shear.slid;
+        let local = [k[0] * gap[0], k[1] * (gap[1] - s1), k[2] * (gap[2] - s2)];
         let [m1, m2] = self.hinge.moment_nm;
         loads(&at.frame, at.arms, theta, chord.force(local), [self.rotation[0] * theta[0], m1, m2], c)
     }
@@ -390,6 +388,7 @@ impl JointData {
         let at = self.stance(bodies);
         let mut stretch = at.gap;
         stretch[0] = self.chord(&at).stretch - self.crushed;
+        stretch = math::sub(stretch, [0.0, self.shear.slid[0], self.shear.slid[1]]);
         let ratio = |k: usize| if translation[k] > 0.0 { self.translation[k] / translation[k] } else { 1.0 };
         let more: V3 = std::array::from_fn(|k| (ratio(k) - 1.0) * stretch[k]);
         let energy_j: f64 = (0..3).map(|k| 0.5 * self.translation[k] * stretch[k] * more[k]).sum();
@@ -435,12 +434,13 @@ impl JointData {
     /// What its last evaluation found, as [`Self::pull`] finds it in the same poses.
     pub(in crate::mbs) fn latest(&self) -> Latest {
         let [m1, m2] = self.hinge.moment_nm;
-        let along = [-self.outward * self.axial_force, self.shear[0], self.shear[1]];
+        let ([v1, v2], [s1, s2]) = (self.shear.force, self.shear.slid);
+        let along = [-self.outward * self.axial_force, v1, v2];
         let ([local, couple], gap) = match &self.beam {
             Some(beam) => (beam.chord.force(along), beam.gap),
             None => {
                 let stretch = |k: usize| if along[k] == 0.0 { 0.0 } else { along[k] / self.translation[k] };
-                ([along, [0.0; 3]], [self.crushed + stretch(0), stretch(1), stretch(2)])
+                ([along, [0.0; 3]], [self.crushed + stretch(0), s1 + stretch(1), s2 + stretch(2)])
             }
         };
         let moment = [self.rotation[0] * self.theta[0], m1, m2];
@@ -449,7 +449,8 @@ impl JointData {
 
     /// Square of the share of the capacity that a force \[N\] along its axes takes in shear.
     pub(in crate::mbs) fn shear_used2(&self, force: V3) -> f64 {
-        force[1] * force[1] * self.inverse_shear2[0] + force[2] * force[2] * self.inverse_shear2[1]
+        let across = [force[1], force[2]];
+        self.shear.product(across, across)
     }
 
     /// Whether it resists turns, and has turned by more than [`MOST_TURN_RAD`].

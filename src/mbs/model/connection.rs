@@ -223,9 +223,12 @@ pub struct Bushing {
     /// separates as soon as the capacity is reached.
     #[serde(default)]
     pub tensile_elongation_m: Option<f64>,
-    /// Shear forces \[N\] along axes 1 and 2 at which it separates, together as an ellipse: `(V_1/C_1)² + (V_2/C_2)² = 1`. Not on a joint that holds its point, nor in models with ideal joints and forces; `None`: never.
+    /// Shear forces \[N\] along axes 1 and 2 at which it separates or, with [`Self::shear_slip_m`], slips, together as an ellipse: `(V_1/C_1)² + (V_2/C_2)² = 1`. Not on a joint that holds its point, nor in models with ideal joints and forces; `None`: never.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shear_capacity_n: Option<[f64; 2]>,
+    /// Plastic slip \[m\] that it bears at its shear capacity before it separates, along its path; neither latent nor in the middle of a beam. `None`: none, it separates as soon as the capacity is reached.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_slip_m: Option<f64>,
     /// Compression \[N\] at which the member crushes: the axial spring is elastic-perfectly plastic there;
     /// `None`: never. Without it a storey that lands on its columns rebounds elastically.
     #[serde(default)]
@@ -380,6 +383,7 @@ impl Bushing {
             tensile_capacity_n: None,
             tensile_elongation_m: None,
             shear_capacity_n: None,
+            shear_slip_m: None,
             compressive_capacity_n: None,
             compressive_hardening: Vec::new(),
             compressive_fading: Vec::new(),

@@ -17,7 +17,7 @@ pub fn cases() -> Vec<Case> {
         ),
         Case::short(
             "fracture-stretch",
-            "100 kg at 1 m/s on a spring of 10 MN/m that flows at 2 kN and separates after 5 mm of it, in tension and in compression (crushed), with steps of 0.1 ms.",
+            "100 kg at 1 m/s on a spring of 10 MN/m that flows at 2 kN and separates after 5 mm of it, in tension, in compression (crushed) and in shear at an angle to both axes, with steps of 0.1 ms.",
             stretch,
         ),
         Case::short(
@@ -101,17 +101,20 @@ fn spring() -> Result<Vec<Figure>, String> {
 
 fn stretch() -> Result<Vec<Figure>, String> {
     let mut all = Vec::new();
-    for (sense, names) in [
-        (1.0, ["separates, stretched", "kinetic energy after"]),
-        (-1.0, ["separates, crushed", "kinetic energy after"]),
+    for (velocity_m_s, names) in [
+        ([1.0, 0.0, 0.0], ["separates, stretched", "kinetic energy after"]),
+        ([-1.0, 0.0, 0.0], ["separates, crushed", "kinetic energy after"]),
+        ([0.0, 0.6, -0.8], ["separates, slipping", "kinetic energy after"]),
     ] {
         let (mut m, mut link) = held(1e7);
         m.settings.time_step_s = Some(1e-4);
-        m.bodies[0].velocity_m_s[0] = sense;
-        if sense > 0.0 {
-            (link.tensile_capacity_n, link.tensile_elongation_m) = (Some(2e3), Some(5e-3));
-        } else {
-            (link.compressive_capacity_n, link.crushing_shortening_m) = (Some(2e3), Some(5e-3));
+        m.bodies[0].velocity_m_s = velocity_m_s;
+        match velocity_m_s[0] {
+            v if v > 0.0 => (link.tensile_capacity_n, link.tensile_elongation_m) = (Some(2e3), Some(5e-3)),
+            v if v < 0.0 => {
+                (link.compressive_capacity_n, link.crushing_shortening_m) = (Some(2e3), Some(5e-3));
+            }
+            _ => (link.shear_capacity_n, link.shear_slip_m) = (Some([2e3; 2]), Some(5e-3)),
         }
         m.bushings.push(link);
         let result = run(&m)?;
