@@ -4,7 +4,7 @@ use super::action::Aspect;
 use super::features::{self, MEMBER_KINDS};
 use super::logic::{self, Atom, Conjunction};
 use super::problem::Problem;
-use super::rule::Rule;
+use super::rule::{Rule, least, most};
 use super::typing;
 use super::value::SubjectKind;
 use serde::Serialize;
@@ -164,15 +164,37 @@ fn decided(rule: &Rule) -> Vec<(String, bool)> {
     found
 }
 
-/// Whether two rules answer the same question differently with the same right.
+/// Whether two rules answer the same question differently with the same priority.
 fn contradict(a: &Rule, b: &Rule) -> bool {
     a.id != b.id
         && a.applies_to == b.applies_to
         && a.priority == b.priority
         && a.action.spec().aspect == b.action.spec().aspect
         && (a.action != b.action || a.parameters != b.parameters)
-        && !a.supersedes.contains(&b.id)
-        && !b.supersedes.contains(&a.id)
+}
+
+/// The rule of two that supersedes the other one, which it does within its range only.
+fn superseder<'a>(a: &'a Rule, b: &'a Rule) -> Option<&'a Rule> {
+    [(a, b), (b, a)].into_iter().find(|(rule, other)| rule.supersedes.contains(&other.id)).map(|pair| pair.0)
+}
+
+/// One of the cases in which a rule may be outside its range, in words.
+fn outside(rule: &Rule, cases: &[Conjunction]) -> Option<String> {
+    cases.iter().find_map(|case| {
+        rule.range.iter().find_map(|(name, [low, high])| {
+            let told = logic::beyond(name, [*low, *high]);
+            let meant = logic::beyond(name, [least(*low), most(*high)]);
+            let with = |atom: &Atom| [&case[..], std::slice::from_ref(atom)].concat();
+            let beyond = meant.iter().zip(&told).find(|(atom, _)| logic::possible(&with(atom)));
+            // what no comparison of the case asks for may be unknown, and then the rule is not within its range
+            let is_asked = case.iter().any(|atom| atom.features().any(|asked| asked == name));
+            match beyond {
+                Some((_, atom)) => Some(logic::words(&with(atom))),
+                None if !is_asked => Some(format!("{} and {name} is not known", logic::words(case))),
+                None => None,
+            }
+        })
+    })
 }
 
 fn conflicts(rules: &[Rule]) -> Vec<Problem> {
@@ -185,19 +207,25 @@ fn conflicts(rules: &[Rule]) -> Vec<Problem> {
                 (Some(x), Some(y)) => logic::both(x, y),
                 _ => None,
             };
-            let case = match &shared {
-                Some(shared) => match shared.first() {
-                    Some(case) => logic::words(case),
-                    None => continue,
-                },
-                None => "their conditions, which are too intricate to tell apart, hold".to_string(),
+            let above = superseder(a, b);
+            let case = match (&shared, above) {
+                (Some(shared), None) => shared.first().map(|case| logic::words(case)),
+                (Some(shared), Some(rule)) => outside(rule, shared),
+                (None, Some(rule)) if rule.range.is_empty() => None,
+                (None, _) => {
+                    Some("their conditions, which are too intricate to tell apart, hold".to_string())
+                }
             };
+            let Some(case) = case else { continue };
+            let remedy = above.map(|rule| {
+                format!("; `{}` supersedes the other one within its range only: give it a higher priority, or bounds in `when`", rule.id)
+            });
             found.push(at(
                 b,
                 format!(
-                    "conflict: `{}` ({}) and `{}` ({}, {}) both have priority {} and say differently {} when {case}",
+                    "conflict: `{}` ({}) and `{}` ({}, {}) both have priority {} and say differently {} when {case}{}",
                     b.id, b.action.spec().name, a.id, a.action.spec().name, a.place.short(), b.priority,
-                    b.action.spec().aspect.question()
+                    b.action.spec().aspect.question(), remedy.unwrap_or_default()
                 ),
             ));
         }

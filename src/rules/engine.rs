@@ -11,7 +11,7 @@ use super::expr::{Expr, Operand, Relation, Test};
 use super::features;
 use super::file;
 use super::problem::{Problem, Problems, Source};
-use super::rule::Rule;
+use super::rule::{Rule, least, most};
 use super::typing;
 use super::value::{Subject, SubjectKind, Value};
 use serde::Serialize;
@@ -363,16 +363,11 @@ fn missing(rule: &Rule, subject: &Subject) -> Vec<String> {
     names.into_iter().filter(|name| !subject.features.contains_key(*name)).map(str::to_string).collect()
 }
 
-/// By how much a bound of a range may be off: learned ones are written with six digits, so that 1/3 is above 0.333333.
-fn slack(bound: f64) -> f64 {
-    1e-5 * bound.abs()
-}
-
 fn firing(rule: &Rule, subject: &Subject) -> Firing {
     let (mut outside, mut missing) = (Vec::new(), Vec::new());
     for (name, [low, high]) in &rule.range {
         match subject.features.get(name) {
-            Some(Value::Number(x)) if *x >= low - slack(*low) && *x <= high + slack(*high) => {}
+            Some(Value::Number(x)) if (least(*low)..=most(*high)).contains(x) => {}
             Some(value) => {
                 let value = match value {
                     Value::Number(x) => ((1e6 * x).round() / 1e6).to_string(),

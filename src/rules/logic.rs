@@ -118,6 +118,11 @@ pub fn decided(test: &Test) -> Vec<(Atom, bool)> {
     found
 }
 
+/// That a number is below a value, and that it is above another one.
+pub fn beyond(name: &str, [below, above]: [f64; 2]) -> [Atom; 2] {
+    [Atom::Bound(name.to_string(), LESS, below), Atom::Bound(name.to_string(), GREATER, above)]
+}
+
 /// The orders that a relation admits.
 fn orders(relation: Relation) -> u8 {
     match relation {

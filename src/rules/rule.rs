@@ -30,6 +30,21 @@ impl Statistics {
     }
 }
 
+/// By how much a bound of a range may be off: learned ones are written with six digits, so that 1/3 is above 0.333333.
+fn slack(bound: f64) -> f64 {
+    1e-5 * bound.abs()
+}
+
+/// The least number that counts as within a range from `low`, in the unit of its feature.
+pub(super) fn least(low: f64) -> f64 {
+    low - slack(low)
+}
+
+/// The largest number that counts as within a range up to `high`, in the unit of its feature.
+pub(super) fn most(high: f64) -> f64 {
+    high + slack(high)
+}
+
 /// A rule: if its condition holds of a subject, its action is proposed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rule {

@@ -165,6 +165,33 @@ fn contradicting_rules_are_a_conflict_only_where_both_can_hold() {
     base(&[columns, rule("c", &["when = \"storeys > 3\""])]).unwrap();
 }
 
+/// A rule replaces what it supersedes within its range only; outside it two rules of one priority would be told apart by their ids.
+#[test]
+fn a_superseding_rule_conflicts_outside_its_range() {
+    let own = |lines: &[&str]| {
+        let fixed = ["action = \"subdivide\"", "parameters = { pieces = 2 }", "supersedes = [\"b\"]"];
+        base(&[rule("a", &[&fixed[..], lines].concat()), rule("b", &[])])
+    };
+    let range = "range = { storeys = [1, 2] }";
+    let when = |storeys: &str| format!("when = \"member.kind == 'column' and {storeys}\"");
+    own(&[]).unwrap();
+    let found = own(&[range]).unwrap_err();
+    assert!(found.contains("conflict: `b`") && found.contains("storeys < 1"), "{found}");
+    assert!(found.contains("`a` supersedes the other one within its range only: give it a higher priority"));
+    let found = own(&[range, &when("storeys >= 2")]).unwrap_err();
+    assert!(found.contains("when member.kind == 'column' and storeys >= 2 and storeys > 2;"), "{found}");
+    own(&[range, &when("storeys >= 1 and storeys <= 2")]).unwrap();
+    own(&[range, "priority = 11"]).unwrap();
+    // a bound with six digits has 1/3 within it
+    let third = "range = { \"member.storey_share\" = [0.333333, 1] }";
+    own(&[third, &when("member.storey_share >= 0.3333333")]).unwrap();
+    // all that it can be is within the range, but it may be unknown
+    let all = "range = { \"member.storey_share\" = [0, 1] }";
+    let found = own(&[all]).unwrap_err();
+    assert!(found.contains("when member.kind == 'column' and member.storey_share is not known;"), "{found}");
+    own(&[all, &when("member.storey_share >= 0")]).unwrap();
+}
+
 #[test]
 fn gaps_are_named_with_a_case() {
     let found = base(&[
