@@ -9,6 +9,7 @@ use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::write_atomic;
 use serde::Serialize;
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -67,7 +68,7 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
     let files = store.text().read_all()?;
     let mut report = VerifyReport { records: files.len(), ..VerifyReport::default() };
     let mut manifest = Manifest::new();
-    let mut good = std::collections::BTreeMap::new();
+    let mut good = BTreeMap::new();
     for file in &files {
         manifest.insert(file.key.clone(), ContentHash::of_bytes(&file.bytes));
         match store.text().parse(&file.key, &file.bytes) {
@@ -139,34 +140,24 @@ fn is_export(path: &Path) -> bool {
 }
 
 /// Takes over the entries of an exchange file. All are checked first: if one is damaged, or a key
-/// is held here with other content, nothing is imported. What is deprecated on either side stays so; where both are, the
-/// words of this library hold.
+/// is held here or stands twice with other content, nothing is imported. What is deprecated on either side stays so; where
+/// both are, the words of this library hold, and in the file those that come first.
 ///
 /// # Errors
 /// [`StoreError::Import`] with the first fault, or what [`Store::put_all`] reports.
 pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError> {
     let refuse = |what: String| StoreError::Import { path: path.to_path_buf(), what };
     let text = fs::read_to_string(path).map_err(StoreError::io(path))?;
-    let mut value: Value = serde_json::from_str(&text).map_err(|e| refuse(format!("not JSON: {e}")))?;
-    if value["schema"] != EXCHANGE_SCHEMA {
-        return Err(refuse(format!("schema is {}, expected \"{EXCHANGE_SCHEMA}\"", value["schema"])));
-    }
-    let Value::Array(items) = value["entries"].take() else {
-        return Err(refuse("has no list `entries`".to_string()));
-    };
     let mut report = ImportReport::default();
-    let mut entries: Vec<Entry> = Vec::with_capacity(items.len());
-    for (i, item) in items.into_iter().enumerate() {
-        let name = item["key"].as_str().unwrap_or("?").to_string();
-        let mut entry =
-            Entry::from_value(item).map_err(|e| refuse(format!("entry {} (`{name}`): {e}", i + 1)))?;
+    let mut entries: Vec<Entry> = Vec::new();
+    for (number, mut entry) in entries_of(&text).map_err(refuse)? {
         match store.get(&entry.key) {
             Ok(held) => {
                 if let Some(parts) = differing_parts(&held, &entry) {
                     return Err(refuse(format!(
-                        "entry {} (`{name}`) differs from the one in the library in {parts}; take it out of the file, or import into another \
+                        "entry {number} (`{}`) differs from the one in the library in {parts}; take it out of the file, or import into another \
                          folder (--library) and compare",
-                        i + 1
+                        entry.key
                     )));
                 }
                 if held.deprecated.is_some() {
@@ -187,6 +178,36 @@ pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError
     Ok(report)
 }
 
+/// The entries of an exchange file, each key once, with their numbers in it from 1.
+fn entries_of(text: &str) -> Result<Vec<(usize, Entry)>, String> {
+    let mut value: Value = serde_json::from_str(text).map_err(|e| format!("not JSON: {e}"))?;
+    if value["schema"] != EXCHANGE_SCHEMA {
+        return Err(format!("schema is {}, expected \"{EXCHANGE_SCHEMA}\"", value["schema"]));
+    }
+    let Value::Array(items) = value["entries"].take() else {
+        return Err("has no list `entries`".to_string());
+    };
+    let mut entries: Vec<(usize, Entry)> = Vec::with_capacity(items.len());
+    let mut places: BTreeMap<String, usize> = BTreeMap::new();
+    for (number, item) in (1..).zip(items) {
+        let name = item["key"].as_str().unwrap_or("?").to_string();
+        let entry = Entry::from_value(item).map_err(|e| format!("entry {number} (`{name}`): {e}"))?;
+        let Some(&place) = places.get(&name) else {
+            places.insert(name, entries.len());
+            entries.push((number, entry));
+            continue;
+        };
+        let (first, held) = &mut entries[place];
+        if let Some(parts) = differing_parts(held, &entry) {
+            return Err(format!(
+                "entry {number} (`{name}`) differs from entry {first}, which has the same key, in {parts}; take one of the two out of the file"
+            ));
+        }
+        held.deprecated = held.deprecated.take().or(entry.deprecated);
+    }
+    Ok(entries)
+}
+
 /// The names of the parts in which two entries of one key differ, apart from what is said of their use; `None`: nowhere.
 fn differing_parts(a: &Entry, b: &Entry) -> Option<String> {
     let plain = |entry: &Entry| {
@@ -194,7 +215,7 @@ fn differing_parts(a: &Entry, b: &Entry) -> Option<String> {
         serde_json::to_value(entry).unwrap_or_default()
     };
     let (a, b) = (plain(a), plain(b));
-    let names: std::collections::BTreeSet<&String> =
+    let names: BTreeSet<&String> =
         [&a, &b].into_iter().filter_map(Value::as_object).flat_map(|o| o.keys()).collect();
     let differing: Vec<String> =
         names.into_iter().filter(|name| a[*name] != b[*name]).map(|name| format!("`{name}`")).collect();

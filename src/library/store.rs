@@ -288,7 +288,7 @@ impl Store {
     /// Stores an entry.
     ///
     /// # Errors
-    /// If the entry is not sound or too large, or the store cannot be written.
+    /// If the entry is not sound or too large, a key is given twice with different content, or the store cannot be written.
     pub fn put(&mut self, entry: &Entry) -> Result<Put, StoreError> {
         self.put_all(std::slice::from_ref(entry)).map(|done| done[0])
     }
@@ -327,10 +327,17 @@ impl Store {
         let mut changed: Vec<(String, String)> = Vec::new();
         let mut events = Vec::new();
         let mut done = Vec::with_capacity(entries.len());
+        let mut given: BTreeMap<&str, ContentHash> = BTreeMap::new();
         for entry in entries {
             let text = sound_text(entry)?;
             let hash = ContentHash::of_bytes(text.as_bytes());
+            let earlier = given.insert(&entry.key, hash);
+            if earlier.is_some_and(|earlier| earlier != hash) {
+                let what = "is given twice with different content; give one of the two".to_string();
+                return Err(StoreError::Invalid { key: entry.key.clone(), what });
+            }
             let (put, own) = match self.manifest.get(&entry.key) {
+                _ if earlier.is_some() => (Put::Unchanged, Happening::Added),
                 Some(held) if *held == hash => (Put::Unchanged, Happening::Added),
                 Some(_) if self.damaged.contains_key(&entry.key) => (Put::Replaced, Happening::Mended),
                 Some(_) => (Put::Replaced, Happening::Replaced),

@@ -1,7 +1,7 @@
 //! Export and import of whole libraries.
 
 use super::{entry, entry_of};
-use fallwerk::library::{Entry, Store, exchange};
+use fallwerk::library::{Deprecation, Entry, Put, Store, exchange};
 use std::fs;
 
 #[test]
@@ -59,6 +59,41 @@ fn a_bad_import_changes_nothing() {
     let message = exchange::import(&mut target, &file).unwrap_err().to_string();
     assert!(message.contains("differs from the one in the library in `axes`"), "{message}");
     assert_eq!(target.keys().len(), 1);
+}
+
+/// Two exports put together have entries twice: the same ones count once, and contradictory ones are refused.
+#[test]
+fn a_key_that_stands_twice_is_taken_once_or_refused() {
+    let room = tempfile::tempdir().unwrap();
+    let file = room.path().join("all.json");
+    let first = entry(2);
+    let other = entry_of(first.features.clone(), first.provenance.inputs.law.clone().unwrap(), 1, 8);
+    let marked = |reason: &str| {
+        let why = Deprecation { reason: reason.to_string(), successor: None };
+        Entry { deprecated: Some(why), ..first.clone() }
+    };
+    let write = |entries: &[&Entry]| {
+        let values: Vec<serde_json::Value> =
+            entries.iter().map(|e| serde_json::from_str(&e.to_text().unwrap()).unwrap()).collect();
+        let all = serde_json::json!({ "schema": exchange::EXCHANGE_SCHEMA, "entries": values });
+        fs::write(&file, all.to_string()).unwrap();
+    };
+    let mut store = Store::open(&room.path().join("library")).unwrap();
+    write(&[&entry(1), &first, &other]);
+    let message = exchange::import(&mut store, &file).unwrap_err().to_string();
+    let said = format!("entry 3 (`{}`) differs from entry 2, which has the same key, in `axes`", first.key);
+    assert!(message.contains(&said) && message.contains("take one of the two out"), "{message}");
+    assert!(store.keys().is_empty());
+    write(&[&first, &marked("coarse"), &marked("old"), &first]);
+    let report = exchange::import(&mut store, &file).unwrap();
+    assert_eq!((report.added, report.unchanged, report.deprecated), (1, 0, 0));
+    assert_eq!(store.get(&first.key).unwrap(), marked("coarse"));
+    assert_eq!(store.history().unwrap().events.len(), 1);
+
+    let message = store.put_all(&[entry(3), other, first.clone()]).unwrap_err().to_string();
+    assert!(message.contains("is given twice with different content"), "{message}");
+    assert_eq!(store.keys().len(), 1);
+    assert_eq!(store.put_all(&[entry(3), entry(3)]).unwrap(), [Put::Added, Put::Unchanged]);
 }
 
 #[test]
