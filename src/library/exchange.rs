@@ -4,6 +4,7 @@ use super::entry::Entry;
 use super::error::StoreError;
 use super::journal::Happening;
 use super::store::{Put, Store};
+use super::succession;
 use super::text::Manifest;
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::write_atomic;
@@ -79,15 +80,9 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
             Err(other) => report.text.push((store.text().path_of(&file.key), other.to_string())),
         }
     }
-    for (key, entry) in &good {
-        let successor = entry.deprecated.as_ref().and_then(|d| d.successor.as_ref());
-        if let Some(successor) = successor.filter(|s| !good.contains_key(*s)) {
-            report.text.push((
-                store.text().path_of(key),
-                format!("its successor `{successor}` is not in the library"),
-            ));
-        }
-    }
+    let successors = good.iter().map(|(key, entry)| (key.clone(), successor(entry))).collect();
+    let faults = succession::faults(&successors).into_iter();
+    report.text.extend(faults.map(|(key, what)| (store.text().path_of(&key), what)));
     let history = store.history()?;
     let lines = history.damaged_lines.iter();
     report.journal = lines.map(|line| format!("line {line} does not match its checksum")).collect();
@@ -140,7 +135,8 @@ fn is_export(path: &Path) -> bool {
 }
 
 /// Takes over the entries of an exchange file. All are checked first: if one is damaged, or a key
-/// is held here or stands twice with other content, nothing is imported. What is deprecated on either side stays so; where
+/// is held here or stands twice with other content, or a successor would be absent, of another kind or in a circle, nothing
+/// is imported. What is deprecated on either side stays so; where
 /// both are, the words of this library hold, and in the file those that come first.
 ///
 /// # Errors
@@ -150,6 +146,7 @@ pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError
     let text = fs::read_to_string(path).map_err(StoreError::io(path))?;
     let mut report = ImportReport::default();
     let mut entries: Vec<Entry> = Vec::new();
+    let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
     for (number, mut entry) in entries_of(&text).map_err(refuse)? {
         match store.get(&entry.key) {
             Ok(held) => {
@@ -169,7 +166,12 @@ pub fn import(store: &mut Store, path: &Path) -> Result<ImportReport, StoreError
             Err(StoreError::Damaged { .. }) => report.mended += 1,
             Err(_) => {}
         }
+        numbers.insert(entry.key.clone(), number);
         entries.push(entry);
+    }
+    if let Some((key, what)) = new_fault(store, &entries) {
+        let place = numbers.get(&key).map_or("of the library".to_string(), usize::to_string);
+        return Err(refuse(format!("entry {place} (`{key}`): {what}")));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let done = store.put_as(&entries, Some(Happening::Imported), &format!("from {name}"))?;
@@ -206,6 +208,20 @@ fn entries_of(text: &str) -> Result<Vec<(usize, Entry)>, String> {
         held.deprecated = held.deprecated.take().or(entry.deprecated);
     }
     Ok(entries)
+}
+
+/// The key of the successor of a deprecated entry.
+fn successor(entry: &Entry) -> Option<String> {
+    entry.deprecated.as_ref().and_then(|d| d.successor.clone())
+}
+
+/// The first fault that the successors have with these entries, and not without them.
+fn new_fault(store: &Store, entries: &[Entry]) -> Option<(String, String)> {
+    let before = store.successors();
+    let mut after = before.clone();
+    after.extend(entries.iter().map(|entry| (entry.key.clone(), successor(entry))));
+    let held = succession::faults(&before);
+    succession::faults(&after).into_iter().find(|fault| !held.contains(fault))
 }
 
 /// The names of the parts in which two entries of one key differ, apart from what is said of their use; `None`: nowhere.

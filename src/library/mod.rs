@@ -11,6 +11,7 @@
 //! | `key`, `check`, `thin` | keys; soundness of a record; thinning below the size limit |
 //! | `text`, `cache`, `lock` | the text folder; the working copy; the right to write |
 //! | [`store`] | opening, reading, writing |
+//! | `succession` | successors of deprecated entries |
 //! | [`journal`], `history` | the journal of events; what the store tells it |
 //! | [`find`], `query`, `interpolate` | the distance between features; queries; an entry between two |
 //! | [`derive`], [`derive_strip`], [`derive_contact`] | entries computed by the homogenised submodel: member ends, strips of slabs, ends that strike something |
@@ -48,6 +49,7 @@ pub mod rc_kinds;
 pub mod rc_springs;
 pub mod similar;
 pub mod store;
+mod succession;
 mod text;
 pub mod thin;
 

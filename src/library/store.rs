@@ -6,6 +6,7 @@ use super::error::StoreError;
 use super::journal::{Happening, Journal};
 use super::key;
 use super::lock::Lock;
+use super::succession::{self, Successors};
 use super::text::{Manifest, TextFile, TextFolder};
 use crate::base::hash::ContentHash;
 use std::collections::BTreeMap;
@@ -51,6 +52,8 @@ pub(super) struct Indexed {
     pub(super) features: Features,
     pub(super) submodel_version: u32,
     pub(super) deprecated: bool,
+    /// Key of its successor, if it is deprecated.
+    pub(super) successor: Option<String>,
     /// Hash of the record's content.
     pub(super) content: Option<ContentHash>,
 }
@@ -377,7 +380,7 @@ impl Store {
     /// Marks an entry as no longer to be used; of one that is marked already, what is not given anew is kept.
     ///
     /// # Errors
-    /// If either entry is absent or damaged, the successor is the entry itself or deprecated, the entry is deprecated and neither
+    /// If either entry is absent or damaged, the successor is the entry itself, of another kind or deprecated, the entry is deprecated and neither
     /// reason nor successor are new, or the store cannot be written.
     pub fn deprecate(
         &mut self,
@@ -393,6 +396,9 @@ impl Store {
         if let Some(successor) = successor {
             if successor == key {
                 return Err(invalid("cannot be its own successor"));
+            }
+            if succession::kind(successor) != succession::kind(key) {
+                return Err(invalid(&succession::other_kind(successor)));
             }
             if self.get(successor)?.deprecated.is_some() {
                 return Err(invalid(&format!("its successor `{successor}` is itself deprecated")));
@@ -436,6 +442,11 @@ impl Store {
         Ok(files.len() - self.damaged.len())
     }
 
+    /// The keys of usable entries with those of their successors.
+    pub(super) fn successors(&self) -> Successors {
+        self.index.iter().map(|(key, item)| (key.clone(), item.successor.clone())).collect()
+    }
+
     pub(super) fn text(&self) -> &TextFolder {
         &self.text
     }
@@ -453,6 +464,7 @@ impl Indexed {
             features: entry.features.clone(),
             submodel_version: entry.provenance.inputs.submodel_version.unwrap_or(0),
             deprecated: entry.deprecated.is_some(),
+            successor: entry.deprecated.as_ref().and_then(|d| d.successor.clone()),
             content: entry.checksum().ok(),
         }
     }

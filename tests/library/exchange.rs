@@ -1,8 +1,9 @@
 //! Export and import of whole libraries.
 
-use super::{entry, entry_of};
-use fallwerk::library::{Deprecation, Entry, Put, Store, exchange};
+use super::{computed, entry, entry_of};
+use fallwerk::library::{Deprecation, Entry, EntryKind, Origin, Put, Store, exchange};
 use std::fs;
+use std::path::Path;
 
 #[test]
 fn export_and_import_carry_everything() {
@@ -30,6 +31,59 @@ fn export_and_import_carry_everything() {
     assert_eq!(exchange::import(&mut target, &file).unwrap().mended, 1);
     assert_eq!(target.get(&entries[3].key).unwrap(), entries[3]);
     assert!(target.damaged().is_empty());
+}
+
+/// An exchange file of these entries.
+fn write_export(file: &Path, entries: &[&Entry]) {
+    let values: Vec<serde_json::Value> =
+        entries.iter().map(|e| serde_json::from_str(&e.to_text().unwrap()).unwrap()).collect();
+    let all = serde_json::json!({ "schema": exchange::EXCHANGE_SCHEMA, "entries": values });
+    fs::write(file, all.to_string()).unwrap();
+}
+
+/// What an import leaves is sound: successors are there and lead somewhere.
+#[test]
+fn an_import_brings_no_successor_that_is_absent_or_in_a_circle() {
+    let room = tempfile::tempdir().unwrap();
+    let file = room.path().join("all.json");
+    let [a, b, c] = [entry(1), entry(2), entry(3)];
+    let to = |entry: &Entry, successor: &Entry| {
+        let successor = Some(successor.key.clone());
+        Entry { deprecated: Some(Deprecation { reason: "old".into(), successor }), ..entry.clone() }
+    };
+    let mut store = Store::open(&room.path().join("library")).unwrap();
+    store.put_all(&[a.clone(), b.clone()]).unwrap();
+    store.deprecate(&a.key, Some(&b.key), None).unwrap();
+    let mut refused = |entries: &[&Entry], words: &str| {
+        write_export(&file, entries);
+        let message = exchange::import(&mut store, &file).unwrap_err().to_string();
+        assert!(message.contains(words) && message.contains("nothing was imported"), "{message}");
+        assert_eq!(store.keys().len(), 2);
+    };
+    refused(&[&a, &to(&b, &c)], &format!("entry 2 (`{}`): its successor `{}` is not in", b.key, c.key));
+    refused(&[&to(&b, &a)], "its successors lead back to it through");
+    refused(&[&c, &to(&b, &b)], "its successors lead back to it;");
+    write_export(&file, &[&c, &to(&b, &c)]);
+    assert_eq!(exchange::import(&mut store, &file).unwrap().deprecated, 1);
+    assert!(exchange::verify(&store).unwrap().is_clean());
+
+    // nor is a beam's hinge put in the place of a column's
+    let beam = Entry::new(
+        EntryKind::BeamHinge,
+        Origin::Submodel,
+        c.features.clone(),
+        c.provenance.inputs.clone(),
+        computed(3, 5, 20),
+    )
+    .unwrap();
+    store.put(&beam).unwrap();
+    let message = store.deprecate(&c.key, Some(&beam.key), None).unwrap_err().to_string();
+    assert!(message.contains("is of another kind; name one of the same kind"), "{message}");
+
+    // version control can bring what an import does not
+    fs::write(store.folder().join(format!("{}.json", b.key)), to(&b, &a).to_text().unwrap()).unwrap();
+    let report = exchange::verify(&store).unwrap();
+    assert!(report.text.len() == 1 && report.text[0].1.contains("lead back to it"), "{report:?}");
 }
 
 #[test]
@@ -72,12 +126,7 @@ fn a_key_that_stands_twice_is_taken_once_or_refused() {
         let why = Deprecation { reason: reason.to_string(), successor: None };
         Entry { deprecated: Some(why), ..first.clone() }
     };
-    let write = |entries: &[&Entry]| {
-        let values: Vec<serde_json::Value> =
-            entries.iter().map(|e| serde_json::from_str(&e.to_text().unwrap()).unwrap()).collect();
-        let all = serde_json::json!({ "schema": exchange::EXCHANGE_SCHEMA, "entries": values });
-        fs::write(&file, all.to_string()).unwrap();
-    };
+    let write = |entries: &[&Entry]| write_export(&file, entries);
     let mut store = Store::open(&room.path().join("library")).unwrap();
     write(&[&entry(1), &first, &other]);
     let message = exchange::import(&mut store, &file).unwrap_err().to_string();
