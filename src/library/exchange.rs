@@ -72,12 +72,11 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
     let mut good = BTreeMap::new();
     for file in &files {
         manifest.insert(file.key.clone(), ContentHash::of_bytes(&file.bytes));
-        match store.text().parse(&file.key, &file.bytes) {
+        match store.text().entry_in(file) {
             Ok(entry) => {
                 good.insert(file.key.clone(), entry);
             }
-            Err(StoreError::Damaged { path, what }) => report.text.push((path, what)),
-            Err(other) => report.text.push((store.text().path_of(&file.key), other.to_string())),
+            Err(what) => report.text.push((store.text().path_of(&file.key), what)),
         }
     }
     let successors = good.iter().map(|(key, entry)| (key.clone(), successor(entry))).collect();

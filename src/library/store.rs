@@ -82,7 +82,7 @@ impl Store {
     /// by [`Store::get`]. If another process has the library open, the text is read and nothing can be written.
     ///
     /// # Errors
-    /// If the text records cannot be read.
+    /// If the folder of the text records cannot be listed.
     pub fn open(library: &Path) -> Result<Self, StoreError> {
         Self::open_with_cache(library, &library.join(".cache"))
     }
@@ -90,7 +90,7 @@ impl Store {
     /// As [`Store::open`], with the working copy elsewhere.
     ///
     /// # Errors
-    /// If the text records cannot be read.
+    /// If the folder of the text records cannot be listed.
     pub fn open_with_cache(library: &Path, cache_folder: &Path) -> Result<Self, StoreError> {
         let text = TextFolder::new(library);
         let (lock, why_not) = match Lock::take(library) {
@@ -124,15 +124,12 @@ impl Store {
     fn check_text(&mut self, files: &[TextFile]) {
         self.index.clear();
         for file in files {
-            match self.text.parse(&file.key, &file.bytes) {
+            match self.text.entry_in(file) {
                 Ok(entry) => {
                     self.index.insert(file.key.clone(), Indexed::of(&entry));
                 }
-                Err(StoreError::Damaged { what, .. }) => {
+                Err(what) => {
                     self.damaged.insert(file.key.clone(), what);
-                }
-                Err(other) => {
-                    self.damaged.insert(file.key.clone(), other.to_string());
                 }
             }
         }

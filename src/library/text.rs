@@ -20,8 +20,10 @@ pub struct TextFolder {
 pub struct TextFile {
     /// The key by its place.
     pub key: String,
-    /// Its bytes.
+    /// Its bytes; none if it cannot be read.
     pub bytes: Vec<u8>,
+    /// Why it cannot be read, if so.
+    fault: Option<String>,
 }
 
 impl TextFolder {
@@ -60,12 +62,28 @@ impl TextFolder {
         Ok(found)
     }
 
-    /// All record files with their bytes, sorted by key.
+    /// All record files with their bytes, sorted by key. What cannot be read, a folder with the name of a record say, is
+    /// damaged, and keeps nobody from the others.
     ///
     /// # Errors
-    /// As the file system reports them.
+    /// If the file system does not list the folders.
     pub fn read_all(&self) -> Result<Vec<TextFile>, StoreError> {
-        self.scan()?.into_iter().map(|(key, path)| Ok(TextFile { key, bytes: bytes_of(&path)? })).collect()
+        let read = |(key, path): (String, PathBuf)| match bytes_of(&path) {
+            Ok(bytes) => TextFile { key, bytes, fault: None },
+            Err(fault) => TextFile { key, bytes: Vec::new(), fault: Some(what(fault)) },
+        };
+        Ok(self.scan()?.into_iter().map(read).collect())
+    }
+
+    /// The record in a file as found.
+    ///
+    /// # Errors
+    /// What is wrong with it, in words.
+    pub fn entry_in(&self, file: &TextFile) -> Result<Entry, String> {
+        match &file.fault {
+            Some(fault) => Err(fault.clone()),
+            None => self.parse(&file.key, &file.bytes).map_err(what),
+        }
     }
 
     /// Reads and checks one record.
@@ -131,13 +149,22 @@ impl TextFolder {
     }
 }
 
+/// What is wrong with a record, in words that do not name its file.
+fn what(fault: StoreError) -> String {
+    match fault {
+        StoreError::Damaged { what, .. } => what,
+        StoreError::Io { source, .. } => format!("it cannot be read: {source}"),
+        other => other.to_string(),
+    }
+}
+
 /// The bytes of a record's file; a pipe or device of that name would be waited for without end.
 fn bytes_of(path: &Path) -> Result<Vec<u8>, StoreError> {
     let about = fs::metadata(path).map_err(StoreError::io(path))?;
     if !about.is_file() {
         return Err(StoreError::Damaged {
             path: path.to_path_buf(),
-            what: "it is no ordinary file".to_string(),
+            what: "it is no ordinary file; move it out of the library".to_string(),
         });
     }
     fs::read(path).map_err(StoreError::io(path))

@@ -2,6 +2,7 @@
 
 use super::entry;
 use fallwerk::library::{Entry, Opened, Store, StoreError, exchange};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -268,16 +269,37 @@ fn a_killed_writer_leaves_each_record_old_or_new() {
     }
 }
 
-/// A named pipe in the place of a record would be read without end.
+/// A named pipe in the place of a record would be read without end; a folder, or a link to nothing, cannot be read at all.
+/// Each is named, and the other records stay in use.
 #[cfg(unix)]
 #[test]
-fn a_record_that_is_no_file_is_named() {
+fn what_is_no_file_is_named_and_the_others_stay_in_use() {
     let room = tempfile::tempdir().unwrap();
     let folder = room.path().join("library");
-    let entries = filled(&folder, 2);
-    let path = folder.join(format!("{}.json", entries[0].key));
-    fs::remove_file(&path).unwrap();
-    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
-    let error = Store::open(&folder).err().unwrap().to_string();
+    let entries = filled(&folder, 4);
+    let paths: Vec<PathBuf> = entries.iter().map(|e| folder.join(format!("{}.json", e.key))).collect();
+    paths[..3].iter().for_each(|path| fs::remove_file(path).unwrap());
+    assert!(std::process::Command::new("mkfifo").arg(&paths[0]).status().unwrap().success());
+    fs::create_dir(&paths[1]).unwrap();
+    std::os::unix::fs::symlink(room.path().join("absent"), &paths[2]).unwrap();
+    let mut store = Store::open(&folder).unwrap();
+    let damaged: BTreeMap<PathBuf, String> = store.damaged().into_iter().collect();
+    assert_eq!(damaged.len(), 3);
+    for (path, words) in paths.iter().zip(["no ordinary file", "no ordinary file", "it cannot be read: "]) {
+        assert!(damaged[path].contains(words), "{damaged:?}");
+    }
+    assert_eq!(store.list().unwrap(), entries[3..]);
+    let error = store.get(&entries[0].key).unwrap_err().to_string();
     assert!(error.contains("it is no ordinary file") && error.contains(&entries[0].key), "{error}");
+    assert_eq!(exchange::verify(&store).unwrap().text.len(), 3);
+    // a pipe and a link are replaced by the record, a folder is not, and stays what it is
+    store.put(&entries[0]).unwrap();
+    store.put(&entries[2]).unwrap();
+    assert!(matches!(store.put(&entries[1]), Err(StoreError::Io { .. })) && paths[1].is_dir());
+    drop(store);
+    fs::remove_dir(&paths[1]).unwrap();
+    let mut store = Store::open(&folder).unwrap();
+    store.put(&entries[1]).unwrap();
+    assert_eq!(store.list().unwrap().len(), 4);
+    assert!(exchange::verify(&store).unwrap().is_clean());
 }
