@@ -22,9 +22,11 @@ pub const ENTRY_SCHEMA: u32 = 2;
 /// Oldest version that is read.
 pub const OLDEST_SCHEMA: u32 = 1;
 
-/// Largest size of a record \[bytes\]: larger values make the working copy (sled) keep blobs that it
-/// never gives back.
+/// Largest size of a record \[bytes\] without what is said of its deprecation, which any record has room for: much larger
+/// values make the working copy (sled) keep blobs that it never gives back.
 pub const RECORD_LIMIT_BYTES: usize = 16_000;
+/// Most characters of the reason of a deprecation.
+pub const REASON_LIMIT: usize = 500;
 
 /// One subsystem of the library.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! The store: text records as the truth, a checked working copy beside them.
 
 use super::cache::{self, Cache};
-use super::entry::{Deprecation, Entry, EntryKind, Features, Origin, RECORD_LIMIT_BYTES};
+use super::entry::{Deprecation, Entry, EntryKind, Features, Origin, REASON_LIMIT, RECORD_LIMIT_BYTES};
 use super::error::StoreError;
 use super::journal::{Happening, Journal};
 use super::key;
@@ -477,11 +477,25 @@ fn sound_text(entry: &Entry) -> Result<String, StoreError> {
     if Entry::from_text(&text).map_err(invalid)? != *entry {
         return Err(invalid("does not read back as it was written".to_string()));
     }
-    if text.len() >= RECORD_LIMIT_BYTES {
+    let Some(deprecated) = &entry.deprecated else {
+        return within_limit(text.len()).map(|()| text).map_err(invalid);
+    };
+    let length = deprecated.reason.chars().count();
+    if length > REASON_LIMIT {
         return Err(invalid(format!(
-            "its record has {} bytes, the limit is {RECORD_LIMIT_BYTES}; give fewer axial forces or points",
-            text.len()
+            "its reason for the deprecation has {length} characters; use at most {REASON_LIMIT}"
         )));
     }
-    Ok(text)
+    let plain = Entry { deprecated: None, ..entry.clone() }.to_text().map_err(|e| invalid(e.to_string()))?;
+    within_limit(plain.len()).map(|()| text).map_err(invalid)
+}
+
+/// Whether a record may have so many bytes, apart from those of its deprecation.
+fn within_limit(bytes: usize) -> Result<(), String> {
+    if bytes < RECORD_LIMIT_BYTES {
+        return Ok(());
+    }
+    Err(format!(
+        "its record has {bytes} bytes, the limit is {RECORD_LIMIT_BYTES}; give fewer axial forces or points"
+    ))
 }

@@ -100,6 +100,32 @@ fn unsound_entries_are_refused_and_nothing_is_written() {
     assert!(!room.path().join("column_hinge").exists());
 }
 
+/// Curves are thinned until a record just fits; that it is no longer to be used, and what is in its place, can be said all the same.
+#[test]
+fn a_record_of_the_largest_size_can_be_deprecated() {
+    let room = tempfile::tempdir().unwrap();
+    let (small, base) = (entry(1), entry(2));
+    let padded = |bytes: usize| {
+        let mut inputs = base.provenance.inputs.clone();
+        inputs.settings.insert("padding".to_string(), "x".repeat(bytes).into());
+        Entry::new(base.kind, base.origin, base.features.clone(), inputs, computed(2, 5, 20)).unwrap()
+    };
+    let large = padded(15_999 - padded(0).to_text().unwrap().len());
+    assert_eq!(large.to_text().unwrap().len(), 15_999);
+    let mut store = Store::open(room.path()).unwrap();
+    store.put_all(&[small.clone(), large.clone()]).unwrap();
+    let longest = "ä".repeat(500);
+    let refused = store.deprecate(&large.key, None, Some(&format!("{longest}!"))).unwrap_err().to_string();
+    assert!(refused.contains("has 501 characters; use at most 500"), "{refused}");
+    store.deprecate(&large.key, Some(&small.key), Some(&longest)).unwrap();
+    drop(store);
+    let store = Store::open(room.path()).unwrap();
+    assert_eq!(*store.opened(), Opened::Checked);
+    assert_eq!(store.get(&large.key).unwrap().deprecated.unwrap().reason, longest);
+    let blobs = fs::read_dir(room.path().join(".cache/db/blobs")).map_or(0, |items| items.count());
+    assert_eq!(blobs, 0, "the working copy keeps it with the others");
+}
+
 #[test]
 fn a_new_result_of_the_same_inputs_replaces_the_record() {
     let room = tempfile::tempdir().unwrap();
