@@ -177,7 +177,8 @@ pub fn words_of(rules: &RuleBase, rule: &str) -> Option<String> {
     rules.rule(rule).map(|r| r.words.clone())
 }
 
-/// Opens the library. With `write` it must be writable, and its folder is made where it does not exist.
+/// Opens the library. With `write` it must be writable, and its folder is made where it does not exist; without, others may
+/// write to it meanwhile.
 ///
 /// # Errors
 /// If the folder named by the user does not exist, cannot be read, or (with `write`) cannot be written.
@@ -186,7 +187,8 @@ pub fn library(given: Option<&Path>, write: bool) -> Result<Store, Failure> {
         exists(given, "library")?;
     }
     let folder = folder(given, "library");
-    let store = Store::open(&folder).map_err(|e| Failure::input(e.to_string()))?;
+    let store = if write { Store::open(&folder) } else { Store::open_to_read(&folder) };
+    let store = store.map_err(|e| Failure::input(e.to_string()))?;
     for (path, what) in store.damaged() {
         eprintln!("warning: {}: damaged record, not used: {what}", path.display());
     }
@@ -206,5 +208,19 @@ fn exists(given: Option<&Path>, option: &str) -> Result<(), Failure> {
             Err(Failure::input(format!("--{option}: {} is not a folder", path.display())))
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_reads_keeps_nobody_from_writing() {
+        let room = tempfile::tempdir().unwrap();
+        let read = library(Some(room.path()), false).unwrap();
+        assert!(*read.opened() == Opened::ToRead && !room.path().join(".cache").exists());
+        assert!(library(Some(room.path()), true).unwrap().writable().is_ok());
+        assert!(read.writable().unwrap_err().to_string().contains("it was opened to be read"));
     }
 }

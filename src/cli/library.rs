@@ -227,14 +227,19 @@ fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
         write!(out, "{text}")?;
         return Ok(0);
     }
-    let mut store = Store::open(&args.command.folder(args.library.as_deref())?)?;
+    let folder = args.command.folder(args.library.as_deref())?;
+    let mut store =
+        if args.command.needs_lock() { Store::open(&folder)? } else { Store::open_to_read(&folder)? };
     say_how_opened(&store, args.command.names_damage(), err)?;
     if args.command.writes() && store.writable().is_ok() {
         warn_of_gone(&store, err)?;
     }
     let code = dispatch(args, &mut store, out, err)?;
     if let (true, Opened::TextOnly { why, writable: true }) = (args.command.writes(), store.opened()) {
-        writeln!(err, "note: the text records are written; {why}; the next command builds the copy again")?;
+        writeln!(
+            err,
+            "note: the text records are written; {why}; the next command that writes builds the copy again"
+        )?;
     }
     Ok(code)
 }
@@ -245,6 +250,11 @@ impl LibraryCommand {
             self,
             Self::Derive(_) | Self::Add(_) | Self::Rebuild | Self::Import { .. } | Self::Deprecate { .. }
         )
+    }
+
+    /// Whether nobody else may write meanwhile: it writes, or looks at the working copy, which one process may have open.
+    fn needs_lock(&self) -> bool {
+        self.writes() || matches!(self, Self::Verify)
     }
 
     /// The library folder: that of the program is for reading only.
@@ -327,7 +337,7 @@ fn dispatch(
 
 fn say_how_opened(store: &Store, names_damage: bool, err: &mut dyn Write) -> io::Result<()> {
     match store.opened() {
-        Opened::Checked => {}
+        Opened::Checked | Opened::ToRead => {}
         Opened::Rebuilt { why, set_aside: true } => {
             writeln!(err, "note: the working copy was built anew from the text records: {why}")?;
         }

@@ -2,7 +2,7 @@
 //!
 //! The text records in `library/<kind>/` are the truth; each is addressed by the hash of what it was
 //! computed from and carries a checksum. A working copy in sled lies in `library/.cache/`; it is compared with the
-//! text at every opening and built again if anything differs. No query returns an entry that
+//! text whenever somebody who may write opens it, and built again if anything differs; who only reads does without it. No query returns an entry that
 //! was not asked for: beyond the tolerance the answer is "none".
 //!
 //! | file | owns |

@@ -32,6 +32,8 @@ pub enum Opened {
         /// Whether records can be written.
         writable: bool,
     },
+    /// To be read only: records are read from their files, and nothing is locked or built.
+    ToRead,
 }
 
 /// What a put did.
@@ -92,14 +94,38 @@ impl Store {
     /// # Errors
     /// If the folder of the text records cannot be listed.
     pub fn open_with_cache(library: &Path, cache_folder: &Path) -> Result<Self, StoreError> {
-        let text = TextFolder::new(library);
         let (lock, why_not) = match Lock::take(library) {
             Ok(lock) => (Some(lock), String::new()),
             Err(why) => (None, why),
         };
         if lock.is_some() {
-            text.clear_temporaries();
+            TextFolder::new(library).clear_temporaries();
         }
+        let opened = Opened::TextOnly { why: why_not, writable: false };
+        let (mut store, files) = Self::of_text(library, cache_folder, lock, opened)?;
+        if store.lock.is_some() {
+            store.open_cache(&files);
+        }
+        Ok(store)
+    }
+
+    /// As [`Store::open`] for whoever only reads: others may write meanwhile, and a record that they replace is seen as it was
+    /// or as it is, never in between. Records are read from their files, and nothing can be written.
+    ///
+    /// # Errors
+    /// If the folder of the text records cannot be listed.
+    pub fn open_to_read(library: &Path) -> Result<Self, StoreError> {
+        Self::of_text(library, &library.join(".cache"), None, Opened::ToRead).map(|(store, _)| store)
+    }
+
+    /// The store of the text records, without a working copy, and these.
+    fn of_text(
+        library: &Path,
+        cache_folder: &Path,
+        lock: Option<Lock>,
+        opened: Opened,
+    ) -> Result<(Self, Vec<TextFile>), StoreError> {
+        let text = TextFolder::new(library);
         let files = text.read_all()?;
         let mut store = Self {
             manifest: files.iter().map(|f| (f.key.clone(), ContentHash::of_bytes(&f.bytes))).collect(),
@@ -110,14 +136,11 @@ impl Store {
             cache: None,
             damaged: BTreeMap::new(),
             index: BTreeMap::new(),
-            opened: Opened::TextOnly { why: why_not, writable: false },
+            opened,
             lock,
         };
         store.check_text(&files);
-        if store.lock.is_some() {
-            store.open_cache(&files);
-        }
-        Ok(store)
+        Ok((store, files))
     }
 
     /// Checks all text records; notes the damaged ones and fills the index.
@@ -296,12 +319,12 @@ impl Store {
     /// Whether this process may write.
     ///
     /// # Errors
-    /// [`StoreError::ReadOnly`] with the reason: another process has the library open, or the folder is read-only.
+    /// [`StoreError::ReadOnly`] with the reason: another process has the library open, the folder is read-only, or it was opened to be read.
     pub fn writable(&self) -> Result<(), StoreError> {
         match (&self.lock, &self.opened) {
             (Some(_), _) => Ok(()),
             (None, Opened::TextOnly { why, .. }) => Err(StoreError::ReadOnly { why: why.clone() }),
-            (None, _) => Err(StoreError::ReadOnly { why: "it is not locked".to_string() }),
+            (None, _) => Err(StoreError::ReadOnly { why: "it was opened to be read".to_string() }),
         }
     }
 

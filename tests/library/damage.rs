@@ -1,7 +1,7 @@
 //! Damage: the working copy may be anything, the text may not.
 
 use super::entry;
-use fallwerk::library::{Entry, Opened, Store, StoreError, exchange};
+use fallwerk::library::{Entry, Opened, Put, Store, StoreError, exchange};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -198,6 +198,24 @@ fn the_second_to_open_reads_text_and_cannot_write() {
     first.put(&entry(50)).unwrap();
     drop((first, second));
     assert_eq!(*Store::open(room.path()).unwrap().opened(), Opened::Checked, "the lock is given back");
+}
+
+/// Whoever only reads, for however long, takes no lock: others write, and what they replace is read old or new.
+#[test]
+fn who_reads_does_not_keep_others_from_writing() {
+    let room = tempfile::tempdir().unwrap();
+    let entries = filled(room.path(), 3);
+    fs::remove_dir_all(room.path().join(".cache")).unwrap();
+    let mut reader = Store::open_to_read(room.path()).unwrap();
+    assert!(*reader.opened() == Opened::ToRead && !room.path().join(".cache").exists());
+    let [first, second] = two_results(1);
+    let mut writer = Store::open(room.path()).unwrap();
+    assert_eq!(reader.get(&first.key).unwrap(), first);
+    assert_eq!(writer.put_all(&[second.clone(), entry(50)]).unwrap(), [Put::Replaced, Put::Added]);
+    assert_eq!(reader.get(&first.key).unwrap(), second);
+    assert_eq!(reader.list().unwrap().len(), entries.len(), "what came later is not seen");
+    let refused = reader.put(&entry(51)).unwrap_err().to_string();
+    assert!(refused.contains("can only be read: it was opened to be read"), "{refused}");
 }
 
 #[test]

@@ -189,8 +189,11 @@ fn corruptions(count: usize, seed: u64) -> (usize, BTreeMap<String, usize>) {
                 _ => fs::remove_file(victim).unwrap(),
             }
         }
-        // A command that looks, then one that checks.
+        // A command that looks, which does without the copy, then one that checks.
         let output = fallwerk(&library, &["list"]).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "trial {trial}: {}", told(&output));
+        assert!(output.stderr.is_empty(), "trial {trial}: {}", told(&output));
+        let output = fallwerk(&library, &["verify"]).output().unwrap();
         assert_eq!(output.status.code(), Some(0), "trial {trial}: {}", told(&output));
         let notes = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!notes.contains("panicked"), "trial {trial}: {notes}");
@@ -293,6 +296,7 @@ fn a_second_process_is_told_who_holds_the_library_before_it_computes() {
     }
     let output = fallwerk(&library, &["list"]).output().unwrap();
     assert!(output.status.success() && told(&output).contains(&entry(1).key), "others may look");
+    assert!(output.stderr.is_empty(), "and nothing is the matter: {}", told(&output));
 }
 
 /// Kills of `derive`, which computes for a while between its writes. Returns how many runs came to their end first, and how
