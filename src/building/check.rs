@@ -289,7 +289,8 @@ fn remove_both(earlier: &Charge, later: &Charge) -> bool {
     match (earlier.stretch_m, later.stretch_m) {
         (None, _) => true,
         (Some(_), None) => later.time_s <= earlier.time_s,
-        (Some([a, b]), Some([c, d])) => a.max(c) < b.min(d),
+        // ends that are the same place may differ in their last digits: 0.1 + 0.2 and 0.3
+        (Some([a, b]), Some([c, d])) => a.max(c) + COORDINATE_TOLERANCE_M < b.min(d),
     }
 }
 

@@ -7,6 +7,7 @@ use super::bodies::Bodies;
 use super::joints::{Prism, axes};
 use super::sections::slice;
 use crate::building::ends::MemberEnd;
+use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::tracked::{SHORTEST_REST, clear_range};
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
@@ -42,11 +43,15 @@ impl Stumps {
             .map(|(i, s, _)| (i, s.map_or([f64::NEG_INFINITY, f64::INFINITY], |s| s.map(|z| low + z))))
             .collect();
         let [from, to] = clear_range(&structure.partition, member, column.axis)?;
-        let mut edges: Vec<f64> =
-            stretches.iter().flat_map(|(_, s)| *s).filter(|z| *z > from && *z < to).collect();
+        let tolerance = COORDINATE_TOLERANCE_M;
+        let mut edges: Vec<f64> = stretches
+            .iter()
+            .flat_map(|(_, s)| *s)
+            .filter(|z| *z > from + tolerance && *z < to - tolerance)
+            .collect();
         edges.extend([from, to]);
         edges.sort_by(f64::total_cmp);
-        edges.dedup();
+        edges.dedup_by(|later, earlier| *later - *earlier <= tolerance);
         let takes = |at: f64| stretches.iter().find(|(_, s)| s[0] < at && at < s[1]).map(|(i, _)| *i);
         let taken = edges.windows(2).map(|e| takes(0.5 * (e[0] + e[1]))).collect();
         let mut this = Self { member, edges, taken, lost: Vec::new() };

@@ -71,3 +71,17 @@ fn feet_without_a_support_are_told() {
     assert!(told.contains("2 members stand on the ground without a support"), "{told}");
     assert!(told.contains("`C1-B1` and `C1-B2`"), "{told}");
 }
+
+/// Stretches that end and begin at one place do not overlap, also where the place has another last digit.
+#[test]
+fn stretches_that_meet_do_not_overlap() {
+    let found = |from: &str| {
+        let text = fallwerk::building::EXAMPLE
+            .replace("member = \"C1-A1\"", "member = \"C1-A1\"\nstretch = [0, 0.30000000000000004]")
+            .replace("member = \"C1-B1\"", &format!("member = \"C1-A1\"\nstretch = [{from}, 0.6]"));
+        inspect(&text, Format::Toml, "a.toml").diagnostics
+    };
+    assert_eq!(found("0.3").errors(), 0, "{}", found("0.3").render(false));
+    let told = found("0.29").render(false);
+    assert!(told.contains("of which 0.29 to 0.30000000000000004 m are already removed"), "{told}");
+}

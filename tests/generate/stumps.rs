@@ -105,6 +105,17 @@ fn every_charge_takes_its_own() {
     assert!(!tracked("C1-A1.top") && !tracked("C1-B1.top") && !tracked("C1-A2.top") && tracked("C1-B2.top"));
 }
 
+/// Stretches that end and begin at one place, but for the last digit, have nothing between them.
+#[test]
+fn stretches_that_meet_leave_nothing_between_them() {
+    let stretches = [Some([0.0, 0.1 + 0.2]), Some([0.3, 0.6])];
+    let generated = of(&with(&[("C1-A1", stretches[0], 0.0), ("C1-A1", stretches[1], 0.1)]));
+    let expected = [("c1", vec!["C1-A1/1"]), ("c2", vec!["C1-A1/2"])];
+    assert_eq!(taken(&generated.model.events), expected);
+    assert_eq!(generated.model.bodies.iter().filter(|b| b.id.starts_with("C1-A1")).count(), 3);
+    assert!(!generated.notes.iter().any(|n| n.starts_with("what charges leave")), "{:?}", generated.notes);
+}
+
 /// The hinge of a stump stands in it, and what it may be shortened by goes with its length.
 #[test]
 fn a_stump_has_the_hinge_of_its_end() {
