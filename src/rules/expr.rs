@@ -86,7 +86,7 @@ pub struct SyntaxError {
 /// The first place where the text is no condition.
 pub fn parse(text: &str) -> Result<Expr, SyntaxError> {
     let tokens = tokens(text)?;
-    let mut parser = Parser { tokens: &tokens, next: 0, end: text.len(), depth: 0 };
+    let mut parser = Parser { tokens: &tokens, next: 0, end: text.len(), depth: 0, comparisons: 0 };
     let expr = parser.condition()?;
     match parser.peek() {
         None => Ok(expr),
@@ -129,6 +129,9 @@ const SYMBOLS: [&str; 12] = ["==", "!=", "<=", ">=", "<", ">", "(", ")", "[", "]
 const RESERVED: [&str; 7] = ["and", "or", "not", "in", "true", "false", "always"];
 /// Deepest nesting of parentheses and `not`; deeper conditions are nobody's.
 const DEPTH_LIMIT: usize = 32;
+/// Most comparisons of a condition, each value of a list counted: the search for conflicts and gaps looks at their combinations, and a
+/// chain of `and` or `or` is as deep as it is long.
+const COMPARISONS_LIMIT: usize = 256;
 
 fn tokens(text: &str) -> Result<Vec<Token>, SyntaxError> {
     let bytes = text.as_bytes();
@@ -190,6 +193,8 @@ struct Parser<'a> {
     next: usize,
     end: usize,
     depth: usize,
+    /// How many were read so far.
+    comparisons: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -291,8 +296,25 @@ impl<'a> Parser<'a> {
             _ => (Relation::Equal, false, vec![(Operand::Literal(Value::Flag(true)), feature.1.clone())]),
         };
         let span = start..self.tokens[self.next - 1].span.end;
+        self.count(&operands)?;
         let test = Expr::Test(Test { feature, relation, operands, span });
         Ok(if negated { Expr::Not(Box::new(test)) } else { test })
+    }
+
+    /// Counts comparisons with these.
+    fn count(&mut self, operands: &[(Operand, Span)]) -> Result<(), SyntaxError> {
+        let left = COMPARISONS_LIMIT - self.comparisons;
+        self.comparisons += operands.len();
+        match operands.get(left) {
+            None => Ok(()),
+            Some((_, span)) => Err(error(
+                span,
+                format!(
+                    "comparison {} of a condition, which has at most {COMPARISONS_LIMIT}; make several rules of it, one for each part of an `or`",
+                    COMPARISONS_LIMIT + 1
+                ),
+            )),
+        }
     }
 
     fn feature(&mut self) -> Result<(String, Span), SyntaxError> {
@@ -375,5 +397,24 @@ mod tests {
             assert!(found.message.contains(words), "{text}: {}", found.message);
         }
         assert!(parse(&"(".repeat(100_000)).unwrap_err().message.contains("nested deeper"));
+    }
+
+    #[test]
+    fn long_conditions_are_refused_at_the_place_where_they_are_too_long() {
+        for word in ["and", "or"] {
+            let chain = |count: usize| vec!["a > 1"; count].join(&format!(" {word} "));
+            assert!(parse(&chain(256)).is_ok());
+            let found = parse(&chain(30_000)).unwrap_err();
+            let at = 256 * (chain(2).len() - 5) + 4;
+            assert_eq!(found.span, at..at + 1);
+            assert!(
+                found
+                    .message
+                    .contains("comparison 257 of a condition, which has at most 256; make several rules")
+            );
+        }
+        let list = |count: usize| format!("b and a in [{}]", vec!["1"; count].join(","));
+        assert!(parse(&list(255)).is_ok());
+        assert_eq!(parse(&list(256)).unwrap_err().span, 12 + 2 * 255..13 + 2 * 255);
     }
 }

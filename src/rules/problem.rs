@@ -63,14 +63,27 @@ impl fmt::Display for Problem {
         let Some(place) = &self.place else { return f.write_str(&self.message) };
         let (line, column, text, mark) = place.locate();
         let gutter = line.to_string().len();
-        let text = text.trim_end_matches('\r');
+        let (text, before) = excerpt(text.trim_end_matches('\r'), column - 1);
         // Tabs stay tabs in front of the mark, so that it stands below what it marks.
-        let indent: String =
-            text.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let indent: String = text.chars().take(before).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let mark = mark.min(text.chars().count().saturating_sub(before)).max(1);
         writeln!(f, "{}:{line}:{column}: {}", place.source.name, self.message)?;
         writeln!(f, "{line} | {text}")?;
         write!(f, "{:gutter$} | {indent}{}", "", "^".repeat(mark))
     }
+}
+
+/// Most characters that are shown of a line, and how many of them before the mark.
+const SHOWN: (usize, usize) = (240, 80);
+
+/// A line, or what is around a place in a long one, and how many characters of that are before the place.
+fn excerpt(line: &str, place: usize) -> (String, usize) {
+    let (most, before) = SHOWN;
+    let skipped = if line.chars().count() > most { place.saturating_sub(before) } else { 0 };
+    let start = if skipped > 0 { "…" } else { "" };
+    let text: String = line.chars().skip(skipped).take(most).collect();
+    let end = if line.chars().count() > skipped + most { "…" } else { "" };
+    (format!("{start}{text}{end}"), place - skipped + start.chars().count())
 }
 
 /// All problems of a rule base, in order of files and places.

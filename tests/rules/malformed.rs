@@ -85,6 +85,23 @@ fn faults_of_one_rule_are_named_with_what_would_be_right() {
     }
 }
 
+/// A chain of comparisons is read to its end, and told at the first that is too many.
+#[test]
+fn conditions_are_no_novels() {
+    let when = |count: usize| {
+        let words: Vec<String> = (0..count).map(|i| format!("member.length > {i}.5")).collect();
+        format!("when = \"{}\"", words.join(" and "))
+    };
+    assert!(base(&[rule("a", &[&when(256)])]).is_ok());
+    let found = message(&[rule("a", &[&when(30_000)])]);
+    assert!(found.starts_with("test.toml:6:") && found.contains("has at most 256; make several"), "{found}");
+    // of a long line what is around the place is shown
+    let lines: Vec<Vec<char>> = found.lines().map(|line| line.chars().collect()).collect();
+    assert!(lines.len() == 3 && lines[1].len() < 300 && lines[2].len() < 300, "{found}");
+    let mark: String = lines[1].iter().zip(&lines[2]).filter(|(_, m)| **m == '^').map(|(c, _)| *c).collect();
+    assert_eq!(mark, "256.5");
+}
+
 #[test]
 fn ids_are_no_novels() {
     assert!(base(&[rule(&"a".repeat(200), &[])]).is_ok());
