@@ -541,6 +541,21 @@ fn springs_of_bushings_turn_with_the_second_body() {
     }
 }
 
+/// Contact is softer than connections: as stiff as the step allows it throws up what slides.
+#[test]
+fn contacts_give_way_over_many_steps() {
+    for (step_s, contact_s) in [(1e-4, 0.01), (1e-3, 0.02)] {
+        let mut model = of("sliding-box");
+        model.settings.time_step_s = Some(step_s);
+        let root = check_mjcf(&model, false);
+        let solref = |name: &str| {
+            root.all("default")[0].children.iter().find(|c| c.name == name).unwrap().numbers("solref")
+        };
+        assert_eq!(root.all("option")[0].numbers("timestep"), [step_s]);
+        assert_eq!((solref("geom"), solref("equality")), (vec![contact_s, 1.0], vec![2.0 * step_s, 1.0]));
+    }
+}
+
 #[test]
 fn anchors_of_constraints_lie_on_the_joint() {
     let model = of("a04-bricard");

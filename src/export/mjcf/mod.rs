@@ -26,6 +26,11 @@ use body::Writer;
 
 /// Step of a bushing's highest frequency: `FRACTION / ω`.
 const FRACTION: f64 = 0.3;
+/// Time constant of contact in steps. With 2 a box that slides at 5 m/s is thrown up by 0.2 m whatever the step, with 10 by 10 mm, with 20 by 2 mm
+/// (MuJoCo 4.0.0).
+const CONTACT_STEPS: f64 = 20.0;
+/// Least time constant of contact \[s\]. Below it bodies give way by fractions of a millimetre less, and more steps gain nothing.
+const CONTACT_LEAST_S: f64 = 0.01;
 
 /// Lines with their indent.
 #[derive(Debug, Default)]
@@ -109,9 +114,11 @@ pub(super) fn write(model: &Model, loose: bool, notes: &mut Notes) -> String {
         if smooth { "RK4" } else { "implicitfast" }
     ));
     head.open("<default>");
-    // as stiff as the step allows; contacts with less give throw piles of bodies apart
-    let stiff = format!("solref=\"{} 1\"", plain(2.0 * step));
-    head.line(&format!("<geom condim=\"3\" {stiff} solimp=\"0.9 0.99 0.001 0.5 2\"/>"));
+    let time_constant = |s: f64| format!("solref=\"{} 1\"", plain(s));
+    let give = time_constant(contact_s(step));
+    head.line(&format!("<geom condim=\"3\" {give} solimp=\"0.9 0.99 0.001 0.5 2\"/>"));
+    // as stiff as the step allows
+    let stiff = time_constant(2.0 * step);
     head.line(&format!("<equality {stiff} solimp=\"0.9999 0.9999 0.001 0.5 2\"/>"));
     head.close("</default>");
     contact::meshes(&mut head, model);
@@ -130,6 +137,11 @@ fn step_s(model: &Model) -> f64 {
     let bushings = System::new(model).map(|mut s| highest_rad_s(&mut s)).unwrap_or(0.0);
     let shortest = model.settings.time_step_s.unwrap_or(1e-3f64.min(model.settings.output_interval_s / 50.0));
     if bushings > 0.0 { shortest.min(FRACTION / bushings) } else { shortest }
+}
+
+/// Time constant within which contact takes away a depth, with this step \[s\].
+fn contact_s(step_s: f64) -> f64 {
+    (CONTACT_STEPS * step_s).max(CONTACT_LEAST_S)
 }
 
 /// What the format cannot hold, and what of this model is left out.
