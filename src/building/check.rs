@@ -9,6 +9,7 @@ use super::overrides;
 use super::partition::{COORDINATE_TOLERANCE_M, Partition};
 use super::plan::prepared;
 use super::read::Draft;
+use super::soffits;
 use super::structure::list_words;
 use super::turned::TurnedBox;
 use crate::base::diagnostic::{Diagnostic, Severity, quoted};
@@ -42,6 +43,7 @@ pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     if found.iter().all(|d| d.severity == Severity::Warning) {
         overrides::together(draft, found);
         unused(draft, found);
+        soffits::check(&draft.members.list, found);
     }
 }
 
@@ -453,7 +455,7 @@ fn loose_feet(draft: &Draft, supported: &[bool], found: &mut Vec<Diagnostic>) {
 }
 
 /// "`A`, `B`, `C` and 4 more".
-fn some_of(ids: &[&str]) -> String {
+pub(super) fn some_of(ids: &[&str]) -> String {
     if ids.len() <= 5 {
         return list_words(ids).replace(" or ", " and ");
     }

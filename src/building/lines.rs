@@ -62,10 +62,11 @@ pub fn lines(building: &Building, partition: &Partition) -> Vec<Line> {
 pub fn of_slabs(members: &[&Member]) -> Vec<Line> {
     let columns = of_kind(members, MemberKind::Column).map(|column| (column, members[column].solid));
     let columns = Boxes::numbered(columns);
+    let beams = Boxes::numbered(of_kind(members, MemberKind::Beam).map(|beam| (beam, members[beam].solid)));
     let is_slab: Vec<bool> = members.iter().map(|m| m.kind == MemberKind::Slab && !m.is_skew()).collect();
     // slabs that touch are one floor
     let floors = unsupported_groups(members, &is_slab, &vec![false; members.len()]);
-    floors.iter().flat_map(|floor| of_floor(members, &columns, floor)).collect()
+    floors.iter().flat_map(|floor| of_floor(members, &columns, &beams, floor)).collect()
 }
 
 /// The members of a kind that are not turned out of the axes.
@@ -76,13 +77,31 @@ fn of_kind<'a>(members: &'a [&Member], kind: MemberKind) -> impl Iterator<Item =
 /// Columns that stand in one place of a floor, one on the other or side by side, the lowest first.
 type Place = Vec<usize>;
 
-fn of_floor(members: &[&Member], columns: &Boxes, slabs: &[usize]) -> Vec<Line> {
+/// Whether a member with this solid stands under, on or in another one, by their plans.
+fn carries(c: &Aabb, s: &Aabb) -> bool {
+    (0..2).all(|i| c.max[i] > s.min[i] + MEETS_M && c.min[i] < s.max[i] - MEETS_M)
+}
+
+/// The columns below a slab that end at the beams under it, or in them.
+fn under_beams(members: &[&Member], columns: &Boxes, beams: &Boxes, slab: &Aabb) -> Vec<usize> {
+    let of = |member: usize| &members[member].solid;
+    let on = beams.near(slab, MEETS_M).into_iter().filter(|b| of(*b).min[2] < slab.min[2]);
+    on.flat_map(|beam| columns.near(of(beam), MEETS_M).into_iter().map(move |column| (beam, column)))
+        .filter(|(beam, column)| {
+            let top_m = of(*column).max[2];
+            let ends_there = top_m > of(*beam).min[2] - MEETS_M && top_m < slab.min[2];
+            ends_there && carries(of(*column), of(*beam)) && carries(of(*column), slab)
+        })
+        .map(|(_, column)| column)
+        .collect()
+}
+
+fn of_floor(members: &[&Member], columns: &Boxes, beams: &Boxes, slabs: &[usize]) -> Vec<Line> {
     let of = |column: usize| &members[column].solid;
-    let carries =
-        |c: &Aabb, s: &Aabb| (0..2).all(|i| c.max[i] > s.min[i] + MEETS_M && c.min[i] < s.max[i] - MEETS_M);
     let mut own = BTreeSet::new();
     for solid in slabs.iter().map(|slab| &members[*slab].solid) {
         own.extend(columns.near(solid, MEETS_M).into_iter().filter(|c| carries(of(*c), solid)));
+        own.extend(under_beams(members, columns, beams, solid));
     }
     let rows = [0, 1].map(|i| rows(own.iter().map(|c| [of(*c).center()[i], of(*c).size()[i]]).collect()));
     let mut list = Vec::new();
@@ -256,6 +275,18 @@ mod tests {
         let lines = of_slabs(&members.iter().collect::<Vec<_>>());
         assert_eq!((lines.len(), lines[0].columns.as_ref().unwrap()[0].len()), (1, 2));
         assert!((lines[0].clear_m() - (9.0 - 0.2 - 0.7)).abs() < 1e-9, "{}", lines[0].clear_m());
+    }
+
+    #[test]
+    fn columns_that_end_at_beams_under_the_slab_are_its_own() {
+        let mut members = floor([[-0.3, 5.3], [-0.3, 0.3]], &[[0.0, 0.0], [5.0, 0.0]]);
+        members[..2].iter_mut().for_each(|column| column.solid.max[2] = 2.7);
+        assert!(ids(&members).is_empty(), "nothing is between column and slab");
+        let base = building::parse(building::EXAMPLE, Format::Toml, "example.toml").unwrap();
+        let solid = Aabb { min: [0.0, -0.15, 2.7], max: [5.0, 0.15, 3.2] };
+        let beam = base.members.iter().find(|m| m.kind == MemberKind::Beam).unwrap();
+        members.push(Member { id: "B".into(), solid, axis: 0, ..beam.clone() });
+        assert_eq!(ids(&members), ["S:C0|C1"]);
     }
 
     #[test]

@@ -34,6 +34,7 @@ mod plan;
 mod read;
 pub mod rows;
 pub mod schema;
+mod soffits;
 mod storeys;
 mod structure;
 pub mod tracked;

@@ -85,3 +85,45 @@ fn stretches_that_meet_do_not_overlap() {
     let told = found("0.29").render(false);
     assert!(told.contains("of which 0.29 to 0.30000000000000004 m are already removed"), "{told}");
 }
+
+/// Two columns with a beam of 0.3 m and a slab over them, and what is said of it if the columns end at this level.
+fn two_columns_up_to(level_m: f64) -> fallwerk::base::diagnostic::Diagnostics {
+    let head = fallwerk::building::EXAMPLE.split("[grid]").next().unwrap().to_string();
+    let column = |x: f64| {
+        format!(
+            "[[members]]\nid = \"C{x}\"\nkind = \"column\"\nsection = \"column\"\nfrom = [{x}, 0, 0]\nto = [{x}, 0, {level_m}]\n"
+        )
+    };
+    let flat = |id: &str, from: &str, to: &str| {
+        format!("[[members]]\nid = \"{id}\"\nkind = \"{id}\"\nsection = \"{id}\"\nfrom = {from}\nto = {to}\n")
+    };
+    let rest = "[[supports]]\nmembers = [\"C*\"]\n[ground]\nlevel = 0\nfriction = 0.5\n[[events]]\nid = \"e\"\nmember = \"C0\"\ntime = 0\n\
+        [settings]\nend_time = \"1 s\"\noutput_interval = \"10 ms\"\nremoval_duration = 0\ngravity = 9.81\nmesh_size = 0.4\ncritical_strain_rate = 0.25\n";
+    let text = [
+        head,
+        column(0.0),
+        column(6.0),
+        flat("beam", "[0, 0, 3.5]", "[6, 0, 3.5]"),
+        flat("slab", "[-0.2, -0.2, 3.5]", "[6.2, 0.2, 3.5]"),
+        rest.to_string(),
+    ];
+    inspect(&text.concat(), Format::Toml, "a.toml").diagnostics
+}
+
+/// Plans give clear heights: columns up to the soffit of their beams leave a part of the joint to no member.
+#[test]
+fn joints_that_no_member_fills_are_told() {
+    for level_m in [3.5, 3.25] {
+        let found = two_columns_up_to(level_m);
+        assert!(found.items().is_empty(), "{level_m}: {}", found.render(false));
+    }
+    let told = two_columns_up_to(3.0).render(false);
+    // over each column of 0.4 by 0.4 m the beam, 0.3 m wide, fills the half on its side of the axis, 0.25 m high below the slab
+    let words =
+        "2 columns end below the beams on them, and of the joints above them 0.05 m3 belong to no member";
+    assert!(told.contains(words) && told.contains("`C0` and `C6`"), "{told}");
+    assert!(
+        told.contains("let columns end at the top of their beams, `C0` at 3.5 m in place of 3 m"),
+        "{told}"
+    );
+}
