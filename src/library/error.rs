@@ -53,6 +53,12 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
     },
+    /// An export into the library itself.
+    #[error("{path}: lies in the library, whose files are its records; name a file outside it")]
+    Inside {
+        /// The file.
+        path: PathBuf,
+    },
     /// An exchange file that cannot be imported; nothing was changed.
     #[error("{path}: {what}; nothing was imported")]
     Import {

@@ -7,7 +7,7 @@ use super::store::{Put, Store};
 use super::succession;
 use super::text::Manifest;
 use crate::base::hash::{ContentHash, readable_json};
-use crate::base::output::write_atomic;
+use crate::base::output::{is_within, write_atomic};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -101,11 +101,16 @@ pub fn verify(store: &Store) -> Result<VerifyReport, StoreError> {
     Ok(report)
 }
 
-/// Writes all entries into one file; returns their number. An older export is replaced, another file is not.
+/// Writes all entries into one file outside the library; returns their number. An older export is replaced, another file is not;
+/// where the path is a link, the file that it leads to is written.
 ///
 /// # Errors
 /// If a record is damaged (an export is whole or not at all), or the file cannot be written.
 pub fn export(store: &Store, path: &Path) -> Result<usize, StoreError> {
+    let path = &linked(path);
+    if is_within(path, store.folder()) {
+        return Err(StoreError::Inside { path: path.to_path_buf() });
+    }
     if path.is_file() && !is_export(path) {
         return Err(StoreError::Foreign { path: path.to_path_buf() });
     }
@@ -124,6 +129,12 @@ pub fn export(store: &Store, path: &Path) -> Result<usize, StoreError> {
         .map_err(|e| StoreError::Invalid { key: String::new(), what: e.to_string() })?;
     write_atomic(path, text.as_bytes()).map_err(StoreError::io(path))?;
     Ok(count)
+}
+
+/// What a path leads to if it is a link, also where nothing is there yet; else the path.
+fn linked(path: &Path) -> PathBuf {
+    let target = fs::read_link(path).ok().map(|to| path.parent().unwrap_or(Path::new("")).join(to));
+    path.canonicalize().ok().or(target).filter(|_| path.is_symlink()).unwrap_or_else(|| path.to_path_buf())
 }
 
 /// Whether a file is an export, so far as its last bytes tell: keys are sorted, and `schema` is the last.

@@ -160,6 +160,31 @@ fn an_export_replaces_exports_only() {
     assert_eq!(fs::read_to_string(&other).unwrap(), "not to be lost");
 }
 
+/// Among the records an export would be a damaged one; through a link the file that it leads to is written.
+#[cfg(unix)]
+#[test]
+fn an_export_lies_outside_the_library_and_keeps_links() {
+    let room = tempfile::tempdir().unwrap();
+    let mut store = Store::open(&room.path().join("library")).unwrap();
+    store.put(&entry(1)).unwrap();
+    let (file, link) = (room.path().join("all.json"), room.path().join("link.json"));
+    let inside = store.folder().join("column_hinge/all.json");
+    for path in [&inside, &store.folder().join("all.json")] {
+        let message = exchange::export(&store, path).unwrap_err().to_string();
+        assert!(message.contains("lies in the library") && !path.exists(), "{message}");
+    }
+    for _ in 0..2 {
+        let _ = fs::remove_file(&link);
+        std::os::unix::fs::symlink("all.json", &link).unwrap();
+        assert_eq!(exchange::export(&store, &link).unwrap(), 1);
+        assert!(link.is_symlink() && file.is_file());
+    }
+    fs::remove_file(&link).unwrap();
+    std::os::unix::fs::symlink(&inside, &link).unwrap();
+    assert!(exchange::export(&store, &link).is_err(), "nor by way of a link");
+    assert!(exchange::verify(&store).unwrap().is_clean());
+}
+
 /// Of two libraries with the same entries one has deprecated some: the other learns it, and an older file does not undo it.
 #[test]
 fn deprecations_travel_and_are_not_undone() {
