@@ -82,7 +82,19 @@ fn numbers(entry: &Entry) -> Result<(), String> {
         positive("stiffness.shear_n_m[1]", s.shear_n_m[1])?;
         positive("stiffness.torsion_nm_rad", s.torsion_nm_rad)?;
     }
-    positive("tensile_capacity_n", entry.tensile_capacity_n.unwrap_or(1.0))?;
+    for (name, figure) in [
+        ("tensile_capacity_n", entry.tensile_capacity_n),
+        ("tensile_elongation_m", entry.tensile_elongation_m),
+        ("compressive_capacity_n", entry.compressive_capacity_n),
+        ("bearing_capacity_n", entry.bearing_capacity_n),
+    ] {
+        positive(name, figure.unwrap_or(1.0))?;
+    }
+    if let Some(offset_m) = entry.hinge_offset_m
+        && !(offset_m.is_finite() && offset_m >= 0.0)
+    {
+        return Err(format!("`hinge_offset_m` must not be negative, is {offset_m}"));
+    }
     let q = &entry.quality;
     for (name, figure) in [
         ("kinetic_energy_ratio", q.kinetic_energy_ratio),

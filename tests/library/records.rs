@@ -77,12 +77,16 @@ fn the_key_changes_with_every_input_and_only_with_inputs() {
 #[test]
 fn unsound_entries_are_refused_and_nothing_is_written() {
     type Spoil = fn(&mut Entry);
-    let faults: [(Spoil, &str); 6] = [
+    let faults: [(Spoil, &str); 10] = [
         (|e| e.key = "../../etc/x@0123456789abcdef".into(), "key"),
         (|e| e.axes[1].envelopes[2].points[3][1] = f64::NAN, "axes[1]: envelopes[2]"),
         (|e| e.axes[0].envelopes[0].points.swap(1, 2), "must increase"),
         (|e| e.axes[0].curve.levels[0].capacity[1][1] = -1.0, "never be negative"),
         (|e| e.stiffness.as_mut().unwrap().axial_n_m = 0.0, "stiffness.axial_n_m"),
+        (|e| e.compressive_capacity_n = Some(-5.0), "`compressive_capacity_n` must be positive, is -5"),
+        (|e| e.tensile_elongation_m = Some(-1.0), "`tensile_elongation_m` must be positive"),
+        (|e| e.bearing_capacity_n = Some(0.0), "`bearing_capacity_n` must be positive"),
+        (|e| e.hinge_offset_m = Some(-3.0), "`hinge_offset_m` must not be negative, is -3"),
         (|e| e.provenance.inputs.law.as_mut().unwrap().density_kg_m3 = 1.0, "inputs_hash"),
     ];
     let room = tempfile::tempdir().unwrap();
