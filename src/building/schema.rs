@@ -70,18 +70,31 @@ fn of_kind(kind: &Kind) -> Value {
     }
 }
 
+/// The number of a quantity as a regular expression, with what may stand around it.
+const NUMBER: &str = "^\\s*[-+\u{2212}0-9.eE]+\\s*";
+
+/// All ways in which a unit may be written, as a regular expression: powers as digits, behind `^` or raised, and the Greek letter of `us`.
+fn spellings(symbol: &str) -> String {
+    match symbol {
+        "deg" => "deg|°".to_string(),
+        "us" => "[uµμ]s".to_string(),
+        "1/s" => "1/s|s\\^?-1".to_string(),
+        plain => plain.replace('2', "(\\^?2|²)").replace('3', "(\\^?3|³)"),
+    }
+}
+
 fn of_quantity(quantity: &Quantity) -> Value {
     let number = json!({ "type": "number", "minimum": quantity.min, "maximum": quantity.max });
-    let units: Vec<&str> = quantity.dimension.units().map(|u| u.symbol).collect();
+    let units: Vec<String> = quantity.dimension.units().map(|u| spellings(u.symbol)).collect();
     let si = quantity.dimension.si_symbol();
     let comment = if si.is_empty() { "a pure number".into() } else { format!("a plain number is in {si}") };
     let text = json!({
         "type": "string",
-        "pattern": format!("^[-+0-9.eE]+ *({})$", units.join("|")),
+        "pattern": format!("{NUMBER}({})\\s*$", units.join("|")),
         "examples": [quantity.dimension.example().trim_matches('"')],
     });
     if quantity.dimension == Dimension::Number {
-        return json!({ "anyOf": [number, { "type": "string", "pattern": "^[-+0-9.eE]+ *%$" }], "$comment": comment });
+        return json!({ "anyOf": [number, { "type": "string", "pattern": format!("{NUMBER}%\\s*$") }], "$comment": comment });
     }
     json!({ "anyOf": [number, text], "$comment": comment })
 }

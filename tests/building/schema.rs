@@ -1,5 +1,6 @@
 //! The JSON Schema and the reader say the same: probed from outside, key by key.
 
+use fallwerk::base::diagnostic::Severity;
 use fallwerk::base::tree::Format;
 use fallwerk::building::{inspect, schema::json_schema};
 use serde_json::{Value, json};
@@ -100,4 +101,32 @@ fn the_file_of_all_keys_is_complete() {
         }
     }
     assert_eq!(unseen.difference(&seen).collect::<Vec<_>>(), Vec::<&String>::new());
+}
+
+/// Whatever spelling of a unit the reader takes the schema takes as well.
+#[test]
+fn the_schema_knows_the_spellings_of_units() {
+    let schema = json_schema();
+    let of = |path: &[&str]| {
+        let table = path[..path.len() - 1].iter().fold(&schema, |s, key| &s["properties"][key]);
+        let text = &table["properties"][path[path.len() - 1]]["anyOf"][1];
+        text["pattern"].as_str().unwrap().to_string()
+    };
+    let gravity = of(&["settings", "gravity"]);
+    assert_eq!(gravity, "^\\s*[-+\u{2212}0-9.eE]+\\s*(m/s(\\^?2|²)|mm/s(\\^?2|²))\\s*$");
+    assert!(of(&["settings", "end_time"]).contains("|[uµμ]s|"));
+    assert!(of(&["settings", "critical_strain_rate"]).contains("(1/s|s\\^?-1|1/ms)"));
+    let reads = |gravity: &str| {
+        messages_of(&EVERYTHING.replace("gravity = 9.80665", &format!("gravity = \"{gravity}\"")))
+    };
+    for gravity in ["9.81 m/s²", " 9.81 m/s^2", "9810 mm/s² "] {
+        assert!(reads(gravity).is_empty(), "{gravity}: {:?}", reads(gravity));
+    }
+}
+
+/// The errors of a file.
+fn messages_of(text: &str) -> Vec<String> {
+    let found = inspect(text, Format::Toml, "a.toml").diagnostics;
+    let errors = found.items().iter().filter(|d| d.severity == Severity::Error);
+    errors.map(|d| d.message.clone()).collect()
 }
