@@ -98,15 +98,13 @@ pub fn run(args: &LibraryArgs) -> u8 {
 
 /// Runs the command; results go to `out`, messages to `err`. Returns the exit code.
 pub fn execute(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> u8 {
-    match attempt(args, out, err) {
-        Ok(code) => code,
-        Err(Failure::Stopped(message)) => {
-            let _ = writeln!(err, "error: {message}");
-            1
-        }
-        Err(Failure::Usage(message)) => {
-            let _ = writeln!(err, "error: {message}");
-            2
+    let (code, message) = match attempt(args, out, err) {
+        Ok(code) => return code,
+        // Whoever reads the output has seen enough (`| head`).
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => return 0,
+        Err(Failure::Output(error)) => {
+            let _ = writeln!(err, "error: cannot write the output: {error}");
+            return 2;
         }
         Err(Failure::Files(found)) => {
             for diagnostics in &found {
@@ -116,19 +114,21 @@ pub fn execute(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> 
                 let all: Vec<Value> = found.iter().map(Diagnostics::to_json).collect();
                 let _ = report(true, out, json!({ "ok": false, "diagnostics": all }), "");
             }
-            2
+            return 2;
         }
+        Err(Failure::Stopped(message)) => (1, message),
+        Err(Failure::Usage(message)) => (2, message),
         Err(Failure::Store(error)) => {
-            let _ = writeln!(err, "error: {error}");
-            if matches!(error, StoreError::Damaged { .. }) { 1 } else { 2 }
+            (if matches!(error, StoreError::Damaged { .. }) { 1 } else { 2 }, error.to_string())
         }
-        // Whoever reads the output has seen enough (`| head`).
-        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => 0,
-        Err(Failure::Output(error)) => {
-            let _ = writeln!(err, "error: cannot write the output: {error}");
-            2
-        }
+    };
+    let _ = writeln!(err, "error: {message}");
+    if args.json {
+        let failure =
+            if code == 1 { super::Failure::stopped(message) } else { super::Failure::input(message) };
+        let _ = report(true, out, failure.to_json(), "");
     }
+    code
 }
 
 /// Sections of section and grid files; all errors of all files at once.

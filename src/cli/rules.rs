@@ -2,9 +2,9 @@
 //!
 //! Exit codes: 0 done; 1 a check failed (problems or gaps); 2 bad input or usage.
 
-use super::knowledge;
 use super::rules_learn::{LearnArgs, difference, learned};
 use super::study::STUDIES;
+use super::{Failure, knowledge};
 use crate::base::hash::readable_json;
 use crate::rules::diff::statistics;
 use crate::rules::{Problem, Problems, Rule, RuleBase, Source, features};
@@ -105,7 +105,11 @@ fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Re
             None => {
                 let near = features::suggestion(id, base.rules().iter().map(|r| r.id.as_str()));
                 let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-                writeln!(err, "error: no rule `{id}`{hint}")?;
+                let failure = Failure::input(format!("no rule `{id}`{hint}"));
+                writeln!(err, "error: {}", failure.message)?;
+                if args.json {
+                    write_json(out, &failure.to_json())?;
+                }
                 Ok(2)
             }
         },

@@ -42,6 +42,11 @@ fn commands_answer_in_words_json_and_exit_codes() {
     let (code, _, err) = fallwerk(&library, &["show", "nothing"]);
     assert!(code == 2 && err.contains("no entry `nothing`"), "{err}");
 
+    let (code, out, _) = fallwerk(&library, &["show", "nothing", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let told = value["diagnostics"][0]["message"].as_str().unwrap();
+    assert!(code == 2 && value["ok"] == false && told.starts_with("no entry `nothing`"), "{out}");
+
     let (code, out, _) = fallwerk(&library, &["verify"]);
     assert_eq!((code, out.as_str()), (0, "2 records: all sound\n"));
     let file = room.path().join("all.json");

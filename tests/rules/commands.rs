@@ -32,6 +32,10 @@ fn the_rules_of_the_repository_pass_their_check() {
     assert!(code == 0 && out.contains("hinges.toml:5") && out.contains("section 3.4"), "{out}");
     let (code, _, err) = fallwerk(&folder, &["show", "seed/colum-end-hinge"]);
     assert!(code == 2 && err.contains("did you mean `seed/column-end-hinge`?"), "{err}");
+    let (code, out, _) = fallwerk(&folder, &["show", "seed/colum-end-hinge", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let told = value["diagnostics"][0]["message"].as_str().unwrap();
+    assert!(code == 2 && told.starts_with("no rule `seed/colum-end-hinge`"), "{out}");
     let (code, out, _) = fallwerk(&folder, &["features"]);
     assert!(code == 0 && out.contains("critical_strain_rate"));
 }
