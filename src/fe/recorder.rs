@@ -323,6 +323,7 @@ fn kept_frame(output: usize, body: &Dynamics, rates_1_s: &[f32], critical_1_s: f
         nodes_m: body.x.iter().map(|p| p.map(|c| c as f32)).collect(),
         fast: rates_1_s.iter().map(|rate| f64::from(*rate) > critical_1_s).collect(),
         rigid,
+        plastic_strain: (0..rates_1_s.len()).map(|e| body.blocks.plastic_strain(e) as f32).collect(),
     }
 }
 

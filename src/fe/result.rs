@@ -49,7 +49,7 @@ pub struct FeRun {
     pub summary: FeSummary,
 }
 
-/// Node positions at one output, and which elements deform there: 2 bytes an element beside 12 a node.
+/// Node positions at one output, and how the elements deform there: 6 bytes an element beside 12 a node.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct KeptFrame {
     /// Number of the output: its time is `times_s[output]`.
@@ -60,6 +60,8 @@ pub struct KeptFrame {
     pub fast: Vec<bool>,
     /// Whether each element was part of a rigid set; empty in a run without rigid parts.
     pub rigid: Vec<bool>,
+    /// Equivalent plastic strain of each element.
+    pub plastic_strain: Vec<f32>,
 }
 
 /// Extremes of the equivalent strain rates over output intervals, of each element.

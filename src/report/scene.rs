@@ -103,7 +103,6 @@ fn check(scene: &Scene) -> Result<(), ReportError> {
         }
         match &fe.plastic_strain {
             PlasticStrain::None => {}
-            PlasticStrain::Final(values) => expect("final plastic strains", fe.elements.len(), values.len())?,
             PlasticStrain::Frames(list) => {
                 expect("frames of plastic strain", frames, list.len())?;
                 for values in list {
@@ -214,7 +213,6 @@ fn pack_fe(
 fn pack_strain(fe: &FeScene) -> Option<(f64, Vec<u8>)> {
     let frames: Vec<&Vec<f32>> = match &fe.plastic_strain {
         PlasticStrain::None => return None,
-        PlasticStrain::Final(values) => vec![values],
         PlasticStrain::Frames(list) => list.iter().collect(),
     };
     let max = frames.iter().copied().flatten().copied().filter(|v| v.is_finite()).fold(0.0_f32, f32::max);

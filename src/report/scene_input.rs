@@ -78,8 +78,6 @@ pub enum PlasticStrain {
     /// Not recorded: the view does not offer this colouring.
     #[default]
     None,
-    /// At the end, one value an element.
-    Final(Vec<f32>),
     /// At the frames: `values[frame][element]`.
     Frames(Vec<Vec<f32>>),
 }

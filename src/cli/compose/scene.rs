@@ -86,7 +86,7 @@ fn fe_scene(p: &Pieces) -> FeScene {
         faces,
         elements,
         frames_m: kept(p).map(|f| f.nodes_m.clone()).collect(),
-        plastic_strain: PlasticStrain::Final(p.fe.plastic_strain.iter().map(|s| *s as f32).collect()),
+        plastic_strain: PlasticStrain::Frames(kept(p).map(|f| f.plastic_strain.clone()).collect()),
     }
 }
 

@@ -59,7 +59,7 @@
       fe.elementTexels.set([deaths[2 * e], fe.parts[part][1], 0, ((part * 7) % 5) / 4 - 0.5], 4 * e);
     }
     if (fe.strain) {
-      // Changes expanded to one byte a frame and element; a final field holds for all frames.
+      // Changes expanded to one byte a frame and element.
       const read = reader(block(fe.strain.data));
       fe.strainBytes = new Uint8Array(frames * fe.elementCount);
       for (let e = 0; e < fe.elementCount; e++) {
