@@ -17,7 +17,7 @@
 //! | `plots` | which charts a report has |
 //! | `page` | tables and figures for the template |
 //! | `codec`, `scene` | the packed data of the 3D view |
-//! | `templates/` | page, style, chart read-out, viewer |
+//! | `templates/` | page, style, chart read-out, viewer and its shaders |
 
 mod chart;
 mod codec;

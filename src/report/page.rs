@@ -17,7 +17,7 @@ use serde_json::json;
 const PAGE: &str = include_str!("templates/page.html");
 const STYLE: &str = include_str!("templates/style.css");
 const CHARTS: &str = include_str!("templates/charts.js");
-const VIEWER: &str = include_str!("templates/viewer.js");
+const VIEWER: &str = concat!(include_str!("templates/shaders.js"), include_str!("templates/viewer.js"));
 
 /// Most subjects of a decision that are shown.
 const SUBJECTS_SHOWN: usize = 4;
