@@ -199,6 +199,17 @@ fn the_page_shows_all_runs() {
     assert!(!body.contains("hybrid"), "a report of two runs does not speak of a third");
 }
 
+/// A site that FE has not evaluated is no site without a zone: the 3D view has a mark of its own for it, as the matrix has a line.
+#[test]
+fn sites_that_fe_has_not_evaluated_are_told_apart() {
+    let mut input = collapse::report(0.8, 5);
+    let page = render(&input).unwrap();
+    assert!(page.contains("</i>FE not evaluated</li>") && page.contains("m.fe === null ? 4"));
+    assert_eq!(head(&page)["markers"].as_array().unwrap().iter().filter(|m| m["fe"].is_null()).count(), 1);
+    input.hinge_sites.retain(|s| s.fe_zone.is_some());
+    assert!(!render(&input).unwrap().contains("</i>FE not evaluated</li>"));
+}
+
 #[test]
 fn latent_sections_and_compounds_are_shown() {
     let mut input = collapse::report(0.8, 5);

@@ -82,13 +82,16 @@ const SHADERS = (() => {
         int kind = int(vLook.x + 0.5);
         float d = kind == 0 ? length(p) : kind == 1 ? max(abs(p.x) * 0.9 + (p.y * 0.5 - 0.05), -p.y - 0.15) + 0.35 : kind == 2 ? max(abs(p.x), abs(p.y)) + 0.12 : length(p) + 0.15;
         if (kind == 1) d = max(-p.y * 1.05 + 0.1, (p.y + abs(p.x) * 2.0) * 0.5 + 0.42);
+        if (kind == 4) d = abs(p.x) + abs(p.y);
         float w = fwidth(p.x) * 1.2;
         float inside = 1.0 - smoothstep(0.92 - w, 0.92, d);
         if (inside < 0.02) discard;
-        vec3 c = vec3[4](vec3(.12,.62,.33), vec3(.82,.2,.17), vec3(.88,.63,0.), vec3(.5,.54,.58))[kind];
+        vec3 c = vec3[5](vec3(.12,.62,.33), vec3(.82,.2,.17), vec3(.88,.63,0.), vec3(.5,.54,.58), vec3(.52,.42,.66))[kind];
         float rim = smoothstep(0.66, 0.66 + w, d);
-        vec3 fill = kind == 3 ? vec3(1.0) : c;
-        oColour = vec4(mix(fill, kind == 3 ? c : vec3(1.0), rim), inside * (vLook.y > 0.5 ? 1.0 : 0.85));
+        // nothing in either, or nothing to compare with: an outline
+        bool hollow = kind >= 3;
+        if (hollow && rim < 0.02) discard;
+        oColour = vec4(hollow ? c : mix(c, vec3(1.0), rim), inside * (hollow ? rim : 1.0) * (vLook.y > 0.5 ? 1.0 : 0.85));
       }`],
   };
 })();

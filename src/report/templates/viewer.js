@@ -222,7 +222,7 @@
     return [lo, hi, width > 0 ? Math.min(1, Math.max(0, (t - times[lo]) / width)) : 0];
   };
   const turned = (m) => m.mbsTime ?? m.live; // a latent section counts from when it goes live
-  const kindOf = (m) => (m.fe && turned(m) !== null ? 0 : m.fe ? 1 : turned(m) !== null ? 2 : 3);
+  const kindOf = (m) => (m.fe === null ? 4 : m.fe && turned(m) !== null ? 0 : m.fe ? 1 : turned(m) !== null ? 2 : 3);
   let markersFe = [], markersMbs = [];
   const update = () => {
     const [a, b, f] = locate(state.t);
