@@ -244,7 +244,9 @@ fn slight_hinges_and_removed_sites_are_told() {
     ] {
         assert!(page.contains(text), "{text}");
     }
-    assert_eq!(head(&page)["markers"][0]["gone"], 0.5);
+    let marker = &head(&page)["markers"][0];
+    assert_eq!((&marker["gone"], &marker["slight"]), (&Value::from(0.5), &Value::from(1.25)));
+    assert!(page.contains("(slightly)`"), "the marker says it too");
 }
 
 /// The page has one energy error of a run, that of the checks.

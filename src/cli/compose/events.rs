@@ -1,9 +1,11 @@
 //! What happened when, in both runs.
 
 use super::Pieces;
+use super::marks::is_active;
 use crate::fe::dynamics::Death;
 use crate::mbs::result::{EventKind, FractureCause};
 use crate::report::TimedEvent;
+use crate::validate::ACTIVE_ROTATION_RAD;
 
 /// Events of both runs in order of time.
 pub fn events(p: &Pieces) -> Vec<TimedEvent> {
@@ -69,10 +71,18 @@ pub fn words(kind: &EventKind) -> String {
 }
 
 fn mbs_events(p: &Pieces) -> Vec<TimedEvent> {
+    let recorded = |joint: &str| p.mbs.hinges.iter().any(|h| h.joint == joint);
+    let what = |kind: &EventKind| match kind {
+        // as in the table of the sites
+        EventKind::Yield { joint } if recorded(joint) && !is_active(p.mbs, joint) => {
+            format!("{} slightly, by less than {ACTIVE_ROTATION_RAD} rad in the whole run", words(kind))
+        }
+        _ => words(kind),
+    };
     let event = |e: &crate::mbs::result::RunEvent| TimedEvent {
         time_s: e.time_s,
         run: "MBS".into(),
-        what: words(&e.kind),
+        what: what(&e.kind),
     };
     p.mbs.events.iter().map(event).collect()
 }

@@ -96,7 +96,7 @@ fn places_of(
 }
 
 /// Whether a hinge turns plastically by more than [`ACTIVE_ROTATION_RAD`] in a run.
-fn is_active(result: &RunResult, name: &str) -> bool {
+pub(super) fn is_active(result: &RunResult, name: &str) -> bool {
     let history = result.hinges.iter().find(|h| h.joint == name);
     history.is_some_and(|h| h.plastic_rotation_rad.iter().any(|a| *a > ACTIVE_ROTATION_RAD))
 }
