@@ -103,7 +103,7 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         left_out_note: left_out::note(v),
         review: model::review(p.review),
         model: model::summary(p.generated, p.mbs),
-        curves: model::curves(p.generated),
+        curves: model::curves(&p.generated.model.curves, &p.generated.entries),
         notes: notes(p),
         events: events::events(p),
         scene: Some(scene::scene(p)),

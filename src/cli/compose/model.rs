@@ -3,7 +3,6 @@
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::generate::{BEAM_CURVES, EventReason, Generated};
 use crate::library::Entry;
-use crate::library::entry::AxisRecord;
 use crate::mbs::RunResult;
 use crate::mbs::model::{Bending, Bushing};
 use crate::mbs::result::{EventKind, RunEvent};
@@ -147,33 +146,51 @@ pub fn review(review: &Review) -> ReviewSummary {
     }
 }
 
-/// The computed envelopes of the entries used; the curves of those that were made without a run, and of the beams of floors that bend.
-pub fn curves(generated: &Generated) -> Vec<CurveFamily> {
-    let family = |key: &str, entry: &Entry, axis: usize| {
-        let AxisRecord { envelopes, curve, .. } = &entry.axes[axis];
-        let computed = envelopes.iter().map(|level| CurveLevel {
-            axial_force_n: level.axial_force_n,
-            points: level.points.clone(),
-            fracture_rotation_rad: level.fracture_rotation_rad,
-        });
+/// The curves that the joints of a model have, made from these entries; equal ones share a chart.
+pub fn curves(
+    of_model: &BTreeMap<String, ResistanceCurve>,
+    entries: &BTreeMap<String, Entry>,
+) -> Vec<CurveFamily> {
+    let mut alike: Vec<(&String, &ResistanceCurve, usize)> = Vec::new();
+    for (id, curve) in of_model {
+        match alike.iter_mut().find(|(_, other, _)| *other == curve) {
+            Some((_, _, others)) => *others += 1,
+            None => alike.push((id, curve, 0)),
+        }
+    }
+    let family = |(id, curve, others): (&String, &ResistanceCurve, usize)| {
+        let same = match others {
+            0 => String::new(),
+            1 => "; another curve is the same".into(),
+            n => format!("; {n} other curves are the same"),
+        };
         CurveFamily {
-            id: format!("{key}/axis-{}", axis + 1),
-            description: format!("{}, bending about axis {}", entry_words(entry), axis + 1),
-            levels: if envelopes.is_empty() { capacities(curve) } else { computed.collect() },
+            id: id.clone(),
+            description: format!("{}{same}", curve_words(entries, id)),
+            levels: capacities(curve),
         }
     };
-    let of_entry = |(key, entry): (&String, &Entry)| -> Vec<CurveFamily> {
-        (0..entry.axes.len()).map(|axis| family(key, entry, axis)).collect()
-    };
-    let of_beam = |(id, curve): (&String, &ResistanceCurve)| {
-        id.starts_with(BEAM_CURVES).then(|| CurveFamily {
-            id: id.clone(),
-            description: "both ends of a beam or strip of a floor, from its section".into(),
-            levels: capacities(curve),
-        })
-    };
-    let beams = generated.model.curves.iter().filter_map(of_beam);
-    generated.entries.iter().flat_map(of_entry).chain(beams).collect()
+    alike.into_iter().map(family).collect()
+}
+
+/// What a curve of the model is of.
+fn curve_words(entries: &BTreeMap<String, Entry>, id: &str) -> String {
+    let of_entry = entries.iter().find_map(|(key, entry)| {
+        let of = id.strip_prefix(key.as_str())?.strip_prefix("/axis-")?;
+        let latent = if of.contains("/free/") { ", for a latent section away from the joint" } else { "" };
+        let axis = of.split('/').next().unwrap_or(of);
+        Some(format!("{}, bending about axis {axis}{latent}", entry_words(entry)))
+    });
+    of_entry.unwrap_or_else(|| {
+        let (kind, _) = id.split_once('/').unwrap_or((id, ""));
+        match kind {
+            _ if id.starts_with(BEAM_CURVES) => "both ends of a beam or strip of a floor, from its section",
+            "wall" => "end of a wall, from its section",
+            "web" => "web of a beam that breaks away from its slab",
+            _ => "",
+        }
+        .into()
+    })
 }
 
 /// A curve of capacities over plastic rotation as moments over rotation.
@@ -187,4 +204,27 @@ fn capacities(curve: &ResistanceCurve) -> Vec<CurveLevel> {
         }
     };
     curve.levels.iter().map(level).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The page draws what the model has, not what an entry has before the model makes its curve of it.
+    #[test]
+    fn curves_are_those_of_the_model_and_equal_ones_are_drawn_once() {
+        let level = |fracture_rotation_rad: f64| CapacityLevel {
+            axial_force_n: 3.36e5,
+            capacity: vec![[0.0, 2.0e5], [fracture_rotation_rad, 1.0e5]],
+            fracture_rotation_rad,
+        };
+        let curve =
+            |x: f64| ResistanceCurve { stiffness_nm_rad: 1e7, levels: vec![level(x)], cyclic: None };
+        let ids = [("beam/A", 0.5), ("beam/B", 0.5), ("wall/W", 1.356)];
+        let drawn = curves(&ids.map(|(id, x)| (id.to_string(), curve(x))).into(), &BTreeMap::new());
+        assert_eq!(drawn.iter().map(|c| c.id.as_str()).collect::<Vec<_>>(), ["beam/A", "wall/W"]);
+        assert!(drawn[0].description.ends_with("from its section; another curve is the same"));
+        assert_eq!(drawn[1].levels[0].fracture_rotation_rad, Some(1.356));
+        assert_eq!(drawn[1].levels[0].points, [[0.0, 0.0], [0.02, 2.0e5], [1.356 + 0.01, 1.0e5]]);
+    }
 }
