@@ -431,12 +431,12 @@ pub fn displacements_csv(fe: &FeRun) -> String {
 /// The energy balance.
 pub fn energies_csv(fe: &FeRun) -> String {
     let mut text = String::from(
-        "time_s,kinetic_j,internal_j,eroded_j,hourglass_j,viscous_j,gravity_j,contact_j,friction_j,removed_j,residual_j\n",
+        "time_s,kinetic_j,internal_j,eroded_j,hourglass_j,viscous_j,gravity_j,contact_j,friction_j,removed_j,released_j,residual_j\n",
     );
     for (time, e) in fe.times_s.iter().zip(&fe.energies) {
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{},{},{},{},{},{}",
             in_table(*time),
             e.kinetic_j,
             e.internal_j,
@@ -447,6 +447,7 @@ pub fn energies_csv(fe: &FeRun) -> String {
             e.contact_j,
             e.friction_j,
             e.removed_j,
+            e.released_j,
             e.residual_j
         );
     }

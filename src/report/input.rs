@@ -241,9 +241,9 @@ pub struct FeEnergy {
     pub hourglass_j: Vec<f64>,
     /// Contact penalty energy and friction work.
     pub contact_j: Vec<f64>,
-    /// Work of external forces (gravity).
+    /// Work of external forces (gravity), and what removed and dying elements add.
     pub external_work_j: Vec<f64>,
-    /// Energy taken out with eroded elements.
+    /// Part of `internal_j` in elements that have eroded.
     pub eroded_j: Vec<f64>,
     /// What the balance does not close.
     pub residual_j: Vec<f64>,

@@ -191,7 +191,7 @@ pub fn energy_charts(input: &ReportInput) -> Result<EnergyCharts, ReportError> {
             ("external work", &e.external_work_j),
             ("contact and friction", &e.contact_j),
             ("hourglass", &e.hourglass_j),
-            ("eroded", &e.eroded_j),
+            ("internal, of which eroded", &e.eroded_j),
             ("residual", &e.residual_j),
         ]
     });

@@ -24,6 +24,7 @@ fn the_reference_building_is_followed_beyond_the_first_contact() {
     // the whole lies between its parts
     let (to, after) = (figure("e_to_contact"), figure("e_after_contact"));
     assert!(to < figure("e_total") && figure("e_total") < after && after < 0.16, "{to} {after}");
+    books_close(&read("fe-energies.csv"));
     let page = read("report.html");
     for check in ["Displacement error over the whole run", "Debris footprint", "e after it"] {
         assert!(page.contains(check), "{check}");
@@ -31,3 +32,20 @@ fn the_reference_building_is_followed_beyond_the_first_contact() {
 }
 
 const RUN: &str = "three-storey-frame";
+
+/// The columns of the energies are all that the balance has.
+fn books_close(table: &str) {
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let mut preloaded_j = None;
+    for line in lines {
+        let numbers: Vec<f64> = line.split(',').map(|n| n.parse().unwrap()).collect();
+        let sum = |of: &[&str]| -> f64 {
+            of.iter().map(|name| numbers[names.iter().position(|n| n == name).unwrap()]).sum()
+        };
+        let there = sum(&["kinetic_j", "internal_j", "hourglass_j", "viscous_j"]);
+        let supplied = sum(&["gravity_j", "contact_j", "friction_j", "removed_j", "released_j"]);
+        let missing = there - supplied - sum(&["residual_j"]);
+        assert!((missing - *preloaded_j.get_or_insert(there)).abs() < 1e-6 * there.abs(), "{line}");
+    }
+}

@@ -195,7 +195,7 @@ fn hinge_sites(p: &Pieces) -> Vec<HingeSite> {
     at_end.chain(elsewhere).collect()
 }
 
-/// Bulk viscosity counts as internal energy; what leaves with removed members counts as external work.
+/// Bulk viscosity counts as internal energy; what leaves with removed members, and what dying elements release, as external work.
 fn fe_energy(run: &FeRun) -> FeEnergy {
     let of = |f: fn(&crate::fe::result::FeEnergies) -> f64| run.energies.iter().map(f).collect::<Vec<f64>>();
     FeEnergy {
@@ -204,7 +204,7 @@ fn fe_energy(run: &FeRun) -> FeEnergy {
         internal_j: of(|e| e.internal_j + e.viscous_j),
         hourglass_j: of(|e| e.hourglass_j),
         contact_j: of(|e| -e.contact_j - e.friction_j),
-        external_work_j: of(|e| e.gravity_j + e.removed_j),
+        external_work_j: of(|e| e.gravity_j + e.removed_j + e.released_j),
         eroded_j: of(|e| e.eroded_j),
         residual_j: of(|e| e.residual_j),
         error: Some(run.summary.energy_error),
@@ -280,7 +280,7 @@ fn notes(p: &Pieces) -> Vec<Note> {
     }
     notes.extend(p.generated.unasked.iter().map(|u| note(format!("Not asked: {}.", u.words()))));
     notes.push(note(
-        "Energies: FE internal energy includes bulk viscosity, FE external work what leaves with removed members; MBS \
+        "Energies: FE internal energy includes bulk viscosity and what was in eroded elements, FE external work what leaves with removed members and what dying elements release; MBS \
          plastic energy includes what separation of joints and removal of bodies release, MBS elastic energy that stored \
          in contacts."
             .into(),
