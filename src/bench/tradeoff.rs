@@ -122,6 +122,7 @@ impl Candidate {
             let outputs = self.tracked.first().map_or(0, |t| t.displacement_m.len());
             let errors = PointErrors::of(&fe.times_s, &fe.tracked, outputs, of);
             [errors.until(fe.summary.first_ground_contact_s), errors.until(None)]
+                .map(|e| e.unwrap_or(f64::NAN))
         };
         let [e_to_contact, e_total] = against(finest);
         Row {

@@ -41,6 +41,9 @@ pub struct Building {
     pub overrides: Vec<Override>,
 }
 
+/// Time after the last charge that tells whether a building stands \[s\]: it has fallen freely by 1.2 m then.
+const TELLING_S: f64 = 0.5;
+
 impl Building {
     /// The member with this id.
     pub fn member(&self, id: &str) -> Option<&Member> {
@@ -65,6 +68,19 @@ impl Building {
             m.kind.name(),
             m.id
         ))
+    }
+
+    /// That a run of the building ends soon after the last charge, with what helps.
+    pub fn ends_soon(&self) -> Option<String> {
+        let last = self.events.iter().max_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
+        let end_s = self.settings.end_time_s;
+        let is_soon = last.time_s <= end_s && end_s - last.time_s < TELLING_S;
+        is_soon.then(|| {
+            format!(
+                "charge `{}` is fired at {} s and the run ends at settings.end_time = {end_s} s: too soon to tell whether the building stands",
+                last.id, last.time_s
+            )
+        })
     }
 
     /// Whether preparatory work cuts a member away.

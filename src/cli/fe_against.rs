@@ -47,9 +47,9 @@ impl Other {
 pub(super) struct Against {
     to_contact: Option<f64>,
     after_contact: Option<f64>,
-    to_end: f64,
+    to_end: Option<f64>,
     /// Points that become debris in the other run, and the error to the end without them.
-    without_debris: (usize, f64),
+    without_debris: (usize, Option<f64>),
     contact_s: [Option<f64>; 2],
     end_s: f64,
     curve: Vec<f64>,
@@ -81,7 +81,7 @@ impl Against {
             to_contact: contact_s[0].and_then(|t| at(&errors.times_s, &errors.curve, t)),
             after_contact: errors.after(contact_s[0]),
             to_end: errors.until(None),
-            without_debris: (debris, errors.curve_without_debris.last().copied().unwrap_or(0.0)),
+            without_debris: (debris, errors.without_debris()),
             contact_s,
             end_s: run.times_s[times - 1],
             curve: errors.curve,
@@ -91,16 +91,17 @@ impl Against {
     /// In words.
     pub(super) fn words(&self) -> String {
         let [theirs, own] = self.contact_s.map(seconds);
-        let [to_contact, after] =
-            [self.to_contact, self.after_contact].map(|e| e.map_or("-".into(), |e| format!("{e:.4}")));
-        let debris = match self.without_debris {
-            (0, _) => String::new(),
-            (1, e) => format!(" ({e:.4} without the point that becomes debris there)"),
-            (points, e) => format!(" ({e:.4} without {points} points that become debris there)"),
+        let [to_contact, after, to_end, without] =
+            [self.to_contact, self.after_contact, self.to_end, self.without_debris.1]
+                .map(|e| e.map_or("-".to_string(), |e| format!("{e:.4}")));
+        let debris = match self.without_debris.0 {
+            0 => String::new(),
+            1 => format!(" ({without} without the point that becomes debris there)"),
+            points => format!(" ({without} without {points} points that become debris there)"),
         };
         format!(
-            "  against the other run: error e = {to_contact} to its first contact, {after} from there on, {:.4} to {:.3} s{debris}; first ground contact {own}, there {theirs}\n",
-            self.to_end, self.end_s
+            "  against the other run: error e = {to_contact} to its first contact, {after} from there on, {to_end} to {:.3} s{debris}; first ground contact {own}, there {theirs}\n",
+            self.end_s
         )
     }
 

@@ -35,7 +35,7 @@ pub const VALIDATION_FILE: &str = "validation.json";
 /// study.json, validation.json and report.html; with --validate --hybrid the FE run with rigid parts as well, hybrid.json,
 /// and the report compares all three. Run times are in validation.json and report.html only: all other files
 /// are the same for the same input, whatever the number of threads.
-/// Exit codes: 0 done (with --validate: the MBS agrees with FE), 1 it does not, or a run stopped, 2 bad input.
+/// Exit codes: 0 done (with --validate: the MBS agrees with FE), 1 it does not, or the runs do not tell, or a run stopped, 2 bad input.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// The building file

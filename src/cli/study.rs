@@ -1,12 +1,12 @@
 //! `fallwerk study`: FE runs as evidence in `kb/studies/`.
 
-use super::verdict::moving_note;
 use super::{Failure, Outcome, print, study_compare, study_run};
 use crate::base::json::from_text;
 use crate::base::output::write_atomic;
 use crate::fe::result::FeEnergies;
 use crate::study::plan::Scene;
 use crate::study::{EndZone, Study};
+use crate::validate::undecided::moving_note;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

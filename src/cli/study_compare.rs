@@ -178,24 +178,25 @@ fn figures(compared: &Compared) -> String {
     let mut text = String::from(
         "building              e to contact  e total  without debris  difference [m]  contact FE, MBS [s]  collapse FE, MBS  F1 of zones, turning to contact, turning  bodies   CPU [ms]  energy\n",
     );
-    let time = |t: Option<f64>| t.map_or("-".to_string(), |t| format!("{t:.2}"));
+    let figure = |x: Option<f64>, digits: usize| x.map_or("-".to_string(), |x| format!("{x:.digits$}"));
+    let time = |t: Option<f64>| figure(t, 2);
     let falls = |c: bool| if c { "falls" } else { "stands" };
     for r in &compared.runs {
         let _ = writeln!(
             text,
-            "{:<22}{:>12.3}{:>9.3}{:>16.3}{:>16.3}{:>12}{:>9}{:>11}{:>7}{:>13.2}{:>20.2}{:>9.2}{:>8}{:>11.2}{:>8.0e}",
+            "{:<22}{:>12}{:>9}{:>16}{:>16.3}{:>12}{:>9}{:>11}{:>7}{:>13}{:>20}{:>9}{:>8}{:>11.2}{:>8.0e}",
             r.building,
-            r.e_to_contact,
-            r.e_total,
-            r.e_total_without_debris,
+            figure(r.e_to_contact, 3),
+            figure(r.e_total, 3),
+            figure(r.e_total_without_debris, 3),
             r.largest_difference_m,
             time(r.first_contact_s.fe),
             time(r.first_contact_s.mbs),
             falls(r.collapsed.fe),
             falls(r.collapsed.mbs),
-            r.hinges.f1,
-            r.turning_before_contact.f1,
-            r.turning.f1,
+            figure(r.hinges.f1, 2),
+            figure(r.turning_before_contact.f1, 2),
+            figure(r.turning.f1, 2),
             r.bodies,
             1e3 * r.cpu_s,
             r.energy_error

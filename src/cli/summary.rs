@@ -2,7 +2,7 @@
 
 use super::compose::compared;
 use super::generate_mbs::{Comparison, MBS_RUNS};
-use super::verdict::{collapse_words, energy_warning, energy_words, moving_note, sites_words, verdict};
+use super::verdict::{collapse_words, energy_warning, energy_words, sites_words, verdict};
 use crate::building::Building;
 use crate::generate::{Generated, Unasked};
 use crate::mbs::RunResult;
@@ -10,6 +10,7 @@ use crate::mbs::result::EventKind;
 use crate::review::Review;
 use crate::study::fell;
 use crate::validate::spread::UNDECIDED_M;
+use crate::validate::undecided::moving_note;
 use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY, Spread};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -210,7 +211,8 @@ pub fn as_json(s: &Summary) -> Value {
     let validation = s.comparison.map(|c| {
         let v = &c.validation;
         json!({
-            "agrees": v.agrees(),
+            "agrees": v.agreement(),
+            "undecided": v.undecided,
             "verdict": verdict(v).headline,
             "e_to_contact": v.e_to_contact,
             "e_after_contact": v.e_after_contact,

@@ -1,7 +1,6 @@
 //! The comparison of both runs in words: checks against the limits of [`crate::validate`], and a verdict.
 
 use crate::building::Building;
-use crate::mbs::math;
 use crate::report::{Check, Status, Verdict};
 use crate::validate::measure::Sites;
 use crate::validate::{
@@ -28,26 +27,6 @@ pub fn collapse_words(collapsed: bool) -> &'static str {
 /// Charges that a run to a time does not get to.
 pub fn unfired(building: &Building, end_s: f64) -> Vec<&str> {
     building.events.iter().filter(|charge| charge.time_s >= end_s).map(|charge| charge.id.as_str()).collect()
-}
-
-/// Speed of a tracked point from which what has not come down is not at rest either \[m/s\].
-const MOVES_M_S: f64 = 1.0;
-
-/// That a building which has not collapsed by the end of a run still moves, if one of the points does, for the times of their displacements.
-pub fn moving_note<'a>(
-    collapsed: bool,
-    times_s: &[f64],
-    points: impl Iterator<Item = (&'a str, &'a [math::V3])>,
-) -> Option<String> {
-    let [.., before, end] = times_s[..] else { return None };
-    let speed = |u: &[math::V3]| match u {
-        [.., a, b] => math::norm(math::sub(*b, *a)) / (end - before),
-        _ => 0.0,
-    };
-    let (id, fastest) = points.map(|(id, u)| (id, speed(u))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (!collapsed && fastest > MOVES_M_S).then(|| {
-        format!("at the end, {end:.4} s, \"{id}\" still moves at {fastest:.1} m/s: too soon to tell whether it collapses; give a later settings.end_time")
-    })
 }
 
 /// What became of the building in a run, none where it stands but not all charges were fired.
@@ -98,13 +77,7 @@ pub fn checks(v: &Validation) -> Vec<Check> {
     let mut checks = vec![
         displacements(v),
         contact(v),
-        check(
-            "Collapse",
-            format!("FE {}, MBS {}", collapse_words(v.collapsed.fe), collapse_words(v.collapsed.mbs)),
-            "the same".into(),
-            status(v.collapsed.fe == v.collapsed.mbs),
-            "a structure has collapsed if a tracked point falls by more than 1 m",
-        ),
+        collapse(v),
         energy("Energy error of the FE run", v.energy_error.fe),
         energy("Energy error of the MBS run", v.energy_error.mbs),
         check(
@@ -129,6 +102,11 @@ pub fn checks(v: &Validation) -> Vec<Check> {
     checks
 }
 
+/// An error, or that there is none.
+fn error_words(e: Option<f64>) -> String {
+    e.map_or("nothing was compared".into(), |e| format!("e = {e:.3}"))
+}
+
 /// What is aimed at beyond the first contact, of buildings that fall.
 fn after_contact(v: &Validation) -> [Check; 2] {
     let after =
@@ -138,9 +116,9 @@ fn after_contact(v: &Validation) -> [Check; 2] {
     [
         check(
             "Displacement error over the whole run",
-            format!("e = {:.3}{after}", v.e_total),
+            format!("{}{after}", error_words(v.e_total)),
             format!("≤ {limit:.2} ({of})"),
-            status(v.e_total <= limit),
+            v.e_total.map_or(Status::Unknown, |e| status(e <= limit)),
             "contact included; says nothing about the agreement up to the first contact",
         ),
         check(
@@ -158,9 +136,9 @@ fn hybrid(h: &HybridValidation) -> [Check; 3] {
     [
         check(
             "Hybrid: displacement error over the whole run",
-            format!("e = {:.3}", h.e_total),
+            error_words(h.e_total),
             format!("≤ {LIMIT_HYBRID:.2}"),
-            status(h.is_close()),
+            h.e_total.map_or(Status::Unknown, |_| status(h.is_close())),
             "relative error over all tracked points of the FE run with rigid parts against the full FE run",
         ),
         check(
@@ -181,13 +159,38 @@ fn hybrid(h: &HybridValidation) -> [Check; 3] {
 }
 
 fn displacements(v: &Validation) -> Check {
+    let label = "Displacement error up to the first contact";
     let words = "relative error over all tracked points, up to the first ground contact of the FE run (to the end if there is none)";
-    let (mut value, mut limit) = (format!("e = {:.3}", v.e_to_contact), format!("≤ {LIMIT_TO_CONTACT:.2}"));
+    let mut limit = format!("≤ {LIMIT_TO_CONTACT:.2}");
+    let Some(e) = v.e_to_contact else {
+        return check(label, "nothing was compared".into(), limit, Status::Unknown, words);
+    };
+    let mut value = format!("e = {e:.3}");
     if v.stands() {
         value += &format!(", {}", apart(v));
         limit += &format!(", or {:.0} mm apart", 1e3 * LIMIT_STANDING_M);
     }
-    check("Displacement error up to the first contact", value, limit, status(v.displacements_agree()), words)
+    check(label, value, limit, status(v.displacements_agree()), words)
+}
+
+/// "collapses", "does not collapse", or what is known so far.
+fn outcome_of(v: &Validation, collapsed: bool) -> &'static str {
+    match (collapsed, v.ends_early()) {
+        (false, true) => "has not collapsed so far",
+        _ => collapse_words(collapsed),
+    }
+}
+
+fn collapse(v: &Validation) -> Check {
+    let [fe, mbs] = [v.collapsed.fe, v.collapsed.mbs];
+    let status = if v.undecided.is_empty() { status(fe == mbs) } else { Status::Unknown };
+    check(
+        "Collapse",
+        format!("FE {}, MBS {}", outcome_of(v, fe), outcome_of(v, mbs)),
+        "the same".into(),
+        status,
+        "a structure has collapsed if a tracked point falls by more than 1 m",
+    )
 }
 
 /// Distance of the displacements of a structure that stands.
@@ -200,67 +203,78 @@ fn apart(v: &Validation) -> String {
 fn contact(v: &Validation) -> Check {
     let both = v.first_contact_s;
     let (value, status) = match (both.fe, both.mbs, v.contact_time_error()) {
+        (None, None, _) if v.ends_early() => ("none in either run so far".into(), Status::Unknown),
         (None, None, _) => ("none in either run".into(), Status::Pass),
         (_, _, Some(error)) => (
             format!("{} apart (FE {}, MBS {})", percent(error), seconds(both.fe), seconds(both.mbs)),
             status(error <= LIMIT_CONTACT_TIME),
         ),
-        _ => (format!("FE {}, MBS {}", seconds(both.fe), seconds(both.mbs)), Status::Fail),
+        _ => {
+            let status = if v.ends_early() { Status::Unknown } else { Status::Fail };
+            (format!("FE {}, MBS {}", seconds(both.fe), seconds(both.mbs)), status)
+        }
     };
     let limit = format!("≤ {:.0} %", 100.0 * LIMIT_CONTACT_TIME);
     check("Time of the first ground contact", value, limit, status, "difference over the time of the FE run")
 }
 
-/// The verdict: agreement up to the first contact, or what fails.
+/// The verdict: agreement up to the first contact, what fails, or why it cannot be told.
 pub fn verdict(v: &Validation) -> Verdict {
     let phase =
         if v.first_contact_s.fe.is_some() { "up to the first contact" } else { "up to the end of the run" };
-    let headline = if v.agrees() && v.e_to_contact > LIMIT_TO_CONTACT {
-        format!("The MBS agrees with FE: the structure stands in both, {}", apart(v))
-    } else if v.agrees() {
-        format!("The MBS agrees with FE {phase}: e = {:.3}", v.e_to_contact)
-    } else {
-        let failed: Vec<String> = checks(v)
-            .into_iter()
-            .take(DECISIVE)
-            .filter(|c| c.status == Status::Fail)
-            .map(|c| format!("{}: {} (limit {})", lower(&c.label), c.value, c.limit))
-            .collect();
-        format!("The MBS does not agree with FE {phase}. Outside its limit: {}", failed.join("; "))
+    let (headline, status) = match v.agreement() {
+        None => (undecided(v), Status::Unknown),
+        Some(true) => match v.e_to_contact {
+            Some(e) if e <= LIMIT_TO_CONTACT => {
+                (format!("The MBS agrees with FE {phase}: e = {e:.3}"), Status::Pass)
+            }
+            _ => (format!("The MBS agrees with FE: the structure stands in both, {}", apart(v)), Status::Pass),
+        },
+        Some(false) => {
+            let failed: Vec<String> = checks(v)
+                .into_iter()
+                .take(DECISIVE)
+                .filter(|c| c.status == Status::Fail)
+                .map(|c| format!("{}: {} (limit {})", lower(&c.label), c.value, c.limit))
+                .collect();
+            let failed = failed.join("; ");
+            (format!("The MBS does not agree with FE {phase}. Outside its limit: {failed}"), Status::Fail)
+        }
     };
-    Verdict { headline, status: status(v.agrees()), detail: detail(v) }
+    Verdict { headline, status, detail: detail(v) }
+}
+
+/// Why the comparison tells nothing.
+fn undecided(v: &Validation) -> String {
+    let why: Vec<&str> = v.undecided.iter().map(|u| u.words.as_str()).collect();
+    format!("Whether the MBS agrees with FE is undecided: {}", why.join("; "))
 }
 
 fn detail(v: &Validation) -> String {
     let collapse = match (v.collapsed.fe, v.collapsed.mbs) {
+        _ if v.e_to_contact.is_none() => "No point tells whether the structure collapses.".to_string(),
         (true, true) => "The structure collapses in both runs.".to_string(),
+        (false, false) if v.ends_early() => "The structure has not collapsed in either run so far.".into(),
         (false, false) => "The structure does not collapse in either run.".to_string(),
         (fe, mbs) => format!(
             "The structure {} in the FE run and {} in the MBS run.",
-            collapse_words(fe),
-            collapse_words(mbs)
+            outcome_of(v, fe),
+            outcome_of(v, mbs)
         ),
     };
+    let whole = v.e_total.map_or(String::new(), |e| {
+        format!(" Over the whole run e = {e:.3}; the debris footprints overlap by {:.0} %.", 100.0 * v.footprint_overlap)
+    });
     format!(
-        "{collapse} Over the whole run e = {:.3}; the debris footprints overlap by {:.0} %. {} of {} FE zones have a hinge that turns plastically by more than \
+        "{collapse}{whole} {} of {} FE zones have a hinge that turns plastically by more than \
          {ACTIVE_ROTATION_RAD} rad; {} of {} such hinges stand in an FE zone.",
-        v.e_total,
-        100.0 * v.footprint_overlap,
-        v.hinges.common,
-        v.hinges.expected,
-        v.hinges.common,
-        v.hinges.found,
+        v.hinges.common, v.hinges.expected, v.hinges.common, v.hinges.found,
     )
 }
 
 /// Precision, recall and F1 of sites that were found; "-" for a share of nothing.
 pub fn sites_words(sites: &Sites) -> [String; 3] {
-    let share = |x: f64, of: usize| if of == 0 { "-".into() } else { format!("{x:.2}") };
-    [
-        share(sites.precision, sites.found),
-        share(sites.recall, sites.expected),
-        share(sites.f1, sites.found + sites.expected),
-    ]
+    [sites.precision, sites.recall, sites.f1].map(|share| share.map_or("-".into(), |x| format!("{x:.2}")))
 }
 
 /// A share in per cent with two or three digits.

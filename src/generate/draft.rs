@@ -203,7 +203,7 @@ impl<'a> Draft<'a> {
                 "charges take {takes_s} s to remove a member in FE{beyond}; the MBS removes its body at once at the time of ignition"
             ));
         }
-        notes.extend(soon_over(building));
+        notes.extend(building.ends_soon());
         notes
     }
 
@@ -293,22 +293,6 @@ const RELATIVE_RAD_S: f64 = 0.8 * 2.0 / LARGEST_RELATED_STEP_S;
 
 /// Displacement of nearly all of the mass from which springs may be softer \[m\]: how a building falls is settled then.
 const SOFT_AFTER_M: f64 = 0.5;
-
-/// Time after the last charge that tells whether a building stands \[s\]: it has fallen freely by 1.2 m then.
-const TELLING_S: f64 = 0.5;
-
-/// That a run ends soon after the last charge.
-fn soon_over(building: &Building) -> Option<String> {
-    let last = building.events.iter().max_by(|a, b| a.time_s.total_cmp(&b.time_s))?;
-    let end_s = building.settings.end_time_s;
-    let is_soon = last.time_s <= end_s && end_s - last.time_s < TELLING_S;
-    is_soon.then(|| {
-        format!(
-            "charge `{}` is fired at {} s and the run ends at settings.end_time = {end_s} s: too soon to tell whether the building stands",
-            last.id, last.time_s
-        )
-    })
-}
 
 fn settings(building: &Building) -> RunSettings {
     RunSettings {

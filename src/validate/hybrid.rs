@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 /// What the comparison of a hybrid run with FE shows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HybridValidation {
-    /// Error up to the first ground contact of the FE run, or to the end if there is none.
-    pub e_to_contact: f64,
+    /// Error up to the first ground contact of the FE run, or to the end if there is none; `None`: no tracked point is in both runs.
+    pub e_to_contact: Option<f64>,
     /// Error from that contact to the end ([`super::measure::error_after`]); `None`: nothing touches the ground, or at the end only.
     pub e_after_contact: Option<f64>,
     /// Error over the whole run.
-    pub e_total: f64,
+    pub e_total: Option<f64>,
     /// The same over the tracked points that do not become debris in the FE run.
-    pub e_total_without_debris: f64,
+    pub e_total_without_debris: Option<f64>,
     /// Tracked points that become debris in the hybrid run.
     pub debris: Vec<DebrisPoint>,
     /// First ground contact \[s\].
@@ -64,7 +64,7 @@ impl HybridValidation {
             e_to_contact: errors.until(fe.summary.first_ground_contact_s),
             e_after_contact: errors.after(fe.summary.first_ground_contact_s),
             e_total: errors.until(None),
-            e_total_without_debris: errors.curve_without_debris.last().copied().unwrap_or(0.0),
+            e_total_without_debris: errors.without_debris(),
             debris: debris(run),
             first_contact_s: run.summary.first_ground_contact_s,
             collapsed: run.tracked.iter().any(|p| fell(&p.displacement_m)),
@@ -87,7 +87,7 @@ impl HybridValidation {
 
     /// Whether the displacements are those of FE to the end of the run.
     pub fn is_close(&self) -> bool {
-        self.e_total <= LIMIT_HYBRID
+        self.e_total.is_some_and(|e| e <= LIMIT_HYBRID)
     }
 
     /// Whether the run is worth it.

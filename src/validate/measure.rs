@@ -60,12 +60,12 @@ pub fn at<T: Copy>(times_s: &[f64], curve: &[T], time_s: f64) -> Option<T> {
 /// Precision, recall and F1 of found sites against true sites.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Sites {
-    /// Share of the found sites that are true; 1 if nothing was found.
-    pub precision: f64,
-    /// Share of the true sites that were found; 1 if there are none.
-    pub recall: f64,
-    /// Harmonic mean of both.
-    pub f1: f64,
+    /// Share of the found sites that are true; `None` if nothing was found.
+    pub precision: Option<f64>,
+    /// Share of the true sites that were found; `None` if there are none.
+    pub recall: Option<f64>,
+    /// Harmonic mean of both: twice the common ones over all that are true or found; `None` if there are none of either.
+    pub f1: Option<f64>,
     /// True sites.
     pub expected: usize,
     /// Found sites.
@@ -83,10 +83,15 @@ impl Sites {
             found += usize::from(claim);
             common += usize::from(truth && claim);
         }
-        let share = |of: usize| if of == 0 { 1.0 } else { common as f64 / of as f64 };
-        let (precision, recall) = (share(found), share(expected));
-        let f1 = if precision + recall > 0.0 { 2.0 * precision * recall / (precision + recall) } else { 0.0 };
-        Self { precision, recall, f1, expected, found, common }
+        let share = |part: usize, of: usize| (of > 0).then(|| part as f64 / of as f64);
+        Self {
+            precision: share(common, found),
+            recall: share(common, expected),
+            f1: share(2 * common, expected + found),
+            expected,
+            found,
+            common,
+        }
     }
 }
 
@@ -202,9 +207,11 @@ mod tests {
     #[test]
     fn sites_count_misses_and_false_alarms() {
         let s = Sites::of([(true, true), (true, false), (false, true), (false, false)].into_iter());
-        assert_eq!((s.precision, s.recall, s.f1, s.expected, s.found, s.common), (0.5, 0.5, 0.5, 2, 2, 1));
-        let none = Sites::of(std::iter::empty());
-        assert_eq!((none.precision, none.recall), (1.0, 1.0));
+        assert_eq!((s.precision, s.recall, s.f1), (Some(0.5), Some(0.5), Some(0.5)));
+        assert_eq!((s.expected, s.found, s.common), (2, 2, 1));
+        assert_eq!(Sites::of(std::iter::empty()), Sites::default(), "no share of nothing");
+        let missed = Sites::of([(true, false)].into_iter());
+        assert_eq!((missed.precision, missed.recall, missed.f1), (None, Some(0.0), Some(0.0)));
     }
 
     #[test]

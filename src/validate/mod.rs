@@ -6,11 +6,13 @@ pub mod measure;
 pub mod points;
 pub mod record;
 pub mod spread;
+pub mod undecided;
 
 pub use hybrid::HybridValidation;
 pub use left_out::LeftOut;
 pub use points::DebrisPoint;
 pub use spread::Spread;
+pub use undecided::{Doubt, Undecided};
 
 use crate::building::{Building, MemberKind};
 use crate::fe::dynamics::Death;
@@ -86,14 +88,14 @@ pub struct Validation {
     pub schema: u32,
     /// Name of the building.
     pub building: String,
-    /// Error up to the first ground contact of the FE run, or to the end if there is none.
-    pub e_to_contact: f64,
+    /// Error up to the first ground contact of the FE run, or to the end if there is none; `None`: no tracked point is in both runs.
+    pub e_to_contact: Option<f64>,
     /// Error from that contact to the end, of displacements from the preloaded state ([`measure::error_after`]); `None`: nothing touches the ground, or at the end only.
     pub e_after_contact: Option<f64>,
     /// Error over the whole run.
-    pub e_total: f64,
-    /// The same over the tracked points that are not in `debris`.
-    pub e_total_without_debris: f64,
+    pub e_total: Option<f64>,
+    /// The same over the tracked points that are not in `debris`; `None`: there are none.
+    pub e_total_without_debris: Option<f64>,
     /// Tracked points that become debris in the FE run. They count in all other errors.
     pub debris: Vec<DebrisPoint>,
     /// Whether an obstacle stands in the scene.
@@ -114,6 +116,9 @@ pub struct Validation {
     pub missed_column_ends: Vec<String>,
     /// Whether the structure collapsed.
     pub collapsed: Both<bool>,
+    /// Why the comparison does not tell whether the MBS agrees, if it does not.
+    #[serde(default)]
+    pub undecided: Vec<Undecided>,
     /// Energy error of each run.
     pub energy_error: Both<f64>,
     /// Energy dissipated by the end: internal, hourglass and contact work in FE, plastic and contact work in the MBS \[J\].
@@ -158,6 +163,8 @@ impl Validation {
         let errors = PointErrors::of(&fe.times_s, &fe.tracked, mbs.times_s.len(), history);
         let pairs = &errors.pairs;
         let sites = compare_sites(facts, model, mbs);
+        let collapsed =
+            Both { fe: facts.collapsed, mbs: mbs.tracked.iter().any(|t| fell(&t.displacement_m)) };
         let e = &mbs.energies;
         let last = |v: &[f64]| v.last().copied().unwrap_or(0.0);
         Self {
@@ -166,7 +173,7 @@ impl Validation {
             e_to_contact: errors.until(facts.first_contact_s),
             e_after_contact: errors.after(facts.first_contact_s),
             e_total: errors.until(None),
-            e_total_without_debris: last(&errors.curve_without_debris),
+            e_total_without_debris: errors.without_debris(),
             debris: points::debris(fe),
             has_obstacle: !building.obstacles.is_empty(),
             largest_displacement_m: Both {
@@ -183,7 +190,8 @@ impl Validation {
             turning_before_contact: turning(&sites, |s| s.turns_before_contact),
             turning: turning(&sites, |s| s.turns),
             missed_column_ends: missed_column_ends(building, facts, &sites),
-            collapsed: Both { fe: facts.collapsed, mbs: mbs.tracked.iter().any(|t| fell(&t.displacement_m)) },
+            collapsed,
+            undecided: undecided::reasons(building, (fe, mbs), &errors, [collapsed.fe, collapsed.mbs]),
             energy_error: Both { fe: fe.summary.energy_error, mbs: mbs.energy_error },
             dissipated_j: Both {
                 fe: fe_dissipated_j(fe),
@@ -228,21 +236,37 @@ impl Validation {
 
     /// Whether the displacements agree: by their relative error, or where the structure stands in both runs by their distance.
     pub fn displacements_agree(&self) -> bool {
-        self.e_to_contact <= LIMIT_TO_CONTACT
-            || self.stands() && self.largest_difference_m <= LIMIT_STANDING_M
+        self.e_to_contact.is_some_and(|e| {
+            e <= LIMIT_TO_CONTACT || self.stands() && self.largest_difference_m <= LIMIT_STANDING_M
+        })
     }
 
-    /// Whether both runs tell the same story up to the first contact within the limits of this module.
-    pub fn agrees(&self) -> bool {
+    /// Whether the runs end before they tell whether the building collapses.
+    pub fn ends_early(&self) -> bool {
+        self.undecided.iter().any(|u| u.kind != Doubt::NothingCompared)
+    }
+
+    /// Whether both runs tell the same story up to the first contact within the limits of this module; `None`: they do not tell. What a longer run could still change breaks no limit.
+    pub fn agreement(&self) -> Option<bool> {
+        let early = self.ends_early();
         let contact = match self.first_contact_s {
             Both { fe: None, mbs: None } => true,
-            _ => self.contact_time_error().is_some_and(|e| e <= LIMIT_CONTACT_TIME),
+            Both { fe: Some(_), mbs: Some(_) } => {
+                self.contact_time_error().is_some_and(|e| e <= LIMIT_CONTACT_TIME)
+            }
+            _ => early,
         };
-        self.displacements_agree()
+        let holds = (self.e_to_contact.is_none() || self.displacements_agree())
             && contact
-            && self.collapsed.fe == self.collapsed.mbs
+            && (early || self.collapsed.fe == self.collapsed.mbs)
             && self.energy_error.fe <= LIMIT_ENERGY
-            && self.energy_error.mbs <= LIMIT_ENERGY
+            && self.energy_error.mbs <= LIMIT_ENERGY;
+        (!holds || self.undecided.is_empty()).then_some(holds)
+    }
+
+    /// Whether they do, as far as that can be told.
+    pub fn agrees(&self) -> bool {
+        self.agreement() == Some(true)
     }
 }
 

@@ -28,6 +28,8 @@ pub struct PointErrors<'a> {
     pub times_s: Vec<f64>,
     /// Histories of the run and of FE, of each point that both have.
     pub pairs: Vec<(&'a Displacement, &'a Displacement)>,
+    /// How many of them do not become debris in the FE run.
+    pub whole: usize,
     /// `e(T)` over all points.
     pub curve: Vec<f64>,
     /// `e(T)` over the points that do not become debris in the FE run.
@@ -54,7 +56,7 @@ impl<'a> PointErrors<'a> {
         }
         let times_s = fe_times_s[..times].to_vec();
         let (curve, curve_without_debris) = (error_curve(&times_s, &pairs), error_curve(&times_s, &whole));
-        Self { times_s, pairs, curve, curve_without_debris }
+        Self { times_s, whole: whole.len(), pairs, curve, curve_without_debris }
     }
 
     /// The error from a time \[s\] to the end ([`error_after`]); `None` if there is no such time.
@@ -62,8 +64,14 @@ impl<'a> PointErrors<'a> {
         error_after(&self.times_s, &self.pairs, time_s?)
     }
 
-    /// The error up to a time \[s\], or to the end if there is none.
-    pub fn until(&self, time_s: Option<f64>) -> f64 {
-        at(&self.times_s, &self.curve, time_s.unwrap_or(f64::INFINITY)).unwrap_or(0.0)
+    /// The error up to a time \[s\], or to the end if there is none; `None` where nothing is compared.
+    pub fn until(&self, time_s: Option<f64>) -> Option<f64> {
+        let error = at(&self.times_s, &self.curve, time_s.unwrap_or(f64::INFINITY));
+        error.filter(|_| !self.pairs.is_empty())
+    }
+
+    /// The error up to the end over the points that do not become debris; `None` if there are none.
+    pub fn without_debris(&self) -> Option<f64> {
+        self.curve_without_debris.last().copied().filter(|_| self.whole > 0)
     }
 }

@@ -13,14 +13,14 @@ use serde::Serialize;
 pub struct Agreement {
     /// Name of the building.
     pub building: String,
-    /// Error up to the first ground contact of the FE run, or to the end if there is none.
-    pub e_to_contact: f64,
+    /// Error up to the first ground contact of the FE run, or to the end if there is none; `None`: no tracked point is in both.
+    pub e_to_contact: Option<f64>,
     /// Error from that contact to the end; `None`: nothing touches the ground, or at the end only.
     pub e_after_contact: Option<f64>,
     /// Error over the whole run.
-    pub e_total: f64,
+    pub e_total: Option<f64>,
     /// The same over the points that do not become debris.
-    pub e_total_without_debris: f64,
+    pub e_total_without_debris: Option<f64>,
     /// Largest distance between both runs' displacements of a point \[m\].
     pub largest_difference_m: f64,
     /// Largest displacement of a point in either, at the times of the record \[m\].
@@ -74,7 +74,7 @@ impl Agreement {
             e_to_contact: errors.until(facts.first_contact_s),
             e_after_contact: errors.after(facts.first_contact_s),
             e_total: errors.until(None),
-            e_total_without_debris: errors.curve_without_debris.last().copied().unwrap_or(0.0),
+            e_total_without_debris: errors.without_debris(),
             largest_difference_m: errors
                 .pairs
                 .iter()
@@ -104,8 +104,9 @@ impl Agreement {
     pub fn agrees(&self) -> bool {
         let stands = !self.collapsed.fe && !self.collapsed.mbs;
         self.collapsed.fe == self.collapsed.mbs
-            && (self.e_to_contact <= LIMIT_TO_CONTACT
-                || stands && self.largest_difference_m <= LIMIT_STANDING_M)
+            && self.e_to_contact.is_some_and(|e| {
+                e <= LIMIT_TO_CONTACT || stands && self.largest_difference_m <= LIMIT_STANDING_M
+            })
     }
 }
 
@@ -144,10 +145,11 @@ impl Together {
             |a: &&Agreement| !a.collapsed.fe && !a.collapsed.mbs && a.largest_displacement_m.fe > 0.0;
         let ratio = |a: &Agreement| a.largest_displacement_m.mbs / a.largest_displacement_m.fe;
         let ratios: Vec<f64> = list.iter().filter(stands).map(ratio).collect();
-        let share = |of: &dyn Fn(&Agreement) -> f64, all: bool, share: f64| {
-            percentile(list.iter().filter(|a| all || falls(a)).map(of).collect(), share)
+        let share = |of: &dyn Fn(&Agreement) -> Option<f64>, all: bool, share: f64| {
+            percentile(list.iter().filter(|a| all || falls(a)).filter_map(of).collect(), share)
         };
-        let both = |of: &dyn Fn(&Agreement) -> f64, all: bool| [share(of, all, 0.5), share(of, all, 0.9)];
+        let both =
+            |of: &dyn Fn(&Agreement) -> Option<f64>, all: bool| [share(of, all, 0.5), share(of, all, 0.9)];
         let f1 = |of: fn(&Agreement) -> Sites| {
             let sum = |count: fn(&Sites) -> usize| list.iter().map(|a| count(&of(a))).sum::<usize>() as f64;
             let all = sum(|s| s.expected) + sum(|s| s.found);
@@ -159,9 +161,7 @@ impl Together {
             e_total: both(&|a| a.e_total, true),
             falling: list.iter().filter(falls).count(),
             e_to_contact_falling: both(&|a| a.e_to_contact, false),
-            e_after_contact_falling: [0.5, 0.9].map(|p| {
-                percentile(list.iter().filter(falls).filter_map(|a| a.e_after_contact).collect(), p)
-            }),
+            e_after_contact_falling: both(&|a| a.e_after_contact, false),
             e_total_falling: both(&|a| a.e_total, false),
             largest_standing: [0.1, 0.5, 0.9].map(|p| percentile(ratios.clone(), p)),
             agree: list.iter().filter(|a| a.agrees()).count(),

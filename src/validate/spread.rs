@@ -71,7 +71,7 @@ impl Spread {
             PointErrors::of(&fe.times_s, &fe.tracked, run.times_s.len(), history).until(None)
         });
         let [mut least, mut most] = [f64::INFINITY, 0.0_f64];
-        e.for_each(|e| (least, most) = (least.min(e), most.max(e)));
+        e.flatten().for_each(|e| (least, most) = (least.min(e), most.max(e)));
         self.e_total = (least <= most).then_some([least, most]);
         self
     }

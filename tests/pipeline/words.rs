@@ -4,16 +4,16 @@ use fallwerk::cli::verdict::{checks, energy_warning, energy_words, sites_words, 
 use fallwerk::mbs::model::{Beam, Bushing};
 use fallwerk::report::Status;
 use fallwerk::validate::measure::Sites;
-use fallwerk::validate::{Both, HybridValidation, LIMIT_SPEED, VALIDATION_SCHEMA, Validation};
+use fallwerk::validate::{Both, Doubt, HybridValidation, LIMIT_SPEED, Undecided, VALIDATION_SCHEMA, Validation};
 
 fn good() -> Validation {
     Validation {
         schema: VALIDATION_SCHEMA,
         building: "frame".into(),
-        e_to_contact: 0.05,
+        e_to_contact: Some(0.05),
         e_after_contact: Some(0.142),
-        e_total: 0.14,
-        e_total_without_debris: 0.12,
+        e_total: Some(0.14),
+        e_total_without_debris: Some(0.12),
         debris: Vec::new(),
         has_obstacle: false,
         largest_displacement_m: Both { fe: 4.0, mbs: 4.1 },
@@ -24,6 +24,7 @@ fn good() -> Validation {
         turning: Sites::default(),
         missed_column_ends: Vec::new(),
         collapsed: Both { fe: true, mbs: true },
+        undecided: Vec::new(),
         energy_error: Both { fe: 0.01, mbs: 0.001 },
         dissipated_j: Both { fe: 1e6, mbs: 1e6 },
         footprint_overlap: 0.8,
@@ -42,10 +43,10 @@ fn good() -> Validation {
 
 fn good_hybrid() -> HybridValidation {
     HybridValidation {
-        e_to_contact: 0.01,
+        e_to_contact: Some(0.01),
         e_after_contact: Some(0.041),
-        e_total: 0.04,
-        e_total_without_debris: 0.03,
+        e_total: Some(0.04),
+        e_total_without_debris: Some(0.03),
         debris: Vec::new(),
         first_contact_s: Some(1.0),
         collapsed: true,
@@ -74,7 +75,7 @@ fn a_hybrid_run_has_checks_of_its_own_that_decide_nothing() {
     assert!(fine.agrees() && failed(&fine).is_empty());
     type Breach = (&'static str, fn(&mut HybridValidation));
     let breaches: [Breach; 3] = [
-        ("Hybrid: displacement error", |h| h.e_total = 0.08),
+        ("Hybrid: displacement error", |h| h.e_total = Some(0.08)),
         ("Hybrid: processor time", |h| h.cpu_share = 0.6),
         ("Energy error of the hybrid run", |h| h.energy_error = 0.1),
     ];
@@ -109,7 +110,7 @@ fn a_good_comparison_agrees() {
 fn each_breach_is_named_alone() {
     type Breach = (&'static str, fn(&mut Validation));
     let breaches: [Breach; 6] = [
-        ("Displacement error", |v| v.e_to_contact = 0.4),
+        ("Displacement error", |v| v.e_to_contact = Some(0.4)),
         ("Time of the first ground contact", |v| v.first_contact_s.mbs = Some(1.2)),
         ("Time of the first ground contact", |v| v.first_contact_s.mbs = None),
         ("Collapse", |v| v.collapsed.mbs = false),
@@ -136,7 +137,7 @@ fn each_breach_is_named_alone() {
 /// What is aimed at after contact stands in the checks of buildings that fall, and decides nothing.
 #[test]
 fn errors_after_contact_are_shown_beside_their_aims() {
-    let far = Validation { e_total: 0.17, e_after_contact: Some(0.1712), footprint_overlap: 0.7, ..good() };
+    let far = Validation { e_total: Some(0.17), e_after_contact: Some(0.1712), footprint_overlap: 0.7, ..good() };
     assert_eq!(failed(&far), ["Displacement error over the whole run", "Debris footprint"]);
     assert!(far.agrees() && verdict(&far).status == Status::Pass);
     let told = checks(&far).into_iter().find(|c| c.label == "Displacement error over the whole run").unwrap();
@@ -153,7 +154,7 @@ fn errors_after_contact_are_shown_beside_their_aims() {
 #[test]
 fn a_structure_that_stands_is_judged_by_the_distance() {
     let mut v = good();
-    v.e_to_contact = 0.9;
+    v.e_to_contact = Some(0.9);
     v.first_contact_s = Both { fe: None, mbs: None };
     v.largest_displacement_m = Both { fe: 0.028, mbs: 0.004 };
     v.largest_difference_m = 0.024;
@@ -167,6 +168,56 @@ fn a_structure_that_stands_is_judged_by_the_distance() {
     );
     v.largest_difference_m = 0.06;
     assert!(!v.agrees() && verdict(&v).headline.contains("limit ≤ 0.10, or 50 mm apart"));
+}
+
+fn doubt(kind: Doubt, words: &str) -> Vec<Undecided> {
+    vec![Undecided { kind, words: words.into() }]
+}
+
+/// Two runs that end while the building still comes down say nothing about its collapse, however near they are to each other.
+#[test]
+fn runs_that_end_early_are_undecided() {
+    let early = Validation {
+        undecided: doubt(Doubt::StillMoves, "FE run: at the end, 0.5000 s, \"S3\" still moves at 2.9 m/s"),
+        collapsed: Both { fe: false, mbs: false },
+        first_contact_s: Both { fe: None, mbs: None },
+        ..good()
+    };
+    assert_eq!((early.agreement(), early.agrees()), (None, false));
+    let words = verdict(&early);
+    assert_eq!(words.status, Status::Unknown);
+    assert!(words.headline.contains("is undecided: FE run: at the end, 0.5000 s"), "{}", words.headline);
+    assert!(words.detail.starts_with("The structure has not collapsed in either run so far."));
+    let undecided: Vec<String> =
+        checks(&early).into_iter().filter(|c| c.status == Status::Unknown).map(|c| c.label).collect();
+    assert_eq!(undecided, ["Time of the first ground contact", "Collapse"]);
+    // one has come down, the other is on its way
+    let one = Validation { collapsed: Both { fe: true, mbs: false }, ..early.clone() };
+    assert_eq!(one.agreement(), None);
+    // what a longer run cannot mend fails all the same
+    let far = Validation { e_to_contact: Some(0.9), largest_difference_m: 0.6, ..early };
+    assert_eq!((far.agreement(), verdict(&far).status), (Some(false), Status::Fail));
+}
+
+/// A building without tracked points has no error of displacements, and no agreement.
+#[test]
+fn nothing_compared_is_no_agreement() {
+    let v = Validation {
+        e_to_contact: None,
+        e_total: None,
+        undecided: doubt(Doubt::NothingCompared, "nothing was compared: no tracked point is in both runs"),
+        collapsed: Both { fe: false, mbs: false },
+        first_contact_s: Both { fe: None, mbs: None },
+        ..good()
+    };
+    assert_eq!(v.agreement(), None);
+    let words = verdict(&v);
+    assert!(words.headline.contains("undecided: nothing was compared"), "{}", words.headline);
+    assert!(!words.detail.contains("e = "), "{}", words.detail);
+    let found = checks(&v);
+    assert_eq!((found[0].status, found[0].value.as_str()), (Status::Unknown, "nothing was compared"));
+    let json = serde_json::to_value(&v).unwrap();
+    assert!(json["e_to_contact"].is_null() && json["hinges"]["precision"].is_null());
 }
 
 #[test]

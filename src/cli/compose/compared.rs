@@ -15,10 +15,10 @@ pub fn runs(v: &Validation) -> Vec<ComparedRun> {
     };
     let hybrid = v.hybrid.as_ref().map(|h| ComparedRun {
         name: "hybrid".into(),
-        until_contact: Some(h.e_to_contact),
+        until_contact: h.e_to_contact,
         after_contact: h.e_after_contact,
-        until_end: Some(h.e_total),
-        without_debris: Some(h.e_total_without_debris),
+        until_end: h.e_total,
+        without_debris: h.e_total_without_debris,
         first_contact_s: h.first_contact_s,
         cpu_s: Some(h.cpu_s),
         cpu_share: Some(h.cpu_share),
@@ -27,10 +27,10 @@ pub fn runs(v: &Validation) -> Vec<ComparedRun> {
     });
     let mbs = ComparedRun {
         name: "MBS".into(),
-        until_contact: Some(v.e_to_contact),
+        until_contact: v.e_to_contact,
         after_contact: v.e_after_contact,
-        until_end: Some(v.e_total),
-        without_debris: Some(v.e_total_without_debris),
+        until_end: v.e_total,
+        without_debris: v.e_total_without_debris,
         first_contact_s: v.first_contact_s.mbs,
         cpu_s: Some(v.cpu_s.mbs),
         cpu_share: Some(1.0 / v.speed_ratio.max(1e-9)),

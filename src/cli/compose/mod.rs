@@ -79,7 +79,7 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         settings: settings(p),
         first_contact: FirstContact { fe_s: v.first_contact_s.fe, mbs_s: v.first_contact_s.mbs },
         histories: histories(p),
-        error: Some(ErrorMeasure {
+        error: v.e_total.map(|_| ErrorMeasure {
             time_s: v.times_s.clone(),
             e: v.e_curve.clone(),
             without_debris: without_debris(&v.e_curve_without_debris),
@@ -89,8 +89,8 @@ pub fn report_input(p: &Pieces) -> ReportInput {
                 .as_ref()
                 .map_or(Vec::new(), |h| without_debris(&h.e_curve_without_debris)),
             contact_s: v.first_contact_s.fe,
-            until_contact: Some(v.e_to_contact),
-            until_end: Some(v.e_total),
+            until_contact: v.e_to_contact,
+            until_end: v.e_total,
             limit_until_contact: Some(LIMIT_TO_CONTACT),
             limit_until_end: None,
         }),
@@ -262,7 +262,9 @@ fn mbs_cost(p: &Pieces) -> RunCost {
 fn notes(p: &Pieces) -> Vec<Note> {
     let warning = |text: &String| Note { severity: Severity::Warning, text: text.clone() };
     let note = |text: String| Note { severity: Severity::Note, text };
-    let mut notes: Vec<Note> = p.generated.notes.iter().map(warning).collect();
+    let undecided = p.validation.undecided.iter().map(|u| &u.words);
+    let early = undecided.filter(|words| !p.generated.notes.contains(words));
+    let mut notes: Vec<Note> = early.chain(&p.generated.notes).map(warning).collect();
     let remarks = &p.mbs.warnings;
     if let Some(first) = remarks.first() {
         let more = remarks.len() - 1;

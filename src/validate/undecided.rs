@@ -1,0 +1,81 @@
+//! What a comparison cannot tell: runs that end before the outcome is certain, and runs with nothing to compare.
+
+use super::points::PointErrors;
+use crate::base::vector::{norm, sub};
+use crate::building::Building;
+use crate::fe::result::FeRun;
+use crate::mbs::RunResult;
+use serde::{Deserialize, Serialize};
+
+/// Why a comparison does not tell whether the MBS agrees with FE.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Undecided {
+    /// What kind of reason it is.
+    pub kind: Doubt,
+    /// The reason in a sentence, with what helps.
+    pub words: String,
+}
+
+/// Kinds of reasons.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Doubt {
+    /// No tracked point is in both runs.
+    NothingCompared,
+    /// The runs end before the last charge, or soon after it, and the building has not collapsed in both.
+    EndsSoon,
+    /// The building has not collapsed in a run, and still moves at its end.
+    StillMoves,
+}
+
+/// Speed of a tracked point from which what has not come down is not at rest either \[m/s\].
+const MOVES_M_S: f64 = 1.0;
+
+/// That a building which has not collapsed by the end of a run still moves, if one of the points does, for the times of their displacements.
+pub fn moving_note<'a>(
+    collapsed: bool,
+    times_s: &[f64],
+    points: impl Iterator<Item = (&'a str, &'a [[f64; 3]])>,
+) -> Option<String> {
+    let [.., before, end] = times_s[..] else { return None };
+    let speed = |u: &[[f64; 3]]| match u {
+        [.., a, b] => norm(sub(*b, *a)) / (end - before),
+        _ => 0.0,
+    };
+    let (id, fastest) = points.map(|(id, u)| (id, speed(u))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (!collapsed && fastest > MOVES_M_S).then(|| {
+        format!("at the end, {end:.4} s, \"{id}\" still moves at {fastest:.1} m/s: too soon to tell whether it collapses; give a later settings.end_time")
+    })
+}
+
+/// All reasons of a comparison of two runs of a building, which collapses in FE and in the MBS or not.
+pub(super) fn reasons(
+    building: &Building,
+    (fe, mbs): (&FeRun, &RunResult),
+    errors: &PointErrors,
+    collapsed: [bool; 2],
+) -> Vec<Undecided> {
+    let mut reasons = Vec::new();
+    let mut tell = |kind, words: String| reasons.push(Undecided { kind, words });
+    if errors.pairs.is_empty() {
+        let why = if fe.tracked.is_empty() {
+            "the building has no column tops, slab corners or floors to track"
+        } else {
+            "no tracked point is in both runs"
+        };
+        tell(Doubt::NothingCompared, format!("nothing was compared: {why}"));
+    }
+    if collapsed != [true; 2] {
+        building.ends_soon().into_iter().for_each(|words| tell(Doubt::EndsSoon, words));
+    }
+    let of_fe = fe.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..]));
+    let of_mbs = mbs.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..]));
+    let moving = [
+        ("FE", moving_note(collapsed[0], &fe.times_s, of_fe)),
+        ("MBS", moving_note(collapsed[1], &mbs.times_s, of_mbs)),
+    ];
+    for (name, note) in moving {
+        note.into_iter().for_each(|note| tell(Doubt::StillMoves, format!("{name} run: {note}")));
+    }
+    reasons
+}
