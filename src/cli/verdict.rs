@@ -196,8 +196,13 @@ fn collapse(v: &Validation) -> Check {
 /// Distance of the displacements of a structure that stands.
 fn apart(v: &Validation) -> String {
     let [apart, fe, mbs] =
-        [v.largest_difference_m, v.largest_displacement_m.fe, v.largest_displacement_m.mbs].map(|m| 1e3 * m);
-    format!("displacements at most {apart:.1} mm apart (FE {fe:.1} mm, MBS {mbs:.1} mm)")
+        [v.largest_difference_m, v.largest_displacement_m.fe, v.largest_displacement_m.mbs].map(short_length);
+    format!("displacements at most {apart} apart (FE {fe}, MBS {mbs})")
+}
+
+/// A length in mm, below a tenth of one in µm.
+fn short_length(length_m: f64) -> String {
+    if length_m < 1e-4 { format!("{:.1} µm", 1e6 * length_m) } else { format!("{:.1} mm", 1e3 * length_m) }
 }
 
 fn contact(v: &Validation) -> Check {
@@ -262,14 +267,28 @@ fn detail(v: &Validation) -> String {
             outcome_of(v, mbs)
         ),
     };
-    let whole = v.e_total.map_or(String::new(), |e| {
+    // what stands deflects by millimetres and leaves no debris
+    let whole = v.e_total.filter(|_| !v.stands()).map_or(String::new(), |e| {
         format!(" Over the whole run e = {e:.3}; the debris footprints overlap by {:.0} %.", 100.0 * v.footprint_overlap)
     });
-    format!(
-        "{collapse}{whole} {} of {} FE zones have a hinge that turns plastically by more than \
-         {ACTIVE_ROTATION_RAD} rad; {} of {} such hinges stand in an FE zone.",
-        v.hinges.common, v.hinges.expected, v.hinges.common, v.hinges.found,
-    )
+    format!("{collapse}{whole} {}", zones(v))
+}
+
+/// Which FE zones are hinges, and which hinges are zones.
+fn zones(v: &Validation) -> String {
+    let turning = format!("turns plastically by more than {ACTIVE_ROTATION_RAD} rad");
+    let Sites { common, expected, found, .. } = v.hinges;
+    match (expected, found) {
+        (0, 0) => format!("FE shows no zone of accumulated damage at a member end, and no hinge {turning}."),
+        (0, 1) => format!("FE shows no zone of accumulated damage at a member end; one hinge {turning}."),
+        (0, _) => format!(
+            "FE shows no zone of accumulated damage at a member end; {found} hinges turn plastically by more than {ACTIVE_ROTATION_RAD} rad."
+        ),
+        (_, 0) => format!("None of {expected} FE zones has a hinge that {turning}."),
+        _ => format!(
+            "{common} of {expected} FE zones have a hinge that {turning}; {common} of {found} such hinges stand in an FE zone."
+        ),
+    }
 }
 
 /// Precision, recall and F1 of sites that were found; "-" for a share of nothing.

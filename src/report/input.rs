@@ -35,6 +35,8 @@ pub struct ReportInput {
     pub histories: Vec<History>,
     /// The error measure e(T).
     pub error: Option<ErrorMeasure>,
+    /// How far a structure is apart that stands in both runs; `None`: it falls in one of them, or nobody knows yet.
+    pub standing: Option<Standing>,
     /// Member ends and other sections at which a hinge may form.
     pub hinge_sites: Vec<HingeSite>,
     /// Plastic rotation from which a hinge counts as yielded \[rad\]; `None`: any.
@@ -191,6 +193,17 @@ pub struct ErrorMeasure {
     pub limit_until_contact: Option<f64>,
     /// Largest accepted e up to the end.
     pub limit_until_end: Option<f64>,
+}
+
+/// Displacements of a structure that stands in both runs.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Standing {
+    /// Largest distance between both runs' displacements of a tracked point \[m\].
+    pub apart_m: f64,
+    /// Largest accepted distance \[m\].
+    pub limit_m: f64,
+    /// Largest displacement of a tracked point in FE and in the MBS \[m\].
+    pub largest_m: [f64; 2],
 }
 
 /// A section at which a hinge may form: what FE shows and what the MBS has.

@@ -83,6 +83,7 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
             "strain": p.max_plastic_strain.map(|s| significant(s, 2)),
         })),
         "error_chart": plots::error_chart(input)?,
+        "touches": input.error.as_ref().is_some_and(|e| e.contact_s.is_some()),
         "points": points,
         "sites": input.hinge_sites.iter().map(site).collect::<Vec<_>>(),
         "agreement": agreement(&input.hinge_sites),
@@ -177,7 +178,14 @@ fn optional_time(t: Option<f64>) -> String {
 
 fn figures(input: &ReportInput) -> Vec<Figure> {
     let mut out = Vec::new();
-    if let Some(e) = &input.error {
+    if let Some(s) = &input.standing {
+        // all in the unit of the largest
+        let (factor, unit) = if s.apart_m < 1e-4 { (1e6, "µm") } else { (1e3, "mm") };
+        let [fe, mbs] = s.largest_m.map(|m| significant(factor * m, 3));
+        let note = format!("FE {fe} {unit}, MBS {mbs} {unit}; limit {} mm", significant(1e3 * s.limit_m, 2));
+        let value = significant(factor * s.apart_m, 2);
+        out.push(Figure { label: "Largest distance of displacements", value, unit, note });
+    } else if let Some(e) = &input.error {
         let limit = |l: Option<f64>| l.map_or(String::new(), |l| format!("limit {}", significant(l, 2)));
         let (label, value) = ("Error e up to first contact", optional(e.until_contact, 2));
         out.push(Figure { label, value, unit: "", note: limit(e.limit_until_contact) });
@@ -196,7 +204,7 @@ fn figures(input: &ReportInput) -> Vec<Figure> {
         let note = format!("FE {}, MBS {}", contact_text(contact.fe_s), contact_text(contact.mbs_s));
         out.push(Figure { label: "First contact, MBS − FE", value, unit, note });
     }
-    if let Some(a) = agreement(&input.hinge_sites) {
+    if let Some(a) = agreement(&input.hinge_sites).filter(|a| a.both + a.fe_only + a.mbs_only > 0) {
         let value = format!("{} of {}", a.both, a.both + a.fe_only);
         let note = format!("{} yielded in MBS only", a.mbs_only);
         out.push(Figure { label: "FE zones found as hinges", value, unit: "", note });
@@ -278,11 +286,7 @@ fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, R
             hybrid,
             debris: history.debris_s.map(seconds),
             when: fixed(overall.0, 2),
-            relative: if fe_max > 0.0 {
-                format!("{} %", significant(100.0 * overall.1 / fe_max, 2))
-            } else {
-                MISSING.into()
-            },
+            relative: share_of(overall.1, fe_max),
             charts,
             worst: false,
         });
@@ -291,6 +295,16 @@ fn points(histories: &[History], contact_s: Option<f64>) -> Result<Vec<Point>, R
         point.worst = true;
     }
     Ok(out)
+}
+
+/// A deviation in per cent of the largest displacement; beyond ten times of it the figure says no more than that.
+fn share_of(deviation: f64, largest: f64) -> String {
+    let share = deviation / largest;
+    match share {
+        s if s > 10.0 => "> 1000 %".into(),
+        s if s.is_finite() => format!("{} %", significant(100.0 * s, 2)),
+        _ => MISSING.into(),
+    }
 }
 
 /// What FE and MBS say about the sites together.

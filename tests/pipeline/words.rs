@@ -166,6 +166,11 @@ fn a_structure_that_stands_is_judged_by_the_distance() {
         words.contains("stands in both, displacements at most 24.0 mm apart (FE 28.0 mm, MBS 4.0 mm)"),
         "{words}"
     );
+    let detail = verdict(&v).detail;
+    assert!(!detail.contains("debris") && detail.contains("FE shows no zone"), "{detail}");
+    v.largest_displacement_m = Both { fe: 2e-5, mbs: 2.4e-5 };
+    v.largest_difference_m = 4e-6;
+    assert!(verdict(&v).headline.contains("4.0 µm apart (FE 20.0 µm, MBS 24.0 µm)"));
     v.largest_difference_m = 0.06;
     assert!(!v.agrees() && verdict(&v).headline.contains("limit ≤ 0.10, or 50 mm apart"));
 }
@@ -262,7 +267,7 @@ fn a_share_of_nothing_is_no_number() {
     let hinges = Sites::of([(true, false), (true, false)].into_iter());
     let said = verdict(&Validation { hinges, ..good() }).detail;
     assert!(
-        said.contains("0 of 2 FE zones have a hinge that turns plastically by more than 0.02 rad"),
+        said.contains("None of 2 FE zones has a hinge that turns plastically by more than 0.02 rad"),
         "{said}"
     );
     assert!(!said.contains("precision") && !said.contains("1.00"), "{said}");

@@ -199,6 +199,31 @@ fn the_page_shows_all_runs() {
     assert!(!body.contains("hybrid"), "a report of two runs does not speak of a third");
 }
 
+/// A structure that stands has a distance of millimetres, and neither debris nor a time after contact.
+#[test]
+fn what_stands_is_told_by_its_distance() {
+    let mut input = collapse::report(0.8, 5);
+    input.standing = Some(Standing { apart_m: 2.4e-3, limit_m: 0.05, largest_m: [4e-3, 3.2e-3] });
+    input.error.as_mut().unwrap().contact_s = None;
+    input.hinge_sites.iter_mut().for_each(|s| (s.fe_zone, s.mbs_yielded_s) = (Some(false), None));
+    for h in &mut input.histories {
+        h.fe_m.iter_mut().for_each(|u| *u = [1e-9; 3]);
+    }
+    let page = render(&input).unwrap();
+    for text in [
+        "<dt>Largest distance of displacements</dt><dd><b>2.4</b> <span class=\"unit\">mm</span><small>FE 4.00 mm, MBS 3.20 mm; limit 50 mm",
+        "FE shows no zone of accumulated damage at these sites; no hinge of the MBS yielded so that it counts.",
+        "&gt; 1000 %",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    for text in ["Error e up to first contact", "FE zones found", "Shaded:", "up to contact [m]", "F1 ="] {
+        assert!(!page.contains(text), "{text}");
+    }
+    input.standing.as_mut().unwrap().apart_m = 2.4e-5;
+    assert!(render(&input).unwrap().contains("<b>24</b> <span class=\"unit\">µm</span>"));
+}
+
 /// A site that FE has not evaluated is no site without a zone: the 3D view has a mark of its own for it, as the matrix has a line.
 #[test]
 fn sites_that_fe_has_not_evaluated_are_told_apart() {

@@ -6,6 +6,8 @@ use crate::validate::{DebrisPoint, Validation};
 
 /// FE, hybrid if there was such a run, MBS.
 pub fn runs(v: &Validation) -> Vec<ComparedRun> {
+    // what stands has no debris
+    let debris = |overlap: f64| (!v.stands()).then_some(overlap);
     let fe = ComparedRun {
         name: "FE".into(),
         first_contact_s: v.first_contact_s.fe,
@@ -23,7 +25,7 @@ pub fn runs(v: &Validation) -> Vec<ComparedRun> {
         cpu_s: Some(h.cpu_s),
         cpu_share: Some(h.cpu_share),
         energy_error: Some(h.energy_error),
-        footprint_overlap: Some(h.footprint_overlap),
+        footprint_overlap: debris(h.footprint_overlap),
     });
     let mbs = ComparedRun {
         name: "MBS".into(),
@@ -35,7 +37,7 @@ pub fn runs(v: &Validation) -> Vec<ComparedRun> {
         cpu_s: Some(v.cpu_s.mbs),
         cpu_share: Some(1.0 / v.speed_ratio.max(1e-9)),
         energy_error: Some(v.energy_error.mbs),
-        footprint_overlap: Some(v.footprint_overlap),
+        footprint_overlap: debris(v.footprint_overlap),
     };
     [fe].into_iter().chain(hybrid).chain([mbs]).collect()
 }

@@ -23,11 +23,11 @@ use crate::mbs::latent::live_s;
 use crate::mbs::result::EventKind;
 use crate::report::{
     ErrorMeasure, FeEnergy, FirstContact, HingeSite, History, MbsEnergy, Note, ReportInput, RunCost, Setting,
-    Severity,
+    Severity, Standing,
 };
 use crate::review::Review;
 use crate::study::Facts;
-use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_TO_CONTACT, SiteComparison, Validation};
+use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_STANDING_M, LIMIT_TO_CONTACT, SiteComparison, Validation};
 
 /// Everything that a report is made of.
 pub struct Pieces<'a> {
@@ -94,6 +94,7 @@ pub fn report_input(p: &Pieces) -> ReportInput {
             limit_until_contact: Some(LIMIT_TO_CONTACT),
             limit_until_end: None,
         }),
+        standing: standing(v),
         fe_energy: Some(fe_energy(p.fe)),
         mbs_energy: Some(mbs_energy(p.mbs)),
         fe_run: Some(fe_cost(p.fe, p.threads)),
@@ -111,6 +112,15 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         hinge_sites: sites,
         counted_rotation_rad: Some(ACTIVE_ROTATION_RAD),
     }
+}
+
+/// How far a structure is apart that stands in both runs to their end.
+fn standing(v: &Validation) -> Option<Standing> {
+    (v.stands() && v.undecided.is_empty()).then_some(Standing {
+        apart_m: v.largest_difference_m,
+        limit_m: LIMIT_STANDING_M,
+        largest_m: [v.largest_displacement_m.fe, v.largest_displacement_m.mbs],
+    })
 }
 
 fn settings(p: &Pieces) -> Vec<Setting> {
