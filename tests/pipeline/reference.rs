@@ -26,6 +26,7 @@ fn the_reference_building_is_followed_beyond_the_first_contact() {
     assert!(to < figure("e_total") && figure("e_total") < after && after < 0.16, "{to} {after}");
     books_close(&read("fe-energies.csv"));
     let page = read("report.html");
+    counts_never_fall(&page);
     for check in ["Displacement error over the whole run", "Debris footprint", "e after it"] {
         assert!(page.contains(check), "{check}");
     }
@@ -48,4 +49,17 @@ fn books_close(table: &str) {
         let missing = there - supplied - sum(&["residual_j"]);
         assert!((missing - *preloaded_j.get_or_insert(there)).abs() < 1e-6 * there.abs(), "{line}");
     }
+}
+
+/// The captions of the MBS pictures say what has happened so far.
+fn counts_never_fall(page: &str) {
+    let captions = page.split("<figcaption><b>MBS</b> ").skip(1);
+    let counts = captions.map(|c| {
+        let hinges = c.split("hinges: ").nth(1).unwrap().split('<').next().unwrap();
+        hinges.split(' ').filter_map(|word| word.parse().ok()).collect::<Vec<usize>>()
+    });
+    let counts: Vec<Vec<usize>> = counts.collect();
+    assert!(counts.len() == 4 && counts.iter().all(|c| c.len() == 3), "{counts:?}");
+    assert!(counts.windows(2).all(|w| w[0].iter().zip(&w[1]).all(|(a, b)| a <= b)), "{counts:?}");
+    assert!(counts[3][0] > 0 && counts[3][2] > 0, "{counts:?}");
 }

@@ -64,6 +64,30 @@ impl<'a> Marks<'a> {
     }
 }
 
+/// How many hinges and latent sections something has happened to by a time. One may count in all three.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Happened {
+    /// Have turned plastically.
+    pub yielded: usize,
+    /// Have gone live.
+    pub live: usize,
+    /// Have separated.
+    pub broken: usize,
+}
+
+impl Marks<'_> {
+    /// How many something has happened to by an output, those included whose bodies have vanished since: no count ever falls.
+    pub fn happened(&self, output: usize) -> Happened {
+        let until_s = self.result.times_s.get(output).copied().unwrap_or(f64::NEG_INFINITY);
+        let count = |of: fn(&Place) -> f64| self.places.iter().filter(|p| of(p) <= until_s).count();
+        Happened {
+            yielded: count(|p| p.yielded_s),
+            live: count(|p| p.live_s),
+            broken: count(|p| p.broken_s),
+        }
+    }
+}
+
 /// The hinges of a bushing, or the bushing itself if it is elastic.
 fn places_of(
     bushing: &Bushing,

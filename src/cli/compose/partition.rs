@@ -1,13 +1,13 @@
 //! Rigid and deforming parts of the runs: shares over time, and pictures at some times.
 
 use super::Pieces;
-use super::marks::{Marks, pose};
+use super::marks::{Happened, Marks, pose};
 use super::scene::{Skin, kept};
 use crate::base::geom::Aabb;
 use crate::fe::result::{FeRun, KeptFrame};
 use crate::mbs::latent::compounds;
 use crate::mbs::math;
-use crate::report::{Facet, FacetKind, Mark, MarkKind, Moment, PartitionView, Picture, SceneFace};
+use crate::report::{Facet, FacetKind, Moment, PartitionView, Picture, SceneFace};
 use std::collections::BTreeSet;
 
 /// Longest edge of a face in a picture \[m\]: smaller than the members, so that the depth of their centres orders them.
@@ -187,13 +187,12 @@ fn mbs_picture(p: &Pieces, marks: &Marks, output: usize) -> Picture {
             facets.extend(box_facets(solid, FacetKind::Rigid, place));
         }
     }
-    let marks = marks.at(output);
-    Picture { run: "MBS".into(), words: mbs_words(&compounds, &marks), facets, marks }
+    let words = mbs_words(&compounds, marks.happened(output));
+    Picture { run: "MBS".into(), words, facets, marks: marks.at(output) }
 }
 
-/// "24 rigid compounds of 32 bodies; hinges: 20 yielded, 4 of latent sections, 6 separated": each hinge counts once.
-fn mbs_words(compounds: &[Option<usize>], marks: &[Mark]) -> String {
-    let count = |kind| marks.iter().filter(|m| m.kind == kind).count();
+/// "24 rigid compounds of 32 bodies; hinges: 20 have yielded so far, 4 of latent sections have gone live, 6 have separated".
+fn mbs_words(compounds: &[Option<usize>], happened: Happened) -> String {
     let (bodies, moving) = count_compounds(compounds);
     let rigid = match (bodies == moving, moving) {
         (_, 1) => "1 rigid compound".into(),
@@ -201,10 +200,8 @@ fn mbs_words(compounds: &[Option<usize>], marks: &[Mark]) -> String {
         (false, _) => format!("{moving} rigid compounds of {bodies} bodies"),
     };
     format!(
-        "{rigid}; hinges: {} yielded, {} of latent sections gone live, {} separated",
-        count(MarkKind::Yielded),
-        count(MarkKind::Live),
-        count(MarkKind::Broken)
+        "{rigid}; hinges: {} have yielded so far, {} of latent sections have gone live, {} have separated",
+        happened.yielded, happened.live, happened.broken
     )
 }
 
