@@ -93,6 +93,14 @@ fn the_page_of_a_full_scene_is_small_and_can_be_kept_for_looking_at() {
     }
 }
 
+/// Browsers leave backgrounds out of what they print, unless a page says that they mean something.
+#[test]
+fn legends_keep_their_colours_in_print() {
+    let page = render(&collapse::report(0.8, 5)).unwrap();
+    let print = between(&page, "@media print {", "</style>");
+    assert!(print.contains(".swatch, .site, .ramp") && print.contains("print-color-adjust: exact"));
+}
+
 #[test]
 fn the_page_loads_nothing() {
     let page = render(&collapse::report(0.8, 5)).unwrap();
