@@ -7,6 +7,7 @@ use super::ReportError;
 use super::chart::{Chart, Series, escape, seconds};
 use super::input::FirstContact;
 use super::plots::{check, contact_marks};
+use crate::base::geom::Aabb;
 use crate::base::vector::{cross, dot, norm, sub};
 use std::fmt::Write;
 
@@ -23,6 +24,8 @@ pub struct PartitionView {
     pub hybrid_share: Vec<f64>,
     /// Height of the ground \[m\].
     pub ground_level_m: Option<f64>,
+    /// Box around the building before it moves \[m\]: no picture cuts into it.
+    pub building_m: Option<Aabb>,
     /// The runs at some times.
     pub moments: Vec<Moment>,
 }
@@ -159,6 +162,12 @@ const LIGHT: [f64; 3] = [0.48, -0.44, 0.76];
 /// Margin around the scene \[m\].
 const MARGIN_M: f64 = 0.6;
 
+/// Corners of a box.
+fn corners_of(solid: Aabb) -> [[f64; 3]; 8] {
+    let ends = [solid.min, solid.max];
+    std::array::from_fn(|k| std::array::from_fn(|axis| ends[k >> axis & 1][axis]))
+}
+
 /// A parallel projection that shows all pictures at one scale.
 struct Camera {
     right: [f64; 3],
@@ -184,6 +193,11 @@ impl Camera {
         let points: Vec<Vec<[f64; 3]>> = pictures.map(corners).collect();
         // What most of each picture needs: debris that flies away may be cut off.
         let range = |of: &dyn Fn([f64; 3]) -> f64| {
+            let standing = |of: &dyn Fn([f64; 3]) -> f64| {
+                let at = view.building_m.map(|solid| corners_of(solid).map(of))?;
+                let [low, high] = [at.iter().copied().reduce(f64::min)?, at.iter().copied().reduce(f64::max)?];
+                Some([low - MARGIN_M, high + MARGIN_M])
+            };
             let middle = |points: &Vec<[f64; 3]>| {
                 let mut at: Vec<f64> = points.iter().map(|p| of(*p)).filter(|v| v.is_finite()).collect();
                 at.sort_by(f64::total_cmp);
@@ -191,7 +205,7 @@ impl Camera {
                 let cut = (CUT * at.len() as f64) as usize;
                 Some([at[cut] - MARGIN_M, at[last - cut] + MARGIN_M])
             };
-            let ranges = points.iter().filter_map(middle);
+            let ranges = points.iter().filter_map(middle).chain(standing(&of));
             ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or([0.0, 1.0])
         };
         let (x, y) = (range(&|p| dot(right, p)), range(&|p| -dot(up, p)));
@@ -372,6 +386,22 @@ mod tests {
         assert!(!drawn.rows[0].pictures[0].contains("NaN"));
         let empty = section(&PartitionView::default(), &FirstContact::default()).unwrap();
         assert!(empty.rows.is_empty() && empty.chart.contains("Not recorded"));
+    }
+
+    /// Debris that flies off may be cut; a building of which little is meshed finely may not.
+    #[test]
+    fn a_picture_never_cuts_into_the_building() {
+        let fine = (0..2000).map(|_| facet(roof(0.0), FacetKind::Rigid));
+        let tower = [[0.0, 0.0, 30.0], [4.0, 0.0, 30.0], [4.0, 4.0, 30.0], [0.0, 4.0, 30.0]];
+        let mut view = view(fine.chain([facet(tower, FacetKind::Rigid)]).collect());
+        assert!(Camera::of(&view).place(tower[0])[1] < 0.0, "cut without a box");
+        view.building_m = Some(Aabb::from_corners([0.0; 3], [4.0, 4.0, 30.0]));
+        let camera = Camera::of(&view);
+        let inside = |p: [f64; 3]| {
+            let [x, y] = camera.place(p);
+            (0.0..=WIDTH).contains(&x) && (0.0..=camera.height).contains(&y)
+        };
+        assert!(tower.into_iter().all(inside));
     }
 
     #[test]

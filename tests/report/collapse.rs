@@ -399,6 +399,7 @@ fn partition() -> PartitionView {
         fe_never_share: vec![1.0, 0.98, 0.93],
         hybrid_share: vec![0.0, 0.8, 0.5],
         ground_level_m: Some(0.0),
+        building_m: Some(Aabb::from_corners([-0.2, -0.2, 0.0], [6.2, 5.2, 10.5])),
         moments: [("before the first contact", 0.8), ("at the end", END_S)].map(moment).into(),
     }
 }

@@ -34,8 +34,19 @@ pub fn partition(p: &Pieces) -> PartitionView {
         fe_never_share: shares(&fe, &|f| fe.never_share(f)),
         hybrid_share: hybrid.as_ref().map_or(Vec::new(), |run| shares(run, &|f| run.rigid_share(f))),
         ground_level_m: Some(p.building.ground.level_m),
+        building_m: Some(around(p.fe.mesh.nodes.iter().copied())),
         moments: moments(p, &outputs).into_iter().map(moment).collect(),
     }
+}
+
+/// The box around some points.
+fn around(points: impl Iterator<Item = [f64; 3]>) -> Aabb {
+    let [mut min, mut max] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for p in points {
+        min = std::array::from_fn(|i| min[i].min(p[i]));
+        max = std::array::from_fn(|i| max[i].max(p[i]));
+    }
+    Aabb { min, max }
 }
 
 /// Which outputs are drawn, of those that were kept.
