@@ -55,6 +55,7 @@ pub use doubts::{Alternative, Doubt, Why};
 pub use event_reasons::EventReason;
 pub use generator::Generator;
 pub use jointless::Jointless;
+pub use joints::is_ground;
 pub use rigid::rigid_elements;
 pub use unasked::Unasked;
 pub use unmet::Unmet;

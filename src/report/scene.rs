@@ -14,7 +14,7 @@
 use super::ReportError;
 use super::codec::{Quantiser, push_series, push_varint};
 use super::input::HingeSite;
-use super::scene_input::{FeScene, MbsScene, PlasticStrain, Pose, Scene};
+use super::scene_input::{FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneObstacle};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -59,14 +59,20 @@ pub fn pack(scene: &Scene, sites: &[HingeSite]) -> Result<PackedScene, ReportErr
         "ground": scene.ground_level_m,
         "view": [view_min, view_max],
         "groups": groups,
-        "obstacles": scene.obstacles.iter().map(|o| json!({
-            "label": o.label, "center": o.solid.center(), "half": o.solid.size().map(|s| 0.5 * s),
-        })).collect::<Vec<_>>(),
+        "obstacles": solids(&scene.obstacles),
         "fe": fe,
         "mbs": mbs,
         "markers": sites.iter().map(|s| marker(s, scene)).collect::<Vec<_>>(),
     });
     Ok(PackedScene { head, bytes, step_m, groups, max_plastic_strain: max_strain })
+}
+
+/// Boxes that do not move.
+fn solids(list: &[SceneObstacle]) -> Value {
+    let one = |o: &SceneObstacle| {
+        json!({ "label": o.label, "center": o.solid.center(), "half": o.solid.size().map(|s| 0.5 * s) })
+    };
+    list.iter().map(one).collect()
 }
 
 fn expect(what: &str, expected: usize, found: usize) -> Result<(), ReportError> {
@@ -255,6 +261,7 @@ fn pack_mbs(mbs: &MbsScene, groups: &[String], bytes: &mut Vec<u8>) -> Value {
             "id": b.id, "group": group_index(groups, &b.group), "appears": b.appears_s, "removed": b.removed_s,
             "boxes": b.boxes.iter().map(|x| json!([x.center_m, x.half_extents_m])).collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
+        "fixed": solids(&mbs.fixed),
         "crushed": mbs.crushed.iter().map(|c| json!({
             "place": c.place, "axis": c.face.0, "sign": c.face.1, "depth": c.depth_m,
         })).collect::<Vec<_>>(),

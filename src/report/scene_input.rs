@@ -89,6 +89,8 @@ pub struct MbsScene {
     pub bodies: Vec<SceneBody>,
     /// Poses per frame: `frames[frame][body]`.
     pub frames: Vec<Vec<Pose>>,
+    /// What the building stands on and is no body of the model, such as held footings.
+    pub fixed: Vec<SceneObstacle>,
     /// Boxes that get shorter.
     pub crushed: Vec<CrushedBox>,
     /// How many rigid compounds the bodies move as, a frame each; empty: not told.

@@ -128,6 +128,10 @@ fn scene(size: f64, frames: usize) -> Scene {
     let mbs = MbsScene {
         bodies: solids.iter().map(body).collect(),
         frames: times.iter().map(|&t| solids.iter().map(|s| pose(s, t)).collect()).collect(),
+        fixed: vec![SceneObstacle {
+            label: "F1".into(),
+            solid: Aabb::from_corners([-0.6, 4.4, -0.6], [0.6, 5.6, 0.0]),
+        }],
         crushed: Vec::new(),
         compounds: times.iter().map(|&t| if t < 1.0 { 13 } else { 15 }).collect(),
     };

@@ -232,6 +232,17 @@ fn what_stands_is_told_by_its_distance() {
     assert!(render(&input).unwrap().contains("<b>24</b> <span class=\"unit\">µm</span>"));
 }
 
+/// Footings that are held are no bodies of the model; without them columns would hang above the ground.
+#[test]
+fn what_the_building_stands_on_is_drawn_with_the_bodies() {
+    let mut input = collapse::report(0.8, 5);
+    let page = render(&input).unwrap();
+    assert_eq!(head(&page)["mbs"]["fixed"][0]["half"], serde_json::json!([0.6, 0.6, 0.3]));
+    assert!(page.contains("MBS: held, no body"));
+    input.scene.as_mut().unwrap().mbs.as_mut().unwrap().fixed.clear();
+    assert!(!render(&input).unwrap().contains("MBS: held, no body"));
+}
+
 /// A site that FE has not evaluated is no site without a zone: the 3D view has a mark of its own for it, as the matrix has a line.
 #[test]
 fn sites_that_fe_has_not_evaluated_are_told_apart() {

@@ -2,7 +2,7 @@
 
 use super::Pieces;
 use super::marks::{Happened, Marks, pose};
-use super::scene::{Skin, kept};
+use super::scene::{Skin, held, kept};
 use crate::base::geom::Aabb;
 use crate::fe::result::{FeRun, KeptFrame};
 use crate::mbs::latent::compounds;
@@ -189,6 +189,7 @@ fn mbs_picture(p: &Pieces, marks: &Marks, output: usize) -> Picture {
     let Some(frame) = p.mbs.frames.get(output) else { return Picture::default() };
     let compounds = compounds(model, p.mbs, p.mbs.times_s[output]);
     let mut facets = obstacles(p);
+    facets.extend(held(p.building).flat_map(|m| box_facets(m.solid, FacetKind::Rigid, |local| local)));
     for (body, _) in compounds.iter().enumerate().filter(|(_, compound)| compound.is_some()) {
         let (turn, position_m) = pose(frame, body);
         for shape in &model.bodies[body].shapes {

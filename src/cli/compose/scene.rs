@@ -2,9 +2,10 @@
 
 use super::Pieces;
 use super::partition::count_compounds;
-use crate::building::{Building, MemberKind};
+use crate::building::{Building, Member, MemberKind};
 use crate::fe::dynamics::Death;
 use crate::fe::result::{FeRun, KeptFrame};
+use crate::generate::is_ground;
 use crate::mbs::Model;
 use crate::mbs::latent;
 use crate::mbs::model::Body;
@@ -90,6 +91,11 @@ fn fe_scene(p: &Pieces) -> FeScene {
     }
 }
 
+/// Footings that are ground in the MBS.
+pub(super) fn held(building: &Building) -> impl Iterator<Item = &Member> {
+    building.members.iter().enumerate().filter(|(i, _)| is_ground(building, *i)).map(|(_, m)| m)
+}
+
 /// When a charge takes a body away \[s\].
 pub(super) fn removed_s(model: &Model, body: &str) -> Option<f64> {
     let events = model.events.iter().filter(|e| e.remove_bodies.iter().any(|b| b == body));
@@ -123,6 +129,9 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
     MbsScene {
         bodies: model.bodies.iter().map(body).collect(),
         frames: kept(p).map(|f| poses(&p.mbs.frames[f.output])).collect(),
+        fixed: held(p.building)
+            .map(|m| SceneObstacle { label: m.id.clone(), solid: m.solid })
+            .collect(),
         crushed: p.mbs.crushed.iter().filter_map(|c| crushed_box(p, c)).collect(),
         compounds: kept(p).map(|f| compounds(f.output)).collect(),
     }

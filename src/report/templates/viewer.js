@@ -184,8 +184,10 @@
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(list), gl.DYNAMIC_DRAW);
     set.count = list.length / 12;
   };
-  const bodies = boxSet(), obstacles = boxSet();
-  fill(obstacles, head.obstacles.flatMap((o) => [1, 0, 0, 0, ...o.center, ...o.half, -1, 0]));
+  const bodies = boxSet(), obstacles = boxSet(), fixed = boxSet();
+  const still = (list) => list.flatMap((o) => [1, 0, 0, 0, ...o.center, ...o.half, -1, 0]);
+  fill(obstacles, still(head.obstacles));
+  fill(fixed, still(mbs ? mbs.fixed : []));
   const floor = gl.createVertexArray();
   gl.bindVertexArray(floor);
   buffer(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
@@ -402,7 +404,7 @@
       gl.stencilFunc(gl.EQUAL, 0, 255);
       gl.stencilOp(gl.KEEP, gl.KEEP, gl.INCR);
       if (withFe) drawFe(view, 1);
-      if (withMbs && !withFe) drawBoxes(view, bodies, 1, {});
+      if (withMbs && !withFe) [bodies, fixed].forEach((set) => drawBoxes(view, set, 1, {}));
       drawBoxes(view, obstacles, 1, {});
       gl.disable(gl.STENCIL_TEST);
       gl.depthMask(true);
@@ -413,7 +415,7 @@
       gl.depthMask(false);
       drawBoxes(view, bodies, 2, { tint: [...theme.mbs, 0.8] });
       gl.depthMask(true);
-    } else if (withMbs) drawBoxes(view, bodies, 0, { edge });
+    } else if (withMbs) [bodies, fixed].forEach((set) => drawBoxes(view, set, 0, { edge }));
     if (withFe) drawMarkers(view, markersFe);
     if (withMbs && !withFe) drawMarkers(view, markersMbs);
     return { view, x, y, width, height, list: withFe ? markersFe : markersMbs };
