@@ -26,8 +26,8 @@ pub struct PackedScene {
     pub bytes: Vec<u8>,
     /// Largest quantisation step of the FE positions \[m\].
     pub step_m: Option<f64>,
-    /// Colour groups in order of their colours.
-    pub groups: Vec<String>,
+    /// Colour groups, each with the number of its colour.
+    pub groups: Vec<(String, usize)>,
     /// Largest plastic strain, if there is one to colour by.
     pub max_plastic_strain: Option<f64>,
 }
@@ -58,7 +58,6 @@ pub fn pack(scene: &Scene, sites: &[HingeSite]) -> Result<PackedScene, ReportErr
         "times": scene.time_s,
         "ground": scene.ground_level_m,
         "view": [view_min, view_max],
-        "groups": groups,
         "obstacles": solids(&scene.obstacles),
         "fe": fe,
         "mbs": mbs,
@@ -129,17 +128,28 @@ fn check(scene: &Scene) -> Result<(), ReportError> {
     Ok(())
 }
 
-fn groups_of(scene: &Scene) -> Vec<String> {
+/// Kinds of members whose colour is the same in every report, in the order of the colours.
+const COLOURED: [&str; 5] = ["beam", "column", "slab", "footing", "wall"];
+/// Colours that there are.
+const COLOURS: usize = 8;
+
+/// The groups of a scene with their colours: those of [`COLOURED`] have their own, others the rest in turns.
+fn groups_of(scene: &Scene) -> Vec<(String, usize)> {
     let fe = scene.fe.iter().flat_map(|fe| fe.parts.iter().map(|p| &p.group));
     let mbs = scene.mbs.iter().flat_map(|mbs| mbs.bodies.iter().map(|b| &b.group));
     let mut groups: Vec<String> = fe.chain(mbs).cloned().collect();
     groups.sort();
     groups.dedup();
-    groups
+    let mut others = (COLOURED.len()..COLOURS).cycle();
+    let colour = |group: String| {
+        let own = COLOURED.iter().position(|c| *c == group).or_else(|| others.next());
+        (group, own.unwrap_or(0))
+    };
+    groups.into_iter().map(colour).collect()
 }
 
-fn group_index(groups: &[String], group: &str) -> usize {
-    groups.iter().position(|g| g == group).unwrap_or(0)
+fn group_index(groups: &[(String, usize)], group: &str) -> usize {
+    groups.iter().find(|(name, _)| name == group).map_or(0, |(_, colour)| *colour)
 }
 
 /// Nodes used by faces, each with the number of frames in which it is needed.
@@ -174,7 +184,7 @@ fn track(fe: &FeScene, node: u32, needed: usize) -> Vec<[f64; 3]> {
 fn pack_fe(
     fe: &FeScene,
     time_s: &[f64],
-    groups: &[String],
+    groups: &[(String, usize)],
     bytes: &mut Vec<u8>,
 ) -> (Value, Quantiser, Option<f64>) {
     let used = used_nodes(fe, time_s);
@@ -243,7 +253,7 @@ fn pack_strain(fe: &FeScene) -> Option<(f64, Vec<u8>)> {
     Some((f64::from(max), out))
 }
 
-fn pack_mbs(mbs: &MbsScene, groups: &[String], bytes: &mut Vec<u8>) -> Value {
+fn pack_mbs(mbs: &MbsScene, groups: &[(String, usize)], bytes: &mut Vec<u8>) -> Value {
     let mut poses = Vec::new();
     let mut last = vec![Pose::default(); mbs.bodies.len()];
     for frame in &mbs.frames {

@@ -232,6 +232,21 @@ fn what_stands_is_told_by_its_distance() {
     assert!(render(&input).unwrap().contains("<b>24</b> <span class=\"unit\">µm</span>"));
 }
 
+/// A column has the colour of columns whatever else there is.
+#[test]
+fn kinds_of_members_keep_their_colours() {
+    let colour = |page: &str| head(page)["fe"]["parts"][0][1].as_u64().unwrap();
+    let mut input = collapse::report(0.8, 5);
+    let page = render(&input).unwrap();
+    assert_eq!(colour(&page), 1, "a column");
+    assert!(page.contains("<i class=\"swatch g1\"></i>column") && page.contains("<i class=\"swatch g2\"></i>slab"));
+    let fe = input.scene.as_mut().unwrap().fe.as_mut().unwrap();
+    (fe.parts[1].group, fe.parts[2].group) = ("beam".into(), "arch".into());
+    let page = render(&input).unwrap();
+    assert_eq!(colour(&page), 1);
+    assert!(page.contains("<i class=\"swatch g5\"></i>arch") && page.contains("<i class=\"swatch g2\"></i>slab"));
+}
+
 /// Footings that are held are no bodies of the model; without them columns would hang above the ground.
 #[test]
 fn what_the_building_stands_on_is_drawn_with_the_bodies() {

@@ -73,8 +73,10 @@ const SHADERS = (() => {
         oColour = vec4(mix(uFloor, uGrid, line), fade);
       }`],
     point: [`${COMMON}
-      layout(location=0) in vec3 aAt; layout(location=1) in vec2 aLook; uniform mat4 uView; uniform float uRatio; flat out vec2 vLook;
-      void main() { vLook = aLook; gl_Position = uView * vec4(aAt, 1.0); gl_PointSize = (aLook.y > 0.5 ? 15.0 : 9.0) * uRatio; }`,
+      layout(location=0) in vec3 aAt; layout(location=1) in vec2 aLook; uniform mat4 uView; uniform vec3 uEye; uniform float uRatio; flat out vec2 vLook;
+      void main() { // lifted out of the member that it is in
+        vLook = aLook; gl_Position = uView * vec4(aAt + 0.6 * normalize(uEye - aAt), 1.0); gl_PointSize = (aLook.y > 0.5 ? 15.0 : 9.0) * uRatio;
+      }`,
       `${COMMON}
       flat in vec2 vLook; out vec4 oColour;
       void main() {

@@ -10,7 +10,7 @@
     $("fallback").textContent = `${why} The figures, plots and tables of this page are complete without it.`;
     $("fallback").hidden = false;
     canvas.style.cssText = "visibility: hidden; min-height: 0; height: 130px";
-    document.querySelectorAll(".transport, .options, .keys, .hint, .tag, .clock").forEach((e) => (e.hidden = true, e.style.display = "none"));
+    document.querySelectorAll(".transport, .options, .keys, .hint, .tag, .clock, .axes").forEach((e) => (e.hidden = true, e.style.display = "none"));
   };
   if (!gl) return giveUp("This browser offers no WebGL2, so the 3D view cannot be shown.");
   const { times, fe, mbs } = head;
@@ -304,10 +304,11 @@
     return { back, right, up: cross(back, right) };
   };
   const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => centre.map((c, i) => ((k >> i) & 1 ? upper : lower)[i] - c));
-  // Distance at which the whole box is visible from the last named view: that of the moment would change as one turns.
+  // Distance at which the whole box is visible from the last named view: that of the moment would change as one turns. At the top names and clock need room.
   const fitting = (aspect) => {
-    const { back, right, up } = directions(...state.from), s = 1.06 / Math.tan(0.26);
-    return Math.max(...corners.map((c) => dot(c, back) + s * Math.max(Math.abs(dot(c, right)) / aspect, Math.abs(dot(c, up)))));
+    const { back, right, up } = directions(...state.from), s = 1.06 / Math.tan(0.26), room = 2.2 * 36 / Math.max(200, canvas.clientHeight);
+    const tall = (c) => Math.max(-dot(c, up), dot(c, up) * (1 + room));
+    return Math.max(...corners.map((c) => dot(c, back) + s * Math.max(Math.abs(dot(c, right)) / aspect, tall(c))));
   };
   const camera = (aspect) => {
     const { yaw, pitch, distance, target } = state;
@@ -371,15 +372,19 @@
   const drawMarkers = (view, list) => {
     if (!list.length || !$("show-markers").checked) return;
     const order = [...list].sort((a, b) => a.active - b.active);
+    const waiting = order.filter((m) => !m.active).length;
     const { p, at } = programs.point;
     gl.useProgram(p);
     gl.uniformMatrix4fv(at.uView, false, view.matrix);
+    gl.uniform3fv(at.uEye, view.eye);
     gl.uniform1f(at.uRatio, devicePixelRatio || 1);
     gl.bindVertexArray(points.vao);
     gl.bindBuffer(gl.ARRAY_BUFFER, points.buffer);
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(order.flatMap((m) => [...m.at, m.kind, m.active ? 1 : 0])), gl.DYNAMIC_DRAW);
+    // Sites at which nothing has happened are hidden by what is before them: hundreds would hide the building.
+    gl.drawArrays(gl.POINTS, 0, waiting);
     gl.disable(gl.DEPTH_TEST);
-    gl.drawArrays(gl.POINTS, 0, order.length);
+    gl.drawArrays(gl.POINTS, waiting, order.length - waiting);
     gl.enable(gl.DEPTH_TEST);
   };
   const drawView = (x, y, width, height, withFe, withMbs) => {
@@ -420,6 +425,17 @@
     if (withMbs && !withFe) drawMarkers(view, markersMbs);
     return { view, x, y, width, height, list: withFe ? markersFe : markersMbs };
   };
+  // The axes as the view sees them, each drawn from the middle of the mark.
+  const drawAxes = () => {
+    const { right, up } = directions(state.yaw, state.pitch);
+    const [lines, names] = ["line", "text"].map((kind) => $("axes").querySelectorAll(kind));
+    for (let k = 0; k < 3; k++) {
+      lines[k].setAttribute("x2", (20 * right[k]).toFixed(1));
+      lines[k].setAttribute("y2", (-20 * up[k]).toFixed(1));
+      names[k].setAttribute("x", (28 * right[k]).toFixed(1));
+      names[k].setAttribute("y", (4 - 28 * up[k]).toFixed(1));
+    }
+  };
   let panes = [];
   const draw = () => {
     const ratio = devicePixelRatio || 1;
@@ -439,6 +455,7 @@
       gl.enable(gl.SCISSOR_TEST);
       panes = [drawView(0, 0, half - gap, height, true, false), drawView(half, 0, width - half, height, false, true)];
     }
+    drawAxes();
     $("clock").textContent = state.t.toFixed(3);
     $("time").value = state.t;
     $("time").setAttribute("aria-valuetext", `${state.t.toFixed(3)} seconds`);
