@@ -3,7 +3,10 @@
 use super::ReportError;
 use super::chart::{Chart, Mark, Series, Size, seconds};
 use super::input::{CurveFamily, ErrorMeasure, FirstContact, History, ReportInput};
-use super::number::{fixed, prefixed, significant};
+use super::number::{axis, fixed, prefixed, significant};
+
+/// Ticks of the axis of errors, as a wide chart has them.
+const ERROR_TICKS: usize = 5;
 
 fn time_axis() -> (String, String) {
     ("time".into(), "s".into())
@@ -58,30 +61,36 @@ pub fn error_chart(input: &ReportInput) -> Result<Option<String>, ReportError> {
         limits.push((from, end, limit, format!("limit up to the end {}", significant(limit, 2))));
     }
     limits.retain(|l| l.2.is_finite());
-    let top = error_top(error, contact.unwrap_or(end), &limits);
-    let largest = given.iter().map(|(_, l)| largest_of(l.2)).fold(0.0, f64::max);
-    let cut = if largest > top {
+    // at the first output neither run has moved: there is no error, whatever stands in its place
+    let curves: Vec<Vec<[f64; 2]>> =
+        given.iter().map(|(_, l)| zip(&error.time_s, l.2, 1.0).into_iter().skip(1).collect()).collect();
+    let largest = curves.iter().flatten().map(|p| p[1]).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let frame = axis(0.0, error_top(error, contact.unwrap_or(end), &limits), ERROR_TICKS, false).max;
+    // what is a little above the frame is no reason to cut
+    let is_cut = largest > 1.1 * frame;
+    let cut = if is_cut {
         format!("; larger values at the start, up to {}, are not drawn", significant(largest, 2))
     } else {
         String::new()
     };
-    let shown = |e: &[f64]| e.iter().map(|v| if *v <= top { *v } else { f64::NAN }).collect::<Vec<f64>>();
+    let shown = |points: Vec<[f64; 2]>| if is_cut { below(&points, frame) } else { points };
     let chart = Chart {
         title: format!("Relative displacement error e(T) over all tracked points{cut}"),
         x: ("T".into(), "s".into()),
         y: ("e".into(), "–".into()),
         series: given
             .iter()
-            .map(|(_, (label, class, e))| Series {
+            .zip(curves)
+            .map(|((_, (label, class, _)), points)| Series {
                 label: (*label).into(),
                 class: (*class).into(),
-                points: zip(&error.time_s, &shown(e), 1.0),
+                points: shown(points),
             })
             .collect(),
         marks: contact_marks(&input.first_contact),
         limits,
         shade: contact.map(|t| [t, end]),
-        y_range: Some([0.0, 0.0]),
+        y_range: Some([0.0, if is_cut { frame } else { 0.0 }]),
         is_time: true,
         no_legend: given.len() == 1,
         ..Chart::default()
@@ -98,6 +107,21 @@ fn error_top(error: &ErrorMeasure, contact_s: f64, limits: &[(f64, f64, f64, Str
     let limit = limits.iter().map(|l| l.2).fold(0.0, f64::max);
     let top = 1.5 * tops.into_iter().fold(limit, f64::max);
     if top > 0.0 { top } else { f64::INFINITY }
+}
+
+/// A line without what lies above a height; it ends where it leaves the frame there.
+fn below(points: &[[f64; 2]], height: f64) -> Vec<[f64; 2]> {
+    let mut out: Vec<[f64; 2]> = Vec::new();
+    for (i, p) in points.iter().enumerate() {
+        let before = i.checked_sub(1).map(|i| points[i]);
+        let is_above = |p: &[f64; 2]| p[1] > height;
+        if let Some(b) = before.filter(|b| is_above(b) != is_above(p) && (b[1] + p[1]).is_finite()) {
+            let share = (height - b[1]) / (p[1] - b[1]);
+            out.push([b[0] + share * (p[0] - b[0]), height]);
+        }
+        out.push(if is_above(p) { [p[0], f64::NAN] } else { *p });
+    }
+    out
 }
 
 fn largest_of(values: &[f64]) -> f64 {
@@ -267,4 +291,40 @@ pub fn curve_chart(family: &CurveFamily) -> String {
         ..Chart::default()
     }
     .to_html()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_that_leaves_the_frame_is_cut_at_its_top() {
+        let cut = below(&[[0.0, 3.0], [1.0, 1.0], [2.0, 0.5], [3.0, 2.5]], 2.0);
+        let kept: Vec<[f64; 2]> = cut.iter().copied().filter(|p| p[1].is_finite()).collect();
+        assert_eq!(kept, [[0.5, 2.0], [1.0, 1.0], [2.0, 0.5], [2.75, 2.0]]);
+        assert!(cut[0][1].is_nan() && cut.last().unwrap()[1].is_nan());
+    }
+
+    fn chart(peak: f64) -> String {
+        let e = [0.0, peak, 0.1, 0.1].to_vec();
+        let error = ErrorMeasure {
+            time_s: vec![0.0, 0.1, 0.2, 0.3],
+            e,
+            contact_s: Some(0.3),
+            limit_until_contact: Some(0.1),
+            ..ErrorMeasure::default()
+        };
+        error_chart(&ReportInput { error: Some(error), ..ReportInput::default() }).unwrap().unwrap()
+    }
+
+    /// The first output has no error, and a peak is cut only where it is far above the rest: up to 0.15 the axis has room for it.
+    #[test]
+    fn the_error_begins_at_the_second_output_and_is_cut_where_it_must() {
+        let near = chart(0.15);
+        assert!(!near.contains("not drawn") && near.contains("from 0.100 to 0.150"), "{near}");
+        assert!(chart(0.16).contains("from 0.100 to 0.160"));
+        let far = chart(0.4);
+        assert!(far.contains("larger values at the start, up to 0.40, are not drawn"), "{far}");
+        assert_eq!(far.split("data-label").nth(1).unwrap().matches('M').count(), 1, "no hole");
+    }
 }
