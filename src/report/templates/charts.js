@@ -7,9 +7,11 @@
   });
   const scale = (v, [v0, v1, p0, p1]) => p0 + ((v - v0) / (v1 - v0)) * (p1 - p0);
   const value = (p, [v0, v1, p0, p1]) => v0 + ((p - p0) / (p1 - p0)) * (v1 - v0);
-  const text = (v) => {
-    const a = Math.abs(v);
-    return (a >= 1000 ? v.toFixed(0) : a >= 0.1 || a === 0 ? String(+v.toPrecision(3)) : v.toPrecision(2)).replace("-", "\u2212");
+  // As many digits as the drawing has: its lines are true to a tenth of a unit.
+  const text = (v, [v0, v1, p0, p1]) => {
+    const decimals = Math.floor(-Math.log10(Math.abs((0.1 * (v1 - v0)) / (p1 - p0))));
+    const digits = decimals > 7 ? v.toPrecision(3) : v.toFixed(Math.max(0, decimals));
+    return (Number(digits) === 0 ? digits.replace("-", "") : digits.replace("-", "\u2212"));
   };
 
   // A path as stretches of points: "M1 2L3 4L5 6M7 8h0".
@@ -73,11 +75,11 @@
         line.append(b, label);
         box.append(line);
       };
-      row(svg.dataset.xname, `${text(v)} ${svg.dataset.xunit}`);
+      row(svg.dataset.xname, `${text(v, plot.x)} ${svg.dataset.xunit}`);
       const unit = svg.dataset.yunit === "\u2013" ? "" : ` ${svg.dataset.yunit}`;
       for (const line of plot.lines) {
         const y = height(line.runs, p);
-        row(line.label, Number.isNaN(y) ? "\u2013" : text(value(y, plot.y)) + unit);
+        row(line.label, Number.isNaN(y) ? "\u2013" : text(value(y, plot.y), plot.y) + unit);
       }
       const f = figure.getBoundingClientRect();
       const left = event.clientX - f.left;
