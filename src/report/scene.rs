@@ -14,7 +14,7 @@
 use super::ReportError;
 use super::codec::{Quantiser, push_series, push_varint};
 use super::input::HingeSite;
-use super::scene_input::{FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneObstacle};
+use super::scene_input::{FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneCharge, SceneObstacle};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -61,6 +61,7 @@ pub fn pack(scene: &Scene, sites: &[HingeSite]) -> Result<PackedScene, ReportErr
         "obstacles": solids(&scene.obstacles),
         "fe": fe,
         "mbs": mbs,
+        "charges": scene.charges.iter().map(|c| charge(c, scene)).collect::<Vec<_>>(),
         "markers": sites.iter().map(|s| marker(s, scene)).collect::<Vec<_>>(),
     });
     Ok(PackedScene { head, bytes, step_m, groups, max_plastic_strain: max_strain })
@@ -346,7 +347,11 @@ fn rotate([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 
 fn marker(site: &HingeSite, scene: &Scene) -> Value {
     let fe_node = scene.fe.as_ref().and_then(|fe| nearest_node(fe, &scene.time_s, site.point_m));
-    let carrier = scene.mbs.as_ref().and_then(|mbs| carrier(mbs, site));
+    let carrier = scene.mbs.as_ref().and_then(|mbs| {
+        let named = site.body.as_ref().and_then(|id| mbs.bodies.iter().position(|b| &b.id == id));
+        let lasting = |i: &usize| mbs.bodies[*i].removed_s.is_none();
+        carrier(mbs, site.point_m, named, lasting)
+    });
     json!({
         "label": site.member_end,
         "point": site.point_m,
@@ -356,6 +361,16 @@ fn marker(site: &HingeSite, scene: &Scene) -> Value {
         "gone": site.removed_s,
         "node": fe_node,
         "body": carrier.map(|c| c.0), "local": carrier.map(|c| c.1),
+    })
+}
+
+/// A charge is carried by what is nearest in the first frame, also by what it takes away.
+fn charge(charge: &SceneCharge, scene: &Scene) -> Value {
+    let node = scene.fe.as_ref().and_then(|fe| nearest_node(fe, &scene.time_s, charge.point_m));
+    let carrier = scene.mbs.as_ref().and_then(|mbs| carrier(mbs, charge.point_m, None, |_| true));
+    json!({
+        "label": charge.label, "what": charge.what, "point": charge.point_m, "time": charge.time_s,
+        "node": node, "body": carrier.map(|c| c.0), "local": carrier.map(|c| c.1),
     })
 }
 
@@ -375,14 +390,19 @@ fn nearest_node(fe: &FeScene, time_s: &[f64], point: [f64; 3]) -> Option<usize> 
     best.map(|b| b.0)
 }
 
-/// The body that carries a marker, and the marker's place in the body frame.
-fn carrier(mbs: &MbsScene, site: &HingeSite) -> Option<(usize, [f64; 3])> {
+/// The body that carries a marker, and the marker's place in the body frame: the named one, or the nearest of those that may.
+fn carrier(
+    mbs: &MbsScene,
+    point_m: [f64; 3],
+    named: Option<usize>,
+    may: impl Fn(&usize) -> bool,
+) -> Option<(usize, [f64; 3])> {
     let poses = mbs.frames.first()?;
     let local = |i: usize| {
         let ([w, x, y, z], p) = (poses[i].orientation, poses[i].position_m);
-        rotate([w, -x, -y, -z], std::array::from_fn(|k| site.point_m[k] - p[k]))
+        rotate([w, -x, -y, -z], std::array::from_fn(|k| point_m[k] - p[k]))
     };
-    if let Some(i) = site.body.as_ref().and_then(|id| mbs.bodies.iter().position(|b| &b.id == id)) {
+    if let Some(i) = named {
         return Some((i, local(i)));
     }
     let gap = |i: usize| {
@@ -394,8 +414,7 @@ fn carrier(mbs: &MbsScene, site: &HingeSite) -> Option<(usize, [f64; 3])> {
         };
         mbs.bodies[i].boxes.iter().map(to).fold(f64::INFINITY, f64::min)
     };
-    let lasting = |i: &usize| mbs.bodies[*i].removed_s.is_none();
-    let nearest = (0..poses.len()).filter(lasting).min_by(|&a, &b| gap(a).total_cmp(&gap(b)))?;
+    let nearest = (0..poses.len()).filter(may).min_by(|&a, &b| gap(a).total_cmp(&gap(b)))?;
     Some((nearest, local(nearest)))
 }
 

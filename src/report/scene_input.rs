@@ -12,6 +12,8 @@ pub struct Scene {
     pub ground_level_m: Option<f64>,
     /// Obstacles.
     pub obstacles: Vec<SceneObstacle>,
+    /// Charges, marked until they fire.
+    pub charges: Vec<SceneCharge>,
     /// The FE run.
     pub fe: Option<FeScene>,
     /// The MBS run.
@@ -25,6 +27,19 @@ pub struct SceneObstacle {
     pub label: String,
     /// Its solid \[m\].
     pub solid: Aabb,
+}
+
+/// A charge.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SceneCharge {
+    /// Its id.
+    pub label: String,
+    /// What it takes away, e.g. "C1-A1".
+    pub what: String,
+    /// Middle of that in the initial state \[m\].
+    pub point_m: [f64; 3],
+    /// Ignition time \[s\].
+    pub time_s: f64,
 }
 
 /// The FE run.

@@ -140,6 +140,16 @@ fn scene(size: f64, frames: usize) -> Scene {
         time_s: times,
         ground_level_m: Some(0.0),
         obstacles: vec![SceneObstacle { label: "garden wall".into(), solid: wall }],
+        charges: ["C1/1", "C2/1"]
+            .iter()
+            .zip([0.0, 6.0])
+            .map(|(member, x)| SceneCharge {
+                label: format!("front-{member}"),
+                what: (*member).into(),
+                point_m: [x, 0.0, 1.6],
+                time_s: 0.0,
+            })
+            .collect(),
         fe: Some(fe),
         mbs: Some(mbs),
     }

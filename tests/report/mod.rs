@@ -247,6 +247,18 @@ fn kinds_of_members_keep_their_colours() {
     assert!(page.contains("<i class=\"swatch g5\"></i>arch") && page.contains("<i class=\"swatch g2\"></i>slab"));
 }
 
+/// A charge is carried by what it takes away, in both runs.
+#[test]
+fn charges_are_marked_where_they_are() {
+    let page = render(&collapse::report(0.8, 5)).unwrap();
+    let head = head(&page);
+    let charge = &head["charges"][1];
+    assert_eq!((&charge["label"], &charge["time"]), (&Value::from("front-C2/1"), &Value::from(0.0)));
+    let body = charge["body"].as_u64().unwrap() as usize;
+    assert_eq!(head["mbs"]["bodies"][body]["id"], "C2/1", "the body that the charge removes");
+    assert!(charge["node"].is_u64() && page.contains("charge, until it fires"));
+}
+
 /// Footings that are held are no bodies of the model; without them columns would hang above the ground.
 #[test]
 fn what_the_building_stands_on_is_drawn_with_the_bodies() {

@@ -2,7 +2,7 @@
 
 use super::Pieces;
 use super::partition::count_compounds;
-use crate::building::{Building, Member, MemberKind};
+use crate::building::{Building, Charge, Member, MemberKind};
 use crate::fe::dynamics::Death;
 use crate::fe::result::{FeRun, KeptFrame};
 use crate::generate::is_ground;
@@ -11,8 +11,8 @@ use crate::mbs::latent;
 use crate::mbs::model::Body;
 use crate::mbs::result::CrushedHistory;
 use crate::report::{
-    BodyBox, CrushedBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneElement, SceneFace,
-    SceneObstacle, ScenePart, faces_of_hexes,
+    BodyBox, CrushedBox, FeScene, MbsScene, PlasticStrain, Pose, Scene, SceneBody, SceneCharge, SceneElement,
+    SceneFace, SceneObstacle, ScenePart, faces_of_hexes,
 };
 
 /// Colour group of a member; the same word in both views.
@@ -45,8 +45,27 @@ pub fn scene(p: &Pieces) -> Scene {
             .iter()
             .map(|o| SceneObstacle { label: o.id.clone(), solid: o.solid })
             .collect(),
+        charges: p.building.events.iter().filter_map(|c| charge(p.building, c)).collect(),
         fe: Some(fe_scene(p)),
         mbs: Some(mbs_scene(p)),
+    }
+}
+
+/// A charge in the middle of what it takes away.
+fn charge(building: &Building, charge: &Charge) -> Option<SceneCharge> {
+    let member = building.member(&charge.member)?;
+    let mut point_m = member.solid.center();
+    if let (Some([from, to]), None) = (charge.stretch_m, &member.inclined) {
+        point_m[member.axis] = member.solid.min[member.axis] + 0.5 * (from + to);
+    }
+    Some(SceneCharge { label: charge.id.clone(), what: what(charge), point_m, time_s: charge.time_s })
+}
+
+/// What a charge takes away, in words.
+pub(super) fn what(charge: &Charge) -> String {
+    match charge.stretch_m {
+        Some([from, to]) => format!("{} from {from} to {to} m of its length", charge.member),
+        None => charge.member.clone(),
     }
 }
 

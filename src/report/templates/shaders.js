@@ -44,7 +44,7 @@ const SHADERS = (() => {
         vWorld = texelFetch(uPositions, ivec2(node & 1023, node >> 10), 0).xyz;
         vUv = vec2(corner == 1 || corner == 2, corner >= 2);
         vColour = uStrain > 0.5 ? ramp(element.z) : groupColour(element.y) * (1.0 + 0.07 * element.w);
-        bool hidden = uTime < aBirth || uTime >= element.x;
+        bool hidden = uTime <= aBirth || uTime > element.x;
         gl_Position = hidden ? vec4(2.0, 2.0, 2.0, 1.0) : place(vWorld);
       }`, `${COMMON}${SURFACE}`],
     box: [`${COMMON}${PLACE}
@@ -75,7 +75,7 @@ const SHADERS = (() => {
     point: [`${COMMON}
       layout(location=0) in vec3 aAt; layout(location=1) in vec2 aLook; uniform mat4 uView; uniform vec3 uEye; uniform float uRatio; flat out vec2 vLook;
       void main() { // lifted out of the member that it is in
-        vLook = aLook; gl_Position = uView * vec4(aAt + 0.6 * normalize(uEye - aAt), 1.0); gl_PointSize = (aLook.y > 0.5 ? 15.0 : 9.0) * uRatio;
+        vLook = aLook; gl_Position = uView * vec4(aAt + 0.6 * normalize(uEye - aAt), 1.0); gl_PointSize = (aLook.x > 4.5 ? 21.0 : aLook.y > 0.5 ? 15.0 : 9.0) * uRatio;
       }`,
       `${COMMON}
       flat in vec2 vLook; out vec4 oColour;
@@ -85,15 +85,16 @@ const SHADERS = (() => {
         float d = kind == 0 ? length(p) : kind == 1 ? max(abs(p.x) * 0.9 + (p.y * 0.5 - 0.05), -p.y - 0.15) + 0.35 : kind == 2 ? max(abs(p.x), abs(p.y)) + 0.12 : length(p) + 0.15;
         if (kind == 1) d = max(-p.y * 1.05 + 0.1, (p.y + abs(p.x) * 2.0) * 0.5 + 0.42);
         if (kind == 4) d = abs(p.x) + abs(p.y);
+        if (kind == 5) d = length(p) / (0.76 + 0.24 * cos(8.0 * atan(p.y, p.x)));
         float w = fwidth(p.x) * 1.2;
         float inside = 1.0 - smoothstep(0.92 - w, 0.92, d);
         if (inside < 0.02) discard;
-        vec3 c = vec3[5](vec3(.12,.62,.33), vec3(.82,.2,.17), vec3(.88,.63,0.), vec3(.5,.54,.58), vec3(.52,.42,.66))[kind];
+        vec3 c = vec3[6](vec3(.12,.62,.33), vec3(.82,.2,.17), vec3(.88,.63,0.), vec3(.5,.54,.58), vec3(.52,.42,.66), vec3(1.,.42,.05))[kind];
         float rim = smoothstep(0.66, 0.66 + w, d);
         // nothing in either, or nothing to compare with: an outline
-        bool hollow = kind >= 3;
+        bool hollow = kind == 3 || kind == 4;
         if (hollow && rim < 0.02) discard;
-        oColour = vec4(hollow ? c : mix(c, vec3(1.0), rim), inside * (hollow ? rim : 1.0) * (vLook.y > 0.5 ? 1.0 : 0.85));
+        oColour = vec4(hollow ? c : mix(c, vec3(kind == 5 ? 0.12 : 1.0), rim), inside * (hollow ? rim : 1.0) * (vLook.y > 0.5 ? 1.0 : 0.85));
       }`],
   };
 })();

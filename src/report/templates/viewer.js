@@ -225,7 +225,7 @@
   };
   const turned = (m) => m.mbsTime ?? m.live; // a latent section counts from when it goes live
   const kindOf = (m) => (m.fe === null ? 4 : m.fe && turned(m) !== null ? 0 : m.fe ? 1 : turned(m) !== null ? 2 : 3);
-  let markersFe = [], markersMbs = [];
+  let markersFe = [], markersMbs = [], chargesFe = [], chargesMbs = [];
   const update = () => {
     const [a, b, f] = locate(state.t);
     if (fe) {
@@ -270,30 +270,30 @@
       fill(bodies, mbs.boxes.flatMap((box) => {
         const { body } = box, [center, half] = shortened(box);
         const b = mbs.bodies[body];
-        if ((b.appears !== null && state.t < b.appears) || (b.removed !== null && state.t >= b.removed)) return [];
+        if ((b.appears !== null && state.t < b.appears) || (b.removed !== null && state.t > b.removed)) return [];
         const [at, q] = poses[body];
         const c = turn(q, center);
         return [...q, at[0] + c[0], at[1] + c[1], at[2] + c[2], ...half, b.group, ((body * 7) % 5) / 4 - 0.5];
       }));
     }
+    // The nearest node carries a marker; its own distance from the node is kept.
+    const atNode = (m) => [0, 1, 2].map((k) => m.point[k] + fe.texels[4 * m.node + k] - origin0(m.node, k));
+    const inBody = (m) => {
+      const [p, q] = poses[m.body], c = turn(q, m.local);
+      return [p[0] + c[0], p[1] + c[1], p[2] + c[2]];
+    };
     markersFe = [];
     markersMbs = [];
     for (const m of head.markers) {
       const kind = kindOf(m);
-      if (m.gone !== null && state.t >= m.gone) continue; // a charge took its member away
-      if (fe && m.node !== null) {
-        // The nearest node carries the marker; its own distance from the node is kept.
-        const now = [0, 1, 2].map((k) => fe.texels[4 * m.node + k]);
-        const start = [0, 1, 2].map((k) => origin0(m.node, k));
-        const at = [0, 1, 2].map((k) => m.point[k] + now[k] - start[k]);
-        markersFe.push({ m, kind, at, active: m.fe === true && (m.feTime === null || state.t >= m.feTime) });
-      }
-      if (mbs && m.body !== null) {
-        const [p, q] = poses[m.body];
-        const c = turn(q, m.local);
-        markersMbs.push({ m, kind, at: [p[0] + c[0], p[1] + c[1], p[2] + c[2]], active: turned(m) !== null && state.t >= turned(m) });
-      }
+      if (m.gone !== null && state.t > m.gone) continue; // a charge took its member away
+      if (fe && m.node !== null) markersFe.push({ m, kind, at: atNode(m), active: m.fe === true && (m.feTime === null || state.t >= m.feTime) });
+      if (mbs && m.body !== null) markersMbs.push({ m, kind, at: inBody(m), active: turned(m) !== null && state.t >= turned(m) });
     }
+    const waiting = head.charges.filter((c) => state.t <= c.time);
+    const mark = (at) => (m) => ({ m, kind: 5, at: at(m), active: true });
+    chargesFe = fe ? waiting.filter((c) => c.node !== null).map(mark(atNode)) : [];
+    chargesMbs = mbs ? waiting.filter((c) => c.body !== null).map(mark(inBody)) : [];
   };
   const origin0 = (node, k) => fe.origin[k] + fe.q[node * 3 + k] * fe.step[k];
 
@@ -370,7 +370,7 @@
     gl.drawArraysInstanced(gl.TRIANGLES, 0, 36, set.count);
   };
   const drawMarkers = (view, list) => {
-    if (!list.length || !$("show-markers").checked) return;
+    if (!list.length) return;
     const order = [...list].sort((a, b) => a.active - b.active);
     const waiting = order.filter((m) => !m.active).length;
     const { p, at } = programs.point;
@@ -421,9 +421,12 @@
       drawBoxes(view, bodies, 2, { tint: [...theme.mbs, 0.8] });
       gl.depthMask(true);
     } else if (withMbs) [bodies, fixed].forEach((set) => drawBoxes(view, set, 0, { edge }));
-    if (withFe) drawMarkers(view, markersFe);
-    if (withMbs && !withFe) drawMarkers(view, markersMbs);
-    return { view, x, y, width, height, list: withFe ? markersFe : markersMbs };
+    const list = [
+      ...($("show-markers").checked ? (withFe ? markersFe : markersMbs) : []),
+      ...($("show-charges").checked ? (withFe ? chargesFe : chargesMbs) : []),
+    ];
+    drawMarkers(view, list);
+    return { view, x, y, width, height, list };
   };
   // The axes as the view sees them, each drawn from the middle of the mark.
   const drawAxes = () => {
@@ -518,10 +521,12 @@
   for (const name of ["layout", "colour"]) {
     document.querySelectorAll(`input[name=${name}]`).forEach((e) => e.addEventListener("change", () => { choose(name, e.value); remember(); }));
   }
-  for (const id of ["show-markers", "show-edges"]) $(id).addEventListener("change", redraw);
+  for (const id of ["show-markers", "show-charges", "show-edges"]) $(id).addEventListener("change", redraw);
   $("show-markers").addEventListener("change", () => ($("key-markers").hidden = !$("show-markers").checked));
   document.querySelectorAll("[data-view]").forEach((b) => b.addEventListener("click", () => { lookFrom(b.dataset.view); redraw(); }));
+  $("show-charges").addEventListener("change", () => ($("key-charges").hidden = !$("show-charges").checked));
   if (!head.markers.length) $("key-markers").hidden = true;
+  if (!head.charges.length) $("key-charges").hidden = true;
   document.addEventListener("fallwerk:seek", (event) => { seek(event.detail); remember(); });
 
   const pointers = new Map();
@@ -568,7 +573,7 @@
     const r = canvas.getBoundingClientRect(), ratio = canvas.width / r.width;
     const px = (event.clientX - r.left) * ratio, py = canvas.height - (event.clientY - r.top) * ratio;
     let best = null;
-    for (const pane of $("show-markers").checked ? panes : []) {
+    for (const pane of panes) {
       for (const marker of pane.list) {
         const m = pane.view.matrix, p = marker.at;
         const clip = [0, 1, 3].map((k) => m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k]);
@@ -580,7 +585,7 @@
     tip.hidden = !best;
     if (!best) return;
     const { m } = best;
-    tip.textContent = `${m.label}\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}\n${m.latent ? `latent, goes live: ${seconds(m.live)}` : `MBS yields: ${!m.mbs ? "no hinge" : m.slight !== null ? `${seconds(m.slight)} (slightly)` : seconds(m.mbsTime)}`}${m.fractured === null ? "" : `\nseparates: ${seconds(m.fractured)}`}`;
+    tip.textContent = m.what !== undefined ? `charge ${m.label}: ${m.what}\nfires at ${seconds(m.time)}` : `${m.label}\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}\n${m.latent ? `latent, goes live: ${seconds(m.live)}` : `MBS yields: ${!m.mbs ? "no hinge" : m.slight !== null ? `${seconds(m.slight)} (slightly)` : seconds(m.mbsTime)}`}${m.fractured === null ? "" : `\nseparates: ${seconds(m.fractured)}`}`;
     tip.style.left = `${Math.min(event.clientX - r.left + 14, r.width - 170)}px`;
     tip.style.top = `${Math.min(event.clientY - r.top + 14, r.height - 90)}px`;
   };
