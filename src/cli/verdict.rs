@@ -233,7 +233,9 @@ pub fn verdict(v: &Validation) -> Verdict {
             Some(e) if e <= LIMIT_TO_CONTACT => {
                 (format!("The MBS agrees with FE {phase}: e = {e:.3}"), Status::Pass)
             }
-            _ => (format!("The MBS agrees with FE: the structure stands in both, {}", apart(v)), Status::Pass),
+            _ => {
+                (format!("The MBS agrees with FE: the structure stands in both, {}", apart(v)), Status::Pass)
+            }
         },
         Some(false) => {
             let failed: Vec<String> = checks(v)
@@ -269,7 +271,10 @@ fn detail(v: &Validation) -> String {
     };
     // what stands deflects by millimetres and leaves no debris
     let whole = v.e_total.filter(|_| !v.stands()).map_or(String::new(), |e| {
-        format!(" Over the whole run e = {e:.3}; the debris footprints overlap by {:.0} %.", 100.0 * v.footprint_overlap)
+        format!(
+            " Over the whole run e = {e:.3}; the debris footprints overlap by {:.0} %.",
+            100.0 * v.footprint_overlap
+        )
     });
     format!("{collapse}{whole} {}", zones(v))
 }

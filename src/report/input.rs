@@ -6,6 +6,7 @@
 //! as a gap. Every list may be empty; its section then says so or is left out.
 
 use super::partition::PartitionView;
+use super::plan::{BlastingPlan, DebrisPlan};
 use super::scene_input::Scene;
 
 /// Everything one report shows.
@@ -69,6 +70,10 @@ pub struct ReportInput {
     pub scene: Option<Scene>,
     /// Rigid and deforming parts over time.
     pub partition: Option<PartitionView>,
+    /// The charges with their times.
+    pub blasting: Option<BlastingPlan>,
+    /// Where the debris lies.
+    pub debris: Option<DebrisPlan>,
 }
 
 /// One run in the table that compares all with FE; `None`: does not apply, such as the error of FE against itself.

@@ -14,6 +14,7 @@
 //! | `scatter` | points of two quantities that should be equal, as an SVG file |
 //! | `interaction` | strengths in the plane of two moments, as an SVG file |
 //! | `partition` | pictures of rigid and deforming parts, and their share over time |
+//! | `plan` | plans of charges and of debris |
 //! | `plots` | which charts a report has |
 //! | `page` | tables and figures for the template |
 //! | `codec`, `scene` | the packed data of the 3D view |
@@ -28,6 +29,7 @@ pub mod loglog;
 mod number;
 mod page;
 pub mod partition;
+pub mod plan;
 mod plots;
 pub mod scatter;
 mod scene;
@@ -35,6 +37,7 @@ pub mod scene_input;
 
 pub use input::*;
 pub use partition::{Facet, FacetKind, Mark, MarkKind, Moment, PartitionView, Picture};
+pub use plan::{BlastingPlan, DebrisOutline, DebrisPlan, PlanKind, PlanPart, PlannedCharge, StoreyPlan};
 pub use scene_input::*;
 
 /// Why a report could not be made.

@@ -8,7 +8,7 @@ use super::input::{
     Status,
 };
 use super::number::{MISSING, count, duration, fixed, significant};
-use super::{partition, plots, scene};
+use super::{partition, plan, plots, scene};
 use crate::base::vector::{norm, sub};
 use minijinja::{AutoEscape, Environment, syntax::SyntaxConfig};
 use serde::Serialize;
@@ -76,6 +76,8 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "compared": input.compared.iter().map(compared).collect::<Vec<_>>(),
         "compared_notes": input.compared_notes,
         "partition": input.partition.as_ref().map(|p| partition::section(p, &input.first_contact)).transpose()?,
+        "blasting": input.blasting.as_ref().map(plan::blasting),
+        "debris": input.debris.as_ref().map(plan::debris),
         "has_hybrid": input.histories.iter().any(|h| !h.hybrid_m.is_empty()),
         "scene": packed.as_ref().map(|p| json!({
             "head": script_json(&p.head), "data": base64(&p.bytes), "groups": p.groups,

@@ -195,7 +195,8 @@ impl Camera {
         let range = |of: &dyn Fn([f64; 3]) -> f64| {
             let standing = |of: &dyn Fn([f64; 3]) -> f64| {
                 let at = view.building_m.map(|solid| corners_of(solid).map(of))?;
-                let [low, high] = [at.iter().copied().reduce(f64::min)?, at.iter().copied().reduce(f64::max)?];
+                let [low, high] =
+                    [at.iter().copied().reduce(f64::min)?, at.iter().copied().reduce(f64::max)?];
                 Some([low - MARGIN_M, high + MARGIN_M])
             };
             let middle = |points: &Vec<[f64; 3]>| {

@@ -69,9 +69,7 @@ pub fn pack(scene: &Scene, sites: &[HingeSite]) -> Result<PackedScene, ReportErr
 
 /// Boxes that do not move.
 fn solids(list: &[SceneObstacle]) -> Value {
-    let one = |o: &SceneObstacle| {
-        json!({ "label": o.label, "center": o.solid.center(), "half": o.solid.size().map(|s| 0.5 * s) })
-    };
+    let one = |o: &SceneObstacle| json!({ "label": o.label, "center": o.solid.center(), "half": o.solid.size().map(|s| 0.5 * s) });
     list.iter().map(one).collect()
 }
 

@@ -1,7 +1,8 @@
 //! A run with rigid parts against the full FE run of the same building.
 
+use super::heap::Heap;
 use super::points::{DebrisPoint, PointErrors, debris};
-use super::{LIMIT_HYBRID, LIMIT_HYBRID_TIME, fe_dissipated_j, fe_footprint};
+use super::{LIMIT_HYBRID, LIMIT_HYBRID_TIME, fe_dissipated_j};
 use crate::fe::result::FeRun;
 use crate::study::fell;
 use serde::{Deserialize, Serialize};
@@ -70,7 +71,7 @@ impl HybridValidation {
             collapsed: run.tracked.iter().any(|p| fell(&p.displacement_m)),
             energy_error: run.summary.energy_error,
             dissipated_j: fe_dissipated_j(run),
-            footprint_overlap: fe_footprint(run).overlap(&fe_footprint(fe)),
+            footprint_overlap: Heap::of_fe(run).footprint.overlap(&Heap::of_fe(fe).footprint),
             cpu_s: elapsed.cpu_s,
             wall_s: elapsed.wall_s,
             cpu_share: elapsed.cpu_s / fe.summary.elapsed.cpu_s.max(1e-9),

@@ -5,6 +5,8 @@
 //!
 //! After a time `t_c` alone both integrals run from the last output not after `t_c` to the end: `e_after² Σ∫_c^T |u_b|² = e(T)² Σ∫_0^T |u_b|² - e(t_c)² Σ∫_0^c |u_b|²`.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 /// Displacements of one point: times × 3 \[m\].
 pub type Displacement = [[f64; 3]];
 
@@ -98,7 +100,7 @@ impl Sites {
 /// Cells of a plan raster covered by debris.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Footprint {
-    cells: std::collections::BTreeSet<(i64, i64)>,
+    cells: BTreeSet<(i64, i64)>,
 }
 
 impl Footprint {
@@ -130,11 +132,50 @@ impl Footprint {
         self.cells.len() as f64 * Self::CELL_M * Self::CELL_M
     }
 
+    /// Closed rings along the edges of the covered cells \[m\], what is covered to their left; corners only.
+    pub fn outline(&self) -> Vec<Vec<[f64; 2]>> {
+        // each edge between a covered cell and one that is not, by where it starts
+        let mut edges: BTreeMap<(i64, i64), Vec<(i64, i64)>> = BTreeMap::new();
+        for &(i, j) in &self.cells {
+            let around = [
+                ((i, j - 1), (i, j), (i + 1, j)),
+                ((i + 1, j), (i + 1, j), (i + 1, j + 1)),
+                ((i, j + 1), (i + 1, j + 1), (i, j + 1)),
+                ((i - 1, j), (i, j + 1), (i, j)),
+            ];
+            for (_, from, to) in around.into_iter().filter(|(beside, ..)| !self.cells.contains(beside)) {
+                edges.entry(from).or_default().push(to);
+            }
+        }
+        let mut rings = Vec::new();
+        while let Some(start) = edges.keys().next().copied() {
+            let (mut ring, mut at) = (Vec::new(), start);
+            while let Some(next) = edges.get_mut(&at).and_then(Vec::pop) {
+                ring.push(at);
+                at = next;
+            }
+            edges.retain(|_, to| !to.is_empty());
+            rings.push(corners(&ring));
+        }
+        rings
+    }
+
     /// Area of the intersection over area of the union; 1 for two empty footprints.
     pub fn overlap(&self, other: &Self) -> f64 {
         let union = self.cells.union(&other.cells).count();
         if union == 0 { 1.0 } else { self.cells.intersection(&other.cells).count() as f64 / union as f64 }
     }
+}
+
+/// The corners of a closed ring of edges of cells \[m\].
+fn corners(ring: &[(i64, i64)]) -> Vec<[f64; 2]> {
+    let count = ring.len();
+    let turns = |k: &usize| {
+        let [before, at, next] = [k + count - 1, *k, k + 1].map(|k| ring[k % count]);
+        (at.0 - before.0, at.1 - before.1) != (next.0 - at.0, next.1 - at.1)
+    };
+    let place = |k: usize| [ring[k].0, ring[k].1].map(|c| c as f64 * Footprint::CELL_M);
+    (0..count).filter(turns).map(place).collect()
 }
 
 fn cross(o: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -212,6 +253,28 @@ mod tests {
         assert_eq!(Sites::of(std::iter::empty()), Sites::default(), "no share of nothing");
         let missed = Sites::of([(true, false)].into_iter());
         assert_eq!((missed.precision, missed.recall, missed.f1), (None, Some(0.0), Some(0.0)));
+    }
+
+    #[test]
+    fn outlines_go_round_what_is_covered_and_round_its_holes() {
+        let mut plan = Footprint::default();
+        let mut add = |x: [f64; 2], y: [f64; 2]| {
+            plan.add(&[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]);
+        };
+        // a frame around a hole, and a square beside it
+        add([0.0, 3.0], [0.0, 1.0]);
+        add([0.0, 3.0], [2.0, 3.0]);
+        add([0.0, 1.0], [0.0, 3.0]);
+        add([2.0, 3.0], [0.0, 3.0]);
+        add([5.0, 6.0], [0.0, 1.0]);
+        let rings = plan.outline();
+        assert_eq!((rings.len(), rings.iter().all(|r| r.len() == 4)), (3, true));
+        // anticlockwise areas are positive, those of holes negative
+        let area = |r: &Vec<[f64; 2]>| {
+            (0..r.len()).map(|k| cross([0.0; 2], r[k], r[(k + 1) % r.len()]) / 2.0).sum::<f64>()
+        };
+        assert!((rings.iter().map(area).sum::<f64>() - plan.area_m2()).abs() < 1e-9);
+        assert!(Footprint::default().outline().is_empty());
     }
 
     #[test]

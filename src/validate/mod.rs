@@ -1,5 +1,6 @@
 //! Error measures of an MBS run, and of a hybrid run, against an FE run of the same building, and the verdict.
 
+pub mod heap;
 pub mod hybrid;
 pub mod left_out;
 pub mod measure;
@@ -15,13 +16,13 @@ pub use spread::Spread;
 pub use undecided::{Doubt, Undecided};
 
 use crate::building::{Building, MemberKind};
-use crate::fe::dynamics::Death;
 use crate::fe::result::FeRun;
 use crate::mbs::Model;
 use crate::mbs::result::{EventKind, RunResult};
 pub use crate::study::fell;
 use crate::study::{COLLAPSE_DROP_M, Facts, TURNED_RAD};
-use measure::{Footprint, Sites};
+use heap::Heap;
+use measure::Sites;
 use points::PointErrors;
 use serde::{Deserialize, Serialize};
 
@@ -197,7 +198,7 @@ impl Validation {
                 fe: fe_dissipated_j(fe),
                 mbs: last(&e.plastic_j) + last(&e.contact_damping_j) + last(&e.friction_j),
             },
-            footprint_overlap: fe_footprint(fe).overlap(&mbs_footprint(model, mbs)),
+            footprint_overlap: Heap::of_fe(fe).footprint.overlap(&Heap::of_mbs(model, mbs).footprint),
             cpu_s: Both { fe: fe.summary.elapsed.cpu_s, mbs: mbs.cpu_s },
             wall_s: Both { fe: fe.summary.elapsed.wall_s, mbs: mbs_wall_s },
             speed_ratio: fe.summary.elapsed.cpu_s / mbs.cpu_s.max(1e-9),
@@ -330,38 +331,4 @@ fn compare_sites(facts: &Facts, model: &Model, mbs: &RunResult) -> Vec<SiteCompa
 /// Ends that turn in the MBS against those that turn in FE, where FE tells.
 fn turning(sites: &[SiteComparison], of: impl Fn(&SiteComparison) -> Option<Both<bool>>) -> Sites {
     Sites::of(sites.iter().filter_map(of).map(|both| (both.fe, both.mbs)))
-}
-
-/// Plan projection of the elements that are left at the end.
-fn fe_footprint(run: &FeRun) -> Footprint {
-    let mut footprint = Footprint::default();
-    let frame = &run.last_m;
-    let mut gone = vec![false; run.mesh.elements.len()];
-    run.deaths.iter().filter(|d| d.cause != Death::Split).for_each(|d| gone[d.element] = true);
-    for (element, _) in run.mesh.elements.iter().zip(&gone).filter(|(_, gone)| !**gone) {
-        let plan: Vec<[f64; 2]> =
-            element.nodes.iter().map(|n| [f64::from(frame[*n][0]), f64::from(frame[*n][1])]).collect();
-        footprint.add(&plan);
-    }
-    footprint
-}
-
-/// Plan projection of the bodies that are left at the end.
-fn mbs_footprint(model: &Model, run: &RunResult) -> Footprint {
-    let mut footprint = Footprint::default();
-    let Some(frame) = run.frames.last() else { return footprint };
-    let removed = |id: &str| model.events.iter().any(|e| e.remove_bodies.iter().any(|b| b == id));
-    for (index, body) in model.bodies.iter().enumerate().filter(|(_, b)| !removed(&b.id)) {
-        let [w, x, y, z] = frame.orientation[index];
-        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
-        for shape in &body.shapes {
-            let at = |local: [f64; 3]| {
-                let at = turn * nalgebra::Vector3::from(local);
-                [frame.position_m[index][0] + at.x, frame.position_m[index][1] + at.y]
-            };
-            let corners: Vec<[f64; 2]> = shape.corners().into_iter().map(at).collect();
-            footprint.add(&corners);
-        }
-    }
-    footprint
 }

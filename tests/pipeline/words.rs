@@ -4,7 +4,9 @@ use fallwerk::cli::verdict::{checks, energy_warning, energy_words, sites_words, 
 use fallwerk::mbs::model::{Beam, Bushing};
 use fallwerk::report::Status;
 use fallwerk::validate::measure::Sites;
-use fallwerk::validate::{Both, Doubt, HybridValidation, LIMIT_SPEED, Undecided, VALIDATION_SCHEMA, Validation};
+use fallwerk::validate::{
+    Both, Doubt, HybridValidation, LIMIT_SPEED, Undecided, VALIDATION_SCHEMA, Validation,
+};
 
 fn good() -> Validation {
     Validation {
@@ -137,7 +139,8 @@ fn each_breach_is_named_alone() {
 /// What is aimed at after contact stands in the checks of buildings that fall, and decides nothing.
 #[test]
 fn errors_after_contact_are_shown_beside_their_aims() {
-    let far = Validation { e_total: Some(0.17), e_after_contact: Some(0.1712), footprint_overlap: 0.7, ..good() };
+    let far =
+        Validation { e_total: Some(0.17), e_after_contact: Some(0.1712), footprint_overlap: 0.7, ..good() };
     assert_eq!(failed(&far), ["Displacement error over the whole run", "Debris footprint"]);
     assert!(far.agrees() && verdict(&far).status == Status::Pass);
     let told = checks(&far).into_iter().find(|c| c.label == "Displacement error over the whole run").unwrap();

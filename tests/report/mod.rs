@@ -239,12 +239,54 @@ fn kinds_of_members_keep_their_colours() {
     let mut input = collapse::report(0.8, 5);
     let page = render(&input).unwrap();
     assert_eq!(colour(&page), 1, "a column");
-    assert!(page.contains("<i class=\"swatch g1\"></i>column") && page.contains("<i class=\"swatch g2\"></i>slab"));
+    assert!(
+        page.contains("<i class=\"swatch g1\"></i>column")
+            && page.contains("<i class=\"swatch g2\"></i>slab")
+    );
     let fe = input.scene.as_mut().unwrap().fe.as_mut().unwrap();
     (fe.parts[1].group, fe.parts[2].group) = ("beam".into(), "arch".into());
     let page = render(&input).unwrap();
     assert_eq!(colour(&page), 1);
-    assert!(page.contains("<i class=\"swatch g5\"></i>arch") && page.contains("<i class=\"swatch g2\"></i>slab"));
+    assert!(
+        page.contains("<i class=\"swatch g5\"></i>arch") && page.contains("<i class=\"swatch g2\"></i>slab")
+    );
+}
+
+#[test]
+fn charges_and_debris_have_their_plans() {
+    let mut input = collapse::report(0.8, 5);
+    let without = render(&input).unwrap();
+    assert!(!without.contains("id=\"charges\"") && !without.contains("id=\"debris\""));
+    let part = PlanPart { kind: PlanKind::Bearing, box_m: [[0.0; 2], [0.4; 2]], charge_s: Some(0.075) };
+    input.blasting = Some(BlastingPlan {
+        charges: vec![PlannedCharge {
+            id: "<front>".into(),
+            what: "C1/1 from 0.2 to 1.2 m of its length".into(),
+            storey: "1".into(),
+            time_s: 0.075,
+        }],
+        storeys: vec![StoreyPlan { label: "Storey 1".into(), parts: vec![part] }],
+    });
+    let ring = vec![[-1.0, -4.0], [6.0, -4.0], [6.0, 5.0], [-1.0, 5.0]];
+    let outline = |run: &str| DebrisOutline {
+        run: run.into(),
+        class: run.to_lowercase(),
+        outline_m: vec![ring.clone()],
+        area_m2: 63.0,
+        reach_m: [1.0, 0.0, 4.0, 0.0],
+        top_m: 2.5,
+    };
+    input.debris = Some(DebrisPlan {
+        building_m: vec![[[0.0, 0.0], [6.0, 5.0]]],
+        obstacles_m: vec![[[-1.0, -7.6], [4.0, -7.2]]],
+        runs: ["FE", "MBS"].map(outline).into(),
+    });
+    let page = render(&input).unwrap();
+    for text in
+        ["&lt;front&gt;", ">75</text>", "from 0.2 to 1.2 m of its length", "63.0", "4.00", "href=\"#debris\""]
+    {
+        assert!(page.contains(text), "{text}");
+    }
 }
 
 /// A charge is carried by what it takes away, in both runs.

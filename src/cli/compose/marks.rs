@@ -80,11 +80,7 @@ impl Marks<'_> {
     pub fn happened(&self, output: usize) -> Happened {
         let until_s = self.result.times_s.get(output).copied().unwrap_or(f64::NEG_INFINITY);
         let count = |of: fn(&Place) -> f64| self.places.iter().filter(|p| of(p) <= until_s).count();
-        Happened {
-            yielded: count(|p| p.yielded_s),
-            live: count(|p| p.live_s),
-            broken: count(|p| p.broken_s),
-        }
+        Happened { yielded: count(|p| p.yielded_s), live: count(|p| p.live_s), broken: count(|p| p.broken_s) }
     }
 }
 

@@ -8,6 +8,7 @@ mod left_out;
 mod marks;
 mod model;
 mod partition;
+mod plan;
 mod scene;
 
 pub use events::words as event_words;
@@ -109,6 +110,8 @@ pub fn report_input(p: &Pieces) -> ReportInput {
         events: events::events(p),
         scene: Some(scene::scene(p)),
         partition: Some(partition::partition(p)),
+        blasting: plan::blasting(p.building),
+        debris: plan::debris(p),
         hinge_sites: sites,
         counted_rotation_rad: Some(ACTIVE_ROTATION_RAD),
     }

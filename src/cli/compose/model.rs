@@ -218,8 +218,7 @@ mod tests {
             capacity: vec![[0.0, 2.0e5], [fracture_rotation_rad, 1.0e5]],
             fracture_rotation_rad,
         };
-        let curve =
-            |x: f64| ResistanceCurve { stiffness_nm_rad: 1e7, levels: vec![level(x)], cyclic: None };
+        let curve = |x: f64| ResistanceCurve { stiffness_nm_rad: 1e7, levels: vec![level(x)], cyclic: None };
         let ids = [("beam/A", 0.5), ("beam/B", 0.5), ("wall/W", 1.356)];
         let drawn = curves(&ids.map(|(id, x)| (id.to_string(), curve(x))).into(), &BTreeMap::new());
         assert_eq!(drawn.iter().map(|c| c.id.as_str()).collect::<Vec<_>>(), ["beam/A", "wall/W"]);

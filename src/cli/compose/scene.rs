@@ -148,9 +148,7 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
     MbsScene {
         bodies: model.bodies.iter().map(body).collect(),
         frames: kept(p).map(|f| poses(&p.mbs.frames[f.output])).collect(),
-        fixed: held(p.building)
-            .map(|m| SceneObstacle { label: m.id.clone(), solid: m.solid })
-            .collect(),
+        fixed: held(p.building).map(|m| SceneObstacle { label: m.id.clone(), solid: m.solid }).collect(),
         crushed: p.mbs.crushed.iter().filter_map(|c| crushed_box(p, c)).collect(),
         compounds: kept(p).map(|f| compounds(f.output)).collect(),
     }
