@@ -140,5 +140,6 @@ fn panel(title: &str, mut lines: Raw, bending: bool, to: Option<f64>) -> Panel {
                 is_reference,
             })
             .collect(),
+        counts: false,
     }
 }

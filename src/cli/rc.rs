@@ -340,6 +340,7 @@ fn svg(section: &RcSection, series: &Series) -> String {
         x: owned("rotation", "mrad"),
         y: owned("moment", "kN m"),
         lines: series.cases.iter().filter(|c| c.direction_deg == *direction).filter_map(line).collect(),
+        counts: false,
     };
     let panels: Vec<Panel> =
         series.options.directions_deg.iter().map(panel).filter(|p| !p.lines.is_empty()).collect();

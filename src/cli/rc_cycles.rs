@@ -227,6 +227,7 @@ pub fn panels(series: &Series) -> Vec<Panel> {
             x: owned("drift", "%"),
             y: owned("moment", "kN m"),
             lines: vec![line("history", moments, false), line("envelope", envelope, true)],
+            ..Panel::default()
         });
         let lateral =
             |p: &[f64; 3]| [100.0 * p[0], lateral_n(p[0], p[1], case.axial_n, series.length_m) / 1e3];
@@ -235,6 +236,7 @@ pub fn panels(series: &Series) -> Vec<Panel> {
             x: owned("drift", "%"),
             y: owned("lateral force", "kN"),
             lines: vec![line("history", bent.points.iter().map(lateral).collect(), false)],
+            ..Panel::default()
         });
         let numbered = |of: &dyn Fn(&Cycle) -> f64| {
             h.cycles.iter().enumerate().map(|(i, c)| [(i + 1) as f64, of(c)]).collect::<Vec<_>>()
@@ -243,6 +245,7 @@ pub fn panels(series: &Series) -> Vec<Panel> {
             title: format!("{of}energy of each cycle"),
             x: owned("cycle", ""),
             y: owned("energy", "kJ"),
+            counts: true,
             lines: vec![
                 line("moment over rotation", numbered(&|c| c.energy_j / 1e3), false),
                 line("axial force over shortening", numbered(&|c| c.axial_work_j / 1e3), false),
@@ -257,6 +260,7 @@ pub fn panels(series: &Series) -> Vec<Panel> {
                 bent.points.iter().map(|p| [100.0 * p[0], 1e3 * p[2]]).collect(),
                 false,
             )],
+            ..Panel::default()
         });
     }
     panels

@@ -61,6 +61,8 @@ pub struct Chart {
     pub y_range: Option<[f64; 2]>,
     /// Whether x is the time of the runs: the player's time is shown and a click goes there.
     pub is_time: bool,
+    /// Whether x counts something: its ticks are whole numbers, and each point has a mark.
+    pub x_counts: bool,
     /// Size on the page.
     pub size: Size,
     /// Leave the legend out.
@@ -156,7 +158,13 @@ impl Chart {
             Size::Half => (6, 5),
             Size::Third => (5, 4),
         };
-        (axis(x0, x1, wanted.0, true), axis(y0, y1, wanted.1, false))
+        let ys = axis(y0, y1, wanted.1, false);
+        if self.x_counts && x0 <= x1 {
+            // no more ticks than whole numbers, and room for the first and the last point
+            let (low, high) = (x0 - 0.5, x1 + 0.5);
+            return (axis(low, high, wanted.0.min((high - low) as usize), true), ys);
+        }
+        (axis(x0, x1, wanted.0, true), ys)
     }
 
     /// The drawing without title and legend.
@@ -204,6 +212,9 @@ impl Chart {
                 series.class,
                 escape(&series.label)
             );
+        }
+        if self.x_counts {
+            self.points(out, &frame, &xs, &ys);
         }
         self.mark_lines(out, &frame, &xs);
         let _ = write!(
@@ -292,6 +303,21 @@ impl Chart {
                     coordinate(b - 6.0),
                     coordinate(y + 14.0),
                     escape(label)
+                );
+            }
+        }
+    }
+
+    /// A mark at each point: a line through one point alone is not seen.
+    fn points(&self, out: &mut String, f: &Frame, xs: &Axis, ys: &Axis) {
+        for series in &self.series {
+            for p in series.points.iter().filter(|p| p.iter().all(|v| v.is_finite())) {
+                let _ = write!(
+                    out,
+                    "<circle class=\"line {}\" style=\"stroke-dasharray:none\" cx=\"{}\" cy=\"{}\" r=\"3\"/>",
+                    series.class,
+                    coordinate(f.x(xs, p[0])),
+                    coordinate(f.y(ys, p[1]))
                 );
             }
         }
@@ -403,6 +429,21 @@ mod tests {
         let d = html.split("data-label=\"a&lt;b\" d=\"").nth(1).unwrap().split('"').next().unwrap();
         assert_eq!(d.matches('M').count(), 2, "{d}");
         assert!(!html.contains("NaN") && !html.contains("inf"));
+    }
+
+    /// Cycles are counted: one of them is a point in the middle, ten have no tick between two of them.
+    #[test]
+    fn what_is_counted_has_whole_ticks_and_a_mark_each() {
+        let drawn = |count: u32| {
+            let points = (1..=count).map(|i| [f64::from(i), 2.0]).collect();
+            let series = vec![Series { label: "energy".into(), class: "s0".into(), points }];
+            Chart { series, x_counts: true, ..Chart::default() }.to_html()
+        };
+        let one = drawn(1);
+        assert_eq!((one.matches("<circle").count(), one.matches("tick mid").count()), (1, 1));
+        assert!(one.contains(">1</text>"), "{one}");
+        let three = drawn(3);
+        assert_eq!((three.matches("<circle").count(), three.matches("tick mid").count()), (3, 3));
     }
 
     #[test]

@@ -25,6 +25,8 @@ pub struct Panel {
     pub y: (String, String),
     /// Lines.
     pub lines: Vec<Line>,
+    /// Whether x counts something: its ticks are whole numbers, and each point has a mark.
+    pub counts: bool,
 }
 
 const WIDTH: f64 = 1124.0;
@@ -118,6 +120,7 @@ impl Panel {
             series: series
                 .map(|(l, class)| Series { label: l.label.clone(), class, points: l.points.clone() })
                 .collect(),
+            x_counts: self.counts,
             ..Chart::default()
         }
     }

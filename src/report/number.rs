@@ -118,17 +118,17 @@ pub fn axis(min: f64, max: f64, wanted: usize, tight: bool) -> Axis {
     let power = 10_f64.powf(raw.log10().floor());
     let step =
         [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * 0.999).unwrap_or(raw);
-    let near = 1e-6;
+    // data that end a little before a tick, as drifts of 0.9999 % do, reach it
+    let (near, short) = (1e-6, 0.01);
     let (first, last) = if tight {
-        ((min / step - near).ceil() as i64, (max / step + near).floor() as i64)
+        ((min / step - short).ceil() as i64, (max / step + short).floor() as i64)
     } else {
         ((min / step + near).floor() as i64, (max / step - near).ceil() as i64)
     };
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
     let ticks = (first..=last).map(|k| (k as f64 * step, fixed(k as f64 * step, decimals))).collect();
-    if !tight {
-        (min, max) = (first as f64 * step, last as f64 * step);
-    }
+    let ends = (first as f64 * step, last as f64 * step);
+    (min, max) = if tight { (min.min(ends.0), max.max(ends.1)) } else { ends };
     Axis { min, max, ticks }
 }
 
@@ -154,6 +154,9 @@ mod tests {
         assert_eq!(a.ticks.iter().map(|t| t.1.as_str()).collect::<Vec<_>>(), ["−2", "0", "2", "4", "6", "8"]);
         let t = axis(0.0, 2.5, 5, true);
         assert_eq!((t.min, t.max, t.ticks.len()), (0.0, 2.5, 6));
+        let drift = axis(-0.9999, 0.999_95, 4, true);
+        assert_eq!((drift.min, drift.max), (-1.0, 1.0));
+        assert_eq!(drift.ticks.first().map(|t| t.1.as_str()), Some("−1.0"));
         assert!(axis(f64::NAN, 1.0, 5, false).ticks.len() > 2);
         assert!(axis(3.0, 3.0, 5, false).ticks.len() > 2);
     }
