@@ -231,12 +231,16 @@ fn error_runs(options: &ErrorRuns) -> Result<Outcome, Failure> {
     let rows =
         pool.install(|| fe_error::measure(&building, &options.sizes, &note)).map_err(Failure::stopped)?;
     let page = fe_error::markdown(&building.name, &rows, &fe::machine());
-    let line = |colour: usize, name: &str, value: fn(&fe_error::Row) -> f64| {
+    let line = |(colour, dashed): (usize, bool), name: &str, value: fn(&fe_error::Row) -> f64| {
         let points = rows.iter().map(|r| [r.cpu_s, value(r)]).collect();
-        Line { name: name.into(), points, colour, dashed: false }
+        let size = |r: &fe_error::Row| if dashed { String::new() } else { format!("{} m", r.size_m) };
+        Line { name: name.into(), points, colour, dashed, labels: rows.iter().map(size).collect() }
     };
     let lines =
-        vec![line(0, "up to the first contact", |r| r.e_to_contact), line(1, "whole run", |r| r.e_total)];
+        vec![
+        line((0, false), "up to the first contact, with mesh sizes", |r| r.e_to_contact),
+        line((1, true), "whole run (hollow)", |r| r.e_total),
+    ];
     let title = format!("{}: error against the finest mesh", building.name);
     let plot =
         loglog::svg(["processor time [s]", "relative error of displacements"], &[Panel { title, lines }]);

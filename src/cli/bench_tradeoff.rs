@@ -60,15 +60,19 @@ fn plot(rows: &[Row]) -> String {
         let lines = kinds.flat_map(|(colour, kind)| {
             [false, true].map(|dashed| {
                 let own = rows.iter().filter(|r| r.building == **name && r.kind == kind);
-                let mut points: Vec<[f64; 2]> =
-                    own.map(|r| [r.cpu_s, if dashed { r.e_total } else { r.e_to_contact }]).collect();
-                points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+                let error = |r: &Row| if dashed { r.e_total } else { r.e_to_contact };
+                let level = |r: &Row| if dashed { String::new() } else { r.level.clone() };
+                let mut runs: Vec<([f64; 2], String)> =
+                    own.map(|r| ([r.cpu_s, error(r)], level(r))).collect();
+                runs.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+                let (points, labels) = runs.into_iter().unzip();
                 let name = if dashed { String::new() } else { kind.name().to_string() };
-                Line { name, points, colour, dashed }
+                Line { name, points, colour, dashed, labels }
             })
         });
         Panel { title: name.to_string(), lines: lines.collect() }
     };
     let panels: Vec<Panel> = buildings.iter().map(panel).collect();
-    loglog::svg(["processor time [s]", "error of displacements, of the whole run dashed"], &panels)
+    let errors = "error e: filled up to the first contact, hollow over the whole run";
+    loglog::svg(["processor time [s]", errors], &panels)
 }

@@ -1,6 +1,7 @@
 //! Plots of points joined by lines on two logarithmic axes, as an SVG file of its own.
 
 use super::chart::escape;
+use super::number::significant;
 use std::fmt::Write;
 
 /// A line.
@@ -14,6 +15,8 @@ pub struct Line {
     pub colour: usize,
     /// Whether it is dashed and its points are hollow.
     pub dashed: bool,
+    /// What the points are, in their order; empty: nothing stands beside them.
+    pub labels: Vec<String>,
 }
 
 /// A plot with a title.
@@ -42,6 +45,7 @@ pub fn svg(axes: [&str; 2], panels: &[Panel]) -> String {
     for (i, panel) in panels.iter().enumerate() {
         let at = [SIZE[0] * (i % columns) as f64, SIZE[1] * (i / columns) as f64];
         let _ = writeln!(out, "<g transform=\"translate({} {})\">", at[0], at[1]);
+        scale.between(&mut out);
         scale.grid(&mut out, axes, &panel.title);
         let named = panel.lines.iter().filter(|line| !line.name.is_empty());
         for (row, line) in named.enumerate() {
@@ -64,7 +68,7 @@ fn colour(line: &Line) -> &'static str {
     COLOURS[line.colour % COLOURS.len()]
 }
 
-fn valid(point: &&[f64; 2]) -> bool {
+fn valid(point: &[f64; 2]) -> bool {
     point.iter().all(|c| c.is_finite() && *c > 0.0)
 }
 
@@ -75,7 +79,7 @@ impl Scale {
     /// Whole decades around all points.
     fn of<'a>(lines: impl Iterator<Item = &'a Line> + Clone) -> Self {
         Self([0, 1].map(|k| {
-            let logs = lines.clone().flat_map(|l| l.points.iter().filter(valid)).map(|p| p[k].log10());
+            let logs = lines.clone().flat_map(|l| l.points.iter().filter(|p| valid(p))).map(|p| p[k].log10());
             let around = |r: [f64; 2], v: f64| [r[0].min(v.floor()), r[1].max(v.ceil())];
             let [low, high] = logs.fold([f64::INFINITY, f64::NEG_INFINITY], around);
             if low <= high { [low, high.max(low + 1.0)] } else { [0.0, 1.0] }
@@ -86,6 +90,35 @@ impl Scale {
         let [low, high] = self.0[k];
         let (share, [left, right, top, bottom]) = ((log - low) / (high - low), AREA);
         if k == 0 { left + share * (right - left) } else { bottom - share * (bottom - top) }
+    }
+
+    /// Lines at two and five times the decades where there are few of these: within one decade nothing else could be read.
+    fn between(&self, out: &mut String) {
+        let [left, right, top, bottom] = AREA;
+        for k in 0..2 {
+            let [low, high] = self.0[k];
+            if high - low > 2.0 {
+                continue;
+            }
+            for value in (low as i32..high as i32).flat_map(|d| [2.0, 5.0].map(|m| m * 10_f64.powi(d))) {
+                let (at, label) = (self.place(k, value.log10()), significant(value, 1));
+                let _ = if k == 0 {
+                    writeln!(
+                        out,
+                        "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#eee\"/>\
+                         <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\" font-size=\"10\" fill=\"#666\">{label}</text>",
+                        bottom + 18.0
+                    )
+                } else {
+                    writeln!(
+                        out,
+                        "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#eee\"/>\
+                         <text x=\"{}\" y=\"{at:.1}\" text-anchor=\"end\" dy=\"4\" font-size=\"10\" fill=\"#666\">{label}</text>",
+                        left - 8.0
+                    )
+                };
+            }
+        }
     }
 
     /// Title, names of the axes, and a line and a number at each decade.
@@ -129,7 +162,9 @@ impl Scale {
         let colour = colour(line);
         let (dashes, fill) = if line.dashed { (" stroke-dasharray=\"5 4\"", "#fff") } else { ("", colour) };
         let at = |p: &[f64; 2]| [0, 1].map(|k| self.place(k, p[k].log10()));
-        let at: Vec<[f64; 2]> = line.points.iter().filter(valid).map(at).collect();
+        let labels = line.labels.iter().map(String::as_str).chain(std::iter::repeat(""));
+        let shown = line.points.iter().zip(labels).filter(|(p, _)| valid(p));
+        let (at, labels): (Vec<[f64; 2]>, Vec<&str>) = shown.map(|(p, label)| (at(p), label)).unzip();
         let path: Vec<String> = at.iter().map(|p| format!("{:.1} {:.1}", p[0], p[1])).collect();
         if !path.is_empty() {
             let _ = writeln!(
@@ -138,11 +173,20 @@ impl Scale {
                 path.join("L")
             );
         }
-        for [x, y] in at {
+        for ([x, y], label) in at.into_iter().zip(labels) {
             let _ = writeln!(
                 out,
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\" stroke=\"{colour}\"/>"
             );
+            if !label.is_empty() {
+                let _ = writeln!(
+                    out,
+                    "<text x=\"{:.1}\" y=\"{:.1}\" font-size=\"10\" fill=\"{colour}\">{}</text>",
+                    x + 7.0,
+                    y - 5.0,
+                    escape(label)
+                );
+            }
         }
     }
 }
@@ -152,7 +196,8 @@ mod tests {
     use super::*;
 
     fn panel(title: &str, points: Vec<[f64; 2]>) -> Panel {
-        let line = Line { name: "x".into(), points, colour: 0, dashed: false };
+        let labels = vec!["0.4 m".into(), "0.2 m".into(), "0.1 m".into()];
+        let line = Line { name: "x".into(), points, colour: 0, dashed: false, labels };
         Panel { title: title.into(), lines: vec![line] }
     }
 
@@ -160,8 +205,18 @@ mod tests {
     fn points_without_a_logarithm_are_left_out() {
         let text = svg(["t [s]", "e"], &[panel("a<b", vec![[1.0, 0.1], [10.0, 0.0], [20.0, 0.01]])]);
         assert_eq!(text.matches("<circle").count(), 2);
+        assert!(text.contains(">0.1 m<") && !text.contains(">0.2 m<"), "labels go with their points");
         assert!(text.contains("a&lt;b") && !text.contains("NaN") && !text.contains("inf"));
         assert!(svg(["x", "y"], &[]).ends_with("</svg>\n"));
+    }
+
+    /// Between ends of one decade there are lines at two and five.
+    #[test]
+    fn few_decades_are_divided() {
+        let near = svg(["x", "y"], &[panel("a", vec![[20.0, 0.03], [60.0, 0.06]])]);
+        assert!([">20<", ">50<", ">0.02<", ">0.05<"].iter().all(|label| near.contains(label)), "{near}");
+        let far = svg(["x", "y"], &[panel("a", vec![[0.1, 0.03], [600.0, 0.06]])]);
+        assert!(!far.contains(">20<") && far.contains(">0.02<"));
     }
 
     #[test]
