@@ -7,7 +7,7 @@ use crate::base::output::{may_write, write_atomic};
 use crate::base::source::Source;
 use crate::base::units::Dimension;
 use crate::library::curve_file::{self, CurveFile};
-use crate::library::entry::Direction;
+use crate::library::entry::{Deprecation, Direction};
 use crate::library::{Entry, Store};
 use crate::report::figure::{self, Line, Panel};
 use clap::Args;
@@ -53,7 +53,12 @@ pub(super) fn run(arguments: &Arguments, store: &Store, out: &mut dyn Write) -> 
             "--to: nothing is left of the curves; give a positive number".to_string(),
         ));
     }
-    let svg = figure::svg(&entry.key, &entry.words(), &panels(&entry, reference.as_ref(), to));
+    let mut title = entry.key.clone();
+    if let Some(why) = entry.deprecated.as_ref().map(deprecated_words) {
+        eprintln!("note: {} is {why}", entry.key);
+        title += &format!(" ({why})");
+    }
+    let svg = figure::svg(&title, &entry.words(), &panels(&entry, reference.as_ref(), to));
     match &arguments.output {
         Some(path) => write_atomic(path, svg.as_bytes())
             .map_err(|e| Failure::Usage(format!("{}: {e}", path.display())))?,
@@ -67,6 +72,12 @@ fn reference(path: &Path) -> Result<CurveFile, Failure> {
         .map_err(|e| Failure::Files(vec![Diagnostics::unreadable(&path.display().to_string(), e)]))?;
     curve_file::read(&source)
         .map_err(|errors| Failure::Files(vec![Diagnostics::new(Arc::new(source), errors)]))
+}
+
+/// "deprecated: wrong bars; use KEY".
+fn deprecated_words(why: &Deprecation) -> String {
+    let successor = why.successor.as_ref().map_or(String::new(), |s| format!("; use {s}"));
+    format!("deprecated: {}{successor}", why.reason)
 }
 
 /// Lines in SI with their names.
@@ -97,8 +108,11 @@ fn panels(entry: &Entry, reference: Option<&CurveFile>, to: Option<f64>) -> Vec<
         }
     }
     for spring in &entry.springs {
+        // a curve of axial force or of pressure holds at none in particular
+        let is_own = matches!(spring.direction, Direction::Axial | Direction::Normal);
+        let name = |force_n| if is_own { "entry".to_string() } else { level_name(force_n) };
         let mut lines: Raw =
-            spring.levels.iter().map(|l| (level_name(l.axial_force_n), l.points.clone(), false)).collect();
+            spring.levels.iter().map(|l| (name(l.axial_force_n), l.points.clone(), false)).collect();
         lines.extend(beside(1));
         let turns = spring.direction == Direction::Torsion;
         let what = if turns { "torque over rotation" } else { "force over displacement" };
