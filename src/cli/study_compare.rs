@@ -205,13 +205,18 @@ fn figures(compared: &Compared) -> String {
     text + &all_together(&compared.together)
 }
 
+/// A number with the word for one or for many.
+fn counted(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
 /// Figures of all buildings, in two lines.
 fn all_together(t: &Together) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{} buildings: e to contact median {:.3}, 90th percentile {:.3}; e total {:.3}, {:.3}; F1 of zones {:.2}, of turning to contact {:.2}, of turning {:.2}; collapse right in {}",
-        t.buildings,
+        "{}: e to contact median {:.3}, 90th percentile {:.3}; e total {:.3}, {:.3}; F1 of zones {:.2}, of turning to contact {:.2}, of turning {:.2}; collapse right in {}",
+        counted(t.buildings, "building", "buildings"),
         t.e_to_contact[0],
         t.e_to_contact[1],
         t.e_total[0],
@@ -227,7 +232,8 @@ fn all_together(t: &Together) -> String {
     let falling = match t.falling {
         0 => "none of them falls".to_string(),
         count => format!(
-            "of them {count} fall: e to contact {}; from there on {}; e total {}",
+            "of them {}: e to contact {}; from there on {}; e total {}",
+            counted(count, "falls", "fall"),
             figures(t.e_to_contact_falling),
             figures(t.e_after_contact_falling),
             figures(t.e_total_falling)
@@ -235,8 +241,8 @@ fn all_together(t: &Together) -> String {
     };
     let _ = writeln!(
         text,
-        "{falling}. {} agree: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
-        t.agree
+        "{falling}. {}: outcome right, and e to contact at most {LIMIT_TO_CONTACT} or, where the building stands, displacements within {LIMIT_STANDING_M} m",
+        counted(t.agree, "agrees", "agree")
     );
     let [low, middle, high] = t.largest_standing;
     if middle.is_finite() {

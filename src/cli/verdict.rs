@@ -301,10 +301,14 @@ pub fn sites_words(sites: &Sites) -> [String; 3] {
     [sites.precision, sites.recall, sites.f1].map(|share| share.map_or("-".into(), |x| format!("{x:.2}")))
 }
 
-/// A share in per cent with two or three digits.
+/// A share in per cent with two or three digits, down to a millionth of one.
 pub fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    if percent >= 10.0 { format!("{percent:.0} %") } else { format!("{percent:.2} %") }
+    match percent {
+        p if p >= 10.0 => format!("{p:.0} %"),
+        p if !(1e-6..0.1).contains(&p) => format!("{p:.2} %"),
+        p => format!("{p:.*} %", (1.0 - p.log10()).ceil() as usize),
+    }
 }
 
 fn lower(text: &str) -> String {

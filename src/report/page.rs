@@ -1,7 +1,7 @@
 //! Tables and figures of the page, as the template wants them.
 
 use super::ReportError;
-use super::chart::seconds;
+use super::chart::{escape, seconds};
 use super::codec::base64;
 use super::input::{
     ComparedRun, HingeSite, History, LeftOutRow, ReportInput, ReviewRow, ReviewSummary, RunCost, Severity,
@@ -53,6 +53,9 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
     let syntax =
         SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build()?;
     environment.set_syntax(syntax);
+    environment.add_filter("code", |text: minijinja::Value| {
+        minijinja::Value::from_safe_string(code(&text.to_string()))
+    });
     environment.add_template("page", PAGE)?;
     let packed = input.scene.as_ref().map(|s| scene::pack(s, &input.hinge_sites)).transpose()?;
     let points = points(&input.histories, input.error.as_ref().and_then(|e| e.contact_s))?;
@@ -106,6 +109,20 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "settings": input.settings.iter().map(|s| (&s.name, &s.value)).collect::<Vec<_>>(),
     })))?;
     Ok(text)
+}
+
+/// Text for HTML in which what stands between backticks is code.
+fn code(text: &str) -> String {
+    let mut parts = text.split('`').map(escape);
+    let mut out = parts.next().unwrap_or_default();
+    // a backtick without its second one stays
+    while let Some(inner) = parts.next() {
+        match parts.next() {
+            Some(after) => out += &format!("<code>{inner}</code>{after}"),
+            None => out += &format!("`{inner}"),
+        }
+    }
+    out
 }
 
 /// JSON as a value of the template engine.

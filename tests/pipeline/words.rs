@@ -1,6 +1,6 @@
 //! The verdict in words follows the limits of the validation.
 
-use fallwerk::cli::verdict::{checks, energy_warning, energy_words, sites_words, verdict};
+use fallwerk::cli::verdict::{checks, energy_warning, energy_words, percent, sites_words, verdict};
 use fallwerk::mbs::model::{Beam, Bushing};
 use fallwerk::report::Status;
 use fallwerk::validate::measure::Sites;
@@ -256,6 +256,7 @@ fn without_contact_the_phase_is_the_whole_run() {
 #[test]
 fn an_energy_error_above_its_limit_is_told_with_it() {
     assert_eq!((energy_words(0.02).as_str(), energy_warning(0.02)), ("2.00 %", None));
+    assert_eq!([2.2e-5, 0.0, 1e-3].map(percent), ["0.0022 %", "0.00 %", "0.10 %"], "what there is");
     assert_eq!(energy_words(0.0349), "3.49 %, above the limit of 2 %");
     let said = energy_warning(0.0349).unwrap();
     assert!(said.contains("above the limit of 2 %") && said.contains("settings.time_step_s"), "{said}");

@@ -252,6 +252,15 @@ fn kinds_of_members_keep_their_colours() {
     );
 }
 
+/// What messages put between backticks is code on the page, and escaped all the same.
+#[test]
+fn backticks_mark_code() {
+    let mut input = collapse::report(0.8, 5);
+    input.notes[1].text = "run `fallwerk fe <x>` with `--step` or a ` alone".into();
+    let page = render(&input).unwrap();
+    assert!(page.contains("run <code>fallwerk fe &lt;x&gt;</code> with <code>--step</code> or a ` alone</li>"));
+}
+
 #[test]
 fn charges_and_debris_have_their_plans() {
     let mut input = collapse::report(0.8, 5);

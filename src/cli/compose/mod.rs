@@ -22,13 +22,14 @@ use crate::generate::Generated;
 use crate::mbs::RunResult;
 use crate::mbs::latent::live_s;
 use crate::mbs::result::EventKind;
+use crate::mbs::run::OFF_BALANCE;
 use crate::report::{
     ErrorMeasure, FeEnergy, FirstContact, HingeSite, History, MbsEnergy, Note, ReportInput, RunCost, Setting,
     Severity, Standing,
 };
 use crate::review::Review;
 use crate::study::Facts;
-use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_STANDING_M, LIMIT_TO_CONTACT, SiteComparison, Validation};
+use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY, LIMIT_STANDING_M, LIMIT_TO_CONTACT, SiteComparison, Validation};
 
 /// Everything that a report is made of.
 pub struct Pieces<'a> {
@@ -278,7 +279,9 @@ fn notes(p: &Pieces) -> Vec<Note> {
     let undecided = p.validation.undecided.iter().map(|u| &u.words);
     let early = undecided.filter(|words| !p.generated.notes.contains(words));
     let mut notes: Vec<Note> = early.chain(&p.generated.notes).map(warning).collect();
-    let remarks = &p.mbs.warnings;
+    // a balance that is off by no more than its limit is no warning
+    let is_minor = |w: &&String| w.starts_with(OFF_BALANCE) && p.mbs.energy_error <= LIMIT_ENERGY;
+    let (minor, remarks): (Vec<&String>, Vec<&String>) = p.mbs.warnings.iter().partition(is_minor);
     if let Some(first) = remarks.first() {
         let more = remarks.len() - 1;
         let rest = if more > 0 { format!(" ({more} more of the run under Notes)") } else { String::new() };
@@ -300,7 +303,7 @@ fn notes(p: &Pieces) -> Vec<Note> {
          in contacts."
             .into(),
     ));
-    notes.extend(remarks.iter().skip(1).map(|w| note(format!("MBS run: {w}"))));
+    notes.extend(remarks.iter().skip(1).chain(&minor).map(|w| note(format!("MBS run: {w}"))));
     notes
 }
 

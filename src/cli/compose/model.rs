@@ -50,10 +50,12 @@ pub fn summary(generated: &Generated, run: &RunResult) -> ModelSummary {
                         let instead = t.instead_words();
                         format!(
                             "{} → {}: the analyst's override, {}; {instead}",
-                            t.subject, t.action, t.words
+                            t.subject,
+                            in_words(&t.action),
+                            t.words
                         )
                     }
-                    false => format!("{} → {}: {}", t.subject, t.action, t.words),
+                    false => format!("{} → {}: {}", t.subject, in_words(&t.action), t.words),
                 },
                 entries: t.entries.clone(),
             })
@@ -125,13 +127,40 @@ fn event_rule(r: &EventReason, run: &RunResult) -> EventRuleRow {
     }
 }
 
+/// What the page says in place of the names of actions, which are those of rule files.
+const ACTIONS: [(&str, &str); 8] = [
+    ("rigid_body", "one rigid body"),
+    ("merge_rigid", "one rigid body with its floor"),
+    ("merge_elastic", "part of a floor that bends"),
+    ("subdivide", "several bodies"),
+    ("break_away", "a beam that may break away"),
+    ("latent_hinge", "a latent hinge"),
+    ("elastic_connection", "springs that do not yield"),
+    ("rigid_connection", "no rotation"),
+];
+
+/// A text with the names of actions in words.
+fn in_words(text: &str) -> String {
+    let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut out = String::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let first = rest.starts_with(is_letter);
+        let end = rest.find(|c| is_letter(c) != first).unwrap_or(rest.len());
+        let (word, after) = rest.split_at(end);
+        out += ACTIONS.iter().find(|(name, _)| *name == word).map_or(word, |(_, words)| words);
+        rest = after;
+    }
+    out
+}
+
 /// The decisions worth a look.
 pub fn review(review: &Review) -> ReviewSummary {
     let row = |item: &Item| ReviewRow {
         about: item.subjects.clone(),
-        decision: format!("{} ({})", item.decision, item.by),
-        why: item.why.join("; "),
-        otherwise: item.otherwise.clone(),
+        decision: format!("{} ({})", in_words(&item.decision), item.by),
+        why: in_words(&item.why.join("; ")),
+        otherwise: in_words(&item.otherwise),
         change: if item.change.is_none() && item.untried.is_none() {
             String::new()
         } else {
@@ -209,6 +238,16 @@ fn capacities(curve: &ResistanceCurve) -> Vec<CurveLevel> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn actions_are_told_in_words() {
+        let text = "rule learned/floors/merge-like says merge_rigid, right in 99 %";
+        assert_eq!(
+            in_words(text),
+            "rule learned/floors/merge-like says one rigid body with its floor, right in 99 %"
+        );
+        assert_eq!(in_words("hinge"), "hinge");
+    }
 
     /// The page draws what the model has, not what an entry has before the model makes its curve of it.
     #[test]

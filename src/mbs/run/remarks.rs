@@ -12,6 +12,15 @@ const ENERGY_WORTH_TELLING: f64 = 1e-3;
 /// Depth of a contact worth a warning \[m\].
 const DEPTH_WORTH_TELLING_M: f64 = 5e-3;
 
+/// How the remark begins that the energy balance does not close.
+pub const OFF_BALANCE: &str = "the energy balance is off by";
+
+/// A share in per cent, with two digits after the point or, where it is small, two that count.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent >= 0.1 { format!("{percent:.2} %") } else { format!("{percent:.1e} %") }
+}
+
 /// Settings of a model of bushings that make its run finer, and where they stand; those of one of ideal joints.
 pub(super) const FINER: &str = "step (--step, or settings.time_step_s in the model's file)";
 pub(in crate::mbs) const FINER_IDEAL: &str =
@@ -23,25 +32,26 @@ pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, f
     let energy_error = books.error;
     if energy_error > ENERGY_WORTH_TELLING {
         list.push(format!(
-            "the energy balance is off by {energy_error:.1e} of the energy turned over; a smaller {finer} shows what that changes"
+            "{OFF_BALANCE} {} of the energy turned over; a smaller {finer} shows what that changes",
+            percent(energy_error)
         ));
     }
     if books.growth > GROWTH {
         list.push(format!(
-            "the energy grows by {:.1e} of that turned over; a smaller {finer} shows what that changes",
-            books.growth
+            "the energy grows by {} of that turned over; a smaller {finer} shows what that changes",
+            percent(books.growth)
         ));
     }
     if books.made() > ENERGY_WORTH_TELLING {
         list.push(format!(
-            "contacts made energy, {:.1e} of that turned over: bodies are jammed between contacts and joints; a smaller {finer} shows what that changes",
-            books.made()
+            "contacts made energy, {} of that turned over: bodies are jammed between contacts and joints; a smaller {finer} shows what that changes",
+            percent(books.made())
         ));
     }
     if books.returned() > ENERGY_WORTH_TELLING {
         list.push(format!(
-            "what yields gave back {:.1e} of the energy turned over, of what it had dissipated: its law does not hold in these steps; a smaller {finer} shows what that changes",
-            books.returned()
+            "what yields gave back {} of the energy turned over, of what it had dissipated: its law does not hold in these steps; a smaller {finer} shows what that changes",
+            percent(books.returned())
         ));
     }
     if let Some(work) = contacts.filter(|w| w.jammed > 0) {
@@ -121,7 +131,8 @@ pub(super) fn remark_on_levels(joints: &[(String, f64, f64)]) -> Option<String> 
         (false, more) => format!("; so do later {} and {more} more", named.join(", ")),
     };
     Some(format!(
-        "joint \"{first}\" flows from t = {time_s:.4} s under an axial force ({force_n:.4e} N) outside the levels of its curve, where the nearest level is used{others}"
+        "joint \"{first}\" flows from t = {time_s:.4} s under an axial force ({:.1} kN) outside the levels of its curve, where the nearest level is used{others}",
+        1e-3 * force_n
     ))
 }
 
