@@ -75,7 +75,7 @@ const SHADERS = (() => {
     point: [`${COMMON}
       layout(location=0) in vec3 aAt; layout(location=1) in vec2 aLook; uniform mat4 uView; uniform vec3 uEye; uniform float uRatio; flat out vec2 vLook;
       void main() { // lifted out of the member that it is in
-        vLook = aLook; gl_Position = uView * vec4(aAt + 0.6 * normalize(uEye - aAt), 1.0); gl_PointSize = (aLook.x > 4.5 ? 21.0 : aLook.y > 0.5 ? 15.0 : 9.0) * uRatio;
+        vLook = aLook; gl_Position = uView * vec4(aAt + 0.6 * normalize(uEye - aAt), 1.0); gl_PointSize = (aLook.x > 4.5 ? 21.0 : aLook.y > 0.5 ? 15.0 : aLook.x > 2.5 ? 11.0 : 9.0) * uRatio;
       }`,
       `${COMMON}
       flat in vec2 vLook; out vec4 oColour;
@@ -90,9 +90,9 @@ const SHADERS = (() => {
         float inside = 1.0 - smoothstep(0.92 - w, 0.92, d);
         if (inside < 0.02) discard;
         vec3 c = vec3[6](vec3(.12,.62,.33), vec3(.82,.2,.17), vec3(.88,.63,0.), vec3(.5,.54,.58), vec3(.52,.42,.66), vec3(1.,.42,.05))[kind];
-        float rim = smoothstep(0.66, 0.66 + w, d);
-        // nothing in either, or nothing to compare with: an outline
+        // nothing in either, or nothing to compare with: an outline, thick enough for the few pixels that it has
         bool hollow = kind == 3 || kind == 4;
+        float rim = smoothstep(hollow ? 0.3 : 0.66, (hollow ? 0.3 : 0.66) + w, d);
         if (hollow && rim < 0.02) discard;
         oColour = vec4(hollow ? c : mix(c, vec3(kind == 5 ? 0.12 : 1.0), rim), inside * (hollow ? rim : 1.0) * (vLook.y > 0.5 ? 1.0 : 0.85));
       }`],
