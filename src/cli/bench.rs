@@ -236,8 +236,7 @@ fn error_runs(options: &ErrorRuns) -> Result<Outcome, Failure> {
         let size = |r: &fe_error::Row| if dashed { String::new() } else { format!("{} m", r.size_m) };
         Line { name: name.into(), points, colour, dashed, labels: rows.iter().map(size).collect() }
     };
-    let lines =
-        vec![
+    let lines = vec![
         line((0, false), "up to the first contact, with mesh sizes", |r| r.e_to_contact),
         line((1, true), "whole run (hollow)", |r| r.e_total),
     ];

@@ -205,7 +205,13 @@ fn svg(section: &RcSection, found: &Springs) -> String {
         } else {
             String::new()
         };
-        Panel { title: format!("{place}{y} over {x}"), x: owned(x, x_unit), y: owned(y, y_unit), lines, counts: false }
+        Panel {
+            title: format!("{place}{y} over {x}"),
+            x: owned(x, x_unit),
+            y: owned(y, y_unit),
+            lines,
+            counts: false,
+        }
     };
     let panels: Vec<Panel> = directions.iter().map(panel).filter(|p| !p.lines.is_empty()).collect();
     figure::svg(&section.name, &words(section, found), &panels)

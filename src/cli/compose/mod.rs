@@ -29,7 +29,9 @@ use crate::report::{
 };
 use crate::review::Review;
 use crate::study::Facts;
-use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY, LIMIT_STANDING_M, LIMIT_TO_CONTACT, SiteComparison, Validation};
+use crate::validate::{
+    ACTIVE_ROTATION_RAD, LIMIT_ENERGY, LIMIT_STANDING_M, LIMIT_TO_CONTACT, SiteComparison, Validation,
+};
 
 /// Everything that a report is made of.
 pub struct Pieces<'a> {

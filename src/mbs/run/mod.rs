@@ -33,9 +33,9 @@ mod work;
 
 pub(super) use self::entry::simulate_varied;
 pub use self::entry::{REPEATED, SolverOptions, simulate, simulate_carefully, simulate_with};
-pub use self::remarks::OFF_BALANCE;
 use self::meetings::Meetings;
 pub(super) use self::output::remark_on_overlaps;
+pub use self::remarks::OFF_BALANCE;
 pub(super) use self::remarks::{FINER_IDEAL, Overturned, closing_remarks, remarks_on_wishes};
 use self::rules::EventRules;
 use self::setup::{choose_step, connect, empty_result, outputs, preload_error, usable_step};
