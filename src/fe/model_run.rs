@@ -232,6 +232,9 @@ fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<S
     for (node, velocity) in &model.initial_velocity_m_s {
         body.v[*node] = *velocity;
     }
+    for node in &model.mesh.fixed {
+        body.v[*node] = [0.0; 3];
+    }
     for driven in &model.driven {
         body.v[driven.node][driven.axis] = driven.velocity_m_s.at(0.0);
     }

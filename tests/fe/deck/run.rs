@@ -1,7 +1,6 @@
 //! Runs of decks.
 
-use super::super::mesh::round_bar;
-use super::super::mesh::{bilinear, nearest};
+use super::super::mesh::{bilinear, elastic, grid, nearest, round_bar};
 use super::{CUBE, good, with};
 use fallwerk::fe::deck::{DeckOptions, read, write};
 use fallwerk::fe::model::{Model, RigidPlane};
@@ -101,6 +100,23 @@ fn given_motion_and_forces() {
     assert!((run.end_m[4][2] - 1.0 - t * t).abs() < 1e-4, "{}", run.end_m[4][2]);
     let last = run.energies.last().unwrap();
     assert!(last.driven_j != 0.0 && run.summary.energy_error < 0.01, "{last:?} {}", run.summary.energy_error);
+}
+
+/// A clamped node starts at rest, whatever velocity it is given: its kinetic energy would have to be taken away by nothing.
+#[test]
+fn clamped_nodes_start_at_rest() {
+    let mesh = grid([2, 1, 1], [1.0, 0.5, 0.5], elastic(), |p| p[0] == 0.0);
+    let mut model = Model {
+        initial_velocity_m_s: (0..mesh.nodes.len()).map(|n| (n, [1.0, 0.0, 0.0])).collect(),
+        mesh,
+        ..Model::default()
+    };
+    model.control.end_time_s = 1e-3;
+    (model.control.state_interval_s, model.control.history_interval_s) = (1e-3, 1e-4);
+    let run = run(&model);
+    // 625 kg, of which a quarter is at the clamped face
+    assert!((run.energies[0].kinetic_j / (0.5 * 625.0 * 0.75) - 1.0).abs() < 1e-12, "{:?}", run.energies[0]);
+    assert_eq!(run.energies.last().unwrap().driven_j, 0.0);
 }
 
 #[test]
