@@ -34,7 +34,7 @@ fn splits(node: &Node) -> Vec<(usize, f64)> {
 
 #[test]
 fn a_true_rule_is_found_with_its_thresholds() {
-    let learned = validated(&table(12, 40, 0.0, |[demand, share, _]| demand > 2.0 && share > 0.5));
+    let learned = validated(&table(12, 80, 0.0, |[demand, share, _]| demand > 2.0 && share > 0.5));
     let found = splits(&learned.tree);
     let near = |column: usize, at: f64| found.iter().any(|(c, t)| *c == column && (t - at).abs() < 0.05);
     assert!(found.len() == 2 && near(0, 2.0) && near(1, 0.5), "{found:?}");
