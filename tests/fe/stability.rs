@@ -28,6 +28,7 @@ fn a_building_with_too_long_a_step_is_stopped() {
         let found = match trouble {
             Trouble::Alternates(part, over) if *over > 1.0 && *over < share => part.clone(),
             Trouble::Released(over) if *over > 0.1 => "died".to_string(),
+            Trouble::Hourglass(over) if *over < -0.1 => "hourglass".to_string(),
             _ => panic!("{error}"),
         };
         assert!(sound_s <= time_s && *time_s < 0.1, "{error}");
