@@ -343,6 +343,11 @@ impl Member {
         self.rotation_deg != 0.0 || self.inclined.is_some()
     }
 
+    /// The box along the axes around its gross shape.
+    pub fn bounds(&self) -> Aabb {
+        if self.is_skew() { TurnedBox::of(self).bounds() } else { self.solid }
+    }
+
     /// Edges of the gross shape along its own axes \[m\].
     pub fn size_m(&self) -> [f64; 3] {
         if self.is_skew() { TurnedBox::of(self).half_m.map(|h| 2.0 * h) } else { self.solid.size() }

@@ -6,7 +6,6 @@
 use super::fields::Placed;
 use super::model::{Member, MemberKind};
 use super::partition::COORDINATE_TOLERANCE_M;
-use super::turned::TurnedBox;
 use crate::base::boxes::Boxes;
 use crate::base::diagnostic::{Diagnostic, quoted};
 use crate::base::geom::Aabb;
@@ -26,7 +25,7 @@ struct Open<'a> {
 
 /// Warns of columns whose joints with the beams on them are not filled, all in one.
 pub fn check(members: &[Placed<Member>], found: &mut Vec<Diagnostic>) {
-    let near = Boxes::of(members.iter().map(|m| bounds(&m.item)));
+    let near = Boxes::of(members.iter().map(|m| m.item.bounds()));
     let open: Vec<Open> = members.iter().filter_map(|column| open(column, members, &near)).collect();
     let Some(first) = open.first() else { return };
     let ids: Vec<&str> = open.iter().map(|o| o.column.item.id.as_str()).collect();
@@ -77,7 +76,7 @@ fn open<'a>(column: &'a Placed<Member>, members: &'a [Placed<Member>], near: &Bo
     (joint.min[2], joint.max[2]) = (level, top_m);
     // what is turned fills a part that is not looked at
     let mut inside = around(&joint);
-    inside.retain(|m| bounds(m).intersection(&joint, COORDINATE_TOLERANCE_M).is_some());
+    inside.retain(|m| m.bounds().intersection(&joint, COORDINATE_TOLERANCE_M).is_some());
     if inside.iter().any(|m| m.is_skew()) {
         return None;
     }
@@ -113,9 +112,4 @@ fn missing(joint: &Aabb, members: &[&Member]) -> f64 {
         }
     }
     sum
-}
-
-/// The box around a member.
-fn bounds(member: &Member) -> Aabb {
-    if member.is_skew() { TurnedBox::of(member).bounds() } else { member.solid }
 }

@@ -3,7 +3,6 @@
 use super::merge::{kept_planes, moved};
 use crate::base::geom::Aabb;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
-use crate::building::turned::TurnedBox;
 use crate::building::{Building, Member, MemberKind};
 
 /// Faces closer together than this share of the target size become one mesh plane; what moves is the face of the
@@ -95,7 +94,7 @@ fn stands_free(building: &Building, column: usize, apart: &[bool]) -> bool {
     let solid = &building.members[column].solid;
     let clear = clear_height(building, column);
     building.members.iter().enumerate().filter(|(i, _)| *i != column).all(|(i, other)| {
-        let around = if other.is_skew() { TurnedBox::of(other).bounds() } else { other.solid };
+        let around = other.bounds();
         let gap = |k: usize| (around.min[k] - solid.max[k]).max(solid.min[k] - around.max[k]);
         let beside = (0..2).all(|k| gap(k) < COORDINATE_TOLERANCE_M);
         let along = around.min[2] < clear[1] - COORDINATE_TOLERANCE_M

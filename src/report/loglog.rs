@@ -72,6 +72,32 @@ fn valid(point: &[f64; 2]) -> bool {
     point.iter().all(|c| c.is_finite() && *c > 0.0)
 }
 
+/// How a line across an axis and its number look: colour of the line, style of the number, and how far it is below the x axis.
+struct Tick(&'static str, &'static str, f64);
+
+const DECADE: Tick = Tick("#ddd", "", 20.0);
+const BETWEEN: Tick = Tick("#eee", " font-size=\"10\" fill=\"#666\"", 18.0);
+
+/// A line across axis `k` at a place on it, with its label.
+fn tick(out: &mut String, (k, at): (usize, f64), label: &str, Tick(stroke, style, below): Tick) {
+    let [left, right, top, bottom] = AREA;
+    let _ = if k == 0 {
+        writeln!(
+            out,
+            "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"{stroke}\"/>\
+             <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\"{style}>{label}</text>",
+            bottom + below
+        )
+    } else {
+        writeln!(
+            out,
+            "<path d=\"M{left} {at:.1}H{right}\" stroke=\"{stroke}\"/>\
+             <text x=\"{}\" y=\"{at:.1}\" text-anchor=\"end\" dy=\"4\"{style}>{label}</text>",
+            left - 8.0
+        )
+    };
+}
+
 /// Ranges of both axes in decades.
 struct Scale([[f64; 2]; 2]);
 
@@ -94,29 +120,13 @@ impl Scale {
 
     /// Lines at two and five times the decades where there are few of these: within one decade nothing else could be read.
     fn between(&self, out: &mut String) {
-        let [left, right, top, bottom] = AREA;
         for k in 0..2 {
             let [low, high] = self.0[k];
             if high - low > 2.0 {
                 continue;
             }
             for value in (low as i32..high as i32).flat_map(|d| [2.0, 5.0].map(|m| m * 10_f64.powi(d))) {
-                let (at, label) = (self.place(k, value.log10()), significant(value, 1));
-                let _ = if k == 0 {
-                    writeln!(
-                        out,
-                        "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#eee\"/>\
-                         <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\" font-size=\"10\" fill=\"#666\">{label}</text>",
-                        bottom + 18.0
-                    )
-                } else {
-                    writeln!(
-                        out,
-                        "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#eee\"/>\
-                         <text x=\"{}\" y=\"{at:.1}\" text-anchor=\"end\" dy=\"4\" font-size=\"10\" fill=\"#666\">{label}</text>",
-                        left - 8.0
-                    )
-                };
+                tick(out, (k, self.place(k, value.log10())), &significant(value, 1), BETWEEN);
             }
         }
     }
@@ -127,23 +137,8 @@ impl Scale {
         let _ = writeln!(out, "<text x=\"{left}\" y=\"18\">{}</text>", escape(title));
         for k in 0..2 {
             for decade in self.0[k][0] as i32..=self.0[k][1] as i32 {
-                let at = self.place(k, f64::from(decade));
                 let label = format!("10<tspan dy=\"-5\" font-size=\"10\">{decade}</tspan>");
-                let _ = if k == 0 {
-                    writeln!(
-                        out,
-                        "<path d=\"M{at:.1} {top}V{bottom}\" stroke=\"#ddd\"/>\
-                         <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>",
-                        bottom + 20.0
-                    )
-                } else {
-                    writeln!(
-                        out,
-                        "<path d=\"M{left} {at:.1}H{right}\" stroke=\"#ddd\"/>\
-                         <text x=\"{}\" y=\"{at:.1}\" text-anchor=\"end\" dy=\"4\">{label}</text>",
-                        left - 8.0
-                    )
-                };
+                tick(out, (k, self.place(k, f64::from(decade))), &label, DECADE);
             }
         }
         let _ = writeln!(

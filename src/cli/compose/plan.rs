@@ -54,6 +54,9 @@ fn plan(min: [f64; 3], max: [f64; 3]) -> [[f64; 2]; 2] {
 
 /// The debris of all runs, where one of FE and MBS has come down.
 pub fn debris(p: &Pieces) -> Option<DebrisPlan> {
+    if p.validation.stands() {
+        return None;
+    }
     let heaps = [
         Some(("FE", "fe", Heap::of_fe(p.fe))),
         p.hybrid.map(|run| ("hybrid", "hybrid", Heap::of_fe(run))),
@@ -63,7 +66,8 @@ pub fn debris(p: &Pieces) -> Option<DebrisPlan> {
         p.building.members.iter().map(|m| plan(m.solid.min, m.solid.max)).collect();
     let around = around(members.iter().flatten().copied())?;
     let outline = |(run, class, heap): (&str, &str, Heap)| {
-        let reach = self::around(heap.footprint.outline().into_iter().flatten())?;
+        let outline_m = heap.footprint.outline();
+        let reach = self::around(outline_m.iter().flatten().copied())?;
         Some(DebrisOutline {
             run: run.into(),
             class: class.into(),
@@ -75,10 +79,10 @@ pub fn debris(p: &Pieces) -> Option<DebrisPlan> {
                 reach[1][1] - around[1][1],
             ],
             top_m: heap.top_m - p.building.ground.level_m,
-            outline_m: heap.footprint.outline(),
+            outline_m,
         })
     };
-    (!p.validation.stands()).then(|| DebrisPlan {
+    Some(DebrisPlan {
         building_m: members,
         obstacles_m: p.building.obstacles.iter().map(|o| plan(o.solid.min, o.solid.max)).collect(),
         runs: heaps.into_iter().flatten().filter_map(outline).collect(),
