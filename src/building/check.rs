@@ -431,9 +431,20 @@ fn high_supports(draft: &Draft, found: &mut Vec<Diagnostic>) {
 /// Warns of members that stand on the ground unheld, beside ones that are supported: a run drops them, and takes their settling for the first contact.
 fn loose_feet(draft: &Draft, supported: &[bool], found: &mut Vec<Diagnostic>) {
     let Some(ground) = draft.ground else { return };
+    let footings: Vec<&Member> =
+        draft.members.list.iter().map(|m| &m.item).filter(|m| m.kind == MemberKind::Footing).collect();
+    let on_footing = |m: &Member| {
+        let mut foot = m.solid;
+        foot.max[2] = foot.min[2];
+        footings.iter().any(|f| f.solid.is_nearer(&foot, COORDINATE_TOLERANCE_M))
+    };
     let stands = |m: &Member| {
-        let upright = matches!(m.kind, MemberKind::Column | MemberKind::Wall | MemberKind::Footing);
-        upright && (m.solid.min[2] - ground.level_m).abs() < COORDINATE_TOLERANCE_M
+        let height = m.solid.min[2] - ground.level_m;
+        match m.kind {
+            MemberKind::Footing => height < COORDINATE_TOLERANCE_M,
+            MemberKind::Column | MemberKind::Wall => height.abs() < COORDINATE_TOLERANCE_M && !on_footing(m),
+            _ => false,
+        }
     };
     let loose = draft
         .members

@@ -67,6 +67,9 @@ pub struct MemberEnd {
     pub connected: Vec<String>,
     /// Whether the end is held by a support (its own, or that of the footing it stands on).
     pub supported: bool,
+    /// The footings that hold it, where it has no support of its own.
+    #[serde(skip)]
+    pub footings: Vec<usize>,
 }
 
 /// The long axis of a member that acts as a bar: columns and beams as given, walls along z.
@@ -162,8 +165,11 @@ pub fn member_ends(
                 point_m[axis] = coordinate;
                 let beyond = members_beyond(building, &uprights, partition, index, (axis, coordinate, end));
                 let outermost = span == if end == End::Low { 0 } else { spans.len() - 1 };
-                let opposite =
+                let is_held =
                     |i: &usize| building.members[*i].kind == MemberKind::Footing && supported(*i, End::Low);
+                let is_own = outermost && supported(index, end);
+                let footings: Vec<usize> =
+                    beyond.iter().copied().filter(|i| outermost && !is_own && is_held(i)).collect();
                 let number = if spans.len() > 1 { format!(".{}", span + 1) } else { String::new() };
                 let size_m = section_size_m(member);
                 ends.push(MemberEnd {
@@ -178,7 +184,8 @@ pub fn member_ends(
                     size_m,
                     area_m2: size_m[0] * size_m[1],
                     clear_length_m: range[1] - range[0],
-                    supported: outermost && (supported(index, end) || beyond.iter().any(opposite)),
+                    supported: is_own || !footings.is_empty(),
+                    footings,
                     connected: beyond.iter().map(|i| building.members[*i].id.clone()).collect(),
                 });
             }

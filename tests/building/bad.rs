@@ -72,6 +72,34 @@ fn feet_without_a_support_are_told() {
     assert!(told.contains("`C1-B1` and `C1-B2`"), "{told}");
 }
 
+/// What stands on a footing is held by it, and footings need supports wherever the ground is above their feet.
+#[test]
+fn footings_are_told_in_place_of_what_stands_on_them() {
+    let footings = |held: &str| {
+        let pad = |id: &str, x: i32| {
+            format!(
+                "[[members]]\nid = \"{id}\"\nkind = \"footing\"\nsection = \"slab\"\nfrom = [{}, -1, 0]\nto = [{}, 1, 0]\n\n",
+                x - 1,
+                x + 1
+            )
+        };
+        let pads = format!("{}{}[[supports]]", pad("F1", 0), pad("F2", 6));
+        let text = fallwerk::building::EXAMPLE.replacen("[[supports]]", &pads, 1).replacen(
+            "members = [\"C1-*\"]",
+            &format!("members = [\"C1-A2\", \"C1-B2\"{held}]"),
+            1,
+        );
+        inspect(&text, Format::Toml, "a.toml").diagnostics.render(false)
+    };
+    let told = footings(", \"F1\", \"F2\"");
+    assert!(!told.contains("without a support"), "{told}");
+    let told = footings("");
+    assert!(
+        told.contains("2 members stand on the ground without a support") && told.contains("`F1` and `F2`"),
+        "{told}"
+    );
+}
+
 /// Stretches that end and begin at one place do not overlap, also where the place has another last digit.
 #[test]
 fn stretches_that_meet_do_not_overlap() {

@@ -1,6 +1,6 @@
 //! Other shapes of buildings: flat slab, secondary beam, transfer, footing, wall, weakening.
 
-use super::buildings::{add, empty, reference, support};
+use super::buildings::{add, charge, empty, reference, support};
 use fallwerk::building::*;
 use fallwerk::graph::demand::StateSummary;
 use fallwerk::graph::*;
@@ -144,6 +144,93 @@ fn footing_and_wall() {
     );
 }
 
+/// A charge on a footing frees what stands on it; the footing lies where it is.
+#[test]
+fn a_footing_that_goes_holds_no_longer() {
+    let mut building = empty();
+    columns(&mut building, 3.5);
+    building.supports.clear();
+    for (n, (x, y)) in [(0.0, 0.0), (0.0, 5.0), (6.0, 0.0), (6.0, 5.0)].into_iter().enumerate() {
+        let id = format!("F{n}");
+        add(&mut building, &id, MemberKind::Footing, [x - 0.6, y - 0.6, -0.5], [x + 0.6, y + 0.6, 0.0]);
+        support(&mut building, &id);
+    }
+    for (id, y) in [("B1", 0.0), ("B2", 5.0)] {
+        add(&mut building, id, MemberKind::Beam, [-0.2, y - 0.15, 3.0], [6.2, y + 0.15, 3.5]);
+    }
+    for (id, x) in [("B3", 0.0), ("B4", 6.0)] {
+        add(&mut building, id, MemberKind::Beam, [x - 0.15, -0.2, 3.0], [x + 0.15, 5.2, 3.5]);
+    }
+    let without = |id: &str| {
+        let mut building = building.clone();
+        charge(&mut building, id);
+        let (structure, demands) = solved(&building);
+        let Some(StateSummary::Equilibrium { weight_n, reaction_sum_n, unplaced, .. }) =
+            demands.after.clone()
+        else {
+            panic!("{:?}", demands.after)
+        };
+        assert!(
+            unplaced.is_empty() && (reaction_sum_n[2] / weight_n - 1.0).abs() < 1e-9,
+            "{id}: {unplaced:?}"
+        );
+        let feet: Vec<f64> = ["C-A2.bottom", "C-B1.bottom", "C-B2.bottom"]
+            .map(|id| structure.ends.iter().position(|e| e.id == id).unwrap())
+            .map(|e| demands.ends[e].after.unwrap().forces.axial_n)
+            .into();
+        (feet, weight_n)
+    };
+    let ((by_footing, heavy), (by_column, light)) = (without("F0"), without("C-A1"));
+    // with the column hanging from the beams in place of its footing, the others bear its weight
+    let ratio = by_footing.iter().zip(&by_column).map(|(a, b)| a / b).fold(f64::INFINITY, f64::min);
+    assert!(ratio > 0.999 && heavy != light, "{by_footing:?} {by_column:?}");
+}
+
+/// A slab between four walls of which two that face each other go: the strip between them crosses the other one, which bears it; and one between walls inside a ring of beams goes with them.
+#[test]
+fn strips_of_walls_that_go_rest_on_what_they_cross_or_go_too() {
+    let after = |building: &Building| {
+        let (_, demands) = solved(building);
+        assert!(matches!(demands.after, Some(StateSummary::Equilibrium { .. })), "{:?}", demands.after);
+    };
+    let mut shaft = empty();
+    let walls = [
+        ("WA", [0.0, 0.2], [0.2, 4.8]),
+        ("WB", [5.8, 0.2], [6.0, 4.8]),
+        ("WC", [0.0, 0.0], [6.0, 0.2]),
+        ("WD", [0.0, 4.8], [6.0, 5.0]),
+    ];
+    for storey in 0..2 {
+        let z = 3.0 * storey as f64;
+        for (id, [x0, y0], [x1, y1]) in walls {
+            let id = format!("{id}{storey}");
+            add(&mut shaft, &id, MemberKind::Wall, [x0, y0, z], [x1, y1, z + 2.75]);
+            if storey == 0 {
+                support(&mut shaft, &id);
+            }
+        }
+        add(&mut shaft, &format!("S{storey}"), MemberKind::Slab, [0.0, 0.0, z + 2.75], [6.0, 5.0, z + 3.0]);
+    }
+    charge(&mut shaft, "WA0");
+    charge(&mut shaft, "WB0");
+    after(&shaft);
+    let mut ring = empty();
+    columns(&mut ring, 3.5);
+    for (id, y) in [("B1", 0.0), ("B2", 5.0)] {
+        add(&mut ring, id, MemberKind::Beam, [-0.2, y - 0.15, 3.0], [6.2, y + 0.15, 3.5]);
+    }
+    for (id, x) in [("B3", 0.0), ("B4", 6.0)] {
+        add(&mut ring, id, MemberKind::Beam, [x - 0.15, -0.2, 3.0], [x + 0.15, 5.2, 3.5]);
+    }
+    for (id, x) in [("W1", 2.0), ("W2", 4.0)] {
+        add(&mut ring, id, MemberKind::Wall, [x - 0.1, 1.5, 0.0], [x + 0.1, 3.5, 3.25]);
+        support(&mut ring, id);
+        charge(&mut ring, id);
+    }
+    add(&mut ring, "S", MemberKind::Slab, [-0.2, -0.2, 3.25], [6.2, 5.2, 3.5]);
+    after(&ring);
+}
+
 #[test]
 fn weakening_scales_capacity_and_demand_ratio() {
     let mut building = reference();
@@ -267,4 +354,93 @@ fn a_column_that_is_left_out_is_told() {
     assert_eq!(left_out, ["K"]);
     assert!(warnings.len() == 1 && warnings[0].starts_with("K touch"), "{warnings:?}");
     assert!(demands.warnings(&building)[0].starts_with("before: K touch"));
+}
+
+/// An L of three bays on eight columns, with its slab in the rectangles given, and beams on its outline or none.
+fn angle(slabs: &[[f64; 4]], with_beams: bool) -> Building {
+    let mut building = empty();
+    let axes: Vec<[f64; 2]> = [0.0, 6.0, 12.0]
+        .into_iter()
+        .flat_map(|x| [0.0, 5.0, 10.0].map(|y| [x, y]))
+        .filter(|p| *p != [12.0, 10.0])
+        .collect();
+    for [x, y] in &axes {
+        let id = format!("C-{x}-{y}");
+        add(&mut building, &id, MemberKind::Column, [x - 0.2, y - 0.2, 0.0], [x + 0.2, y + 0.2, 3.5]);
+        support(&mut building, &id);
+    }
+    let outline = [
+        [0.0, 0.0, 12.0, 0.0],
+        [0.0, 10.0, 6.0, 10.0],
+        [6.0, 5.0, 12.0, 5.0],
+        [0.0, 0.0, 0.0, 10.0],
+        [12.0, 0.0, 12.0, 5.0],
+        [6.0, 5.0, 6.0, 10.0],
+    ];
+    for [x0, y0, x1, y1] in outline.into_iter().filter(|_| with_beams) {
+        let id = format!("B-{x0}-{y0}-{x1}-{y1}");
+        let wide = |from: f64, to: f64| if from == to { [from - 0.15, to + 0.15] } else { [from, to] };
+        let ([x0, x1], [y0, y1]) = (wide(x0, x1), wide(y0, y1));
+        add(&mut building, &id, MemberKind::Beam, [x0, y0, 3.0], [x1, y1, 3.5]);
+    }
+    for (number, [x0, y0, x1, y1]) in slabs.iter().enumerate() {
+        let id = format!("S{number}");
+        add(&mut building, &id, MemberKind::Slab, [*x0, *y0, 3.25], [*x1, *y1, 3.5]);
+    }
+    building
+}
+
+/// Slabs that meet are one plate: it makes no difference along which lines a plan is cut.
+#[test]
+fn where_a_plan_is_cut_into_slabs_makes_no_difference() {
+    let rows = [[-0.2, -0.2, 12.2, 5.2], [-0.2, 5.2, 6.2, 10.2]];
+    let columns = [[-0.2, -0.2, 6.2, 10.2], [6.2, -0.2, 12.2, 5.2]];
+    let bays =
+        [[-0.2, 5.0, 6.2, 10.2], [-0.2, -0.2, 6.0, 5.0], [6.0, -0.2, 12.2, 5.0], [6.2, 5.0, 12.2, 5.2]];
+    for with_beams in [false, true] {
+        let moments = |slabs: &[[f64; 4]]| -> Vec<[f64; 3]> {
+            let (_, demands) = solved(&angle(slabs, with_beams));
+            let columns = demands.ends.iter().filter(|e| e.id.starts_with("C-"));
+            columns
+                .map(|e| e.before.unwrap().forces)
+                .map(|f| [f.axial_n, f.moment_nm[0], f.moment_nm[1]])
+                .collect()
+        };
+        let wanted = moments(&rows);
+        let most = |i: usize| wanted.iter().map(|f| f[i].abs()).fold(0.0, f64::max);
+        for other in [&columns[..], &bays[..]] {
+            for (a, b) in wanted.iter().zip(moments(other)) {
+                // sample points of the load lie on a raster of each slab
+                (0..3)
+                    .for_each(|i| assert!((a[i] - b[i]).abs() < 5e-3 * most(i), "{with_beams}: {a:?} {b:?}"));
+            }
+        }
+    }
+}
+
+/// No strip bridges a gap in a plan: both tips of a U bear on their own arms.
+#[test]
+fn strips_do_not_bridge_what_is_not_built() {
+    let slabs = [[-0.2, -0.2, 6.2, 10.2], [6.2, -0.2, 11.8, 5.2], [11.8, -0.2, 18.2, 10.2]];
+    let mut building = empty();
+    for x in [0.0, 6.0, 12.0, 18.0] {
+        for y in [0.0, 5.0, 10.0] {
+            let id = format!("C-{x}-{y}");
+            add(&mut building, &id, MemberKind::Column, [x - 0.2, y - 0.2, 0.0], [x + 0.2, y + 0.2, 3.5]);
+            support(&mut building, &id);
+        }
+    }
+    for (number, [x0, y0, x1, y1]) in slabs.iter().enumerate() {
+        let id = format!("S{number}");
+        add(&mut building, &id, MemberKind::Slab, [*x0, *y0, 3.25], [*x1, *y1, 3.5]);
+    }
+    let structure = Structure::of(&building);
+    let frame = idealise::idealise(&structure, &building, &Default::default()).frame;
+    let crosses = |e: &&frame::Element| {
+        let [a, b] = e.ends_m;
+        a[1].min(b[1]) > 7.0 && a[0].min(b[0]) < 6.5 && a[0].max(b[0]) > 11.5
+    };
+    assert_eq!(frame.elements.iter().filter(crosses).count(), 0);
+    let along = |e: &&frame::Element| e.ends_m.iter().all(|p| (p[1] - 5.0).abs() < 1e-9 && p[2] > 3.2);
+    assert_eq!(frame.elements.iter().filter(along).count(), 3, "the base goes on along its edge");
 }

@@ -185,6 +185,10 @@ impl Builder<'_> {
     ) -> usize {
         let end = &self.structure.ends[index];
         if end.supported {
+            if !end.footings.is_empty() && end.footings.iter().all(|f| self.removed.contains(f)) {
+                self.nodes.push(FrameNode::free(end.id.clone(), end.point_m));
+                return self.nodes.len() - 1;
+            }
             self.nodes.push(FrameNode::clamped(end.id.clone(), end.point_m));
             return self.nodes.len() - 1;
         }
@@ -220,7 +224,7 @@ impl Builder<'_> {
     }
 
     /// The node of a span at a coordinate inside it, a new one if there is none.
-    fn node_on(&mut self, span: usize, coordinate: f64) -> usize {
+    pub(super) fn node_on(&mut self, span: usize, coordinate: f64) -> usize {
         if let Some(node) = self.seated_at(span, coordinate) {
             return node;
         }
@@ -239,7 +243,7 @@ impl Builder<'_> {
 
     /// Puts a node on a span. Where there is one already, as at the end of a beam on which the end of another one has been hung, both are one node: an
     /// element between them would have no length.
-    fn seat(&mut self, span: usize, coordinate: f64, node: usize) {
+    pub(super) fn seat(&mut self, span: usize, coordinate: f64, node: usize) {
         match self.seated_at(span, coordinate) {
             Some(seated) => self.unite(seated, node),
             None => self.spans[span].nodes.push((coordinate, node)),

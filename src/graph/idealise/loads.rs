@@ -1,5 +1,6 @@
 //! Dead load: where each cell's weight goes.
 
+use super::plates::Plate;
 use super::{Builder, LOAD_BIN_M, LOAD_SAMPLE_M, Span};
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
@@ -7,7 +8,7 @@ use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::graph::frame::LineLoad;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Carriers as near as this share a sample point's load \[m\]: the diagonals of a symmetric panel.
 const TIE_M: f64 = 1e-9;
@@ -25,20 +26,26 @@ pub(super) fn on_stretch(loads: &[([f64; 2], f64)], from: f64, to: f64) -> Vec<L
 
 impl Builder<'_> {
     /// Places the weight of all members that are left.
-    pub(super) fn place_loads(&mut self) {
+    pub(super) fn place_loads(&mut self, plates: &[Plate]) {
         let mut spans_of = vec![Vec::new(); self.building.members.len()];
         for (index, span) in self.spans.iter().enumerate().filter(|(_, span)| span.ends.is_some()) {
             spans_of[span.member].push(index);
         }
-        let here = |m: &usize| self.left(*m) && !self.structure.boxes(*m).is_empty();
-        let members: Vec<usize> = (0..self.building.members.len()).filter(here).collect();
-        let is_slab = |m: &&usize| self.member(**m).kind == MemberKind::Slab;
-        let slabs: Vec<usize> = members.iter().filter(is_slab).copied().collect();
-        // where a slab's weight goes depends on where spans are alone, not on what they bear
-        let mut of_slabs = slabs.par_iter().map(|s| self.on_carriers(*s)).collect::<Vec<_>>().into_iter();
-        for member in members {
+        // where a plate's weight goes depends on where spans are alone, not on what they bear
+        let borne: Vec<_> = plates.par_iter().flat_map_iter(|plate| self.on_carriers(plate)).collect();
+        let mut of_slabs: BTreeMap<usize, OnCarriers> = borne.into_iter().collect();
+        let mut plate_of = BTreeMap::new();
+        for plate in plates {
+            plate.slabs.iter().for_each(|s| {
+                plate_of.insert(*s, plate);
+            });
+        }
+        for member in 0..self.building.members.len() {
+            if !self.left(member) || self.structure.boxes(member).is_empty() {
+                continue;
+            }
             let placed = match self.member(member).kind {
-                MemberKind::Slab => self.place_slab(member, of_slabs.next().flatten()),
+                MemberKind::Slab => self.place_slab(member, plate_of[&member], of_slabs.remove(&member)),
                 MemberKind::Footing => self.place_footing(member),
                 _ => self.place_bar(member, &spans_of[member]),
             };
@@ -74,7 +81,7 @@ impl Builder<'_> {
         true
     }
 
-    /// A footing: on the clamped ends that stand on it, equally.
+    /// A footing: on the clamped ends that stand on it, equally. One on which nothing stands any more lies on its own support, beside the frame.
     fn place_footing(&mut self, member: usize) -> bool {
         let id = &self.member(member).id;
         let on_it: Vec<String> = self
@@ -87,6 +94,10 @@ impl Builder<'_> {
         let nodes: Vec<usize> =
             (0..self.nodes.len()).filter(|n| on_it.contains(&self.nodes[*n].id)).collect();
         let force = self.specific_weight(member) * self.structure.mass_of(&[member]).volume_m3;
+        if nodes.is_empty() && self.structure.supports().any(|s| s.member == member) {
+            self.aside_n += force;
+            return true;
+        }
         nodes.iter().for_each(|n| self.nodes[*n].load[2] -= force / nodes.len() as f64);
         !nodes.is_empty()
     }
@@ -110,28 +121,33 @@ impl Builder<'_> {
         }
     }
 
-    /// What the carriers of a slab bear of it: sample points of equal volume in each cell, each to the nearest carriers. None without carriers.
-    fn on_carriers(&self, slab: usize) -> Option<OnCarriers> {
-        let (carriers, weight) = (self.carriers(slab), self.specific_weight(slab));
+    /// What the carriers of a plate bear of each of its slabs: sample points of equal volume in each cell, each to the nearest carriers. Nothing without carriers.
+    fn on_carriers(&self, plate: &Plate) -> Vec<(usize, OnCarriers)> {
+        let carriers = self.carriers(plate);
         if carriers.is_empty() {
-            return None;
+            return Vec::new();
         }
         let places = Boxes::of(carriers.iter().map(|c| in_plan(&self.spans[*c])));
         let spans: Vec<&Span> = carriers.iter().map(|c| &self.spans[*c]).collect();
-        let mut shares = Shares::of(&spans);
-        for cell in self.structure.boxes(slab) {
-            let mut candidates = self.nearest_to(cell, &carriers, &places);
-            let samples = Samples::of(cell, weight);
-            shares.take(&samples, samples.count.map(|n| [0, n]), &mut candidates, 0);
-        }
-        let Shares { bins, nodes, .. } = shares;
-        Some(OnCarriers { bins: carriers.into_iter().zip(bins).collect(), nodes })
+        let borne = |slab: &usize| {
+            let (mut shares, weight) = (Shares::of(&spans), self.specific_weight(*slab));
+            for cell in self.structure.boxes(*slab) {
+                let mut candidates = self.nearest_to(cell, &carriers, &places);
+                let samples = Samples::of(cell, weight);
+                shares.take(&samples, samples.count.map(|n| [0, n]), &mut candidates, 0);
+            }
+            let Shares { bins, nodes, .. } = shares;
+            let bears = |(_, bins): &(usize, Vec<f64>)| bins.iter().any(|force| *force != 0.0);
+            let bins = carriers.iter().copied().zip(bins).filter(bears).collect();
+            (*slab, OnCarriers { bins, nodes })
+        };
+        plate.slabs.iter().map(borne).collect()
     }
 
-    /// A slab: on its carriers.
-    fn place_slab(&mut self, slab: usize, shares: Option<OnCarriers>) -> bool {
+    /// A slab: on the carriers of its plate.
+    fn place_slab(&mut self, slab: usize, plate: &Plate, shares: Option<OnCarriers>) -> bool {
         let Some(OnCarriers { bins, nodes }) = shares else {
-            return self.place_slab_on_joints(slab, self.specific_weight(slab));
+            return self.place_slab_on_joints(slab, plate);
         };
         for (node, force) in nodes {
             self.nodes[node].load[2] -= force;
@@ -151,8 +167,8 @@ impl Builder<'_> {
     }
 
     /// A slab without beams and strips: on the nearest joints.
-    fn place_slab_on_joints(&mut self, slab: usize, weight: f64) -> bool {
-        let joints = self.joints_in_slab(slab);
+    fn place_slab_on_joints(&mut self, slab: usize, plate: &Plate) -> bool {
+        let (joints, weight) = (self.joints_at(plate), self.specific_weight(slab));
         // the block of a column that is gone bears nothing unless a bar holds it
         let bars: BTreeSet<usize> = self.spans.iter().flat_map(|s| &s.nodes).map(|(_, node)| *node).collect();
         let nodes = joints.iter().map(|j| self.joints[*j].node);

@@ -5,8 +5,8 @@
 //!   effective width of plane stress (`flange`).
 //! * Joint blocks are rigid: a node at the column's axis in the middle of the beams' depth, with rigid
 //!   offsets to the end sections. Two columns or walls meet in a joint if only solid lies between them.
-//! * A slab is rigid in its plane (diaphragm), in which all axes of its floor lie (`level`). Out of plane it acts through the flanges; between aligned
-//!   columns that no beam joins it is a strip as wide as half the distance to the neighbours. A column without a beam and without
+//! * Slabs that meet at their edges are one plate, wherever the plan is cut into rectangles (`plates`). It is rigid in its plane (diaphragm), in which all axes of its floor
+//!   lie (`level`). Out of plane it acts through the flanges; between aligned columns that no beam joins it is a strip as wide as half the distance to the neighbours. A column without a beam and without
 //!   one in line with it has strips to its neighbours all round.
 //! * Dead load: each member's own cells. Columns, walls and beams carry theirs as a line load, joint blocks at their
 //!   node; each point of a slab loads the nearest beam or strip (45° envelope of a panel), in bins of
@@ -17,6 +17,7 @@ mod flange;
 mod joints;
 mod level;
 mod loads;
+mod plates;
 mod strips;
 
 use super::ends::{End, MemberEnd, is_upright};
@@ -28,6 +29,7 @@ use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Member, MemberKind};
 use joints::Joint;
 use petgraph::unionfind::UnionFind;
+use plates::Plate;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -43,7 +45,7 @@ pub struct Idealised {
     pub frame: Frame,
     /// For each of `Structure::ends`: its element and which end of it; `None` if the member is gone.
     pub ends: Vec<Option<(usize, usize)>>,
-    /// Weight of the members that are left \[N\].
+    /// Weight of the members that are left, but for footings that bear nothing and lie on supports of their own \[N\].
     pub weight_n: f64,
     /// Members whose weight found nothing to rest on; it is not in the frame.
     pub unplaced: Vec<String>,
@@ -112,20 +114,17 @@ struct Builder<'a> {
     joints: Vec<Joint>,
     nodes: Vec<FrameNode>,
     unplaced: Vec<String>,
-    /// Solids of the slabs, and of the beams.
-    slabs: Boxes,
+    /// Weight of footings on supports of their own that nothing stands on \[N\].
+    aside_n: f64,
+    /// Solids of the beams.
     beams: Boxes,
 }
 
 /// The building without the `removed` members as a frame.
 pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<usize>) -> Idealised {
-    let of_kind = |kind: MemberKind| {
-        let members = building.members.iter().enumerate().filter(move |(_, m)| m.kind == kind);
-        Boxes::numbered(members.map(|(index, m)| (index, m.solid)))
-    };
+    let beams = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Beam);
     let mut builder = Builder {
-        slabs: of_kind(MemberKind::Slab),
-        beams: of_kind(MemberKind::Beam),
+        beams: Boxes::numbered(beams.map(|(index, m)| (index, m.solid))),
         structure,
         building,
         removed,
@@ -133,16 +132,18 @@ pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<u
         joints: joints::find(structure, building),
         nodes: Vec::new(),
         unplaced: Vec::new(),
+        aside_n: 0.0,
     };
-    builder.add_bars();
+    let plates = builder.plates();
+    builder.add_bars(&plates);
     builder.place_joints();
     builder.tie_bars();
-    builder.add_strips();
+    builder.add_strips(&plates);
     builder.clamp_slabs();
-    builder.place_loads();
-    let diaphragms = builder.diaphragms();
+    builder.place_loads(&plates);
+    let diaphragms = builder.diaphragms(&plates);
     builder.level(&diaphragms);
-    let left_out = builder.left_out();
+    let left_out = builder.left_out(&plates);
     Idealised { left_out, ..builder.finish(diaphragms) }
 }
 
@@ -170,7 +171,7 @@ impl Builder<'_> {
     }
 
     /// A span for each clear length of a bar that is left. Its ends stand side by side in `ends`.
-    fn add_bars(&mut self) {
+    fn add_bars(&mut self, plates: &[Plate]) {
         let span = |(pair, ends): (usize, &[MemberEnd])| {
             let low: &MemberEnd = &ends[0];
             self.left(low.member).then(|| Span {
@@ -181,7 +182,7 @@ impl Builder<'_> {
                 skew: 0.0,
                 range: [low.point_m[low.axis], ends[1].point_m[low.axis]],
                 axis1: low.axes[1],
-                section: self.section_of(low),
+                section: self.section_of(low, plates),
                 ends: Some([2 * pair, 2 * pair + 1]),
                 nodes: Vec::new(),
                 loads: Vec::new(),
@@ -190,11 +191,11 @@ impl Builder<'_> {
         self.spans = self.structure.ends.par_chunks_exact(2).enumerate().filter_map(span).collect();
     }
 
-    /// Elastic section of a bar; a beam with the slab as its flange.
-    fn section_of(&self, end: &MemberEnd) -> BeamSection {
+    /// Elastic section of a bar, by its lower end; a beam with the slab as its flange.
+    fn section_of(&self, end: &MemberEnd, plates: &[Plate]) -> BeamSection {
         let law = self.building.law_of(self.member(end.member));
         let mut section = BeamSection::rectangle(law.youngs_modulus_pa, law.poisson_ratio, end.size_m);
-        let Some(slab) = self.flange(end) else { return section };
+        let Some(slab) = self.flange(end, plates) else { return section };
         let web = section.area_m2;
         let own = section.inertia_m4[0];
         let arm = slab.level_m - end.point_m[2];
@@ -213,38 +214,36 @@ impl Builder<'_> {
         section
     }
 
-    /// The flange that slabs give a beam.
-    fn flange(&self, end: &MemberEnd) -> Option<SlabBeside> {
+    /// The flange that plates give a beam, by its lower end.
+    fn flange(&self, end: &MemberEnd, plates: &[Plate]) -> Option<SlabBeside> {
         let beam = self.member(end.member);
         if beam.kind != MemberKind::Beam {
             return None;
         }
         let span_m = end.clear_length_m;
         let poisson = self.building.law_of(beam).poisson_ratio;
+        let acting =
+            |outstand: f64, wave_m: f64| flange::effective_width_m(outstand, wave_m, poisson).min(outstand);
         let mut found: Option<SlabBeside> = None;
-        for index in self.slabs.near(&beam.solid, COORDINATE_TOLERANCE_M) {
-            let slab = self.member(index);
-            if !self.left(index) || !meet(&slab.solid, &beam.solid) {
-                continue;
-            }
+        for plate in plates.iter().filter(|p| p.meets(&beam.solid)) {
+            let level = plate.solids[0];
+            let (low, high) = (level.min[2].max(beam.solid.min[2]), level.max[2].min(beam.solid.max[2]));
+            let [mut width_m, mut long_m, mut outstand_m] = [0.0; 3];
             // from half of the span on the outstand counts for a few per cent only
-            let outstands = self.outstands_m(beam, slab, 0.5 * span_m);
-            let acting = |outstand: f64, wave_m: f64| {
-                flange::effective_width_m(outstand, wave_m, poisson).min(outstand)
-            };
-            let width_m: f64 = outstands.iter().map(|o| acting(*o, span_m)).sum();
             let wave_m = flange::ONE_SENSE * span_m;
-            let far = self.outstands_m(beam, slab, 0.5 * wave_m);
-            let long_m: f64 = far.iter().map(|o| acting(*o, wave_m)).sum();
-            let (low, high) =
-                (slab.solid.min[2].max(beam.solid.min[2]), slab.solid.max[2].min(beam.solid.max[2]));
+            for (share, near) in self.outstands_m(end, plate, 0.5 * span_m) {
+                width_m += share * near.iter().map(|o| acting(*o, span_m)).sum::<f64>();
+                outstand_m += share * near.iter().map(|o| o.min(0.5 * span_m)).sum::<f64>();
+            }
+            for (share, far) in self.outstands_m(end, plate, 0.5 * wave_m) {
+                long_m += share * far.iter().map(|o| acting(*o, wave_m)).sum::<f64>();
+            }
             if high - low > COORDINATE_TOLERANCE_M && width_m > 0.0 {
                 let before = found.map_or([0.0; 3], |f| [f.width_m, f.outstand_m, f.long_m]);
                 found = Some(SlabBeside {
                     width_m: before[0] + width_m,
                     long_m: before[2] + long_m.max(width_m),
-                    outstand_m: before[1]
-                        + outstands.map(|x| x.min(0.5 * span_m).max(0.0)).iter().sum::<f64>().max(width_m),
+                    outstand_m: before[1] + outstand_m.max(width_m),
                     thickness_m: high - low,
                     level_m: 0.5 * (low + high),
                 });
@@ -253,48 +252,48 @@ impl Builder<'_> {
         found
     }
 
-    /// Slab on either side of a beam, to its edge or to halfway to the next parallel beam \[m\]; what is beyond `most_m` may be left out.
-    fn outstands_m(&self, beam: &Member, slab: &Member, most_m: f64) -> [f64; 2] {
-        let across = 1 - beam.axis;
-        // the slab over which a beam may be as far away as it can matter
-        let mut strip = slab.solid;
-        strip.min[across] = strip.min[across].max(beam.solid.min[across] - 2.0 * most_m);
-        strip.max[across] = strip.max[across].min(beam.solid.max[across] + 2.0 * most_m);
-        let beams = self.beams.near(&strip, COORDINATE_TOLERANCE_M).into_iter().map(|b| self.member(b));
-        let others = beams.filter(|o| o.axis == beam.axis && meet(&o.solid, &slab.solid));
-        let mut least = [
-            beam.solid.min[across] - slab.solid.min[across],
-            slab.solid.max[across] - beam.solid.max[across],
-        ]
-        .map(|outstand| outstand.max(0.0));
-        for other in others {
-            let gaps = [
-                beam.solid.min[across] - other.solid.max[across],
-                other.solid.min[across] - beam.solid.max[across],
-            ];
-            for (least, gap) in least.iter_mut().zip(gaps).filter(|(_, gap)| *gap > COORDINATE_TOLERANCE_M) {
-                *least = least.min(0.5 * gap);
+    /// Plate on either side of a beam, to its edge or to halfway to the next parallel beam \[m\], on stretches of the clear length with their shares;
+    /// what is beyond `most_m` may be left out.
+    fn outstands_m(&self, low: &MemberEnd, plate: &Plate, most_m: f64) -> Vec<(f64, [f64; 2])> {
+        let (beam, axis) = (self.member(low.member), low.axis);
+        let across = 1 - axis;
+        let own = [beam.solid.min[across], beam.solid.max[across]];
+        let range = [low.point_m[axis], low.point_m[axis] + low.clear_length_m];
+        let outstands = |stretch: &plates::Stretch| {
+            let Some(edges) = stretch.edges_m else { return [0.0; 2] };
+            // the plate over which a beam may be as far away as it can matter
+            let mut beside = plate.solids[0];
+            (beside.min[axis], beside.max[axis]) = (stretch.range_m[0], stretch.range_m[1]);
+            beside.min[across] = edges[0].max(own[0] - 2.0 * most_m);
+            beside.max[across] = edges[1].min(own[1] + 2.0 * most_m);
+            let near = self.beams.near(&beside, COORDINATE_TOLERANCE_M).into_iter().map(|b| self.member(b));
+            let mut least = [own[0] - edges[0], edges[1] - own[1]].map(|outstand| outstand.max(0.0));
+            for other in near.filter(|o| o.axis == axis && plate.meets(&o.solid)) {
+                let gaps = [own[0] - other.solid.max[across], other.solid.min[across] - own[1]];
+                for (least, gap) in
+                    least.iter_mut().zip(gaps).filter(|(_, gap)| *gap > COORDINATE_TOLERANCE_M)
+                {
+                    *least = least.min(0.5 * gap);
+                }
             }
-        }
-        least
+            least
+        };
+        plate.stretches(axis, range, own).iter().map(|s| (s.share, outstands(s))).collect()
     }
 
-    /// One diaphragm for each set of slabs that share a node.
-    fn diaphragms(&self) -> Vec<Diaphragm> {
+    /// One diaphragm for each set of plates that share a node.
+    fn diaphragms(&self, plates: &[Plate]) -> Vec<Diaphragm> {
         let mut sets = UnionFind::new(self.nodes.len());
-        let mut in_slab = BTreeSet::new();
-        for slab in (0..self.building.members.len()).filter(|m| self.left(*m)) {
-            if self.member(slab).kind != MemberKind::Slab {
-                continue;
-            }
-            let nodes = self.nodes_of_slab(slab);
+        let mut in_plate = BTreeSet::new();
+        for plate in plates {
+            let nodes = self.nodes_of(plate);
             nodes.windows(2).for_each(|pair| {
                 sets.union(pair[0], pair[1]);
             });
-            in_slab.extend(nodes);
+            in_plate.extend(nodes);
         }
         let mut diaphragms: Vec<(usize, Diaphragm)> = Vec::new();
-        for node in in_slab {
+        for node in in_plate {
             let root = sets.find(node);
             match diaphragms.iter_mut().find(|(r, _)| *r == root) {
                 Some((_, diaphragm)) => diaphragm.nodes.push(node),
@@ -304,10 +303,10 @@ impl Builder<'_> {
         diaphragms.into_iter().map(|(_, d)| d).filter(|d| d.nodes.len() > 1).collect()
     }
 
-    /// Nodes of the beams, strips and joints that a slab meets, without repetition.
-    fn nodes_of_slab(&self, slab: usize) -> Vec<usize> {
-        let mut nodes: Vec<usize> = self.joints_in_slab(slab).iter().map(|j| self.joints[*j].node).collect();
-        for span in self.carriers(slab) {
+    /// Nodes of the beams, strips and joints that a plate meets, without repetition.
+    fn nodes_of(&self, plate: &Plate) -> Vec<usize> {
+        let mut nodes: Vec<usize> = self.joints_at(plate).iter().map(|j| self.joints[*j].node).collect();
+        for span in self.carriers(plate) {
             nodes.extend(self.spans[span].nodes.iter().map(|(_, node)| *node));
         }
         nodes.sort_unstable();
@@ -315,40 +314,35 @@ impl Builder<'_> {
         nodes
     }
 
-    /// Spans that carry a slab: beams that it meets and its own strips.
-    fn carriers(&self, slab: usize) -> Vec<usize> {
-        let solid = &self.member(slab).solid;
+    /// Spans that carry a plate: beams that it meets and its own strips.
+    fn carriers(&self, plate: &Plate) -> Vec<usize> {
         let carries = |span: &Span| {
-            span.member == slab
+            plate.slabs.contains(&span.member)
                 || (self.member(span.member).kind == MemberKind::Beam
-                    && meet(&self.member(span.member).solid, solid))
+                    && plate.meets(&self.member(span.member).solid))
         };
         (0..self.spans.len()).filter(|s| carries(&self.spans[*s])).collect()
     }
 
-    /// Joints whose columns and walls overlap a slab in plan or bear it at an edge, where it ends at their faces, and whose block meets it in height.
-    fn joints_in_slab(&self, slab: usize) -> Vec<usize> {
-        let solid = &self.member(slab).solid;
+    /// Joints whose columns and walls overlap a plate in plan or bear it at an edge, where it ends at their faces, and whose block meets it in height.
+    fn joints_at(&self, plate: &Plate) -> Vec<usize> {
         let meets = |joint: &Joint| {
             joint.uprights.iter().any(|u| {
                 let mut block = self.member(*u).solid;
                 block.min[2] = joint.range_m[0];
                 block.max[2] = joint.range_m[1];
-                meet(&block, solid) || abut(&block, solid)
+                plate.meets(&block) || plate.abuts(&block)
             })
         };
         (0..self.joints.len()).filter(|j| meets(&self.joints[*j])).collect()
     }
 
-    /// Columns and walls under slabs that rest on beams or strips, none of which comes to their joints.
-    fn left_out(&self) -> Vec<String> {
+    /// Columns and walls under plates that rest on beams or strips, none of which comes to their joints.
+    fn left_out(&self, plates: &[Plate]) -> Vec<String> {
         let mut found = BTreeSet::new();
-        for slab in (0..self.building.members.len()).filter(|m| self.left(*m)) {
-            if self.member(slab).kind != MemberKind::Slab {
-                continue;
-            }
-            let borne_at = self.seats(&self.carriers(slab));
-            let joints = self.joints_in_slab(slab);
+        for plate in plates {
+            let borne_at = self.seats(&self.carriers(plate));
+            let joints = self.joints_at(plate);
             let lone = joints
                 .iter()
                 .map(|j| &self.joints[*j])
@@ -369,7 +363,8 @@ impl Builder<'_> {
         let held = self.structure.supports().map(|s| s.member);
         let slabs: Vec<usize> = held.filter(|m| self.member(*m).kind == MemberKind::Slab).collect();
         for slab in slabs {
-            for joint in self.joints_in_slab(slab) {
+            let alone = Plate { slabs: vec![slab], solids: vec![self.member(slab).solid] };
+            for joint in self.joints_at(&alone) {
                 self.nodes[self.joints[joint].node].fixed = [true; 6];
             }
         }
@@ -399,7 +394,7 @@ impl Builder<'_> {
         }
         let left: Vec<f64> =
             self.structure.members().filter(|m| self.left(m.index)).map(|m| m.mass.mass_kg).collect();
-        let weight_n = left.iter().sum::<f64>() * self.building.settings.gravity_m_s2;
+        let weight_n = left.iter().sum::<f64>() * self.building.settings.gravity_m_s2 - self.aside_n;
         let frame = Frame { nodes: self.nodes, elements, diaphragms };
         Idealised { frame, ends, weight_n, unplaced: self.unplaced, left_out: Vec::new() }
     }

@@ -1,43 +1,82 @@
-//! Slab strips between aligned columns that no beam joins: the flat slab as a grillage. Columns which neither a beam nor such a
+//! Strips of plates between aligned columns that no beam joins: the flat slab as a grillage. Columns which neither a beam nor such a
 //! strip comes to have skew strips to their neighbours, in the sense of Gabriel and Sokal (Systematic Zoology 18, 1969): no third column stands in the circle
-//! over the line between the two.
+//! over the line between the two. Strips that cross each other or a beam bear each other.
 
+use super::plates::Plate;
 use super::{Builder, Span};
 use crate::base::geom::Aabb;
 use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::graph::frame::BeamSection;
+use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Builder<'_> {
-    /// Adds the strips of all slabs.
-    pub(super) fn add_strips(&mut self) {
-        for slab in 0..self.building.members.len() {
-            if self.member(slab).kind != MemberKind::Slab || !self.left(slab) {
-                continue;
-            }
-            let joints = self.joints_in_slab(slab);
+    /// Adds the strips of all plates.
+    pub(super) fn add_strips(&mut self, plates: &[Plate]) {
+        for plate in plates {
+            let joints = self.joints_at(plate);
             let mut bars_at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
             for (index, span) in self.spans.iter().enumerate() {
-                if !self.upright(span.member) && span.member != slab {
+                if !self.upright(span.member) && !plate.slabs.contains(&span.member) {
                     span.nodes.iter().for_each(|(_, node)| bars_at.entry(*node).or_default().push(index));
                 }
             }
             for axis in [0, 1] {
                 for &from in &joints {
                     if let Some(to) = self.next_aligned(&joints, from, axis) {
-                        let strip = self.strip(slab, &joints, [from, to], (axis, &bars_at));
+                        let strip = self.strip(plate, &joints, [from, to], (axis, &bars_at));
                         self.spans.extend(strip);
                     }
                 }
             }
-            self.add_skew_strips(slab, &joints);
+            self.add_skew_strips(plate, &joints);
+            self.cross(plate);
+        }
+        self.drop_loose_strips();
+    }
+
+    /// Makes one node where a strip crosses another one or a beam on its way: they bear each other there.
+    fn cross(&mut self, plate: &Plate) {
+        let carriers = self.carriers(plate);
+        let is_strip = |s: &Self, i: usize| plate.slabs.contains(&s.spans[i].member);
+        for (k, &a) in carriers.iter().enumerate() {
+            for &b in &carriers[..k] {
+                if (is_strip(self, a) || is_strip(self, b))
+                    && let Some([at_a, at_b]) = crossing(&self.spans[a], &self.spans[b])
+                {
+                    let node = self.node_on(a, at_a);
+                    self.seat(b, at_b, node);
+                }
+            }
+        }
+        for span in carriers {
+            self.spans[span].nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
     }
 
-    /// Strips from the joints of columns in a slab that are on none of its carriers. Walls have none: what rules learned of demands they learned without.
-    fn add_skew_strips(&mut self, slab: usize, joints: &[usize]) {
-        let seats = self.seats(&self.carriers(slab));
+    /// Takes strips away that hang together with nothing that is held, such as those between two walls that are gone: the plate rests on what else carries it.
+    fn drop_loose_strips(&mut self) {
+        let mut parts = UnionFind::new(self.nodes.len());
+        for span in &self.spans {
+            span.nodes.windows(2).for_each(|pair| {
+                parts.union(pair[0].1, pair[1].1);
+            });
+        }
+        let bars = self.spans.iter().filter(|s| s.ends.is_some());
+        let mut kept: BTreeSet<usize> =
+            bars.flat_map(|s| &s.nodes).map(|(_, node)| parts.find(*node)).collect();
+        kept.extend(
+            (0..self.nodes.len()).filter(|n| self.nodes[*n].fixed.contains(&true)).map(|n| parts.find(n)),
+        );
+        self.spans.retain(|s| {
+            s.ends.is_some() || s.nodes.iter().any(|(_, node)| kept.contains(&parts.find(*node)))
+        });
+    }
+
+    /// Strips from the joints of columns in a plate that are on none of its carriers. Walls have none: what rules learned of demands they learned without.
+    fn add_skew_strips(&mut self, plate: &Plate, joints: &[usize]) {
+        let seats = self.seats(&self.carriers(plate));
         let (mut lone, mut strips) = (BTreeSet::new(), Vec::new());
         let of_column =
             |j: usize| self.joints[j].uprights.iter().any(|u| self.member(*u).kind == MemberKind::Column);
@@ -46,7 +85,7 @@ impl Builder<'_> {
             lone.insert(joint);
             let others = joints.iter().filter(|j| !lone.contains(*j));
             let found = others.filter(|j| self.are_neighbours(joints, [joint, **j]));
-            strips.extend(found.filter_map(|j| self.skew_strip(slab, joints, [joint, *j])));
+            strips.extend(found.filter_map(|j| self.skew_strip(plate, joints, [joint, *j])));
         }
         self.spans.extend(strips);
     }
@@ -68,7 +107,10 @@ impl Builder<'_> {
     }
 
     /// A strip between any two joints; none where there is no slab between their columns and walls.
-    fn skew_strip(&self, slab: usize, joints: &[usize], pair: [usize; 2]) -> Option<Span> {
+    fn skew_strip(&self, plate: &Plate, joints: &[usize], pair: [usize; 2]) -> Option<Span> {
+        if !plate.joins(pair.map(|j| self.plan(j))) {
+            return None;
+        }
         let away = |i: usize| (self.plan(pair[1])[i] - self.plan(pair[0])[i]).abs();
         let long = usize::from(away(1) > away(0));
         let clear = |axis: usize| {
@@ -84,12 +126,12 @@ impl Builder<'_> {
         let [from, to] = ends.map(|j| self.plan(j));
         let across = 1 - axis;
         let skew = (to[across] - from[across]) / (to[axis] - from[axis]);
-        let member = self.member(slab);
-        let mut line = member.solid.center();
+        let slab = plate.most_of(&area(from, to));
+        let mut line = self.member(slab).solid.center();
         (line[0], line[1]) = (from[0], from[1]);
         let stretch = libm::hypot(skew, 1.0);
         let aside = |p: [f64; 2]| (p[across] - from[across] - skew * (p[axis] - from[axis])) / stretch;
-        let corners = corners(&member.solid).map(aside);
+        let corners: Vec<f64> = plate.solids.iter().flat_map(corners).map(aside).collect();
         let edges =
             [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| corners.iter().copied().fold(0.0, pick));
         let width_m = width_m(edges, joints.iter().map(|j| aside(self.plan(*j))));
@@ -118,10 +160,10 @@ impl Builder<'_> {
             .min_by(|a, b| self.footprint(*a).min[axis].total_cmp(&self.footprint(*b).min[axis]))
     }
 
-    /// A strip between two joints unless a beam joins them.
+    /// A strip between two joints unless a beam joins them, or no plate does.
     fn strip(
         &self,
-        slab: usize,
+        plate: &Plate,
         joints: &[usize],
         [from, to]: [usize; 2],
         (axis, bars_at): (usize, &BTreeMap<usize, Vec<usize>>),
@@ -132,11 +174,10 @@ impl Builder<'_> {
         if joined {
             return None;
         }
-        let member = self.member(slab);
         let across = 1 - axis;
         let place = |j: usize| self.nodes[self.joints[j].node].point_m[across];
         let at = 0.5 * (place(from) + place(to));
-        let (mut low, mut high) = (member.solid.min[across], member.solid.max[across]);
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         for other in joints.iter().map(|j| place(*j)) {
             let half = 0.5 * (at + other);
             if other < at - COORDINATE_TOLERANCE_M {
@@ -145,10 +186,21 @@ impl Builder<'_> {
                 high = high.min(half);
             }
         }
-        let mut line = member.solid.center();
+        let feet = [from, to].map(|j| self.footprint(j));
+        let range = [feet[0].max[axis], feet[1].min[axis]];
+        let low_side = feet[0].min[across].max(feet[1].min[across]);
+        let common = [low_side, feet[0].max[across].min(feet[1].max[across])];
+        let mut width_m = 0.0;
+        for stretch in plate.stretches(axis, range, common) {
+            let edges = stretch.edges_m?;
+            width_m += stretch.share * (edges[1].min(high) - edges[0].max(low)).max(0.0);
+        }
+        let corner =
+            |end: usize| if axis == 0 { [range[end], common[end]] } else { [common[end], range[end]] };
+        let slab = plate.most_of(&area(corner(0), corner(1)));
+        let mut line = self.member(slab).solid.center();
         line[across] = at;
-        let range = [self.footprint(from).max[axis], self.footprint(to).min[axis]];
-        let place = Place { axis, line, skew: 0.0, range, width_m: high - low };
+        let place = Place { axis, line, skew: 0.0, range, width_m };
         Some(self.strip_at(slab, &place, nodes))
     }
 
@@ -180,6 +232,31 @@ struct Place {
     skew: f64,
     range: [f64; 2],
     width_m: f64,
+}
+
+/// Where two spans cross in plan within both of them: the coordinates along their axes; none if they are parallel.
+fn crossing(a: &Span, b: &Span) -> Option<[f64; 2]> {
+    let [a_m, b_m] = [a, b].map(|s| s.range.map(|at| s.point(at)));
+    let way = |m: &[[f64; 3]; 2]| [m[1][0] - m[0][0], m[1][1] - m[0][1]];
+    let (u, v) = (way(&a_m), way(&b_m));
+    let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+    let off = [b_m[0][0] - a_m[0][0], b_m[0][1] - a_m[0][1]];
+    let area = cross(u, v);
+    if area.abs() < COORDINATE_TOLERANCE_M * COORDINATE_TOLERANCE_M {
+        return None;
+    }
+    let shares = [cross(off, v) / area, cross(off, u) / area];
+    let at = [a, b].map(|s| s.range);
+    let inside = |i: usize| {
+        let length = at[i][1] - at[i][0];
+        shares[i] * length > COORDINATE_TOLERANCE_M && (1.0 - shares[i]) * length > COORDINATE_TOLERANCE_M
+    };
+    (inside(0) && inside(1)).then(|| [0, 1].map(|i| at[i][0] + shares[i] * (at[i][1] - at[i][0])))
+}
+
+/// The rectangle between two points in plan.
+fn area(a: [f64; 2], b: [f64; 2]) -> Aabb {
+    Aabb::from_corners([a[0], a[1], 0.0], [b[0], b[1], 0.0])
 }
 
 /// Corners of a box in plan \[m\].
