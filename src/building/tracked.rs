@@ -1,5 +1,6 @@
 //! The points whose displacement is compared between models: every column top and every slab corner
 //! (mid-plane), without those of members that are taken away whole; and what a column bore that is taken away, where no column goes on above it.
+//! Of a building that has none of these, a chimney or a shaft, the tops of its walls.
 
 use super::clear::Clear;
 use super::model::{Building, Member, MemberKind};
@@ -61,7 +62,21 @@ pub fn tracked_points(building: &Building, partition: &Partition) -> Vec<Tracked
     }
     let taken = (0..building.members.len()).filter(is_taken);
     points.extend(taken.filter_map(|i| over_removed(building, &building.members[i])));
+    if points.is_empty() {
+        points.extend(wall_tops(building, partition));
+    }
     points
+}
+
+/// The middles of the upper edges of all walls that stay.
+fn wall_tops(building: &Building, partition: &Partition) -> Vec<Tracked> {
+    let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
+    let top = |(index, wall): (usize, &Member)| {
+        let [x, y, _] = wall.solid.center();
+        let z = clear_range(partition, index, 2)?[1];
+        Some(Tracked { id: format!("{}.top", wall.id), member: wall.id.clone(), point_m: [x, y, z] })
+    };
+    walls.filter(|(_, wall)| !is_taken_away(building, &wall.id)).filter_map(top).collect()
 }
 
 /// The point of a floor, or of a beam, over the middle of a column that is taken away or loses its top. Where a column stands on it the top of that one tells how it falls.

@@ -194,10 +194,11 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let folder = output.commit().map_err(|e| unwritable(&e))?;
     // the results are in their place whatever the other run is
     let against = other.map(|other| Against::of(&other, &fe)).transpose()?;
-    let collapsed = fe.tracked.iter().any(|h| fell(&h.displacement_m));
+    let fell = fe.tracked.iter().any(|h| fell(&h.displacement_m));
+    let collapsed = (!fe.tracked.is_empty()).then_some(fell);
     let unfired = unfired(&building, fe.times_s.last().copied().unwrap_or(0.0));
     let points = fe.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..]));
-    let moving = moving_note(collapsed, &fe.times_s, points);
+    let moving = moving_note(fell, &fe.times_s, points);
     if arguments.json {
         let mut value = json!(fe.summary);
         value["building"] = json!(building.name);

@@ -2,7 +2,7 @@
 
 use super::compose::compared;
 use super::generate_mbs::{Comparison, MBS_RUNS};
-use super::verdict::{collapse_words, energy_warning, energy_words, sites_words, verdict};
+use super::verdict::{collapse_words, energy_warning, energy_words, sites_words, told_words, verdict};
 use crate::building::Building;
 use crate::generate::{Generated, Unasked};
 use crate::mbs::RunResult;
@@ -56,8 +56,10 @@ impl Summary<'_> {
         })
     }
 
-    fn mbs_collapsed(&self) -> bool {
-        self.mbs.tracked.iter().any(|t| fell(&t.displacement_m))
+    /// None where no point is tracked.
+    fn mbs_collapsed(&self) -> Option<bool> {
+        let points = &self.mbs.tracked;
+        (!points.is_empty()).then(|| points.iter().any(|t| fell(&t.displacement_m)))
     }
 }
 
@@ -84,13 +86,13 @@ pub fn as_text(s: &Summary) -> String {
     }
     text += &format!(
         "  MBS run    {} in {} steps, {:.1} ms processor (median of {MBS_RUNS} runs); energy error {}\n",
-        collapse_words(s.mbs_collapsed()),
+        told_words(s.mbs_collapsed()),
         s.mbs.steps,
         1e3 * s.mbs.cpu_s,
         energy_words(s.mbs.energy_error),
     );
     let points = s.mbs.tracked.iter().map(|t| (t.id.as_str(), &t.displacement_m[..]));
-    if let Some(note) = moving_note(s.mbs_collapsed(), &s.mbs.times_s, points) {
+    if let Some(note) = moving_note(s.mbs_collapsed() == Some(true), &s.mbs.times_s, points) {
         text += &format!("  note       {note}\n");
     }
     if let Some(warning) = energy_warning(s.mbs.energy_error) {

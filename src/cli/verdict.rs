@@ -24,20 +24,26 @@ pub fn collapse_words(collapsed: bool) -> &'static str {
     if collapsed { "collapses" } else { "does not collapse" }
 }
 
+/// The same where no point may tell.
+pub fn told_words(collapsed: Option<bool>) -> &'static str {
+    collapsed.map_or("gives no verdict, as no point is tracked,", collapse_words)
+}
+
 /// Charges that a run to a time does not get to.
 pub fn unfired(building: &Building, end_s: f64) -> Vec<&str> {
     building.events.iter().filter(|charge| charge.time_s >= end_s).map(|charge| charge.id.as_str()).collect()
 }
 
-/// What became of the building in a run, none where it stands but not all charges were fired.
-pub fn outcome(collapsed: bool, unfired: &[&str]) -> Option<bool> {
-    (collapsed || unfired.is_empty()).then_some(collapsed)
+/// What became of the building in a run; none where it stands but not all charges were fired, or where nothing is tracked (`collapsed` is none).
+pub fn outcome(collapsed: Option<bool>, unfired: &[&str]) -> Option<bool> {
+    collapsed.filter(|collapsed| *collapsed || unfired.is_empty())
 }
 
 /// [`outcome`] in words.
-pub fn outcome_words(collapsed: bool, unfired: &[&str]) -> String {
+pub fn outcome_words(collapsed: Option<bool>, unfired: &[&str]) -> String {
     match outcome(collapsed, unfired) {
         Some(collapsed) => collapse_words(collapsed).into(),
+        None if collapsed.is_none() => "no verdict (no point is tracked)".into(),
         None => format!("no verdict (the run ends before {})", unfired.join(", ")),
     }
 }

@@ -1,13 +1,17 @@
-//! What charges take away: whole bodies, and the webs of beams.
+//! What charges take away: whole bodies, the webs of beams, and what stands on a footing.
 //!
 //! A column or a wall is a body of its own, or a column its pieces where charges take a stretch of it (`stumps`). A beam is one with its slab: what goes is its web (`webs`), from joint block to joint block, with its share of the
-//! springs of its floor; the slab stays. A floor goes as a whole where all of its members have charges, with the last of them.
+//! springs of its floor; the slab stays. A floor goes as a whole where all of its members have charges, with the last of them. A footing that is held is
+//! ground: a charge on it parts what stands on it from the ground.
 
 use super::GenerateError;
 use super::bodies::Bodies;
 use super::division::Divided;
+use super::joints::is_ground;
+use crate::base::geom::Aabb;
+use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Charge, MemberKind};
-use crate::mbs::model::{Event, Origin};
+use crate::mbs::model::{Bushing, Event, Origin};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The first charge on each member, by its place in the building file.
@@ -32,6 +36,7 @@ pub fn events(
     building: &Building,
     clusters: &[Vec<usize>],
     (bodies, floors): (&Bodies, &[Divided]),
+    bushings: &[Bushing],
 ) -> Result<(Vec<Event>, Vec<String>), GenerateError> {
     let mut webs: BTreeMap<usize, Vec<String>> = BTreeMap::new();
     for web in floors.iter().flat_map(|floor| &floor.webs) {
@@ -45,7 +50,19 @@ pub fn events(
     }
     let (mut gone, mut events, mut notes) = (BTreeSet::new(), Vec::new(), Vec::new());
     for (index, charge) in building.events.iter().enumerate() {
-        let Some((member, last)) = place.get(charge.member.as_str()).copied() else { continue };
+        let Some((member, last)) = place.get(charge.member.as_str()).copied() else {
+            let release = on_footing(building, &charge.member, bodies, bushings);
+            if release.is_empty() {
+                notes.push(format!(
+                    "charge `{}` takes nothing away: `{}` bears nothing",
+                    charge.id, charge.member
+                ));
+            } else {
+                let origin = Origin { members: vec![charge.member.clone()], ..Origin::default() };
+                events.push(Event { release, origin, ..Event::at(&charge.id, charge.time_s) });
+            }
+            continue;
+        };
         let mut own = webs.get(&member).cloned().unwrap_or_default();
         let stumps = bodies.stumps_of(member);
         if let Some(stumps) = stumps {
@@ -71,16 +88,36 @@ pub fn events(
         own.retain(|id| gone.insert(id.clone()));
         if !own.is_empty() {
             events.push(Event {
-                id: charge.id.clone(),
-                time_s: charge.time_s,
-                release: Vec::new(),
-                weaken: Vec::new(),
                 remove_bodies: own,
                 origin: Origin { members: vec![charge.member.clone()], ..Origin::default() },
+                ..Event::at(&charge.id, charge.time_s)
             });
         }
     }
     Ok((events, notes))
+}
+
+/// The bushings between the ground and what stands on a footing that is held.
+fn on_footing(building: &Building, footing: &str, bodies: &Bodies, bushings: &[Bushing]) -> Vec<String> {
+    let place = building.members.iter().position(|m| m.id == footing);
+    let Some(place) = place.filter(|m| is_ground(building, *m)) else { return Vec::new() };
+    let under = &building.members[place].solid;
+    let mut found = Vec::new();
+    for (member, own) in building.members.iter().enumerate() {
+        let upright = matches!(own.kind, MemberKind::Column | MemberKind::Wall);
+        let is_held = building.supports.iter().any(|s| s.member == own.id);
+        let foot = Aabb { max: [own.solid.max[0], own.solid.max[1], own.solid.min[2]], ..own.solid };
+        if !upright || is_held || !under.is_nearer(&foot, COORDINATE_TOLERANCE_M) {
+            continue;
+        }
+        let ids: Vec<&String> = bodies.all_of(member).into_iter().map(|i| &bodies.list[i].id).collect();
+        let middle_m = own.solid.center()[2];
+        let over =
+            |p: &[f64; 3]| (0..2).all(|i| (under.min[i]..=under.max[i]).contains(&p[i])) && p[2] < middle_m;
+        let stands = |b: &&Bushing| b.body_a.is_none() && ids.contains(&&b.body_b) && over(&b.point_m);
+        found.extend(bushings.iter().filter(stands).map(|b| b.id.clone()));
+    }
+    found
 }
 
 /// The last of the first charges on the members of a cluster, if all of them have one.

@@ -10,7 +10,7 @@ use super::generator::Basis;
 use super::joints;
 use super::lines::{Lines, obeyed};
 use super::webs::{Stays, Webs};
-use super::{GenerateError, charges, doubts, event_rules, levers, rates, sections, walls};
+use super::{GenerateError, charges, doubts, edges, event_rules, levers, rates, sections, walls};
 use crate::base::hash::ContentHash;
 use crate::building::Building;
 use crate::building::ends::MemberEnd;
@@ -161,7 +161,7 @@ impl<'a> Draft<'a> {
         let overloaded = doubts::overloaded(demands, &self.live(&hinges));
         let words = |(end, ratio): &(String, f64)| doubts::overloaded_words(end, *ratio, self.decision);
         notes.extend(overloaded.iter().map(words));
-        let (events, taking_nothing) = charges::events(building, self.clusters, (bodies, floors))?;
+        let (events, taking_nothing) = charges::events(building, self.clusters, (bodies, floors), &hinges)?;
         notes.extend(taking_nothing);
         let model = Model {
             schema: MODEL_SCHEMA.to_string(),
@@ -218,9 +218,12 @@ impl<'a> Draft<'a> {
         }
         let (walls, wall_curves) = walls::springs(&place, structure, self.decision, &around.planes);
         if !walls.is_empty() {
-            notes.push("walls yield at foot and head, axially and out of their plane; in shear they stay elastic in this model".into());
+            notes.push(
+                "walls yield at foot and head in this model: axially, out of their plane and in shear".into(),
+            );
         }
         hinges.extend(walls);
+        hinges.extend(edges::springs(&place, structure));
         let mut curves = found.curves();
         joints::without_joint(&place, &self.hinged, &mut hinges, &mut curves);
         joints::carry_over(&place, &self.hinged, &mut hinges);

@@ -322,7 +322,8 @@ pub fn entries(
         missing.extend(query.map(|query| (key, end, query)));
     }
     if matches!(derive, Derive::Never | Derive::Similar) && !missing.is_empty() {
-        return Err(GenerateError::Missing(missing.into_iter().map(|(_, end, _)| end).collect()));
+        let ends = missing.into_iter().map(|(_, end, _)| end).collect();
+        return Err(GenerateError::Missing { ends, similar: derive == Derive::Similar });
     }
     let count = missing.len();
     for (number, (key, end, query)) in missing.into_iter().enumerate() {

@@ -275,10 +275,12 @@ pub fn axes(axis: usize, outward: f64) -> [[f64; 3]; 3] {
     [unit(axis, outward), unit((axis + 1) % 3, 1.0), unit((axis + 2) % 3, outward)]
 }
 
-/// Whether a member is a footing that is held: it does not move, and what stands on it stands on the ground.
+/// Whether a member is a footing that is held: it does not move, and what stands on it stands on the ground until a charge takes it.
 pub fn is_ground(building: &Building, member: usize) -> bool {
     let member = &building.members[member];
-    member.kind == MemberKind::Footing && building.supports.iter().any(|s| s.member == member.id)
+    member.kind == MemberKind::Footing
+        && !building.is_cut(&member.id)
+        && building.supports.iter().any(|s| s.member == member.id)
 }
 
 /// Whether a member stands at its end, along an axis at a place, on the ground: on a support of its own, or on a footing that is held.

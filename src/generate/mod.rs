@@ -17,6 +17,7 @@ mod decide;
 mod division;
 mod doubts;
 mod draft;
+mod edges;
 mod entries;
 mod event_reasons;
 mod event_rules;
@@ -157,8 +158,13 @@ pub enum GenerateError {
     #[error(transparent)]
     Subject(#[from] crate::rules::SubjectError),
     /// The library lacks entries.
-    #[error("the library has no entry for {}; run with `--derive` to compute what is missing, or for columns with `--derive=similar` to scale the curves of similar ones or take those of their sections", .0.join(", "))]
-    Missing(Vec<String>),
+    #[error("the library has no entry for {}{}", .ends.join(", "), if *.similar { ", no similar one to scale, and no curves of its section; run with `--derive` to compute what is missing" } else { "; run with `--derive` to compute what is missing, or for columns with `--derive=similar` to scale the curves of similar ones or take those of their sections" })]
+    Missing {
+        /// Member ends and lines without entries.
+        ends: Vec<String>,
+        /// Whether similar entries would have done.
+        similar: bool,
+    },
     /// The entry that fits is no longer to be used, and nothing else fits.
     #[error(
         "the entry for {end} is deprecated ({reason}) and has no successor: {key}; name one with `fallwerk library deprecate {key} --successor KEY`, or run with `--derive=similar` to scale the curves of similar columns"

@@ -8,7 +8,7 @@
 //! Where a spring stands on a seam between two pieces of a floor, each piece has its share of it.
 //!
 //! Walls yield axially at the squash load `f A` of the homogenised law either way, and out of the plane by the elements across their thickness, in plane strain ([`crate::rc::layers`]), times `1 - (N/N_p)²`.
-//! In shear a wall stays elastic.
+//! In shear they slip at the shear capacity of the law ([`slip`]).
 
 use super::bodies::Bodies;
 use super::decide::Decision;

@@ -140,7 +140,7 @@ fn far_plane(coordinates: impl Iterator<Item = f64>, middle: f64) -> f64 {
     coordinates.min_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs())).unwrap_or(middle)
 }
 
-/// The member's elements up to the far section, and elements of adjoining plates and beams within reach.
+/// The member's elements up to the far section, and elements of adjoining plates and beams within reach; where there are none, those of the columns on or under it.
 fn kept_elements(
     building: &Building,
     mesh: &Mesh,
@@ -151,16 +151,26 @@ fn kept_elements(
     outward: f64,
 ) -> Vec<bool> {
     let depth = (0..3).filter(|i| *i != owner.axis).map(|i| owner.solid.size()[i]).fold(0.0, f64::max);
-    (0..mesh.elements.len())
-        .map(|e| {
-            let c = mesh.center(e);
-            if mesh.elements[e].part == part {
-                return (c[owner.axis] - far) * outward < 0.0;
-            }
-            building.members[mesh.elements[e].part].kind != MemberKind::Column
-                && (0..3).all(|i| (c[i] - point[i]).abs() < REACH_DEPTHS * depth)
-        })
-        .collect()
+    let is_near = |e: usize| {
+        let c = mesh.center(e);
+        (0..3).all(|i| (c[i] - point[i]).abs() < REACH_DEPTHS * depth)
+    };
+    let is_column = |e: usize| building.members[mesh.elements[e].part].kind == MemberKind::Column;
+    let mut section = owner.solid;
+    (section.min[owner.axis], section.max[owner.axis]) = (point[owner.axis], point[owner.axis]);
+    let in_line =
+        |e: usize| building.members[mesh.elements[e].part].solid.is_nearer(&section, COORDINATE_TOLERANCE_M);
+    let other = |e: usize| mesh.elements[e].part != part && is_near(e) && (!is_column(e) || in_line(e));
+    let elements = 0..mesh.elements.len();
+    let adjoins =
+        |of_columns: bool| elements.clone().any(|e| other(e) && is_column(e) == of_columns && in_line(e));
+    let on_columns = adjoins(true) && !adjoins(false);
+    let kept = |e: usize| match mesh.elements[e].part == part {
+        true => (mesh.center(e)[owner.axis] - far) * outward < 0.0,
+        // what does not touch the end hangs on nothing once the columns are between
+        false => other(e) && (is_column(e) == on_columns),
+    };
+    elements.clone().map(kept).collect()
 }
 
 /// Fixes the nodes through which the kept adjoining elements hang on elements that were left out.

@@ -187,3 +187,38 @@ fn strips_yield_where_their_sections_lie_on_a_division() {
         assert_eq!(cuts.iter().filter(stays).count(), 0, "moved by {shift_m} m");
     }
 }
+
+/// A footing that is held is ground: a charge on it releases what stands on it, and one on which nothing stands is told.
+#[test]
+fn a_charge_on_a_held_footing_releases_its_column() {
+    let pads = "[[members]]\nid = \"F1\"\nkind = \"footing\"\nsection = \"slab\"\nfrom = [-1, -1, 0]\nto = [1, 1, 0]\n\n[[members]]\nid = \"F2\"\nkind = \"footing\"\nsection = \"slab\"\nfrom = [8, -1, 0]\nto = [10, 1, 0]\n\n[[supports]]";
+    let held = "members = [\"C1-A2\", \"C1-B1\", \"C1-B2\", \"F1\", \"F2\"]";
+    let text = |t: String| t.replacen("[[supports]]", pads, 1).replacen("members = [\"C1-*\"]", held, 1);
+    let building = Building { events: vec![charge("F1", 0.1), charge("F2", 0.0)], ..reference(text) };
+    let (rules, mut store, _cache) = knowledge();
+    let generated = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    let events: Vec<_> = generated.model.events.iter().map(|e| (e.time_s, e.release.clone())).collect();
+    assert_eq!(events, [(0.1, vec!["C1-A1.bottom".to_string()])]);
+    assert!(generated.notes.iter().any(|n| n.contains("`F2` bears nothing")), "{:?}", generated.notes);
+    generated.model.check().expect("a sound model");
+}
+
+/// Where a column stands on another one and nothing else is there, its foot is held by that.
+#[test]
+fn a_column_on_a_column_has_curves() {
+    let stack = "[[members]]\nid = \"K1\"\nkind = \"column\"\nsection = \"column\"\nfrom = [9, 0, 0]\nto = [9, 0, 3]\n\n[[members]]\nid = \"K2\"\nkind = \"column\"\nsection = \"column\"\nfrom = [9, 0, 3]\nto = [9, 0, 6]\n\n[[supports]]";
+    let text = |t: String| {
+        t.replacen("[[supports]]", stack, 1).replacen(
+            "members = [\"C1-*\"]",
+            "members = [\"C1-*\", \"K1\"]",
+            1,
+        )
+    };
+    let building = Building { events: vec![charge("C1-A1", 0.0)], ..reference(text) };
+    let (rules, ..) = knowledge();
+    let empty = tempfile::tempdir().unwrap();
+    let mut store = fallwerk::library::Store::open(empty.path()).unwrap();
+    let generated = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    let joint = generated.model.bushings.iter().find(|b| b.id == "K2.bottom").expect("a joint between both");
+    assert_eq!(joint.body_a.as_deref(), Some("K1"));
+}

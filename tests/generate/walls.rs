@@ -105,3 +105,47 @@ fn a_wall_on_a_seam_stands_on_the_pieces_at_both_of_its_sides() {
     }
     assert!(ends[0][0][2] < -0.5, "it falls: {ends:?}");
 }
+
+/// A shaft of four walls that share vertical edges, one of which loses its foot: the others hold it, as they do in FE (shared nodes), and the tops of walls are tracked where nothing else is.
+#[test]
+fn walls_hold_each_other_at_vertical_edges() {
+    let wall = |id: &str, from: [f64; 3], to: [f64; 3]| {
+        format!(
+            "[[members]]\nid = \"{id}\"\nkind = \"wall\"\nsection = \"slab\"\nfrom = {from:?}\nto = {to:?}\n\n"
+        )
+    };
+    let mut members = String::new();
+    for storey in 0..3 {
+        let (low, high) = (3.0 * storey as f64, 3.0 * (storey + 1) as f64);
+        members += &wall(&format!("E{storey}"), [3.0, 0.125, low], [3.0, 2.875, high]);
+        members += &wall(&format!("W{storey}"), [0.0, 0.125, low], [0.0, 2.875, high]);
+        members += &wall(&format!("N{storey}"), [-0.125, 3.0, low], [3.125, 3.0, high]);
+        members += &wall(&format!("S{storey}"), [-0.125, 0.0, low], [3.125, 0.0, high]);
+    }
+    let building = reference(|text| {
+        let (head, tail) = (text.find("[grid]").unwrap(), text.find("[[supports]]").unwrap());
+        let text = format!("{}{members}{}", &text[..head], &text[tail..]);
+        let events = text.find("[[events]]").unwrap();
+        let rest = text[events..].find("[settings]").unwrap();
+        let only = "[[events]]\nid = \"a\"\nmember = \"E0\"\ntime = 0\n\n";
+        let text = format!("{}{only}{}", &text[..events], &text[events + rest..]);
+        text.replacen("members = [\"C1-*\"]", "members = [\"*0\"]", 1)
+    });
+    let (rules, mut store, _cache) = knowledge();
+    let generated = generate(&building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap();
+    let edges: Vec<&Bushing> = generated.model.bushings.iter().filter(|b| b.id.contains(".edge-")).collect();
+    // four edges of two springs in each storey
+    assert_eq!(edges.len(), 3 * 4 * 2);
+    let one = edges.iter().find(|b| b.origin.members.contains(&"E1".to_string())).unwrap();
+    let (area, apart) = (0.25 * 1.5, 0.5 * 0.25 + 0.5 * 2.75);
+    assert!((one.axial_stiffness_n_m / (16.5e9 * area / apart) - 1.0).abs() < 1e-9, "{one:?}");
+    assert!((one.compressive_capacity_n.unwrap() / (10.5e6 * area) - 1.0).abs() < 1e-9);
+    let mut model = generated.model.clone();
+    model.settings.end_time_s = 0.8;
+    let run = fallwerk::mbs::simulate_carefully(&model).unwrap();
+    assert_eq!(run.first_ground_contact_s, None);
+    assert!(run.tracked.iter().any(|t| t.id == "E2.top"));
+    let lowest = |u: &[[f64; 3]]| u.iter().map(|u| u[2]).fold(0.0, f64::min);
+    let sunk = run.tracked.iter().map(|t| lowest(&t.displacement_m)).fold(0.0, f64::min);
+    assert!(sunk > -0.005, "{sunk}");
+}
