@@ -35,7 +35,7 @@ pub(super) struct Options {
     /// Time in seconds for which they have to be that quiet [default: 0.02]
     #[arg(long, value_name = "S", requires = "hybrid", allow_negative_numbers = true)]
     rigid_after: Option<f64>,
-    /// Time in seconds after a charge for which nothing begins to count as quiet [default: 0.08]
+    /// Time in seconds after a charge for which nothing begins to count as quiet [default: 0.15]
     #[arg(long, value_name = "S", requires = "hybrid", allow_negative_numbers = true)]
     rigid_settle: Option<f64>,
     /// Time in seconds between two checks of the loads on rigid parts [default: 0.008]

@@ -193,12 +193,12 @@ fn cantilever_that_meets_the_ground_is_released_in_time() {
             give_sets(&mesh, &mut body, settings);
         }
         let (mut kinetic_j, first_j) = (0.0, body.kinetic_j());
-        let mut last = (0.0, false);
+        let mut last = (0.0_f64, false);
         while body.time_s < 0.15 {
             kinetic_j = body.step(true);
             if body.contact_j[0] == 0.0 && hybrid {
                 let tip_is_rigid = body.hybrid.as_ref().unwrap().is_rigid(23);
-                last = (rigid(&body) as f64 / mesh.elements.len() as f64, tip_is_rigid);
+                last = (last.0.max(rigid(&body) as f64 / mesh.elements.len() as f64), tip_is_rigid);
             }
         }
         let books = Books::of(&body, kinetic_j, first_j, 0.0);
@@ -212,9 +212,10 @@ fn cantilever_that_meets_the_ground_is_released_in_time() {
     assert!(switches.iter().any(|s| s.reason == Reason::Contact), "{switches:?}");
     let lowest = |b: &Dynamics| b.x.iter().map(|x| x[2]).fold(f64::INFINITY, f64::min);
     assert!(lowest(&hybrid) > -0.3 - 1e-6, "{}", lowest(&hybrid));
-    // no flow is missed; a tip with a rigid bar behind it gets a harder blow (docs/hybrid.md)
+    // all of the bar deforms again, or its tip would get a blow that is harder (six times the flow: docs/hybrid.md)
     let flowed = |b: &Dynamics| (0..mesh.elements.len()).map(|e| b.blocks.plastic_strain(e)).sum::<f64>();
-    assert!(flowed(&hybrid) > flowed(&full) && flowed(&full) > 0.0, "{} {}", flowed(&hybrid), flowed(&full));
+    let ratio = flowed(&hybrid) / flowed(&full);
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}: {} {}", flowed(&hybrid), flowed(&full));
 }
 
 /// The same with switching off: what strikes stays rigid, nothing flows, and the balance knows the blow.

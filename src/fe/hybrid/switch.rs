@@ -16,10 +16,10 @@
 
 use super::Refused;
 use super::demand::Demand;
-use super::parts::Neighbours;
+use super::parts::{NONE, Neighbours};
 use super::record::Reason;
 use super::sets::Hybrid;
-use crate::base::vector::V3;
+use crate::base::vector::{V3, dot};
 use crate::fe::dynamics::Dynamics;
 use crate::fe::strain_rate::net_strain;
 use serde::{Deserialize, Serialize};
@@ -32,6 +32,8 @@ pub const FLOW_S: f64 = 0.001;
 pub const FACTOR_S: f64 = 0.02;
 /// Distance from a rigid surface within which a node keeps its elements deformable \[m\]: beyond that at which a node at rest counts as about to meet it.
 const TOUCHING_M: f64 = 2e-3;
+/// Speed of a contact from which it is a blow \[m/s\]: its waves reach all of a part before the next check of loads, and bend slender members by a third of their elastic strain.
+const BLOW_M_S: f64 = 0.5;
 /// New elements, over those there are, from which sets are made anew.
 const WORTHWHILE: f64 = 0.01;
 
@@ -67,7 +69,7 @@ impl Default for HybridSettings {
             softens: true,
             rate_1_s: 0.025,
             quiet_s: 0.02,
-            settle_s: 0.08,
+            settle_s: 0.15,
             least_elements: 16,
             check_s: 0.008,
             overload_strain: 2e-4,
@@ -157,8 +159,7 @@ impl Hybrid {
     /// Releases what contact, flow or loads ask for.
     fn soften(&mut self, body: &mut Dynamics) {
         if !self.near.is_empty() {
-            let near = std::mem::take(&mut self.near);
-            let seeds: Vec<usize> = near.iter().flat_map(|n| body.blocks.elements_at(*n as usize)).collect();
+            let seeds = self.struck(body);
             self.open(body, &seeds, Reason::Contact);
         }
         let now = body.time_s;
@@ -170,6 +171,27 @@ impl Hybrid {
             self.watching.check_at_s = now + self.settings.check_s;
             self.check_loads(body);
         }
+    }
+
+    /// Elements at nodes that are about to meet something, and all of the sets that do so with a blow.
+    fn struck(&mut self, body: &Dynamics) -> Vec<usize> {
+        let near = std::mem::take(&mut self.near);
+        let mut seeds: Vec<usize> = near.iter().flat_map(|n| body.blocks.elements_at(*n as usize)).collect();
+        let reference_m_s = body.body_contact.as_ref().map_or([0.0; 3], |c| c.reference_m_s());
+        let is_blow = |n: &&u32| {
+            let n = **n as usize;
+            let flagged = body.body_contact.as_ref().is_some_and(|c| c.flagged[n]);
+            let against = if flagged { reference_m_s } else { [0.0; 3] };
+            let speed: V3 = std::array::from_fn(|i| body.v[n][i] - against[i]);
+            dot(speed, speed) > BLOW_M_S * BLOW_M_S
+        };
+        let mut sets: Vec<u32> = near.iter().filter(is_blow).map(|n| self.set_of[*n as usize]).collect();
+        sets.sort_unstable();
+        sets.dedup();
+        for set in sets.into_iter().filter(|s| *s != NONE) {
+            seeds.extend(self.sets[set as usize].elements.iter().map(|e| *e as usize));
+        }
+        seeds
     }
 
     /// Elements that deform wait until what a charge has set off shows: a part that became rigid before would be held.
