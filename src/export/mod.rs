@@ -86,6 +86,10 @@ impl Notes {
                 bushing.rate_factor.is_some(),
                 "the rate factor is left out: it bears as much as in slow motion",
             ),
+            (
+                bushing.associated_flow && bushing.bending.iter().any(|b| b.curve().is_some()),
+                "normality is left out: its hinge neither lengthens nor shortens as it flows",
+            ),
             (bushing.carry_over.is_some(), NOTHING_CARRIED_OVER),
             (
                 bushing.latent.is_some(),

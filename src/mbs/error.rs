@@ -53,6 +53,16 @@ pub enum SolveError {
         /// A step that holds for the whole run \[s\].
         usable_s: f64,
     },
+    /// The run would take too many steps between two outputs.
+    #[error(
+        "settings.output_interval_s is {interval_s:.3e} s, more steps of {step_s:.1e} s than a run may have; give a shorter one, in seconds"
+    )]
+    LongInterval {
+        /// The step \[s\].
+        step_s: f64,
+        /// The interval \[s\].
+        interval_s: f64,
+    },
     /// The run would take too many steps.
     #[error(
         "the step {step_s:.3e} s is too small for an output interval of {interval_s:.3e} s: bushing \"{bushing}\" is too stiff for its bodies, which swing at {highest_rad_s:.3e} rad/s on it; look at its stiffnesses (N/m, N m/rad), its place and their masses, or hold them by an ideal joint"

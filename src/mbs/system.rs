@@ -5,7 +5,7 @@
 
 use super::carry::CarryOver;
 use super::frequency;
-use super::joint::{JointData, Stride};
+use super::joint::{JointData, Row, Stride};
 use super::joint_lanes::{self, Act, JointBlock};
 use super::math::{self, M3, Q, V3};
 use super::model::{Bending, Body, Bushing, Model};
@@ -187,6 +187,25 @@ impl System {
             (body.force, body.torque) = (*force, *torque);
         }
         all
+    }
+
+    /// Kinetic energy that inertia against relative motion \[rad/s\] has in springs that flow and ask for none \[J\].
+    pub(super) fn flowing_j(&self, most_rad_s: f64, half_s: f64) -> f64 {
+        let motion = |i: usize| step::velocities(&self.bodies[i], &self.data[i], half_s);
+        let of = |joint: &JointData| -> f64 {
+            let flows = joint.flowing_rows();
+            if !flows.contains(&true) {
+                return 0.0;
+            }
+            let rows = joint.rows(&self.bodies).into_iter().zip(flows).filter(|(_, flows)| *flows);
+            let square = |(row, _): (Row, bool)| {
+                let rate = row.stretch([row.a, row.b].map(motion));
+                row.stiffness * rate * rate
+            };
+            rows.map(square).sum()
+        };
+        let alive = self.joints.iter().filter(|j| j.alive);
+        0.5 * alive.map(of).sum::<f64>() / (most_rad_s * most_rad_s)
     }
 
     /// Gives the bodies back the forces without their inertia against relative motion.

@@ -616,3 +616,32 @@ fn a_bushing_that_turns_round_is_told() {
         assert_eq!(says, told, "{held} {rate}: {:?}", result.warnings);
     }
 }
+
+/// A hinge that a release takes between two outputs keeps the rotations that it had then: `θ = ω t - M t² / 2 I`, of which `M / K` is elastic.
+#[test]
+fn a_released_hinge_keeps_its_rotations() {
+    let (plastic_nm, spin, at_s) = (2e3, 1.5, 0.0833);
+    let mut m = model("let go", 0.3, 0.05);
+    m.gravity_m_s2 = [0.0; 3];
+    m.bodies.push(solid("block", [1.0, 0.0, 0.0], [1.0; 3]));
+    let inertia = m.bodies[0].inertia_kg_m2[1][1] + m.bodies[0].mass_kg;
+    (m.bodies[0].velocity_m_s, m.bodies[0].angular_velocity_rad_s) = ([0.0, 0.0, -spin], [0.0, spin, 0.0]);
+    m.joints.push(ideal("pin", JointKind::Spherical, None, "block", [0.0; 3]));
+    m.curves.insert("c".into(), curve(&[[0.0, plastic_nm], [1.0, plastic_nm]], 5.0));
+    let stiffness = m.curves["c"].stiffness_nm_rad;
+    let mut hinged = joint("k", None, "block", [0.0; 3], 0.0, 0.0, [hinge("c"), elastic(0.0)]);
+    hinged.axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    hinged.joint = Some("pin".into());
+    m.bushings.push(hinged);
+    m.settings.preload = false;
+    m.events.push(Event { release: vec!["k".into()], ..Event::at("e", at_s) });
+    let result = simulate(&m).unwrap();
+    let history = &result.hinges[0];
+    let turned = spin * at_s - 0.5 * plastic_nm / inertia * at_s * at_s;
+    for i in 2..result.times_s.len() {
+        let (rotation, plastic) = (history.rotation_rad[i][0].abs(), history.plastic_rotation_rad[i]);
+        assert!((rotation - turned).abs() < 1e-4, "{rotation} {turned}");
+        assert!((plastic - (turned - plastic_nm / stiffness)).abs() < 1e-4, "{plastic} {turned}");
+        assert_eq!(history.moment_nm[i], [0.0; 2]);
+    }
+}

@@ -250,3 +250,37 @@ fn it_needs_a_positive_frequency() {
     let text = simulate(&m).unwrap_err().to_string();
     assert!(text.contains("settings.relative_inertia_rad_s"), "{text}");
 }
+
+/// A floor on columns that bear half of it falls as they do without inertia against relative motion: springs that flow ask for none.
+#[test]
+fn what_springs_let_go_at_their_capacity_falls_freely() {
+    let run = |related: Option<f64>| {
+        let mut m = model("crushed", 0.3, 1e-2);
+        m.bodies.push(solid("floor", [0.0, 0.0, 6.0], [4.0, 4.0, 0.5]));
+        let mass = m.bodies[0].mass_kg;
+        m.settings.preload = false;
+        for (i, [x, y]) in [[-3.0, -3.0], [-3.0, 3.0], [3.0, -3.0], [3.0, 3.0]].into_iter().enumerate() {
+            m.bushings.push(Bushing {
+                compressive_capacity_n: Some(0.125 * mass * 9.81),
+                ..joint(
+                    &format!("c{i}"),
+                    None,
+                    "floor",
+                    [x, y, 5.75],
+                    1.5e9,
+                    1e8,
+                    [elastic(1e8), elastic(1e8)],
+                )
+            });
+        }
+        track(&mut m, "floor", [0.0, 0.0, 6.0]);
+        m.settings.relative_inertia_rad_s = related;
+        let run = simulate(&m).unwrap();
+        -run.tracked[0].displacement_m.last().unwrap()[2]
+    };
+    let free = 0.5 * (0.5 * 9.81) * 0.3 * 0.3;
+    for related in [None, Some(640.0)] {
+        let fell = run(related);
+        assert!((fell / free - 1.0).abs() < 0.03, "{related:?}: {fell} of {free}");
+    }
+}

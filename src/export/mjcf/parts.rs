@@ -56,7 +56,7 @@ pub(super) fn sites(model: &Model) -> Vec<Site> {
 /// Names what has no joint to sit on, or sits on one that is left to a program.
 pub(super) fn note_unplaced(model: &Model, tree: &Tree, notes: &mut Notes) {
     for &f in &tree.unplaced {
-        notes.add(model.forces[f].id(), "left out: its bodies share no joint that turns about its axes");
+        notes.add(model.forces[f].id(), "its bodies share no joint that turns about its axes");
     }
     for edge in tree.edges.iter().filter(|e| e.loose) {
         for &f in &edge.springs {
@@ -169,7 +169,7 @@ pub(super) fn actuators(sheet: &mut Sheet, model: &Model, notes: &mut Notes) {
         if let Some([from, to]) = span
             && (*from > 0.0 || *to < model.settings.end_time_s)
         {
-            notes.add(id, format!("left out: it acts from {} to {} s only", plain(*from), plain(*to)));
+            notes.add(id, format!("it acts from {} to {} s only", plain(*from), plain(*to)));
             continue;
         }
         lines.push(format!(

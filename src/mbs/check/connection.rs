@@ -9,6 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Share of its free length below which the ends of a spring are one point: rounding gives it a direction.
 const LEAST_LENGTH: f64 = 1e-9;
 
+/// Shear capacity at least \[N\].
+const LEAST_SHEAR_N: f64 = 1e-6;
+
 /// Ids of bodies.
 type Known<'a> = BTreeSet<&'a str>;
 
@@ -155,7 +158,13 @@ fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, 
     }
     if let Some(capacity) = joint.shear_capacity_n {
         let path = format!("{path}.shear_capacity_n");
-        capacity.iter().enumerate().for_each(|(k, c)| list.positive(&format!("{path}.{k}"), *c));
+        for (k, c) in capacity.iter().enumerate() {
+            list.require(*c >= LEAST_SHEAR_N && c.is_finite(), &format!("{path}[{k}]"), || {
+                format!(
+                    "is {c:e}, expected at least {LEAST_SHEAR_N:e} N: a slip of the exponent or the unit?"
+                )
+            });
+        }
         list.without_ideal(model, &path);
         list.require(joint.joint.is_none(), &path, || {
             "needs the shear springs of the bushing, but a joint holds its point: leave out one of both"

@@ -391,20 +391,19 @@ impl Record {
         for (id, force) in model.forces.iter().enumerate().filter(|(_, f)| turns(f)) {
             let Some(history) = result.turns.iter_mut().find(|t| t.id == force.id()) else { continue };
             let now = seen.hinges.iter().find(|(hinge, _)| *hinge == id).map(|(_, h)| h);
-            history.rotation_rad.push(now.map_or([0.0; 3], |h| h.rotation_rad));
+            let [turned, flowed] = motion.ended.get(&id).copied().unwrap_or_default();
+            history.rotation_rad.push(now.map_or(turned, |h| h.rotation_rad));
             history.moment_nm.push(now.map_or([0.0; 3], |h| h.moment_nm));
-            let before = history.plastic_rotation_rad.last().copied().unwrap_or([0.0; 3]);
-            let ended = motion.ended.get(&id).copied().unwrap_or(before);
-            history.plastic_rotation_rad.push(now.map_or(ended, |h| h.plastic_rad));
+            history.plastic_rotation_rad.push(now.map_or(flowed, |h| h.plastic_rad));
         }
         for history in result.hinges.iter_mut().filter(|_| !options.brief) {
             let is_own = |id: &usize| id_of(model, *id) == history.joint;
             let now = seen.bushings.iter().find(|(id, _)| is_own(id)).map(|(_, b)| *b);
-            let ended = motion.ended.iter().find(|(id, _)| is_own(id)).map(|(_, plastic)| plastic[0]);
-            history.rotation_rad.push(now.map_or([0.0; 2], |b| b.rotation_rad));
+            let ended = motion.ended.iter().find(|(id, _)| is_own(id)).map(|(_, ended)| *ended);
+            let [[first, second, _], [flowed, ..]] = ended.unwrap_or_default();
+            history.rotation_rad.push(now.map_or([first, second], |b| b.rotation_rad));
             history.moment_nm.push(now.map_or([0.0; 2], |b| b.moment_nm));
-            let before = history.plastic_rotation_rad.last().copied().unwrap_or(0.0);
-            history.plastic_rotation_rad.push(now.map_or(ended.unwrap_or(before), |b| b.plastic_rad));
+            history.plastic_rotation_rad.push(now.map_or(flowed, |b| b.plastic_rad));
             history.axial_force_n.push(now.map_or(0.0, |b| b.axial_force_n));
         }
         self.balance(model, options, [time, step], &seen, state, result)

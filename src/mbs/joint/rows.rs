@@ -28,6 +28,12 @@ impl JointData {
         })
     }
 
+    /// Which of the springs of [`Self::rows`] flow: at their capacity a stretch changes their force no more.
+    pub(in crate::mbs) fn flowing_rows(&self) -> [bool; 6] {
+        let (stretches, slips, bends) = (self.is_stretching(), self.shear.course().is_some(), self.flowing);
+        [stretches, slips, slips, false, bends, bends]
+    }
+
     /// Whether its springs hold its point in height, in the present poses.
     pub(in crate::mbs) fn bears_weight(&self, bodies: &[BodyState]) -> bool {
         const LEVEL: f64 = 1e-9;

@@ -122,6 +122,7 @@ impl Run<'_> {
         if error.is_nan() || error > self.options.energy_limit {
             return Err(self.energy_error(error));
         }
+        self.look_at_flow();
         self.books.check_contacts(self.time, self.options.energy_limit, self.step_limit)?;
         Ok(energies)
     }

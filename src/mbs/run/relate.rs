@@ -8,6 +8,8 @@ use crate::mbs::{frequency, math};
 
 /// Changes of a velocity \[m/s\] and an angular velocity \[rad/s\] in a step up to which a contact is none to bodies with inertia against relative motion: a wall that stands beside a column.
 const LIGHT_TOUCH: [f64; 2] = [0.02, 0.02];
+/// Energy that inertia against relative motion may have in springs that flow, as a share of what is turned over: beyond that it ends for good, as these ask for none and it holds back what they let go. Generated models have 3e-4 at most.
+const MOST_IN_FLOW: f64 = 2e-3;
 /// Energy that inertia against relative motion may have at the start, as a share of what is turned over: as much as an error that is told.
 const MOST_AT_BEGIN: f64 = 1e-3;
 /// Share of the energy turned over that the forces of half a step may have in them, which falls with the square of the step: by as much a full step may seem to lose after a charge. By what share of a step it is shortened at most.
@@ -51,6 +53,15 @@ impl Run<'_> {
             "settings.relative_inertia_rad_s is not used: the velocities at t = 0 strain the bushings, and inertia against that would have {:.1e} of the energy; steps are as short as without",
             made_j / whole_j
         ));
+    }
+
+    /// Ends that for good once springs that flow have much of it. Forces are known.
+    pub(super) fn look_at_flow(&mut self) {
+        let Some(most) = self.file.settings.relative_inertia_rad_s else { return };
+        if self.system.relative.is_some() {
+            let flowing_j = self.system.flowing_j(most, 0.5 * self.last_step);
+            self.is_loose |= flowing_j > MOST_IN_FLOW * self.books.turned_j();
+        }
     }
 
     /// Ends that, until [`Self::relate`]. The last step is brought to its end before: half a step as long of the forces alone would set stiff springs vibrating.

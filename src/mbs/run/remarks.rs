@@ -44,7 +44,7 @@ pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, f
     }
     if books.made() > ENERGY_WORTH_TELLING {
         list.push(format!(
-            "contacts made energy, {} of that turned over: bodies are jammed between contacts and joints; a smaller {finer} shows what that changes",
+            "contacts made energy, {} of that turned over: bodies are jammed between contacts and joints, or spin fast as they rebound; a smaller {finer} shows what that changes",
             percent(books.made())
         ));
     }

@@ -46,6 +46,9 @@ pub(super) fn connect(contacts: &mut ContactSet, system: &System, latent: &Laten
     contacts.connect(pairs.into_iter(), |i| system.data[i].alive, crushed);
 }
 
+/// A step from which too many of them are the fault of the interval \[s\].
+const ORDINARY_STEP_S: f64 = 1e-6;
+
 /// The step given, or a share of the automatic one.
 pub(super) fn choose_step(model: &Model, frequency: f64, share: f64) -> Result<f64, SolveError> {
     let limit = if frequency > 0.0 { 2.0 / frequency } else { f64::INFINITY };
@@ -57,6 +60,9 @@ pub(super) fn choose_step(model: &Model, frequency: f64, share: f64) -> Result<f
     // steps end at outputs: a share of one that is cut off there anyway would be no shorter
     let step = if share < 1.0 { share * automatic.min(interval) } else { automatic };
     if interval / step >= MOST_STEPS {
+        if step >= ORDINARY_STEP_S {
+            return Err(SolveError::LongInterval { step_s: step, interval_s: interval });
+        }
         let (bushing, highest_rad_s) = stiffest(model);
         return Err(SolveError::TooManySteps { bushing, highest_rad_s, step_s: step, interval_s: interval });
     }

@@ -43,7 +43,6 @@ impl Motion {
             if committed.beyond.is_some_and(|beyond| beyond >= 0.0) {
                 broken.push(*id);
                 self.lost_j += force.elastic_j(&self.poses, &self.laws);
-                self.ended.insert(*id, force.plastic_rad());
                 if let Acting::Hinge { joint: Some(joint), .. } = force {
                     opened.push(*joint);
                 }
@@ -58,7 +57,6 @@ impl Motion {
             if let Some(by_tension) = breaks {
                 broken.push(*id);
                 self.lost_j += bushing.at(&self.poses, 0.0).0[0];
-                self.ended.insert(*id, [bushing.plastic_rad(), 0.0, 0.0]);
                 self.torn.extend(by_tension.then_some(*id));
                 opened.extend(bushing.joint());
             }
@@ -84,6 +82,7 @@ impl Motion {
     /// Takes joints and forces away, by their places in the mechanism.
     pub fn release(&mut self, joints: &[usize], forces: &[usize]) {
         let of = |list: &[usize], id: &usize| !list.contains(id);
+        self.end(forces);
         let ending = self.forces.iter().zip(&self.force_ids).filter(|(_, id)| !of(forces, id));
         self.spent_j += ending.map(|(f, _)| f.dissipated_j()).sum::<f64>();
         let ending = self.bushings.iter().zip(&self.bushing_ids).filter(|(_, id)| !of(forces, id));
@@ -96,6 +95,22 @@ impl Motion {
             let both = std::mem::take(&mut self.joints).into_iter().zip(std::mem::take(&mut self.ids));
             (self.joints, self.ids) = both.filter(|(_, id)| of(joints, id)).unzip();
             self.link();
+        }
+    }
+
+    /// Keeps the rotations of hinges and bushings that are about to go, by their places in the mechanism.
+    fn end(&mut self, forces: &[usize]) {
+        let goes = |id: &usize| forces.contains(id);
+        for (force, id) in self.forces.iter().zip(&self.force_ids).filter(|(_, id)| goes(id)) {
+            if let Some(turn) = force.turn(&self.poses, &self.laws) {
+                self.ended.insert(*id, [turn.rotation_rad, force.plastic_rad()]);
+            }
+        }
+        for (bushing, id) in self.bushings.iter().zip(&self.bushing_ids).filter(|(_, id)| goes(id)) {
+            if let Some(turn) = bushing.at(&self.poses, 0.0).1 {
+                let [first, second] = turn.rotation_rad;
+                self.ended.insert(*id, [[first, second, 0.0], [bushing.plastic_rad(), 0.0, 0.0]]);
+            }
         }
     }
 

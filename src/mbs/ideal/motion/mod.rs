@@ -81,8 +81,8 @@ pub struct Motion {
     pub yielded: Vec<usize>,
     /// Hinges that count their rotations anew, and torsion springs whose axis points against itself, by their places in the mechanism; for the caller to fetch.
     pub confused: Vec<usize>,
-    /// Plastic rotations of hinges and bushings that broke, at that time, by their places in the mechanism \[rad\].
-    pub ended: BTreeMap<usize, V3>,
+    /// Rotations, and plastic ones, of hinges and bushings that are gone, as they went, by their places in the mechanism \[rad\].
+    pub ended: BTreeMap<usize, [V3; 2]>,
     /// Impulses of joints over the step that contacts asked for in the last one, a multiplier for each row; empty: nothing touched.
     borne: Vec<f64>,
     /// Plastic work of hinges that are gone, and elastic energy of those that fractured \[J\].
