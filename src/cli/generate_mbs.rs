@@ -1,6 +1,6 @@
 //! `fallwerk generate-mbs`: from a building to an MBS model, its run and, with `--validate`, the comparison with FE.
 
-use super::compose::{self, Pieces};
+use super::compose::{self, Against, Pieces};
 use super::explain::TraceFile;
 use super::fe_places::unwritable;
 use super::knowledge::{CurveArgs, LatentArgs, StepArgs};
@@ -31,9 +31,10 @@ pub const VALIDATION_FILE: &str = "validation.json";
 /// Generate the MBS model of a building, run it and compare it with FE
 ///
 /// Rules decide which members become rigid bodies and where hinges stand; the library holds the hinges' resistance curves.
-/// Writes model.json, trace.json, review.json (decisions worth a look), mbs.json and histories as CSV into a result folder; with --validate also fe.json,
-/// study.json, validation.json and report.html; with --validate --hybrid the FE run with rigid parts as well, hybrid.json,
-/// and the report compares all three. Run times are in validation.json and report.html only: all other files
+/// Writes model.json, trace.json, review.json (decisions worth a look), mbs.json, histories as CSV and report.html, a page of the MBS run with plots and
+/// a 3D view, into a result folder; with --validate also fe.json, study.json and validation.json, and the report compares
+/// both runs; with --validate --hybrid the FE run with rigid parts as well, hybrid.json, and the report compares all three.
+/// Run times are in validation.json and report.html only: all other files
 /// are the same for the same input, whatever the number of threads.
 /// Exit codes: 0 done (with --validate: the MBS agrees with FE), 1 it does not, or the runs do not tell, or a run stopped, 2 bad input.
 #[derive(clap::Args)]
@@ -211,6 +212,8 @@ fn compute(
         Some(comparison) => comparison.validation.spread.clone(),
         None => Spread::of(&made.runs),
     };
+    let written = write_report(output, &pieces(building, &made, spread.as_ref(), comparison.as_ref()));
+    let stopped = stopped.or(written.err());
     let Made { generated, review, mut runs, .. } = made;
     Ok((Computed { generated, review, mbs: runs.swap_remove(0), spread, comparison }, stopped))
 }
@@ -222,7 +225,7 @@ fn compare(
     made: &Made,
     (output, progress): (&OutputFolder, &Progress),
 ) -> Result<Comparison, Failure> {
-    let Made { generated, review, hash, runs, wall_s } = made;
+    let Made { generated, hash, runs, wall_s, .. } = made;
     let (mbs, spread) = (&runs[0], Spread::of(runs));
     let fe_run = |hybrid: Option<HybridSettings>, name: &str| {
         let options = FeOptions { keep_frames: true, hybrid, ..FeOptions::default() };
@@ -240,22 +243,38 @@ fn compare(
     let study = Study::new(&building.name, hash.clone(), building.settings.mesh_size_m, &fe, facts.clone());
     write_json(output, "study.json", &study)?;
     write_json(output, VALIDATION_FILE, &validation)?;
-    let pieces = Pieces {
-        building,
-        generated,
-        review,
-        fe: &fe,
-        hybrid: hybrid.as_ref(),
-        facts: &facts,
-        mbs,
-        validation: &validation,
-        threads: rayon::current_num_threads(),
-        mbs_runs: MBS_RUNS,
-    };
-    let page = crate::report::render(&compose::report_input(&pieces))
-        .map_err(|e| Failure::stopped(e.to_string()))?;
-    write(output, "report.html", &page)?;
     Ok(Comparison { fe, hybrid, facts, validation })
+}
+
+/// What the report is made of.
+fn pieces<'a>(
+    building: &'a Building,
+    made: &'a Made,
+    spread: Option<&'a Spread>,
+    comparison: Option<&'a Comparison>,
+) -> Pieces<'a> {
+    Pieces {
+        building,
+        generated: &made.generated,
+        review: &made.review,
+        mbs: &made.runs[0],
+        mbs_wall_s: made.wall_s,
+        mbs_runs: MBS_RUNS,
+        spread,
+        against: comparison.map(|c| Against {
+            fe: &c.fe,
+            hybrid: c.hybrid.as_ref(),
+            facts: &c.facts,
+            validation: &c.validation,
+            threads: rayon::current_num_threads(),
+        }),
+    }
+}
+
+fn write_report(output: &OutputFolder, pieces: &Pieces) -> Result<(), Failure> {
+    let page =
+        crate::report::render(&compose::report_input(pieces)).map_err(|e| Failure::stopped(e.to_string()))?;
+    write(output, "report.html", &page)
 }
 
 /// A run that stopped, with what an analyst should look at: one of it may be why.

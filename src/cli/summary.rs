@@ -126,10 +126,7 @@ pub fn as_text(s: &Summary) -> String {
         }
     }
     text += &format!("  results    {}\n", s.folder.display());
-    if s.comparison.is_some() {
-        text += &format!("  report     {}\n", s.folder.join("report.html").display());
-    }
-    text
+    text + &format!("  report     {}\n", s.folder.join("report.html").display())
 }
 
 /// That rules about events are not asked, if any are not.

@@ -20,6 +20,8 @@ pub struct ReportInput {
     pub building_description: String,
     /// Name and version of the program that made the runs.
     pub program_version: String,
+    /// Whether there is the MBS run and nothing that it is compared with: the page then has no place for FE.
+    pub mbs_alone: bool,
     /// The overall verdict.
     pub verdict: Verdict,
     /// The checks behind the verdict, in order of importance.
@@ -66,7 +68,7 @@ pub struct ReportInput {
     pub notes: Vec<Note>,
     /// What happened when.
     pub events: Vec<TimedEvent>,
-    /// The 3D scene of both runs.
+    /// The 3D scene of the runs.
     pub scene: Option<Scene>,
     /// Rigid and deforming parts over time.
     pub partition: Option<PartitionView>,
@@ -164,7 +166,7 @@ pub struct History {
     pub point: String,
     /// Times \[s\], increasing.
     pub time_s: Vec<f64>,
-    /// FE displacement \[m\], as many as times.
+    /// FE displacement \[m\], as many as times; empty on the page of the MBS alone.
     pub fe_m: Vec<[f64; 3]>,
     /// MBS displacement \[m\], as many as times.
     pub mbs_m: Vec<[f64; 3]>,

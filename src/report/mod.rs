@@ -1,7 +1,7 @@
 //! The HTML report: how far the generated multibody model (MBS), and a run with rigid parts (hybrid), can be trusted against the FE run.
 //!
 //! One self-contained page: verdict, plots (inline SVG), tables and a 3D view of both collapses side
-//! by side. Opening it loads nothing from elsewhere. The caller fills a [`ReportInput`]; this module knows no
+//! by side; without an FE run ([`ReportInput::mbs_alone`]) a page of the MBS run alone. Opening it loads nothing from elsewhere. The caller fills a [`ReportInput`]; this module knows no
 //! solver and no building model.
 //!
 //! | file | owns |
@@ -16,13 +16,17 @@
 //! | `partition` | pictures of rigid and deforming parts, and their share over time |
 //! | `plan` | plans of charges and of debris |
 //! | `plots` | which charts a report has |
-//! | `page` | tables and figures for the template |
+//! | `page` | tables for the template |
+//! | `figures` | key figures of the head |
+//! | `alone` | tables of a page of the MBS run alone |
 //! | `codec`, `scene` | the packed data of the 3D view |
 //! | `templates/` | page, style, chart read-out, viewer and its shaders |
 
+mod alone;
 mod chart;
 mod codec;
 pub mod figure;
+mod figures;
 pub mod input;
 pub mod interaction;
 pub mod loglog;

@@ -5,10 +5,10 @@ use super::chart::{escape, seconds};
 use super::codec::base64;
 use super::input::{
     ComparedRun, HingeSite, History, LeftOutRow, ReportInput, ReviewRow, ReviewSummary, RunCost, Severity,
-    Status,
+    Status, TimedEvent,
 };
 use super::number::{MISSING, count, duration, fixed, significant};
-use super::{partition, plan, plots, scene};
+use super::{alone, figures, partition, plan, plots, scene};
 use crate::base::vector::{norm, sub};
 use minijinja::{AutoEscape, Environment, syntax::SyntaxConfig};
 use serde::Serialize;
@@ -18,6 +18,8 @@ const PAGE: &str = include_str!("templates/page.html");
 const STYLE: &str = include_str!("templates/style.css");
 const CHARTS: &str = include_str!("templates/charts.js");
 const VIEWER: &str = concat!(include_str!("templates/shaders.js"), include_str!("templates/viewer.js"));
+/// What the viewer says of FE at a site, left out where there is no FE run.
+const FE_AT_SITE: &str = r#"\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}"#;
 
 /// Most subjects of a decision that are shown.
 const SUBJECTS_SHOWN: usize = 4;
@@ -58,12 +60,13 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
     });
     environment.add_template("page", PAGE)?;
     let packed = input.scene.as_ref().map(|s| scene::pack(s, &input.hinge_sites)).transpose()?;
-    let points = points(&input.histories, input.error.as_ref().and_then(|e| e.contact_s))?;
+    let contact_s = input.error.as_ref().and_then(|e| e.contact_s);
+    let points = if input.mbs_alone { Vec::new() } else { points(&input.histories, contact_s)? };
     let energy = plots::energy_charts(input)?;
     let text = environment.get_template("page")?.render(template_value(json!({
         "style": STYLE,
         "charts_js": CHARTS,
-        "viewer_js": VIEWER,
+        "viewer_js": if input.mbs_alone { VIEWER.replace(FE_AT_SITE, "") } else { VIEWER.to_string() },
         "title": title(input),
         "building": input.building_name,
         "description": input.building_description,
@@ -75,7 +78,8 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "checks": input.checks.iter().map(|c| json!({
             "label": c.label, "value": c.value, "limit": c.limit, "status": word(c.status), "explanation": c.explanation,
         })).collect::<Vec<_>>(),
-        "figures": figures(input),
+        "figures": if input.mbs_alone { figures::alone(input) } else { figures::compared(input) },
+        "alone": input.mbs_alone.then(|| alone::section(input)).transpose()?,
         "compared": input.compared.iter().map(compared).collect::<Vec<_>>(),
         "compared_notes": input.compared_notes,
         "partition": input.partition.as_ref().map(|p| partition::section(p, &input.first_contact)).transpose()?,
@@ -179,80 +183,12 @@ fn tally(input: &ReportInput) -> Option<String> {
     (!input.checks.is_empty()).then_some(text)
 }
 
-/// A key figure of the head.
-#[derive(Serialize)]
-struct Figure {
-    label: &'static str,
-    value: String,
-    unit: &'static str,
-    note: String,
-}
-
-fn optional(x: Option<f64>, digits: usize) -> String {
+pub(super) fn optional(x: Option<f64>, digits: usize) -> String {
     x.map_or(MISSING.into(), |x| significant(x, digits))
 }
 
-fn optional_time(t: Option<f64>) -> String {
+pub(super) fn optional_time(t: Option<f64>) -> String {
     t.map_or(MISSING.into(), |t| fixed(t, 3))
-}
-
-fn figures(input: &ReportInput) -> Vec<Figure> {
-    let mut out = Vec::new();
-    if let Some(s) = &input.standing {
-        // all in the unit of the largest
-        let (factor, unit) = if s.apart_m < 1e-4 { (1e6, "µm") } else { (1e3, "mm") };
-        let [fe, mbs] = s.largest_m.map(|m| significant(factor * m, 3));
-        let note = format!("FE {fe} {unit}, MBS {mbs} {unit}; limit {} mm", significant(1e3 * s.limit_m, 2));
-        let value = significant(factor * s.apart_m, 2);
-        out.push(Figure { label: "Largest distance of displacements", value, unit, note });
-    } else if let Some(e) = &input.error {
-        let limit = |l: Option<f64>| l.map_or(String::new(), |l| format!("limit {}", significant(l, 2)));
-        let (label, value) = ("Error e up to first contact", optional(e.until_contact, 2));
-        out.push(Figure { label, value, unit: "", note: limit(e.limit_until_contact) });
-        let (label, value) = ("Error e up to the end", optional(e.until_end, 2));
-        out.push(Figure { label, value, unit: "", note: limit(e.limit_until_end) });
-    }
-    let contact = &input.first_contact;
-    if contact.fe_s.is_some() || contact.mbs_s.is_some() {
-        let (value, unit) = match (contact.fe_s, contact.mbs_s) {
-            (Some(fe), Some(mbs)) if (mbs - fe).is_finite() => {
-                let sign = if mbs > fe { "+" } else { "" };
-                (format!("{sign}{}", fixed(1e3 * (mbs - fe), 0)), "ms")
-            }
-            _ => (MISSING.into(), ""),
-        };
-        let note = format!("FE {}, MBS {}", contact_text(contact.fe_s), contact_text(contact.mbs_s));
-        out.push(Figure { label: "First contact, MBS − FE", value, unit, note });
-    }
-    if let Some(a) = agreement(&input.hinge_sites).filter(|a| a.both + a.fe_only + a.mbs_only > 0) {
-        let value = format!("{} of {}", a.both, a.both + a.fe_only);
-        let note = format!("{} yielded in MBS only", a.mbs_only);
-        out.push(Figure { label: "FE zones found as hinges", value, unit: "", note });
-    }
-    if let Some((ratio, basis)) = speed_ratio(input) {
-        let note =
-            format!("FE {}, MBS {} ({basis})", time_of(&input.fe_run, basis), time_of(&input.mbs_run, basis));
-        out.push(Figure { label: "MBS faster than FE by", value: significant(ratio, 2), unit: "×", note });
-    }
-    out
-}
-
-fn contact_text(t: Option<f64>) -> String {
-    t.map_or("none".into(), seconds)
-}
-
-fn time_of(run: &Option<RunCost>, basis: &str) -> String {
-    let run = run.as_ref();
-    let t = run.and_then(|r| if basis == "CPU" { r.cpu_s } else { r.wall_s });
-    t.map_or(MISSING.into(), duration)
-}
-
-/// FE time over MBS time and what it compares: CPU time if both have it, else wall time.
-fn speed_ratio(input: &ReportInput) -> Option<(f64, &'static str)> {
-    let (fe, mbs) = (input.fe_run.as_ref()?, input.mbs_run.as_ref()?);
-    let ratio =
-        |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a / b).filter(|r| r.is_finite() && *r > 0.0);
-    ratio(fe.cpu_s, mbs.cpu_s).map(|r| (r, "CPU")).or(ratio(fe.wall_s, mbs.wall_s).map(|r| (r, "wall")))
 }
 
 /// A tracked point with its charts.
@@ -329,10 +265,10 @@ fn share_of(deviation: f64, largest: f64) -> String {
 
 /// What FE and MBS say about the sites together.
 #[derive(Serialize)]
-struct Agreement {
-    both: usize,
-    fe_only: usize,
-    mbs_only: usize,
+pub(super) struct Agreement {
+    pub(super) both: usize,
+    pub(super) fe_only: usize,
+    pub(super) mbs_only: usize,
     neither: usize,
     unknown: usize,
     no_hinge: usize,
@@ -341,7 +277,7 @@ struct Agreement {
     f1: String,
 }
 
-fn agreement(sites: &[HingeSite]) -> Option<Agreement> {
+pub(super) fn agreement(sites: &[HingeSite]) -> Option<Agreement> {
     let number = |fe: Option<bool>, yielded: bool| {
         sites.iter().filter(|s| s.fe_zone == fe && s.mbs_yielded_s.is_some() == yielded).count()
     };
@@ -490,6 +426,9 @@ fn notes(input: &ReportInput, severity: Severity) -> Vec<&str> {
     input.notes.iter().filter(|n| n.severity == severity).map(|n| n.text.as_str()).collect()
 }
 
-fn events(input: &ReportInput) -> Vec<(String, &str, &str)> {
-    input.events.iter().map(|e| (fixed(e.time_s, 3), e.run.as_str(), e.what.as_str())).collect()
+/// Time, run, unless there is one alone, and what happened.
+fn events(input: &ReportInput) -> Vec<Vec<String>> {
+    let run = |name: &String| (!input.mbs_alone).then(|| name.clone());
+    let row = |e: &TimedEvent| [Some(fixed(e.time_s, 3)), run(&e.run), Some(e.what.clone())];
+    input.events.iter().map(|e| row(e).into_iter().flatten().collect()).collect()
 }

@@ -139,7 +139,7 @@ pub fn history_charts(history: &History) -> Result<[String; 3], ReportError> {
         ("hybrid", "hybrid", &history.hybrid_m),
         ("MBS", "mbs", &history.mbs_m),
     ];
-    let given: Vec<_> = lines.into_iter().filter(|l| l.0 != "hybrid" || !l.2.is_empty()).collect();
+    let given: Vec<_> = lines.into_iter().filter(|l| l.0 == "MBS" || !l.2.is_empty()).collect();
     let lengths: Vec<usize> = given.iter().map(|l| l.2.len()).collect();
     check(&format!("history of {}", history.point), &history.time_s, &lengths)?;
     Ok([0, 1, 2].map(|axis| {
@@ -171,7 +171,7 @@ fn energy_chart(
     energies: &Energies,
     (factor, unit): &(f64, String),
     y_range: [f64; 2],
-    mark: Vec<Mark>,
+    (mark, size): (Vec<Mark>, Size),
 ) -> Result<String, ReportError> {
     let lengths: Vec<usize> = energies.iter().map(|e| e.1.len()).filter(|&n| n > 0).collect();
     check(title, time_s, &lengths)?;
@@ -189,7 +189,7 @@ fn energy_chart(
         marks: mark,
         y_range: Some(y_range.map(|v| v * factor)),
         is_time: true,
-        size: Size::Half,
+        size,
         ..Chart::default()
     }
     .to_html())
@@ -239,9 +239,11 @@ pub fn energy_charts(input: &ReportInput) -> Result<EnergyCharts, ReportError> {
     ];
     let residuals = errors.iter().filter_map(|(name, error)| {
         let percent = significant(100.0 * error.filter(|e| e.is_finite())?, 2);
-        Some(format!("{name}: the largest residual is {percent} % of the energy turned over, the energy error of the checks."))
+        let of_checks = if input.mbs_alone { "" } else { ", the energy error of the checks" };
+        Some(format!("{name}: the largest residual is {percent} % of the energy turned over{of_checks}."))
     });
     let residuals: Vec<String> = residuals.collect();
+    let size = if input.mbs_alone { Size::Wide } else { Size::Half };
     let contact = |t: Option<f64>, class| {
         let x = t.filter(|t| t.is_finite());
         x.map(|x| Mark { x, label: format!("first contact {}", seconds(x)), class }).into_iter().collect()
@@ -249,14 +251,14 @@ pub fn energy_charts(input: &ReportInput) -> Result<EnergyCharts, ReportError> {
     let fe = match (&fe, &input.fe_energy) {
         (Some(list), Some(e)) => {
             let mark = contact(input.first_contact.fe_s, "fe");
-            Some(energy_chart("FE energies", &e.time_s, list, &scale, [lo, hi], mark)?)
+            Some(energy_chart("FE energies", &e.time_s, list, &scale, [lo, hi], (mark, size))?)
         }
         _ => None,
     };
     let mbs = match (&mbs, &input.mbs_energy) {
         (Some(list), Some(e)) => {
             let mark = contact(input.first_contact.mbs_s, "mbs");
-            Some(energy_chart("MBS energies", &e.time_s, list, &scale, [lo, hi], mark)?)
+            Some(energy_chart("MBS energies", &e.time_s, list, &scale, [lo, hi], (mark, size))?)
         }
         _ => None,
     };

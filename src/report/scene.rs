@@ -353,7 +353,8 @@ fn marker(site: &HingeSite, scene: &Scene) -> Value {
     json!({
         "label": site.member_end,
         "point": site.point_m,
-        "fe": site.fe_zone, "feTime": site.fe_first_s,
+        // without FE there is nothing that it could have evaluated
+        "fe": site.fe_zone.or(scene.fe.is_none().then_some(false)), "feTime": site.fe_first_s,
         "mbs": site.mbs_hinge, "mbsTime": site.mbs_yielded_s, "slight": site.mbs_slight_s, "fractured": site.mbs_fractured_s,
         "latent": site.mbs_latent, "live": site.mbs_live_s,
         "gone": site.removed_s,

@@ -1,5 +1,6 @@
 //! The report page as a whole: self-contained, escaped, complete, and its 3D data true to the input.
 
+mod alone;
 mod collapse;
 
 use fallwerk::report::*;

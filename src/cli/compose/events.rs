@@ -1,20 +1,21 @@
-//! What happened when, in both runs.
+//! What happened when, in all runs.
 
-use super::Pieces;
 use super::marks::is_active;
+use super::{Against, Pieces};
 use crate::fe::dynamics::Death;
 use crate::mbs::result::{EventKind, FractureCause};
 use crate::report::TimedEvent;
 use crate::validate::ACTIVE_ROTATION_RAD;
 
-/// Events of both runs in order of time.
+/// Events of the runs in order of time.
 pub fn events(p: &Pieces) -> Vec<TimedEvent> {
-    let mut events: Vec<TimedEvent> = fe_events(p).into_iter().chain(mbs_events(p)).collect();
+    let of_fe = p.against.iter().flat_map(|a| fe_events(p, a));
+    let mut events: Vec<TimedEvent> = of_fe.chain(mbs_events(p)).collect();
     events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     events
 }
 
-fn fe_events(p: &Pieces) -> Vec<TimedEvent> {
+fn fe_events(p: &Pieces, a: &Against) -> Vec<TimedEvent> {
     let event = |time_s: f64, what: String| TimedEvent { time_s, run: "FE".into(), what };
     let mut events: Vec<TimedEvent> = p
         .building
@@ -22,7 +23,7 @@ fn fe_events(p: &Pieces) -> Vec<TimedEvent> {
         .iter()
         .map(|c| event(c.time_s, format!("charge {} removes {}", c.id, c.member)))
         .collect();
-    for zone in &p.facts.ends {
+    for zone in &a.facts.ends {
         let zones = [
             (zone.first_s, "exceeds the critical strain rate"),
             (zone.fracture_s, "has lost a whole layer of elements"),
@@ -30,12 +31,12 @@ fn fe_events(p: &Pieces) -> Vec<TimedEvent> {
         events
             .extend(zones.iter().filter_map(|(t, what)| t.map(|t| event(t, format!("{} {what}", zone.id)))));
     }
-    if let Some(death) = p.fe.deaths.iter().find(|d| d.cause != Death::Removed) {
-        let part = &p.fe.mesh.parts[p.fe.mesh.elements[death.element].part];
+    if let Some(death) = a.fe.deaths.iter().find(|d| d.cause != Death::Removed) {
+        let part = &a.fe.mesh.parts[a.fe.mesh.elements[death.element].part];
         events.push(event(death.time_s, format!("the first element erodes, in {part}")));
     }
     events.extend(
-        p.fe.touches.iter().map(|t| event(t.time_s, format!("{} touches {}", t.part, surface(&t.surface)))),
+        a.fe.touches.iter().map(|t| event(t.time_s, format!("{} touches {}", t.part, surface(&t.surface)))),
     );
     events
 }

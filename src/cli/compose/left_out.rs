@@ -2,11 +2,11 @@
 
 use crate::report::LeftOutRow;
 use crate::validate::left_out::{RunKind, Skipped};
-use crate::validate::{LeftOut, Validation};
+use crate::validate::{HybridValidation, LeftOut};
 
 /// A row for each thing that a run left out.
-pub fn rows(v: &Validation) -> Vec<LeftOutRow> {
-    v.left_out.iter().map(row).collect()
+pub fn rows(list: &[LeftOut]) -> Vec<LeftOutRow> {
+    list.iter().map(row).collect()
 }
 
 fn row(l: &LeftOut) -> LeftOutRow {
@@ -52,11 +52,11 @@ fn words(what: Skipped) -> (&'static str, &'static str) {
 }
 
 /// How far the time of runs tells what that saved.
-pub fn note(v: &Validation) -> Option<String> {
-    let hybrid = v.hybrid.as_ref().map(|h| {
+pub fn note(list: &[LeftOut], hybrid: Option<&HybridValidation>) -> Option<String> {
+    let hybrid = hybrid.map(|h| {
         format!("With rigid parts the FE run took {:.0} % of its processor time. ", 100.0 * h.cpu_share)
     });
-    (!v.left_out.is_empty()).then(|| {
+    (!list.is_empty()).then(|| {
         format!(
             "Counted in the runs of this report. {}What another line saves of the time a run with its option tells; lines without one cannot be switched off.",
             hybrid.unwrap_or_default()

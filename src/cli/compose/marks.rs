@@ -122,7 +122,7 @@ pub(super) fn is_active(result: &RunResult, name: &str) -> bool {
 }
 
 /// Where the hinge with a number among those of a bushing is at the start \[m\]: of a beam the end towards negative axis 0 comes first.
-fn point_of(bushing: &Bushing, k: usize) -> [f64; 3] {
+pub(super) fn point_of(bushing: &Bushing, k: usize) -> [f64; 3] {
     let sense = [-1.0, 1.0][k.min(1)];
     let along_m = bushing.beam.as_ref().map_or(0.0, |beam| sense * beam.half_length_m);
     math::axpy(bushing.point_m, along_m, bushing.axes[0])

@@ -15,26 +15,29 @@ const FACE_M: f64 = 0.5;
 
 /// Shares over the kept frames, and pictures before the first contact, at it, after it and at the end.
 pub fn partition(p: &Pieces) -> PartitionView {
-    let outputs: Vec<usize> = kept(p).map(|f| f.output).collect();
-    let fe = Deforming::of(p.fe);
-    let hybrid = p.hybrid.map(Deforming::of);
+    let outputs = kept(p);
+    let times_s = p.times_s();
+    let fe_runs: Vec<Deforming> = p.fe_runs().map(Deforming::of).collect();
     let marks = Marks::of(&p.generated.model, p.mbs);
-    let shares = |run: &Deforming, share: &dyn Fn(&KeptFrame) -> f64| {
-        outputs.iter().filter_map(|o| run.frame(*o)).map(share).collect::<Vec<f64>>()
+    let shares = |run: usize, share: &dyn Fn(&Deforming, &KeptFrame) -> f64| {
+        let of = |run: &Deforming| outputs.iter().filter_map(|o| Some(share(run, run.frame(*o)?))).collect();
+        fe_runs.get(run).map_or(Vec::new(), of)
     };
     let moment = |(label, output): (&str, usize)| {
-        let mut pictures = vec![fe.picture(p, output)];
-        pictures.extend(hybrid.as_ref().map(|run| run.picture(p, output)));
-        pictures.push(mbs_picture(p, &marks, output));
-        Moment { label: label.into(), time_s: p.fe.times_s[output], pictures }
+        let of_fe = fe_runs.iter().map(|run| run.picture(p, output));
+        let pictures = of_fe.chain([mbs_picture(p, &marks, output)]).collect();
+        Moment { label: label.into(), time_s: times_s[output], pictures }
     };
     PartitionView {
-        time_s: outputs.iter().map(|o| p.fe.times_s[*o]).collect(),
-        fe_share: shares(&fe, &|f| fe.rigid_share(f)),
-        fe_never_share: shares(&fe, &|f| fe.never_share(f)),
-        hybrid_share: hybrid.as_ref().map_or(Vec::new(), |run| shares(run, &|f| run.rigid_share(f))),
+        time_s: outputs.iter().map(|o| times_s[*o]).collect(),
+        fe_share: shares(0, &|run, f| run.rigid_share(f)),
+        fe_never_share: shares(0, &|run, f| run.never_share(f)),
+        hybrid_share: shares(1, &|run, f| run.rigid_share(f)),
         ground_level_m: Some(p.building.ground.level_m),
-        building_m: Some(around(p.fe.mesh.nodes.iter().copied())),
+        building_m: Some(match &p.against {
+            Some(a) => around(a.fe.mesh.nodes.iter().copied()),
+            None => around(p.building.members.iter().flat_map(|m| [m.solid.min, m.solid.max])),
+        }),
         moments: moments(p, &outputs).into_iter().map(moment).collect(),
     }
 }
@@ -51,9 +54,9 @@ fn around(points: impl Iterator<Item = [f64; 3]>) -> Aabb {
 
 /// Which outputs are drawn, of those that were kept.
 fn moments(p: &Pieces, outputs: &[usize]) -> Vec<(&'static str, usize)> {
-    let at = |time_s: f64| outputs.iter().copied().find(|o| p.fe.times_s[*o] >= time_s - 1e-9);
-    let end_s = outputs.last().map_or(0.0, |o| p.fe.times_s[*o]);
-    let wanted = match p.facts.first_contact_s.filter(|t| *t < end_s) {
+    let at = |time_s: f64| outputs.iter().copied().find(|o| p.times_s()[*o] >= time_s - 1e-9);
+    let end_s = outputs.last().map_or(0.0, |o| p.times_s()[*o]);
+    let wanted = match p.first_contact_s().filter(|t| *t < end_s) {
         Some(t) => vec![
             ("before the first contact", 0.5 * t),
             ("at the first contact", t),

@@ -52,16 +52,14 @@ fn plan(min: [f64; 3], max: [f64; 3]) -> [[f64; 2]; 2] {
     [[min[0], min[1]], [max[0], max[1]]]
 }
 
-/// The debris of all runs, where one of FE and MBS has come down.
+/// The debris of all runs, where the building has come down in FE or in the MBS.
 pub fn debris(p: &Pieces) -> Option<DebrisPlan> {
-    if p.validation.stands() {
+    if p.stands() {
         return None;
     }
-    let heaps = [
-        Some(("FE", "fe", Heap::of_fe(p.fe))),
-        p.hybrid.map(|run| ("hybrid", "hybrid", Heap::of_fe(run))),
-        Some(("MBS", "mbs", Heap::of_mbs(&p.generated.model, p.mbs))),
-    ];
+    let names = [("FE", "fe"), ("hybrid", "hybrid")].into_iter();
+    let of_fe = names.zip(p.fe_runs()).map(|((run, class), fe)| (run, class, Heap::of_fe(fe)));
+    let heaps = of_fe.chain([("MBS", "mbs", Heap::of_mbs(&p.generated.model, p.mbs))]);
     let members: Vec<[[f64; 2]; 2]> =
         p.building.members.iter().map(|m| plan(m.solid.min, m.solid.max)).collect();
     let around = around(members.iter().flatten().copied())?;
@@ -85,7 +83,7 @@ pub fn debris(p: &Pieces) -> Option<DebrisPlan> {
     Some(DebrisPlan {
         building_m: members,
         obstacles_m: p.building.obstacles.iter().map(|o| plan(o.solid.min, o.solid.max)).collect(),
-        runs: heaps.into_iter().flatten().filter_map(outline).collect(),
+        runs: heaps.filter_map(outline).collect(),
     })
 }
 

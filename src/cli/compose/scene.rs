@@ -1,4 +1,4 @@
-//! The 3D scene: the skin of the FE mesh and the boxes of the MBS bodies over common times.
+//! The 3D scene: the skin of the FE mesh, if there was such a run, and the boxes of the MBS bodies over common times.
 
 use super::Pieces;
 use super::partition::count_compounds;
@@ -34,10 +34,11 @@ fn group_of_body(building: &Building, body: &Body) -> String {
     group(building, named.or(body.origin.members.first().map(String::as_str)).unwrap_or(&body.id))
 }
 
-/// The scene of both runs.
+/// The scene of the runs.
 pub fn scene(p: &Pieces) -> Scene {
+    let outputs = kept(p);
     Scene {
-        time_s: kept(p).map(|f| p.fe.times_s[f.output]).collect(),
+        time_s: outputs.iter().map(|o| p.times_s()[*o]).collect(),
         ground_level_m: Some(p.building.ground.level_m),
         obstacles: p
             .building
@@ -46,8 +47,8 @@ pub fn scene(p: &Pieces) -> Scene {
             .map(|o| SceneObstacle { label: o.id.clone(), solid: o.solid })
             .collect(),
         charges: p.building.events.iter().filter_map(|c| charge(p.building, c)).collect(),
-        fe: Some(fe_scene(p)),
-        mbs: Some(mbs_scene(p)),
+        fe: p.against.as_ref().map(|a| fe_scene(p, a.fe)),
+        mbs: Some(mbs_scene(p, &outputs)),
     }
 }
 
@@ -69,9 +70,27 @@ pub(super) fn what(charge: &Charge) -> String {
     }
 }
 
-/// FE frames at times that all runs reached.
-pub(super) fn kept<'a>(p: &'a Pieces) -> impl Iterator<Item = &'a KeptFrame> {
-    p.fe.frames.iter().filter(|f| f.output < p.outputs())
+/// Most bytes of poses in a scene of the MBS alone.
+const MOST_POSE_BYTES: usize = 20_000_000;
+/// Bytes of a pose: seven numbers of single precision.
+const POSE_BYTES: usize = 28;
+
+/// Outputs that are drawn: those of which the FE run has a frame and that all runs reached, or of the MBS alone at equal distances as many as a page can hold.
+pub(super) fn kept(p: &Pieces) -> Vec<usize> {
+    match &p.against {
+        Some(a) => reached(p, a.fe).map(|f| f.output).collect(),
+        None => {
+            let every = (POSE_BYTES * p.mbs.bodies.len() * p.outputs()).div_ceil(MOST_POSE_BYTES).max(1);
+            let last = p.outputs().checked_sub(1);
+            (0..p.outputs()).filter(|o| o % every == 0 || Some(*o) == last).collect()
+        }
+    }
+}
+
+/// Frames of an FE run at times that all runs reached.
+fn reached<'a>(p: &Pieces, fe: &'a FeRun) -> impl Iterator<Item = &'a KeptFrame> {
+    let outputs = p.outputs();
+    fe.frames.iter().filter(move |f| f.output < outputs)
 }
 
 /// The elements of an FE run with their ends, and the faces that are visible at some time.
@@ -94,9 +113,9 @@ impl Skin {
     }
 }
 
-fn fe_scene(p: &Pieces) -> FeScene {
-    let mesh = &p.fe.mesh;
-    let Skin { elements, faces } = Skin::of(p.fe);
+fn fe_scene(p: &Pieces, fe: &FeRun) -> FeScene {
+    let mesh = &fe.mesh;
+    let Skin { elements, faces } = Skin::of(fe);
     FeScene {
         parts: mesh
             .parts
@@ -105,8 +124,8 @@ fn fe_scene(p: &Pieces) -> FeScene {
             .collect(),
         faces,
         elements,
-        frames_m: kept(p).map(|f| f.nodes_m.clone()).collect(),
-        plastic_strain: PlasticStrain::Frames(kept(p).map(|f| f.plastic_strain.clone()).collect()),
+        frames_m: reached(p, fe).map(|f| f.nodes_m.clone()).collect(),
+        plastic_strain: PlasticStrain::Frames(reached(p, fe).map(|f| f.plastic_strain.clone()).collect()),
     }
 }
 
@@ -121,7 +140,7 @@ pub(super) fn removed_s(model: &Model, body: &str) -> Option<f64> {
     events.map(|e| e.time_s).reduce(f64::min)
 }
 
-fn mbs_scene(p: &Pieces) -> MbsScene {
+fn mbs_scene(p: &Pieces, outputs: &[usize]) -> MbsScene {
     let model = &p.generated.model;
     let body = |body: &Body| SceneBody {
         id: body.id.clone(),
@@ -147,17 +166,17 @@ fn mbs_scene(p: &Pieces) -> MbsScene {
     };
     MbsScene {
         bodies: model.bodies.iter().map(body).collect(),
-        frames: kept(p).map(|f| poses(&p.mbs.frames[f.output])).collect(),
+        frames: outputs.iter().map(|o| poses(&p.mbs.frames[*o])).collect(),
         fixed: held(p.building).map(|m| SceneObstacle { label: m.id.clone(), solid: m.solid }).collect(),
-        crushed: p.mbs.crushed.iter().filter_map(|c| crushed_box(p, c)).collect(),
-        compounds: kept(p).map(|f| compounds(f.output)).collect(),
+        crushed: p.mbs.crushed.iter().filter_map(|c| crushed_box(p, c, outputs)).collect(),
+        compounds: outputs.iter().map(|o| compounds(*o)).collect(),
     }
 }
 
 /// A face that is crushed in the run.
-fn crushed_box(p: &Pieces, face: &CrushedHistory) -> Option<CrushedBox> {
+fn crushed_box(p: &Pieces, face: &CrushedHistory, outputs: &[usize]) -> Option<CrushedBox> {
     let body = p.generated.model.bodies.iter().position(|b| b.id == face.body)?;
-    let depth_m: Vec<f64> = kept(p).map(|f| face.depth_m[f.output]).collect();
+    let depth_m: Vec<f64> = outputs.iter().map(|o| face.depth_m[*o]).collect();
     depth_m.iter().any(|depth| *depth > 0.0).then(|| CrushedBox {
         place: [body, face.shape],
         face: face.face.axis(),
