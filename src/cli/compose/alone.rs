@@ -35,6 +35,9 @@ fn verdict(p: &Pieces) -> Verdict {
     };
     let is_open = p.building.ends_soon().is_some() || still_moves(p).is_some();
     let headline = match (p.mbs_collapsed(), is_open) {
+        _ if p.mbs.tracked.is_empty() => {
+            format!("No point is tracked that tells whether the structure collapses in the MBS run: {ground}")
+        }
         (true, _) => format!("The structure collapses in the MBS run: {ground}"),
         (false, true) => {
             format!("The MBS run ends too early to tell whether the structure collapses: {ground}")
