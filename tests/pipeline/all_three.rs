@@ -10,7 +10,7 @@ use fallwerk::validate::points::{PointErrors, debris};
 use serde_json::Value;
 use std::fs;
 
-/// The example building for 60 ms: it becomes rigid after 20 ms, and nothing falls far.
+/// The example building for 0.14 s: it becomes rigid in that time where it has no longer to settle, and nothing falls far.
 fn short(text: &str) -> String {
     let mut short = String::new();
     for line in text.lines() {
@@ -40,6 +40,8 @@ fn one_validation_compares_three_runs() {
         "building.toml",
         "--validate",
         "--hybrid",
+        "--rigid-settle",
+        "0.08",
         "--library",
         &library,
         "--rules",
