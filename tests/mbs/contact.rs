@@ -643,5 +643,5 @@ fn what_hangs_above_the_ground_on_a_joint_strikes_it() {
     let run = simulate(&m).unwrap();
     let end = run.tracked[0].displacement_m.last().unwrap();
     assert!((end[2] + 1.4).abs() < 1e-3, "{end:?}");
-    assert!(run.first_ground_contact_s.is_some_and(|t| (t - (2.0 * 1.4 / G).sqrt()).abs() < 2e-3));
+    assert!(run.first_ground_contact_s.is_some_and(|t| (t - (2.0 * 1.4 / G).sqrt()).abs() < 1e-4));
 }

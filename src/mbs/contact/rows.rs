@@ -26,6 +26,13 @@ pub(super) struct Motion {
     pub w: V3,
 }
 
+impl Motion {
+    /// That of a body through the step without contact; beyond the last one stands what does not move.
+    pub fn before(bodies: &[Moving], i: usize) -> Self {
+        bodies.get(i).map_or_else(Self::default, |body| Self { v: body.v, w: body.w })
+    }
+}
+
 /// Inverse mass and inverse inertia in the global frame (xx, yy, zz, xy, xz, yz).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Inverse {
@@ -130,10 +137,10 @@ fn between(a: &Motion, b: &Motion, arms: &[V3; 2]) -> V3 {
 }
 
 impl Row {
-    /// When in the step it first touches \[s\].
-    pub fn touch_s(&self) -> f64 {
-        let speed = if self.target < 0.0 { -self.target } else { f64::INFINITY };
-        self.hit_s.min(self.gap.max(0.0) / speed)
+    /// When in the step it first touches \[s\], given the speed at which it closed before the impulses \[m/s\]: that is what its gap takes, not the rest of the step in which the impulses let it close.
+    pub fn touch_s(&self, closing_m_s: f64) -> f64 {
+        let speed = closing_m_s.max(-self.target);
+        if speed > 0.0 { self.hit_s.min(self.gap.max(0.0) / speed) } else { 0.0 }
     }
 
     /// Whether there was no impulse and a relative velocity asks for none.

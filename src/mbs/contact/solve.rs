@@ -460,7 +460,9 @@ impl ContactSet {
                     point.tangent = math::scale(1.0 / h, row.tangent);
                 }
                 if row.normal > 0.0 && !self.pairs[slot].seen {
-                    first_touch = first_touch.min(row.touch_s());
+                    let [a, b] = block.bodies.map(|i| Motion::before(bodies, i as usize));
+                    let closing = -math::dot(row.passing(&a, &b), block.normal);
+                    first_touch = first_touch.min(row.touch_s(closing));
                 }
             }
             if block.face != super::crush::NONE {
