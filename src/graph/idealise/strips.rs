@@ -39,12 +39,11 @@ impl Builder<'_> {
     /// Makes one node where a strip crosses another one or a beam on its way: they bear each other there.
     fn cross(&mut self, plate: &Plate) {
         let carriers = self.carriers(plate);
-        let is_strip = |s: &Self, i: usize| plate.slabs.contains(&s.spans[i].member);
-        for (k, &a) in carriers.iter().enumerate() {
-            for &b in &carriers[..k] {
-                if (is_strip(self, a) || is_strip(self, b))
-                    && let Some([at_a, at_b]) = crossing(&self.spans[a], &self.spans[b])
-                {
+        // all strips come after the beams
+        let strips: Vec<usize> = carriers.iter().copied().filter(|c| self.spans[*c].ends.is_none()).collect();
+        for &a in &strips {
+            for &b in carriers.iter().take_while(|b| **b < a) {
+                if let Some([at_a, at_b]) = crossing(&self.spans[a], &self.spans[b]) {
                     let node = self.node_on(a, at_a);
                     self.seat(b, at_b, node);
                 }
