@@ -6,7 +6,7 @@
 //!
 //! **Deformable again** are parts of a set for one of three reasons, each with the rings of elements around its cause ([`HybridSettings::rings`]):
 //! * **contact**, looked at in every step: a node is about to meet a surface or another part of the body. Stress waves in concrete carry some 6 MPa for each m/s
-//!   of impact, so that a collapsing building's contacts nearly always break what they meet: there is nothing to weigh up;
+//!   of impact, so that a collapsing building's contacts nearly always break what they meet: there is nothing to weigh up. At [`BLOW_M_S`] and above all of the set is released;
 //! * **flow**, looked at every [`FLOW_S`]: an element beside the set flows faster than the critical rate. Plastic zones that grow from outside into a set cross the layer around it;
 //! * **overload**, looked at every [`HybridSettings::check_s`]: the loads on the set would make an element in it flow ([`super::demand`]). This finds zones that begin within a set.
 //!
