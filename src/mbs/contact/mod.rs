@@ -7,7 +7,9 @@
 //! | `collider` | solids of bodies and obstacles, and planes, as a model has them |
 //! | `collide` | solids, their bounds and contact points (the only file that knows `parry3d`) |
 //! | `surface` | friction and restitution of each pair, who passes through whom |
-//! | `pair` | pairs of solids and their points over time |
+//! | `pair` | pairs of solids, their points, who has met whom |
+//! | `near` | which solids are near each other |
+//! | `look` | where the points of a pair are in a step, and which of them take part |
 //! | `passing` | solids that pass an edge of each other within a step |
 //! | `faces` | the points in which two faces lie on each other |
 //! | `gaps` | gaps along directions that may part solids |
@@ -49,6 +51,8 @@ mod gaps;
 mod groups;
 mod impact;
 mod links;
+mod look;
+mod near;
 mod overlap;
 mod pair;
 mod passing;

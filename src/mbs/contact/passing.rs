@@ -5,7 +5,7 @@
 
 use super::collide::{Placed, Solid};
 use super::gaps;
-use super::pair::speed_of;
+use super::look::speed_of;
 use super::{ContactSet, Moving};
 use crate::mbs::math::{self, V3};
 
