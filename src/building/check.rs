@@ -431,13 +431,7 @@ fn high_supports(draft: &Draft, found: &mut Vec<Diagnostic>) {
 /// Warns of members that stand on the ground unheld, beside ones that are supported: a run drops them, and takes their settling for the first contact.
 fn loose_feet(draft: &Draft, supported: &[bool], found: &mut Vec<Diagnostic>) {
     let Some(ground) = draft.ground else { return };
-    let footings: Vec<&Member> =
-        draft.members.list.iter().map(|m| &m.item).filter(|m| m.kind == MemberKind::Footing).collect();
-    let on_footing = |m: &Member| {
-        let mut foot = m.solid;
-        foot.max[2] = foot.min[2];
-        footings.iter().any(|f| f.solid.is_nearer(&foot, COORDINATE_TOLERANCE_M))
-    };
+    let on_footing = |m: &Member| draft.members.list.iter().any(|other| m.stands_on(&other.item));
     let stands = |m: &Member| {
         let height = m.solid.min[2] - ground.level_m;
         match m.kind {

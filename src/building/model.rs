@@ -5,6 +5,7 @@
 //! volume, and `members` are sorted by id order of the file (grid members first, in storey order).
 
 use super::inclined::Inclined;
+use super::partition::COORDINATE_TOLERANCE_M;
 use super::turned::TurnedBox;
 use crate::base::geom::Aabb;
 use serde::{Deserialize, Serialize};
@@ -351,6 +352,12 @@ impl Member {
     /// Edges of the gross shape along its own axes \[m\].
     pub fn size_m(&self) -> [f64; 3] {
         if self.is_skew() { TurnedBox::of(self).half_m.map(|h| 2.0 * h) } else { self.solid.size() }
+    }
+
+    /// Whether its foot rests on a footing, or in it.
+    pub fn stands_on(&self, footing: &Self) -> bool {
+        let foot = Aabb { max: [self.solid.max[0], self.solid.max[1], self.solid.min[2]], ..self.solid };
+        footing.kind == MemberKind::Footing && footing.solid.is_nearer(&foot, COORDINATE_TOLERANCE_M)
     }
 
     /// Distance of a point along the member's axis from its lower or first end \[m\].

@@ -9,7 +9,6 @@ use super::bodies::Bodies;
 use super::division::Divided;
 use super::joints::is_ground;
 use crate::base::geom::Aabb;
-use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Charge, MemberKind};
 use crate::mbs::model::{Bushing, Event, Origin};
 use std::collections::{BTreeMap, BTreeSet};
@@ -101,19 +100,18 @@ pub fn events(
 fn on_footing(building: &Building, footing: &str, bodies: &Bodies, bushings: &[Bushing]) -> Vec<String> {
     let place = building.members.iter().position(|m| m.id == footing);
     let Some(place) = place.filter(|m| is_ground(building, *m)) else { return Vec::new() };
-    let under = &building.members[place].solid;
+    let footing = &building.members[place];
     let mut found = Vec::new();
     for (member, own) in building.members.iter().enumerate() {
         let upright = matches!(own.kind, MemberKind::Column | MemberKind::Wall);
         let is_held = building.supports.iter().any(|s| s.member == own.id);
-        let foot = Aabb { max: [own.solid.max[0], own.solid.max[1], own.solid.min[2]], ..own.solid };
-        if !upright || is_held || !under.is_nearer(&foot, COORDINATE_TOLERANCE_M) {
+        if !upright || is_held || !own.stands_on(footing) {
             continue;
         }
         let ids: Vec<&String> = bodies.all_of(member).into_iter().map(|i| &bodies.list[i].id).collect();
         let middle_m = own.solid.center()[2];
-        let over =
-            |p: &[f64; 3]| (0..2).all(|i| (under.min[i]..=under.max[i]).contains(&p[i])) && p[2] < middle_m;
+        let Aabb { min, max } = footing.solid;
+        let over = |p: &[f64; 3]| (0..2).all(|i| (min[i]..=max[i]).contains(&p[i])) && p[2] < middle_m;
         let stands = |b: &&Bushing| b.body_a.is_none() && ids.contains(&&b.body_b) && over(&b.point_m);
         found.extend(bushings.iter().filter(stands).map(|b| b.id.clone()));
     }

@@ -6,7 +6,6 @@ use super::input::{HingeSite, History, ReportInput, RunCost};
 use super::number::{MISSING, count, duration, fixed, significant};
 use super::page::{optional, optional_time};
 use super::plots;
-use crate::base::vector::norm;
 use serde::Serialize;
 
 /// What the template shows in place of a comparison.
@@ -64,18 +63,12 @@ impl Table {
     }
 }
 
-/// Largest displacement of a point \[m\], and when \[s\]; not-a-number: there is none.
-fn largest(history: &History) -> (f64, f64) {
-    let sizes = history.time_s.iter().zip(&history.mbs_m).map(|(t, u)| (norm(*u), *t));
-    let finite = sizes.filter(|x| x.0.is_finite());
-    finite.fold((f64::NAN, f64::NAN), |best, x| if best.0 >= x.0 { best } else { x })
-}
-
 fn points(histories: &[History]) -> Result<Vec<Point>, ReportError> {
-    let farthest = histories.iter().map(|h| largest(h).0).filter(|u| u.is_finite()).fold(0.0, f64::max);
+    let size = |h: &History| h.largest_of_mbs().map_or(0.0, |(u, _)| u);
+    let farthest = histories.iter().map(size).fold(0.0, f64::max);
     let mut found = false;
     let mut point = |history: &History| {
-        let is_farthest = !found && largest(history).0 >= farthest;
+        let is_farthest = !found && size(history) >= farthest;
         found |= is_farthest;
         Ok(Point { name: history.point.clone(), charts: plots::history_charts(history)?, is_farthest })
     };
@@ -89,8 +82,8 @@ fn displacements(histories: &[History]) -> Table {
     };
     Table::of(vec![
         ("Point", false, all(&|h| h.point.clone())),
-        ("max |u| [m]", true, all(&|h| significant(largest(h).0, 3))),
-        ("at [s]", true, all(&|h| fixed(largest(h).1, 2))),
+        ("max |u| [m]", true, all(&|h| h.largest_of_mbs().map_or(MISSING.into(), |x| significant(x.0, 3)))),
+        ("at [s]", true, all(&|h| h.largest_of_mbs().map_or(MISSING.into(), |x| fixed(x.1, 2)))),
         ("u x at the end [m]", true, end(0)),
         ("u y [m]", true, end(1)),
         ("u z [m]", true, end(2)),

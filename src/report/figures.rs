@@ -4,7 +4,6 @@ use super::chart::seconds;
 use super::input::{HingeSite, ReportInput, RunCost};
 use super::number::{MISSING, duration, fixed, significant};
 use super::page::{agreement, optional};
-use crate::base::vector::norm;
 use serde::Serialize;
 
 /// A key figure of the head.
@@ -63,11 +62,8 @@ pub(super) fn alone(input: &ReportInput) -> Vec<Figure> {
     let mut out = Vec::new();
     let (value, unit) = input.first_contact.mbs_s.map_or(("none".into(), ""), |t| (fixed(t, 3), "s"));
     out.push(Figure { label: "First ground contact", value, unit, note: String::new() });
-    let ends = input.histories.iter().flat_map(|h| {
-        let sizes = h.time_s.iter().zip(&h.mbs_m).map(|(t, u)| (norm(*u), *t, h.point.as_str()));
-        sizes.filter(|x| x.0.is_finite())
-    });
-    if let Some((u, t, point)) = ends.max_by(|a, b| a.0.total_cmp(&b.0)) {
+    let largest = input.histories.iter().filter_map(|h| Some((h.largest_of_mbs()?, &h.point)));
+    if let Some(((u, t), point)) = largest.reduce(|best, x| if best.0.0 >= x.0.0 { best } else { x }) {
         let (factor, unit) = if u < 0.1 { (1e3, "mm") } else { (1.0, "m") };
         let (value, note) = (significant(factor * u, 3), format!("{point}, {}", seconds(t)));
         out.push(Figure { label: "Largest displacement", value, unit, note });

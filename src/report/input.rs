@@ -8,6 +8,7 @@
 use super::partition::PartitionView;
 use super::plan::{BlastingPlan, DebrisPlan};
 use super::scene_input::Scene;
+use crate::base::vector::norm;
 
 /// Everything one report shows.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -174,6 +175,14 @@ pub struct History {
     pub hybrid_m: Vec<[f64; 3]>,
     /// Time from which the point is free debris in the FE run \[s\].
     pub debris_s: Option<f64>,
+}
+
+impl History {
+    /// Largest displacement in the MBS run \[m\], and when it was reached first \[s\].
+    pub fn largest_of_mbs(&self) -> Option<(f64, f64)> {
+        let sizes = self.time_s.iter().zip(&self.mbs_m).map(|(t, u)| (norm(*u), *t));
+        sizes.filter(|x| x.0.is_finite()).reduce(|best, x| if best.0 >= x.0 { best } else { x })
+    }
 }
 
 /// The relative displacement error over all tracked points,

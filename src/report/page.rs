@@ -18,8 +18,6 @@ const PAGE: &str = include_str!("templates/page.html");
 const STYLE: &str = include_str!("templates/style.css");
 const CHARTS: &str = include_str!("templates/charts.js");
 const VIEWER: &str = concat!(include_str!("templates/shaders.js"), include_str!("templates/viewer.js"));
-/// What the viewer says of FE at a site, left out where there is no FE run.
-const FE_AT_SITE: &str = r#"\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}"#;
 
 /// Most subjects of a decision that are shown.
 const SUBJECTS_SHOWN: usize = 4;
@@ -66,7 +64,7 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
     let text = environment.get_template("page")?.render(template_value(json!({
         "style": STYLE,
         "charts_js": CHARTS,
-        "viewer_js": if input.mbs_alone { VIEWER.replace(FE_AT_SITE, "") } else { VIEWER.to_string() },
+        "viewer_js": VIEWER,
         "title": title(input),
         "building": input.building_name,
         "description": input.building_description,

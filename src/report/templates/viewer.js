@@ -585,7 +585,8 @@
     tip.hidden = !best;
     if (!best) return;
     const { m } = best;
-    tip.textContent = m.what !== undefined ? `charge ${m.label}: ${m.what}\nfires at ${seconds(m.time)}` : `${m.label}\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}\n${m.latent ? `latent, goes live: ${seconds(m.live)}` : `MBS yields: ${!m.mbs ? "no hinge" : m.slight !== null ? `${seconds(m.slight)} (slightly)` : seconds(m.mbsTime)}`}${m.fractured === null ? "" : `\nseparates: ${seconds(m.fractured)}`}`;
+    const zone = !fe && m.fe === null ? "" : `\nFE zone: ${m.fe === null ? "not evaluated" : m.fe ? seconds(m.feTime) : "no"}`;
+    tip.textContent = m.what !== undefined ? `charge ${m.label}: ${m.what}\nfires at ${seconds(m.time)}` : `${m.label}${zone}\n${m.latent ? `latent, goes live: ${seconds(m.live)}` : `MBS yields: ${!m.mbs ? "no hinge" : m.slight !== null ? `${seconds(m.slight)} (slightly)` : seconds(m.mbsTime)}`}${m.fractured === null ? "" : `\nseparates: ${seconds(m.fractured)}`}`;
     tip.style.left = `${Math.min(event.clientX - r.left + 14, r.width - 170)}px`;
     tip.style.top = `${Math.min(event.clientY - r.top + 14, r.height - 90)}px`;
   };
