@@ -5,6 +5,7 @@ use super::partition::COORDINATE_TOLERANCE_M;
 use super::turned::TurnedBox;
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
+use crate::base::sets::groups;
 use petgraph::unionfind::UnionFind;
 
 /// Whether two gross solids overlap or share a face with an area.
@@ -51,13 +52,6 @@ pub fn unsupported_groups(members: &[&Member], present: &[bool], supported: &[bo
             }
         }
     }
-    let mut groups: std::collections::BTreeMap<usize, (Vec<usize>, bool)> = Default::default();
-    for i in (0..members.len()).filter(|&i| present[i]) {
-        let group = groups.entry(sets.find(i)).or_default();
-        group.0.push(i);
-        group.1 |= supported[i];
-    }
-    let mut loose: Vec<Vec<usize>> = groups.into_values().filter(|g| !g.1).map(|g| g.0).collect();
-    loose.sort();
-    loose
+    let groups = groups(&sets, (0..members.len()).filter(|&i| present[i]));
+    groups.into_iter().filter(|group| !group.iter().any(|&i| supported[i])).collect()
 }

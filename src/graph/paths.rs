@@ -3,6 +3,7 @@
 use super::ends::is_upright;
 use super::structure::{Connection, Link, Node, Structure};
 use crate::base::geom::Aabb;
+use crate::base::sets::groups;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, MemberKind, Preparation};
 use petgraph::graph::NodeIndex;
@@ -69,17 +70,7 @@ impl Structure {
         for connection in self.connections().filter(|c| joined(c)) {
             sets.union(connection.members[0], connection.members[1]);
         }
-        let labels = sets.into_labeling();
-        let mut slot = vec![None; count];
-        let mut clusters: Vec<Vec<usize>> = Vec::new();
-        for (member, label) in labels.into_iter().enumerate() {
-            let place = *slot[label].get_or_insert_with(|| {
-                clusters.push(Vec::new());
-                clusters.len() - 1
-            });
-            clusters[place].push(member);
-        }
-        clusters
+        groups(&sets, 0..count)
     }
 
     /// Storey bodies: slabs with the beams and joint blocks that they touch; every column, wall and

@@ -3,6 +3,7 @@
 use super::{Builder, meet};
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
+use crate::base::sets::groups;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Member, MemberKind};
 use crate::graph::ends::{End, is_upright};
@@ -52,14 +53,8 @@ pub(super) fn find(structure: &Structure, building: &Building) -> Vec<Joint> {
             sets.union(top, bottom);
         }
     }
-    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    let mut first_of = BTreeMap::new();
-    for &e in &upright {
-        let first = *first_of.entry(sets.find(e)).or_insert(e);
-        groups.entry(first).or_default().push(e);
-    }
-    groups
-        .into_values()
+    groups(&sets, upright)
+        .into_iter()
         .map(|ends| {
             let tops = ends.iter().filter(|e| structure.ends[**e].end == End::High);
             let bottoms = ends.iter().filter(|e| structure.ends[**e].end == End::Low);

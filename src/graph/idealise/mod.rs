@@ -25,6 +25,7 @@ use super::frame::{BeamSection, Diaphragm, Element, Flange, Frame, FrameNode};
 use super::structure::Structure;
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
+use crate::base::sets::groups;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Member, MemberKind};
 use joints::Joint;
@@ -292,15 +293,8 @@ impl Builder<'_> {
             });
             in_plate.extend(nodes);
         }
-        let mut diaphragms: Vec<(usize, Diaphragm)> = Vec::new();
-        for node in in_plate {
-            let root = sets.find(node);
-            match diaphragms.iter_mut().find(|(r, _)| *r == root) {
-                Some((_, diaphragm)) => diaphragm.nodes.push(node),
-                None => diaphragms.push((root, Diaphragm { nodes: vec![node] })),
-            }
-        }
-        diaphragms.into_iter().map(|(_, d)| d).filter(|d| d.nodes.len() > 1).collect()
+        let shared = groups(&sets, in_plate).into_iter().filter(|nodes| nodes.len() > 1);
+        shared.map(|nodes| Diaphragm { nodes }).collect()
     }
 
     /// Nodes of the beams, strips and joints that a plate meets, without repetition.

@@ -3,10 +3,10 @@
 use super::{Builder, abut, meet};
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
+use crate::base::sets::groups;
 use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use petgraph::unionfind::UnionFind;
-use std::collections::BTreeMap;
 
 /// Slabs that bend as one.
 pub(super) struct Plate {
@@ -40,14 +40,8 @@ impl Builder<'_> {
                 sets.union(slab, other);
             });
         }
-        let mut first_of = BTreeMap::new();
-        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for slab in slabs {
-            let first = *first_of.entry(sets.find(slab)).or_insert(slab);
-            groups.entry(first).or_default().push(slab);
-        }
         let plate = |slabs: Vec<usize>| Plate { solids: slabs.iter().map(|m| solid(*m)).collect(), slabs };
-        groups.into_values().map(plate).collect()
+        groups(&sets, slabs).into_iter().map(plate).collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Bodies that latent bushings hold together, as one body.
 
+use crate::base::sets::groups;
 use crate::mbs::math::{self, M3, Q, V3};
 use crate::mbs::model::{Body, MassBlock, Model, Shape, SharedMass};
 use petgraph::unionfind::UnionFind;
@@ -45,6 +46,10 @@ fn places(model: &Model) -> BTreeMap<&str, usize> {
 
 /// A number for each body, the same for those that latent bushings hold together.
 pub fn held_together(model: &Model, latent: &[bool]) -> Vec<usize> {
+    sets(model, latent).into_labeling()
+}
+
+fn sets(model: &Model, latent: &[bool]) -> UnionFind<usize> {
     let index = places(model);
     let at = |id: &str| index.get(id).copied();
     let mut sets = UnionFind::<usize>::new(model.bodies.len());
@@ -53,7 +58,7 @@ pub fn held_together(model: &Model, latent: &[bool]) -> Vec<usize> {
             sets.union(a, b);
         }
     }
-    sets.into_labeling()
+    sets
 }
 
 /// Joins the bodies between latent bushings; each body takes the id of its first piece.
@@ -62,18 +67,9 @@ pub fn held_together(model: &Model, latent: &[bool]) -> Vec<usize> {
 pub fn merge(model: &Model, latent: &[bool]) -> Merged {
     let index = places(model);
     let at = |id: &str| index.get(id).copied();
-    let labels = held_together(model, latent);
-    let mut of_label = vec![None; labels.len()];
-    let mut pieces: Vec<Vec<usize>> = Vec::new();
-    for (i, label) in labels.iter().enumerate() {
-        let body = *of_label[*label].get_or_insert_with(|| {
-            pieces.push(Vec::new());
-            pieces.len() - 1
-        });
-        pieces[body].push(i);
-    }
+    let pieces = groups(&sets(model, latent), 0..model.bodies.len());
     let bodies: Vec<Body> = pieces.iter().map(|own| join(&model.bodies, own)).collect();
-    let mut places = vec![Place { body: 0, pose: None }; labels.len()];
+    let mut places = vec![Place { body: 0, pose: None }; model.bodies.len()];
     for (body, own) in pieces.iter().enumerate() {
         for i in own {
             let piece = &model.bodies[*i];
