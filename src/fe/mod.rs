@@ -30,6 +30,7 @@ pub mod quality;
 mod recorder;
 pub mod relaxation;
 pub mod removal;
+mod resist;
 pub mod restart;
 pub mod result;
 pub mod run;

@@ -318,31 +318,7 @@ impl Marcher {
         });
         while until_s - self.time_s > self.least_s {
             let wanted = even.unwrap_or(self.step.min(self.limit_s));
-            let step = wanted.min(until_s - self.time_s);
-            if step < self.least_s {
-                return Err(MarchError::Step { time_s: self.time_s, step_s: step });
-            }
-            self.watch()?;
-            // joints that stop motions again and again leave no smooth motion for error estimates
-            let shaken = self.method.is_of_stiff() && self.shaken > SHAKEN[0] * SHAKEN[1];
-            let leaps = self.is_near(step) || shaken;
-            let step = if leaps { self.contact_step(step, until_s) } else { step };
-            self.motion.bear_nothing();
-            let step = if leaps {
-                let length = self.jump(step)?;
-                let short = length < step;
-                let step = self.leap_to_event(length, short)?;
-                self.step = if shaken && !short { 1.5 * step } else { self.step };
-                step
-            } else {
-                let Some(change) = self.attempt(step)? else { continue };
-                if !self.counted(step) {
-                    continue;
-                }
-                // a step shortened to meet the end says little about the next one
-                self.step = if step < 0.5 * wanted { self.step } else { step * change };
-                step
-            };
+            let Some((step, leaps)) = self.try_step(wanted, until_s)? else { continue };
             self.count(step);
             let two = 2.min(self.rates.len());
             let span = Span {
@@ -360,41 +336,76 @@ impl Marcher {
                 self.motion.project(&mut state);
                 (self.state, self.time_s) = (state, at_s);
             } else {
-                let locked = self.project_step(leaps || self.method.is_leapfrog());
-                let [memory, _, most] = SHAKEN;
-                self.shaken = if locked {
-                    (self.shaken + memory).min(most * memory)
-                } else {
-                    self.shaken.saturating_sub(1)
-                };
-                self.state.copy_from_slice(&self.next);
-                let last = if leaps { 1 } else { self.rates.len() - 1 };
-                self.rates.swap(0, last);
-                self.time_s += step;
-                if locked {
-                    self.refresh();
-                    self.before = 1.0;
-                }
+                self.keep_step(step, leaps);
             }
-            let opened = self.motion.commit();
-            self.yields.extend(self.motion.yielded.drain(..).map(|id| (self.time_s, id)));
-            let confused = std::mem::take(&mut self.motion.confused);
-            for id in &confused {
-                self.confused.entry(*id).or_insert(self.time_s);
-            }
-            // the torques of a hinge that counts anew are others
-            if !opened.is_empty() || !confused.is_empty() || cut.is_some() {
-                fractured.extend(opened.into_iter().map(|id| (self.time_s, id)));
-                self.refresh();
-                self.connect();
-                self.before = 1.0;
-            }
+            self.commit(cut.is_some(), fractured);
             if cut.is_some() {
                 return Ok(true);
             }
         }
         self.time_s = until_s;
         Ok(false)
+    }
+
+    /// Finds the next state with a step of at most `wanted` \[s\]; returns the step, and whether it is one of the leapfrog; none: a shorter one must be tried.
+    fn try_step(&mut self, wanted: f64, until_s: f64) -> Result<Option<(f64, bool)>, MarchError> {
+        let step = wanted.min(until_s - self.time_s);
+        if step < self.least_s {
+            return Err(MarchError::Step { time_s: self.time_s, step_s: step });
+        }
+        self.watch()?;
+        // joints that stop motions again and again leave no smooth motion for error estimates
+        let shaken = self.method.is_of_stiff() && self.shaken > SHAKEN[0] * SHAKEN[1];
+        let leaps = self.is_near(step) || shaken;
+        let step = if leaps { self.contact_step(step, until_s) } else { step };
+        self.motion.bear_nothing();
+        if leaps {
+            let length = self.jump(step)?;
+            let short = length < step;
+            let step = self.leap_to_event(length, short)?;
+            self.step = if shaken && !short { 1.5 * step } else { self.step };
+            return Ok(Some((step, leaps)));
+        }
+        let Some(change) = self.attempt(step)? else { return Ok(None) };
+        if !self.counted(step) {
+            return Ok(None);
+        }
+        // a step shortened to meet the end says little about the next one
+        self.step = if step < 0.5 * wanted { self.step } else { step * change };
+        Ok(Some((step, leaps)))
+    }
+
+    /// Goes on from the end of a step, projected onto the joints.
+    fn keep_step(&mut self, step: f64, leaps: bool) {
+        let locked = self.project_step(leaps || self.method.is_leapfrog());
+        let [memory, _, most] = SHAKEN;
+        self.shaken =
+            if locked { (self.shaken + memory).min(most * memory) } else { self.shaken.saturating_sub(1) };
+        self.state.copy_from_slice(&self.next);
+        let last = if leaps { 1 } else { self.rates.len() - 1 };
+        self.rates.swap(0, last);
+        self.time_s += step;
+        if locked {
+            self.refresh();
+            self.before = 1.0;
+        }
+    }
+
+    /// Makes what flowed in a step last, and starts anew where forces have changed with it.
+    fn commit(&mut self, cut: bool, fractured: &mut Vec<(f64, usize)>) {
+        let opened = self.motion.commit();
+        self.yields.extend(self.motion.yielded.drain(..).map(|id| (self.time_s, id)));
+        let confused = std::mem::take(&mut self.motion.confused);
+        for id in &confused {
+            self.confused.entry(*id).or_insert(self.time_s);
+        }
+        // the torques of a hinge that counts anew are others
+        if !opened.is_empty() || !confused.is_empty() || cut {
+            fractured.extend(opened.into_iter().map(|id| (self.time_s, id)));
+            self.refresh();
+            self.connect();
+            self.before = 1.0;
+        }
     }
 
     /// Projects the end of a step; true if joint conditions that depended on others no longer do: a pose was left in which the joints allowed a motion at first order
