@@ -64,9 +64,18 @@ pub(super) fn run(
             Put::Replaced => "replaced",
         }
     };
-    let words = match what {
+    let mut words = match what {
         "was there already" => format!("{} was there already", entry.key),
         what => format!("{what} {}", entry.key),
     };
-    report(json, out, json!({ "key": entry.key, "done": what, "warnings": doubts }), &words)
+    let deprecated = store.deprecation(&entry.key)?;
+    if let Some(why) = &deprecated {
+        words += &format!("; it is deprecated ({}) and stays so", why.reason);
+    }
+    report(
+        json,
+        out,
+        json!({ "key": entry.key, "done": what, "deprecated": deprecated, "warnings": doubts }),
+        &words,
+    )
 }

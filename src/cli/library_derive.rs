@@ -119,8 +119,9 @@ pub fn derive_for(
     store.writable()?;
     let mut derived = Derived::default();
     let mut missing = Vec::new();
+    let known = store.usable_keys();
     for (key, (end, wanted)) in wanted(building)? {
-        if again || store.keys().binary_search(&key).is_err() {
+        if again || known.binary_search(&key).is_err() {
             missing.push((key, end, wanted));
         } else {
             derived.present.push(key);
@@ -207,6 +208,7 @@ pub fn derive_sections(
     let (bending, again) = (&what.bending, what.again);
     let mut derived = Derived::default();
     let mut missing: BTreeMap<String, RcWanted> = BTreeMap::new();
+    let known = store.usable_keys();
     for section in sections {
         let section = as_tested(bending.section(section.clone()), bending);
         let failed = |e: serde_json::Error| rc_failed(&section)(RcDeriveError::from(e));
@@ -215,7 +217,7 @@ pub fn derive_sections(
         let mut wanted = RcWanted::of(&section, &options).map_err(failed)?;
         wanted.check_mesh = what.check_mesh;
         let key = wanted.key().map_err(failed)?;
-        if again || store.keys().binary_search(&key).is_err() {
+        if again || known.binary_search(&key).is_err() {
             missing.insert(key, wanted);
         } else if !derived.present.contains(&key) {
             derived.present.push(key);

@@ -40,6 +40,7 @@ pub fn derive(
     let options = what.bending.options(&[], 0.0);
     let shares = (!what.bending.axial.is_empty()).then_some(what.bending.axial.as_slice());
     let mut missing: BTreeMap<String, RcSpringWanted> = BTreeMap::new();
+    let known = store.usable_keys();
     for section in sections {
         let section = what.bending.section(section.clone());
         let failed = |e: serde_json::Error| spring_failed(&section)(RcSpringError::from(e));
@@ -49,7 +50,7 @@ pub fn derive(
                 continue;
             };
             let key = wanted.key().map_err(failed)?;
-            if what.again || store.keys().binary_search(&key).is_err() {
+            if what.again || known.binary_search(&key).is_err() {
                 missing.insert(key, wanted);
             } else if !derived.present.contains(&key) {
                 derived.present.push(key);

@@ -170,7 +170,7 @@ impl Known {
         };
         Ok(Self {
             derive,
-            keys: store.keys(),
+            keys: store.usable_keys(),
             withdrawn: Withdrawn::of(store)?,
             candidates: like(EntryKind::ColumnHinge),
             crushed: like(EntryKind::ContactCrushing),

@@ -230,7 +230,7 @@ pub enum GenerateError {
     Welded(#[from] Welds),
     /// A rule about events compares what is not known before them.
     #[error(transparent)]
-    Event(#[from] crate::rules::residual::Unbound),
+    Event(#[from] crate::rules::residual::PendingError),
     /// A submodel failed.
     #[error(transparent)]
     Derive(#[from] DeriveError),

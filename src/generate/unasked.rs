@@ -147,7 +147,7 @@ impl Common {
         rules.possible(&self.subject(kind, member_kind)).map(|r| (r, member_kind)).collect()
     }
 
-    /// Rules about columns that ask for what a run does not evaluate.
+    /// Rules about columns that ask for what a run does not evaluate, or that others supersede altogether.
     fn not_evaluated(
         &self,
         building: &Building,
@@ -164,7 +164,10 @@ impl Common {
             }
         }
         let told = |(features, own): (Vec<String>, Vec<&Rule>)| {
-            let why = format!("a run does not evaluate {}", features.join(", "));
+            let why = match features.as_slice() {
+                [] => "other rules supersede them wherever they would fire".to_string(),
+                lacking => format!("a run does not evaluate {}", lacking.join(", ")),
+            };
             self.grouped(own.into_iter().map(|r| (r, "column")), "", [EVENTS, &why])
         };
         Ok(by_feature.into_iter().flat_map(told).collect())

@@ -9,6 +9,7 @@ use super::lock::Lock;
 use super::succession::{self, Successors};
 use super::text::{Manifest, TextFile, TextFolder};
 use crate::base::hash::ContentHash;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -222,6 +223,11 @@ impl Store {
         self.manifest.keys().cloned().collect()
     }
 
+    /// Keys of the usable records, sorted: those that need not be computed.
+    pub fn usable_keys(&self) -> Vec<String> {
+        self.manifest.keys().filter(|key| !self.damaged.contains_key(*key)).cloned().collect()
+    }
+
     /// The entry with this key.
     ///
     /// # Errors
@@ -248,6 +254,15 @@ impl Store {
         let deprecated = self.index.iter().filter(|(_, item)| item.deprecated).map(|(key, _)| key);
         let of = |key: &String| Ok(self.get(key)?.deprecated.map(|why| (key.clone(), why)));
         deprecated.filter_map(|key| of(key).transpose()).collect()
+    }
+
+    /// Why an entry is deprecated; none if it is not, or not there.
+    ///
+    /// # Errors
+    /// As [`Self::get`].
+    pub fn deprecation(&self, key: &str) -> Result<Option<Deprecation>, StoreError> {
+        let is_deprecated = self.index.get(key).is_some_and(|item| item.deprecated);
+        if is_deprecated { Ok(self.get(key)?.deprecated) } else { Ok(None) }
     }
 
     /// The one key that is meant by a key, its name without the kind, its hash, or the beginning of any of these.
@@ -308,7 +323,7 @@ impl Store {
         sound_text(entry).map(|_| ())
     }
 
-    /// Stores an entry.
+    /// Stores an entry. One that was deprecated stays so.
     ///
     /// # Errors
     /// If the entry is not sound or too large, a key is given twice with different content, or the store cannot be written.
@@ -328,7 +343,8 @@ impl Store {
         }
     }
 
-    /// Stores entries: all are checked before the first is written; text first, then the working copy, then the journal.
+    /// Stores entries, of which those stay deprecated that were: all are checked before the first is written; text first, successors before those that they replace, then the working copy,
+    /// then the journal.
     ///
     /// # Errors
     /// As [`Store::put`].
@@ -351,7 +367,8 @@ impl Store {
         let mut events = Vec::new();
         let mut done = Vec::with_capacity(entries.len());
         let mut given: BTreeMap<&str, ContentHash> = BTreeMap::new();
-        for entry in entries {
+        let entries = entries.iter().map(|e| self.still_deprecated(e)).collect::<Result<Vec<_>, _>>()?;
+        for entry in &entries {
             let text = sound_text(entry)?;
             let hash = ContentHash::of_bytes(text.as_bytes());
             let earlier = given.insert(&entry.key, hash);
@@ -376,12 +393,16 @@ impl Store {
             return Ok(done);
         }
         self.bring_journal_up()?;
+        // a writer that is killed leaves no entry behind whose successor is still to come
+        let successor = |e: &Entry| e.deprecated.as_ref().and_then(|d| d.successor.clone());
+        let successors = entries.iter().map(|e| (e.key.clone(), successor(e))).collect();
+        changed.sort_by_cached_key(|(key, _)| succession::following(key, &successors));
         self.text.write(&changed)?;
         for (key, text) in &changed {
             self.manifest.insert(key.clone(), ContentHash::of_bytes(text.as_bytes()));
             self.damaged.remove(key);
         }
-        for entry in entries {
+        for entry in &entries {
             self.index.insert(entry.key.clone(), Indexed::of(entry));
         }
         if let Some(cache) = &self.cache {
@@ -395,6 +416,13 @@ impl Store {
         }
         self.tell(events, note)?;
         Ok(done)
+    }
+
+    /// An entry with the deprecation of the record that is there.
+    fn still_deprecated<'e>(&self, entry: &'e Entry) -> Result<Cow<'e, Entry>, StoreError> {
+        let held = if entry.deprecated.is_none() { self.deprecation(&entry.key)? } else { None };
+        Ok(held
+            .map_or(Cow::Borrowed(entry), |why| Cow::Owned(Entry { deprecated: Some(why), ..entry.clone() })))
     }
 
     /// Marks an entry as no longer to be used; of one that is marked already, what is not given anew is kept.

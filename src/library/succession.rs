@@ -31,6 +31,12 @@ pub fn faults(successors: &Successors) -> BTreeSet<(String, String)> {
     found
 }
 
+/// How many successors follow on a key, at most as many as there are entries.
+pub fn following(key: &str, successors: &Successors) -> usize {
+    let next = |key: &&str| successors.get(*key).and_then(Option::as_deref);
+    std::iter::successors(Some(key), next).take(successors.len() + 1).count() - 1
+}
+
 /// Why an entry of another kind is no successor, in words.
 pub fn other_kind(successor: &str) -> String {
     format!("its successor `{successor}` is of another kind; name one of the same kind {HOW}")
@@ -78,6 +84,15 @@ mod tests {
         assert!(circle[0].0 == "k/a" && circle[0].1.contains("lead back to it through `k/b`, `k/c`"));
         let itself = found(&[("k/a", Some("k/a"))]);
         assert!(itself.len() == 1 && itself[0].1.contains("lead back to it"), "{itself:?}");
+    }
+
+    #[test]
+    fn successors_are_counted_along_their_chain() {
+        let pairs = [("k/a", Some("k/b")), ("k/b", Some("k/c")), ("k/c", None), ("k/d", Some("k/d"))];
+        let successors = pairs.iter().map(|(key, to)| (key.to_string(), to.map(str::to_string))).collect();
+        let count = |key: &str| following(key, &successors);
+        assert_eq!(["k/a", "k/b", "k/c", "k/e"].map(count), [2, 1, 0, 0]);
+        assert_eq!(count("k/d"), successors.len());
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::action::Aspect;
 use super::features::{self, MEMBER_KINDS};
 use super::logic::{self, Atom, Conjunction};
 use super::problem::Problem;
+use super::residual::PendingError;
 use super::rule::{Rule, least, most};
 use super::typing;
 use super::value::SubjectKind;
@@ -41,6 +42,7 @@ pub fn problems(rules: &[Rule], faulty: &BTreeSet<String>) -> Vec<Problem> {
     let mut found = doubles(rules);
     found.extend(superseding(rules, faulty));
     found.extend(never(rules));
+    found.extend(intricate(rules));
     found.extend(conflicts(rules));
     found
 }
@@ -133,6 +135,14 @@ fn never(rules: &[Rule]) -> Vec<Problem> {
         }
     }
     found
+}
+
+/// Rules about events whose conditions have too many cases to be put into a model.
+fn intricate(rules: &[Rule]) -> Vec<Problem> {
+    let events = [SubjectKind::ContactEvent, SubjectKind::FractureEvent];
+    let asked = rules.iter().filter(|r| events.contains(&r.applies_to));
+    let found = asked.filter(|r| logic::cases(&r.condition, false).is_none());
+    found.map(|r| at(r, PendingError::Intricate { rule: r.id.clone() }.to_string())).collect()
 }
 
 /// Whether a case asks for members of kinds that have no such subjects.

@@ -16,7 +16,7 @@ const EQUAL: u8 = 2;
 const GREATER: u8 = 4;
 
 /// Most conjunctions looked at; beyond it the answer is "possible".
-const TERMS_LIMIT: usize = 2048;
+pub(super) const TERMS_LIMIT: usize = 2048;
 
 /// A simple statement about features.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,11 +70,7 @@ pub fn both(a: &[Conjunction], b: &[Conjunction]) -> Option<Vec<Conjunction>> {
 
 fn test_cases(test: &Test, negated: bool) -> Vec<Conjunction> {
     let name = &test.feature.0;
-    let values = match features::find(name).map(|f| f.kind) {
-        Some(FeatureType::Names(names)) => names.to_vec(),
-        Some(FeatureType::Flag) => vec!["false", "true"],
-        _ => return number_cases(test, negated),
-    };
+    let Some(values) = values_of(name) else { return number_cases(test, negated) };
     let listed: BTreeSet<String> = test
         .operands
         .iter()
@@ -87,6 +83,22 @@ fn test_cases(test: &Test, negated: bool) -> Vec<Conjunction> {
     let left: BTreeSet<String> =
         values.into_iter().map(str::to_string).filter(|v| listed.contains(v) != negated).collect();
     if left.is_empty() { vec![] } else { vec![vec![Atom::OneOf(name.clone(), left)]] }
+}
+
+/// All names that a feature can have, or those of a flag; none of a number.
+fn values_of(name: &str) -> Option<Vec<&'static str>> {
+    match features::find(name)?.kind {
+        FeatureType::Names(names) => Some(names.to_vec()),
+        FeatureType::Flag => Some(vec!["false", "true"]),
+        FeatureType::Number { .. } => None,
+    }
+}
+
+/// That a feature has none of some names; none if it has no others.
+pub fn none_of(name: &str, among: &BTreeSet<String>) -> Option<Atom> {
+    let others = values_of(name)?.into_iter().map(str::to_string).filter(|v| !among.contains(v));
+    let others: BTreeSet<String> = others.collect();
+    (!others.is_empty()).then(|| Atom::OneOf(name.to_string(), others))
 }
 
 fn number_cases(test: &Test, negated: bool) -> Vec<Conjunction> {

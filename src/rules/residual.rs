@@ -1,8 +1,8 @@
 //! What is left of a condition once some features are known.
 
 use super::engine::RuleBase;
-use super::logic::{self, Atom};
-use super::rule::Rule;
+use super::logic::{self, Atom, Conjunction};
+use super::rule::{Rule, least, most};
 use super::value::{Subject, Value};
 use super::{Action, Aspect};
 use std::collections::{BTreeMap, BTreeSet};
@@ -29,37 +29,45 @@ pub struct Pending<'a> {
     pub cases: Vec<Case>,
 }
 
-/// A comparison that cannot be told from numbers and names alone.
+/// Why what is left of a rule cannot be told.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "rule `{rule}` compares `{feature}` with another feature, which cannot be done before both are known: compare it with a number"
-)]
-pub struct Unbound {
-    /// Id of the rule.
-    pub rule: String,
-    /// The feature.
-    pub feature: String,
+pub enum PendingError {
+    /// A comparison that cannot be told from numbers and names alone.
+    #[error(
+        "rule `{rule}` compares `{feature}` with another feature, which cannot be done before both are known: compare it with a number"
+    )]
+    Unbound {
+        /// Id of the rule.
+        rule: String,
+        /// The feature.
+        feature: String,
+    },
+    /// Too many cases.
+    #[error(
+        "rule `{rule}` falls into too many cases, with those in which another rule supersedes it: more than {most}; split it into several rules, or take `or` out of conditions", most = logic::TERMS_LIMIT
+    )]
+    Intricate {
+        /// Id of the rule.
+        rule: String,
+    },
 }
 
 impl RuleBase {
     /// The rules about a kind of subject that answer a question and may fire for a subject of which some features will be known (`later`), in the order in which they decide. A rule that needs
-    /// any other feature that is not known stays silent, as always.
+    /// any other feature that is not known stays silent, as always. One that others supersede is left with the cases in which none of these fires within its range.
     ///
     /// # Errors
-    /// If a rule compares such a feature with another one.
+    /// If a rule compares such a feature with another one, or falls into too many cases.
     pub fn pending(
         &self,
         subject: &Subject,
         aspect: Aspect,
         later: &[&str],
-    ) -> Result<Vec<Pending<'_>>, Unbound> {
+    ) -> Result<Vec<Pending<'_>>, PendingError> {
         let about = |r: &&Rule| r.applies_to == subject.kind && r.action.spec().aspect == aspect;
         let mut list = Vec::new();
         for rule in self.rules().iter().filter(about) {
-            let mut cases = Vec::new();
-            for conjunction in logic::cases(&rule.condition, false).unwrap_or_default() {
-                cases.extend(case(&rule.id, &conjunction, subject, later)?);
-            }
+            let cases = self.open_cases(rule, subject, later)?;
             if !cases.is_empty() {
                 list.push(Pending {
                     rule: &rule.id,
@@ -70,6 +78,63 @@ impl RuleBase {
             }
         }
         Ok(list)
+    }
+
+    /// The cases in which a rule fires and none that supersedes it does so within its range.
+    fn open_cases(&self, rule: &Rule, subject: &Subject, later: &[&str]) -> Result<Vec<Case>, PendingError> {
+        let intricate = || PendingError::Intricate { rule: rule.id.clone() };
+        let mut open = logic::cases(&rule.condition, false).ok_or_else(intricate)?;
+        for other in self.rules().iter().filter(|other| other.supersedes.contains(&rule.id)) {
+            let own = logic::cases(&other.condition, false)
+                .ok_or_else(|| PendingError::Intricate { rule: other.id.clone() })?;
+            for taken in cases_of(&other.id, &own, subject, later)? {
+                if let Some(taken) = taken.within(other, subject, later) {
+                    open = logic::both(&open, &taken.complement()).ok_or_else(intricate)?;
+                }
+            }
+        }
+        cases_of(&rule.id, &open, subject, later)
+    }
+}
+
+/// What is left of each of some conjunctions.
+fn cases_of(
+    rule: &str,
+    conjunctions: &[Conjunction],
+    subject: &Subject,
+    later: &[&str],
+) -> Result<Vec<Case>, PendingError> {
+    let cases = conjunctions.iter().map(|own| case(rule, own, subject, later));
+    cases.filter_map(Result::transpose).collect()
+}
+
+impl Case {
+    /// The part of it that lies within the range of a rule; none if nothing does, or if a number of the range will never be known.
+    fn within(mut self, rule: &Rule, subject: &Subject, later: &[&str]) -> Option<Self> {
+        for (name, [low, high]) in &rule.range {
+            let [low, high] = [least(*low), most(*high)];
+            match subject.number(name) {
+                Some(known) if (low..=high).contains(&known) => {}
+                None if later.contains(&name.as_str()) => {
+                    let held = self.ranges.entry(name.clone()).or_insert([f64::NEG_INFINITY, f64::INFINITY]);
+                    *held = [held[0].max(low), held[1].min(high)];
+                    if held[0] > held[1] {
+                        return None;
+                    }
+                }
+                _ => return None,
+            }
+        }
+        Some(self)
+    }
+
+    /// Statements of which one at least holds where it does not; none if it always holds.
+    fn complement(&self) -> Vec<Conjunction> {
+        let others = self.names.iter().filter_map(|(name, among)| logic::none_of(name, among));
+        let beyond = self.ranges.iter().flat_map(|(name, range)| {
+            logic::beyond(name, *range).into_iter().zip(range).filter(|(_, end)| end.is_finite())
+        });
+        others.chain(beyond.map(|(atom, _)| atom)).map(|atom| vec![atom]).collect()
     }
 }
 
@@ -121,7 +186,7 @@ fn case(
     conjunction: &[Atom],
     subject: &Subject,
     later: &[&str],
-) -> Result<Option<Case>, Unbound> {
+) -> Result<Option<Case>, PendingError> {
     let mut case = Case::default();
     for atom in conjunction {
         let holds = match atom {
@@ -148,7 +213,9 @@ fn case(
             Atom::Order(a, orders, factor, b) => match (subject.number(a), subject.number(b)) {
                 (Some(a), Some(b)) => Atom::admits(*orders, a, factor * b),
                 _ => match [a, b].into_iter().find(|name| later.contains(&name.as_str())) {
-                    Some(feature) => return Err(Unbound { rule: rule.into(), feature: feature.clone() }),
+                    Some(feature) => {
+                        return Err(PendingError::Unbound { rule: rule.into(), feature: feature.clone() });
+                    }
                     None => false,
                 },
             },

@@ -172,6 +172,58 @@ fn what_is_left_of_a_condition_is_what_is_not_known_yet() {
     assert!(error.contains("rule `test/odd` compares `event.time` with another feature"), "{error}");
 }
 
+/// A rule that another one supersedes is asked where that one does not fire, or is outside its range, whatever their priorities.
+#[test]
+fn superseded_rules_are_asked_where_the_other_one_does_not_fire() {
+    const SEED: &str = "seed/ground-contact-subsystem";
+    let own = |when: &str, range: &str| {
+        let own =
+            rule("own", "contact_event", when, "keep_model", "").replace("priority = 100", "priority = 0");
+        with(&format!("{own}supersedes = ['{SEED}']\nrange = {{ {range} }}\n"))
+    };
+    let asked = |rules: &RuleBase| -> Vec<(Range, Range)> {
+        let rules = of(rules).event_rules.into_iter().filter(|r| r.id.starts_with(SEED));
+        let on = rules.map(|r| match r.on {
+            Trigger::Contact { approach_speed_m_s, time_s, .. } => (approach_speed_m_s, time_s),
+            other => panic!("{other:?}"),
+        });
+        on.collect()
+    };
+    let (any, most) = (Range::default(), |x: f64| Range { least: None, most: Some(x) });
+    assert_eq!(asked(&own("contact.approach_speed > 3", "")), [(most(3.0), any)]);
+    let ranged = asked(&own("contact.approach_speed > 3", "'event.time' = [0, 1.5]"));
+    assert_eq!((ranged.len(), ranged[0]), (2, (most(3.0), any)), "{ranged:?}");
+    let after_s = ranged[1].1.least.unwrap();
+    assert!((after_s - 1.5).abs() < 1e-6 && ranged[1].0 == any, "{ranged:?}");
+    // one that never fires here, is out of its range, or whose range nobody will know, takes nothing
+    for (when, range) in [
+        ("member.kind == 'slab'", ""),
+        ("storeys > 2", "storeys = [5, 9]"),
+        ("always", "'member.strain_rate' = [0, 100]"),
+    ] {
+        assert_eq!(asked(&own(when, range)), [(any, any)], "{when}");
+    }
+    // and one that always fires all of it
+    let rules = own("always", "");
+    assert!(asked(&rules).is_empty());
+    let (_, mut store, _cache) = knowledge();
+    let unasked = generate(&reference(|t| t), &rules, &mut store, Derive::Never, &|_| {}).unwrap().unasked;
+    let columns = unasked.iter().find(|u| u.about == "columns" && u.rules.iter().any(|r| r == SEED)).unwrap();
+    assert!(columns.why.starts_with("other rules supersede"), "{columns:?}");
+}
+
+/// What falls into more cases than a model can ask is refused, and not left out.
+#[test]
+fn intricate_rules_about_events_are_refused() {
+    let pair = |n: u32| format!("(contact.approach_speed > {n} or event.time > {n})");
+    let when = (1..=13).map(pair).collect::<Vec<_>>().join(" and ");
+    let (shipped, ..) = knowledge();
+    let text = format!("schema = 1\n{}", rule("many", "contact_event", &when, "keep_model", ""));
+    let problems = shipped.with(vec![Source { name: "test.toml".into(), text }]).unwrap_err();
+    let text = format!("{problems:?}");
+    assert!(text.contains("rule `test/many` falls into too many cases"), "{text}");
+}
+
 /// Columns break between their ends after something has struck them, or they broke away, and not before; rules that keep them whole do.
 #[test]
 fn columns_break_in_the_run_only_where_rules_say_so() {

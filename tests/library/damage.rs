@@ -118,6 +118,12 @@ fn a_flipped_digit_of_a_text_record_is_named_and_refused() {
     let report = exchange::verify(&store).unwrap();
     assert_eq!((report.records, report.text.len(), report.cache.len()), (6, 1, 0));
     assert_eq!(report.text[0].0, path);
+    assert_eq!((store.keys().len(), store.usable_keys().len()), (6, 5));
+    drop(store);
+    // whoever computes it anew mends it
+    let mut store = Store::open(room.path()).unwrap();
+    assert_eq!(store.put(&entries[2]).unwrap(), Put::Replaced);
+    assert_eq!(store.usable_keys(), store.keys());
     drop(store);
 
     fs::write(&path, text).unwrap();

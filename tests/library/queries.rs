@@ -2,7 +2,7 @@
 
 use super::{entry_of, features, law};
 use fallwerk::library::entry::{Adjoining, ColumnEnd};
-use fallwerk::library::{Store, StoreError};
+use fallwerk::library::{Put, Store, StoreError};
 
 #[test]
 fn an_exact_match_comes_first_then_the_nearest_and_beyond_the_tolerance_none() {
@@ -76,6 +76,26 @@ fn deprecated_entries_are_kept_but_not_found() {
     let store = Store::open(room.path()).unwrap();
     assert_eq!(store.get(&new.key).unwrap().deprecated.unwrap().reason, "locks");
     assert_eq!(store.find(&wanted, 0.0).unwrap().unwrap().entry, old);
+}
+
+/// Whether it is computed again or given again, with the same or other results.
+#[test]
+fn entries_that_are_stored_again_stay_deprecated() {
+    let room = tempfile::tempdir().unwrap();
+    let mut store = Store::open(room.path()).unwrap();
+    let law = law(12e6);
+    let wanted = features(0.4, ColumnEnd::Top, Adjoining::Slab, &law);
+    let (old, new) =
+        (entry_of(wanted.clone(), law.clone(), 1, 1), entry_of(wanted.clone(), law.clone(), 2, 1));
+    store.put_all(&[old.clone(), new.clone()]).unwrap();
+    store.deprecate(&old.key, Some(&new.key), Some("locks")).unwrap();
+    assert_eq!(store.put(&old).unwrap(), Put::Unchanged);
+    let other = entry_of(wanted.clone(), law.clone(), 1, 2);
+    assert_eq!(other.key, old.key);
+    assert_eq!(store.put(&other).unwrap(), Put::Replaced);
+    let why = store.deprecation(&old.key).unwrap().unwrap();
+    assert_eq!((why.reason.as_str(), why.successor.as_ref()), ("locks", Some(&new.key)));
+    assert_eq!(store.deprecation(&new.key).unwrap(), None);
 }
 
 #[test]
