@@ -130,6 +130,7 @@ fn word(reason: Reason) -> &'static str {
         Reason::Flow => "flow",
         Reason::Overload => "overload",
         Reason::Remnant => "remnant",
+        Reason::Charge => "charge",
         Reason::Asked => "asked",
     }
 }

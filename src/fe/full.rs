@@ -134,7 +134,7 @@ fn element(
 
     let share = state.share[l];
     let mass = material.mass_kg[l];
-    let bound = 8.0 / mass * (lambda * volume * trace_of_g + 2.0 * mu * largest);
+    let bound = 8.0 / mass * (lambda.max(0.0) * volume * trace_of_g + 2.0 * mu * largest);
     let (viscous, damped) = bulk_viscosity(step.rate_1_s() * trace, volume, mass, lambda + 2.0 * mu, bound);
     state.internal_j[l] += share * power;
     state.viscous_j[l] += share * volume * 0.5 * (state.viscous_pa[l] + viscous) * trace;

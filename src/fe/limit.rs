@@ -72,6 +72,8 @@ pub(super) fn frequency_bound(
         let step = value / if known { slope } else { 1.0 };
         largest -= if known && step > 0.0 { step } else { 0.0 };
     }
+    // with a negative one (ν < 0) less is stored than by μ alone
+    let lambda = if lambda > 0.0 { lambda } else { 0.0 };
     let more = DISTORTION * distortion;
     let more = if more < MOST_DISTORTION { more } else { MOST_DISTORTION };
     64.0 * specific_volume * (1.0 + more) * (lambda * trace + 2.0 * mu * largest)

@@ -1,7 +1,7 @@
 //! The run of a complete model: loads over time, given motions, rigid walls, histories of nodes, energies.
 
 use super::contact::{BodyContact, RigidSurfaces};
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, most_step_safety};
 use super::erosion::{ErosionTable, free_nodes};
 use super::mass_scaling::{MOST_ADDED, MOST_ADDED_IN_DECK, MassScalingError, scale_mass};
 use super::model::Model;
@@ -209,7 +209,13 @@ fn next(time_s: f64, interval_s: f64) -> f64 {
 fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<String>), ModelError> {
     let mut notes = Vec::new();
     check_share(model.control.step_safety, forced)?;
-    body.set_step_safety(model.control.step_safety);
+    let (asked, most) = (model.control.step_safety, most_step_safety(&model.mesh));
+    body.set_step_safety(if forced { asked } else { asked.min(most) });
+    if asked > most && !forced {
+        notes.push(format!(
+            "the time step is {most:.3} of the stability limit in place of {asked}: more is unstable with bulk viscosity at this Poisson's ratio"
+        ));
+    }
     for constraint in &model.constraints {
         for i in (0..3).filter(|i| constraint.held[*i]) {
             body.prescribed_m_s[constraint.node][i] = Some(0.0);

@@ -82,7 +82,7 @@ impl Removal {
             gone.extend(own);
         }
         if !gone.is_empty() {
-            take_away(mesh, body, recorder, &gone);
+            take_away(mesh, body, recorder, &gone, duration_s);
         }
         self.fade(body, duration_s);
     }
@@ -121,15 +121,16 @@ impl Removal {
     }
 }
 
-/// Forces of elements on the nodes that others share, and on the masters of those that are tied \[N\].
+/// Forces of elements on the nodes that others share, and on the masters of those that are tied, less what they bore of the weight of their own mass there, which goes with them \[N\].
 fn forces_of(body: &Dynamics, elements: &[usize]) -> Vec<(usize, [f64; 3])> {
     let own: BTreeSet<usize> = elements.iter().copied().collect();
     let mut sums = BTreeMap::<usize, [f64; 3]>::new();
     for (e, internal_n) in body.blocks.element_forces(elements, &body.x) {
+        let weight_n = body.acceleration_m_s2.map(|a| body.blocks.mass_kg(e) / 8.0 * a);
         for (n, force_n) in body.blocks.nodes_of(e).into_iter().zip(internal_n) {
             for (carrier, share) in body.ties.carriers(n) {
                 let sum = sums.entry(carrier).or_default();
-                (0..3).for_each(|i| sum[i] -= share * force_n[i]);
+                (0..3).for_each(|i| sum[i] += share * (weight_n[i] - force_n[i]));
             }
         }
     }
@@ -139,7 +140,7 @@ fn forces_of(body: &Dynamics, elements: &[usize]) -> Vec<(usize, [f64; 3])> {
 }
 
 /// Takes elements that no longer act out of contact and masses.
-fn take_away(mesh: &Mesh, body: &mut Dynamics, recorder: &mut Recorder, elements: &[usize]) {
+fn take_away(mesh: &Mesh, body: &mut Dynamics, recorder: &mut Recorder, elements: &[usize], duration_s: f64) {
     let time_s = body.time_s;
     for e in elements {
         if let Some(contact) = &mut body.body_contact {
@@ -152,8 +153,7 @@ fn take_away(mesh: &Mesh, body: &mut Dynamics, recorder: &mut Recorder, elements
     body.assemble_mass(mesh, |e| !recorder.removed[e]);
     recorder.removed_j += body.kinetic_j() - before;
     if let Some(mut hybrid) = body.hybrid.take() {
-        hybrid.wait();
-        hybrid.renew(body);
+        hybrid.fire(body, duration_s);
         body.hybrid = Some(hybrid);
     }
 }

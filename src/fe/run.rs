@@ -1,7 +1,7 @@
 //! The FE run of a building: dead load, charges, collapse, histories, checkpoints.
 
 use super::contact::{BodyContact, LostContact, RigidSurfaces};
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, most_step_safety};
 use super::erosion::Fate;
 use super::hybrid::{Hybrid, HybridSettings, Refused};
 use super::law::ElementForm;
@@ -379,7 +379,11 @@ impl RunState {
         let mut body = Dynamics::new(mesh, gravity, RigidSurfaces::of(building), parallel);
         if let Some(safety) = options.step_safety {
             check_share(safety, options.step_forced)?;
-            body.set_step_safety(safety);
+            body.set_step_safety(if options.step_forced {
+                safety
+            } else {
+                safety.min(most_step_safety(mesh))
+            });
         }
         body.failure.fate = options.on_failure;
         body.skip_quiet = options.skip_quiet;

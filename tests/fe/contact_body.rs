@@ -341,3 +341,20 @@ fn nothing_tunnels_at_the_speed_of_a_fall() {
     let rebound = mean(&body, &body.v, first[1]..first[2], 2);
     assert!(rebound > -5.0, "the plate stopped it: {rebound} m/s");
 }
+
+/// A plate of one layer that flies with its narrow side against a block, also where elements are four times as wide as it is thick: its nodes look upwards and downwards rather than ahead.
+#[test]
+fn thin_plates_meet_what_they_fly_against_with_their_narrow_side() {
+    for thickness in [0.12, 0.1, 0.05] {
+        let plate = Brick([2, 4, 1], [0.8, 1.6, thickness], [0.03, 0.0, 0.41]);
+        let (mesh, first) =
+            bricks(&[Brick([2, 2, 2], [0.8, 0.8, 0.8], [0.0, 1.65, 0.03]), plate], elastic(), |p| p[1] > 2.4);
+        let mut body = body(&mesh, 0.0, RigidSurfaces::default(), 0.0);
+        (first[1]..first[2]).for_each(|n| body.v[n] = [0.0, 10.0, 0.0]);
+        while body.time_s < 0.03 {
+            body.step(false);
+        }
+        let speed = mean(&body, &body.v, first[1]..first[2], 1);
+        assert!(speed < 0.0, "{thickness} m thick: {speed} m/s after the impact");
+    }
+}

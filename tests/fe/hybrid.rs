@@ -312,6 +312,30 @@ fn switching_gives_the_same_bytes_with_any_number_of_threads() {
     assert_eq!(one.hybrid, two.hybrid);
 }
 
+/// What is rigid when a charge goes off deforms from then on, also while its forces fall: held parts would not follow.
+#[test]
+fn late_charges_release_what_is_rigid() {
+    for duration in ["0 ms", "80 ms"] {
+        let text = EXAMPLE
+            .replace("time = \"0 ms\"", "time = \"150 ms\"")
+            .replace("removal_duration = \"0 ms\"", &format!("removal_duration = \"{duration}\""));
+        let building = parse(&text, Format::Toml, "building.toml").unwrap();
+        let run = |hybrid: Option<HybridSettings>| {
+            let options =
+                FeOptions { end_time_s: Some(0.4), mesh_size_m: Some(0.5), hybrid, ..FeOptions::default() };
+            run_with(&building, &options, Attached::default(), &mut |_| {}).unwrap()
+        };
+        let (full, parts) = (run(None), run(Some(HybridSettings::default())));
+        let record = parts.hybrid.as_ref().unwrap();
+        let fired = record.switches.iter().find(|s| s.reason == Reason::Charge).expect("parts were rigid");
+        assert!((0.15..0.151).contains(&fired.time_s) && fired.rigid == 0, "{fired:?}");
+        let sag =
+            |run: &FeRun| run.tracked.iter().map(|h| h.displacement_m.last().unwrap()[2]).fold(0.0, f64::min);
+        let (exact, found) = (sag(&full), sag(&parts));
+        assert!(exact < -5e-3 && (found / exact - 1.0).abs() < 0.02, "{duration}: {found} m for {exact} m");
+    }
+}
+
 #[test]
 fn a_run_without_rigid_parts_is_the_ordinary_run() {
     let ordinary = short_run(None, 1);

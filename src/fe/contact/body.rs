@@ -11,7 +11,7 @@
 //! searched anew.
 
 use super::broad::Cells;
-use super::faces::Faces;
+use super::faces::{Faces, looks_away};
 use super::narrow::{Over, clearance_m, over};
 use super::rigid::RigidSurfaces;
 pub use super::rigid::Struck;
@@ -27,9 +27,6 @@ use serde::{Deserialize, Serialize};
 
 /// Reach of a search over the median thickness of the elements.
 const REACH: f64 = 0.5;
-/// Cosine between the normals of a node and a face above which they do not look at each other. A node amid a flat side has 0 against
-/// the side of a block that slides over it, a corner has -0.58 against each face that it can run into.
-const FACING: f64 = -0.25;
 /// Share of the depth behind a face that is taken back in a step, and the largest speed of it \[m/s\]: overlaps at the start and errors
 /// of the rotation within a step go away without being thrown out.
 const PUSH_SHARE: f64 = 0.02;
@@ -403,7 +400,9 @@ impl BodyContact {
                 continue;
             }
             let own = *own.get_or_insert_with(|| self.faces.normal_at(node, now.x));
-            if own.is_some_and(|own| dot(own, over.normal) > FACING * dot(own, own).sqrt()) {
+            if own.is_some_and(|own| looks_away(&own, &over.normal))
+                && !self.faces.looks_by_a_narrow_side(node, now.x, &over.normal)
+            {
                 self.pairs[pair].held = false; // what sinks in while it does not look there has not been lost
                 continue;
             }

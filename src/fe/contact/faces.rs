@@ -13,6 +13,10 @@ const NONE: u32 = u32::MAX;
 const CORNERS: [[usize; 4]; 6] =
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [2, 3, 7, 6], [0, 4, 7, 3], [1, 2, 6, 5]];
 
+/// Cosine between the normals of a node and a face above which they do not look at each other. A node amid a flat side has 0 against
+/// the side of a block that slides over it, a corner has -0.58 against each face that it can run into.
+const FACING: f64 = -0.25;
+
 /// All faces of a mesh; face `6 e + k` is face `k` of element `e`. A face is outer if its element acts and no acting element
 /// lies behind it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -29,6 +33,8 @@ pub struct Faces {
     starts: Vec<u32>,
     /// Elements at each node.
     around: Vec<u32>,
+    /// Narrow sides of the undeformed mesh, by face: none of their nodes looks where they look ([`Self::looks_by_a_narrow_side`]); empty if there are none.
+    narrow: Vec<bool>,
     /// Nodes that a node hangs together with by acting ties: its masters, or what it carries.
     linked: BTreeMap<u32, Vec<u32>>,
 }
@@ -41,7 +47,35 @@ impl Faces {
             mesh.elements.iter().map(|e| thicknesses(&e.nodes.map(|n| mesh.nodes[n]))).collect();
         let (starts, around) = elements_of_nodes(&nodes, mesh.nodes.len());
         let (behind, acts) = (neighbours(&nodes), vec![true; nodes.len()]);
-        Self { behind, acts, nodes, thickness_m, starts, around, linked: BTreeMap::new() }
+        let (narrow, linked) = (Vec::new(), BTreeMap::new());
+        let mut faces = Self { behind, acts, nodes, thickness_m, starts, around, narrow, linked };
+        let narrow: Vec<u32> = faces.outer().filter(|f| faces.is_narrow(*f, &mesh.nodes)).collect();
+        if !narrow.is_empty() {
+            faces.narrow = vec![false; faces.behind.len()];
+            narrow.into_iter().for_each(|f| faces.narrow[f as usize] = true);
+        }
+        faces
+    }
+
+    /// Whether an outer face belongs to the side of a plate of one layer that is so thin that what comes upon it is looked at by none of its nodes: their faces above and below outweigh it.
+    fn is_narrow(&self, face: u32, x: &[V3]) -> bool {
+        let area = super::narrow::area_normal(&self.corners(face).map(|c| x[c as usize]));
+        let opposite = scale(-1.0 / dot(area, area).sqrt(), area);
+        let away = |c: u32| self.normal_at(c, x).is_some_and(|own| looks_away(&own, &opposite));
+        self.corners(face).into_iter().all(away)
+    }
+
+    /// Whether a node that does not look against a face as a whole does so by a narrow side of its own.
+    pub fn looks_by_a_narrow_side(&self, node: u32, x: &[V3], against: &V3) -> bool {
+        if self.narrow.is_empty() {
+            return false;
+        }
+        let own = self.elements_at(node).flat_map(|e| 6 * e..6 * e + 6);
+        let narrow = own.filter(|f| self.narrow[*f as usize] && self.is_outer(*f));
+        narrow
+            .map(|f| self.corners(f))
+            .filter(|corners| corners.contains(&node))
+            .any(|corners| !looks_away(&super::narrow::area_normal(&corners.map(|c| x[c as usize])), against))
     }
 
     /// Takes in which ties act.
@@ -152,6 +186,11 @@ impl Faces {
         }
         any.then_some(sum)
     }
+}
+
+/// Whether a surface with a normal of any length does not look at one with a unit normal.
+pub fn looks_away(own: &V3, from: &V3) -> bool {
+    dot(*own, *from) > FACING * dot(*own, *own).sqrt()
 }
 
 fn center(points: &[V3; 8], face: usize) -> V3 {

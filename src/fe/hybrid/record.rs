@@ -16,6 +16,8 @@ pub enum Reason {
     Overload,
     /// To deformable: what is left of their set is too small.
     Remnant,
+    /// To deformable: a charge goes off.
+    Charge,
     /// Asked for from outside.
     Asked,
 }

@@ -182,7 +182,7 @@ impl Hybrid {
     }
 
     /// Takes in that nodal masses have changed.
-    pub fn renew(&mut self, body: &Dynamics) {
+    pub(super) fn renew(&mut self, body: &Dynamics) {
         self.sets.iter_mut().for_each(|set| *set = RigidSet::of(body, std::mem::take(&mut set.elements)));
         self.connect(body);
     }

@@ -4,7 +4,7 @@
 //! the window does not count) is below [`HybridSettings::rate_1_s`], time and again for [`HybridSettings::quiet_s`]. The layer of quiet
 //! elements around a set stays deformable; it is where the next criterion looks.
 //!
-//! **Deformable again** are parts of a set for one of three reasons, each with the rings of elements around its cause ([`HybridSettings::rings`]):
+//! **Deformable again** is everything where a charge goes off, and parts of a set for one of three reasons, each with the rings of elements around its cause ([`HybridSettings::rings`]):
 //! * **contact**, looked at in every step: a node is about to meet a surface or another part of the body. Stress waves in concrete carry some 6 MPa for each m/s
 //!   of impact, so that a collapsing building's contacts nearly always break what they meet: there is nothing to weigh up. At [`BLOW_M_S`] and above all of the set is released;
 //! * **flow**, looked at every [`FLOW_S`]: an element beside the set flows faster than the critical rate. Plastic zones that grow from outside into a set cross the layer around it;
@@ -48,7 +48,7 @@ pub struct HybridSettings {
     pub rate_1_s: f64,
     /// Time for which it has to be \[s\].
     pub quiet_s: f64,
-    /// Time after a charge for which nothing begins to be quiet \[s\]: what becomes rigid before it has begun to move is held.
+    /// Time after a charge, and the time over which its forces fall, for which nothing begins to be quiet \[s\]: what becomes rigid before it has begun to move is held.
     pub settle_s: f64,
     /// Elements that a rigid part has at least.
     pub least_elements: usize,
@@ -194,13 +194,19 @@ impl Hybrid {
         seeds
     }
 
-    /// Elements that deform wait until what a charge has set off shows: a part that became rigid before would be held.
-    pub(in crate::fe) fn wait(&mut self) {
+    /// Takes in that a charge goes off now whose forces fall over `duration_s`: all deforms until what it sets off shows. A part that was or became rigid before would be held, and what a charge
+    /// sets off is neither flow beside a part nor a static load on it.
+    pub(in crate::fe) fn fire(&mut self, body: &mut Dynamics, duration_s: f64) {
+        if self.settings.softens {
+            let rigid: Vec<usize> = (0..self.resting.len()).filter(|e| self.resting[*e]).collect();
+            self.release(body, &rigid, Reason::Charge);
+        }
         for (quiet_s, resting) in self.watching.quiet_s.iter_mut().zip(&self.resting) {
             if !resting {
-                *quiet_s = -self.settings.settle_s;
+                *quiet_s = -(self.settings.settle_s + duration_s);
             }
         }
+        self.renew(body);
     }
 
     /// Releases what is rigid around elements, which have to be quiet anew.
