@@ -1,20 +1,18 @@
 //! `fallwerk explain`: why a part of a generated model is there. Also the trace file that holds the reasons.
 
-use super::compose::entry_words;
+use super::explain_entry::{self, EntryFacts};
 use super::knowledge::KnowledgeArgs;
 use super::{Failure, Outcome, explain_events, explain_joint, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
 use crate::base::json;
 use crate::building::Building;
 use crate::generate::{EventReason, Generated, Jointless, Reason, StaysWhole, Unasked, Unmet, web_of};
-use crate::library::Entry;
-use crate::library::entry::{Quality, Validity};
 use crate::mbs::Model;
 use crate::mbs::model::{Body, Bushing, Event, Origin};
 use crate::review::{Item, REVIEW_SCHEMA, Review};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Version of `trace.json`.
@@ -72,40 +70,6 @@ pub struct TraceFile {
     pub unmet: Vec<Unmet>,
     /// What an analyst should look at.
     pub notes: Vec<String>,
-}
-
-/// What is to be known of a library entry without its curves.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EntryFacts {
-    /// What it describes.
-    pub words: String,
-    /// How good the computation was.
-    pub quality: Quality,
-    /// Where it holds.
-    pub validity: Validity,
-    /// Largest moment of any axial force, about each of its bending axes \[N m\].
-    pub peak_moment_nm: Vec<f64>,
-    /// Hash of what it was computed from.
-    pub inputs_hash: String,
-    /// Version of the program that computed it.
-    pub program_version: String,
-    /// Where its curves come from, if they were made without a run: what else is told is then that of their source.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub made: Option<String>,
-}
-
-impl EntryFacts {
-    fn of(entry: &Entry, made: Option<&String>) -> Self {
-        Self {
-            made: made.cloned(),
-            words: entry_words(entry),
-            quality: entry.quality.clone(),
-            validity: entry.validity,
-            peak_moment_nm: entry.axes.iter().map(|axis| axis.curve.peak_nm()).collect(),
-            inputs_hash: entry.provenance.inputs_hash.clone(),
-            program_version: entry.provenance.program_version.clone(),
-        }
-    }
 }
 
 impl TraceFile {
@@ -233,7 +197,7 @@ fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
         .or_else(|| Part::of_strip(&model, trace.as_ref(), &arguments.part))
         .ok_or_else(|| unknown(&model, &arguments.part))?;
     let (reasons, entries) = match &trace {
-        Some(trace) => known(&arguments.part, &part, trace),
+        Some(trace) => known(&model, &arguments.part, &part, trace),
         None => looked_up(&part, arguments)?,
     };
     let review = reviewed(&arguments.model, &arguments.part, &part)?;
@@ -256,6 +220,7 @@ fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
         let value = json!({
             "review": review,
             "part": part.id(),
+            "parts": parts_of(&model, &arguments.part, &part),
             "what": part.words(),
             "members": part.origin().members,
             "reasons": reasons,
@@ -315,10 +280,15 @@ fn reviewed(model: &Path, asked: &str, part: &Part) -> Result<Vec<(usize, Item)>
     Ok(own.map(|item| (count, item)).collect())
 }
 
-/// What charges on the members of a part take away.
+/// What charges on the members of a part take away, or on those at a joint.
 fn taken_text(model: &Model, asked: &str, part: &Part) -> String {
+    let own: Vec<&str> = match part {
+        Part::Body(b) => vec![&b.id],
+        Part::Joint(j) => j.body_a.iter().chain([&j.body_b]).map(String::as_str).collect(),
+    };
     let about = |e: &&Event| {
-        e.origin.members.iter().any(|m| m == asked) || e.remove_bodies.iter().any(|b| b == part.id())
+        e.origin.members.iter().any(|m| m == asked)
+            || e.remove_bodies.iter().any(|b| own.contains(&b.as_str()))
     };
     let line = |e: &Event| {
         let bodies = e.remove_bodies.join(", ");
@@ -334,7 +304,9 @@ fn taken_text(model: &Model, asked: &str, part: &Part) -> String {
 
 fn none_text(none: &Jointless) -> String {
     let sure = sure_words(none.confidence, &none.rule);
-    format!("  {}: rule {} -> {}{sure}\n    {}\n", none.ends.join(", "), none.rule, none.action, none.words)
+    let who =
+        if none.is_of_analyst() { "analyst's override".to_string() } else { format!("rule {}", none.rule) };
+    format!("  {}: {who} -> {}{sure}\n    {}\n", none.ends.join(", "), none.action, none.words)
 }
 
 /// How sure a learned rule is, and where its evidence is told.
@@ -384,14 +356,34 @@ fn unknown(model: &Model, id: &str) -> Failure {
     Failure::input(format!("the model has no body or joint {}\n  = help: {help}", quoted(id)))
 }
 
+/// The bodies that a member is part of, or is cut into.
+fn bodies_of<'a>(model: &'a Model, member: &'a str) -> impl Iterator<Item = &'a Body> {
+    model.bodies.iter().filter(move |b| b.origin.members.iter().any(|m| m == member))
+}
+
+/// The parts whose reasons tell why a part that was asked for is as it is: of a member that is cut all its bodies, and the joints between them.
+fn parts_of<'a>(model: &'a Model, asked: &'a str, part: &Part<'a>) -> BTreeSet<&'a str> {
+    let mut parts = BTreeSet::from([part.id()]);
+    if let (Part::Body(_), true) = (part, asked != part.id()) {
+        let bodies: BTreeSet<&str> = bodies_of(model, asked).map(|b| b.id.as_str()).collect();
+        let both = |j: &&Bushing| {
+            j.body_a.as_deref().is_some_and(|a| bodies.contains(a)) && bodies.contains(j.body_b.as_str())
+        };
+        parts.extend(model.bushings.iter().filter(both).map(|j| j.id.as_str()));
+        parts.extend(bodies);
+    }
+    parts
+}
+
 /// Reasons of a part and its entries by key; `None` for an entry of which nothing is known.
 type Found = (Vec<Reason>, BTreeMap<String, Option<EntryFacts>>);
 
 /// Reasons and entries of a part by its trace.
-fn known(asked: &str, part: &Part, trace: &TraceFile) -> Found {
+fn known(model: &Model, asked: &str, part: &Part, trace: &TraceFile) -> Found {
     // whether a beam may break away is asked about it, whatever part is
     let webs: Vec<String> = concerned(asked, part).map(web_of).collect();
-    let is_about = |r: &&Reason| r.part == part.id() || webs.contains(&r.subject);
+    let parts = parts_of(model, asked, part);
+    let is_about = |r: &&Reason| parts.contains(r.part.as_str()) || webs.contains(&r.subject);
     let reasons = trace.reasons.iter().filter(is_about).cloned().collect();
     let entries =
         part.origin().entries.iter().map(|key| (key.clone(), trace.entries.get(key).cloned())).collect();
@@ -443,12 +435,14 @@ fn text(
         let end = !members.iter().any(|m| m == asked);
         let is_here = |j: &&Bushing| is_at(j, asked) || j.origin.members.iter().any(|m| m == asked);
         let here: Vec<&Bushing> = model.bushings.iter().filter(is_here).collect();
+        let bodies: Vec<&str> = bodies_of(model, asked).map(|b| b.id.as_str()).collect();
         let joints = || here.iter().map(|j| j.id.as_str()).collect::<Vec<_>>().join(", ");
         let yields = here.iter().any(|j| j.bending.iter().any(|b| b.curve().is_some()));
         let (words, part) = match part {
             Part::Joint(_) if yields => ("yields in", joints()),
             Part::Joint(_) => ("is elastic in", joints()),
             Part::Body(_) if end => ("has no joint; it lies in", part.id().to_string()),
+            Part::Body(_) if bodies.len() > 1 => ("is cut into", bodies.join(", ")),
             Part::Body(_) => ("is part of", part.id().to_string()),
         };
         text += &format!("{asked} {words} {part}\n");
@@ -470,7 +464,7 @@ fn text(
     for (key, facts) in entries {
         text += &format!("  entry {key}\n");
         match facts {
-            Some(f) => text += &entry_text(f),
+            Some(f) => text += &explain_entry::text(f),
             None => text += "    not in the library\n",
         }
         if let (Part::Joint(joint), Some(f)) = (part, facts) {
@@ -496,33 +490,4 @@ fn grouped(reasons: &[Reason]) -> Vec<(&Reason, Vec<&str>)> {
         }
     }
     groups
-}
-
-fn entry_text(f: &EntryFacts) -> String {
-    let peaks: Vec<String> = f.peak_moment_nm.iter().map(|m| format!("{:.1}", m / 1e3)).collect();
-    let mut quality: Vec<String> = Vec::new();
-    quality.extend(f.quality.elements.map(|n| format!("{n} elements")));
-    quality.extend(f.quality.kinetic_energy_ratio.map(|x| format!("kinetic over internal energy {x:.3}")));
-    quality.extend(f.quality.asymmetry.map(|x| format!("difference between the senses of rotation {x:.3}")));
-    quality.extend(f.quality.mesh_sensitivity.map(|x| format!("sensitivity to the mesh {x:.3}")));
-    let made = match &f.made {
-        Some(made) => {
-            format!("no entry of its own: curves {made}, computed by version {}", f.program_version)
-        }
-        None => format!(
-            "computed by version {} from inputs {}",
-            f.program_version,
-            f.inputs_hash.get(..16).unwrap_or(&f.inputs_hash)
-        ),
-    };
-    format!(
-        "    {}\n    peak moment {} kN m; axial force {:.0} to {:.0} kN, rotation up to {:.3} rad\n    \
-         quality: {}\n    {made}\n",
-        f.words,
-        peaks.join(" and "),
-        f.validity.axial_force_n[0] / 1e3,
-        f.validity.axial_force_n[1] / 1e3,
-        f.validity.rotation_rad.map_or(0.0, |range| range[1]),
-        quality.join(", "),
-    )
 }

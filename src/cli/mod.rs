@@ -10,6 +10,7 @@ mod bench_tradeoff;
 mod check;
 pub mod compose;
 pub mod explain;
+mod explain_entry;
 mod explain_events;
 mod explain_joint;
 mod export;

@@ -513,7 +513,7 @@ impl Decision {
     }
 
     /// The analyst's decision about a subject as the reason of a part.
-    fn of_analyst(&self, subject: &str, part: &str, entries: &[String]) -> Option<Reason> {
+    pub(super) fn of_analyst(&self, subject: &str, part: &str, entries: &[String]) -> Option<Reason> {
         let overruled = self.overruled.get(subject)?;
         let firings = self.traces.get(subject).into_iter().flat_map(Trace::standing);
         let superseded = firings.filter(|f| f.action.spec().aspect == overruled.aspect).map(|f| Superseded {

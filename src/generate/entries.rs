@@ -293,7 +293,7 @@ pub fn entries(
     let began = Instant::now();
     let mut missing = Vec::new();
     for (key, (end, query)) in wanted {
-        if at_hand.withdrawn.reason(&key).is_some() {
+        if at_hand.withdrawn.why(&key).is_some() {
             found.withdrawn.push(at_hand.withdrawn.note(&end, &key));
         }
         if at_hand.is_in_library(&key) {
@@ -315,9 +315,8 @@ pub fn entries(
             found.entries.insert(similar.entry.key.clone(), similar.entry);
             continue;
         }
-        if let Some(reason) = at_hand.withdrawn.reason(&key) {
-            let (key, reason) = (key.clone(), reason.to_string());
-            return Err(GenerateError::Withdrawn { end, key, reason });
+        if let Some(why) = at_hand.withdrawn.why(&key) {
+            return Err(GenerateError::Withdrawn { end, key, why });
         }
         missing.extend(query.map(|query| (key, end, query)));
     }

@@ -1,11 +1,12 @@
 //! Why member ends, and strips of slabs, have no joint of their own.
 
 use super::Reason;
+use super::analyst::ANALYST;
 use super::decide::Decision;
 use crate::building::Building;
 use crate::building::ends::MemberEnd;
 use crate::building::lines::Line;
-use crate::rules::{Action, Firing, RuleBase};
+use crate::rules::{Action, Aspect, Firing, RuleBase};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,6 +27,11 @@ pub struct Jointless {
 }
 
 impl Jointless {
+    /// Whether the analyst has decided.
+    pub fn is_of_analyst(&self) -> bool {
+        self.rule == ANALYST
+    }
+
     /// All of a building, but for the ends and strips of which the reasons of the parts speak.
     pub fn all(
         building: &Building,
@@ -50,11 +56,21 @@ impl Jointless {
         for end in ends.iter().filter(|e| !told.contains(e.id.as_str())) {
             decision.standing(&end.id).for_each(|firing| enter(&end.id, firing));
         }
-        for strip in plates.iter().filter(|l| l.columns.is_some() && !told.contains(l.id.as_str())) {
-            let of_slab = decision.standing(&building.members[strip.member].id);
+        let strips = plates.iter().filter(|l| l.columns.is_some() && !told.contains(l.id.as_str()));
+        let slab_of = |strip: &Line| &building.members[strip.member].id;
+        for strip in strips.clone() {
             let is_whole = |f: &&Firing| matches!(f.action, Action::MergeRigid | Action::RigidBody);
-            of_slab.filter(is_whole).for_each(|firing| enter(&strip.id, firing));
+            decision.standing(slab_of(strip)).filter(is_whole).for_each(|firing| enter(&strip.id, firing));
         }
-        groups.into_values().collect()
+        let ruled = groups.into_values();
+        let mut of_analyst: BTreeMap<&String, Self> = BTreeMap::new();
+        for strip in strips.filter(|l| decision.answer(slab_of(l), Aspect::Body) == Some(Action::MergeRigid))
+        {
+            let Some(reason) = decision.of_analyst(slab_of(strip), &strip.id, &[]) else { continue };
+            let Reason { rule, action, words, confidence, .. } = reason;
+            let group = || Self { rule, action, words, confidence, ends: Vec::new() };
+            of_analyst.entry(slab_of(strip)).or_insert_with(group).ends.push(strip.id.clone());
+        }
+        ruled.chain(of_analyst.into_values()).collect()
     }
 }

@@ -167,15 +167,15 @@ pub enum GenerateError {
     },
     /// The entry that fits is no longer to be used, and nothing else fits.
     #[error(
-        "the entry for {end} is deprecated ({reason}) and has no successor: {key}; name one with `fallwerk library deprecate {key} --successor KEY`, or run with `--derive=similar` to scale the curves of similar columns"
+        "the entry for {end}, {key}, {why}; name one with `fallwerk library deprecate {key} --successor KEY`, or run with `--derive=similar` to scale the curves of similar columns"
     )]
     Withdrawn {
         /// The first place that asks for it.
         end: String,
         /// Its key.
         key: String,
-        /// Why.
-        reason: String,
+        /// Why it is not used, and what stood in its place is not.
+        why: String,
     },
     /// A stretch of a beam or brace cannot be removed.
     #[error(

@@ -16,9 +16,23 @@ impl Withdrawn {
         store.deprecations().map(Self)
     }
 
-    /// Why an entry is no longer to be used; none if it is.
-    pub fn reason(&self, key: &str) -> Option<&str> {
-        self.0.get(key).map(|d| d.reason.as_str())
+    /// Why an entry is no longer to be used and nothing is in its place, in words; none if it is to be used.
+    pub fn why(&self, key: &str) -> Option<String> {
+        let own = self.0.get(key)?;
+        let chain = || std::iter::successors(Some(own), |d| self.0.get(d.successor.as_deref()?));
+        // records can be edited: a circle ends
+        let last = chain().take(self.0.len()).filter_map(|d| d.successor.as_deref()).last();
+        let none = "has no successor";
+        Some(match last {
+            None => format!("is deprecated ({}) and {none}", own.reason),
+            Some(last) => {
+                let reason = self.0.get(last).map_or("", |d| d.reason.as_str());
+                format!(
+                    "is deprecated ({}); its successor {last} is so too ({reason}) and {none}",
+                    own.reason
+                )
+            }
+        })
     }
 
     /// The key of the entry to use in the place of one: itself if it is not deprecated, else the last of its successors; none if that is deprecated.
@@ -36,14 +50,12 @@ impl Withdrawn {
 
     /// What an analyst should know of an entry that a place has asked for and of which another one is used.
     pub fn note(&self, place: &str, key: &str) -> String {
-        let reason = self.reason(key).unwrap_or_default();
         match self.instead(key) {
             Some(other) => {
+                let reason = self.0.get(key).map_or("", |d| d.reason.as_str());
                 format!("{place}: entry {key} is deprecated ({reason}); {other} is used in its place")
             }
-            None => format!(
-                "{place}: entry {key} is deprecated ({reason}) and has no successor; its curves are scaled from others"
-            ),
+            None => format!("{place}: entry {key} {}; it is not used", self.why(key).unwrap_or_default()),
         }
     }
 }
@@ -74,5 +86,12 @@ mod tests {
             withdrawn.note("C1.top", "a"),
             "C1.top: entry a is deprecated (too stiff); c is used in its place"
         );
+        assert_eq!(
+            withdrawn.note("C1.top", "d"),
+            "C1.top: entry d is deprecated (too stiff) and has no successor; it is not used"
+        );
+        let why = withdrawn.why("e").unwrap();
+        assert!(why.contains("(too stiff); its successor d is so too (too stiff)"), "{why}");
+        assert!(withdrawn.why("f").is_some() && withdrawn.why("x").is_none());
     }
 }

@@ -288,7 +288,8 @@ fn explain_names_members_rules_and_the_likely_meaning() {
 
 #[test]
 fn decisions_of_the_analyst_are_told_with_their_reasons() {
-    let chapter = "[[overrides]]\ntargets = [\"C1-A2.bottom\"]\naction = \"elastic_connection\"\nreason = \"cased feet\"\n\n\
+    let chapter = "[[overrides]]\ntargets = [\"S3\"]\naction = \"merge_rigid\"\nreason = \"roof truss\"\n\n\
+                   [[overrides]]\ntargets = [\"C1-A2.bottom\"]\naction = \"elastic_connection\"\nreason = \"cased feet\"\n\n\
                    [[overrides]]\ntargets = [\"C2-A1.top\"]\naction = \"rigid_connection\"\nreason = \"haunched\"\n\n\
                    [settings]\nend_time = 0.1";
     let room = room(|text| text.replace("[settings]\nend_time = \"2.5 s\"", chapter));
@@ -322,6 +323,8 @@ fn decisions_of_the_analyst_are_told_with_their_reasons() {
     );
     let strip = explain("S2:C2-A2|C2-B2");
     assert!(strip.starts_with("S2:C2-A2|C2-B2 has no joint; it lies in S2\n"), "{strip}");
+    let strip = explain("S3:C3-A2|C3-B2");
+    assert!(strip.contains("analyst's override -> merge_rigid") && strip.contains("roof truss"), "{strip}");
     let (code, _, err) = fallwerk(room.path(), &["explain", "run/model.json", "S2:C2-A2|C9-B2"]);
     assert!(code == 2 && err.contains("S2:C2-A2|C9-B2"), "{err}");
 }
@@ -341,6 +344,8 @@ fn explain_tells_the_rules_about_events_and_what_fired() {
     let rule = "in the run, if it meets the ground or an obstacle: rule seed/ground-contact-subsystem -> insert_subsystem";
     let column = explain("C2-A1");
     for words in [
+        "C2-A1 is cut into C2-A1/1, C2-A1/2",
+        "rule seed/subdivide-columns-late",
         "C2-A1.section-1 is latent",
         rule,
         "of the rules that answer one question the first",
@@ -353,6 +358,7 @@ fn explain_tells_the_rules_about_events_and_what_fired() {
         |text: &str| text.lines().filter(|l| l.starts_with("  run:")).map(str::to_string).collect::<Vec<_>>();
     assert_eq!(tail(&column), tail(&explain("C2-A1.section-1")), "of the section as of the column");
     assert!(explain("C1-A2").contains("C1-A2.section-1 stayed latent"));
+    assert!(explain("C1-A1.top").contains("on C1-A1 takes away at 0 s: C1-A1"));
     let foot = explain("C1-A2.bottom");
     assert!(foot.contains("beyond the forces of the entry they are extended"), "{foot}");
     let model: Value =
