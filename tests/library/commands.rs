@@ -13,7 +13,7 @@ struct Program {
     args: LibraryArgs,
 }
 
-fn fallwerk(library: &Path, words: &[&str]) -> (u8, String, String) {
+pub(super) fn fallwerk(library: &Path, words: &[&str]) -> (u8, String, String) {
     let library = library.to_str().unwrap();
     let all = ["library", "--library", library].into_iter().chain(words.iter().copied());
     let program = Program::try_parse_from(all).unwrap();

@@ -3,6 +3,7 @@
 mod add;
 mod commands;
 mod damage;
+mod diff;
 mod exchange;
 mod grids;
 mod interpolation;
