@@ -299,14 +299,7 @@ pub(super) fn history(
 ) -> Result<u8, Failure> {
     let mut history = store.history()?;
     if let Some(key) = key {
-        // An entry that is gone is still in the journal.
-        let key = match store.resolve(key) {
-            Ok(key) => key,
-            Err(error) => match history.events.iter().rev().find(|e| e.key.starts_with(key)) {
-                Some(event) => event.key.clone(),
-                None => return Err(error.into()),
-            },
-        };
+        let key = store.resolve_told(key)?;
         history.events.retain(|event| event.key == key);
     }
     for line in &history.damaged_lines {

@@ -2,8 +2,9 @@
 
 use super::error::StoreError;
 use super::journal::{Event, Happening, History};
+use super::key;
 use super::store::Store;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Store {
     /// The journal of the library.
@@ -12,6 +13,22 @@ impl Store {
     /// As the file system reports them.
     pub fn history(&self) -> Result<History, StoreError> {
         self.journal.read()
+    }
+
+    /// As [`Store::resolve`], where no record is meant among the keys of the journal: an entry that is gone is still told of there.
+    ///
+    /// # Errors
+    /// As [`Store::resolve`], or if the journal cannot be read.
+    pub fn resolve_told(&self, text: &str) -> Result<String, StoreError> {
+        if let Some(key) = key::meant(self.keys().iter(), text)? {
+            return Ok(key.clone());
+        }
+        let history = self.history()?;
+        let told: BTreeSet<&String> = history.events.iter().map(|e| &e.key).filter(|k| *k != "-").collect();
+        match key::meant(told.into_iter(), text)? {
+            Some(key) => Ok(key.clone()),
+            None => self.resolve(text),
+        }
     }
 
     /// What the journal does not know yet: records that came (`found`) or went (`missing`) without it.

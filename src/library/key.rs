@@ -5,6 +5,7 @@
 //! (`fc30`, MPa), the reinforcement ratio (`r157`, in hundredths of a percent) and the spacing of the ties (`s150`, mm).
 //! What an entry does not state is left out. The key is the path of the record below the library folder, without `.json`.
 
+use super::error::StoreError;
 use super::features::{EntryKind, Features};
 use crate::base::hash::ContentHash;
 
@@ -40,6 +41,37 @@ pub fn is_key(text: &str) -> bool {
         && plain(name)
         && hash.len() == 16
         && hash.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
+}
+
+/// The one of these keys that is meant by a key, its name without the kind, its hash, or the beginning of any of these; `None` if none is.
+///
+/// # Errors
+/// [`StoreError::NotFound`] if several are.
+pub fn meant<'a>(
+    keys: impl Iterator<Item = &'a String>,
+    text: &str,
+) -> Result<Option<&'a String>, StoreError> {
+    let begins = |key: &&String| {
+        let parts = [Some(key.as_str()), key.split('/').nth(1), key.split('@').nth(1)];
+        !text.is_empty() && parts.into_iter().flatten().any(|part| part.starts_with(text))
+    };
+    let meant: Vec<&String> = keys.filter(begins).collect();
+    match meant.as_slice() {
+        [] => Ok(None),
+        [one] => Ok(Some(*one)),
+        several => match several.iter().find(|key| key.as_str() == text) {
+            Some(whole) => Ok(Some(*whole)),
+            None => Err(StoreError::NotFound {
+                key: text.to_string(),
+                hint: format!(
+                    ": it could mean {} entries, for instance `{}` and `{}`",
+                    several.len(),
+                    several[0],
+                    several[1]
+                ),
+            }),
+        },
+    }
 }
 
 #[cfg(test)]

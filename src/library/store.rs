@@ -270,29 +270,9 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`] if none or several are.
     pub fn resolve(&self, text: &str) -> Result<String, StoreError> {
-        if self.manifest.contains_key(text) {
-            return Ok(text.to_string());
-        }
-        let meant: Vec<&String> = self
-            .manifest
-            .keys()
-            .filter(|key| {
-                let parts = [Some(key.as_str()), key.split('/').nth(1), key.split('@').nth(1)];
-                !text.is_empty() && parts.into_iter().flatten().any(|part| part.starts_with(text))
-            })
-            .collect();
-        match meant.as_slice() {
-            [one] => Ok((*one).clone()),
-            [] => Err(self.not_found(text)),
-            several => Err(StoreError::NotFound {
-                key: text.to_string(),
-                hint: format!(
-                    ": it could mean {} entries, for instance `{}` and `{}`",
-                    several.len(),
-                    several[0],
-                    several[1]
-                ),
-            }),
+        match key::meant(self.manifest.keys(), text)? {
+            Some(key) => Ok(key.clone()),
+            None => Err(self.not_found(text)),
         }
     }
 

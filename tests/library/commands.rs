@@ -100,6 +100,31 @@ fn a_record_that_is_gone_is_named() {
     assert!(err.contains(&entries[1].key) && !err.contains(&entries[0].key), "{err}");
 }
 
+/// The journal is asked for one entry, which may be gone, and never for one of several.
+#[test]
+fn histories_are_those_of_one_entry() {
+    let library = tempfile::tempdir().unwrap();
+    let entries = [entry(0), entry(1)];
+    Store::open(library.path()).unwrap().put_all(&entries).unwrap();
+    let history = |key: &str| fallwerk(library.path(), &["history", key]);
+    let (code, out, err) = history("column_hinge");
+    assert!(code == 2 && out.is_empty() && err.contains("it could mean 2 entries"), "{out}{err}");
+    for entry in &entries {
+        fs::remove_file(library.path().join(format!("{}.json", entry.key))).unwrap();
+    }
+    assert_eq!(fallwerk(library.path(), &["rebuild"]).0, 0);
+    let key = entries[0].key.as_str();
+    let name = key.split('/').nth(1).unwrap();
+    for text in [key, name, name.split('@').nth(1).unwrap()] {
+        let (code, out, err) = history(text);
+        assert!(code == 0 && out.lines().count() == 2 && out.contains("  missing  "), "{text}: {out}{err}");
+        assert!(out.lines().all(|line| line.contains(key)), "{out}");
+    }
+    let (code, out, err) = history("column_hinge");
+    assert!(code == 2 && out.is_empty() && err.contains("it could mean 2 entries"), "{out}{err}");
+    assert!(history("nothing").2.contains("no entry `nothing`"));
+}
+
 /// A library with the example of the documentation, and its files.
 fn with_example(room: &Path) -> (std::path::PathBuf, String, String) {
     let (library, curve, meta) = (room.join("library"), room.join("c.csv"), room.join("m.toml"));
