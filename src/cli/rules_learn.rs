@@ -116,7 +116,7 @@ fn case(record: &Path, kb: &Path, plans: &[PathBuf]) -> Result<Case, Failure> {
     let task = Task::of(file.clone(), kb)?;
     let study = task.study()?.ok_or_else(|| {
         let message = format!("{} is of another input than {}", record.display(), file.display());
-        Failure::input(format!("{message}; run `fallwerk study run` again or remove the record"))
+        Failure::input(format!("{message}; run `fallwerk study run --again` or remove the record"))
     })?;
     task.building.without_skew("no features can be computed").map_err(Failure::input)?;
     Ok(Case::of(study, &task.building))

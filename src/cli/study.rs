@@ -45,6 +45,7 @@ enum Verb {
     /// Run buildings by FE and keep what they show: zones, rotations, rigid shares, contact, fracture
     ///
     /// A building whose record is there already, of the same input, is passed over, so that a run that was stopped goes on where it was.
+    /// A record of another input in its place is kept, and nothing is run, unless `--again` asks for it.
     ///
     /// Exit codes: 0 done, 1 an FE run went wrong, 2 bad input or usage.
     Run {
@@ -57,7 +58,7 @@ enum Verb {
         /// Threads [default: all cores]; of several buildings so many are run at once
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
         threads: Option<u16>,
-        /// Run again what has a record
+        /// Run again what has a record, and replace records of other inputs
         #[arg(long)]
         again: bool,
     },

@@ -148,7 +148,7 @@ fn one(
         return Err(Failure::input(format!("no record in {kb}; `fallwerk study run` makes it")));
     }
     let study = task.study()?.ok_or_else(|| {
-        Failure::input("its record is of another input; run `fallwerk study run` again".into())
+        Failure::input("its record is of another input; `fallwerk study run --again` makes it anew".into())
     })?;
     let generated =
         generate(&task.building, rules, store, arguments.curves.wishes(), &|text| progress.note(text))

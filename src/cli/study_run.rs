@@ -35,6 +35,9 @@ pub fn run(paths: &[PathBuf], kb: &Path, threads: Option<u16>, again: bool) -> R
         }
         tasks.push(task);
     }
+    if !again {
+        keep_others(&tasks)?;
+    }
     let all = tasks.len();
     tasks.retain(|task| again || !matches!(task.study(), Ok(Some(_))));
     if tasks.len() < all {
@@ -82,6 +85,22 @@ pub fn run(paths: &[PathBuf], kb: &Path, threads: Option<u16>, again: bool) -> R
     let s = if count == 1 { "" } else { "s" };
     print(&format!("wrote {count} record{s} to {}\n", kb.display()));
     Ok(if failed > 0 { Outcome::CheckFailed } else { Outcome::Done })
+}
+
+/// That no record of another input would be replaced: it may be that of a building whose file has changed, or of one that has the same name.
+fn keep_others(tasks: &[Task]) -> Result<(), Failure> {
+    let others: Vec<String> = tasks
+        .iter()
+        .filter(|task| matches!(task.study(), Ok(None)))
+        .map(|task| format!("{} is of another input than {}", task.record.display(), task.file.display()))
+        .collect();
+    if others.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::input(format!(
+        "{}; --again runs these buildings and replaces such records, --kb names another folder for them",
+        others.join(", ")
+    )))
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

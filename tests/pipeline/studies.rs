@@ -1,6 +1,6 @@
 //! Plans of studies and their runs.
 
-use super::commands::{fallwerk, names};
+use super::commands::{fallwerk, names, room};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -110,4 +110,19 @@ fn buildings_without_a_record_are_named_together() {
     let wanted =
         format!("no comparison of {}: no record in none; `fallwerk study run` makes it\n", plan.join(", "));
     assert_eq!(out, wanted);
+}
+
+/// A record has the name of its building, which another building may have too.
+#[test]
+fn a_record_of_another_input_is_not_replaced_unasked() {
+    let room = room(str::to_string);
+    let name = fallwerk::building::inspect_file(&room.path().join("building.toml")).building.unwrap().name;
+    fs::create_dir(room.path().join("kb")).unwrap();
+    let record = room.path().join("kb").join(format!("{name}.json"));
+    let other = Path::new(env!("CARGO_MANIFEST_DIR")).join("kb/studies/s1-001.json");
+    fs::copy(&other, &record).unwrap();
+    let (code, out, err) = fallwerk(room.path(), &["study", "run", "building.toml", "--kb", "kb"]);
+    let told = format!("{name}.json is of another input than building.toml; --again runs");
+    assert!(code == 2 && out.is_empty() && err.contains(&told), "{out}{err}");
+    assert_eq!(fs::read(record).unwrap(), fs::read(other).unwrap());
 }
