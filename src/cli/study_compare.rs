@@ -14,7 +14,7 @@ use crate::validate::{LIMIT_STANDING_M, LIMIT_TO_CONTACT};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What is compared.
 #[derive(clap::Args)]
@@ -37,11 +37,14 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What is known of a building.
-#[derive(Debug, Serialize)]
+/// A building without a comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 struct Missed {
     building: String,
     why: String,
+    /// Of several sets of rules those that have none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rules: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -49,6 +52,14 @@ struct Compared {
     together: Together,
     runs: Vec<Agreement>,
     /// Buildings without a comparison.
+    missed: Vec<Missed>,
+}
+
+/// Several sets of rules, over the buildings that all of them have a comparison of.
+#[derive(Debug, Serialize)]
+struct Ablation {
+    together: Vec<(String, Together)>,
+    /// Buildings that are left out of all sets, since some have no comparison of them.
     missed: Vec<Missed>,
 }
 
@@ -72,8 +83,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let text = match &results[..] {
         [(_, one)] if arguments.json => json(one)?,
         [(_, one)] => as_text(one),
-        many if arguments.json => json(&common(many))?,
-        many => as_table(&common(many)),
+        many if arguments.json => json(&Ablation { together: common(many), missed: missed(many) })?,
+        many => as_table(&common(many)) + &as_words(&missed(many)),
     };
     print(&text);
     Ok(if is_whole { Outcome::Done } else { Outcome::CheckFailed })
@@ -93,10 +104,35 @@ fn compared(
         progress.advance(done as f64 / files.len() as f64, &name);
         match one(arguments, file.clone(), rules, store, progress) {
             Ok(agreement) => runs.push(agreement),
-            Err(failure) => missed.push(Missed { building: name, why: failure.message }),
+            Err(failure) => {
+                missed.push(Missed { building: name, why: why(&failure, file), rules: Vec::new() })
+            }
         }
     }
     Compared { together: Together::of(&runs), runs, missed }
+}
+
+/// Why there is no comparison of a building; what is wrong with its file has been said already.
+fn why(failure: &Failure, file: &Path) -> String {
+    match failure.message.as_str() {
+        "" => format!("{} is no building that can be read; `fallwerk check` says why", file.display()),
+        message => message.to_string(),
+    }
+}
+
+/// The buildings that some set of rules has no comparison of, with the names of these sets unless they are all.
+fn missed(results: &[(&str, Compared)]) -> Vec<Missed> {
+    let mut list: Vec<Missed> = Vec::new();
+    for (name, compared) in results {
+        for m in &compared.missed {
+            match list.iter_mut().find(|own| (&own.building, &own.why) == (&m.building, &m.why)) {
+                Some(own) => own.rules.push(name.to_string()),
+                None => list.push(Missed { rules: vec![name.to_string()], ..m.clone() }),
+            }
+        }
+    }
+    list.iter_mut().filter(|m| m.rules.len() == results.len()).for_each(|m| m.rules.clear());
+    list
 }
 
 /// Figures of each set of rules over the buildings that all of them have a model of.
@@ -115,24 +151,30 @@ fn as_table(sets: &[(String, Together)]) -> String {
         "| rules | buildings | e to contact: median, 90 % | of those that fall | e total: median, 90 % | of those that fall | F1 of zones, turning to contact, turning | outcome right | agree |\n\
          |---|---:|---|---|---|---|---|---:|---:|\n",
     );
-    let pair = |[median, most]: [f64; 2]| format!("{median:.3}, {most:.3}");
     for (name, t) in sets {
+        let [zones, turning_before, turning] = t.f1;
+        let f1 = match t.buildings {
+            0 => "none".to_string(),
+            _ => format!("{zones:.2}, {turning_before:.2}, {turning:.2}"),
+        };
         let _ = writeln!(
             text,
-            "| {name} | {} | {} | {} | {} | {} | {:.2}, {:.2}, {:.2} | {} | {} |",
+            "| {name} | {} | {} | {} | {} | {} | {f1} | {} | {} |",
             t.buildings,
             pair(t.e_to_contact),
             pair(t.e_to_contact_falling),
             pair(t.e_total),
             pair(t.e_total_falling),
-            t.f1[0],
-            t.f1[1],
-            t.f1[2],
             t.collapse_right,
             t.agree
         );
     }
     text
+}
+
+/// Median and 90th percentile, or that there are none.
+fn pair([median, most]: [f64; 2]) -> String {
+    if median.is_finite() { format!("{median:.3}, {most:.3}") } else { "none".to_string() }
 }
 
 fn one(
@@ -164,11 +206,20 @@ fn json(value: &impl Serialize) -> Result<String, Failure> {
 }
 
 fn as_text(compared: &Compared) -> String {
-    let mut text = if compared.runs.is_empty() { String::new() } else { figures(compared) };
-    let mut missed: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    compared.missed.iter().for_each(|m| missed.entry(&m.why).or_default().push(&m.building));
-    for (why, buildings) in missed {
-        let _ = writeln!(text, "no comparison of {}: {why}", buildings.join(", "));
+    let text = if compared.runs.is_empty() { String::new() } else { figures(compared) };
+    text + &as_words(&compared.missed)
+}
+
+/// Buildings without a comparison, those of one reason in one line.
+fn as_words(missed: &[Missed]) -> String {
+    let mut reasons: BTreeMap<(&str, &[String]), Vec<&str>> = BTreeMap::new();
+    missed
+        .iter()
+        .for_each(|m| reasons.entry((m.why.as_str(), m.rules.as_slice())).or_default().push(&m.building));
+    let mut text = String::new();
+    for ((why, rules), buildings) in reasons {
+        let of = if rules.is_empty() { String::new() } else { format!(" with {}", rules.join(", ")) };
+        let _ = writeln!(text, "no comparison of {}{of}: {why}", buildings.join(", "));
     }
     text
 }
@@ -213,30 +264,30 @@ fn counted(number: usize, one: &str, many: &str) -> String {
 /// Figures of all buildings, in two lines.
 fn all_together(t: &Together) -> String {
     let mut text = String::new();
+    let [median, most] = t.e_to_contact;
+    let to_contact = match median.is_finite() {
+        true => format!("median {median:.3}, 90th percentile {most:.3}"),
+        false => "none".to_string(),
+    };
     let _ = writeln!(
         text,
-        "{}: e to contact median {:.3}, 90th percentile {:.3}; e total {:.3}, {:.3}; F1 of zones {:.2}, of turning to contact {:.2}, of turning {:.2}; collapse right in {}",
+        "{}: e to contact {}; e total {}; F1 of zones {:.2}, of turning to contact {:.2}, of turning {:.2}; collapse right in {}",
         counted(t.buildings, "building", "buildings"),
-        t.e_to_contact[0],
-        t.e_to_contact[1],
-        t.e_total[0],
-        t.e_total[1],
+        to_contact,
+        pair(t.e_total),
         t.f1[0],
         t.f1[1],
         t.f1[2],
         t.collapse_right
     );
-    let figures = |[median, high]: [f64; 2]| {
-        if median.is_finite() { format!("{median:.3}, {high:.3}") } else { "none".into() }
-    };
     let falling = match t.falling {
         0 => "none of them falls".to_string(),
         count => format!(
             "of them {}: e to contact {}; from there on {}; e total {}",
             counted(count, "falls", "fall"),
-            figures(t.e_to_contact_falling),
-            figures(t.e_after_contact_falling),
-            figures(t.e_total_falling)
+            pair(t.e_to_contact_falling),
+            pair(t.e_after_contact_falling),
+            pair(t.e_total_falling)
         ),
     };
     let _ = writeln!(

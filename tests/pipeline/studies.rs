@@ -110,6 +110,20 @@ fn buildings_without_a_record_are_named_together() {
     let wanted =
         format!("no comparison of {}: no record in none; `fallwerk study run` makes it\n", plan.join(", "));
     assert_eq!(out, wanted);
+    // the sets of rules have none of them either
+    let ablation = ["study", "compare", "plan", "--kb", "none", "--ablation"];
+    let (code, out, err) = fallwerk(room.path(), &ablation);
+    assert!(code == 1 && out.ends_with(&wanted) && !out.contains("NaN"), "{out}{err}");
+    assert!(out.contains("| 0 | none | none | none | none | none | 0 | 0 |"), "{out}");
+    let (_, out, _) = fallwerk(room.path(), &[&ablation[..], &["--json"]].concat());
+    let value: Value = serde_json::from_str(&out).unwrap();
+    let missed = value["missed"].as_array().unwrap();
+    assert!(missed.len() == 2 && missed.iter().all(|m| m["why"].as_str().unwrap().starts_with("no record")));
+    assert!(value["together"].as_array().unwrap().len() > 3, "{out}");
+    let (code, out, _) = fallwerk(room.path(), &["study", "compare", "nofile.toml"]);
+    let told =
+        "no comparison of nofile: nofile.toml is no building that can be read; `fallwerk check` says why\n";
+    assert_eq!((code, out.as_str()), (1, told));
 }
 
 /// A record has the name of its building, which another building may have too.
