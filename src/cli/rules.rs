@@ -80,7 +80,13 @@ pub fn execute(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> u8
 fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
     match &args.command {
         RulesCommand::Features => return list_features(args.json, out),
-        RulesCommand::Learn(arguments) => return learn(arguments, out, err),
+        RulesCommand::Learn(arguments) => {
+            return match learned(arguments, args.rules.as_deref()) {
+                Ok(written) if args.json => write_json(out, &json!(written)).map(|()| 0),
+                Ok(written) => out.write_all(written.words().as_bytes()).map(|()| 0),
+                Err(failure) => fail(&failure, args.json, out, err),
+            };
+        }
         RulesCommand::Diff { old, new } => return diff([old, new], args.json, out, err),
         _ => {}
     }
@@ -105,29 +111,20 @@ fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Re
             None => {
                 let near = features::suggestion(id, base.rules().iter().map(|r| r.id.as_str()));
                 let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-                let failure = Failure::input(format!("no rule `{id}`{hint}"));
-                writeln!(err, "error: {}", failure.message)?;
-                if args.json {
-                    write_json(out, &failure.to_json())?;
-                }
-                Ok(2)
+                fail(&Failure::input(format!("no rule `{id}`{hint}")), args.json, out, err)
             }
         },
         RulesCommand::Features | RulesCommand::Learn(_) | RulesCommand::Diff { .. } => Ok(0),
     }
 }
 
-fn learn(arguments: &LearnArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
-    match learned(arguments) {
-        Ok(text) => {
-            out.write_all(text.as_bytes())?;
-            Ok(0)
-        }
-        Err(failure) => {
-            writeln!(err, "error: {}", failure.message)?;
-            Ok(failure.outcome as u8)
-        }
+/// Says why the command failed, with `json` on standard output as well; returns the exit code.
+fn fail(failure: &Failure, json: bool, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
+    writeln!(err, "error: {}", failure.message)?;
+    if json {
+        write_json(out, &failure.to_json())?;
     }
+    Ok(failure.outcome as u8)
 }
 
 fn diff(folders: [&PathBuf; 2], json: bool, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {

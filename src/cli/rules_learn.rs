@@ -8,6 +8,7 @@ use crate::learn::{Case, Learned, file_names, learn};
 use crate::rules::diff::{Change, changes};
 use crate::rules::{Problems, RuleBase};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,45 +22,81 @@ pub struct LearnArgs {
     /// Folders of the building files of the studies
     #[arg(long, value_name = "DIR", default_values = ["kb/plan", "kb/irregular", "buildings"])]
     pub plan: Vec<PathBuf>,
-    /// Folder for the rules, the review list and the report
-    #[arg(short, long, value_name = "DIR", default_value = "rules/learned")]
-    pub output: PathBuf,
+    /// Folder for the rules, the review list and the report [default: learned in the folder of --rules, else rules/learned]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
-/// Learns and writes; returns what there is to say.
+/// What was learned, and where it was written.
+#[derive(Debug, Serialize)]
+pub struct Written {
+    /// Number of studies.
+    pub studies: usize,
+    /// Number of rules.
+    pub rules: usize,
+    /// The folder.
+    pub output: String,
+    /// Files whose questions have no rules any more.
+    pub removed: Vec<String>,
+}
+
+impl Written {
+    /// In words.
+    pub fn words(&self) -> String {
+        let removed = |path: &String| format!("removed {path}: its question has no rules any more\n");
+        let removed: String = self.removed.iter().map(removed).collect();
+        let studies =
+            if self.studies == 1 { "1 study".to_string() } else { format!("{} studies", self.studies) };
+        format!("{removed}{studies}, {} rules in {}\n", self.rules, self.output)
+    }
+}
+
+/// The folder that is written to, with the folder of rules that the command line names.
+fn folder(arguments: &LearnArgs, rules: Option<&Path>) -> Result<PathBuf, Failure> {
+    match (&arguments.output, rules) {
+        (Some(output), _) => Ok(output.clone()),
+        (None, None) => Ok(Path::new("rules").join("learned")),
+        (None, Some(rules)) if rules.is_dir() => Ok(rules.join("learned")),
+        (None, Some(rules)) => {
+            Err(Failure::input(format!("--rules: {} is not a folder; make it first", rules.display())))
+        }
+    }
+}
+
+/// Learns and writes; `rules` is the folder of rules that the command line names.
 ///
 /// # Errors
 /// If a record cannot be read, its building is not found or has changed, or the files cannot be written.
-pub fn learned(arguments: &LearnArgs) -> Result<String, Failure> {
+pub fn learned(arguments: &LearnArgs, rules: Option<&Path>) -> Result<Written, Failure> {
+    let output = folder(arguments, rules)?;
     let cases = cases(&arguments.kb, &arguments.plan)?;
     let seed = RuleBase::seed().map_err(told)?;
     let Learned { files } = learn(&cases, &seed).map_err(told)?;
     let failed =
         |path: &Path, e: std::io::Error| Failure::input(format!("cannot write {}: {e}", path.display()));
-    fs::create_dir_all(&arguments.output).map_err(|e| failed(&arguments.output, e))?;
+    fs::create_dir_all(&output).map_err(|e| failed(&output, e))?;
     let paths: Vec<(String, PathBuf)> =
-        file_names().into_iter().map(|name| (name.clone(), arguments.output.join(name))).collect();
+        file_names().into_iter().map(|name| (name.clone(), output.join(name))).collect();
     if let Some((_, path)) = paths.iter().find(|(_, path)| path.exists() && !is_learned(path)) {
         return Err(Failure::input(format!(
             "{} was not written by `fallwerk rules learn` and would be replaced; name another folder with -o, or move it",
             path.display()
         )));
     }
-    let mut removed = String::new();
+    let mut removed = Vec::new();
     for (name, path) in &paths {
         match files.iter().find(|(file, _)| file == name) {
             Some((_, text)) => write_atomic(path, text.as_bytes()).map_err(|e| failed(path, e))?,
             None if path.is_file() => {
                 fs::remove_file(path).map_err(|e| failed(path, e))?;
-                removed += &format!("removed {}: its question has no rules any more\n", path.display());
+                removed.push(path.display().to_string());
             }
             None => {}
         }
     }
     let rules = files.iter().filter(|(name, _)| name.ends_with(".toml"));
-    let count: usize = rules.map(|(_, text)| text.matches("[[rule]]").count()).sum();
-    let studies = if cases.len() == 1 { "1 study".to_string() } else { format!("{} studies", cases.len()) };
-    Ok(format!("{removed}{studies}, {count} rules in {}\n", arguments.output.display()))
+    let rules = rules.map(|(_, text)| text.matches("[[rule]]").count()).sum();
+    Ok(Written { studies: cases.len(), rules, output: output.display().to_string(), removed })
 }
 
 /// Whether a file names this command as its author.
@@ -113,7 +150,7 @@ fn case(record: &Path, kb: &Path, plans: &[PathBuf]) -> Result<Case, Failure> {
         let message = format!("no {name}.toml, of which {} is, in {}", record.display(), folders());
         Failure::input(format!("{message}; name its folder with --plan"))
     })?;
-    let task = Task::of(file.clone(), kb)?;
+    let task = Task::told(file.clone(), kb)?;
     let study = task.study()?.ok_or_else(|| {
         let message = format!("{} is of another input than {}", record.display(), file.display());
         Failure::input(format!("{message}; run `fallwerk study run --again` or remove the record"))

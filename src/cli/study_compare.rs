@@ -14,7 +14,7 @@ use crate::validate::{LIMIT_STANDING_M, LIMIT_TO_CONTACT};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What is compared.
 #[derive(clap::Args)]
@@ -104,20 +104,10 @@ fn compared(
         progress.advance(done as f64 / files.len() as f64, &name);
         match one(arguments, file.clone(), rules, store, progress) {
             Ok(agreement) => runs.push(agreement),
-            Err(failure) => {
-                missed.push(Missed { building: name, why: why(&failure, file), rules: Vec::new() })
-            }
+            Err(failure) => missed.push(Missed { building: name, why: failure.message, rules: Vec::new() }),
         }
     }
     Compared { together: Together::of(&runs), runs, missed }
-}
-
-/// Why there is no comparison of a building; what is wrong with its file has been said already.
-fn why(failure: &Failure, file: &Path) -> String {
-    match failure.message.as_str() {
-        "" => format!("{} is no building that can be read; `fallwerk check` says why", file.display()),
-        message => message.to_string(),
-    }
 }
 
 /// The buildings that some set of rules has no comparison of, with the names of these sets unless they are all.
@@ -184,7 +174,7 @@ fn one(
     store: &mut Store,
     progress: &Progress,
 ) -> Result<Agreement, Failure> {
-    let task = Task::of(file, &arguments.kb)?;
+    let task = Task::told(file, &arguments.kb)?;
     if !task.has_record() {
         let kb = arguments.kb.display();
         return Err(Failure::input(format!("no record in {kb}; `fallwerk study run` makes it")));

@@ -140,6 +140,17 @@ impl Task {
         Ok(Self { file, building, hash: hash.to_string(), record })
     }
 
+    /// As [`Self::of`] for lists of buildings: a failure has a message also where what is wrong with the file has been said before.
+    pub(super) fn told(file: PathBuf, kb: &Path) -> Result<Self, Failure> {
+        let shown = file.display().to_string();
+        Self::of(file, kb).map_err(|failure| match failure.message.as_str() {
+            "" => {
+                Failure::input(format!("{shown} is no building that can be read; `fallwerk check` says why"))
+            }
+            _ => failure,
+        })
+    }
+
     pub(super) fn has_record(&self) -> bool {
         self.record.exists()
     }

@@ -147,3 +147,27 @@ fn rules_that_cannot_be_carried_out_do_not_pass_the_check() {
     assert!(code == 1 && out.contains("`rigid_body` for a member of a beam"), "{out}");
     assert_eq!(check(&["when = \"member.kind in ['wall', 'footing']\""]).0, 0);
 }
+
+/// What is learned goes beside the rules that are named, and is told as JSON where that is asked for.
+#[test]
+fn learning_writes_into_the_folder_of_rules_that_is_named() {
+    let room = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (kb, rules) = (room.path().join("kb"), room.path().join("rules"));
+    fs::create_dir(&kb).unwrap();
+    fs::copy(root.join("kb/studies/s1-001.json"), kb.join("s1-001.json")).unwrap();
+    let plan = root.join("kb/plan");
+    let [kb, plan] = [&kb, &plan].map(|path| path.to_str().unwrap());
+    let learn = ["learn", "--kb", kb, "--plan", plan, "--json"];
+    let (code, out, err) = fallwerk(&rules, &learn);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let told = value["diagnostics"][0]["message"].as_str().unwrap();
+    assert!(code == 2 && told.contains("rules is not a folder") && err.starts_with("error: "), "{out}{err}");
+    assert!(!rules.exists());
+    fs::create_dir(&rules).unwrap();
+    let (code, out, err) = fallwerk(&rules, &learn);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((code, &value["studies"]), (0, &1.into()), "{out}{err}");
+    assert_eq!(value["output"], rules.join("learned").to_str().unwrap());
+    assert!(rules.join("learned/report.md").is_file(), "{out}");
+}

@@ -128,7 +128,7 @@ fn arguments(kb: PathBuf, output: &Path) -> LearnArgs {
     LearnArgs {
         kb,
         plan: vec![root("kb/plan"), root("kb/irregular"), root("buildings")],
-        output: output.to_path_buf(),
+        output: Some(output.to_path_buf()),
     }
 }
 
@@ -140,7 +140,7 @@ fn read(folder: &Path) -> Vec<(String, String)> {
 #[test]
 fn the_rules_of_the_repository_come_out_of_its_studies_to_the_byte() {
     let room = tempfile::tempdir().unwrap();
-    learned(&arguments(root("kb/studies"), room.path())).unwrap();
+    learned(&arguments(root("kb/studies"), room.path()), None).unwrap();
     let again = read(room.path());
     assert!(again.len() > 3);
     assert_eq!(again, read(&root("rules/learned")));
@@ -171,7 +171,7 @@ fn a_study_that_is_gone_changes_only_what_rested_on_it() {
             fs::copy(entry.path(), kb.join(entry.file_name())).unwrap();
         }
     }
-    learned(&arguments(kb, &out)).unwrap();
+    learned(&arguments(kb, &out), None).unwrap();
     let rules = |folder: &Path| {
         let sources: Vec<Source> = RuleBase::sources(folder).unwrap();
         RuleBase::seed().unwrap().with(sources).unwrap()
@@ -193,7 +193,7 @@ fn a_record_of_another_building_is_refused_by_name() {
     let told = |plan: PathBuf| {
         let arguments =
             LearnArgs { plan: vec![plan], ..arguments(room.path().into(), &room.path().join("out")) };
-        learned(&arguments).unwrap_err().message
+        learned(&arguments, None).unwrap_err().message
     };
     assert!(told(root("buildings")).contains("no s1-001.toml"), "{}", told(root("buildings")));
     let text = fs::read_to_string(root("kb/plan/s1-001.toml")).unwrap();
