@@ -169,8 +169,8 @@ fn derive(
             derive_sections(hinges, what, store, &watch)
                 .and_then(|done| library_springs::derive(&sections, what, store, &watch, done))
         }
-        Some(_) if what.bending.is_given() || what.check_mesh => {
-            let message = "--axial, --until, --mesh, --elements, --check-mesh, --joint, --no-buckling and --seed-law are of --section and --grid; a building's own settings hold";
+        Some(_) if what.bending.is_given() || what.check_mesh || !what.make.is_empty() => {
+            let message = "--make, --axial, --until, --mesh, --elements, --check-mesh, --joint, --no-buckling, --seed-law and --whole are of --section and --grid; of a building all hinges and crushed ends are made, by its own settings";
             return Err(Failure::Usage(message.to_string()));
         }
         Some(path) => {

@@ -33,8 +33,8 @@ pub struct Arguments {
     /// Bend sections in elements of twice the size as well, and state in the quality of their entries how much that changes
     #[arg(long)]
     pub check_mesh: bool,
-    /// What to make of a section: its hinge (of a slab: the yield line), springs, crushing in contact
-    #[arg(long, value_name = "WHAT", num_args = 1.., value_delimiter = ',', default_values_t = ["hinge".to_string()], value_parser = clap::builder::PossibleValuesParser::new(super::library_springs::MAKES))]
+    /// What to make of a section: its hinge (of a slab: the yield line), springs, crushing in contact [default: hinge]
+    #[arg(long, value_name = "WHAT", num_args = 1.., value_delimiter = ',', value_parser = clap::builder::PossibleValuesParser::new(super::library_springs::MAKES))]
     pub make: Vec<String>,
     /// Compute entries that are there anew
     #[arg(long)]

@@ -21,9 +21,9 @@ fn kinds(makes: &[String]) -> Vec<EntryKind> {
     named.into_iter().filter(|(name, _)| asked(name)).map(|(_, kind)| kind).collect()
 }
 
-/// Whether these names ask for hinges.
+/// Whether these names ask for hinges, as none at all does.
 pub fn makes_hinges(makes: &[String]) -> bool {
-    makes.iter().any(|m| m == "hinge" || m == "all")
+    makes.is_empty() || makes.iter().any(|m| m == "hinge" || m == "all")
 }
 
 /// Computes the springs that the library lacks for sections, and stores each entry as soon as it is done; adds to `derived` what became of them.

@@ -125,6 +125,18 @@ fn histories_are_those_of_one_entry() {
     assert!(history("nothing").2.contains("no entry `nothing`"));
 }
 
+/// Options of sections are no options of buildings.
+#[test]
+fn options_that_a_building_has_no_use_for_are_refused() {
+    let library = tempfile::tempdir().unwrap();
+    for option in [&["--make", "shear"][..], &["--make=hinge"], &["--whole"], &["--axial=0.1"]] {
+        let (code, out, err) = fallwerk(library.path(), &[&["derive", "building.toml"], option].concat());
+        let name = option[0].split('=').next().unwrap();
+        assert!(code == 2 && out.is_empty() && err.contains(name), "{option:?}: {out}{err}");
+        assert!(err.contains("are of --section and --grid"), "{err}");
+    }
+}
+
 /// A library with the example of the documentation, and its files.
 fn with_example(room: &Path) -> (std::path::PathBuf, String, String) {
     let (library, curve, meta) = (room.join("library"), room.join("c.csv"), room.join("m.toml"));
