@@ -291,7 +291,7 @@ fn dispatch(
         LibraryCommand::Add(add) => library_add::run(add, store, json, (out, err)),
         LibraryCommand::List(filter) => library_look::list(store, filter, json, out),
         LibraryCommand::Show { key } => library_look::show(&store.get(&store.resolve(key)?)?, json, out),
-        LibraryCommand::Plot(plot) => library_plot::run(plot, store, out),
+        LibraryCommand::Plot(plot) => library_plot::run(plot, store, json, out),
         LibraryCommand::Diff { first, second } => {
             let get = |key: &str| store.get(&store.resolve(key)?);
             super::library_diff::run(&get(first)?, &get(second)?, json, out)

@@ -1,6 +1,6 @@
 //! `fallwerk library plot`: the curves of an entry, with those of a test beside them.
 
-use super::library::Failure;
+use super::library::{Failure, report};
 use super::library_find::quantity;
 use crate::base::diagnostic::Diagnostics;
 use crate::base::output::{may_write, write_atomic};
@@ -11,6 +11,7 @@ use crate::library::entry::{Deprecation, Direction};
 use crate::library::{Entry, Store};
 use crate::report::figure::{self, Line, Panel};
 use clap::Args;
+use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -32,7 +33,18 @@ pub struct Arguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &Arguments, store: &Store, out: &mut dyn Write) -> Result<u8, Failure> {
+pub(super) fn run(
+    arguments: &Arguments,
+    store: &Store,
+    json: bool,
+    out: &mut dyn Write,
+) -> Result<u8, Failure> {
+    if json && arguments.output.is_none() {
+        return Err(Failure::Usage(
+            "--json: a plot is SVG; name a file for it with -o, or use `library show --json`, which has its numbers"
+                .to_string(),
+        ));
+    }
     if let Some(path) = &arguments.output {
         let reads: Vec<&Path> = arguments.reference.iter().map(|p| p.as_path()).collect();
         may_write(path, &["svg"], &reads).map_err(Failure::Usage)?;
@@ -60,8 +72,13 @@ pub(super) fn run(arguments: &Arguments, store: &Store, out: &mut dyn Write) -> 
     }
     let svg = figure::svg(&title, &entry.words(), &panels(&entry, reference.as_ref(), to));
     match &arguments.output {
-        Some(path) => write_atomic(path, svg.as_bytes())
-            .map_err(|e| Failure::Usage(format!("{}: {e}", path.display())))?,
+        Some(path) => {
+            let shown = path.display();
+            write_atomic(path, svg.as_bytes()).map_err(|e| Failure::Usage(format!("{shown}: {e}")))?;
+            if json {
+                report(true, out, json!({ "key": entry.key, "file": shown.to_string() }), "")?;
+            }
+        }
         None => write!(out, "{svg}")?,
     }
     Ok(0)

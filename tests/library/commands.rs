@@ -192,6 +192,15 @@ fn a_curve_is_checked_added_found_and_drawn() {
         "50mrad",
     ]);
     assert!(code == 0 && svg.starts_with("<svg xmlns") && svg.contains("reference, N = 600 kN"), "{svg}");
+    // JSON tells of the file; without one there is nothing to tell
+    let entry = "column_hinge/350x350-l1000-bottom-ground-fc35-r320-s75";
+    let file = room.path().join("plot.svg");
+    let (code, out, err) = run(&["plot", entry, "--json", "-o", file.to_str().unwrap()]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((code, &value["file"]), (0, &file.to_str().unwrap().into()), "{err}");
+    assert!(value["key"].as_str().unwrap().starts_with(entry) && file.is_file(), "{out}");
+    let (code, out, err) = run(&["plot", entry, "--json"]);
+    assert!(code == 2 && err.contains("name a file for it with -o") && !out.contains("<svg"), "{out}{err}");
     // a plot of what is not to be used says so
     let entry = "column_hinge/350x350-l1000-bottom-ground-fc35-r320-s150";
     assert_eq!(run(&["deprecate", entry, "--reason", "wrong ties"]).0, 0);
