@@ -97,8 +97,10 @@ fn attempt(args: &RulesArgs, out: &mut dyn Write, err: &mut dyn Write) -> io::Re
             if checking && args.json {
                 let list: Vec<String> = problems.0.iter().map(ToString::to_string).collect();
                 write_json(out, &json!({ "problems": list, "gaps": [], "remarks": [] }))?;
-            } else {
+            } else if checking {
                 writeln!(err, "{problems}\n{}", problems.count_words())?;
+            } else {
+                return refuse(&problems, args.json, out, err);
             }
             return Ok(if checking && !problems.has_unread() { 1 } else { 2 });
         }
@@ -127,14 +129,24 @@ fn fail(failure: &Failure, json: bool, out: &mut dyn Write, err: &mut dyn Write)
     Ok(failure.outcome as u8)
 }
 
+/// Says why rules cannot be read, with `json` on standard output as well; returns the exit code.
+fn refuse(problems: &Problems, json: bool, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
+    let failures: Vec<Failure> =
+        problems.0.iter().map(|problem| Failure::input(problem.to_string())).collect();
+    failures.iter().try_for_each(|failure| writeln!(err, "error: {}", failure.message))?;
+    if json {
+        let all: Vec<Value> =
+            failures.iter().map(|failure| failure.to_json()["diagnostics"][0].take()).collect();
+        write_json(out, &json!({ "ok": false, "diagnostics": all }))?;
+    }
+    Ok(2)
+}
+
 fn diff(folders: [&PathBuf; 2], json: bool, out: &mut dyn Write, err: &mut dyn Write) -> io::Result<u8> {
     let [old, new] = folders.map(|folder| read_alone(folder));
     let (old, new) = match (old, new) {
         (Ok(old), Ok(new)) => (old, new),
-        (Err(problems), _) | (_, Err(problems)) => {
-            writeln!(err, "{problems}")?;
-            return Ok(2);
-        }
+        (Err(problems), _) | (_, Err(problems)) => return refuse(&problems, json, out, err),
     };
     let (list, text) = difference(&old, &new);
     if json {

@@ -1,6 +1,6 @@
 //! `fallwerk study`: FE runs as evidence in `kb/studies/`.
 
-use super::{Failure, Outcome, print, study_compare, study_run};
+use super::{Failure, Outcome, failing, print, study_compare, study_run};
 use crate::base::json::from_text;
 use crate::base::output::write_atomic;
 use crate::fe::result::FeEnergies;
@@ -92,8 +92,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         Verb::Run { buildings, kb, threads, again } => {
             return study_run::run(buildings, kb, *threads, *again);
         }
-        Verb::Compare(arguments) => return study_compare::run(arguments),
-        Verb::List { kb, json } => list(kb, *json)?,
+        Verb::Compare(arguments) => return failing(arguments.json, study_compare::run(arguments)),
+        Verb::List { kb, json } => failing(*json, list(kb, *json))?,
         Verb::Show { record, kb } => print(&described(&read(&found(record, kb))?)),
     }
     Ok(Outcome::Done)

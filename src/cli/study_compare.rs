@@ -34,7 +34,7 @@ pub struct Arguments {
     ablation: bool,
     /// Print as JSON
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// A building without a comparison.

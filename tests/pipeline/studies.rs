@@ -124,6 +124,15 @@ fn buildings_without_a_record_are_named_together() {
     let told =
         "no comparison of nofile: nofile.toml is no building that can be read; `fallwerk check` says why\n";
     assert_eq!((code, out.as_str()), (1, told));
+    for words in [
+        &["study", "list", "--kb", "none", "--json"][..],
+        &["study", "compare", "kb", "--rules", "none", "--json"],
+    ] {
+        let (code, out, err) = fallwerk(room.path(), words);
+        let value: Value = serde_json::from_str(&out).unwrap();
+        let told = value["diagnostics"][0]["message"].as_str().unwrap();
+        assert!(code == 2 && told.contains("none") && err == format!("error: {told}\n"), "{out}{err}");
+    }
 }
 
 /// A record has the name of its building, which another building may have too.

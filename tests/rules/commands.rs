@@ -93,6 +93,14 @@ fn problems_and_gaps_have_their_exit_codes() {
     let (code, _, err) = fallwerk(&absent, &["check"]);
     assert!(code == 2 && err.contains(absent.to_str().unwrap()), "{err}");
     assert_eq!(fallwerk(&absent, &["check", "--json"]).0, 2);
+    let folder = absent.to_str().unwrap();
+    for words in [&["list", "--json"][..], &["show", "a", "--json"], &["diff", folder, folder, "--json"]] {
+        let (code, out, err) = fallwerk(&absent, words);
+        let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let told = value["diagnostics"][0]["message"].as_str().unwrap();
+        assert!(code == 2 && value["ok"] == false && told.contains(folder), "{words:?}: {out}");
+        assert!(err.starts_with("error: ") && err.contains(told), "{words:?}: {err}");
+    }
 }
 
 /// Without a folder the rules are those of the program, learned ones among them, as for `generate-mbs`.
