@@ -20,6 +20,13 @@ pub struct Match {
     pub reason: String,
 }
 
+impl Match {
+    /// Whether it may be used: exact, or at a distance within the tolerance. An infinite distance is within none.
+    pub fn is_within(&self, tolerance: f64) -> bool {
+        self.exact || self.distance.is_finite() && self.distance <= tolerance
+    }
+}
+
 /// What a curator asks for: a kind and the features that matter. What is not named may be anything.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Query {

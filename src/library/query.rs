@@ -55,7 +55,7 @@ impl Store {
     /// If its record cannot be read.
     pub fn find(&self, wanted: &Features, tolerance: f64) -> Result<Option<Found>, StoreError> {
         match self.nearest(wanted) {
-            Some(near) if near.fit.exact || near.fit.distance <= tolerance => {
+            Some(near) if near.fit.is_within(tolerance) => {
                 Ok(Some(Found { entry: self.get(&near.key)?, fit: near.fit }))
             }
             _ => Ok(None),
@@ -75,7 +75,6 @@ impl Store {
     /// If a record cannot be read, or the interpolated entry cannot be written as JSON.
     pub fn answer(&self, query: &Query, tolerance: f64, interpolate: bool) -> Result<Answer, StoreError> {
         let near = self.best(|item| query.compare(item.kind, item.origin, &item.features));
-        let fits = |near: &Nearest| near.fit.exact || near.fit.distance <= tolerance;
         let exact = near.as_ref().is_some_and(|n| n.fit.exact);
         if interpolate
             && !exact
@@ -84,7 +83,7 @@ impl Store {
             return Ok(Answer::Between(Box::new(between)));
         }
         match near {
-            Some(near) if fits(&near) => {
+            Some(near) if near.fit.is_within(tolerance) => {
                 Ok(Answer::Entry(Box::new(Found { entry: self.get(&near.key)?, fit: near.fit })))
             }
             near => Ok(Answer::None(near)),

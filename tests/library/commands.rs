@@ -254,6 +254,12 @@ fn find_tells_of_rivals_and_refuses_what_is_no_question() {
         let (code, out, err) = run(words);
         assert!(code == 2 && out.is_empty() && err.contains(why), "{words:?}: {out}{err}");
     };
+    // however far it may be, another end is no answer
+    let (code, out, _) = run(&["--end", "top", "--tolerance", "inf", "--json"]);
+    let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(code == 1 && value["answer"] == "none" && value["nearest"]["key"].is_string(), "{out}");
+    let (code, out, _) = run(&["width=900mm", "--tolerance", "inf"]);
+    assert!(code == 0 && out.contains("width_m is 0.35 instead of 0.9"), "{out}");
     refused(&["width=350mm", "width=0.4"], "`width_m` is asked for twice");
     refused(&["colour=4"], "there is no feature `colour`; the features are width, depth,");
     let parsed = |words: &[&str]| {
