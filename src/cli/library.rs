@@ -227,9 +227,14 @@ fn attempt(args: &LibraryArgs, out: &mut dyn Write, err: &mut dyn Write) -> Resu
         write!(out, "{text}")?;
         return Ok(0);
     }
-    let folder = args.command.folder(args.library.as_deref())?;
+    if let LibraryCommand::Add(add) = &args.command
+        && add.only_checks()
+    {
+        return library_add::check(add, args.json, (out, err));
+    }
+    let (folder, is_own) = args.command.folder(args.library.as_deref())?;
     let mut store =
-        if args.command.needs_lock() { Store::open(&folder)? } else { Store::open_to_read(&folder)? };
+        if args.command.needs_lock(is_own) { Store::open(&folder)? } else { Store::open_to_read(&folder)? };
     say_how_opened(&store, args.command.names_damage(), err)?;
     if args.command.writes() && store.writable().is_ok() {
         warn_of_gone(&store, err)?;
@@ -252,23 +257,24 @@ impl LibraryCommand {
         )
     }
 
-    /// Whether nobody else may write meanwhile: it writes, or looks at the working copy, which one process may have open.
-    fn needs_lock(&self) -> bool {
-        self.writes() || matches!(self, Self::Verify)
+    /// Whether nobody else may write meanwhile: it writes, or looks at the working copy, which one process may have open. The
+    /// library of the program has none that counts.
+    fn needs_lock(&self, is_own: bool) -> bool {
+        self.writes() || matches!(self, Self::Verify) && is_own
     }
 
-    /// The library folder: that of the program is for reading only.
-    fn folder(&self, given: Option<&Path>) -> Result<PathBuf, Failure> {
+    /// The library folder, and whether it is the user's own: that of the program is for reading only.
+    fn folder(&self, given: Option<&Path>) -> Result<(PathBuf, bool), Failure> {
         let folder = knowledge::folder(given, "library");
-        let is_named = given.is_some() || folder == Path::new("library");
-        if self.writes() && !is_named {
+        let is_own = given.is_some() || folder == Path::new("library");
+        if self.writes() && !is_own {
             return Err(Failure::Usage(
                 "there is no folder `library` here, and that of the program is only read; name the library to write to with --library".to_string(),
             ));
         }
         let makes_it = matches!(self, Self::Import { .. } | Self::Add(_) | Self::Derive(_));
         if folder.is_dir() || (makes_it && given.is_some()) {
-            return Ok(folder);
+            return Ok((folder, is_own));
         }
         Err(Failure::Usage(format!("{}: no such folder; name the library with --library", folder.display())))
     }

@@ -1,7 +1,7 @@
 //! `fallwerk library add`: a curve from a test or another program.
 
 use super::library::{Failure, report};
-use crate::library::{Put, Store, add, meta};
+use crate::library::{Entry, Put, Store, add, meta};
 use clap::Args;
 use serde_json::json;
 use std::io::Write;
@@ -16,7 +16,7 @@ pub struct Arguments {
     /// What is said of it (TOML)
     #[arg(long, value_name = "FILE", required_unless_present_any = ["example", "example_curve", "schema"])]
     meta: Option<PathBuf>,
-    /// Check both files and add nothing
+    /// Check both files and add nothing; no library is opened
     #[arg(long)]
     check: bool,
     /// Print a commented example of the description
@@ -39,6 +39,34 @@ impl Arguments {
         let example = self.example.then(|| meta::EXAMPLE.to_string());
         example.or_else(|| self.example_curve.then(|| meta::EXAMPLE_CURVE.to_string()))
     }
+
+    /// Whether nothing is added.
+    pub fn only_checks(&self) -> bool {
+        self.check
+    }
+}
+
+/// The entry of the two files with what is doubtful about it, which is told.
+fn entry(arguments: &Arguments, err: &mut dyn Write) -> Result<(Entry, Vec<String>), Failure> {
+    let (Some(curve), Some(meta)) = (&arguments.curve, &arguments.meta) else {
+        return Err(Failure::Usage("give a curve and --meta FILE".to_string()));
+    };
+    let entry = add::entry_of_files(curve, meta).map_err(Failure::Files)?;
+    let doubts = add::doubts(&entry);
+    doubts.iter().try_for_each(|doubt| writeln!(err, "warning: {}: {doubt}", curve.display()))?;
+    Ok((entry, doubts))
+}
+
+/// Checks the files.
+pub(super) fn check(
+    arguments: &Arguments,
+    json: bool,
+    (out, err): (&mut dyn Write, &mut dyn Write),
+) -> Result<u8, Failure> {
+    let (entry, doubts) = entry(arguments, err)?;
+    Store::check(&entry)?;
+    let value = json!({ "key": entry.key, "done": "sound", "warnings": doubts });
+    report(json, out, value, &format!("sound {}", entry.key))
 }
 
 /// Runs the command.
@@ -48,21 +76,11 @@ pub(super) fn run(
     json: bool,
     (out, err): (&mut dyn Write, &mut dyn Write),
 ) -> Result<u8, Failure> {
-    let (Some(curve), Some(meta)) = (&arguments.curve, &arguments.meta) else {
-        return Err(Failure::Usage("give a curve and --meta FILE".to_string()));
-    };
-    let entry = add::entry_of_files(curve, meta).map_err(Failure::Files)?;
-    let doubts = add::doubts(&entry);
-    doubts.iter().try_for_each(|doubt| writeln!(err, "warning: {}: {doubt}", curve.display()))?;
-    let what = if arguments.check {
-        Store::check(&entry)?;
-        "sound"
-    } else {
-        match store.put(&entry)? {
-            Put::Added => "added",
-            Put::Unchanged => "was there already",
-            Put::Replaced => "replaced",
-        }
+    let (entry, doubts) = entry(arguments, err)?;
+    let what = match store.put(&entry)? {
+        Put::Added => "added",
+        Put::Unchanged => "was there already",
+        Put::Replaced => "replaced",
     };
     let mut words = match what {
         "was there already" => format!("{} was there already", entry.key),

@@ -151,11 +151,8 @@ fn a_curve_is_checked_added_found_and_drawn() {
     let (library, curve, meta) = with_example(room.path());
     let run = |words: &[&str]| fallwerk(&library, words);
     let (code, out, _) = run(&["add", &curve, "--meta", &meta, "--check"]);
-    assert!(
-        code == 0
-            && out.starts_with("sound column_hinge/350x350")
-            && Store::open(&library).unwrap().keys().is_empty()
-    );
+    assert!(code == 0 && out.starts_with("sound column_hinge/350x350"), "{out}");
+    assert!(!library.exists(), "a check makes no library");
     assert!(run(&["add", &curve, "--meta", &meta]).1.starts_with("added column_hinge/350x350"));
     assert!(run(&["add", &curve, "--meta", &meta]).1.ends_with("was there already\n"));
     let (_, out, _) = run(&["history"]);
@@ -307,6 +304,14 @@ fn without_a_folder_the_library_of_the_program_is_only_read() {
         let (code, _, err) = run(words);
         assert!(code == 2 && err.contains("name the library to write to with --library"), "{words:?}: {err}");
     }
+    // nor locked, nor is there a working copy built
+    let lock = Path::new(env!("CARGO_MANIFEST_DIR")).join("library/.cache/lock");
+    let before = fs::read(&lock).ok();
+    let (code, out, err) = run(&["verify"]);
+    assert!(code == 0 && out.contains("all sound"), "{out}{err}");
+    assert_eq!(fs::read(&lock).ok(), before);
+    let (code, _, err) = run(&["add", "a.csv", "--meta", "a.toml", "--check"]);
+    assert!(code == 2 && err.contains("a.csv") && !err.contains("--library"), "{err}");
     let (code, _, err) = run(&["--library", "absent", "list"]);
     assert!(code == 2 && err.contains("absent: no such folder"), "{err}");
     // a command that adds makes the folder that is named
