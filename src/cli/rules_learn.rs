@@ -19,7 +19,7 @@ pub struct LearnArgs {
     /// Folder of the study records
     #[arg(long, value_name = "DIR", default_value = STUDIES)]
     pub kb: PathBuf,
-    /// Folders of the building files of the studies
+    /// Folder of the building files of the studies, in the place of those by default; several: once for each
     #[arg(long, value_name = "DIR", default_values = ["kb/plan", "kb/irregular", "buildings"])]
     pub plan: Vec<PathBuf>,
     /// Folder for the rules, the review list and the report [default: learned in the folder of --rules, else rules/learned]
@@ -148,7 +148,8 @@ fn case(record: &Path, kb: &Path, plans: &[PathBuf]) -> Result<Case, Failure> {
     let file = plans.iter().map(|plan| plan.join(format!("{name}.toml"))).find(|file| file.is_file());
     let file = file.ok_or_else(|| {
         let message = format!("no {name}.toml, of which {} is, in {}", record.display(), folders());
-        Failure::input(format!("{message}; name its folder with --plan"))
+        let all: Vec<String> = plans.iter().map(|plan| format!("--plan {}", plan.display())).collect();
+        Failure::input(format!("{message}; name its folder beside these: {} --plan DIR", all.join(" ")))
     })?;
     let task = Task::told(file.clone(), kb)?;
     let study = task.study()?.ok_or_else(|| {
