@@ -309,7 +309,10 @@ pub(super) fn history(
         )?;
     }
     if history.torn_bytes > 0 {
-        writeln!(err, "note: the last line of the journal was cut off; the next change mends it")?;
+        writeln!(
+            err,
+            "note: the last line of the journal was cut off; the next change or `library rebuild` mends it"
+        )?;
     }
     let code = u8::from(!history.damaged_lines.is_empty());
     if json {

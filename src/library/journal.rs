@@ -157,6 +157,11 @@ impl History {
         history
     }
 
+    /// What becomes of a torn last line, for the note of the journal.
+    fn torn_words(&self) -> String {
+        format!("a last line of {} bytes was cut off", self.torn_bytes)
+    }
+
     /// Keys whose last event says that they are missing, sorted.
     pub fn missing(&self) -> Vec<String> {
         let last: BTreeMap<&str, Happening> = self.events.iter().map(|e| (e.key.as_str(), e.what)).collect();
@@ -212,8 +217,7 @@ impl Journal {
             text.push('\n');
         }
         if history.torn_bytes > 0 {
-            let note = format!("a last line of {} bytes was cut off", history.torn_bytes);
-            text.push_str(&Event::now(Happening::Mended, "-", "-", &note).line());
+            text.push_str(&Event::now(Happening::Mended, "-", "-", &history.torn_words()).line());
         }
         text.extend(events.iter().map(Event::line));
         let written = File::options().create(true).append(true).open(&self.path).and_then(|mut file| {
@@ -230,13 +234,13 @@ impl Journal {
         Ok(())
     }
 
-    /// Takes damaged lines out, and keeps the file as it was in `aside`. Returns how many there were.
+    /// Takes damaged lines and a torn last line out, and keeps the file as it was in `aside`. Returns how many there were.
     ///
     /// # Errors
     /// As the file system reports them.
     pub fn mend(&self, aside: &Path) -> Result<usize, StoreError> {
         let history = self.read()?;
-        let count = history.damaged_lines.len();
+        let count = history.damaged_lines.len() + usize::from(history.torn_bytes > 0);
         if count == 0 {
             return Ok(0);
         }
@@ -244,7 +248,10 @@ impl Journal {
         let mut text = TITLE.to_string();
         text.extend(history.events.iter().map(Event::line));
         let lines: Vec<String> = history.damaged_lines.iter().map(usize::to_string).collect();
-        let note = format!("lines {} did not match their checksums and were taken out", lines.join(", "));
+        let taken = format!("lines {} did not match their checksums and were taken out", lines.join(", "));
+        let notes =
+            [(!lines.is_empty()).then_some(taken), (history.torn_bytes > 0).then(|| history.torn_words())];
+        let note = notes.into_iter().flatten().collect::<Vec<_>>().join("; ");
         text.push_str(&Event::now(Happening::Mended, "-", "-", &note).line());
         write_atomic(&self.path, text.as_bytes()).map_err(StoreError::io(&self.path))?;
         Ok(count)
@@ -322,5 +329,13 @@ mod tests {
         let mended = journal.read().unwrap();
         assert_eq!((mended.events.len(), mended.damaged_lines.len()), (5, 0));
         assert!(mended.events[4].note.contains("lines 4 did not match"));
+        // a torn last line goes as well, without another event
+        let whole = fs::read(journal.path()).unwrap();
+        fs::write(journal.path(), &whole[..whole.len() - 9]).unwrap();
+        assert!(journal.read().unwrap().torn_bytes > 0);
+        assert_eq!(journal.mend(&room.path().join("torn")).unwrap(), 1);
+        let mended = journal.read().unwrap();
+        assert_eq!((mended.events.len(), mended.torn_bytes, mended.damaged_lines.len()), (5, 0, 0));
+        assert!(mended.events[4].note.starts_with("a last line of "), "{:?}", mended.events[4]);
     }
 }
