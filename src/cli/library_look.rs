@@ -245,7 +245,7 @@ fn spring(spring: &SpringRecord, out: &mut dyn Write) -> io::Result<()> {
 
 fn provenance(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     let v = &entry.validity;
-    let mut holds = format!("N {:.1} to {:.1} kN", v.axial_force_n[0] / 1e3, v.axial_force_n[1] / 1e3);
+    let mut holds = format!("N {}", axial_forces(entry));
     if let Some([_, high]) = v.rotation_rad {
         holds += &format!(", rotation to {:.2} mrad", high * 1e3);
     }
@@ -287,6 +287,17 @@ fn provenance(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     let version = p.inputs.submodel_version.map_or(String::new(), |v| format!(", submodel version {v}"));
     writeln!(out, "  made by     fallwerk {}{version}", p.program_version)?;
     writeln!(out, "  inputs      {}", p.inputs_hash)
+}
+
+/// The axial forces at which an entry holds, of each axis if they are not the same ones.
+fn axial_forces(entry: &Entry) -> String {
+    let words = |[low, high]: [f64; 2]| format!("{:.1} to {:.1} kN", low / 1e3, high / 1e3);
+    match entry.axes.iter().map(|axis| axis.curve.axial_range_n()).collect::<Vec<_>>().as_slice() {
+        [first, second] if first != second => {
+            format!("{} about axis 1, {} about axis 2", words(*first), words(*second))
+        }
+        _ => words(entry.validity.axial_force_n),
+    }
 }
 
 /// Tells what happened.

@@ -165,8 +165,9 @@ const LEAST_AXIAL_SHARE: f64 = 1e-3;
 pub fn doubts(entry: &Entry) -> Vec<String> {
     let features = &entry.features;
     let strength = features.rc.as_ref().and_then(|rc| rc.concrete_strength_pa);
-    let forces = entry.validity.axial_force_n.map(f64::abs);
-    let largest_n = forces[0].max(forces[1]);
+    let bending = entry.axes.iter().flat_map(|axis| &axis.envelopes).map(|level| level.axial_force_n);
+    let springs = entry.springs.iter().flat_map(|spring| &spring.levels).map(|level| level.axial_force_n);
+    let largest_n = bending.chain(springs).map(f64::abs).fold(0.0, f64::max);
     let squash_n = strength.map(|pa| pa * features.width_m * features.depth_m);
     let doubt = squash_n.filter(|squash| largest_n > 0.0 && largest_n < LEAST_AXIAL_SHARE * squash);
     let words = |squash: f64| {
@@ -176,7 +177,20 @@ pub fn doubts(entry: &Entry) -> Vec<String> {
             squash / 1e3
         )
     };
-    doubt.map(words).into_iter().collect()
+    doubt.map(words).into_iter().chain(nothing_in_common(entry)).collect()
+}
+
+/// That the curves about both axes know no axial force in common.
+fn nothing_in_common(entry: &Entry) -> Option<String> {
+    let [first, second] = entry.axes.as_slice() else { return None };
+    let ranges = [first, second].map(|axis| axis.curve.axial_range_n());
+    let [[a, b], [c, d]] = ranges.map(|range| range.map(|force_n| force_n / 1e3));
+    let apart = a.max(c) > b.min(d);
+    apart.then(|| {
+        format!(
+            "about axis 1 the curves are those of {a} to {b} kN, about axis 2 of {c} to {d} kN: no axial force is known about both; give both axes curves of the same one"
+        )
+    })
 }
 
 fn made(text: &Source, curve: &CurveFile, meta: &Meta, errors: &mut Vec<Diagnostic>) -> Option<Entry> {
@@ -307,16 +321,22 @@ fn secant(points: &[[f64; 2]]) -> Option<f64> {
 }
 
 fn validity(curve: &CurveFile, force: &impl Fn(&FileLevel) -> f64) -> Validity {
-    let forces = curve.levels.iter().map(force);
+    let range = |axis: Option<u8>| {
+        let levels = curve.levels.iter().filter(|level| axis.is_none_or(|axis| level.axis == axis));
+        let forces = levels.map(force);
+        let low = forces.clone().fold(f64::INFINITY, f64::min);
+        [low, forces.fold(f64::NEG_INFINITY, f64::max)]
+    };
+    // what one of two axes knows alone is not known of the entry
+    let [a, b] = [1, 2].map(|axis| range(Some(axis)));
+    let common = [a[0].max(b[0]), a[1].min(b[1])];
+    let has_both = curve.levels.iter().any(|level| level.axis == 2) && common[0] <= common[1];
     let first =
         curve.levels.iter().filter_map(|l| l.points.first()).map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
     let last =
         curve.levels.iter().filter_map(|l| l.points.last()).map(|p| p[0]).fold(f64::INFINITY, f64::min);
     Validity {
-        axial_force_n: [
-            forces.clone().fold(f64::INFINITY, f64::min),
-            forces.fold(f64::NEG_INFINITY, f64::max),
-        ],
+        axial_force_n: if has_both { common } else { range(None) },
         rotation_rad: curve.is_bending.then_some([0.0, last]),
         displacement_m: (!curve.is_bending).then_some([first.min(last), last]),
     }

@@ -114,6 +114,23 @@ fn curves_begin_at_the_origin_and_resist_their_rotation() {
     assert!(!entry.as_ref().is_err_and(|e| e.contains("a moment of")), "{entry:?}");
 }
 
+/// An entry holds where both of its axes do.
+#[test]
+fn an_entry_holds_at_the_axial_forces_of_both_axes() {
+    let curve = |forces: &[(u8, u32)]| {
+        let level = |(axis, force): &(u8, u32)| {
+            format!("{axis},0,0,{force}\n{axis},4,98,{force}\n{axis},10,176,{force}\n{axis},60,80,{force}\n")
+        };
+        let rows: String = forces.iter().map(level).collect();
+        made(&format!("axis, rotation [mrad], moment [kN m], axial force [kN]\n{rows}"), EXAMPLE).unwrap()
+    };
+    let entry = curve(&[(1, 0), (1, 600), (2, 300), (2, 900)]);
+    assert_eq!(entry.validity.axial_force_n, [300e3, 600e3]);
+    assert!(fallwerk::library::add::doubts(&entry).is_empty());
+    let told = fallwerk::library::add::doubts(&curve(&[(1, 0), (2, 600)]));
+    assert!(told.len() == 1 && told[0].contains("no axial force is known about both"), "{told:?}");
+}
+
 /// Newtons where kilonewtons are meant make no impossible entry, but one that is hardly meant.
 #[test]
 fn axial_forces_next_to_nothing_are_doubted() {

@@ -209,6 +209,22 @@ fn a_curve_is_checked_added_found_and_drawn() {
     }
 }
 
+/// Axial forces of which neither axis knows are not told.
+#[test]
+fn the_axial_forces_of_both_axes_are_told() {
+    let room = tempfile::tempdir().unwrap();
+    let (library, curve, meta) = with_example(room.path());
+    let level = |axis: u8, force: u32| {
+        format!("{axis},0,0,{force}\n{axis},4,98,{force}\n{axis},10,176,{force}\n{axis},60,80,{force}\n")
+    };
+    let rows = level(1, 0) + &level(2, 100);
+    fs::write(&curve, format!("axis, rotation [mrad], moment [kN m], axial force [kN]\n{rows}")).unwrap();
+    let (code, _, err) = fallwerk(&library, &["add", &curve, "--meta", &meta]);
+    assert!(code == 0 && err.contains("no axial force is known about both"), "{err}");
+    let (_, out, _) = fallwerk(&library, &["show", "350x350"]);
+    assert!(out.contains("N 0.0 to 0.0 kN about axis 1, 100.0 to 100.0 kN about axis 2"), "{out}");
+}
+
 /// Of entries that fit alike the answer names the number, and what was not asked for; what is no question is refused.
 #[test]
 fn find_tells_of_rivals_and_refuses_what_is_no_question() {
