@@ -15,6 +15,16 @@ pub enum StoreError {
         /// The file system's answer.
         source: io::Error,
     },
+    /// The records are written, and the journal could not be.
+    #[error(
+        "{path}: {source}; the records are stored, only the journal lacks them: the next command that writes to the library notes them"
+    )]
+    Untold {
+        /// The journal.
+        path: PathBuf,
+        /// The file system's answer.
+        source: io::Error,
+    },
     /// A text record does not hold what was once written.
     #[error(
         "{path}: damaged record: {what}; restore the file (version control, `library import`) or derive it again"

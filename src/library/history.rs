@@ -69,14 +69,38 @@ impl Store {
     }
 
     /// Notes what happened to records that are stored now.
+    ///
+    /// # Errors
+    /// [`StoreError::Untold`]: whoever sees it must not think that nothing was stored.
     pub(super) fn tell(&self, events: Vec<(Happening, String)>, note: &str) -> Result<(), StoreError> {
         let events: Vec<Event> =
             events.iter().map(|(what, key)| Event::now(*what, key, &self.record_of(key), note)).collect();
-        self.journal.append(&events)
+        self.journal.append(&events).map_err(|error| match error {
+            StoreError::Io { path, source } => StoreError::Untold { path, source },
+            other => other,
+        })
     }
 
     fn record_of(&self, key: &str) -> String {
         let content = self.index.get(key).and_then(|item| item.content);
         content.map_or_else(|| "-".to_string(), |hash| hash.short())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_journal_that_cannot_be_written_says_that_the_records_are_stored() {
+        let room = tempfile::tempdir().unwrap();
+        let store = Store::open(room.path()).unwrap();
+        // no file can be written there
+        std::fs::create_dir(room.path().join(super::super::journal::JOURNAL_FILE)).unwrap();
+        let key = "axial_spring/1x1@0123456789abcdef".to_string();
+        let error = store.tell(vec![(Happening::Added, key)], "").unwrap_err();
+        assert!(matches!(error, StoreError::Untold { .. }));
+        let words = error.to_string();
+        assert!(words.contains("history.txt: ") && words.contains("the records are stored"), "{words}");
     }
 }
