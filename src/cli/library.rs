@@ -181,11 +181,25 @@ fn derive(
     progress.finish();
     match done {
         Ok(derived) => {
-            let words =
-                format!("{} added, {} were there already", derived.added.len(), derived.present.len());
+            let unusable = store.out_of_use(&[&derived.added[..], &derived.present[..]].concat())?;
+            let words = format!(
+                "{} added, {} were there already{}",
+                derived.added.len(),
+                derived.present.len(),
+                plural(unusable.len(), "; {} of them deprecated, with no successor to use")
+            );
+            for (key, reason) in &unusable {
+                progress.say(&format!(
+                    "note: {key} is deprecated ({reason}), and no model uses it; name an entry to use instead by `library deprecate --successor`"
+                ));
+            }
             derived.left_out.iter().for_each(|level| progress.say(&format!("note: left out: {level}")));
-            let value =
-                json!({ "added": derived.added, "present": derived.present, "left_out": derived.left_out });
+            let unusable: Vec<Value> =
+                unusable.iter().map(|(key, reason)| json!({ "key": key, "reason": reason })).collect();
+            let value = json!({
+                "added": derived.added, "present": derived.present, "left_out": derived.left_out,
+                "deprecated": unusable,
+            });
             report(json, out, value, &words)
         }
         Err(LibraryDeriveError::Skew(message)) => Err(Failure::Usage(message)),

@@ -2,10 +2,36 @@
 //!
 //! A chain (`a` to `b`, `b` to `c`) is in order: who asks for `a` gets `c`.
 
+use super::error::StoreError;
+use super::parts::Deprecation;
+use super::store::Store;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The keys of entries with those of their successors.
 pub type Successors = BTreeMap<String, Option<String>>;
+
+impl Store {
+    /// Those of these keys that no model uses, with the reason: deprecated, and the last of their successors too.
+    ///
+    /// # Errors
+    /// If the record of a deprecated entry cannot be read.
+    pub fn out_of_use(&self, keys: &[String]) -> Result<Vec<(String, String)>, StoreError> {
+        let deprecated = self.deprecations()?;
+        let reason = |key: &String| last_reason(key, &deprecated).map(|why| (key.clone(), why.to_string()));
+        Ok(keys.iter().filter_map(reason).collect())
+    }
+}
+
+/// Why the last of the successors of an entry is deprecated; none if it is not.
+fn last_reason<'a>(key: &str, deprecated: &'a BTreeMap<String, Deprecation>) -> Option<&'a str> {
+    let mut last = deprecated.get(key)?;
+    // a successor is no predecessor of its own, but records can be edited
+    for _ in 0..deprecated.len() {
+        let Some(successor) = &last.successor else { break };
+        last = deprecated.get(successor)?;
+    }
+    Some(&last.reason)
+}
 
 /// What is wrong with the successors: the key, and what it is. A circle is told once, at the first of its keys.
 pub fn faults(successors: &Successors) -> BTreeSet<(String, String)> {

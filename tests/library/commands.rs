@@ -137,6 +137,36 @@ fn options_that_a_building_has_no_use_for_are_refused() {
     }
 }
 
+/// What is there and not to be used is told, unless another entry stands in its place.
+#[test]
+fn derive_tells_which_of_the_entries_are_deprecated() {
+    let room = tempfile::tempdir().unwrap();
+    let library = room.path().join("library");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let all = Store::open_to_read(&root.join("library")).unwrap().list().unwrap();
+    let of_the_mesh = all.into_iter().filter(|entry| entry.features.mesh_size_m == Some(0.4));
+    Store::open(&library).unwrap().put_all(&of_the_mesh.collect::<Vec<_>>()).unwrap();
+    let building = root.join("buildings/three-storey-frame.toml");
+    let derive = || {
+        let (code, out, err) = fallwerk(&library, &["derive", building.to_str().unwrap(), "--json"]);
+        assert_eq!(code, 0, "{err}");
+        let value: serde_json::Value = serde_json::from_str(&out).unwrap();
+        assert_eq!(value["added"].as_array().unwrap().len(), 0, "{out}");
+        value
+    };
+    let value = derive();
+    let keys: Vec<&str> =
+        value["present"].as_array().unwrap().iter().map(|key| key.as_str().unwrap()).collect();
+    assert_eq!(value["deprecated"], serde_json::json!([]));
+    assert_eq!(fallwerk(&library, &["deprecate", keys[0], "--reason", "wrong law"]).0, 0);
+    let told = serde_json::json!([{ "key": keys[0], "reason": "wrong law" }]);
+    assert_eq!(derive()["deprecated"], told);
+    let (_, out, _) = fallwerk(&library, &["derive", building.to_str().unwrap()]);
+    assert!(out.contains("were there already; 1 of them deprecated, with no successor to use"), "{out}");
+    assert_eq!(fallwerk(&library, &["deprecate", keys[0], "--successor", keys[1]]).0, 0);
+    assert_eq!(derive()["deprecated"], serde_json::json!([]));
+}
+
 /// A library with the example of the documentation, and its files.
 fn with_example(room: &Path) -> (std::path::PathBuf, String, String) {
     let (library, curve, meta) = (room.join("library"), room.join("c.csv"), room.join("m.toml"));
