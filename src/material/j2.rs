@@ -5,6 +5,9 @@
 //! scaled by `σ_y(p + Δp) / q_trial` with `Δp` from the scalar equation
 //! `q_trial - 3 G Δp = σ_y(p + Δp)`, solved exactly over the kinks of the table. A table may carry a rate factor ([`super::rate`]).
 //!
+//! Where a table falls by `3 G` or more per plastic strain its stress goes faster than the elastic relief: there is no equilibrium on that segment, and the
+//! stress drops within the step onto the first segment behind it that has one. The last segment is flat, so there always is.
+//!
 //! A bar is the same law in one direction: there `E` stands in the place of `3 G`.
 
 use super::rate::RateFactor;
@@ -87,7 +90,11 @@ impl HardeningTable {
         let first = self.segments.partition_point(|s| s.strain <= plastic_strain).max(1) - 1;
         for (index, s) in self.segments.iter().enumerate().skip(first) {
             let yield_here = scale * (s.stress_pa + s.slope_pa * (plastic_strain - s.strain));
-            let increment = (q_trial_pa - yield_here) / (3.0 * shear_modulus_pa + scale * s.slope_pa);
+            let stiffness = 3.0 * shear_modulus_pa + scale * s.slope_pa;
+            if stiffness <= 0.0 {
+                continue;
+            }
+            let increment = (q_trial_pa - yield_here) / stiffness;
             let end = self.end_of(index);
             if plastic_strain + increment <= end {
                 return (increment.max(0.0), scale * s.slope_pa);
@@ -107,6 +114,15 @@ impl HardeningTable {
         increment: &mut [f64; 8],
         slope: &mut [f64; 8],
     ) {
+        // tables so steep are rare: they are no part of the loop over lanes below
+        let steepest = self.segments.iter().map(|s| s.slope_pa).fold(0.0, f64::min);
+        if steepest < 0.0 && (0..8).any(|l| 3.0 * shear_modulus_pa[l] + scale[l] * steepest <= 0.0) {
+            for l in 0..8 {
+                (increment[l], slope[l]) =
+                    self.plastic_increment(q_trial_pa[l], plastic_strain[l], shear_modulus_pa[l], scale[l]);
+            }
+            return;
+        }
         let mut open = [1.0; 8];
         for (index, s) in self.segments.iter().enumerate() {
             let end = self.end_of(index);
@@ -193,5 +209,49 @@ mod tests {
                 assert!(dp == 0.0 && residual <= 0.0 || residual.abs() < 1e-3, "p={p} q={q}: {residual}");
             }
         }
+    }
+
+    /// A fall from 400 to 100 MPa within 1e-4, with `3 G` of 231 GPa (a bar: `E` of 200 GPa), between segments that rise and fall slowly.
+    #[test]
+    fn a_fall_steeper_than_elastic_relief_ends_on_the_next_segment() {
+        let point = |plastic_strain: f64, stress_pa: f64| HardeningPoint { plastic_strain, stress_pa };
+        let table = HardeningTable::new(&[
+            point(0.0, 400e6),
+            point(0.001, 410e6),
+            point(0.0011, 100e6),
+            point(0.5, 90e6),
+        ]);
+        for g in [200e9 / 3.0, 77e9] {
+            for p in [0.0, 0.0009, 0.00105, 0.0011, 0.2, 0.6] {
+                for scale in [1.0, 0.7] {
+                    for over in [-0.1, 1e-6, 0.01, 0.3, 10.0] {
+                        let q = scale * table.at(p).0 * (1.0 + over);
+                        let (dp, slope) = table.plastic_increment(q, p, g, scale);
+                        let (mut eight, mut slopes) = ([0.0; 8], [0.0; 8]);
+                        table.plastic_increments(
+                            &[q; 8],
+                            &[p; 8],
+                            &[g; 8],
+                            &[scale; 8],
+                            &mut eight,
+                            &mut slopes,
+                        );
+                        assert_eq!((eight[2], slopes[7]), (dp, slope));
+                        assert_eq!(dp > 0.0, over > 0.0, "p={p} over={over}");
+                        let residual = q - 3.0 * g * dp - scale * table.at(p + dp).0;
+                        assert!(dp == 0.0 || residual.abs() < 1.0, "p={p} q={q}: {residual}");
+                        assert!(dp == 0.0 || 3.0 * g + slope > 0.0, "p={p} q={q}: {slope}");
+                    }
+                }
+            }
+        }
+        // the whole fall in one step, from the strength
+        let (dp, _) = HardeningTable::new(&[point(0.0, 400e6), point(1e-4, 100e6)]).plastic_increment(
+            401e6,
+            0.0,
+            200e9 / 3.0,
+            1.0,
+        );
+        assert!((dp - 301e6 / 200e9).abs() < 1e-12, "{dp}");
     }
 }
