@@ -80,7 +80,7 @@ pub struct Arguments {
     /// The checkpoint file [default: OUTPUT.unfinished/fe.checkpoint, removed when the run is done]
     #[arg(long, value_name = "FILE", requires = "checkpoint_every")]
     checkpoint: Option<PathBuf>,
-    /// Go on from a checkpoint of the same building, mesh size and --vtu-every; the end time may be another
+    /// Go on from a checkpoint of the same building with the same options; the end time may be another
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
     /// Element form: asqbi, ads, asmd, fb-stiffness, fb-viscous or full [default: asqbi]

@@ -15,6 +15,8 @@
 //! in the file as soon as its type derives `Serialize` and `Deserialize`, and changes what the bytes mean. So a state is read only by the
 //! program version that wrote it; raise [`FORMAT`] whenever a state changes between versions of the same number.
 
+use super::erosion::Fate;
+use super::law::{ElementForm, Hourglass};
 use crate::base::output::write_atomic;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -23,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// First bytes of a checkpoint.
 pub const MAGIC: [u8; 8] = *b"FWFECKPT";
 /// Version of the file layout and of the states in it.
-pub const FORMAT: u32 = 14;
+pub const FORMAT: u32 = 15;
 /// Bytes before the head.
 const PREFIX: usize = 8 + 4 + 8 + 8;
 /// Bytes of the checksum.
@@ -38,6 +40,14 @@ pub struct Head {
     pub model_hash: [u8; 32],
     /// Element size \[m\].
     pub mesh_size_m: f64,
+    /// Element form of all elements; `None`: the default.
+    pub form: Option<ElementForm>,
+    /// What becomes of elements that reach their erosion strain.
+    pub on_failure: Fate,
+    /// Whether parts of the building touch each other.
+    pub body_contact: bool,
+    /// Time step to be reached by mass scaling \[s\].
+    pub mass_scaling_step_s: Option<f64>,
     /// Every how many outputs a frame is written, `None`: no frames.
     pub frames_every: Option<usize>,
     /// Time reached \[s\].
@@ -99,7 +109,6 @@ fn version(program: &str, format: u32) -> String {
 impl Head {
     /// What differs from the head of the run that wants to go on; `None` if it may.
     fn difference(&self, own: &Self) -> Option<String> {
-        let frames = |every: Option<usize>| every.map_or("no grids".into(), |n| format!("--vtu-every {n}"));
         if self.model_hash != own.model_hash {
             return Some(
                 "the building has changed, or is another one; give the building file of the first part"
@@ -112,10 +121,39 @@ impl Head {
                 "its mesh size is {theirs} m, here it is {ours} m; give --mesh-size {theirs}"
             ));
         }
-        (self.frames_every != own.frames_every).then(|| {
-            let (theirs, ours) = (frames(self.frames_every), frames(own.frames_every));
-            format!("it was written with {theirs}, this run has {ours}; give the same")
-        })
+        let mut options = self.options().into_iter().zip(own.options());
+        let (theirs, ours) = options.find(|(theirs, ours)| theirs != ours)?;
+        Some(format!("it was written with {theirs}, this run has {ours}; give the same"))
+    }
+
+    /// The options that a run goes on with, in words.
+    fn options(&self) -> [String; 5] {
+        let form = self.form.unwrap_or_default();
+        [
+            self.frames_every.map_or("no grids".into(), |n| format!("--vtu-every {n}")),
+            format!("--form {}", form_name(form)),
+            match self.on_failure {
+                Fate::Erode => "--on-failure erode".into(),
+                Fate::Split => "--on-failure split".into(),
+            },
+            if self.body_contact { "contact of its parts" } else { "--no-body-contact" }.into(),
+            self.mass_scaling_step_s
+                .map_or("no mass scaling".into(), |step| format!("--mass-scaling-step {step}")),
+        ]
+    }
+}
+
+/// The form as it is named on the command line, with a coefficient of its own where it has one.
+fn form_name(form: ElementForm) -> String {
+    match form {
+        ElementForm::FullyIntegrated => "full".into(),
+        ElementForm::OnePoint(Hourglass::Asqbi) => "asqbi".into(),
+        ElementForm::OnePoint(Hourglass::Ads) => "ads".into(),
+        ElementForm::OnePoint(Hourglass::Asmd) => "asmd".into(),
+        ElementForm::OnePoint(Hourglass::Stiffness { coefficient }) => {
+            format!("fb-stiffness ({coefficient})")
+        }
+        ElementForm::OnePoint(Hourglass::Viscous { coefficient }) => format!("fb-viscous ({coefficient})"),
     }
 }
 
@@ -220,6 +258,10 @@ mod tests {
             program_version: "1.2.3".into(),
             model_hash: [7; 32],
             mesh_size_m: 0.4,
+            form: None,
+            on_failure: Fate::Erode,
+            body_contact: true,
+            mass_scaling_step_s: None,
             frames_every: None,
             time_s: 0.5,
         };

@@ -280,7 +280,7 @@ pub fn run_with(
         return Err(FeError::TooShort { end_s, interval_s: interval });
     }
     let outputs = outputs(end_s, interval);
-    let mut head = head(building, options.form, size_m, &attached)?;
+    let mut head = head(building, options, size_m, &attached)?;
     let mut state = match attached.resume.take() {
         Some(path) => RunState::read(&path, &head, &mut mesh, outputs, &mut attached)?,
         None => RunState::begin(building, options, &mesh, outputs, &mut attached)?,
@@ -349,17 +349,21 @@ fn check_mesh(building: &Building, mesh: &Mesh, size_m: f64) -> Result<(), FeErr
 /// What a checkpoint of this run is known by. The end time is left out: a run may be continued beyond its first end.
 fn head(
     building: &Building,
-    form: Option<ElementForm>,
+    options: &FeOptions,
     mesh_size_m: f64,
     attached: &Attached<'_>,
 ) -> Result<Head, FeError> {
     let mut endless = building.clone();
     endless.settings.end_time_s = 0.0;
-    let hash = ContentHash::of_value(&(endless, form)).map_err(|e| FeError::Output(e.to_string()))?;
+    let hash = ContentHash::of_value(&endless).map_err(|e| FeError::Output(e.to_string()))?;
     Ok(Head {
         program_version: env!("CARGO_PKG_VERSION").to_string(),
         model_hash: *hash.as_bytes(),
         mesh_size_m,
+        form: options.form,
+        on_failure: options.on_failure,
+        body_contact: options.body_contact,
+        mass_scaling_step_s: options.mass_scaling_step_s,
         frames_every: attached.frames.as_ref().map(|f| f.every()),
         time_s: 0.0,
     })

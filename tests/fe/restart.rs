@@ -5,6 +5,8 @@ use fallwerk::base::tree::Format;
 use fallwerk::building::inspect;
 use fallwerk::fe::contact::{BodyContact, RigidSurfaces};
 use fallwerk::fe::dynamics::Dynamics;
+use fallwerk::fe::erosion::Fate;
+use fallwerk::fe::law::ElementForm;
 use fallwerk::fe::mesh::Mesh;
 use fallwerk::fe::model::ContactSettings;
 use fallwerk::fe::restart::{FORMAT, Head, RestartError, decode, encode};
@@ -20,6 +22,10 @@ fn head() -> Head {
         program_version: "1.2.3".into(),
         model_hash: [7; 32],
         mesh_size_m: 0.4,
+        form: None,
+        on_failure: Fate::Erode,
+        body_contact: true,
+        mass_scaling_step_s: None,
         frames_every: Some(5),
         time_s: 0.5,
     }
@@ -89,7 +95,7 @@ fn a_format_has_one_layout_of_the_state() {
     block.body_contact = Some(Box::new(BodyContact::new(&mesh, ContactSettings { friction: 0.5 })));
     let [concrete, block] = [concrete, block].map(|body| encode(&head(), &body).unwrap().len());
     let words = "the state of a run has another layout: raise FORMAT in src/fe/restart.rs, then write it here with the new lengths";
-    assert_eq!((FORMAT, concrete, block), (14, 172_965, 4355), "{words}");
+    assert_eq!((FORMAT, concrete, block), (15, 172_969, 4359), "{words}");
 }
 
 #[test]
@@ -126,10 +132,23 @@ fn a_checkpoint_of_another_run_is_refused_by_name() {
         (Head { model_hash: [8; 32], ..head() }, "building"),
         (Head { mesh_size_m: 0.5, ..head() }, "--mesh-size 0.4"),
         (Head { frames_every: None, ..head() }, "--vtu-every 5"),
+        (
+            Head { form: Some(ElementForm::FullyIntegrated), ..head() },
+            "written with --form asqbi, this run has --form full",
+        ),
+        (Head { on_failure: Fate::Split, ..head() }, "this run has --on-failure split"),
+        (
+            Head { body_contact: false, ..head() },
+            "written with contact of its parts, this run has --no-body-contact",
+        ),
+        (Head { mass_scaling_step_s: Some(1e-4), ..head() }, "this run has --mass-scaling-step 0.0001"),
     ] {
         let message = refused(own);
         assert!(message.contains(words), "{words}: {message}");
     }
+    // the default by its name is no difference
+    let named = Head { form: Some(ElementForm::default()), ..head() };
+    assert_eq!(decode::<f64>(&bytes, Path::new("x"), &named), Ok(1.0));
 }
 
 /// Fails at an output, as a full disk does.
