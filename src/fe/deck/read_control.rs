@@ -73,6 +73,7 @@ pub(super) fn read(cards: &mut Cards<'_, '_>, raw: &mut Raw) -> bool {
             if let Some(card) = cards.card(&["Q1", "Q2", "TYPE"]) {
                 bulk_viscosity(cards, &card, 0, 1);
             }
+            cards.end();
         }
         "CONTROL_DYNAMIC_RELAXATION" => cards.messages.note(
             cards.block.at,
@@ -106,6 +107,7 @@ fn termination(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
             cards.messages.note(card.place(field), text);
         }
     }
+    cards.end();
     if raw.end_time.replace(end).is_some() {
         let message = "*CONTROL_TERMINATION stands twice in the deck".to_string();
         cards.messages.error(cards.block.at, "duplicate", message, "", "keep one of them");
@@ -114,6 +116,7 @@ fn termination(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
 
 fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
     const NAMES: Names = &["DTINIT", "TSSFAC", "ISDO", "TSLIMT", "DT2MS", "LCTM", "ERODE", "MS1ST"];
+    const SECOND: Names = &["DT2MSF", "DT2MSLC", "IMSCL"];
     let Some(card) = cards.required(NAMES) else { return };
     if cards.real(&card, 0) != 0.0 {
         cards.messages.note(card.place(0), "DTINIT has no effect: the first step follows from the elements");
@@ -139,6 +142,13 @@ fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
         }
     }
     cards.must_be_zero(&card, 5, "a curve that limits the step is not supported");
+    if let Some(second) = cards.card(SECOND) {
+        for field in 0..SECOND.len() {
+            let remedy = "mass is added once to the elements that need it, by DT2MS alone; leave it out";
+            cards.must_be_zero(&second, field, remedy);
+        }
+    }
+    cards.end();
 }
 
 /// The interval of field `DT`; blank or 0 asks for nothing.

@@ -106,6 +106,40 @@ fn messages_of_bad_decks() {
     }
 }
 
+/// What is given and would be passed over is refused at its line.
+#[test]
+fn given_fields_are_not_passed_over() {
+    let step = |line: &str| {
+        with(
+            CUBE,
+            "       0.0       0.8\n",
+            &format!("       0.0       0.8         0       0.0     -1e-5\n{line}\n"),
+        )
+    };
+    assert!(
+        parse(
+            &step("       0.0         0         0                           0.0"),
+            "deck.k",
+            DeckOptions::default()
+        )
+        .is_ok()
+    );
+    for (text, words) in [
+        (step("       0.5"), "deck.k:8:8"),
+        (step("         0         7"), "DT2MSLC is `7`"),
+        (step("         0         0         1"), "IMSCL is `1`"),
+        (step("\n         0         0         1"), "a line too many"),
+        (with(CUBE, "       0.1\n", "       0.1\n       0.2\n"), "*CONTROL_TERMINATION: a line too many"),
+        (
+            with(CUBE, "*NODE\n", "*CONTROL_BULK_VISCOSITY\n1.5,0.06\n2.0,0.1\n*NODE\n"),
+            "*CONTROL_BULK_VISCOSITY: a line too many",
+        ),
+    ] {
+        let errors = parse(&text, "deck.k", DeckOptions::default()).map(|_| text).unwrap_err().to_string();
+        assert!(errors.contains(words), "{words}: {errors}");
+    }
+}
+
 fn mutated(changes: &[(usize, u8, u8)]) -> String {
     let mut bytes = CUBE.as_bytes().to_vec();
     for &(at, byte, kind) in changes {
