@@ -129,11 +129,8 @@ fn piecewise(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         found_rate = rate(cards, &second, [0, 1, 4]);
         curve = cards.id(&second, 2);
         cards.must_be_zero(&second, 3, "curves of the rate effect are not supported; give C and P");
-        if let (Some(strains), Some(stresses)) = (cards.card(STRAINS), cards.card(STRESSES)) {
-            points = (0..8).map(|i| [cards.real(&strains, i), cards.real(&stresses, i)]).collect();
-            // zeros at the end, or throughout, are no points
-            points.truncate(points.iter().rposition(|p| *p != [0.0; 2]).map_or(0, |i| i + 1));
-            check_points(cards, &strains, &stresses, &points);
+        if let Some(strains) = cards.card(STRAINS) {
+            points = table(cards, &strains, STRESSES);
         }
     }
     let plastic = match curve {
@@ -151,6 +148,26 @@ fn piecewise(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         &card,
         RawMaterial { density, youngs, poisson, plastic, rate: found_rate, failure_strain },
     );
+}
+
+/// The points of a hardening table whose stresses stand in the line after its strains.
+fn table<'a>(cards: &mut Cards<'a, '_>, strains: &Card<'a>, names: Names) -> Vec<[f64; 2]> {
+    let given: [f64; 8] = std::array::from_fn(|i| cards.real(strains, i));
+    let Some(stresses) = cards.card(names) else {
+        if let Some(first) = given.iter().position(|strain| *strain != 0.0) {
+            cards.refuse(
+                strains,
+                first,
+                "the line after it holds the stresses ES1 to ES8; leave both out for SIGY and ETAN",
+            );
+        }
+        return Vec::new();
+    };
+    let mut points: Vec<[f64; 2]> = (0..8).map(|i| [given[i], cards.real(&stresses, i)]).collect();
+    // zeros at the end, or throughout, are no points
+    points.truncate(points.iter().rposition(|p| *p != [0.0; 2]).map_or(0, |i| i + 1));
+    check_points(cards, strains, &stresses, &points);
+    points
 }
 
 /// The table begins at plastic strain 0, strains increase, stresses are positive.

@@ -134,6 +134,7 @@ fn given_fields_are_not_passed_over() {
             with(CUBE, "*NODE\n", "*CONTROL_BULK_VISCOSITY\n1.5,0.06\n2.0,0.1\n*NODE\n"),
             "*CONTROL_BULK_VISCOSITY: a line too many",
         ),
+        (with(CUBE, "     3.0e8     3.5e8     3.8e8\n", ""), "EPS2 is `0.05`"),
     ] {
         let errors = parse(&text, "deck.k", DeckOptions::default()).map(|_| text).unwrap_err().to_string();
         assert!(errors.contains(words), "{words}: {errors}");
