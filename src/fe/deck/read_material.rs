@@ -321,6 +321,10 @@ fn hourglass(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         let id = cards.required_id(&card, 0);
         bulk_viscosity(cards, &card, 4, 5);
         let Some(found) = control(cards, &card, 1, 2) else { continue };
+        if found.is_none() {
+            let text = "IHQ of *HOURGLASS is 0: viscous, coefficient 0.1, also beside *CONTROL_HOURGLASS";
+            cards.messages.note(card.at, text);
+        }
         if let Some(id) = id {
             let item = found.unwrap_or(Hourglass::Viscous { coefficient: DEFAULT_COEFFICIENT });
             define(cards, &mut raw.hourglass, id, item, card.place(0));

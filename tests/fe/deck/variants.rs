@@ -138,6 +138,20 @@ fn unknown_keywords_may_be_left_out() {
     assert!(deck.notes.iter().any(|n| n.text.contains("*DEFINE_FRICTION_ORIENTATION")), "{:?}", deck.notes);
 }
 
+/// An hourglass control that names none does not take that of the deck.
+#[test]
+fn hourglass_control_without_a_kind_is_noted() {
+    let text = with(
+        CUBE,
+        "        40         5      0.03\n",
+        "        40\n*CONTROL_HOURGLASS\n         6       1.0\n",
+    );
+    let deck = good(&text);
+    let viscous = ElementForm::OnePoint(Hourglass::Viscous { coefficient: 0.1 });
+    assert_eq!(deck.model.mesh.laws[0].form, viscous);
+    assert!(deck.notes.iter().any(|n| n.text.contains("IHQ of *HOURGLASS is 0")), "{:?}", deck.notes);
+}
+
 #[test]
 fn decks_are_known_by_ending_or_content() {
     let room = tempfile::tempdir().unwrap();
