@@ -2,7 +2,7 @@
 
 use super::error::{At, Messages};
 use super::raw::{Raw, Who};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// Looks up what identifiers mean.
 pub(super) struct Groups<'a> {
@@ -65,7 +65,10 @@ impl<'a> Groups<'a> {
 
     fn set(&self, id: u64, at: At, messages: &mut Messages) -> Vec<usize> {
         if let Some((ids, place)) = self.raw.node_sets.get(&id) {
-            return ids.iter().filter_map(|n| self.node(*n, *place, messages)).collect();
+            // a set holds a node once, however often it is listed
+            let mut seen = HashSet::with_capacity(ids.len());
+            let once = ids.iter().filter(|n| seen.insert(**n));
+            return once.filter_map(|n| self.node(*n, *place, messages)).collect();
         }
         if let Some((of, place)) = self.raw.node_general.get(&id) {
             let found: BTreeSet<usize> =

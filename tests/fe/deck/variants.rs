@@ -152,6 +152,14 @@ fn hourglass_control_without_a_kind_is_noted() {
     assert!(deck.notes.iter().any(|n| n.text.contains("IHQ of *HOURGLASS is 0")), "{:?}", deck.notes);
 }
 
+/// A node that a set lists twice has its load once.
+#[test]
+fn a_set_holds_a_node_once() {
+    let cards = "*SET_NODE_LIST\n9\n5,6,5\n6,7\n*LOAD_NODE_SET\n9,3,7,1.0\n*NODE\n";
+    let model = good(&with(CUBE, "*NODE\n", cards)).model;
+    assert_eq!(model.nodal_loads.iter().map(|l| l.node).collect::<Vec<_>>(), [4, 5, 6]);
+}
+
 #[test]
 fn decks_are_known_by_ending_or_content() {
     let room = tempfile::tempdir().unwrap();
