@@ -162,16 +162,46 @@ impl<'a, 'm> Cards<'a, 'm> {
                 self.messages.error(at, "tab", message, "", "use blanks, or commas between the fields");
                 return Some(Card { names, at, fields });
             }
+            let mut before = 0;
             for width in widths {
                 let to = after_columns(line, from, self.block.columns.width(*width));
                 if from == to {
                     break;
                 }
                 fields.push(place(from, to));
-                from = to;
+                if from > 0 && !line[..from].ends_with(' ') && !line[from..].starts_with(' ') {
+                    self.must_be_two([place(before, from), place(from, to)]);
+                }
+                (before, from) = (from, to);
             }
         }
         Some(Card { names, at, fields })
+    }
+
+    /// Two fields without a blank between them: refuses what can only be one number that is longer than its field, and notes what may be. A second
+    /// number with a sign or a point of its own stands for itself, as in decks that fill their columns.
+    fn must_be_two(&mut self, [(first, from), (second, to)]: [(&str, At); 2]) {
+        let is_real = |text: &str| text.contains(['.', 'e', 'E', 'd', 'D']);
+        if !is_real(first) || second.contains('.') || second.starts_with(['+', '-']) {
+            return;
+        }
+        let joined = format!("{first}{second}");
+        if number::real(first).is_none() || number::real(&joined).is_none() {
+            return;
+        }
+        let at = At { end: to.end, ..from };
+        let cut = second.len() > 1 && second.starts_with('0');
+        if !cut && !is_real(second) {
+            let text = format!("{joined} fills more than its field: it is read as {first} and {second}");
+            return self.messages.note(at, text);
+        }
+        let message = format!("*{}: {} is longer than its field", self.block.keyword, quoted(&joined));
+        let help = format!(
+            "it would be cut to {} and {}: give it fewer digits, or put commas between the fields",
+            quoted(first),
+            quoted(second)
+        );
+        self.messages.error(at, "cut-number", message, "", &help);
     }
 
     /// The value of a text that is the name of a parameter.

@@ -141,6 +141,29 @@ fn given_fields_are_not_passed_over() {
     }
 }
 
+/// A number that goes on into the next field is no two numbers; those that fill their fields are.
+#[test]
+fn numbers_longer_than_their_fields() {
+    let of = |text: &str| parse(text, "deck.k", DeckOptions::default());
+    let termination = |line: &str| of(&with(CUBE, "       0.1\n", &format!("{line}\n")));
+    for line in ["1.23456789012e-2", "1.23456789e-1", "0.12345678012", "1.23456789e5"] {
+        let errors = termination(line).unwrap_err().to_string();
+        assert!(errors.contains(&format!("`{line}` is longer than its field")), "{line}: {errors}");
+        assert!(errors.contains("deck.k:5:1"), "{errors}");
+    }
+    let noted = termination("0.0123456789").unwrap();
+    assert!(noted.notes.iter().any(|n| n.text.contains("read as 0.01234567 and 89")), "{:?}", noted.notes);
+    assert_eq!(noted.model.control.end_time_s, 0.01234567);
+    assert!(termination("1.2345678901234e-2,").is_ok());
+    // full fields side by side
+    let full =
+        with(CUBE, "        30    7850.0    2.1e11       0.3", "        307.8500E+032.1000E+11.300000000");
+    let deck = of(&full).unwrap();
+    assert_eq!(deck.model.mesh.laws[0].youngs_modulus_pa, 2.1e11);
+    let signed = with(CUBE, "       0.0       0.0      -2.0", "-1.0000E-1-2.0000E-1-2.0000E+0");
+    assert_eq!(of(&signed).unwrap().model.initial_velocity_m_s[0].1, [-0.1, -0.2, -2.0]);
+}
+
 fn mutated(changes: &[(usize, u8, u8)]) -> String {
     let mut bytes = CUBE.as_bytes().to_vec();
     for &(at, byte, kind) in changes {
