@@ -1,7 +1,7 @@
 //! Conventional mass scaling, local: a longer time step by more lumped mass on the elements that limit it, and on no others.
 //!
 //! The squared frequency bound of an element falls as its mass grows, so an element that allows the step `Δt_e` gets the mass
-//! `m (Δt / Δt_e)²` and then allows the wished step Δt, safety and viscosity included. The mass is real to the run: it falls, bears on supports and takes part in
+//! `m (Δt / Δt_e)²` and then allows the wished step Δt, safety and viscosity included; so does a bar. The mass is real to the run: it falls, bears on supports and takes part in
 //! impacts. That is why it is reported by part and refused beyond [`MOST_ADDED`] of the body's mass, in a deck, which asks for it itself, beyond [`MOST_ADDED_IN_DECK`].
 //! It is added once, in the reference positions;
 //! elements that are compressed later shorten the step as usual.
@@ -22,7 +22,7 @@ pub const MOST_ADDED_IN_DECK: f64 = 1.0;
 pub struct MassScaling {
     /// Wished step \[s\].
     pub step_s: f64,
-    /// Elements that got mass.
+    /// Elements and bars that got mass.
     pub elements: usize,
     /// Added mass \[kg\].
     pub added_kg: f64,
@@ -67,7 +67,7 @@ pub enum MassScalingError {
     },
 }
 
-/// Adds mass to a body at rest in its reference positions so that no element allows less than `step_s`. More than the share `most_added` of
+/// Adds mass to a body at rest in its reference positions so that no element and no bar allows less than `step_s`. More than the share `most_added` of
 /// the body's mass is refused. Nothing is changed on error.
 pub fn scale_mass(
     mesh: &Mesh,
@@ -78,9 +78,13 @@ pub fn scale_mass(
     if !(step_s > 0.0 && step_s.is_finite()) {
         return Err(MassScalingError::Step(step_s));
     }
-    let bounds = body.blocks.element_bounds_1_s2(&body.x);
-    let steps: Vec<f64> = bounds.into_iter().map(|bound| element_step_s(body, bound)).collect();
-    let masses: Vec<f64> = (0..mesh.elements.len()).map(|e| body.blocks.mass_kg(e)).collect();
+    let bars = &body.trusses.bars;
+    let bounds = body.blocks.element_bounds_1_s2(&body.x).into_iter();
+    let bounds = bounds.chain(bars.iter().map(|bar| bar.bound_1_s2(bar.length_m[1])));
+    let steps: Vec<f64> = bounds.map(|bound| element_step_s(body, bound)).collect();
+    let solids = mesh.elements.len();
+    let masses: Vec<f64> =
+        (0..solids).map(|e| body.blocks.mass_kg(e)).chain(bars.iter().map(|bar| bar.mass_kg)).collect();
     let total: f64 = masses.iter().sum();
     let report = report(mesh, &steps, &masses, step_s);
     if report.added_share > most_added {
@@ -94,7 +98,11 @@ pub fn scale_mass(
         });
     }
     for (e, mass_kg) in masses.iter().enumerate() {
-        body.blocks.set_mass_kg(e, mass_kg + added_kg(steps[e], *mass_kg, step_s));
+        let new_kg = mass_kg + added_kg(steps[e], *mass_kg, step_s);
+        match e.checked_sub(solids) {
+            None => body.blocks.set_mass_kg(e, new_kg),
+            Some(bar) => body.trusses.bars[bar].mass_kg = new_kg,
+        }
     }
     body.assemble_mass(mesh, |_| true);
     body.update_elements(KernelStep { dt_s: 1.0, viscous: false }, 0.0);
@@ -112,14 +120,15 @@ fn added_kg(allowed_s: f64, mass_kg: f64, step_s: f64) -> f64 {
     if allowed_s < step_s { mass_kg * ((step_s / allowed_s).powi(2) - 1.0) } else { 0.0 }
 }
 
+/// What is added to elements and, behind them, bars.
 fn report(mesh: &Mesh, steps: &[f64], masses: &[f64], step_s: f64) -> MassScaling {
     let mut of_part = vec![[0.0; 2]; mesh.parts.len()];
     let (mut elements, mut sums) = (0, [0.0; 2]);
-    for (e, element) in mesh.elements.iter().enumerate() {
+    let part_of = mesh.elements.iter().map(|e| e.part).chain(mesh.trusses.iter().map(|t| t.part));
+    for (e, part) in part_of.enumerate() {
         let added = added_kg(steps[e], masses[e], step_s);
         elements += usize::from(added > 0.0);
-        for (sum, more) in [(&mut sums, [added, masses[e]]), (&mut of_part[element.part], [added, masses[e]])]
-        {
+        for (sum, more) in [(&mut sums, [added, masses[e]]), (&mut of_part[part], [added, masses[e]])] {
             sum[0] += more[0];
             sum[1] += more[1];
         }

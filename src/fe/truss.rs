@@ -94,6 +94,11 @@ impl Bar {
         self.youngs_modulus_pa * self.area_m2 * self.length_m[0] / (length_m * length_m)
     }
 
+    /// Squared bound of its frequencies at a length \[m\], by its own mass \[1/s²\].
+    pub fn bound_1_s2(&self, length_m: f64) -> f64 {
+        4.0 * self.stiffness_n_m(length_m) / self.mass_kg
+    }
+
     /// Takes it to a new length \[m\] in a law with cycles.
     fn follow(&mut self, length_m: f64, rebar: &RebarLaw) {
         let (before, old) = (self.rebar.strain, self.rebar.stress_pa);
@@ -186,7 +191,7 @@ impl Trusses {
             let pull = scale(bar.force_n(), unit);
             force_n[bar.nodes[0]] = add(force_n[bar.nodes[0]], pull);
             force_n[bar.nodes[1]] = add(force_n[bar.nodes[1]], scale(-1.0, pull));
-            let square = 4.0 * bar.stiffness_n_m(length) / bar.mass_kg;
+            let square = bar.bound_1_s2(length);
             self.bound_1_s2 = if square > self.bound_1_s2 { square } else { self.bound_1_s2 };
         }
     }

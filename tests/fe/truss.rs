@@ -7,6 +7,7 @@ use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::embed::embed;
 use fallwerk::fe::kernel::KernelStep;
 use fallwerk::fe::law::{Erosion, Law};
+use fallwerk::fe::mass_scaling::scale_mass;
 use fallwerk::fe::mesh::{Mesh, Tie, Truss};
 use fallwerk::fe::model::{Control, Curve, DrivenNode, Model};
 use fallwerk::fe::model_run::{ModelOptions, run_model};
@@ -150,6 +151,29 @@ fn a_rupture_is_an_event_of_the_run() {
     let expected = f64::exp(0.02) - 1.0;
     assert!((0.0..2.0 * step).contains(&(rupture.time_s - expected)), "{} {expected}", rupture.time_s);
     assert!((0.02..0.02 + 2.0 * step).contains(&rupture.strain), "{}", rupture.strain);
+}
+
+/// A cube with two bars, of which the short one asks for the step: it alone gets mass.
+#[test]
+fn mass_scaling_reaches_bars() {
+    let mut mesh = grid([1, 1, 1], [1.0; 3], elastic(), |_| false);
+    let first = mesh.nodes.len();
+    mesh.nodes.extend([[3.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.05, 0.0, 0.0]]);
+    mesh.parts.extend(["long".to_string(), "short".to_string()]);
+    mesh.laws.push(steel());
+    for bar in 0..2 {
+        let nodes = [first + bar, first + bar + 1];
+        mesh.trusses.push(Truss { nodes, area_m2: 1e-3, part: bar + 1, law: 1 });
+    }
+    let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+    let (before_s, before_kg) = (body.dt_s, body.mass_kg.clone());
+    let scaling = scale_mass(&mesh, &mut body, 4.0 * before_s, 1.0).unwrap();
+    assert!((body.dt_s / before_s - 4.0).abs() < 1e-9, "{} {before_s}", body.dt_s);
+    let expected_kg = 15.0 * 7850.0 * 1e-3 * 0.05;
+    assert!((scaling.added_kg / expected_kg - 1.0).abs() < 1e-9, "{scaling:?} {expected_kg}");
+    assert_eq!((scaling.elements, scaling.parts.len(), &scaling.parts[0].part[..]), (1, 1, "short"));
+    let gained: Vec<bool> = body.mass_kg.iter().zip(&before_kg).map(|(now, before)| now > before).collect();
+    assert!(gained[first + 1] && gained[first + 2] && gained.iter().filter(|g| **g).count() == 2);
 }
 
 /// Unloading and loading again in the other direction is elastic until the grown yield stress.
