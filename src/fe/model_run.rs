@@ -111,7 +111,7 @@ pub struct ModelEnergies {
     pub contact_j: f64,
     /// Work of friction.
     pub friction_j: f64,
-    /// Work booked for forces of dying elements and ended ties that no longer acted.
+    /// Work booked for forces of dying elements, rupturing bars and ended ties that no longer acted.
     pub released_j: f64,
     /// What is missing.
     pub residual_j: f64,

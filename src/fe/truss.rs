@@ -7,7 +7,8 @@
 //! would differ by `(1 - 2ν) ε`, parts in ten thousand.)
 //!
 //! A bar ruptures when its plastic strain reaches that of the law's erosion, or its strain since the start the law's principal strain. It
-//! keeps its mass. The strain at rupture belongs to the length of the bars: it should stand for the length in which a real bar slips from the concrete.
+//! keeps its mass. The force at the end of the step in which it does never acts: what the work of that step has of it is booked as released, as for elements
+//! ([`super::erosion`]); a law with cycles ends that step at stress zero. The strain at rupture belongs to the length of the bars: it should stand for the length in which a real bar slips from the concrete.
 //!
 //! **Frequency.** `ω² = 4 (E A / l) / m` with the bar's own mass `m`, half at each end, `A / l` current. By the eigenvalue
 //! inequality of Irons and Treharne (1971) for lumped masses the largest over bars and hexahedra bounds that of the mesh, whatever they share.
@@ -32,6 +33,8 @@ pub struct Trusses {
     pub bound_1_s2: f64,
     /// Bars that ruptured in the last update.
     pub ruptured: Vec<usize>,
+    /// Work booked for forces of rupturing bars that no longer acted \[J\].
+    pub released_j: f64,
 }
 
 /// The rupture of a bar.
@@ -110,8 +113,8 @@ impl Bar {
         self.acts = !self.rebar.ruptured;
     }
 
-    /// Takes it to a new length \[m\].
-    fn stretch(&mut self, length_m: f64, table: &HardeningTable, step: KernelStep) {
+    /// Takes it to a new length \[m\]; returns the work booked for a force that does not act since it ruptured \[J\].
+    fn stretch(&mut self, length_m: f64, table: &HardeningTable, step: KernelStep) -> f64 {
         let strain = libm::log(length_m / self.length_m[1]);
         let trial = self.stress_pa + self.youngs_modulus_pa * strain;
         let third = self.youngs_modulus_pa / 3.0; // E in the place of 3 G
@@ -128,7 +131,9 @@ impl Bar {
         if self.plastic_strain >= self.critical_strain[0] || self.strain() >= self.critical_strain[1] {
             self.stress_pa = 0.0;
             self.acts = false;
+            return 0.5 * stress * strain * self.area_m2 * self.length_m[0];
         }
+        0.0
     }
 }
 
@@ -157,7 +162,7 @@ impl Trusses {
         let tables =
             if bars.is_empty() { Vec::new() } else { mesh.laws.iter().map(super::law::Law::table).collect() };
         let rebars = mesh.laws.iter().map(|l| l.rebar).collect();
-        Self { bars, tables, rebars, bound_1_s2: 0.0, ruptured: Vec::new() }
+        Self { bars, tables, rebars, bound_1_s2: 0.0, ruptured: Vec::new(), released_j: 0.0 }
     }
 
     /// Whether there are none.
@@ -182,7 +187,7 @@ impl Trusses {
             let (unit, length) = direction(x, bar.nodes);
             match &self.rebars[bar.law] {
                 Some(rebar) => bar.follow(length, rebar),
-                None => bar.stretch(length, &self.tables[bar.law], step),
+                None => self.released_j += bar.stretch(length, &self.tables[bar.law], step),
             }
             if !bar.acts {
                 self.ruptured.push(index);

@@ -5,7 +5,7 @@
 //! * a position, velocity or energy is **not a number**;
 //! * the **balance** is off by more than [`ENERGY_LIMIT`] of the largest energy, in either direction;
 //! * **hourglass** control has given more than that share of it: what it takes it stores or loses, so nothing is to come back;
-//! * the work booked as **released** with dying elements exceeds that share of the supplied energy: what dies has grown within a step;
+//! * the work booked as **released** with dying elements and rupturing bars exceeds that share of the supplied energy: what dies has grown within a step;
 //! * a part **alternates**. The balance does not show a time step beyond the limit, as central differences conserve their own
 //!   energy whatever the step: the kinetic energy, half the product of the velocities before and after the step, turns negative as the strain energy grows.
 //!   A bound tells. For any stresses, elements with the stored energy U exert on their nodes the forces f with
@@ -60,7 +60,7 @@ pub struct Books {
     pub friction_j: f64,
     /// Energy that left with removed members.
     pub removed_j: f64,
-    /// Work booked for forces of dying elements and ended ties that no longer acted.
+    /// Work booked for forces of dying elements, rupturing bars and ended ties that no longer acted.
     pub released_j: f64,
     /// What hand-overs between deformable and rigid parts added.
     pub switched_j: f64,
@@ -83,7 +83,7 @@ impl Books {
             contact_j,
             friction_j,
             removed_j,
-            released_j: body.ties.released_j + body.failure.table.released_j,
+            released_j: body.ties.released_j + body.failure.table.released_j + body.trusses.released_j,
             switched_j: body.hybrid.as_ref().map_or(0.0, |h| h.books.switched_j),
         }
     }

@@ -140,7 +140,7 @@ fn a_rupture_is_an_event_of_the_run() {
     }
     let driven =
         [first + 1, first + 3].map(|node| DrivenNode { node, axis: 0, velocity_m_s: Curve::constant(1.0) });
-    let control = Control { end_time_s: 0.03, ..Control::default() };
+    let control = Control { end_time_s: 0.03, history_interval_s: 1e-3, ..Control::default() };
     let model = Model { mesh, driven: driven.to_vec(), control, ..Model::default() };
     let run =
         run_model(&model, &ModelOptions::default(), None, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
@@ -151,6 +151,12 @@ fn a_rupture_is_an_event_of_the_run() {
     let expected = f64::exp(0.02) - 1.0;
     assert!((0.0..2.0 * step).contains(&(rupture.time_s - expected)), "{} {expected}", rupture.time_s);
     assert!((0.02..0.02 + 2.0 * step).contains(&rupture.strain), "{}", rupture.strain);
+    // the force of the last step that never acts is in the books
+    let last = run.energies.last().unwrap();
+    let step_j = 0.5 * STEEL_PA * 0.02 * 1e-4 * step / f64::exp(0.02);
+    assert!((0.8..1.3).contains(&(last.released_j / step_j)), "{} {step_j}", last.released_j);
+    let largest = run.energies.iter().map(|e| e.residual_j.abs()).fold(0.0, f64::max);
+    assert!(largest < 0.3 * last.released_j, "{largest} {}", last.released_j);
 }
 
 /// A cube with two bars, of which the short one asks for the step: it alone gets mass.
