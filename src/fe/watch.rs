@@ -215,10 +215,7 @@ impl fmt::Display for Diagnosis {
             let (n, part, at, speed) = (p.index, &p.part, p.at_m, p.value);
             write!(f, "; the fastest node is {n} of part `{part}` at x = {at:.3?} m: {speed:.3e} m/s")?;
         }
-        write!(
-            f,
-            "; try a smaller share of the stability limit, a finer mesh there, or no mass scaling; results up to the last look may be used"
-        )
+        write!(f, "; try a smaller share of the stability limit, a finer mesh there, or no mass scaling")
     }
 }
 
