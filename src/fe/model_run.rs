@@ -1,9 +1,11 @@
 //! The run of a complete model: loads over time, given motions, rigid walls, histories of nodes, energies.
 
+use super::contact::body::PUSH_M_S;
 use super::contact::{BodyContact, RigidSurfaces};
 use super::dynamics::{Dynamics, most_step_safety};
 use super::erosion::{ErosionTable, free_nodes};
 use super::mass_scaling::{MOST_ADDED, MOST_ADDED_IN_DECK, MassScalingError, scale_mass};
+use super::mesh::Mesh;
 use super::model::Model;
 use super::result::{ElementDeath, FeSummary};
 use super::run::{FeError, Progress, check_share, contact_error};
@@ -233,7 +235,9 @@ fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<S
         }
     }
     if let Some(settings) = model.body_contact {
-        body.body_contact = Some(Box::new(BodyContact::new(&model.mesh, settings)));
+        let mut contact = BodyContact::new(&model.mesh, settings);
+        contact.push_m_s = push_m_s(&model.mesh);
+        body.body_contact = Some(Box::new(contact));
     }
     for (node, velocity) in &model.initial_velocity_m_s {
         body.v[*node] = *velocity;
@@ -250,6 +254,20 @@ fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<S
         }
     }
     Ok((added_kg, notes))
+}
+
+/// Speed at which contact takes overlaps back, in the units of the model: the share of the wave speed of the stiffest material that [`PUSH_M_S`] is of that
+/// of homogenised concrete.
+fn push_m_s(mesh: &Mesh) -> f64 {
+    let speed = |youngs: f64, poisson: f64, density: f64| {
+        let modulus = youngs * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+        (modulus / density).sqrt()
+    };
+    let laws = mesh.elements.iter().map(|e| &mesh.laws[e.law]);
+    let largest = laws
+        .map(|law| speed(law.youngs_modulus_pa, law.poisson_ratio, law.density_kg_m3))
+        .fold(0.0, f64::max);
+    PUSH_M_S * largest / speed(16.5e9, 0.2, 2500.0)
 }
 
 fn check_length(model: &Model, body: &Dynamics, end_s: f64) -> Result<(), ModelError> {

@@ -30,7 +30,8 @@ const REACH: f64 = 0.5;
 /// Share of the depth behind a face that is taken back in a step, and the largest speed of it \[m/s\]: overlaps at the start and errors
 /// of the rotation within a step go away without being thrown out.
 const PUSH_SHARE: f64 = 0.02;
-const PUSH_M_S: f64 = 0.05;
+/// That speed in buildings \[m/s\].
+pub const PUSH_M_S: f64 = 0.05;
 /// Share of the depth that counts as lost up to which a contact can begin.
 const BEGUN_SHARE: f64 = 0.5;
 /// Faces handed to a thread at a time in a search.
@@ -124,6 +125,8 @@ pub struct BodyContact {
     pub reference_m_s: V3,
     /// Largest speed of a node against it in the last step \[m/s\].
     pub top_speed_m_s: f64,
+    /// Largest speed at which a depth behind a face is taken back \[m/s\].
+    pub push_m_s: f64,
     friction: f64,
     faces: Faces,
     cells: Cells,
@@ -159,6 +162,7 @@ impl BodyContact {
             flagged: vec![false; mesh.nodes.len()],
             reference_m_s: [0.0; 3],
             top_speed_m_s: 0.0,
+            push_m_s: PUSH_M_S,
             friction: settings.friction,
             faces,
             cells: Cells::default(),
@@ -478,7 +482,7 @@ impl BodyContact {
                 continue; // a node without mass
             }
             let gap = meeting.over.gap_m;
-            let target = if gap > 0.0 { -gap / dt_s } else { (-gap * PUSH_SHARE / dt_s).min(PUSH_M_S) };
+            let target = if gap > 0.0 { -gap / dt_s } else { (-gap * PUSH_SHARE / dt_s).min(self.push_m_s) };
             let condition = Condition {
                 normal: meeting.over.normal,
                 target_m_s: target,

@@ -3,7 +3,8 @@
 use super::super::mesh::{bilinear, elastic, grid, nearest, round_bar};
 use super::{CUBE, good, with};
 use fallwerk::fe::deck::{DeckOptions, read, write};
-use fallwerk::fe::model::{Model, RigidPlane};
+use fallwerk::fe::mesh::Element;
+use fallwerk::fe::model::{ContactSettings, Model, RigidPlane};
 use fallwerk::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
 use std::path::Path;
 
@@ -67,6 +68,34 @@ fn taylor_bar_from_a_deck() {
     assert!((6.7e-3..7.3e-3).contains(&foot), "foot radius {foot}");
     assert!(run.end_m.iter().all(|x| x[2] > -1e-12), "no node is below the wall");
     assert!(run.summary.energy_error < 0.01, "energy {}", run.summary.energy_error);
+}
+
+/// Two blocks that overlap by 2 mm come apart in the same way in metres, kilograms, seconds and in centimetres, grams, microseconds.
+#[test]
+fn overlaps_go_in_all_units() {
+    let risen = |metre: f64, kilogram: f64, second: f64| {
+        let pascal = kilogram / (metre * second * second);
+        let law = bilinear(30e9 * pascal, 0.2, 2500.0 * kilogram / metre.powi(3), 1e15 * pascal, 0.0);
+        let mut mesh = grid([2; 3], [0.2 * metre; 3], law, |_| false);
+        let lower = mesh.clone();
+        let first = lower.nodes.len();
+        let moved = [0.003, 0.005, 0.198].map(|u| u * metre);
+        mesh.nodes.extend(lower.nodes.iter().map(|x| std::array::from_fn::<_, 3, _>(|i| x[i] + moved[i])));
+        mesh.elements
+            .extend(lower.elements.iter().map(|e| Element { nodes: e.nodes.map(|n| n + first), ..*e }));
+        let mut model =
+            Model { mesh, body_contact: Some(ContactSettings { friction: 0.0 }), ..Model::default() };
+        model.control.end_time_s = 0.01 * second;
+        model.control.history_interval_s = 0.01 * second;
+        model.control.state_interval_s = 0.01 * second;
+        let top = first + nearest(&lower, [0.2 * metre; 3]);
+        (run(&model).end_m[top][2] / metre - 0.398, model.mesh.nodes.len())
+    };
+    let (si, nodes) = risen(1.0, 1.0, 1.0);
+    let (other, _) = risen(100.0, 1000.0, 1e6);
+    assert_eq!(nodes, 54);
+    assert!(si > 1e-5 && si < 1e-3, "{si}");
+    assert!((other / si - 1.0).abs() < 1e-3, "{si} {other}");
 }
 
 /// A node that is held across the fall still meets the wall.
