@@ -54,6 +54,10 @@ pub(super) fn law_of(raw: &Raw, part: &RawPart, messages: &mut Messages) -> Opti
         erosion.plastic_strain = erosion.plastic_strain.min(more.plastic_strain);
         erosion.principal_strain = erosion.principal_strain.min(more.principal_strain);
     }
+    if section == (RawSection::Solid { full: true }) && erosion.plastic_strain.is_finite() {
+        let text = "fully integrated elements erode when the mean plastic strain of their points reaches the limit, not at the first point";
+        messages.note(part.at, text);
+    }
     let form = match section {
         RawSection::Solid { full: false } => ElementForm::OnePoint(hourglass),
         RawSection::Solid { full: true } => ElementForm::FullyIntegrated,

@@ -206,7 +206,11 @@ fn erosion(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     }
     let failed_points = cards.real(&first, 6);
     if failed_points != 0.0 && failed_points != 1.0 {
-        cards.refuse(&first, 6, "an element erodes at its first failed point: NUMFIP = 1");
+        cards.refuse(
+            &first,
+            6,
+            "an element erodes by the mean over its points, not by a number of them: leave NUMFIP out, or 1",
+        );
     }
     let criteria = cards.real(&first, 7);
     if criteria > 1.0 {

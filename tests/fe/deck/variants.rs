@@ -152,6 +152,15 @@ fn hourglass_control_without_a_kind_is_noted() {
     assert!(deck.notes.iter().any(|n| n.text.contains("IHQ of *HOURGLASS is 0")), "{:?}", deck.notes);
 }
 
+/// Fully integrated elements erode by their mean, which is told where they do.
+#[test]
+fn erosion_by_the_mean_of_the_points_is_noted() {
+    let noted =
+        |text: &str| good(text).notes.iter().any(|n| n.text.contains("mean plastic strain of their points"));
+    assert!(!noted(CUBE));
+    assert!(noted(&with(CUBE, "        20         1\n", "        20         2\n")));
+}
+
 /// A node that a set lists twice has its load once.
 #[test]
 fn a_set_holds_a_node_once() {
