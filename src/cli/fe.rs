@@ -11,8 +11,8 @@ use crate::base::hash::{ContentHash, readable_json};
 use crate::base::isa::Isa;
 use crate::base::output::OutputFolder;
 use crate::base::units::in_table;
-use crate::building::Building;
 use crate::building::partition::Partition;
+use crate::building::{Building, Member};
 use crate::fe::deck::is_deck;
 use crate::fe::dynamics::Death;
 use crate::fe::erosion::{ErosionTable, Fate, Loss};
@@ -239,6 +239,17 @@ fn options(arguments: &Arguments, building: &Building) -> Result<FeOptions, Fail
         let least = (volume / MOST_ELEMENTS).cbrt();
         return Err(Failure::input(format!(
             "--mesh-size {size} is too fine for this building; the least is about {least:.3} m"
+        )));
+    }
+    let longest = |m: &Member| m.size_m().into_iter().fold(0.0, f64::max);
+    let shortest = building.members.iter().min_by(|a, b| longest(a).total_cmp(&longest(b)));
+    if let (Some(size), Some(member)) = (mesh_size_m, shortest)
+        && size > 0.5 * longest(member)
+    {
+        let (noun, id, length) = (member.kind.name(), &member.id, longest(member));
+        return Err(Failure::input(format!(
+            "--mesh-size {size} is too coarse for the {noun} `{id}`, which is {length} m long; the largest is {} m",
+            0.5 * length
         )));
     }
     if let Some(end) = end_time_s.filter(|end| *end > LONGEST_S) {

@@ -107,6 +107,7 @@ fn fe_limits_what_the_command_line_may_ask() {
         ["--mesh-size", "0"],
         ["--mesh-size", "nan"],
         ["--mesh-size", "0.001"],
+        ["--mesh-size", "50"],
         ["--end-time", "-1"],
         ["--end-time", "1e9"],
     ] {
