@@ -333,7 +333,8 @@ impl Recorder {
             summary: FeSummary {
                 elements: model.mesh.elements.len(),
                 nodes: model.mesh.nodes.len(),
-                mass_kg: (0..model.mesh.elements.len()).map(|e| body.blocks.mass_kg(e)).sum(),
+                mass_kg: (0..model.mesh.elements.len()).map(|e| body.blocks.mass_kg(e)).sum::<f64>()
+                    + body.trusses.bars.iter().map(|bar| bar.mass_kg).sum::<f64>(),
                 time_step_s: body.dt_s,
                 ..FeSummary::default()
             },

@@ -145,6 +145,8 @@ fn a_rupture_is_an_event_of_the_run() {
     let run =
         run_model(&model, &ModelOptions::default(), None, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!((run.ruptures.len(), run.summary.ruptured_bars, run.deaths.len()), (1, 1, 0));
+    let expected_kg = 2500.0 * 0.008 + 2.0 * 7850.0 * 1e-4;
+    assert!((run.summary.mass_kg / expected_kg - 1.0).abs() < 1e-12, "{}", run.summary.mass_kg);
     let rupture = run.ruptures[0];
     assert_eq!((rupture.bar, rupture.part, rupture.plastic_strain), (1, 2, 0.0));
     let step = run.summary.time_step_s;
