@@ -85,7 +85,7 @@ fn stopped(arguments: &Arguments, deck: &Deck, error: &ModelError) -> Failure {
         return refused(arguments, &errors);
     }
     match error {
-        ModelError::Broken(error) => failure(error),
+        ModelError::Broken(error) => deck.ids.words(error).map_or_else(|| failure(error), Failure::stopped),
         ModelError::TooLong { .. } | ModelError::TooShort { .. } if arguments.end_time.is_some() => {
             Failure::input(format!("--end-time: {error}"))
         }

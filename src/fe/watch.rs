@@ -144,7 +144,7 @@ pub enum Trouble {
 /// An element or node with its part and position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
-    /// Index.
+    /// Index, or identifier in a deck.
     pub index: usize,
     /// Part.
     pub part: String,
@@ -171,6 +171,23 @@ pub struct Diagnosis {
     pub smallest: Option<Place>,
     /// Node with the largest speed.
     pub fastest: Option<Place>,
+}
+
+impl Diagnosis {
+    /// The same with the identifiers that a deck gives to nodes and elements in the place of their indices.
+    #[must_use]
+    pub fn by_ids(&self, nodes: &[u64], elements: &[u64]) -> Self {
+        let id = |ids: &[u64], index: usize| ids.get(index).map_or(index, |id| *id as usize);
+        let named = |place: &Option<Place>, ids: &[u64]| {
+            place.clone().map(|place| Place { index: id(ids, place.index), ..place })
+        };
+        let trouble = match self.trouble {
+            Trouble::NotFinite(Some(node)) => Trouble::NotFinite(Some(id(nodes, node))),
+            ref other => other.clone(),
+        };
+        let (smallest, fastest) = (named(&self.smallest, elements), named(&self.fastest, nodes));
+        Self { trouble, smallest, fastest, ..self.clone() }
+    }
 }
 
 impl fmt::Display for Diagnosis {

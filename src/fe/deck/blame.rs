@@ -2,10 +2,12 @@
 
 use super::error::{At, DeckErrors};
 use super::raw::Raw;
+use super::read::Ids;
 use crate::base::diagnostic::Diagnostic;
 use crate::base::source::Source;
 use crate::fe::mass_scaling::MassScalingError;
 use crate::fe::model_run::ModelError;
+use crate::fe::run::FeError;
 use std::sync::Arc;
 
 /// Where in the files of a deck those values stand.
@@ -58,6 +60,21 @@ impl Places {
             _ => item = item.help(help),
         }
         Some(DeckErrors::one(self.files.get(at.file)?.clone(), item))
+    }
+}
+
+impl Ids {
+    /// Why a run stopped, with the identifiers of the deck and remedies that a deck has; `None` if it says what is wrong as it is.
+    pub fn words(&self, error: &FeError) -> Option<String> {
+        match error {
+            FeError::Unsound(diagnosis) => Some(diagnosis.by_ids(&self.nodes, &self.elements).to_string()),
+            FeError::Contact { .. } => {
+                let text = error.to_string();
+                let what = text.split_once("; try ").map_or(&text[..], |(what, _)| what);
+                Some(format!("{what}; try smaller elements there, or take the *CONTACT out of the deck"))
+            }
+            _ => None,
+        }
     }
 }
 

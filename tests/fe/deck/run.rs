@@ -6,6 +6,8 @@ use fallwerk::fe::deck::{DeckOptions, read, write};
 use fallwerk::fe::mesh::Element;
 use fallwerk::fe::model::{ContactSettings, Model, RigidPlane};
 use fallwerk::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
+use fallwerk::fe::run::FeError;
+use fallwerk::fe::watch::{Diagnosis, Place, Trouble};
 use std::path::Path;
 
 fn run(model: &Model) -> ModelRun {
@@ -161,6 +163,37 @@ fn mass_scaling_keeps_the_step() {
         scaled.summary.time_step_s
     );
     assert!((scaled.added_mass_kg / 25_000.0 / 0.96 - 1.0).abs() < 1e-6, "{}", scaled.added_mass_kg);
+}
+
+/// What is told of a run that stopped has the identifiers of the deck, and remedies that a deck has.
+#[test]
+fn a_run_that_stops_speaks_of_the_deck() {
+    let ids = good(
+        &CUBE
+            .replace("       8             0.0", "    4711             0.0")
+            .replace("       7       8\n*END", "       7    4711\n*END")
+            .replace("*DATABASE_HISTORY_NODE\n         8", "*DATABASE_HISTORY_NODE\n      4711"),
+    )
+    .ids;
+    let place = |index: usize| Some(Place { index, part: "cube".into(), at_m: [0.0; 3], value: 1.0 });
+    let diagnosis = Diagnosis {
+        time_s: 0.1,
+        trouble: Trouble::NotFinite(Some(7)),
+        sound_s: 0.0,
+        grown: ("kinetic energy", 1.0),
+        step_s: 1e-3,
+        smallest: place(0),
+        fastest: place(7),
+    };
+    let words = ids.words(&FeError::Unsound(Box::new(diagnosis))).unwrap();
+    for part in ["node 4711 has no finite", "by element 1 of part", "fastest node is 4711 of"] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    let lost =
+        FeError::Contact { time_s: 0.1, part: "a".into(), other: "b".into(), depth_m: 0.2, at_m: [0.0; 3] };
+    let words = ids.words(&lost).unwrap();
+    assert!(words.contains("*CONTACT") && !words.contains("--"), "{words}");
+    assert_eq!(ids.words(&FeError::Empty), None);
 }
 
 #[test]
