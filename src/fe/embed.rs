@@ -47,7 +47,7 @@ pub fn embed(mesh: &Mesh, nodes: &[usize]) -> Result<Vec<Tie>, EmbedError> {
 }
 
 /// Natural coordinates of a point in a hexahedron, `None` if it is outside.
-fn natural_coordinates(corners: &[V3; 8], at_m: V3) -> Option<V3> {
+pub(super) fn natural_coordinates(corners: &[V3; 8], at_m: V3) -> Option<V3> {
     let mut xi = [0.0; 3];
     for _ in 0..ITERATIONS {
         let (place, tangent) = map(corners, xi);
@@ -106,7 +106,7 @@ fn map(corners: &[V3; 8], xi: V3) -> (V3, [V3; 3]) {
 }
 
 /// Boxes around the elements, sorted by their lower end along x.
-struct Boxes {
+pub(super) struct Boxes {
     /// `(low, high, element)`.
     sorted: Vec<(V3, V3, usize)>,
     /// Largest extent along x \[m\].
@@ -114,7 +114,7 @@ struct Boxes {
 }
 
 impl Boxes {
-    fn of(mesh: &Mesh) -> Self {
+    pub(super) fn of(mesh: &Mesh) -> Self {
         let around = |(index, element): (usize, &super::mesh::Element)| {
             let corners = element.nodes.map(|n| mesh.nodes[n]);
             let low: V3 = std::array::from_fn(|i| corners.iter().map(|c| c[i]).fold(f64::INFINITY, f64::min));
@@ -130,7 +130,7 @@ impl Boxes {
     }
 
     /// Elements whose box holds a point, in the order of their index.
-    fn holding(&self, at: V3) -> Vec<usize> {
+    pub(super) fn holding(&self, at: V3) -> Vec<usize> {
         let from = self.sorted.partition_point(|b| b.0[0] < at[0] - self.widest_m);
         let to = self.sorted.partition_point(|b| b.0[0] <= at[0]);
         let inside = |(low, high, _): &&(V3, V3, usize)| (0..3).all(|i| low[i] <= at[i] && at[i] <= high[i]);

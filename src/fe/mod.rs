@@ -42,6 +42,7 @@ pub mod strain_rate;
 pub mod sweep;
 pub mod tie;
 pub mod truss;
+mod unseen;
 pub mod vtu;
 pub mod watch;
 pub mod weld;

@@ -11,6 +11,7 @@ use super::result::{ElementDeath, FeSummary};
 use super::run::{FeError, Progress, check_share, contact_error};
 use super::strain_rate::StrainWindow;
 use super::truss::BarRupture;
+use super::unseen;
 use super::vtu::{Frame, FrameSink};
 use super::watch::{Books, LOOK_STEPS, Watch};
 use crate::base::cpu::Stopwatch;
@@ -238,6 +239,7 @@ fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<S
         let mut contact = BodyContact::new(&model.mesh, settings);
         contact.push_m_s = push_m_s(&model.mesh);
         body.body_contact = Some(Box::new(contact));
+        notes.extend(unseen::notes(&model.mesh));
     }
     for (node, velocity) in &model.initial_velocity_m_s {
         body.v[*node] = *velocity;
