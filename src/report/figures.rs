@@ -76,7 +76,9 @@ pub(super) fn alone(input: &ReportInput) -> Vec<Figure> {
         out.push(Figure { label: "Hinges that yield", value, unit: "", note });
     }
     if let Some(debris) = input.debris.as_ref().and_then(|d| d.runs.first()) {
-        let (value, note) = (fixed(debris.area_m2, 0), format!("up to {} m high", fixed(debris.top_m, 1)));
+        let moves = if debris.speed_m_s.is_some() { ", still moving" } else { "" };
+        let (value, note) =
+            (fixed(debris.area_m2, 0), format!("up to {} m high{moves}", fixed(debris.top_m, 1)));
         out.push(Figure { label: "Area covered at the end", value, unit: "m²", note });
     }
     if let Some(error) = input.mbs_energy.as_ref().and_then(|e| e.error) {

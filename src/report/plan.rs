@@ -84,6 +84,8 @@ pub struct DebrisOutline {
     pub reach_m: [f64; 4],
     /// Highest point above the ground \[m\].
     pub top_m: f64,
+    /// How fast it still moves \[m/s\]; `None`: it lies.
+    pub speed_m_s: Option<f64>,
 }
 
 /// Width of a drawing in its own units.
@@ -221,6 +223,7 @@ pub(super) struct Debris {
     drawing: String,
     rows: Vec<Vec<String>>,
     runs: Vec<String>,
+    moving: Option<String>,
 }
 
 /// The outlines of the debris over the plan of the building, and how far it reaches.
@@ -260,7 +263,21 @@ pub(super) fn debris(plan: &DebrisPlan) -> Debris {
             row("Highest point above the ground [m]", &|r| r.top_m, 2),
         ],
         runs: plan.runs.iter().map(|r| r.run.clone()).collect(),
+        moving: moving(&plan.runs),
     }
+}
+
+/// "Not at rest: FE still moves at 13.7 m/s, MBS at 12.9 m/s." with what follows.
+fn moving(runs: &[DebrisOutline]) -> Option<String> {
+    let speeds = runs.iter().filter_map(|r| Some((&r.run, r.speed_m_s?))).enumerate();
+    let told: Vec<String> = speeds
+        .map(|(k, (run, speed_m_s))| {
+            let verb = if k == 0 { "still moves at" } else { "at" };
+            format!("{run} {verb} {} m/s", fixed(speed_m_s, 1))
+        })
+        .collect();
+    let told = told.join(", ");
+    (!told.is_empty()).then(|| format!("Not at rest: {told}; what comes to rest may reach farther."))
 }
 
 #[cfg(test)]
@@ -304,6 +321,7 @@ mod tests {
             area_m2: 48.0,
             reach_m: [0.0, 0.0, 3.0, 0.0],
             top_m: 1.25,
+            speed_m_s: None,
         };
         let plan = DebrisPlan {
             building_m: vec![[[0.0, 0.0], [6.0, 5.0]]],
@@ -314,5 +332,9 @@ mod tests {
         assert!(drawn.drawing.contains("class=\"line fe\"") && !drawn.drawing.contains("NaN"));
         assert_eq!(drawn.rows[3], ["towards −y [m]", "3.00"]);
         assert!(debris(&DebrisPlan::default()).drawing.is_empty());
+        assert_eq!(drawn.moving, None);
+        let falls = DebrisOutline { speed_m_s: Some(13.72), ..plan.runs[0].clone() };
+        let told = moving(&[falls.clone(), DebrisOutline { run: "MBS".into(), ..falls }]).unwrap();
+        assert!(told.starts_with("Not at rest: FE still moves at 13.7 m/s, MBS at 13.7 m/s; "), "{told}");
     }
 }

@@ -31,21 +31,50 @@ pub enum Doubt {
 /// Speed of a tracked point from which what has not come down is not at rest either \[m/s\].
 const MOVES_M_S: f64 = 1.0;
 
+/// The fastest of some points at the end of a run that has not come to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fastest<'a> {
+    /// Its name.
+    pub id: &'a str,
+    /// Its speed over the last output interval \[m/s\].
+    pub speed_m_s: f64,
+    /// The end of the run \[s\].
+    pub end_s: f64,
+}
+
+impl<'a> Fastest<'a> {
+    /// Of points with their displacements at some times; none where all are as good as at rest.
+    pub fn of(times_s: &[f64], points: impl Iterator<Item = (&'a str, &'a [[f64; 3]])>) -> Option<Self> {
+        let [.., before, end_s] = times_s[..] else { return None };
+        let speed = |u: &[[f64; 3]]| match u {
+            [.., a, b] => norm(sub(*b, *a)) / (end_s - before),
+            _ => 0.0,
+        };
+        let (id, speed_m_s) = points.map(|(id, u)| (id, speed(u))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (speed_m_s > MOVES_M_S).then_some(Self { id, speed_m_s, end_s })
+    }
+
+    /// What a run shows of a building that was still falling at its end.
+    pub fn falling_words(&self) -> String {
+        // sums of output intervals have more digits than anyone gave
+        let (end_s, id) = ((1e4 * self.end_s).round() / 1e4, self.id);
+        format!(
+            "at the end, {end_s} s, \"{id}\" still moves at {:.1} m/s: debris and displacements are those of that moment, and what comes to rest may reach farther; give a later settings.end_time",
+            self.speed_m_s
+        )
+    }
+}
+
 /// That a building which has not collapsed by the end of a run still moves, if one of the points does, for the times of their displacements.
 pub fn moving_note<'a>(
     collapsed: bool,
     times_s: &[f64],
     points: impl Iterator<Item = (&'a str, &'a [[f64; 3]])>,
 ) -> Option<String> {
-    let [.., before, end] = times_s[..] else { return None };
-    let speed = |u: &[[f64; 3]]| match u {
-        [.., a, b] => norm(sub(*b, *a)) / (end - before),
-        _ => 0.0,
-    };
-    let (id, fastest) = points.map(|(id, u)| (id, speed(u))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (!collapsed && fastest > MOVES_M_S).then(|| {
-        format!("at the end, {end:.4} s, \"{id}\" still moves at {fastest:.1} m/s: too soon to tell whether it collapses; give a later settings.end_time")
-    })
+    let Fastest { id, speed_m_s, end_s } = Fastest::of(times_s, points).filter(|_| !collapsed)?;
+    Some(format!(
+        "at the end, {end_s:.4} s, \"{id}\" still moves at {speed_m_s:.1} m/s: too soon to tell whether it collapses; give a later settings.end_time"
+    ))
 }
 
 /// All reasons of a comparison of two runs of a building, which collapses in FE and in the MBS or not.
@@ -78,4 +107,28 @@ pub(super) fn reasons(
         note.into_iter().for_each(|note| tell(Doubt::StillMoves, format!("{name} run: {note}")));
     }
     reasons
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_still_falls_at_the_end_says_so() {
+        let (slow, fast) = ([[0.0; 3], [0.0, 0.0, -0.05]], [[0.0, 0.0, -7.0], [0.0, -0.6, -7.8]]);
+        let points = || [("rear", &slow[..]), ("front", &fast[..])].into_iter();
+        let times_s = [0.1, 0.1 + 0.2];
+        let fastest = Fastest::of(&times_s, points()).unwrap();
+        assert!(
+            fastest
+                .falling_words()
+                .starts_with("at the end, 0.3 s, \"front\" still moves at 5.0 m/s: debris")
+        );
+        assert_eq!(Fastest::of(&times_s, points().take(1)), None, "0.25 m/s is as good as at rest");
+        assert_eq!(Fastest::of(&times_s[..1], points()), None, "no interval, no speed");
+        assert!(
+            moving_note(false, &times_s, points()).is_some()
+                && moving_note(true, &times_s, points()).is_none()
+        );
+    }
 }

@@ -287,6 +287,7 @@ fn charges_and_debris_have_their_plans() {
         area_m2: 63.0,
         reach_m: [1.0, 0.0, 4.0, 0.0],
         top_m: 2.5,
+        speed_m_s: (run == "MBS").then_some(3.04),
     };
     input.debris = Some(DebrisPlan {
         building_m: vec![[[0.0, 0.0], [6.0, 5.0]]],
@@ -294,9 +295,15 @@ fn charges_and_debris_have_their_plans() {
         runs: ["FE", "MBS"].map(outline).into(),
     });
     let page = render(&input).unwrap();
-    for text in
-        ["&lt;front&gt;", ">75</text>", "from 0.2 to 1.2 m of its length", "63.0", "4.00", "href=\"#debris\""]
-    {
+    for text in [
+        "&lt;front&gt;",
+        ">75</text>",
+        "from 0.2 to 1.2 m of its length",
+        "63.0",
+        "4.00",
+        "href=\"#debris\"",
+        "Not at rest: MBS still moves at 3.0 m/s; what",
+    ] {
         assert!(page.contains(text), "{text}");
     }
 }

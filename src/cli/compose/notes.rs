@@ -20,7 +20,9 @@ pub fn notes(p: &Pieces) -> Vec<Note> {
         None => alone::doubts(p),
     };
     let early = doubts.iter().filter(|words| !p.generated.notes.contains(words));
-    let mut notes: Vec<Note> = early.chain(&p.generated.notes).map(warning).collect();
+    let falling: Vec<String> =
+        p.falling().iter().map(|(run, fastest)| format!("{run} run: {}", fastest.falling_words())).collect();
+    let mut notes: Vec<Note> = early.chain(&falling).chain(&p.generated.notes).map(warning).collect();
     // a balance that is off by no more than its limit is no warning
     let is_minor = |w: &&String| w.starts_with(OFF_BALANCE) && p.mbs.energy_error <= LIMIT_ENERGY;
     let (minor, remarks): (Vec<&String>, Vec<&String>) = p.mbs.warnings.iter().partition(is_minor);

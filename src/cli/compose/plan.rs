@@ -63,6 +63,8 @@ pub fn debris(p: &Pieces) -> Option<DebrisPlan> {
     let members: Vec<[[f64; 2]; 2]> =
         p.building.members.iter().map(|m| plan(m.solid.min, m.solid.max)).collect();
     let around = around(members.iter().flatten().copied())?;
+    let falling = p.falling();
+    let speed_m_s = |run: &str| falling.iter().find(|(name, _)| *name == run).map(|(_, f)| f.speed_m_s);
     let outline = |(run, class, heap): (&str, &str, Heap)| {
         let outline_m = heap.footprint.outline();
         let reach = self::around(outline_m.iter().flatten().copied())?;
@@ -77,6 +79,7 @@ pub fn debris(p: &Pieces) -> Option<DebrisPlan> {
                 reach[1][1] - around[1][1],
             ],
             top_m: heap.top_m - p.building.ground.level_m,
+            speed_m_s: speed_m_s(run),
             outline_m,
         })
     };
