@@ -5,11 +5,12 @@ use super::scene::what;
 use crate::building::{Building, Charge, Member, MemberKind};
 use crate::report::{BlastingPlan, DebrisOutline, DebrisPlan, PlanKind, PlanPart, PlannedCharge, StoreyPlan};
 use crate::validate::heap::Heap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The charges, and the storeys that have some.
 pub fn blasting(building: &Building) -> Option<BlastingPlan> {
-    let of = |c: &Charge| building.member(&c.member).and_then(|m| m.storey);
+    let heights = heights(building);
+    let of = |c: &Charge| building.member(&c.member).and_then(|m| storey_of(m, &heights));
     let storeys: BTreeSet<Option<u32>> = building.events.iter().map(of).collect();
     let charge = |c: &Charge| PlannedCharge {
         id: c.id.clone(),
@@ -19,26 +20,50 @@ pub fn blasting(building: &Building) -> Option<BlastingPlan> {
     };
     (!building.events.is_empty()).then(|| BlastingPlan {
         charges: building.events.iter().map(charge).collect(),
-        storeys: storeys.into_iter().map(|s| storey(building, s)).collect(),
+        storeys: storeys.into_iter().map(|s| storey(building, s, &heights)).collect(),
     })
 }
 
+fn kind(member: &Member) -> PlanKind {
+    match member.kind {
+        MemberKind::Slab | MemberKind::Footing => PlanKind::Floor,
+        MemberKind::Beam => PlanKind::Beam,
+        MemberKind::Column | MemberKind::Wall | MemberKind::Brace => PlanKind::Bearing,
+    }
+}
+
+/// From where to where what bears in a storey reaches \[m\].
+type Heights = BTreeMap<u32, [f64; 2]>;
+
+fn heights(building: &Building) -> Heights {
+    let mut heights = Heights::new();
+    for member in building.members.iter().filter(|m| kind(m) == PlanKind::Bearing) {
+        let Some(storey) = member.storey else { continue };
+        let [low, high] = heights.entry(storey).or_insert([f64::INFINITY, f64::NEG_INFINITY]);
+        (*low, *high) = (low.min(member.solid.min[2]), high.max(member.solid.max[2]));
+    }
+    heights
+}
+
+/// The storey of a member. One beside a grid has none of its own: it has that whose bearing members stand beside most of its height.
+fn storey_of(member: &Member, heights: &Heights) -> Option<u32> {
+    let beside = |[low, high]: &[f64; 2]| high.min(member.solid.max[2]) - low.max(member.solid.min[2]);
+    let overlaps = heights.iter().map(|(storey, range)| (*storey, beside(range))).filter(|o| o.1 > 0.0);
+    // of two alike the lower one
+    let most = overlaps.reduce(|best, o| if best.1 >= o.1 { best } else { o });
+    member.storey.or(most.map(|o| o.0))
+}
+
 /// The members of a storey, with the first charge of each.
-fn storey(building: &Building, storey: Option<u32>) -> StoreyPlan {
+fn storey(building: &Building, storey: Option<u32>, heights: &Heights) -> StoreyPlan {
     let first_s = |m: &Member| {
         let own = building.events.iter().filter(|c| c.member == m.id);
         own.map(|c| c.time_s).reduce(f64::min)
     };
-    let part = |m: &Member| PlanPart {
-        kind: match m.kind {
-            MemberKind::Slab | MemberKind::Footing => PlanKind::Floor,
-            MemberKind::Beam => PlanKind::Beam,
-            MemberKind::Column | MemberKind::Wall | MemberKind::Brace => PlanKind::Bearing,
-        },
-        box_m: plan(m.solid.min, m.solid.max),
-        charge_s: first_s(m),
-    };
-    let members = building.members.iter().filter(|m| m.storey == storey && !building.is_cut(&m.id));
+    let part =
+        |m: &Member| PlanPart { kind: kind(m), box_m: plan(m.solid.min, m.solid.max), charge_s: first_s(m) };
+    let is_here = |m: &&Member| storey_of(m, heights) == storey && !building.is_cut(&m.id);
+    let members = building.members.iter().filter(is_here);
     StoreyPlan {
         label: match storey {
             Some(number) => format!("Storey {number}: ignition times in ms"),
@@ -96,4 +121,30 @@ fn around(points: impl Iterator<Item = [f64; 2]>) -> Option<[[f64; 2]; 2]> {
         let [low, high] = all.unwrap_or([p, p]);
         Some([[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::tree::Format;
+    use crate::building::{EXAMPLE, parse};
+
+    /// A column beside the grid stands in the plan of the storey that it goes through, as its charge does.
+    #[test]
+    fn members_beside_a_grid_have_the_storey_that_they_stand_in() {
+        let mut building = parse(EXAMPLE, Format::Toml, "example.toml").unwrap();
+        let is_upper = |m: &&Member| m.kind == MemberKind::Column && m.storey == Some(2);
+        let column = building.members.iter().find(is_upper).unwrap().clone();
+        building.members.push(Member { id: "beside".into(), storey: None, ..column });
+        building.events.truncate(1);
+        building.events[0].member = "beside".into();
+        let plan = blasting(&building).unwrap();
+        assert_eq!((plan.charges[0].storey.as_str(), plan.storeys.len()), ("2", 1));
+        let charged = plan.storeys[0].parts.iter().filter(|p| p.charge_s.is_some()).count();
+        assert!(
+            charged == 1 && plan.storeys[0].label.starts_with("Storey 2") && plan.storeys[0].parts.len() > 5
+        );
+        let beside = building.members.pop().unwrap();
+        assert_eq!(storey_of(&beside, &Heights::new()), None, "a building of such members alone");
+    }
 }
