@@ -203,18 +203,28 @@ fn storey(plan: &StoreyPlan) -> String {
     }
     for part in &plan.parts {
         let Some(time_s) = part.charge_s else { continue };
-        let [low, high] = part.box_m;
-        let [x, y] = scale.at([high[0], 0.5 * (low[1] + high[1])]);
-        let _ = write!(
-            out,
-            "<text class=\"fires\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-            x + 3.0,
-            y + 4.0,
-            milliseconds(time_s)
-        );
+        let text = milliseconds(time_s);
+        let (x, y, class) = beside(&scale, part.box_m, &text);
+        let _ = write!(out, "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{text}</text>");
     }
     scale.end(&mut out);
     out
+}
+
+/// Width of a letter of an ignition time, in units of the drawing.
+const LETTER: f64 = 7.5;
+
+/// Where a text stands that belongs to a member: to its right; where that would be cut off, to its left; of one as wide as the drawing at the right edge.
+fn beside(scale: &Scale, [low, high]: [[f64; 2]; 2], text: &str) -> (f64, f64, &'static str) {
+    let middle = 0.5 * (low[1] + high[1]);
+    let [[left, y], [right, _]] = [low, high].map(|p| scale.at([p[0], middle]));
+    let width = LETTER * text.chars().count() as f64;
+    let (x, class) = match (right + 3.0 + width > WIDTH, left - 3.0 - width < 0.0) {
+        (false, _) => (right + 3.0, "fires"),
+        (true, false) => (left - 3.0, "fires end"),
+        (true, true) => (WIDTH - 3.0, "fires end"),
+    };
+    (x, y + 4.0, class)
 }
 
 /// The debris for the page.
@@ -310,6 +320,17 @@ mod tests {
         let plan = &drawn.plans[0];
         assert_eq!((plan.matches("\"charged\"").count(), plan.matches("\"bearing\"").count()), (1, 1));
         assert!(plan.contains(">250</text>") && plan.contains("1 m</text>"), "{plan}");
+    }
+
+    /// The drawing ends 26 units beside the building: four digits are wider.
+    #[test]
+    fn ignition_times_are_not_cut_at_the_right_edge() {
+        let scale = Scale::of([[0.0, 0.0], [10.0, 5.0]].into_iter()).unwrap();
+        let at = |x: [f64; 2], text| beside(&scale, [[x[0], 1.0], [x[1], 1.4]], text);
+        let place = |x, text| (at(x, text).0.round(), at(x, text).2);
+        assert_eq!(place([9.6, 10.0], "75"), (337.0, "fires"));
+        assert_eq!(place([9.6, 10.0], "1250"), (319.0, "fires end"));
+        assert_eq!(place([0.0, 10.0], "1250"), (357.0, "fires end"), "a wall along the whole building");
     }
 
     #[test]
