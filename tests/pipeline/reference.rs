@@ -27,6 +27,7 @@ fn the_reference_building_is_followed_beyond_the_first_contact() {
     books_close(&read("fe-energies.csv"));
     let page = read("report.html");
     counts_never_fall(&page);
+    hinges_without_a_zone_are_told(&page);
     for check in ["Displacement error over the whole run", "Debris footprint", "e after it"] {
         assert!(page.contains(check), "{check}");
     }
@@ -49,6 +50,13 @@ fn books_close(table: &str) {
         let missing = there - supplied - sum(&["residual_j"]);
         assert!((missing - *preloaded_j.get_or_insert(there)).abs() < 1e-6 * there.abs(), "{line}");
     }
+}
+
+/// A hinge at a place that FE does not look at has its rotation all the same.
+fn hinges_without_a_zone_are_told(page: &str) {
+    let rows = page.split("FE not evaluated</td>").skip(1).map(|row| row.split("</tr>").next().unwrap());
+    let rotations: Vec<&str> = rows.map(|row| row.rsplit("<td class=\"num\">").nth(1).unwrap()).collect();
+    assert!(!rotations.is_empty() && rotations.iter().all(|r| !r.starts_with('–')), "{rotations:?}");
 }
 
 /// The captions of the MBS pictures say what has happened so far.

@@ -1,11 +1,9 @@
 //! What a report shows of the FE run, of the one with rigid parts, and of the comparison of both with the MBS run.
 
-use super::scene::removed_s;
-use super::{Against, Pieces, common, compared, left_out, mean_step_s};
+use super::{Against, Pieces, alone, common, compared, left_out, mean_step_s};
 use crate::cli::verdict;
 use crate::fe::result::FeRun;
 use crate::mbs::latent::live_s;
-use crate::mbs::result::EventKind;
 use crate::report::{ErrorMeasure, FeEnergy, HingeSite, History, ReportInput, RunCost, Standing};
 use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_STANDING_M, LIMIT_TO_CONTACT, SiteComparison, Validation};
 
@@ -81,7 +79,7 @@ fn histories(p: &Pieces, a: &Against) -> Vec<History> {
     a.fe.tracked.iter().filter_map(pair).collect()
 }
 
-/// All member ends of the FE facts, then hinges elsewhere (at members that a charge takes away).
+/// All member ends of the FE facts, then hinges elsewhere (at members that a charge takes away, sections of columns), of which FE tells nothing.
 ///
 /// A hinge below [`ACTIVE_ROTATION_RAD`] is shown as one that yields slightly, so that the page counts as [`Validation`] does.
 fn hinge_sites(p: &Pieces, a: &Against) -> Vec<HingeSite> {
@@ -106,21 +104,11 @@ fn hinge_sites(p: &Pieces, a: &Against) -> Vec<HingeSite> {
         mbs_max_plastic_rotation_rad: site.hinge.then_some(site.plastic_rotation_rad),
         mbs_fractured_s: site.fracture_s,
     });
-    let broken_s = |id: &str| {
-        let is_it = |kind: &EventKind| matches!(kind, EventKind::Fracture { joint, .. } if joint == id);
-        p.mbs.events.iter().find(|e| is_it(&e.kind)).map(|e| e.time_s)
-    };
     let known = |id: &str| a.facts.ends.iter().any(|z| z.id == id);
-    let elsewhere = joints.iter().filter(|j| !j.names().iter().any(|id| known(id))).map(|j| HingeSite {
-        member_end: j.id.clone(),
-        point_m: j.point_m,
-        body: Some(j.body_b.clone()),
-        removed_s: removed_s(&p.generated.model, &j.body_b),
-        mbs_hinge: true,
-        mbs_latent: latent(&j.id).is_some(),
-        mbs_live_s: latent(&j.id).flatten(),
-        mbs_fractured_s: broken_s(&j.id),
-        ..HingeSite::default()
+    let unknown = joints.iter().filter(|j| !j.names().iter().any(|id| known(id)));
+    let elsewhere = unknown.flat_map(|j| {
+        let names = j.names().iter().map(String::as_str).enumerate();
+        names.map(|hinge| alone::site(p, &live_s, j, hinge)).collect::<Vec<HingeSite>>()
     });
     at_end.chain(elsewhere).collect()
 }

@@ -11,6 +11,7 @@ use crate::report::{HingeSite, History, ReportInput, Status, Verdict};
 use crate::validate::left_out::of_mbs;
 use crate::validate::spread::UNDECIDED_M;
 use crate::validate::undecided::moving_note;
+use std::collections::BTreeMap;
 
 /// The input of a report of the MBS run alone.
 pub fn input(p: &Pieces) -> ReportInput {
@@ -76,37 +77,41 @@ fn histories(p: &Pieces) -> Vec<History> {
 
 /// The hinges and latent sections of the model, with what became of them.
 fn hinges(p: &Pieces) -> Vec<HingeSite> {
-    let model = &p.generated.model;
-    let live_s = live_s(model, p.mbs);
-    let first_s =
-        |is: &dyn Fn(&EventKind) -> bool| p.mbs.events.iter().find(|e| is(&e.kind)).map(|e| e.time_s);
-    let site = |bushing: &Bushing, k: usize, name: &str| {
-        let yielded_s = first_s(&|kind| matches!(kind, EventKind::Yield { joint } if joint == name));
-        let counts = is_active(p.mbs, name);
-        let history = p.mbs.hinges.iter().find(|h| h.joint == name);
-        let latent = live_s.get(bushing.id.as_str());
-        HingeSite {
-            member_end: name.into(),
-            point_m: point_of(bushing, k),
-            // the ends of a beam may be at either of its bodies
-            body: bushing.beam.is_none().then(|| bushing.body_b.clone()),
-            removed_s: removed_s(model, &bushing.body_b),
-            mbs_hinge: true,
-            mbs_latent: latent.is_some(),
-            mbs_live_s: latent.copied().filter(|t| t.is_finite()),
-            mbs_yielded_s: yielded_s.filter(|_| counts),
-            mbs_slight_s: yielded_s.filter(|_| !counts),
-            mbs_max_plastic_rotation_rad: history
-                .map(|h| h.plastic_rotation_rad.iter().copied().fold(0.0, f64::max)),
-            mbs_fractured_s: first_s(
-                &|kind| matches!(kind, EventKind::Fracture { joint, .. } if joint == name),
-            ),
-            ..HingeSite::default()
-        }
-    };
+    let live_s = live_s(&p.generated.model, p.mbs);
     let of = |bushing| {
         let names = Bushing::hinges(bushing).into_iter().enumerate();
-        names.map(|(k, name)| site(bushing, k, name)).collect::<Vec<HingeSite>>()
+        names.map(|hinge| site(p, &live_s, bushing, hinge)).collect::<Vec<HingeSite>>()
     };
-    model.bushings.iter().flat_map(of).collect()
+    p.generated.model.bushings.iter().flat_map(of).collect()
+}
+
+/// What became of the hinge with a number among those of a bushing; `live_s` says when latent ones went live.
+pub(super) fn site(
+    p: &Pieces,
+    live_s: &BTreeMap<&str, f64>,
+    bushing: &Bushing,
+    (k, name): (usize, &str),
+) -> HingeSite {
+    let first_s =
+        |is: &dyn Fn(&EventKind) -> bool| p.mbs.events.iter().find(|e| is(&e.kind)).map(|e| e.time_s);
+    let yielded_s = first_s(&|kind| matches!(kind, EventKind::Yield { joint } if joint == name));
+    let counts = is_active(p.mbs, name);
+    let history = p.mbs.hinges.iter().find(|h| h.joint == name);
+    let latent = live_s.get(bushing.id.as_str());
+    HingeSite {
+        member_end: name.into(),
+        point_m: point_of(bushing, k),
+        // the ends of a beam may be at either of its bodies
+        body: bushing.beam.is_none().then(|| bushing.body_b.clone()),
+        removed_s: removed_s(&p.generated.model, &bushing.body_b),
+        mbs_hinge: true,
+        mbs_latent: latent.is_some(),
+        mbs_live_s: latent.copied().filter(|t| t.is_finite()),
+        mbs_yielded_s: yielded_s.filter(|_| counts),
+        mbs_slight_s: yielded_s.filter(|_| !counts),
+        mbs_max_plastic_rotation_rad: history
+            .map(|h| h.plastic_rotation_rad.iter().copied().fold(0.0, f64::max)),
+        mbs_fractured_s: first_s(&|kind| matches!(kind, EventKind::Fracture { joint, .. } if joint == name)),
+        ..HingeSite::default()
+    }
 }
