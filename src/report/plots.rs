@@ -277,7 +277,7 @@ pub fn curve_chart(family: &CurveFamily) -> String {
             label.push_str(&format!(", separates at {} rad", significant(fracture, 2)));
         }
         let points = level.points.iter().map(|p| [p[0], p[1] * factor]).collect();
-        Series { label, class: format!("s{}", i % 7), points }
+        Series { label, class: level_class(i), points }
     });
     let title = if family.description.is_empty() {
         family.id.clone()
@@ -295,9 +295,37 @@ pub fn curve_chart(family: &CurveFamily) -> String {
     .to_html()
 }
 
+/// Line styles of one colour each.
+const STYLES: usize = 7;
+
+/// Style class of the line with a number: after the last style the colours come again, dotted.
+fn level_class(i: usize) -> String {
+    let again = if i < STYLES { "" } else { " again" };
+    format!("s{}{again}", i % STYLES)
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::input::CurveLevel;
     use super::*;
+
+    #[test]
+    fn nine_axial_forces_have_a_style_each() {
+        let level = |n: u32| CurveLevel {
+            axial_force_n: 1e5 * f64::from(n),
+            points: vec![[0.0, 0.0], [0.01, 1e5]],
+            fracture_rotation_rad: None,
+        };
+        let family = CurveFamily { levels: (0..9).map(level).collect(), ..CurveFamily::default() };
+        let drawn = curve_chart(&family);
+        for class in ["s0", "s6", "s0 again", "s1 again"] {
+            assert_eq!(
+                drawn.matches(&format!("class=\"line {class}\"")).count(),
+                2,
+                "{class}: legend and line"
+            );
+        }
+    }
 
     #[test]
     fn a_line_that_leaves_the_frame_is_cut_at_its_top() {
