@@ -44,7 +44,7 @@ fn a_run_without_a_comparison_has_its_page() {
     let contact_s = mbs["first_ground_contact_s"].as_f64().unwrap();
     for text in [
         &format!("The structure collapses in the MBS run: first ground contact at {contact_s:.3} s"),
-        "Not compared with FE",
+        "A structure counts as collapsed where a tracked point falls by more than 1 m. Not compared with FE",
         "<code>fallwerk generate-mbs --validate</code>",
         "<h2>Charges</h2>",
         "<h2>Debris</h2>",

@@ -8,6 +8,7 @@ use crate::mbs::latent::live_s;
 use crate::mbs::model::Bushing;
 use crate::mbs::result::EventKind;
 use crate::report::{HingeSite, History, ReportInput, Status, Verdict};
+use crate::study::COLLAPSE_DROP_M;
 use crate::validate::left_out::of_mbs;
 use crate::validate::spread::UNDECIDED_M;
 use crate::validate::undecided::moving_note;
@@ -32,7 +33,10 @@ pub fn input(p: &Pieces) -> ReportInput {
 fn verdict(p: &Pieces) -> Verdict {
     let ground = match p.mbs.first_ground_contact_s {
         Some(t) => format!("first ground contact at {t:.3} s"),
-        None => "nothing reaches the ground".into(),
+        None => match p.mbs.times_s.last() {
+            Some(end_s) => format!("nothing touches the ground up to its end at {end_s:.3} s"),
+            None => "nothing touches the ground".into(),
+        },
     };
     let is_open = p.building.ends_soon().is_some() || still_moves(p).is_some();
     let headline = match (p.mbs_collapsed(), is_open) {
@@ -48,7 +52,9 @@ fn verdict(p: &Pieces) -> Verdict {
     Verdict {
         headline,
         status: Status::Unknown,
-        detail: "Not compared with FE: how near this is to the detailed model is not known. `fallwerk generate-mbs --validate` runs and compares both.".into(),
+        detail: format!(
+            "A structure counts as collapsed where a tracked point falls by more than {COLLAPSE_DROP_M} m. Not compared with FE: how near this is to the detailed model is not known. `fallwerk generate-mbs --validate` runs and compares both."
+        ),
     }
 }
 
