@@ -86,6 +86,9 @@ pub fn escape(text: &str) -> String {
     out
 }
 
+/// Width of a letter of a label, in units of the drawing.
+const LETTER: f64 = 6.4;
+
 /// The drawing area within the SVG.
 struct Frame {
     width: f64,
@@ -179,7 +182,7 @@ impl Chart {
         let frame = Frame {
             width,
             height,
-            left: 12.0 + 6.4 * widest,
+            left: 12.0 + LETTER * widest,
             right: width - 12.0,
             top: if self.marks.is_empty() { 22.0 } else { 36.0 },
             bottom: height - 34.0,
@@ -331,8 +334,12 @@ impl Chart {
         for (i, mark) in marks.into_iter().enumerate() {
             let x = f.x(xs, mark.x);
             // Two marks are close together as a rule: the first is labelled to its left, the last to its right.
-            let side = if i == last && last > 0 || x < 0.3 * f.width { "start" } else { "end" };
-            let shift = if side == "end" { -4.0 } else { 4.0 };
+            let is_right = if last > 0 { i == last } else { x < 0.3 * f.width };
+            let width = 4.0 + LETTER * mark.label.chars().count() as f64;
+            let has_room = if is_right { x + width <= f.width } else { x - width >= 0.0 };
+            // Without room there it goes to the other side, over the label of the other mark.
+            let (side, shift) = if is_right == has_room { ("start", 4.0) } else { ("end", -4.0) };
+            let rise = if has_room || last == 0 { 4.0 } else { 15.0 };
             let _ = write!(
                 out,
                 "<path class=\"mark {}\" d=\"M{} {}V{}\"/><text class=\"tick {side}\" x=\"{}\" y=\"{}\">{}</text>",
@@ -341,7 +348,7 @@ impl Chart {
                 coordinate(f.top - 12.0),
                 coordinate(f.bottom),
                 coordinate(x + shift),
-                coordinate(f.top - 4.0),
+                coordinate(f.top - rise),
                 escape(&mark.label)
             );
         }
@@ -444,6 +451,32 @@ mod tests {
         assert!(one.contains(">1</text>"), "{one}");
         let three = drawn(3);
         assert_eq!((three.matches("<circle").count(), three.matches("tick mid").count()), (3, 3));
+    }
+
+    /// Labels of two marks stand apart, within the drawing, wherever the marks are.
+    #[test]
+    fn labels_of_marks_do_not_overlap() {
+        let labels = |at: [f64; 2]| {
+            let series =
+                vec![Series { label: "e".into(), class: "mbs".into(), points: vec![[0.0, 0.0], [2.5, 1.0]] }];
+            let mark = |x| Mark { x, label: "FE contact 0.123 s".into(), class: "fe" };
+            let html = Chart { series, marks: at.map(mark).into(), ..Chart::default() }.to_html();
+            let places = html.split("<text class=\"tick ").filter(|t| t.contains(">FE contact"));
+            let place = |t: &str| {
+                let number = |name: &str| {
+                    t.split(name).nth(1).unwrap().split('"').next().unwrap().parse::<f64>().unwrap()
+                };
+                let (x, width) = (number(" x=\""), 18.0 * LETTER);
+                let left = if t.starts_with("start") { x } else { x - width };
+                assert!(left >= 0.0 && left + width <= 1124.0, "{t}");
+                (left, number(" y=\""))
+            };
+            let [a, b]: [(f64, f64); 2] = places.map(place).collect::<Vec<_>>().try_into().unwrap();
+            (a.0 - b.0).abs() >= 18.0 * LETTER || (a.1 - b.1).abs() >= 11.0
+        };
+        for at in [[0.05, 0.06], [0.02, 0.3], [1.2, 1.21], [2.44, 2.45], [0.1, 2.4]] {
+            assert!(labels(at), "{at:?}");
+        }
     }
 
     #[test]
