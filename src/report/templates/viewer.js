@@ -502,6 +502,7 @@
     state.t = Math.min(times[frames - 1], Math.max(times[0], t));
     redraw();
   };
+  const go = (t) => { seek(t); remember(); };
   const choose = (name, value) => {
     const input = document.querySelector(`input[name=${name}][value=${value}]`);
     if (!input || input.disabled) return;
@@ -527,7 +528,7 @@
   $("show-charges").addEventListener("change", () => ($("key-charges").hidden = !$("show-charges").checked));
   if (!head.markers.length) $("key-markers").hidden = true;
   if (!head.charges.length) $("key-charges").hidden = true;
-  document.addEventListener("fallwerk:seek", (event) => { seek(event.detail); remember(); });
+  document.addEventListener("fallwerk:seek", (event) => go(event.detail));
 
   const pointers = new Map();
   const pan = (dx, dy) => {
@@ -595,10 +596,10 @@
     const frame = locate(state.t);
     const actions = {
       " ": () => play(!state.playing),
-      ArrowRight: () => seek(times[Math.min(frames - 1, frame[2] >= 1 ? frame[1] + 1 : frame[0] + 1)]),
-      ArrowLeft: () => seek(times[frame[2] >= 1 ? frame[0] : frame[2] > 0 ? frame[0] : Math.max(0, frame[0] - 1)]),
+      ArrowRight: () => go(times[Math.min(frames - 1, frame[2] >= 1 ? frame[1] + 1 : frame[0] + 1)]),
+      ArrowLeft: () => go(times[frame[2] >= 1 ? frame[0] : frame[2] > 0 ? frame[0] : Math.max(0, frame[0] - 1)]),
       ArrowUp: () => zoom(0.9), ArrowDown: () => zoom(1.1),
-      Home: () => seek(times[0]), End: () => seek(times[frames - 1]),
+      Home: () => go(times[0]), End: () => go(times[frames - 1]),
       r: () => lookFrom("oblique"), o: () => { choose("layout", state.layout === "overlay" ? "split" : "overlay"); remember(); },
     };
     const action = actions[event.key.length === 1 ? event.key.toLowerCase() : event.key];
@@ -618,7 +619,8 @@
     if (number("t") !== null) seek(number("t"));
     if (number("yaw") !== null) state.yaw = number("yaw");
     if (number("pitch") !== null) state.pitch = number("pitch");
-    state.from = [state.yaw, state.pitch];
+    // only a direction that is asked for changes the distance
+    if (number("yaw") !== null || number("pitch") !== null) state.from = [state.yaw, state.pitch];
     if (number("zoom") > 0) state.distance = (radius * 3.3) / number("zoom");
     for (const name of ["layout", "colour"]) if (/^[a-z]+$/.test(wanted.get(name) ?? "")) choose(name, wanted.get(name));
     redraw();
