@@ -94,6 +94,18 @@ fn the_page_of_a_full_scene_is_small_and_can_be_kept_for_looking_at() {
     }
 }
 
+/// Without scripts there is a sentence in place of the 3D view and its controls.
+#[test]
+fn without_javascript_no_dead_controls_are_left() {
+    let page = render(&collapse::report(0.8, 5)).unwrap();
+    let hidden = between(&page, "<noscript><style>", "</style></noscript>");
+    for class in [".stage", ".transport", ".options", ".keys", ".hint"] {
+        assert!(hidden.contains(class), "{class}");
+    }
+    assert!(page.contains("The 3D view needs JavaScript."));
+    assert!(!render(&ReportInput::default()).unwrap().contains("<noscript>"));
+}
+
 /// Browsers leave backgrounds out of what they print, unless a page says that they mean something.
 #[test]
 fn legends_keep_their_colours_in_print() {
