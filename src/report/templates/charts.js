@@ -103,10 +103,10 @@
       for (const row of rows) row.hidden = !words.every((w) => row.textContent.toLowerCase().includes(w));
     });
   }
-  // Everything is on the printed page.
+  // All results are on the printed page; the tables of the model, hundreds of pages of a large one, where they are open.
   let closed = [];
   addEventListener("beforeprint", () => {
-    closed = [...document.querySelectorAll("details:not([open])")];
+    closed = [...document.querySelectorAll("main > section:not(#model) details:not([open])")];
     closed.forEach((d) => (d.open = true));
   });
   addEventListener("afterprint", () => closed.forEach((d) => (d.open = false)));

@@ -611,6 +611,17 @@
   canvas.addEventListener("webglcontextlost", () => giveUp("The graphics card dropped the 3D view; reload the page to get it back."));
   new ResizeObserver(redraw).observe(canvas);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { readTheme(); redraw(); });
+  // Paper is light. Of this canvas browsers print what it showed last; a copy is painted anew.
+  const copy = document.createElement("canvas");
+  copy.style.cssText = "position: absolute; inset: 0; width: 100%; height: 100%";
+  matchMedia("print").addEventListener("change", ({ matches }) => {
+    readTheme();
+    draw();
+    copy.remove();
+    if (!matches) return;
+    Object.assign(copy, { width: canvas.width, height: canvas.height }).getContext("2d").drawImage(canvas, 0, 0);
+    canvas.after(copy);
+  });
 
   // "#t=1.2&layout=overlay&colour=strain&yaw=-0.6&pitch=0.3&zoom=1.5" opens the page in that state.
   const readAddress = () => {
