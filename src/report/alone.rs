@@ -2,6 +2,7 @@
 
 use super::ReportError;
 use super::chart::seconds;
+use super::figures::NOISE_M;
 use super::input::{HingeSite, History, ReportInput, RunCost};
 use super::number::{MISSING, count, duration, fixed, significant};
 use super::page::{optional, optional_time};
@@ -75,14 +76,18 @@ fn points(histories: &[History]) -> Result<Vec<Point>, ReportError> {
     histories.iter().map(&mut point).collect()
 }
 
+/// A displacement \[m\].
+fn metres(u: f64) -> String {
+    if u.abs() < NOISE_M { fixed(u, 6) } else { significant(u, 3) }
+}
+
 fn displacements(histories: &[History]) -> Table {
     let all = |of: &dyn Fn(&History) -> String| histories.iter().map(of).collect::<Vec<String>>();
-    let end = |axis: usize| {
-        all(&move |h: &History| h.mbs_m.last().map_or(MISSING.into(), |u| significant(u[axis], 3)))
-    };
+    let end =
+        |axis: usize| all(&move |h: &History| h.mbs_m.last().map_or(MISSING.into(), |u| metres(u[axis])));
     Table::of(vec![
         ("Point", false, all(&|h| h.point.clone())),
-        ("max |u| [m]", true, all(&|h| h.largest_of_mbs().map_or(MISSING.into(), |x| significant(x.0, 3)))),
+        ("max |u| [m]", true, all(&|h| h.largest_of_mbs().map_or(MISSING.into(), |x| metres(x.0)))),
         ("at [s]", true, all(&|h| h.largest_of_mbs().map_or(MISSING.into(), |x| fixed(x.1, 2)))),
         ("u x at the end [m]", true, end(0)),
         ("u y [m]", true, end(1)),

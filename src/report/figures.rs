@@ -15,15 +15,22 @@ pub(super) struct Figure {
     note: String,
 }
 
+/// What is left of rounding is no displacement: figures end here \[m\].
+pub(super) const NOISE_M: f64 = 1e-6;
+
 /// How near the MBS run is to FE.
 pub(super) fn compared(input: &ReportInput) -> Vec<Figure> {
     let mut out = Vec::new();
     if let Some(s) = &input.standing {
         // all in the unit of the largest
         let (factor, unit) = if s.apart_m < 1e-4 { (1e6, "µm") } else { (1e3, "mm") };
-        let [fe, mbs] = s.largest_m.map(|m| significant(factor * m, 3));
+        let figure = |m: f64, digits: usize| match factor * m {
+            x if x < 1e-3 => "< 0.001".into(),
+            x => significant(x, digits),
+        };
+        let [fe, mbs] = s.largest_m.map(|m| figure(m, 3));
         let note = format!("FE {fe} {unit}, MBS {mbs} {unit}; limit {} mm", significant(1e3 * s.limit_m, 2));
-        let value = significant(factor * s.apart_m, 2);
+        let value = figure(s.apart_m, 2);
         out.push(Figure { label: "Largest distance of displacements", value, unit, note });
     } else if let Some(e) = &input.error {
         let limit = |l: Option<f64>| l.map_or(String::new(), |l| format!("limit {}", significant(l, 2)));
@@ -64,8 +71,12 @@ pub(super) fn alone(input: &ReportInput) -> Vec<Figure> {
     out.push(Figure { label: "First ground contact", value, unit, note: String::new() });
     let largest = input.histories.iter().filter_map(|h| Some((h.largest_of_mbs()?, &h.point)));
     if let Some(((u, t), point)) = largest.reduce(|best, x| if best.0.0 >= x.0.0 { best } else { x }) {
-        let (factor, unit) = if u < 0.1 { (1e3, "mm") } else { (1.0, "m") };
-        let (value, note) = (significant(factor * u, 3), format!("{point}, {}", seconds(t)));
+        let (value, unit) = match u {
+            u if u < NOISE_M => ("< 0.001".into(), "mm"),
+            u if u < 0.1 => (significant(1e3 * u, 3), "mm"),
+            u => (significant(u, 3), "m"),
+        };
+        let note = format!("{point}, {}", seconds(t));
         out.push(Figure { label: "Largest displacement", value, unit, note });
     }
     let sites = &input.hinge_sites;

@@ -107,6 +107,9 @@ pub struct Axis {
     pub ticks: Vec<(f64, String)>,
 }
 
+/// Least distance of ticks that are labelled with decimals.
+const LEAST_STEP: f64 = 1e-6;
+
 /// Ticks at 1, 2 or 5 times a power of ten, about `wanted` of them. `tight` keeps the data's own ends.
 pub fn axis(min: f64, max: f64, wanted: usize, tight: bool) -> Axis {
     let (mut min, mut max) = if min.is_finite() && max.is_finite() { (min, max) } else { (0.0, 1.0) };
@@ -126,7 +129,9 @@ pub fn axis(min: f64, max: f64, wanted: usize, tight: bool) -> Axis {
         ((min / step + near).floor() as i64, (max / step - near).ceil() as i64)
     };
     let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
-    let ticks = (first..=last).map(|k| (k as f64 * step, fixed(k as f64 * step, decimals))).collect();
+    // of smaller steps decimals would be zeros
+    let label = |x: f64| if step < LEAST_STEP { significant(x, 2) } else { fixed(x, decimals) };
+    let ticks = (first..=last).map(|k| (k as f64 * step, label(k as f64 * step))).collect();
     let ends = (first as f64 * step, last as f64 * step);
     (min, max) = if tight { (min.min(ends.0), max.max(ends.1)) } else { ends };
     Axis { min, max, ticks }
@@ -157,6 +162,8 @@ mod tests {
         let drift = axis(-0.9999, 0.999_95, 4, true);
         assert_eq!((drift.min, drift.max), (-1.0, 1.0));
         assert_eq!(drift.ticks.first().map(|t| t.1.as_str()), Some("−1.0"));
+        let noise = axis(0.0, 7e-13, 4, false);
+        assert_eq!((noise.ticks[0].1.as_str(), noise.ticks[1].1.as_str()), ("0", "2.0 · 10⁻¹³"));
         assert!(axis(f64::NAN, 1.0, 5, false).ticks.len() > 2);
         assert!(axis(3.0, 3.0, 5, false).ticks.len() > 2);
     }

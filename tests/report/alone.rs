@@ -144,6 +144,19 @@ fn hinges_are_told_with_what_became_of_them() {
     }
 }
 
+/// What is left of rounding is no figure.
+#[test]
+fn a_building_at_rest_has_no_noise_for_figures() {
+    let mut input = alone();
+    input.histories.iter_mut().flat_map(|h| &mut h.mbs_m).for_each(|u| *u = [0.0, 0.0, -8.88e-16]);
+    let page = render(&input).unwrap();
+    assert!(
+        page.contains("<dt>Largest displacement</dt><dd><b>&lt; 0.001</b> <span class=\"unit\">mm</span>")
+    );
+    assert!(!page.contains("0.000000000<"), "ticks have digits");
+    assert!(page.contains("<td class=\"num\">0.000000</td>"));
+}
+
 /// A building that stands, of which nothing was tracked, with a model without hinges.
 #[test]
 fn a_page_of_little_is_a_page() {
