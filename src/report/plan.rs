@@ -76,7 +76,7 @@ pub struct DebrisOutline {
     pub run: String,
     /// Style class of its line: `fe`, `hybrid` or `mbs`.
     pub class: String,
-    /// Closed rings around what is covered, in x and y \[m\].
+    /// Closed rings around what is covered, in x and y \[m\]; those around holes run the other way.
     pub outline_m: Vec<Vec<[f64; 2]>>,
     /// Covered area \[m²\].
     pub area_m2: f64,
@@ -231,6 +231,8 @@ fn beside(scale: &Scale, [low, high]: [[f64; 2]; 2], text: &str) -> (f64, f64, &
 #[derive(Debug, Serialize)]
 pub(super) struct Debris {
     drawing: String,
+    /// Whether obstacles are drawn.
+    obstacles: bool,
     rows: Vec<Vec<String>>,
     runs: Vec<String>,
     moving: Option<String>,
@@ -264,12 +266,14 @@ pub(super) fn debris(plan: &DebrisPlan) -> Debris {
     };
     Debris {
         drawing,
+        obstacles: !plan.obstacles_m.is_empty(),
+        // the outline is one of squares of a tenth of a metre
         rows: vec![
             row("Covered area [m²]", &|r| r.area_m2, 1),
-            row("Reach beyond the plan towards −x [m]", &|r| r.reach_m[0], 2),
-            row("towards +x [m]", &|r| r.reach_m[1], 2),
-            row("towards −y [m]", &|r| r.reach_m[2], 2),
-            row("towards +y [m]", &|r| r.reach_m[3], 2),
+            row("Reach beyond the plan towards −x [m]", &|r| r.reach_m[0], 1),
+            row("towards +x [m]", &|r| r.reach_m[1], 1),
+            row("towards −y [m]", &|r| r.reach_m[2], 1),
+            row("towards +y [m]", &|r| r.reach_m[3], 1),
             row("Highest point above the ground [m]", &|r| r.top_m, 2),
         ],
         runs: plan.runs.iter().map(|r| r.run.clone()).collect(),
@@ -351,7 +355,7 @@ mod tests {
         };
         let drawn = debris(&plan);
         assert!(drawn.drawing.contains("class=\"line fe\"") && !drawn.drawing.contains("NaN"));
-        assert_eq!(drawn.rows[3], ["towards −y [m]", "3.00"]);
+        assert_eq!(drawn.rows[3], ["towards −y [m]", "3.0"]);
         assert!(debris(&DebrisPlan::default()).drawing.is_empty());
         assert_eq!(drawn.moving, None);
         let falls = DebrisOutline { speed_m_s: Some(13.72), ..plan.runs[0].clone() };

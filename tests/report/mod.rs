@@ -307,12 +307,14 @@ fn charges_and_debris_have_their_plans() {
         runs: ["FE", "MBS"].map(outline).into(),
     });
     let page = render(&input).unwrap();
+    let legend = between(&page, "id=\"debris\"", "</ul>");
+    assert!(legend.contains("obstacle") && page.contains(".plan .line.mbs { fill: var(--mbs); }"));
     for text in [
         "&lt;front&gt;",
         ">75</text>",
         "from 0.2 to 1.2 m of its length",
         "63.0",
-        "4.00",
+        ">4.0<",
         "href=\"#debris\"",
         "Not at rest: MBS still moves at 3.0 m/s; what",
     ] {
