@@ -23,6 +23,8 @@ pub struct ReportInput {
     pub program_version: String,
     /// Whether there is the MBS run and nothing that it is compared with: the page then has no place for FE.
     pub mbs_alone: bool,
+    /// Whether the building stands in all runs: headings then speak of no collapse.
+    pub stands: bool,
     /// The overall verdict.
     pub verdict: Verdict,
     /// The checks behind the verdict, in order of importance.

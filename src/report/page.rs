@@ -65,7 +65,8 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
         "style": STYLE,
         "charts_js": CHARTS,
         "viewer_js": VIEWER,
-        "title": title(input),
+        "title": if input.title.is_empty() { "MBS against FE" } else { input.title.as_str() },
+        "stands": input.stands,
         "building": input.building_name,
         "description": input.building_description,
         "version": input.program_version,
@@ -139,14 +140,6 @@ fn template_value(json: serde_json::Value) -> minijinja::Value {
         Value::Object(map) => {
             minijinja::Value::from_pairs(map.into_iter().map(|(k, v)| (k, template_value(v))))
         }
-    }
-}
-
-fn title(input: &ReportInput) -> String {
-    match (input.title.as_str(), input.building_name.as_str()) {
-        ("", "") => "MBS against FE".into(),
-        ("", name) => format!("{name}: MBS against FE"),
-        (title, _) => title.into(),
     }
 }
 

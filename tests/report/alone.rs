@@ -22,7 +22,7 @@ fn alone() -> ReportInput {
         ..s
     };
     ReportInput {
-        title: "Collapse of the generated multibody model".into(),
+        title: "Run of the generated multibody model".into(),
         building_name: full.building_name,
         mbs_alone: true,
         verdict: Verdict {
@@ -66,7 +66,8 @@ fn body(page: &str) -> &str {
 fn the_page_of_the_mbs_alone_is_whole() {
     let page = render(&alone()).unwrap();
     for text in [
-        "<h1>Collapse of the generated multibody model</h1>",
+        "<title>Three-storey frame: Run of the generated multibody model</title>",
+        "<h1>Run of the generated multibody model</h1>",
         "Not compared with FE.",
         "<dt>First ground contact</dt><dd><b>1.668</b> <span class=\"unit\">s</span>",
         "<dt>Largest displacement</dt>",
@@ -142,6 +143,17 @@ fn hinges_are_told_with_what_became_of_them() {
     ] {
         assert!(page.contains(text), "{text}");
     }
+}
+
+/// A building that stands does not collapse in a heading either.
+#[test]
+fn what_stands_is_not_headed_as_a_collapse() {
+    let page = render(&ReportInput { stands: true, ..alone() }).unwrap();
+    let body = body(&page);
+    assert!(body.contains("<h2>The run in 3D</h2>") && body.contains("<h2>The run in pictures</h2>"));
+    assert!(!body.contains("ollapse"));
+    let compared = render(&ReportInput { stands: true, ..collapse::report(0.8, 5) }).unwrap();
+    assert!(compared.contains("<h2>Both runs in 3D</h2>") && !compared.contains("ollapses in 3D"));
 }
 
 /// What is left of rounding is no figure.

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 pub fn input(p: &Pieces) -> ReportInput {
     let left_out = of_mbs(p.mbs);
     ReportInput {
-        title: "Collapse of the generated multibody model".into(),
+        title: "Run of the generated multibody model".into(),
         mbs_alone: true,
         verdict: verdict(p),
         histories: histories(p),

@@ -124,6 +124,7 @@ pub fn report_input(p: &Pieces) -> ReportInput {
 fn common(p: &Pieces) -> ReportInput {
     ReportInput {
         building_name: p.building.name.clone(),
+        stands: p.stands(),
         building_description: p.building.description.clone(),
         program_version: format!("fallwerk {}", env!("CARGO_PKG_VERSION")),
         settings: settings(p),
