@@ -65,8 +65,14 @@ fn moments(p: &Pieces, outputs: &[usize]) -> Vec<(&'static str, usize)> {
         ],
         None => vec![("under way", 0.5 * end_s), ("at the end", end_s)],
     };
-    let mut moments: Vec<_> = wanted.into_iter().filter_map(|(label, t)| Some((label, at(t)?))).collect();
+    one_each(wanted.into_iter().filter_map(|(label, t)| Some((label, at(t)?))).collect())
+}
+
+/// One moment an output: of a run of few outputs the end is the end, and no time under way.
+fn one_each(mut moments: Vec<(&'static str, usize)>) -> Vec<(&'static str, usize)> {
+    moments.reverse();
     moments.dedup_by_key(|m| m.1);
+    moments.reverse();
     moments
 }
 
@@ -224,4 +230,16 @@ fn mbs_words(compounds: &[Option<usize>], happened: Happened) -> String {
 pub(super) fn count_compounds(compounds: &[Option<usize>]) -> (usize, usize) {
     let present = || compounds.iter().flatten();
     (present().count(), present().collect::<BTreeSet<_>>().len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_one_output_interval_there_is_the_end() {
+        assert_eq!(one_each(vec![("under way", 1), ("at the end", 1)]), [("at the end", 1)]);
+        let all = vec![("before", 1), ("at", 2), ("after", 3), ("end", 3)];
+        assert_eq!(one_each(all), [("before", 1), ("at", 2), ("end", 3)]);
+    }
 }
