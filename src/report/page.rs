@@ -89,6 +89,7 @@ pub fn render(input: &ReportInput) -> Result<String, ReportError> {
             "head": script_json(&p.head), "data": base64(&p.bytes), "groups": p.groups,
             "step": p.step_m.map(|s| format!("{} mm", significant(1e3 * s, 2))),
             "fixed": input.scene.iter().filter_map(|s| s.mbs.as_ref()).any(|m| !m.fixed.is_empty()),
+            "obstacles": input.scene.iter().any(|s| !s.obstacles.is_empty()),
             "strain": p.max_plastic_strain.map(|s| significant(s, 2)),
         })),
         "error_chart": plots::error_chart(input)?,

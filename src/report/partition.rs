@@ -101,6 +101,8 @@ pub enum FacetKind {
 pub(super) struct Section {
     chart: String,
     rows: Vec<Row>,
+    /// Whether there are obstacles in the pictures.
+    obstacles: bool,
 }
 
 #[derive(Debug, serde::Serialize)]
@@ -116,7 +118,12 @@ pub(super) fn section(view: &PartitionView, contact: &FirstContact) -> Result<Se
         label: format!("{}, t = {}", m.label, seconds(m.time_s)),
         pictures: m.pictures.iter().map(|p| camera.picture(p, view.ground_level_m)).collect(),
     };
-    Ok(Section { chart: share_chart(view, contact)?, rows: view.moments.iter().map(row).collect() })
+    let mut facets = view.moments.iter().flat_map(|m| &m.pictures).flat_map(|p| &p.facets);
+    Ok(Section {
+        chart: share_chart(view, contact)?,
+        rows: view.moments.iter().map(row).collect(),
+        obstacles: facets.any(|f| f.kind == FacetKind::Obstacle),
+    })
 }
 
 fn share_chart(view: &PartitionView, contact: &FirstContact) -> Result<String, ReportError> {

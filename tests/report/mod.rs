@@ -341,9 +341,24 @@ fn what_the_building_stands_on_is_drawn_with_the_bodies() {
     let page = render(&input).unwrap();
     let half: Vec<f64> = serde_json::from_value(head(&page)["mbs"]["fixed"][0]["half"].clone()).unwrap();
     assert!(half.iter().zip([0.6, 0.6, 0.3]).all(|(a, b)| (a - b).abs() < 1e-9), "{half:?}");
-    assert!(page.contains("MBS: held, no body"));
+    assert!(page.contains("obstacle; MBS: held, no body"));
     input.scene.as_mut().unwrap().mbs.as_mut().unwrap().fixed.clear();
     assert!(!render(&input).unwrap().contains("MBS: held, no body"));
+}
+
+/// Legends name obstacles where there are some.
+#[test]
+fn obstacles_are_named_where_there_are_some() {
+    let mut input = collapse::report(0.8, 5);
+    let keys = |page: &str| {
+        ["key-part", "partition"]
+            .map(|id| between(page, &format!("id=\"{id}\""), "</ul>").contains("obstacle"))
+    };
+    assert_eq!(keys(&render(&input).unwrap()), [true, false], "the wall is not in the pictures");
+    let facets = &mut input.partition.as_mut().unwrap().moments[0].pictures[0].facets;
+    facets.push(Facet { kind: FacetKind::Obstacle, ..facets[0] });
+    input.scene.as_mut().unwrap().obstacles.clear();
+    assert_eq!(keys(&render(&input).unwrap()), [false, true]);
 }
 
 /// A site that FE has not evaluated is no site without a zone: the 3D view has a mark of its own for it, as the matrix has a line.
