@@ -121,10 +121,10 @@ pub fn axis(min: f64, max: f64, wanted: usize, tight: bool) -> Axis {
     let power = 10_f64.powf(raw.log10().floor());
     let step =
         [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw * 0.999).unwrap_or(raw);
-    // data that end a little before a tick, as drifts of 0.9999 % do, reach it
-    let (near, short) = (1e-6, 0.01);
+    // data that end a little before a tick, as drifts of 0.9999 % do, reach it, and those that end a little behind it need no other one
+    let near = 0.01;
     let (first, last) = if tight {
-        ((min / step - short).ceil() as i64, (max / step + short).floor() as i64)
+        ((min / step - near).ceil() as i64, (max / step + near).floor() as i64)
     } else {
         ((min / step + near).floor() as i64, (max / step - near).ceil() as i64)
     };
@@ -162,6 +162,8 @@ mod tests {
         let drift = axis(-0.9999, 0.999_95, 4, true);
         assert_eq!((drift.min, drift.max), (-1.0, 1.0));
         assert_eq!(drift.ticks.first().map(|t| t.1.as_str()), Some("−1.0"));
+        let fall = axis(-7.9, 0.004, 4, false);
+        assert_eq!((fall.min, fall.max), (-8.0, 0.0), "no room for what is not seen");
         let noise = axis(0.0, 7e-13, 4, false);
         assert_eq!((noise.ticks[0].1.as_str(), noise.ticks[1].1.as_str()), ("0", "2.0 · 10⁻¹³"));
         assert!(axis(f64::NAN, 1.0, 5, false).ticks.len() > 2);
