@@ -296,15 +296,21 @@ impl Chart {
         for (from, to, height, label) in &self.limits {
             let (a, b) = (f.x(xs, from.max(xs.min)), f.x(xs, to.min(xs.max)));
             let y = f.y(ys, *height);
+            // the label stands below its line, or above where a curve goes through it below and none does above
+            let from = b - 6.0 - LETTER * label.chars().count() as f64;
+            let points = self.series.iter().flat_map(|s| &s.points).map(|p| [f.x(xs, p[0]), f.y(ys, p[1])]);
+            let beside: Vec<f64> = points.filter(|p| (from..b).contains(&p[0])).map(|p| p[1]).collect();
+            let is_free = |top: f64| !beside.iter().any(|y| (top..top + 14.0).contains(y));
+            let base = if is_free(y + 3.0) || !is_free(y - 17.0) { y + 14.0 } else { y - 5.0 };
             if b > a {
                 let _ = write!(
                     out,
-                    "<path class=\"limit\" d=\"M{} {}H{}\"/><text class=\"tick end\" x=\"{}\" y=\"{}\">{}</text>",
+                    "<path class=\"limit\" d=\"M{} {}H{}\"/><text class=\"tick end over\" x=\"{}\" y=\"{}\">{}</text>",
                     coordinate(a),
                     coordinate(y),
                     coordinate(b),
                     coordinate(b - 6.0),
-                    coordinate(y + 14.0),
+                    coordinate(base),
                     escape(label)
                 );
             }
@@ -451,6 +457,24 @@ mod tests {
         assert!(one.contains(">1</text>"), "{one}");
         let three = drawn(3);
         assert_eq!((three.matches("<circle").count(), three.matches("tick mid").count()), (3, 3));
+    }
+
+    /// The label of a limit stands on the side of its line that the curve leaves free.
+    #[test]
+    fn labels_of_limits_leave_the_curve_alone() {
+        let base = |e: f64| {
+            let points = (0..=50).map(|i| [0.05 * f64::from(i), e]).collect();
+            let series = vec![Series { label: "e".into(), class: "mbs".into(), points }];
+            let limits = vec![(0.0, 2.5, 0.1, "limit 0.10".into())];
+            let html = Chart { series, limits, y_range: Some([0.0, 0.2]), ..Chart::default() }.to_html();
+            let after = |from: &str, more: &str| {
+                let text = html.split(from).nth(1).unwrap().split(more).nth(1).unwrap();
+                text.split(['"', 'H']).next().unwrap().parse::<f64>().unwrap()
+            };
+            after("tick end over", " y=\"") - after("class=\"limit\" d=", " ")
+        };
+        assert!(base(0.02) > 0.0 && base(0.12) > 0.0, "below the limit");
+        assert!(base(0.094) < 0.0, "above it");
     }
 
     /// Labels of two marks stand apart, within the drawing, wherever the marks are.

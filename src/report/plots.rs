@@ -50,12 +50,9 @@ pub fn error_chart(input: &ReportInput) -> Result<Option<String>, ReportError> {
     let contact = error.contact_s.filter(|t| t.is_finite());
     let mut limits = Vec::new();
     if let Some(limit) = error.limit_until_contact {
-        limits.push((
-            0.0,
-            contact.unwrap_or(end),
-            limit,
-            format!("limit up to contact {}", significant(limit, 2)),
-        ));
+        let until = if contact.is_some() { " up to contact" } else { "" };
+        let label = format!("limit{until} {}", significant(limit, 2));
+        limits.push((0.0, contact.unwrap_or(end), limit, label));
     }
     if let (Some(limit), Some(from)) = (error.limit_until_end, contact) {
         limits.push((from, end, limit, format!("limit up to the end {}", significant(limit, 2))));
