@@ -1,6 +1,6 @@
 //! The page of an MBS run that is compared with nothing: whole without FE, and without a word of it.
 
-use super::{between, collapse, head};
+use super::{between, collapse, head, no_level_of_headings_is_left_out};
 use fallwerk::report::*;
 
 /// The made-up collapse without its FE side.
@@ -86,6 +86,7 @@ fn the_page_of_the_mbs_alone_is_whole() {
     }
     assert_eq!(page.matches("class=\"line mbs\" data-label=\"MBS\"").count(), 12, "four points, three axes");
     assert_eq!(page.matches("<figure class=\"picture\">").count(), 2, "one run at two times");
+    no_level_of_headings_is_left_out(&page);
     let head = head(&page);
     assert!(head["fe"].is_null() && head["mbs"]["bodies"].as_array().unwrap().len() == 15);
     let markers = head["markers"].as_array().unwrap();

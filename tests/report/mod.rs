@@ -94,6 +94,18 @@ fn the_page_of_a_full_scene_is_small_and_can_be_kept_for_looking_at() {
     }
 }
 
+/// Who hears the page goes from heading to heading: none is two steps below the one before.
+fn no_level_of_headings_is_left_out(page: &str) {
+    let levels =
+        page.split("<h").skip(1).filter_map(|h| h.chars().next()?.to_digit(10)).collect::<Vec<u32>>();
+    assert!(levels.len() > 5 && levels.windows(2).all(|w| w[1] <= w[0] + 1), "{levels:?}");
+}
+
+#[test]
+fn no_heading_skips_a_level() {
+    no_level_of_headings_is_left_out(&render(&collapse::report(0.8, 5)).unwrap());
+}
+
 /// Without scripts there is a sentence in place of the 3D view and its controls.
 #[test]
 fn without_javascript_no_dead_controls_are_left() {
