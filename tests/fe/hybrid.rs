@@ -322,7 +322,7 @@ fn late_charges_release_what_is_rigid() {
         let building = parse(&text, Format::Toml, "building.toml").unwrap();
         let run = |hybrid: Option<HybridSettings>| {
             let options =
-                FeOptions { end_time_s: Some(0.4), mesh_size_m: Some(0.5), hybrid, ..FeOptions::default() };
+                FeOptions { end_time_s: Some(0.3), mesh_size_m: Some(0.5), hybrid, ..FeOptions::default() };
             run_with(&building, &options, Attached::default(), &mut |_| {}).unwrap()
         };
         let (full, parts) = (run(None), run(Some(HybridSettings::default())));
@@ -332,7 +332,7 @@ fn late_charges_release_what_is_rigid() {
         let sag =
             |run: &FeRun| run.tracked.iter().map(|h| h.displacement_m.last().unwrap()[2]).fold(0.0, f64::min);
         let (exact, found) = (sag(&full), sag(&parts));
-        assert!(exact < -5e-3 && (found / exact - 1.0).abs() < 0.02, "{duration}: {found} m for {exact} m");
+        assert!(exact < -0.04 && (found / exact - 1.0).abs() < 2e-3, "{duration}: {found} m for {exact} m");
     }
 }
 

@@ -328,7 +328,7 @@ fn charges_and_debris_have_their_plans() {
         "63.0",
         ">4.0<",
         "href=\"#debris\"",
-        "Not at rest: MBS still moves at 3.0 m/s; what",
+        "Not at rest: MBS still moves at 3.0 m&#x2f;s; what",
     ] {
         assert!(page.contains(text), "{text}");
     }
