@@ -2,13 +2,13 @@
 
 use super::contact::body::PUSH_M_S;
 use super::contact::{BodyContact, RigidSurfaces};
-use super::dynamics::{Dynamics, most_step_safety};
+use super::dynamics::Dynamics;
 use super::erosion::{ErosionTable, free_nodes};
 use super::mass_scaling::{MOST_ADDED, MOST_ADDED_IN_DECK, MassScalingError, scale_mass};
 use super::mesh::Mesh;
 use super::model::Model;
 use super::result::{ElementDeath, FeSummary};
-use super::run::{FeError, Progress, check_share, contact_error};
+use super::run::{FeError, Progress, contact_error, step_share};
 use super::strain_rate::StrainWindow;
 use super::truss::BarRupture;
 use super::unseen;
@@ -211,12 +211,12 @@ fn next(time_s: f64, interval_s: f64) -> f64 {
 /// Step safety, constraints, mass scaling, contact and initial velocities; returns the added mass \[kg\] and notes.
 fn begin(model: &Model, body: &mut Dynamics, forced: bool) -> Result<(f64, Vec<String>), ModelError> {
     let mut notes = Vec::new();
-    check_share(model.control.step_safety, forced)?;
-    let (asked, most) = (model.control.step_safety, most_step_safety(&model.mesh));
-    body.set_step_safety(if forced { asked } else { asked.min(most) });
-    if asked > most && !forced {
+    let asked = model.control.step_safety;
+    let taken = step_share(asked, &model.mesh, forced)?;
+    body.set_step_safety(taken);
+    if taken < asked {
         notes.push(format!(
-            "the time step is {most:.3} of the stability limit in place of {asked}: more is unstable with bulk viscosity at this Poisson's ratio"
+            "the time step is {taken:.3} of the stability limit in place of {asked}: more is unstable with bulk viscosity at this Poisson's ratio"
         ));
     }
     for constraint in &model.constraints {

@@ -382,12 +382,7 @@ impl RunState {
         let gravity = building.settings.gravity_m_s2;
         let mut body = Dynamics::new(mesh, gravity, RigidSurfaces::of(building), parallel);
         if let Some(safety) = options.step_safety {
-            check_share(safety, options.step_forced)?;
-            body.set_step_safety(if options.step_forced {
-                safety
-            } else {
-                safety.min(most_step_safety(mesh))
-            });
+            body.set_step_safety(step_share(safety, mesh, options.step_forced)?);
         }
         body.failure.fate = options.on_failure;
         body.skip_quiet = options.skip_quiet;
@@ -484,11 +479,12 @@ impl RunState {
 }
 
 /// Refuses shares of the stability limit at which central differences are not stable, unless that is `forced`.
-pub(super) fn check_share(share: f64, forced: bool) -> Result<(), FeError> {
-    if share > 0.0 && (share <= 1.0 || forced && share.is_finite()) {
-        Ok(())
-    } else {
-        Err(FeError::StepShare { share })
+/// The share of the stability limit that is taken where one is asked for: what bulk viscosity leaves stable at most, unless it is forced.
+pub(super) fn step_share(asked: f64, mesh: &Mesh, forced: bool) -> Result<f64, FeError> {
+    match forced {
+        true if asked > 0.0 && asked.is_finite() => Ok(asked),
+        false if asked > 0.0 && asked <= 1.0 => Ok(asked.min(most_step_safety(mesh))),
+        _ => Err(FeError::StepShare { share: asked }),
     }
 }
 

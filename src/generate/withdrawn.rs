@@ -1,11 +1,11 @@
 //! Entries of the library that are no longer to be used, and what is used in their place.
 
-use crate::library::{Deprecation, Store, StoreError};
-use std::collections::BTreeMap;
+use crate::library::succession::{self, Deprecations};
+use crate::library::{Store, StoreError};
 
 /// The deprecated entries of a library, by their keys.
 #[derive(Debug, Default)]
-pub struct Withdrawn(BTreeMap<String, Deprecation>);
+pub struct Withdrawn(Deprecations);
 
 impl Withdrawn {
     /// Of a library.
@@ -19,9 +19,7 @@ impl Withdrawn {
     /// Why an entry is no longer to be used and nothing is in its place, in words; none if it is to be used.
     pub fn why(&self, key: &str) -> Option<String> {
         let own = self.0.get(key)?;
-        let chain = || std::iter::successors(Some(own), |d| self.0.get(d.successor.as_deref()?));
-        // records can be edited: a circle ends
-        let last = chain().take(self.0.len()).filter_map(|d| d.successor.as_deref()).last();
+        let last = succession::along(key, &self.0).skip(1).last();
         let none = "has no successor";
         Some(match last {
             None => format!("is deprecated ({}) and {none}", own.reason),
@@ -37,15 +35,7 @@ impl Withdrawn {
 
     /// The key of the entry to use in the place of one: itself if it is not deprecated, else the last of its successors; none if that is deprecated.
     pub fn instead<'a>(&'a self, key: &'a str) -> Option<&'a str> {
-        let mut key = key;
-        // a successor is no predecessor of its own, but records can be edited
-        for _ in 0..=self.0.len() {
-            match self.0.get(key) {
-                None => return Some(key),
-                Some(Deprecation { successor, .. }) => key = successor.as_deref()?,
-            }
-        }
-        None
+        succession::along(key, &self.0).last().filter(|last| !self.0.contains_key(*last))
     }
 
     /// What an analyst should know of an entry that a place has asked for and of which another one is used.
@@ -63,6 +53,7 @@ impl Withdrawn {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::library::Deprecation;
 
     #[test]
     fn the_last_successor_is_used_and_circles_end() {

@@ -49,7 +49,7 @@ pub mod rc_kinds;
 pub mod rc_springs;
 pub mod similar;
 pub mod store;
-mod succession;
+pub mod succession;
 mod text;
 pub mod thin;
 

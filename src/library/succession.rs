@@ -10,6 +10,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The keys of entries with those of their successors.
 pub type Successors = BTreeMap<String, Option<String>>;
 
+/// The deprecated entries, by their keys.
+pub type Deprecations = BTreeMap<String, Deprecation>;
+
 impl Store {
     /// Those of these keys that no model uses, with the reason: deprecated, and the last of their successors too.
     ///
@@ -23,14 +26,21 @@ impl Store {
 }
 
 /// Why the last of the successors of an entry is deprecated; none if it is not.
-fn last_reason<'a>(key: &str, deprecated: &'a BTreeMap<String, Deprecation>) -> Option<&'a str> {
-    let mut last = deprecated.get(key)?;
-    // a successor is no predecessor of its own, but records can be edited
-    for _ in 0..deprecated.len() {
-        let Some(successor) = &last.successor else { break };
-        last = deprecated.get(successor)?;
-    }
-    Some(&last.reason)
+fn last_reason<'a>(key: &'a str, deprecated: &'a Deprecations) -> Option<&'a str> {
+    deprecated.get(along(key, deprecated).last()?).map(|why| why.reason.as_str())
+}
+
+/// A key and its successors, one after the other: as many as there are deprecated entries at most, since records can be edited so that a circle leads back.
+pub fn along<'a>(key: &'a str, deprecated: &'a Deprecations) -> impl Iterator<Item = &'a str> {
+    walk(key, deprecated.len(), |key| deprecated.get(key)?.successor.as_deref())
+}
+
+fn walk<'a>(
+    key: &'a str,
+    most: usize,
+    next: impl Fn(&str) -> Option<&'a str>,
+) -> impl Iterator<Item = &'a str> {
+    std::iter::successors(Some(key), move |key| next(key)).take(most + 1)
 }
 
 /// What is wrong with the successors: the key, and what it is. A circle is told once, at the first of its keys.
@@ -59,8 +69,7 @@ pub fn faults(successors: &Successors) -> BTreeSet<(String, String)> {
 
 /// How many successors follow on a key, at most as many as there are entries.
 pub fn following(key: &str, successors: &Successors) -> usize {
-    let next = |key: &&str| successors.get(*key).and_then(Option::as_deref);
-    std::iter::successors(Some(key), next).take(successors.len() + 1).count() - 1
+    walk(key, successors.len(), |key| successors.get(key)?.as_deref()).count() - 1
 }
 
 /// Why an entry of another kind is no successor, in words.

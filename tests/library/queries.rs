@@ -1,8 +1,9 @@
 //! Which entry is found.
 
 use super::{entry_of, features, law};
+use fallwerk::building::Homogenised;
 use fallwerk::library::entry::{Adjoining, ColumnEnd};
-use fallwerk::library::{Put, Store, StoreError};
+use fallwerk::library::{Entry, Features, Put, Store, StoreError};
 
 #[test]
 fn an_exact_match_comes_first_then_the_nearest_and_beyond_the_tolerance_none() {
@@ -52,15 +53,20 @@ fn another_law_with_equal_features_is_near_but_not_exact() {
     assert_eq!(found.entry.provenance.inputs.submodel_version, Some(3));
 }
 
+/// A law, an end of it, and its entries by two versions of the submodel, which are stored.
+fn two_versions(store: &mut Store) -> (Homogenised, Features, [Entry; 2]) {
+    let law = law(12e6);
+    let wanted = features(0.4, ColumnEnd::Top, Adjoining::Slab, &law);
+    let entries = [1, 2].map(|version| entry_of(wanted.clone(), law.clone(), version, 1));
+    store.put_all(&entries).unwrap();
+    (law, wanted, entries)
+}
+
 #[test]
 fn deprecated_entries_are_kept_but_not_found() {
     let room = tempfile::tempdir().unwrap();
     let mut store = Store::open(room.path()).unwrap();
-    let law = law(12e6);
-    let wanted = features(0.4, ColumnEnd::Top, Adjoining::Slab, &law);
-    let (old, new) =
-        (entry_of(wanted.clone(), law.clone(), 1, 1), entry_of(wanted.clone(), law.clone(), 2, 1));
-    store.put_all(&[old.clone(), new.clone()]).unwrap();
+    let (_, wanted, [old, new]) = two_versions(&mut store);
     assert!(store.deprecate(&old.key, Some(&old.key), Some("x")).is_err());
     assert!(matches!(
         store.deprecate(&old.key, Some("column_hinge/x@0000000000000000"), Some("x")),
@@ -83,11 +89,7 @@ fn deprecated_entries_are_kept_but_not_found() {
 fn entries_that_are_stored_again_stay_deprecated() {
     let room = tempfile::tempdir().unwrap();
     let mut store = Store::open(room.path()).unwrap();
-    let law = law(12e6);
-    let wanted = features(0.4, ColumnEnd::Top, Adjoining::Slab, &law);
-    let (old, new) =
-        (entry_of(wanted.clone(), law.clone(), 1, 1), entry_of(wanted.clone(), law.clone(), 2, 1));
-    store.put_all(&[old.clone(), new.clone()]).unwrap();
+    let (law, wanted, [old, new]) = two_versions(&mut store);
     store.deprecate(&old.key, Some(&new.key), Some("locks")).unwrap();
     assert_eq!(store.put(&old).unwrap(), Put::Unchanged);
     let other = entry_of(wanted.clone(), law.clone(), 1, 2);
