@@ -84,7 +84,7 @@ fn computed(a: &Entry, b: &Entry, share: f64) -> Option<Computed> {
     })
 }
 
-fn axis(a: &AxisRecord, b: &AxisRecord, share: f64) -> Option<AxisRecord> {
+pub(super) fn axis(a: &AxisRecord, b: &AxisRecord, share: f64) -> Option<AxisRecord> {
     let reverse = match (&a.reverse, &b.reverse) {
         (None, None) => None,
         (x, y) => {

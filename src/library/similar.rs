@@ -21,6 +21,7 @@ use super::entry::{
     Adjoining, AxisRecord, Branch, ColumnEnd, Computed, Entry, EntryKind, Features, Inputs, Origin,
     SpringRecord, Stiffness, Validity,
 };
+use super::interpolate;
 use super::layered::layered;
 use super::store::Indexed;
 use super::{Store, StoreError};
@@ -33,6 +34,9 @@ use std::collections::BTreeMap;
 pub const FARTHEST: f64 = 1.0;
 /// Range of the peak moment without axial force over `f b h²` of a whole section (0.42 for two elements across the depth): one outside is of a column that other members partly own.
 const WHOLE: [f64; 2] = [0.25, 0.75];
+
+/// Logarithm of a ratio of sides or stiffnesses below which they count as equal: meshes make half of it, beams at one side of a column 0.07 to 0.7.
+const ALIKE: f64 = 0.02;
 
 /// What similarity needs to know of an end.
 #[derive(Debug, Clone, Copy)]
@@ -191,9 +195,11 @@ impl Similar {
     ) -> Result<Self, serde_json::Error> {
         let mut inputs: Inputs = wanted.inputs.clone();
         inputs.settings.insert("scaled_from".into(), entry.key.clone().into());
-        let mut computed = own.to(&size).applied(entry);
         // what is elastic costs little to compute for the end itself
-        if let Ok(own) = elastic(&wanted.model, computed.hinge_offset_m.unwrap_or_default()) {
+        let offset_m = own.to(&size).length * entry.hinge_offset_m.unwrap_or_default();
+        let elastic = elastic(&wanted.model, offset_m).ok();
+        let mut computed = about_own_axes(entry, [own, size], elastic.as_ref().map(|e| e.bending_nm_rad));
+        if let Some(own) = elastic {
             for (axis, stiffness) in computed.axes.iter_mut().zip(own.bending_nm_rad) {
                 axis.curve.stiffness_nm_rad = stiffness;
             }
@@ -214,6 +220,29 @@ impl Similar {
         );
         Ok(Self { entry: scaled, words, distance })
     }
+}
+
+/// An entry scaled to an end with the elastic stiffnesses given, about its axes.
+///
+/// Where the column of the entry is square, its axes differ by what adjoins it (beams, an edge of the floor), which lies as it does in its own building. So
+/// the axis that is as stiff beside the other one as that of the end, whose stiffness is known, serves it, and an end as stiff about both has the mean of
+/// both: a building turned by a right angle has the same curves.
+fn about_own_axes(entry: &Entry, [own, size]: [Size; 2], stiffness_nm_rad: Option<[f64; 2]>) -> Computed {
+    let along = own.to(&size).applied(entry);
+    let square = (own.width_m / own.depth_m - 1.0).abs() < ALIKE;
+    let (Some(wanted), true, 2) = (stiffness_nm_rad, square, entry.axes.len()) else { return along };
+    let turned = Entry { axes: entry.axes.iter().rev().cloned().collect(), ..entry.clone() };
+    let across = own.to(&size).applied(&turned);
+    let [first, second] = [&along, &across].map(|scaled| {
+        let [a, b] = [0, 1].map(|axis: usize| scaled.axes[axis].curve.stiffness_nm_rad / wanted[axis]);
+        libm::log(a / b).abs()
+    });
+    if (first - second).abs() > ALIKE {
+        return if first < second { along } else { across };
+    }
+    let mean: Option<Vec<AxisRecord>> =
+        along.axes.iter().zip(&across.axes).map(|(a, b)| interpolate::axis(a, b, 0.5)).collect();
+    Computed { axes: mean.unwrap_or_else(|| along.axes.clone()), ..along }
 }
 
 impl Size {
@@ -333,5 +362,31 @@ impl Bent {
             levels: curve.levels.iter().map(level).collect(),
             cyclic: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Size, about_own_axes};
+    use crate::library::entry::Entry;
+
+    /// A head with beams that make it twice as stiff about axis 2.
+    const HEAD: &str =
+        include_str!("../../library/column_hinge/700x700-l1200-top-beam-m400@01e7016b5ac9763b.json");
+
+    #[test]
+    fn what_adjoins_a_square_column_turns_with_the_building() {
+        let entry = Entry::from_text(HEAD).unwrap();
+        let size = Size::of(&entry.features).unwrap();
+        let peaks = |stiffness_nm_rad| {
+            let scaled = about_own_axes(&entry, [size, size], Some(stiffness_nm_rad));
+            [0, 1].map(|axis: usize| scaled.axes[axis].curve.free_level().unwrap().peak_nm())
+        };
+        let [weak, stiff] = peaks([1.0, 2.0]);
+        assert!(stiff > 1.03 * weak, "{weak} {stiff}");
+        assert_eq!(peaks([2.0, 1.0]), [stiff, weak]);
+        let [first, second] = peaks([1.0, 1.0]);
+        assert!((first / second - 1.0).abs() < 1e-8, "{first} {second}");
+        assert!(weak < first && first < stiff, "{first}");
     }
 }

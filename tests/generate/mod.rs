@@ -275,11 +275,12 @@ fn curves_of_a_smaller_column_are_scaled_from_a_similar_one() {
     let from = store.get(&own).unwrap();
     assert_eq!(entry.provenance.inputs.settings["scaled_from"], own);
     let ratio = 350.0 / 400.0_f64;
-    let (a, b) = (&from.axes[0].curve, &entry.axes[0].curve);
+    // the foot is as stiff about both axes and has the mean of what pushes about both gave
+    let (a, b) = (from.axes[0].curve.between(&from.axes[1].curve, 0.5).unwrap(), &entry.axes[0].curve);
     for (x, y) in a.levels.iter().zip(&b.levels) {
         assert!((y.axial_force_n - ratio.powi(2) * x.axial_force_n).abs() < 1e-3);
-        assert!((y.peak_nm() / x.peak_nm() / ratio.powi(3) - 1.0).abs() < 1e-9);
-        assert!((y.fracture_rotation_rad / x.fracture_rotation_rad * ratio - 1.0).abs() < 1e-9);
+        assert!((y.peak_nm() / x.peak_nm() / ratio.powi(3) - 1.0).abs() < 1e-7);
+        assert!((y.fracture_rotation_rad / x.fracture_rotation_rad * ratio - 1.0).abs() < 1e-7);
     }
     scaled.model.check().expect("a sound model");
 }
