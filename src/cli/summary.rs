@@ -10,7 +10,7 @@ use crate::mbs::result::EventKind;
 use crate::review::Review;
 use crate::study::fell;
 use crate::validate::spread::UNDECIDED_M;
-use crate::validate::undecided::moving_note;
+use crate::validate::undecided::{Fastest, falling, falling_words, moving_note};
 use crate::validate::{ACTIVE_ROTATION_RAD, LIMIT_ENERGY, Spread};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,6 +56,13 @@ impl Summary<'_> {
         })
     }
 
+    /// Runs in which the building has come down and still moves at the end.
+    fn falling(&self) -> Vec<(&'static str, Fastest<'_>)> {
+        let hybrid = self.comparison.and_then(|c| Some(("hybrid", c.hybrid.as_ref()?)));
+        let fe = self.comparison.into_iter().map(|c| ("FE", &c.fe)).chain(hybrid);
+        falling(fe, self.mbs)
+    }
+
     /// None where no point is tracked.
     fn mbs_collapsed(&self) -> Option<bool> {
         let points = &self.mbs.tracked;
@@ -94,6 +101,9 @@ pub fn as_text(s: &Summary) -> String {
     let points = s.mbs.tracked.iter().map(|t| (t.id.as_str(), &t.displacement_m[..]));
     if let Some(note) = moving_note(s.mbs_collapsed() == Some(true), &s.mbs.times_s, points) {
         text += &format!("  note       {note}\n");
+    }
+    if let Some(warning) = falling_words(&s.falling()) {
+        text += &format!("  warning    {warning}\n");
     }
     if let Some(warning) = energy_warning(s.mbs.energy_error) {
         text += &format!("  warning    {warning}\n");
@@ -265,6 +275,7 @@ pub fn as_json(s: &Summary) -> Value {
         "review": s.review.items.iter().take(REVIEW_SHOWN).collect::<Vec<_>>(),
         "notes": s.generated.notes,
         "unasked": s.generated.unasked.iter().map(Unasked::words).collect::<Vec<_>>(),
+        "still_moves": falling_words(&s.falling()),
         "mbs": {
             "collapsed": s.mbs_collapsed(),
             "steps": s.mbs.steps,

@@ -5,6 +5,7 @@ use crate::base::vector::{norm, sub};
 use crate::building::Building;
 use crate::fe::result::FeRun;
 use crate::mbs::RunResult;
+use crate::study::fell;
 use serde::{Deserialize, Serialize};
 
 /// Why a comparison does not tell whether the MBS agrees with FE.
@@ -31,6 +32,9 @@ pub enum Doubt {
 /// Speed of a tracked point from which what has not come down is not at rest either \[m/s\].
 const MOVES_M_S: f64 = 1.0;
 
+/// A tracked point with its displacements \[m\].
+type Moved<'a> = (&'a str, &'a [[f64; 3]]);
+
 /// The fastest of some points at the end of a run that has not come to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fastest<'a> {
@@ -53,16 +57,40 @@ impl<'a> Fastest<'a> {
         let (id, speed_m_s) = points.map(|(id, u)| (id, speed(u))).max_by(|a, b| a.1.total_cmp(&b.1))?;
         (speed_m_s > MOVES_M_S).then_some(Self { id, speed_m_s, end_s })
     }
+}
 
-    /// What a run shows of a building that was still falling at its end.
-    pub fn falling_words(&self) -> String {
-        // sums of output intervals have more digits than anyone gave
-        let (end_s, id) = ((1e4 * self.end_s).round() / 1e4, self.id);
-        format!(
-            "at the end, {end_s} s, \"{id}\" still moves at {:.1} m/s: debris and displacements are those of that moment, and what comes to rest may reach farther; give a later settings.end_time",
-            self.speed_m_s
-        )
-    }
+/// FE runs by name and the MBS run in which the building has come down and still moves at the end, and what moves fastest in each.
+pub fn falling<'a>(
+    fe: impl Iterator<Item = (&'static str, &'a FeRun)>,
+    mbs: &'a RunResult,
+) -> Vec<(&'static str, Fastest<'a>)> {
+    let of_fe = fe.map(|(name, run)| {
+        // what flies freely has left the building
+        let points = run.tracked.iter().filter(|h| h.debris_s.is_none());
+        (name, &run.times_s[..], points.map(|h| (h.id.as_str(), &h.displacement_m[..])).collect())
+    });
+    let of_mbs = mbs.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..])).collect();
+    let runs: Vec<(&'static str, &'a [f64], Vec<Moved<'a>>)> =
+        of_fe.chain([("MBS", &mbs.times_s[..], of_mbs)]).collect();
+    let fallen = runs.into_iter().filter(|(_, _, points)| points.iter().any(|(_, u)| fell(u)));
+    fallen
+        .filter_map(|(name, times_s, points)| Some((name, Fastest::of(times_s, points.into_iter())?)))
+        .collect()
+}
+
+/// What runs by name show of a building that was still falling at their end, in a sentence; `None` if there is none.
+pub fn falling_words(runs: &[(&str, Fastest)]) -> Option<String> {
+    let end_s = runs.iter().map(|(_, f)| f.end_s).reduce(f64::max)?;
+    let moves: Vec<String> = runs
+        .iter()
+        .map(|(run, f)| format!("\"{}\" at {:.1} m/s in the {run} run", f.id, f.speed_m_s))
+        .collect();
+    // sums of output intervals have more digits than anyone gave
+    let end_s = (1e4 * end_s).round() / 1e4;
+    Some(format!(
+        "at the end, {end_s} s, what comes down still moves, {}: debris and displacements are those of that moment, and what comes to rest may reach farther; give a later settings.end_time",
+        moves.join(", ")
+    ))
 }
 
 /// That a building which has not collapsed by the end of a run still moves, if one of the points does, for the times of their displacements.
@@ -119,11 +147,10 @@ mod tests {
         let points = || [("rear", &slow[..]), ("front", &fast[..])].into_iter();
         let times_s = [0.1, 0.1 + 0.2];
         let fastest = Fastest::of(&times_s, points()).unwrap();
-        assert!(
-            fastest
-                .falling_words()
-                .starts_with("at the end, 0.3 s, \"front\" still moves at 5.0 m/s: debris")
-        );
+        let told = falling_words(&[("FE", fastest), ("MBS", Fastest { speed_m_s: 4.0, ..fastest })]).unwrap();
+        let moves = "at the end, 0.3 s, what comes down still moves, \"front\" at 5.0 m/s in the FE run, \"front\" at 4.0 m/s in the MBS run: debris";
+        assert!(told.starts_with(moves), "{told}");
+        assert_eq!(falling_words(&[]), None);
         assert_eq!(Fastest::of(&times_s, points().take(1)), None, "0.25 m/s is as good as at rest");
         assert_eq!(Fastest::of(&times_s[..1], points()), None, "no interval, no speed");
         assert!(

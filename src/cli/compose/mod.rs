@@ -24,7 +24,7 @@ use crate::mbs::RunResult;
 use crate::report::{FirstContact, MbsEnergy, ReportInput, RunCost, Setting};
 use crate::review::Review;
 use crate::study::{Facts, fell};
-use crate::validate::undecided::Fastest;
+use crate::validate::undecided::{Fastest, falling};
 use crate::validate::{ACTIVE_ROTATION_RAD, Spread, Validation};
 
 /// Everything that a report is made of.
@@ -46,9 +46,6 @@ pub struct Pieces<'a> {
     /// What the MBS run is compared with; `None`: the report is of the MBS run alone.
     pub against: Option<Against<'a>>,
 }
-
-/// A tracked point with its displacements \[m\].
-type Moved<'a> = (&'a str, &'a [[f64; 3]]);
 
 /// The FE side of a report.
 pub struct Against<'a> {
@@ -77,18 +74,7 @@ impl<'a> Pieces<'a> {
 
     /// Runs in which the building has come down and still moves at the end, and what moves fastest.
     fn falling(&self) -> Vec<(&'static str, Fastest<'a>)> {
-        let of_fe = ["FE", "hybrid"].into_iter().zip(self.fe_runs()).map(|(name, run)| {
-            // what flies freely has left the building
-            let points = run.tracked.iter().filter(|h| h.debris_s.is_none());
-            (name, &run.times_s[..], points.map(|h| (h.id.as_str(), &h.displacement_m[..])).collect())
-        });
-        let of_mbs = self.mbs.tracked.iter().map(|h| (h.id.as_str(), &h.displacement_m[..])).collect();
-        let runs: Vec<(&'static str, &'a [f64], Vec<Moved<'a>>)> =
-            of_fe.chain([("MBS", &self.mbs.times_s[..], of_mbs)]).collect();
-        let fallen = runs.into_iter().filter(|(_, _, points)| points.iter().any(|(_, u)| fell(u)));
-        fallen
-            .filter_map(|(name, times_s, points)| Some((name, Fastest::of(times_s, points.into_iter())?)))
-            .collect()
+        falling(["FE", "hybrid"].into_iter().zip(self.fe_runs()), self.mbs)
     }
 
     /// Output times of the run that comes first on the page \[s\].

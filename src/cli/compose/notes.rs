@@ -6,6 +6,7 @@ use crate::mbs::run::OFF_BALANCE;
 use crate::report::{Note, Severity};
 use crate::validate::LIMIT_ENERGY;
 use crate::validate::spread::UNDECIDED_M;
+use crate::validate::undecided::falling_words;
 
 /// What the terms of the energies include, in both runs.
 const FE_ENERGIES: &str = "FE internal energy includes bulk viscosity and what was in eroded elements, FE external work what leaves with removed members and what dying elements release; ";
@@ -20,8 +21,7 @@ pub fn notes(p: &Pieces) -> Vec<Note> {
         None => alone::doubts(p),
     };
     let early = doubts.iter().filter(|words| !p.generated.notes.contains(words));
-    let falling: Vec<String> =
-        p.falling().iter().map(|(run, fastest)| format!("{run} run: {}", fastest.falling_words())).collect();
+    let falling = falling_words(&p.falling());
     let mut notes: Vec<Note> = early.chain(&falling).chain(&p.generated.notes).map(warning).collect();
     // a balance that is off by no more than its limit is no warning
     let is_minor = |w: &&String| w.starts_with(OFF_BALANCE) && p.mbs.energy_error <= LIMIT_ENERGY;
