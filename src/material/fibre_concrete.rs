@@ -3,7 +3,7 @@
 //! Compression is positive. Confinement after Mander, Priestley and Park (1988, J. Struct. Eng. 114(8), eq. 6, 19-29) for rectangular ties: the effective part of the
 //! core from the arches between the bars that ties hold and between the ties, `k_e = (1 − Σ w'² / (6 b_c d_c)) (1 − s' / 2 b_c) (1 − s' / 2 d_c) / (1 − ρ_cc)`; the
 //! pressure `f_l = k_e f_yh (ρ_x + ρ_y) / 2`, averaged over both directions; `f_cc = f_c (−1.254 + 2.254 sqrt(1 + 7.94 f_l / f_c) − 2 f_l / f_c)`,
-//! `ε_cc = 0.002 (1 + 5 (f_cc / f_c − 1))`, and the strain at which the first tie ruptures `ε_cu = 0.004 + 1.4 ρ_s f_yh ε_su / f_cc` (Priestley, Seible and Calvi 1996).
+//! `ε_cc = ε_co (1 + 5 (f_cc / f_c − 1))` with `ε_co = max(0.002, 1.1 f_c / E_c)`, and the strain at which the first tie ruptures `ε_cu = 0.004 + 1.4 ρ_s f_yh ε_su / f_cc` (Priestley, Seible and Calvi 1996).
 //! The core is bounded by the centre line of the ties.
 
 use super::fibre::SectionInput;
@@ -12,8 +12,11 @@ use super::section_capacity::ConcreteLimits;
 use crate::building::Bar;
 use serde::{Deserialize, Serialize};
 
-/// Strain of unconfined concrete at its strength.
+/// Strain of unconfined concrete at its strength, as long as its modulus allows for it ([`strain_co`]).
 const STRAIN_CO: f64 = 0.002;
+/// Least initial modulus over the secant modulus at the strength: Popovics' exponent `r = 1 / (1 − E_sec / E_c)` has a pole at 1, which a strain of 0.002 meets at
+/// 100 MPa.
+const LEAST_MODULUS_RATIO: f64 = 1.1;
 /// Strain at which unconfined concrete has spalled.
 const STRAIN_SPALLED: f64 = 0.005;
 
@@ -82,10 +85,20 @@ impl Confinement {
             tie_ratio,
             pressure_pa,
             strength_pa: gain * fc,
-            strain: STRAIN_CO * (1.0 + 5.0 * (gain - 1.0)),
+            strain: strain_co(fc) * (1.0 + 5.0 * (gain - 1.0)),
             ultimate_strain: 0.004 + tough / (gain * fc),
         })
     }
+}
+
+/// Initial modulus of Mander's concrete, `5000 sqrt(f_c / MPa)` MPa \[Pa\].
+fn modulus_pa(strength_pa: f64) -> f64 {
+    5000e6 * (strength_pa / 1e6).sqrt()
+}
+
+/// Strain of unconfined concrete at its strength \[Pa\], `max(0.002, 1.1 f_c / E_c)`: 0.002 up to 82.6 MPa, 0.0027 at 150 MPa.
+fn strain_co(strength_pa: f64) -> f64 {
+    STRAIN_CO.max(LEAST_MODULUS_RATIO * strength_pa / modulus_pa(strength_pa))
 }
 
 /// Area of a bar \[m²\].
@@ -130,7 +143,7 @@ fn sum_of_squared_gaps_m2(bars: &[Bar], core_m: [f64; 2], all_held: bool) -> f64
 pub enum ConcreteLaw {
     /// Parabola and rectangle of EN 1992-1-1, 3.1.7 ([`ConcreteLimits`]); no confinement, no tension.
     ParabolaRectangle,
-    /// Popovics' curve with `E_c = 5000 sqrt(f_c / MPa)` MPa: core with the values of [`Confinement`], nothing beyond `ε_cu`; cover nothing beyond
+    /// Popovics' curve with `E_c = 5000 sqrt(f_c / MPa)` MPa and its peak at `max(0.002, 1.1 f_c / E_c)`: core with the values of [`Confinement`], nothing beyond `ε_cu`; cover nothing beyond
     /// 0.005 (Mander, Priestley and Park 1988, eq. 3-7). No tension.
     Mander,
     /// Modified Kent-Park (Scott, Park and Priestley 1982): core `K f_c`, `K = 1 + ρ_s f_yh / f_c`, at `0.002 K`; falling line; rest 0.2. Tension `f_t`, softening with a
@@ -179,8 +192,8 @@ impl ConcreteCurve {
         match law {
             ConcreteLaw::ParabolaRectangle => [Self::ParabolaRectangle { strength_pa: fc }; 2],
             ConcreteLaw::Mander => {
-                let modulus = 5000e6 * (fc / 1e6).sqrt();
-                let cover = Self::popovics(fc, STRAIN_CO, modulus, STRAIN_SPALLED);
+                let modulus = modulus_pa(fc);
+                let cover = Self::popovics(fc, strain_co(fc), modulus, STRAIN_SPALLED);
                 let core = confined
                     .map_or(cover, |c| Self::popovics(c.strength_pa, c.strain, modulus, c.ultimate_strain));
                 [core, cover]

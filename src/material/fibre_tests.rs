@@ -273,6 +273,27 @@ fn section_of_a_building() {
     near("strength", Confinement::of(&made).unwrap().strength_pa, 32.128e6, 1e-5);
 }
 
+/// Popovics' line begins with its modulus, peaks at the strength, and is nowhere above it, whatever the strength: at 100 MPa a peak at 0.002 has a pole.
+#[test]
+fn lines_of_strong_concrete_have_their_peak_at_the_strength() {
+    for mpa in [5.0, 30.0, 60.0, 82.0, 83.0, 95.0, 100.0, 105.0, 150.0] {
+        let input = SectionInput { concrete_strength_pa: 1e6 * mpa, ..s1() };
+        let [_, cover] = ConcreteCurve::pair(ConcreteLaw::Mander, &input);
+        let ConcreteCurve::Popovics { strain, exponent, .. } = cover else { panic!("{cover:?}") };
+        assert!(exponent > 1.0 && exponent < 11.0 + 1e-9, "{mpa} MPa: {exponent}");
+        assert!(if mpa <= 82.0 { strain == 0.002 } else { strain > 0.002 && strain < 0.0027 }, "{strain}");
+        near("modulus", cover.stress_pa(1e-6) / 1e-6, 5000e6 * f64::sqrt(mpa), 1e-3);
+        near("peak", cover.stress_pa(strain), 1e6 * mpa, 1e-12);
+        let most = (0..=500).map(|i| cover.stress_pa(1e-5 * f64::from(i))).fold(0.0, f64::max);
+        assert!(most <= 1e6 * mpa * (1.0 + 1e-12), "{mpa} MPa: {most}");
+    }
+    // 2513 mm2 of bars below 645 MPa at arms below 0.36 m
+    let strong = SectionInput { concrete_strength_pa: 105e6, ..s1() };
+    let curve = points(&strong, ConcreteLaw::Mander, 0.0, 0.05);
+    let moment = curve.iter().map(|p| p.moment_nm).fold(0.0, f64::max);
+    assert!(moment > 1.5e5 && moment < 5.9e5, "{moment}");
+}
+
 fn s1() -> SectionInput {
     let places = [-0.16, 0.0, 0.16];
     let bars = places
