@@ -52,6 +52,11 @@ pub enum RcDeriveError {
     /// The elements do not suit the section or the concrete.
     #[error(transparent)]
     Series(#[from] SeriesError),
+    /// The bend without axial force is not asked for.
+    #[error(
+        "the axial shares lack 0, and without a level there an entry has no strength of its own: add it, as in `--axial -0.05 0 0.1`"
+    )]
+    NoRest,
     /// A bend failed that an entry cannot do without.
     #[error("axial share {share}, direction {direction_deg}°: {source}")]
     Bend {
@@ -138,15 +143,14 @@ impl Symmetry {
 }
 
 impl RcWanted {
-    /// Describes the entry of a section. The directions in `options` do not count; axial shares are sorted.
+    /// Describes the entry of a section. The directions in `options` do not count; axial shares are sorted, and each counts once.
     ///
     /// # Errors
     /// If its inputs cannot be written as JSON.
     pub fn of(section: &RcSection, options: &SeriesOptions) -> Result<Self, serde_json::Error> {
         let directions_deg = rc_kinds::directions_deg(section, Symmetry::of(section).directions_deg());
         let mut options = SeriesOptions { directions_deg, ..options.clone() };
-        options.axial_shares.sort_by(f64::total_cmp);
-        options.axial_shares.dedup();
+        options.axial_shares = in_order(&options.axial_shares);
         let input = &section.input;
         let rc = RcFeatures {
             concrete_strength_pa: Some(section.concrete.compressive_strength_pa),
@@ -211,8 +215,11 @@ impl RcWanted {
     /// Levels other than those without axial force may be left out: a tension that is not borne or makes no curve, a compression that crushes.
     ///
     /// # Errors
-    /// If the concrete does not suit the mesh, or what is left makes no curve.
+    /// If no bend without axial force is asked for, the concrete does not suit the mesh, or what is left makes no curve.
     pub fn derive(&self, progress: &(dyn Fn(f64, &str) + Sync)) -> Result<RcDerived, RcDeriveError> {
+        if !self.options.axial_shares.contains(&0.0) {
+            return Err(RcDeriveError::NoRest);
+        }
         let own_share = if self.check_mesh { 1.0 - CHECK_SHARE } else { 1.0 };
         let series = series::run(&self.section, &self.options, &|s, text| progress(own_share * s, text))?;
         let (levels, mut left_out) = usable(&series)?;
@@ -303,6 +310,14 @@ impl RcWanted {
             ..Computed::default()
         }
     }
+}
+
+/// Axial shares from the smallest on, each once; -0 is 0, which as a text of its own would make another key.
+pub(super) fn in_order(shares: &[f64]) -> Vec<f64> {
+    let mut shares: Vec<f64> = shares.iter().map(|s| s + 0.0).collect();
+    shares.sort_by(f64::total_cmp);
+    shares.dedup();
+    shares
 }
 
 /// Points of a bend as an envelope: rotations increase.
@@ -439,5 +454,25 @@ fn validity(series: &Series, levels: &[f64]) -> Validity {
         ],
         rotation_rad: end.map(|end| [0.0, end]),
         displacement_m: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rc::section_file::{EXAMPLE, read};
+
+    fn wanted(axial_shares: &[f64]) -> RcWanted {
+        let section = read(&crate::base::source::Source::new("section.toml", EXAMPLE)).unwrap();
+        let options = SeriesOptions { axial_shares: axial_shares.to_vec(), ..SeriesOptions::default() };
+        RcWanted::of(&section, &options).unwrap()
+    }
+
+    #[test]
+    fn shares_that_are_named_twice_make_no_other_key() {
+        let key = |shares: &[f64]| wanted(shares).key().unwrap();
+        assert_eq!(key(&[0.0, 0.0, -0.0]), key(&[0.0]));
+        assert_eq!(key(&[0.1, -0.0, 0.1, -0.05]), key(&[-0.05, 0.0, 0.1]));
+        assert_ne!(key(&[0.0, 0.1]), key(&[0.0]));
     }
 }

@@ -6,7 +6,7 @@
 use super::entry::{Computed, Direction, Entry, EntryKind, Features, Inputs, Origin, Quality};
 use super::entry::{SpringLevel, SpringRecord, Validity};
 use super::key::key_of;
-use super::rc::{RcWanted, Symmetry};
+use super::rc::{RcWanted, Symmetry, in_order};
 use super::rc_kinds;
 use super::thin::thinned;
 use crate::base::hash::ContentHash;
@@ -46,6 +46,11 @@ pub enum RcSpringError {
     /// The concrete does not suit the elements.
     #[error("{0}; use other elements (--mesh)")]
     Law(#[from] LawError),
+    /// A run without axial force is not asked for.
+    #[error(
+        "the axial shares lack 0, and without a level there a spring has no strength of its own: add it, as in `--axial -0.05 0 0.1`"
+    )]
+    NoRest,
     /// A run failed that the entry cannot do without.
     #[error("{drive:?}, axial share {share}: {fault}")]
     Run {
@@ -91,8 +96,7 @@ impl RcSpringWanted {
             if let (Some(shares), Drive::Shear | Drive::Torsion) = (shares, drive) {
                 run.axial_shares = shares.to_vec();
             }
-            run.axial_shares.sort_by(f64::total_cmp);
-            run.axial_shares.dedup();
+            run.axial_shares = in_order(&run.axial_shares);
             if *drive == Drive::Shear {
                 run.directions_deg = if alike { vec![90.0] } else { vec![0.0, 90.0] };
             }
@@ -125,11 +129,14 @@ impl RcSpringWanted {
     /// Computes the entry on the threads of the present pool, and says which levels it lacks. `progress` is told the share done and what is under way.
     ///
     /// # Errors
-    /// If the concrete does not suit the mesh, or a run without axial force cannot be used.
+    /// If the concrete does not suit the mesh, or a run without axial force is not asked for or cannot be used.
     pub fn derive(
         &self,
         progress: &(dyn Fn(f64, &str) + Sync),
     ) -> Result<(Entry, Vec<String>), RcSpringError> {
+        if self.runs.iter().any(|run| !run.axial_shares.contains(&0.0)) {
+            return Err(RcSpringError::NoRest);
+        }
         let (mut all, mut left_out) = (Vec::new(), Vec::new());
         for (i, options) in self.runs.iter().enumerate() {
             let tell = |share: f64, text: &str| progress((i as f64 + share) / self.runs.len() as f64, text);

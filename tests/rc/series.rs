@@ -3,7 +3,6 @@
 use fallwerk::base::source::Source;
 use fallwerk::building::ends::{End, member_ends};
 use fallwerk::building::partition::Partition;
-use fallwerk::curve::CurveError;
 use fallwerk::fe::mesh::Mesh;
 use fallwerk::library::derive::Wanted;
 use fallwerk::library::rc::{RcDeriveError, RcDerived, RcWanted, Symmetry, no_strength, stopped_early};
@@ -219,10 +218,13 @@ fn a_push_that_stops_before_it_flows_makes_no_curve() {
 }
 
 #[test]
-fn an_entry_without_a_usable_level_is_refused() {
-    let wanted = RcWanted::of(&small(), &coarse(&[1.5])).unwrap();
-    let error = wanted.derive(&|_, _| {}).unwrap_err();
-    assert!(matches!(error, RcDeriveError::Curve { source: CurveError::NoLevel, .. }), "{error}");
+fn an_entry_without_a_level_at_rest_is_refused() {
+    for share in [1.5, -0.1] {
+        let wanted = RcWanted::of(&small(), &coarse(&[share])).unwrap();
+        let error = wanted.derive(&|_, _| {}).unwrap_err();
+        assert!(matches!(error, RcDeriveError::NoRest), "{error}");
+        assert!(error.to_string().contains("`--axial -0.05 0 0.1`"), "{error}");
+    }
 }
 
 fn fallwerk(folder: &std::path::Path, words: &[&str]) -> (i32, String, String) {

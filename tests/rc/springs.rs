@@ -173,6 +173,11 @@ fn a_spring_that_cannot_be_computed_says_why() {
     let wanted = RcSpringWanted::of(&brittle, EntryKind::AxialSpring, &wide, None).unwrap().unwrap();
     let error = wanted.derive(&|_, _| {}).unwrap_err();
     assert!(matches!(error, RcSpringError::Law(_)) && error.to_string().contains("--mesh"), "{error}");
+    // a level under axial force alone
+    let pressed =
+        RcSpringWanted::of(&small(), EntryKind::ShearSpring, &options(), Some(&[0.1])).unwrap().unwrap();
+    let error = pressed.derive(&|_, _| {}).unwrap_err();
+    assert!(matches!(error, RcSpringError::NoRest) && error.to_string().contains("--axial"), "{error}");
     let strip = section(&SMALL.replace("name = \"small\"", "name = \"small\"\nmember = \"slab\""));
     assert!(RcSpringWanted::of(&strip, EntryKind::ShearSpring, &options(), None).unwrap().is_none());
 }
