@@ -1,7 +1,7 @@
 //! Thinning of curves, so that a record stays below [`RECORD_LIMIT_BYTES`].
 //!
 //! Points are kept in the order of how much the polygon would change without them (the greedy
-//! refinement of Douglas and Peucker, 1973): the ends, the peak, then at each stage the point farthest
+//! refinement of Douglas and Peucker, 1973): the ends, the peak, the point at rest of a line that goes both ways, then at each stage the point farthest
 //! (in moment) from the polygon of those kept. Kept points keep their coordinates.
 
 use super::entry::{Entry, RECORD_LIMIT_BYTES};
@@ -9,7 +9,7 @@ use super::entry::{Entry, RECORD_LIMIT_BYTES};
 /// Largest number of points of a curve, before the size of the record asks for fewer.
 pub const POINTS_LIMIT: usize = 40;
 
-/// At most `limit` (at least 3) points of a curve, chosen as above.
+/// At most `limit` points of a curve, chosen as above; at least the ends, the peak and the point at zero, if it has one.
 pub fn thinned(points: &[[f64; 2]], limit: usize) -> Vec<[f64; 2]> {
     let limit = limit.max(3);
     if points.len() <= limit {
@@ -18,7 +18,9 @@ pub fn thinned(points: &[[f64; 2]], limit: usize) -> Vec<[f64; 2]> {
     let mut kept = vec![false; points.len()];
     let peak = (0..points.len())
         .fold(0, |best, i| if points[i][1].abs() > points[best][1].abs() { i } else { best });
-    for index in [0, peak, points.len() - 1] {
+    // without the point at zero the polygon has a force at rest
+    let at_rest = points.iter().position(|p| p[0] == 0.0).unwrap_or(0);
+    for index in [0, peak, at_rest, points.len() - 1] {
         kept[index] = true;
     }
     while kept.iter().filter(|k| **k).count() < limit {
@@ -113,6 +115,18 @@ mod tests {
         let worst = points.iter().map(|p| (at(p[0]) - p[1]).abs()).fold(0.0, f64::max);
         assert!(worst < 1.0, "{worst}");
         assert_eq!(thinned(&points[..5], 6), &points[..5]);
+    }
+
+    /// Pulled, a spring cracks at 300 kN and 0.1 mm; pressed, it is as stiff up to 3 MN: the origin lies on a straight line.
+    #[test]
+    fn what_goes_both_ways_is_at_rest_at_zero() {
+        let force = |x: f64| if x < -1e-4 { -3e5 + 2e4 * libm::sin(3e3 * x) } else { 3e9 * x };
+        let points: Vec<[f64; 2]> =
+            (-40..=40).map(|i| 2.5e-5 * f64::from(i)).map(|x| [x, force(x)]).collect();
+        for limit in [5, 12, 40] {
+            let few = thinned(&points, limit);
+            assert!(few.len() <= limit && few.contains(&[0.0, 0.0]), "{few:?}");
+        }
     }
 
     #[test]

@@ -147,6 +147,7 @@ fn springs_go_through_the_library_and_are_found() {
             EntryKind::AxialSpring => {
                 let points = &entry.springs[0].levels[0].points;
                 assert!(points[0][0] < 0.0 && points[points.len() - 1][0] > 0.0, "{points:?}");
+                assert!(points.contains(&[0.0, 0.0]), "{points:?}");
                 let [low, high] =
                     [entry.tensile_capacity_n, entry.compressive_capacity_n].map(Option::unwrap);
                 let ends = points.iter().fold([0.0f64; 2], |e, p| [e[0].min(p[1]), e[1].max(p[1])]);
