@@ -1,7 +1,7 @@
 //! The mesh of a member end in concrete and steel: hexahedra, bars and ties as trusses on common nodes, and the joint block that the
 //! member stands on.
 //!
-//! Mesh planes run through the bars, which displace concrete: elements beside them have that much less of it. Along the member the critical length has layers that divide the tie spacing; beyond it they
+//! Mesh planes run through the lines of bars ([`super::bar_lines`]), which displace concrete: elements beside them have that much less of it. Along the member the critical length has layers that divide the tie spacing; beyond it they
 //! are twice as long. Perimeter ties run through the outer bars, cross ties through the inner ones. The joint block is elastic, wider than
 //! the member, and clamped at its base: what tests call a footing or stub.
 //!
@@ -9,6 +9,7 @@
 //! tie legs on it have half their area. Forces are those of the half ([`RcMember::share`]).
 
 use super::anchorage::BarSlip;
+use super::bar_lines::{aligned, leg_weights};
 use crate::fe::concrete::ConcretePoints;
 use crate::fe::hexahedron::volume_m3;
 use crate::fe::law::Law;
@@ -136,7 +137,8 @@ impl RcMember {
         sizes_m: [f64; 2],
         mirror: Option<usize>,
     ) -> Result<Self, LawError> {
-        let member = Builder::new(section, concrete, joint, sizes_m, CRITICAL_DEPTHS, mirror).build();
+        let section = aligned(section, sizes_m[1]);
+        let member = Builder::new(&section, concrete, joint, sizes_m, CRITICAL_DEPTHS, mirror).build();
         ConcretePoints::of(&member.mesh)?;
         Ok(member)
     }
@@ -151,8 +153,10 @@ impl RcMember {
         length_m: f64,
         size_m: f64,
     ) -> Result<Self, LawError> {
+        let section = aligned(section, size_m);
         let member =
-            Builder::new(section, concrete, Joint::Symmetry, [length_m, size_m], f64::INFINITY, None).build();
+            Builder::new(&section, concrete, Joint::Symmetry, [length_m, size_m], f64::INFINITY, None)
+                .build();
         ConcretePoints::of(&member.mesh)?;
         Ok(member)
     }
@@ -165,7 +169,8 @@ impl RcMember {
         length_m: f64,
         size_m: f64,
     ) -> usize {
-        let builder = Builder::new(section, concrete, joint, [length_m, size_m], CRITICAL_DEPTHS, None);
+        let section = aligned(section, size_m);
+        let builder = Builder::new(&section, concrete, joint, [length_m, size_m], CRITICAL_DEPTHS, None);
         let (nx, ny) = (builder.x.0.len() - 1, builder.y.0.len() - 1);
         nx * ny * (builder.z.len() - 1 - builder.block) + (nx + 2) * (ny + 2) * builder.block
     }
@@ -460,13 +465,6 @@ fn tie_levels(z: &[f64], block: usize, spacing_m: f64) -> Vec<(i32, f64)> {
         at += spacing_m;
     }
     steel.iter().enumerate().filter(|(_, s)| **s > 0.0).map(|(k, s)| (k as i32, *s)).collect()
-}
-
-/// Tie legs on each of some lines of bars: one on the outer lines, the rest shared by the inner lines.
-fn leg_weights(lines: usize, legs: f64) -> Vec<f64> {
-    let inner = lines.saturating_sub(2);
-    let each = if inner > 0 { (legs - 2.0).max(0.0) / inner as f64 } else { 0.0 };
-    (0..lines).map(|i| if i == 0 || i + 1 == lines { 1.0 } else { each }).collect()
 }
 
 /// Share of what stands at a coordinate that belongs to the positive half.

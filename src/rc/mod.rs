@@ -13,6 +13,7 @@ pub mod anchorage;
 pub mod around;
 pub mod axial;
 mod bar_bending;
+mod bar_lines;
 pub mod bend;
 mod column_end;
 mod cover;
