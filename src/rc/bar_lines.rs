@@ -58,10 +58,13 @@ fn align(bars: &mut [Bar], axis: usize, limit_m: f64) {
     }
 }
 
-/// Tie legs on each of some lines of bars: one on the outer lines, the rest shared by the inner lines.
+/// Tie legs on each of some lines of bars, in all as many as there are: one on each outer line and the rest shared by the inner lines; without inner lines the
+/// outer ones share them all.
 pub(super) fn leg_weights(lines: usize, legs: f64) -> Vec<f64> {
-    let inner = lines.saturating_sub(2);
-    let each = if inner > 0 { (legs - 2.0).max(0.0) / inner as f64 } else { 0.0 };
+    if lines <= 2 {
+        return vec![legs / lines as f64; lines];
+    }
+    let each = (legs - 2.0).max(0.0) / (lines - 2) as f64;
     (0..lines).map(|i| if i == 0 || i + 1 == lines { 1.0 } else { each }).collect()
 }
 
@@ -132,5 +135,16 @@ mod tests {
         let found = aligned(&bundle.input, 0.05).bars;
         assert_eq!(found.len(), 2);
         near(found[0].diameter_m, 9.0 * std::f64::consts::SQRT_2);
+    }
+
+    #[test]
+    fn every_leg_lies_on_a_line_of_bars() {
+        assert_eq!(leg_weights(2, 2.0), [1.0, 1.0]);
+        assert_eq!(leg_weights(3, 2.0), [1.0, 0.0, 1.0]);
+        assert_eq!(leg_weights(4, 4.0), [1.0; 4]);
+        assert_eq!(leg_weights(3, 4.0), [1.0, 2.0, 1.0]);
+        // without an inner line
+        assert_eq!(leg_weights(2, 6.0), [3.0, 3.0]);
+        assert_eq!(leg_weights(1, 2.0), [2.0]);
     }
 }

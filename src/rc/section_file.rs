@@ -3,6 +3,7 @@
 //! Read with the field machinery of building files: all errors at once, each with its place, the value found and what would be right.
 
 use super::anchorage::{Anchorage, Ending};
+use super::bar_lines::ONE_LINE_M;
 use crate::base::diagnostic::{Diagnostic, Diagnostics};
 use crate::base::source::Source;
 use crate::base::tree::{self, Format, Node};
@@ -174,7 +175,13 @@ const TIES: Table = Table {
         key("diameter", true, DIAMETER, "\"8 mm\"", "Diameter."),
         key("spacing", true, SPACING, "\"150 mm\"", "Spacing along the member."),
         key("yield_strength", true, STEEL_STRENGTH, "\"550 MPa\"", "Yield strength."),
-        key("legs", false, Kind::Tuple(&[LEGS, LEGS]), "[2, 2]", "Legs along the width and along the depth."),
+        key(
+            "legs",
+            false,
+            Kind::Tuple(&[LEGS, LEGS]),
+            "[2, 2]",
+            "Legs along the width and along the depth; more than two lie on the inner lines of bars, or without these on the outer ones.",
+        ),
         key("ultimate_strain", false, RUPTURE, "0.1", "Strain at which a tie ruptures; default 0.1."),
         key(
             "all_bars_held",
@@ -303,7 +310,10 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<RcSection> {
     let size_m = [top.number("width")?, top.number("depth")?];
     let bars = section_bars(top, size_m, tie_m.unwrap_or(0.0), top.span("width"), errors)?;
     let ties = match ties {
-        Some(fields) => Some(self::ties(fields, size_m, &bars)?),
+        Some(fields) => {
+            check_ties(fields, &bars, errors);
+            Some(self::ties(fields, size_m, &bars)?)
+        }
         None => None,
     };
     let anchorage = section("anchorage", &ANCHORAGE).and_then(anchorage);
@@ -418,6 +428,25 @@ fn anchorage(f: Fields) -> Option<Anchorage> {
         bond_pa: f.number("bond_strength"),
         yielded_bond_pa: f.number("yielded_bond_strength"),
     })
+}
+
+/// Refuses ties that have no second line of bars to go round to: their legs along that side would have no length.
+fn check_ties(f: Fields, bars: &[Bar], errors: &mut Vec<Diagnostic>) {
+    for (axis, side) in ["width", "depth"].into_iter().enumerate() {
+        let at = |b: &Bar| [b.x_m, b.y_m][axis];
+        let low = bars.iter().map(at).fold(f64::INFINITY, f64::min);
+        let high = bars.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
+        if !bars.is_empty() && high - low < ONE_LINE_M {
+            let what = format!(
+                "all bars stand on one line along the {side}, within {:.1} mm: ties have nothing to go round there",
+                1e3 * (high - low)
+            );
+            errors
+                .push(Diagnostic::error("ties-without-bars", what).at(f.span("diameter"), "these ties").help(
+                "add the bars that hold the ties on the other side (bar_layers or bars), or leave [ties] out",
+            ));
+        }
+    }
 }
 
 /// Ties lie on the bars: the cover is what these leave.

@@ -70,6 +70,11 @@ fn all_errors_come_at_once_with_place_value_and_remedy() {
     assert_eq!(none[0].code, "no-bars");
     let outside = read_text(&EXAMPLE.replace(bars, "bars = [{ x = 0.3, y = 0, diameter = \"20 mm\" }]"));
     assert_eq!(outside.unwrap_err()[0].code, "bar-outside");
+    let layer =
+        "bar_layers = [{ face = \"bottom\", count = 3, diameter = \"20 mm\", edge_distance = \"40 mm\" }]";
+    let one_line = read_text(&EXAMPLE.replace(bars, layer)).unwrap_err();
+    assert_eq!((one_line.len(), one_line[0].code), (1, "ties-without-bars"));
+    assert!(format!("{:?}", one_line[0]).contains("one line along the depth"), "{one_line:?}");
     let brittle = EXAMPLE.replace("# peak_strain = 0.002 ", "peak_strain = 0.0011 ");
     assert_eq!(read_text(&brittle).unwrap_err()[0].code, "bad-material");
 }
