@@ -8,7 +8,7 @@
 use super::anchorage::Anchored;
 use super::bar_bending::BarBending;
 use super::cover::Cover;
-use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, Means, Path};
+use super::drive::{ENERGY_LIMIT, Energies, EnergyWatch, Means, Path, SPEED_RAD_S};
 use super::events::{Event, Watch};
 use super::gauge::{EndStrains, Gauge};
 use super::member::{Joint, RcMember};
@@ -33,10 +33,12 @@ const LOOK_STEPS: u64 = 4;
 pub const CRUSHED_STRAIN: f64 = 0.01;
 /// Elongation over length at which a pulled member counts as torn; opening cracks make a third of it.
 const TORN_STRAIN: f64 = 0.05;
-/// Rotation from which on a moment can be lost \[rad\]: before it a slender member still swings about rest by more than it bears.
+/// Least rotation from which on a moment can be lost \[rad\], see [`bears_from_rad`].
 const BEARS_FROM_RAD: f64 = 1e-3;
-/// Rotation from which on the kinetic energy counts \[rad\].
-const KINETIC_FROM_RAD: f64 = 2e-3;
+/// Squared length over depth \[m\] up to which it is that.
+const STOCKY_M: f64 = 50.0;
+/// Rotation from which on the kinetic energy counts, over that from which on a moment can be lost.
+const KINETIC_FROM: f64 = 2.0;
 
 /// How a member end is bent.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,7 +101,7 @@ pub struct Bent {
     pub strains: Vec<EndStrains>,
     /// Index of the first point behind each turning point that was passed.
     pub turned_at: Vec<usize>,
-    /// Largest kinetic energy beside that of a turn of the whole member over internal energy, beyond a rotation of 2 mrad; of a monotonic push as
+    /// Largest kinetic energy beside that of a turn of the whole member over internal energy, beyond a rotation of 2 mrad (more of slender members); of a monotonic push as
     /// long as it bears 80 % of its peak.
     pub kinetic_share: f64,
     /// Energies at the end.
@@ -164,6 +166,16 @@ pub enum BendError {
         /// Rotation \[rad\].
         rotation_rad: f64,
     },
+}
+
+/// Rotation from which on a moment can be lost \[rad\]: before it a slender member still swings about rest by more than it bears. `speed_rad_s` is that of the chord.
+///
+/// While the chord speeds up by α and is damped (rate c), the mass of the member presses its end section back with `M = 7/120 ρ A (α + c ω) L³` (a load that
+/// grows from the clamped end to the pushed one), and swings about that; a rotation θ bends it by `3 E I θ / L`. Both are equal at `θ ~ (L² / h)²`, in proportion to the speed. An
+/// elastic beam with 0.35 of the stiffness of uncracked concrete bears less than 20 % of its peak up to 1.0, 6.9, 12 mrad at L² / h = 62, 160, 250 m.
+fn bears_from_rad(length_m: f64, depth_m: f64, speed_rad_s: f64) -> f64 {
+    let slender = length_m * length_m / (depth_m * STOCKY_M);
+    BEARS_FROM_RAD * (slender * slender * speed_rad_s / SPEED_RAD_S).max(1.0)
 }
 
 struct Run<'a> {
@@ -266,7 +278,9 @@ impl Run<'_> {
     fn push(&mut self, path: &Path, progress: &dyn Fn(f64)) -> Result<Bent, BendError> {
         self.body.damping_1_s = PUSH_DAMPING_1_S;
         let from = self.body.time_s;
-        let mut course = Course::new(path, self.member.length_m);
+        let length_m = self.member.length_m;
+        let bears_from_rad = bears_from_rad(length_m, self.depth_m(), path.speed_rad_s());
+        let mut course = Course::new(path, length_m, bears_from_rad);
         let mut means = Means::<3>::default();
         let mut watch = Watch::of(self.member);
         let (mut events, mut slips_m) = (Vec::new(), vec![0.0]);
@@ -362,6 +376,17 @@ impl Run<'_> {
         self.tip_m(2)
     }
 
+    /// Depth of the section along the push \[m\].
+    fn depth_m(&self) -> f64 {
+        let [c, s] = self.direction;
+        let at = |(n, _): &(usize, f64)| {
+            let x = self.member.mesh.nodes[*n];
+            c * x[0] + s * x[1]
+        };
+        let places = || self.member.tip.iter().map(at);
+        places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min)
+    }
+
     /// Displacement of the free end along the push over the length.
     fn rotation_rad(&self) -> f64 {
         let moved = self.direction[0] * self.tip_m(0) + self.direction[1] * self.tip_m(1);
@@ -395,6 +420,8 @@ fn index(sense: f64) -> usize {
 struct Course<'a> {
     path: &'a Path,
     length_m: f64,
+    /// Rotation from which on a moment can be lost \[rad\].
+    bears_from_rad: f64,
     points: Vec<[f64; 3]>,
     turned_at: Vec<usize>,
     kinetic_share: f64,
@@ -408,10 +435,11 @@ struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    fn new(path: &'a Path, length_m: f64) -> Self {
+    fn new(path: &'a Path, length_m: f64, bears_from_rad: f64) -> Self {
         Self {
             path,
             length_m,
+            bears_from_rad,
             points: vec![[0.0; 3]],
             turned_at: Vec::new(),
             kinetic_share: 0.0,
@@ -431,7 +459,7 @@ impl<'a> Course<'a> {
         self.way_peak = self.way_peak.max(moment);
         if rotation > self.reach[side] {
             self.reach[side] = rotation;
-            self.lost[side] = rotation > BEARS_FROM_RAD && moment < FAILED_SHARE * self.peak[side];
+            self.lost[side] = rotation > self.bears_from_rad && moment < FAILED_SHARE * self.peak[side];
         }
     }
 
@@ -448,7 +476,7 @@ impl<'a> Course<'a> {
     fn kinetic(&mut self, share: f64) {
         let sense = self.path.sense(0);
         let bears = sense * self.points[self.points.len() - 1][1] > 0.8 * self.peak[index(sense)];
-        let far = self.reach[0].max(self.reach[1]) > KINETIC_FROM_RAD;
+        let far = self.reach[0].max(self.reach[1]) > KINETIC_FROM * self.bears_from_rad;
         if far && (bears || self.path.turns() > 1) {
             self.kinetic_share = self.kinetic_share.max(share);
         }
@@ -465,5 +493,28 @@ impl<'a> Course<'a> {
         let used =
             [1.0, -1.0].map(|sense| (0..self.path.turns()).any(|i| sense * self.path.turn_rad(i) > 0.0));
         (0..2).all(|i| self.lost[i] || !used[i]).then_some(Ending::Moment)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slender_members_swing_longer() {
+        let from = |length_m, depth_m| bears_from_rad(length_m, depth_m, SPEED_RAD_S);
+        for (length_m, depth_m) in [(0.4, 0.2), (1.75, 0.4), (2.0, 0.5), (3.0, 0.3), (4.0, 0.4)] {
+            assert_eq!((from(length_m, depth_m), KINETIC_FROM * from(length_m, depth_m)), (1e-3, 2e-3));
+        }
+        // twice the length: 16 times the rotation; half the speed: half of it
+        assert!((from(8.0, 0.4) / (1e-3 * 3.2 * 3.2) - 1.0).abs() < 1e-12);
+        assert!((from(16.0, 0.4) / from(8.0, 0.4) - 16.0).abs() < 1e-12);
+        assert!((bears_from_rad(16.0, 0.4, 0.5 * SPEED_RAD_S) / from(16.0, 0.4) - 0.5).abs() < 1e-12);
+        // cracked beams of elastic elements, L and h in m, rotation in mrad up to which they bear less than 20 % of their peak
+        for (length_m, depth_m, lost_mrad) in
+            [(5.0, 0.4, 0.99), (6.0, 0.4, 2.31), (8.0, 0.4, 6.91), (8.0, 0.2, 16.3)]
+        {
+            assert!(1e3 * from(length_m, depth_m) > lost_mrad, "{length_m} {depth_m}");
+        }
     }
 }

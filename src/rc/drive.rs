@@ -116,6 +116,11 @@ impl Path {
         Motion { rate_rad_s: self.legs.get(next).map_or(0.0, |l| l.rate(time_s)), next }
     }
 
+    /// Largest speed on it \[rad/s\].
+    pub fn speed_rad_s(&self) -> f64 {
+        self.legs.iter().map(|l| l.speed_rad_s.abs()).fold(0.0, f64::max)
+    }
+
     /// Turning point \[rad\].
     pub fn turn_rad(&self, index: usize) -> f64 {
         self.legs[index].to_rad

@@ -21,6 +21,19 @@ fn bent(axial_share: f64, turns_rad: &[f64]) -> Bent {
     bend(&member(&section), &load, false, &|_| {}).unwrap()
 }
 
+/// A member of 30 depths first swings about rest: at 1 mrad it is bent back by its own mass, which is no failure.
+#[test]
+fn a_slender_member_does_not_break_off_while_it_swings() {
+    let section = RcSection { length_m: 6.0, ..small() };
+    let half =
+        RcMember::half(&section.input, &section.concrete, Joint::Symmetry, [section.length_m, 0.1], 90.0)
+            .unwrap();
+    let found = bend(&half, &Bend::monotonic(0.0, 90.0, 0.02), false, &|_| {}).unwrap();
+    assert_eq!(found.ending, Ending::Path);
+    assert!(found.points.iter().any(|p| p[0] > 1e-3 && p[0] < 2e-3 && p[1] < 0.0), "it swings");
+    assert!(found.points.iter().any(|p| p[1] > 3e3), "it bears");
+}
+
 #[test]
 fn a_path_that_turns_is_a_monotonic_push_until_it_slows_down() {
     let push = bent(0.2, &[0.008]);
