@@ -154,23 +154,35 @@ fn with_depth(base: &RcSection, depth_m: f64) -> Result<RcSection, String> {
     with_sides(section, [base.input.size_m[0], depth_m])
 }
 
-/// Bars stretched with the sides, so that the outermost keep their distance from the faces.
+/// Bars stretched with the sides, so that the outermost of each side keep their distance from its face.
 fn with_sides(mut section: RcSection, to: [f64; 2]) -> Result<RcSection, String> {
     let base = section.clone();
     let from = base.input.size_m;
     for (axis, side) in to.iter().enumerate() {
-        let reach = base.input.bars.iter().map(|b| [b.x_m, b.y_m][axis].abs()).fold(0.0, f64::max);
-        let edge = 0.5 * from[axis] - reach;
-        let factor = if reach > 0.0 { (0.5 * side - edge) / reach } else { 1.0 };
-        if factor <= 0.0 {
+        let reach = reaches(&base.input.bars, axis);
+        let factor = |reach: f64| {
+            let edge = 0.5 * from[axis] - reach;
+            if reach > 0.0 { (0.5 * side - edge) / reach } else { 1.0 }
+        };
+        let factors = reach.map(factor);
+        if factors.iter().any(|f| *f <= 0.0) {
             return Err(format!("{}: its bars do not fit into {:.0} mm", section.name, 1e3 * side));
         }
         for bar in &mut section.input.bars {
-            if axis == 0 { bar.x_m *= factor } else { bar.y_m *= factor }
+            let at = if axis == 0 { &mut bar.x_m } else { &mut bar.y_m };
+            *at *= factors[usize::from(*at < 0.0)];
         }
     }
     section.input.size_m = to;
     fitting(section)
+}
+
+/// How far bars reach from the middle along an axis, on its positive and its negative side \[m\]. A side whose bars all lie in the middle, with less than half of
+/// the other's reach, has none of its own: they go with the others.
+fn reaches(bars: &[Bar], axis: usize) -> [f64; 2] {
+    let own = [1.0, -1.0].map(|side| bars.iter().map(|b| side * [b.x_m, b.y_m][axis]).fold(0.0, f64::max));
+    let most = own[0].max(own[1]);
+    own.map(|reach| if reach < 0.5 * most { most } else { reach })
 }
 
 /// Diameters changed so that the bars have this ratio; ties stay on the bars, whose centres stay.
@@ -181,16 +193,22 @@ fn with_ratio(base: &RcSection, ratio: f64) -> Result<RcSection, String> {
     let thick = |s: &RcSection| s.input.bars.iter().map(|b| b.diameter_m).fold(0.0, f64::max);
     section.input.bars.iter_mut().for_each(|b| b.diameter_m *= factor);
     let grown = 0.5 * (thick(&section) - thick(base));
-    if let Some(ties) = &mut section.input.ties {
-        ties.cover_m -= grown;
-        if ties.cover_m < LEAST_COVER_M - 1e-9 {
-            return Err(format!(
-                "{}: the cover of the ties is {:.0} mm, at least {:.0} mm is needed",
-                section.name,
-                1e3 * ties.cover_m,
-                1e3 * LEAST_COVER_M
-            ));
+    let (what, cover_m) = match &mut section.input.ties {
+        Some(ties) => {
+            ties.cover_m -= grown;
+            ("ties", ties.cover_m)
         }
+        None => {
+            ("bars", section.input.bars.iter().map(|b| cover_m(b, base.input.size_m)).fold(1.0, f64::min))
+        }
+    };
+    if cover_m < LEAST_COVER_M - 1e-9 {
+        return Err(format!(
+            "{}: the cover of the {what} is {:.0} mm, at least {:.0} mm is needed",
+            section.name,
+            1e3 * cover_m,
+            1e3 * LEAST_COVER_M
+        ));
     }
     section.input.steel.buckling =
         base.input.steel.buckling.map(|b| Buckling { slenderness: b.slenderness / factor, ..b });
@@ -249,13 +267,15 @@ fn with_strength(base: &RcSection, strength_pa: f64) -> Result<RcSection, String
     Ok(section)
 }
 
+/// Concrete outside of a bar in a section of a size \[m\].
+fn cover_m(bar: &Bar, size_m: [f64; 2]) -> f64 {
+    (0.5 * size_m[0] - bar.x_m.abs()).min(0.5 * size_m[1] - bar.y_m.abs()) - 0.5 * bar.diameter_m
+}
+
 /// Whether bars lie in the section and not in each other.
 fn fitting(section: RcSection) -> Result<RcSection, String> {
     let bars = &section.input.bars;
-    let [width, depth] = section.input.size_m;
-    let outside =
-        |b: &Bar| (0.5 * width - b.x_m.abs()).min(0.5 * depth - b.y_m.abs()) < 0.5 * b.diameter_m + 1e-9;
-    if bars.iter().any(outside) {
+    if bars.iter().any(|b| cover_m(b, section.input.size_m) < 1e-9) {
         return Err(format!("{}: a bar is not inside the section", section.name));
     }
     for (i, a) in bars.iter().enumerate() {

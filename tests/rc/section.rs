@@ -113,6 +113,23 @@ fn a_grid_is_every_combination_and_refuses_what_does_not_fit() {
 }
 
 #[test]
+fn bars_of_each_side_keep_their_distance_and_their_cover() {
+    // 40 mm from the bottom, 60 mm from the top
+    let mut base = read_text(EXAMPLE).unwrap();
+    base.input.bars.iter_mut().filter(|b| b.y_m > 0.1).for_each(|b| b.y_m -= 0.02);
+    let deeper = SectionGrid { depths_m: vec![0.5], ..SectionGrid::default() };
+    let made = deeper.sections(&base).unwrap().remove(0);
+    let ends = made.input.bars.iter().fold([0.0f64; 2], |e, b| [e[0].min(b.y_m), e[1].max(b.y_m)]);
+    assert!((ends[0] + 0.21).abs() < 1e-12 && (ends[1] - 0.19).abs() < 1e-12, "{ends:?}");
+    // 9 % in eight bars are 47.9 mm each: 1 mm of cover 25 mm from the faces
+    let mut bare = read_text(EXAMPLE).unwrap();
+    bare.input.ties = None;
+    bare.input.bars.iter_mut().for_each(|b| (b.x_m, b.y_m) = (b.x_m * 0.175 / 0.16, b.y_m * 0.175 / 0.16));
+    let thick = SectionGrid { ratios: vec![0.09], ..SectionGrid::default() };
+    assert!(thick.sections(&bare).unwrap_err().contains("the cover of the bars is 1 mm"));
+}
+
+#[test]
 fn a_building_gives_section_and_half_the_clear_height() {
     let building =
         fallwerk::building::parse(BUILDING, fallwerk::base::tree::Format::Toml, "reference").unwrap();
