@@ -76,10 +76,10 @@ impl Sheared {
     }
 }
 
-/// Axis of a direction \[deg\]: 0 along x, 1 along y.
-pub fn axis_of(direction_deg: f64) -> usize {
-    let (sin, cos) = libm::sincos(direction_deg.to_radians());
-    usize::from(sin.abs() > cos.abs())
+/// Axis along which a direction \[deg\] lies, in either sense: 0 along x, 1 along y; `None` for others, for which there are no formulae.
+pub fn axis_of(direction_deg: f64) -> Option<usize> {
+    let quarter = direction_deg / 90.0;
+    (quarter == quarter.round()).then(|| usize::from(quarter % 2.0 != 0.0))
 }
 
 /// Shear force \[N\] at which the principal tension at the axis of a rectangle reaches the tensile strength:
@@ -170,11 +170,10 @@ impl ShearDemand {
         direction_deg: f64,
         length_m: f64,
     ) -> Option<Self> {
-        let quarter = direction_deg / 90.0;
-        let axis = (quarter == quarter.round()).then(|| usize::from(quarter % 2.0 != 0.0))?;
+        let axis = axis_of(direction_deg)?;
         let strength_pa = section.concrete.compressive_strength_pa;
         // towards + of the axis the side at - of it is in tension
-        let ahead = if quarter.rem_euclid(4.0) < 2.0 { 1.0 } else { -1.0 };
+        let ahead = if direction_deg.rem_euclid(360.0) < 180.0 { 1.0 } else { -1.0 };
         let [to, fro] = SIDES.map(|sense| {
             let shear = |p: &[f64; 3]| sense * (p[1] / length_m - axial_n * p[0]);
             let sheared = Sheared::of(&section.input, strength_pa, axis, -sense * ahead, axial_n);
@@ -261,6 +260,8 @@ mod tests {
         assert!((demand.share() / (364.29 / 329.21) - 1.0).abs() < 2e-3);
         assert_eq!(of(270.0), of(90.0));
         assert_eq!(of(45.0), None);
+        let axes = [0.0, 90.0, 180.0, 270.0, -90.0, 45.0].map(axis_of);
+        assert_eq!(axes, [Some(0), Some(1), Some(0), Some(1), Some(1), None]);
         let light = ShearDemand::of(&s, &[[0.01, 200e3, 0.0]], 0.0, 0.0, 1.08).unwrap();
         assert!(!light.is_critical(), "{light:?}");
     }

@@ -294,13 +294,15 @@ fn references(section: &RcSection, load: &PieceLoad, length_m: f64, f: &SpringFi
             ]
         }
         Drive::Shear => {
-            let axis = shear::axis_of(load.direction_deg);
+            // the principal tension in the middle is the same in every direction
+            let cracking = line("cracking shear", shear::cracking_n(section, n), force(f.first_crack));
+            let Some(axis) = shear::axis_of(load.direction_deg) else { return vec![cracking] };
             let peak = Some(f.peak);
             let strength_pa = section.concrete.compressive_strength_pa;
             let asce = shear::asce_column_n(&section.input, strength_pa, axis, n, 0.5 * length_m);
             vec![
                 line("elastic stiffness", shear::stiffness_n_m(section, axis, length_m), Some(f.stiffness)),
-                line("cracking shear", shear::cracking_n(section, n), force(f.first_crack)),
+                cracking,
                 line("EN 6.2.2", shear::en_without_ties_n(section, axis, n), peak),
                 line("EN 6.2.3", shear::en_truss_n(section, axis, n)[0], peak),
                 line("ASCE 41", asce, peak),
