@@ -249,7 +249,7 @@ fn limits_of_the_axial_force() {
 fn buckling_of_bars_takes_from_the_ductility_only() {
     use crate::material::rebar::Buckling;
     let straight = SectionInput { options: FibreOptions { deduct_bars: false, history: true }, ..s1() };
-    let steel = straight.steel.with_buckling(Buckling::between_ties(0.15, 0.02));
+    let steel = straight.steel.with_buckling(Buckling::between_ties(0.15, 0.02, &straight.steel));
     let buckling = SectionInput { steel, ..straight.clone() };
     let [a, b] = [straight, buckling].map(|i| milestones(&i, ConcreteLaw::Mander, 0.3, 0.2));
     assert_eq!(a.first_yield, b.first_yield);

@@ -48,6 +48,9 @@ pub enum Hardening {
     },
 }
 
+/// α of a bar that does not harden.
+const WITHOUT_HARDENING: f64 = 0.75;
+
 /// Average stress of a bar that buckles between ties, after Dhakal and Maekawa (2002).
 ///
 /// With `λ = sqrt(f_y / 100 MPa) L / d_b` and the straight bar's stress `σ_l`: straight to `ε_y`; to the intermediate point
@@ -66,9 +69,10 @@ pub struct Buckling {
 }
 
 impl Buckling {
-    /// A bar that buckles over one spacing of the ties \[m\], of a diameter \[m\]; α = 1.
-    pub fn between_ties(spacing_m: f64, diameter_m: f64) -> Self {
-        Self { slenderness: spacing_m / diameter_m, alpha: 1.0 }
+    /// A bar of a law that buckles over one spacing of the ties \[m\], of a diameter \[m\].
+    pub fn between_ties(spacing_m: f64, diameter_m: f64, law: &RebarLaw) -> Self {
+        let alpha = if law.hardens() { 1.0 } else { WITHOUT_HARDENING };
+        Self { slenderness: spacing_m / diameter_m, alpha }
     }
 }
 
@@ -197,6 +201,14 @@ impl RebarLaw {
     ) -> Self {
         let (hardening, loops) = (Hardening::Bilinear { ratio }, LoopShape::default());
         Self { youngs_modulus_pa, yield_strength_pa, hardening, ultimate_strain, loops, buckling: None }
+    }
+
+    /// Whether its strength rises beyond yield.
+    pub fn hardens(&self) -> bool {
+        match self.hardening {
+            Hardening::Bilinear { ratio } => ratio > 0.0,
+            Hardening::Plateau { ultimate_strength_pa, .. } => ultimate_strength_pa > self.yield_strength_pa,
+        }
     }
 
     /// The bar with buckling.
@@ -395,13 +407,19 @@ impl RebarLaw {
     pub fn at_rate(&self, rate_1_s: f64) -> Self {
         let factors = self.rate_factors(rate_1_s);
         let yield_strength_pa = self.yield_strength_pa * factors.on_yield;
+        let raised = |ultimate_pa: f64| (ultimate_pa * factors.on_ultimate).max(yield_strength_pa);
         let hardening = match self.hardening {
             Hardening::Plateau { start_strain, ultimate_strength_pa, exponent } => Hardening::Plateau {
                 start_strain,
-                ultimate_strength_pa: (ultimate_strength_pa * factors.on_ultimate).max(yield_strength_pa),
+                ultimate_strength_pa: raised(ultimate_strength_pa),
                 exponent,
             },
-            bilinear @ Hardening::Bilinear { .. } => bilinear,
+            slow @ Hardening::Bilinear { .. } if factors.on_yield == 1.0 => slow,
+            Hardening::Bilinear { .. } => {
+                let rise_pa = raised(self.monotonic_pa(self.ultimate_strain)) - yield_strength_pa;
+                let flown = self.youngs_modulus_pa * self.ultimate_strain - yield_strength_pa;
+                Hardening::Bilinear { ratio: if flown > 0.0 { rise_pa / flown } else { 0.0 } }
+            }
         };
         Self { yield_strength_pa, hardening, ..*self }
     }

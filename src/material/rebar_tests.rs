@@ -18,7 +18,7 @@ fn slender() -> RebarLaw {
 }
 
 fn all() -> [RebarLaw; 4] {
-    let stout = Buckling::between_ties(0.15, 0.02);
+    let stout = Buckling::between_ties(0.15, 0.02, &bilinear());
     [bilinear(), plateau(), slender(), bilinear().with_buckling(stout)]
 }
 
@@ -242,6 +242,14 @@ fn a_bar_let_go_buckles_from_there_without_a_jump() {
 }
 
 #[test]
+fn bars_without_hardening_buckle_more() {
+    let flat = RebarLaw::bilinear(E, 500e6, 0.0, 0.075);
+    assert_eq!(Buckling::between_ties(0.15, 0.02, &flat), Buckling { slenderness: 7.5, alpha: 0.75 });
+    assert_eq!(Buckling::between_ties(0.15, 0.02, &bilinear()).alpha, 1.0);
+    assert!(plateau().hardens());
+}
+
+#[test]
 fn rate_factors_of_malvar() {
     // f_y = 414 MPa: exponents 0.034 and 0.010; at 1 1/s 10^(4 · 0.034) = 1.3677 and 10^0.04 = 1.0965
     let law = RebarLaw { yield_strength_pa: 414e6, ..plateau() };
@@ -250,6 +258,12 @@ fn rate_factors_of_malvar() {
     close(at.on_ultimate, 1.096_478, 1e-6);
     close(law.at_rate(1.0).yield_strength_pa, 414e6 * 1.367_729, 1e-6);
     close(law.at_rate(1.0).monotonic_pa(0.1), 620e6 * 1.096_478, 1e-6);
+    // a straight line of hardening leads from the raised yield to the raised ultimate strength, 645 MPa at 0.075
+    let straight = bilinear().at_rate(1.0);
+    let at = bilinear().rate_factors(1.0);
+    close(straight.monotonic_pa(straight.yield_strain()), 500e6 * at.on_yield, 1e-12);
+    close(straight.monotonic_pa(0.075), 645e6 * at.on_ultimate, 1e-12);
+    assert_eq!(bilinear().at_rate(1e-5), bilinear());
     assert_eq!(law.rate_factors(1e-9), RebarRate { on_yield: 1.0, on_ultimate: 1.0 });
     assert_eq!(law.rate_factors(1e6), law.rate_factors(225.0));
 }

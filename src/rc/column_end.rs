@@ -50,7 +50,8 @@ impl RcSection {
             )
         })?;
         let thin = input.bars.iter().map(|b| b.diameter_m).fold(f64::INFINITY, f64::min);
-        input.steel.buckling = input.ties.map(|t| Buckling::between_ties(t.spacing_m, thin));
+        let steel = input.steel;
+        input.steel.buckling = input.ties.map(|t| Buckling::between_ties(t.spacing_m, thin, &steel));
         Ok(Self {
             name: format!("{} {id}", building.name),
             member: MemberKind::Column,

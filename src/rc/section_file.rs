@@ -334,7 +334,7 @@ fn of(root: &Node, errors: &mut Vec<Diagnostic>) -> Option<RcSection> {
             tensile_strength_pa: concrete.tensile_strength_pa,
             youngs_modulus_pa: concrete.youngs_modulus_pa,
             steel: RebarLaw {
-                buckling: ties.map(|t: TieInput| Buckling::between_ties(t.spacing_m, thin)),
+                buckling: ties.map(|t: TieInput| Buckling::between_ties(t.spacing_m, thin, &steel)),
                 ..steel
             },
             bars,

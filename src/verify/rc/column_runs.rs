@@ -206,7 +206,8 @@ impl Work {
 /// Bends one column.
 fn one(specimen: &'static Specimen, options: &Options, tell: &dyn Fn(News)) -> ColumnRun {
     let mut input = specimen.section();
-    input.steel.buckling = Some(Buckling::between_ties(specimen.tie_spacing_m, specimen.bars.1));
+    input.steel.buckling =
+        Some(Buckling::between_ties(specimen.tie_spacing_m, specimen.bars.1, &input.steel));
     let concrete = ConcreteLaw::of_strength(specimen.fc_pa);
     let size_m = specimen.width_m.max(specimen.depth_m) / options.elements;
     let sizes = [specimen.length_m, size_m];
