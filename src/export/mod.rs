@@ -19,7 +19,7 @@ pub mod mjcf;
 mod number;
 
 use crate::mbs::Model;
-use crate::mbs::ideal::run::fitting_velocities;
+use crate::mbs::ideal::start::fitting_velocities;
 use crate::mbs::model::{Bending, Bushing, Event, Force};
 use std::collections::BTreeSet;
 

@@ -2,7 +2,7 @@
 
 use fallwerk::export::{Exported, Target, export};
 use fallwerk::mbs::Model;
-use fallwerk::mbs::ideal::run::fitting_velocities;
+use fallwerk::mbs::ideal::start::fitting_velocities;
 use fallwerk::mbs::math::{M3, V3, add, axpy, cross, matmul, mul, norm, qexp, qmat, qmul, sub};
 use fallwerk::mbs::model::{Body, Joint, JointKind};
 use fallwerk::verify::mbs::models;
@@ -300,6 +300,47 @@ fn velocities_that_do_not_fit_are_written_as_they_run() {
     }
     let data = Rebuilt::read(&written(&strained, Target::Adams).text);
     check_bodies(&fitting, &data);
+}
+
+/// What events at t = 0 set free starts with the velocity given, along the rail that is left: `(3, 0, 0)` along `(0.6, 0, 0.8)` is `3 · 0.6 (0.6, 0, 0.8)`, in a run and in what is written.
+#[test]
+fn joints_that_go_at_once_hold_no_initial_velocity() {
+    let fixed = |body: &str| serde_json::json!({"id": "gone", "kind": "fixed", "body_a": body, "body_b": "a", "point_m": [0, 0, 0]});
+    let rail = serde_json::json!({
+        "id": "rail", "kind": "prismatic", "body_b": "a", "point_m": [0, 0, 0], "axis": [0.6, 0, 0.8]});
+    let body = |id: &str, x: f64, vx: f64| {
+        serde_json::json!({
+            "id": id, "mass_kg": 1, "inertia_kg_m2": [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]],
+            "position_m": [x, 0, 0], "velocity_m_s": [vx, 0, 0]})
+    };
+    let events = [
+        serde_json::json!({"id": "e", "time_s": 0, "release": ["gone"]}),
+        serde_json::json!({"id": "e", "time_s": 0, "remove_bodies": ["b"]}),
+    ];
+    for event in events {
+        let is_removal = event.get("release").is_none();
+        let model: Model = serde_json::from_value(serde_json::json!({
+            "schema": "fallwerk-mbs/2", "name": "debris", "gravity_m_s2": [0, 0, 0],
+            "bodies": [body("a", 0.0, 3.0), body("b", 1.0, 0.0)], "joints": [fixed("b"), rail], "events": [event],
+            "tracked": [{"id": "p", "body": "a", "point_m": [0, 0, 0]}],
+            "settings": {"end_time_s": 1, "output_interval_s": 0.5, "reactions": true}}))
+        .unwrap();
+        model.check().unwrap();
+        let result = fallwerk::mbs::simulate(&model).unwrap();
+        let went = result.tracked[0].displacement_m.last().unwrap();
+        near(*went, [1.08, 0.0, 1.44], 1e-9, "displacement");
+        // 0.5 · 1.8²
+        assert!((result.energies.kinetic_j[0] - 1.62).abs() < 1e-9, "{:?}", result.energies.kinetic_j);
+        assert!(result.energy_error < 1e-9, "{}", result.energy_error);
+        assert!(result.reactions.iter().all(|r| r.force_n.iter().flatten().all(|f| f.abs() < 1e-9)));
+        let [v, w] = fitting_velocities(&model).unwrap().expect("it is strained")[0];
+        near(v, [1.08, 0.0, 1.44], 1e-12, "velocity");
+        near(w, [0.0; 3], 1e-12, "angular velocity");
+        let mut fitting = model.clone();
+        fitting.bodies[0].velocity_m_s = [1.08, 0.0, 1.44];
+        fitting.bodies.truncate(if is_removal { 1 } else { 2 });
+        check_bodies(&fitting, &Rebuilt::read(&written(&model, Target::Adams).text));
+    }
 }
 
 #[test]

@@ -18,6 +18,7 @@
 //! | `solve` | what joints add to accelerations; the projection |
 //! | [`touch`] | contact |
 //! | [`compile`] | from a model file |
+//! | [`start`] | velocities at the start |
 //! | [`run`] | a whole run of a model file: events, outputs, energy balance |
 //! | [`survey`] | energies, reactions, the highest frequency |
 //! | [`march`] | steps of Runge and Kutta and of the leapfrog (`method`: their coefficients) |
@@ -36,6 +37,7 @@ pub mod motion;
 pub mod planar;
 pub mod run;
 mod solve;
+pub mod start;
 pub mod survey;
 pub mod touch;
 pub mod turn;

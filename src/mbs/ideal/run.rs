@@ -3,9 +3,9 @@
 use super::compile;
 use super::march::{Locked, MarchError, Marcher, Span};
 use super::motion::{Motion, STATE};
+use super::start;
 use super::survey::Observed;
 use super::touch::Touching;
-use crate::curve::CurveError;
 use crate::mbs::balance::Balance;
 use crate::mbs::contact::{ContactSet, Partner};
 use crate::mbs::error::SolveError;
@@ -18,9 +18,6 @@ use crate::mbs::result::{
 use crate::mbs::run::{
     FINER_IDEAL, Overturned, SAME, SolverOptions, closing_remarks, remark_on_overlaps, remarks_on_wishes,
 };
-
-/// Velocity across joints that is worth a warning, as a share of the largest \[m/s, rad/s\].
-const VELOCITY: f64 = 1e-6;
 
 /// Runs a checked model.
 ///
@@ -39,39 +36,13 @@ pub fn simulate(model: &Model, options: &SolverOptions) -> Result<RunResult, Sol
     Ok(run.result)
 }
 
-/// Velocities and angular velocities of the bodies of a model at its start \[m/s, rad/s\], as its joints allow them, if those of the file do not fit them.
-///
-/// # Errors
-/// If a curve cannot be compiled.
-pub fn fitting_velocities(model: &Model) -> Result<Option<Vec<[V3; 2]>>, CurveError> {
-    if model.joints.is_empty() {
-        return Ok(None);
-    }
-    let mechanism = compile::mechanism(model);
-    let marcher = Marcher::of(&mechanism, model.settings.tolerance, model.settings.end_time_s, true)?;
-    let misfit = misfit(&Motion::state(&mechanism), &marcher.state);
-    let of = |s: &[f64]| [[s[7], s[8], s[9]], [s[10], s[11], s[12]]];
-    let bodies = marcher.state.chunks_exact(STATE).take(model.bodies.len());
-    Ok(misfit.map(|_| bodies.map(of).collect()))
-}
-
-/// The body whose velocity or angular velocity a projection onto the joints changed most, and by how much, if that is worth a word \[m/s, rad/s\].
-fn misfit(given: &[f64], projected: &[f64]) -> Option<(usize, f64)> {
-    let six = |s: &[f64]| -> [f64; 6] { std::array::from_fn(|k| s[7 + k]) };
-    let change = |(a, b): (&[f64], &[f64])| {
-        six(a).into_iter().zip(six(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    let largest = given.chunks_exact(STATE).flat_map(six).fold(0.0_f64, |a, v| a.max(v.abs()));
-    let changes = given.chunks_exact(STATE).zip(projected.chunks_exact(STATE)).map(change);
-    let most = changes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-    most.filter(|(_, change)| *change > VELOCITY * largest)
-}
-
 struct Run<'a> {
     model: &'a Model,
     options: &'a SolverOptions,
     marcher: Marcher,
     tracked: Vec<(usize, V3)>,
+    /// Whether velocities are those of the time after the events at t = 0, which joints that go then would not allow.
+    frees: bool,
     record: Record,
     result: RunResult,
 }
@@ -105,6 +76,11 @@ impl<'a> Run<'a> {
         // contacts may push across the plane of a mechanism, where nothing but its joints holds it
         let in_space = settings.reactions || model.may_touch();
         let mut marcher = Marcher::of(&mechanism, settings.tolerance, settings.end_time_s, in_space)?;
+        let frees = start::misfit(&given, &marcher.state).is_some() && !start::freed(model).is_empty();
+        if frees {
+            marcher.state = start::fitting_state(model, &mechanism)?;
+            marcher.restart();
+        }
         if model.may_touch() {
             let set = ContactSet::new(model, options.contact);
             let mut touching = Touching::new(set, settings.tolerance);
@@ -147,15 +123,20 @@ impl<'a> Run<'a> {
             books: Balance::new(scale_j, contacts_j),
             overturned: Overturned::default(),
         };
-        Ok(Self { model, options, tracked: tracked.collect(), record, marcher, result })
+        Ok(Self { model, options, tracked: tracked.collect(), frees, record, marcher, result })
     }
 
     fn go(&mut self) -> Result<(), SolveError> {
         if self.switch(0.0) {
             self.marcher.restart();
         }
-        self.output_here()?;
-        self.events_at(0.0);
+        if self.frees {
+            self.events_at(0.0);
+            self.output_here()?;
+        } else {
+            self.output_here()?;
+            self.events_at(0.0);
+        }
         for stop in self.stops() {
             self.advance(stop)?;
             self.events_at(stop);
@@ -512,7 +493,7 @@ fn remarks(model: &Model, marcher: &Marcher, given: &[f64]) -> Vec<String> {
             "{dependent} of {rows} joint conditions depend on others (redundant joints or loops): the motion is unique, the reactions of those joints are not"
         ));
     }
-    if let Some((i, change)) = misfit(given, &marcher.state) {
+    if let Some((i, change)) = start::misfit(given, &marcher.state) {
         list.push(format!(
             "initial velocities do not fit the joints: the nearest ones that do are taken; body \"{}\" changes most, by {change:.3e} m/s or rad/s",
             model.bodies[i].id
