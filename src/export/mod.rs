@@ -136,6 +136,15 @@ fn at_start(model: &Model, notes: &mut Notes) -> Model {
             "initial velocities do not fit the joints: written are the nearest ones that do, with which `simulate` runs",
         );
     }
+    for joint in &mut m.joints {
+        if let Some(across) = joint.squared_axis_b() {
+            joint.axis_b = Some(across);
+            notes.add(
+                &joint.id,
+                "axis_b is not quite at a right angle to axis: its part across it is written",
+            );
+        }
+    }
     for shared in &m.shared_masses {
         let first = shared.bodies.first().map_or("shared_masses", String::as_str);
         notes.add(first, "inertia that it has together with others (shared_masses) is left out: spans are as heavy as rigid halves");
@@ -231,5 +240,16 @@ mod tests {
         assert!(matches!(&m.forces[0], Force::Hinge { capacity, joint: None, .. } if capacity[0][1] == 4.0));
         assert_eq!(notes.0.len(), 1);
         assert_eq!(notes.0[0].id, "then");
+    }
+
+    #[test]
+    fn axes_not_quite_at_a_right_angle_are_squared() {
+        let text = r#"{"schema": "fallwerk-mbs/2", "name": "u", "gravity_m_s2": [0, 0, 0], "bodies": [
+                {"id": "b", "mass_kg": 1, "inertia_kg_m2": [[1,0,0],[0,1,0],[0,0,1]], "position_m": [0,0,0]}],
+            "joints": [{"id": "j", "kind": "universal", "body_b": "b", "point_m": [0,0,0], "axis": [0, 1, 0], "axis_b": [1, 1e-5, 0]}]}"#;
+        let model: Model = serde_json::from_str(text).unwrap();
+        let mut notes = Notes::default();
+        assert_eq!(at_start(&model, &mut notes).joints[0].axis_b, Some([1.0, 0.0, 0.0]));
+        assert!(notes.0.len() == 1 && notes.0[0].id == "j", "{:?}", notes.0);
     }
 }

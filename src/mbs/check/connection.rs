@@ -3,7 +3,9 @@
 use super::{List, ORTHONORMAL_TOLERANCE, closest, orthonormality_error};
 use crate::mbs::latent::held_together;
 use crate::mbs::math;
-use crate::mbs::model::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Model, RateFactor};
+use crate::mbs::model::{
+    Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, Model, OBLIQUE, RateFactor,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of its free length below which the ends of a spring are one point: rounding gives it a direction.
@@ -110,10 +112,9 @@ fn check_joint(joint: &Joint, path: &str, known: &Known<'_>, list: &mut List) {
             list.direction(&format!("{path}.{name}"), axis);
         }
     }
-    if let (Universal, Some(a), Some(b)) = (joint.kind, joint.axis, joint.axis_b) {
-        let cosine = math::dot(a, b) / (math::norm(a) * math::norm(b));
-        list.require(cosine.abs() <= ORTHONORMAL_TOLERANCE, &format!("{path}.axis_b"), || {
-            format!("is not at a right angle to axis (cosine {cosine:.3}); turn the joint's bodies or give the axis across")
+    if let Some(cosine) = joint.cosine() {
+        list.require(cosine.abs() <= OBLIQUE, &format!("{path}.axis_b"), || {
+            format!("is not at a right angle to axis (cosine {cosine:.1e}, at most {OBLIQUE:.0e}); turn the joint's bodies or give the axis across")
         });
     }
     if let (Rod, Some(b)) = (joint.kind, joint.point_b_m) {

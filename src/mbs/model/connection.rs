@@ -1,6 +1,7 @@
 //! What connects bodies: ideal joints, compliant bushings, forces.
 
 use super::Origin;
+use crate::mbs::math;
 use serde::{Deserialize, Serialize};
 
 /// An ideal joint between body `a` (or the ground) and body `b`, assembled in the initial poses of the file.
@@ -25,12 +26,32 @@ pub struct Joint {
     /// cylindrical, point on line), across the plane (planar), on body `a` (universal).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis: Option<[f64; 3]>,
-    /// Axis of a universal joint on body `b`, at a right angle to `axis`.
+    /// Axis of a universal joint on body `b`, at a right angle to `axis`; a cosine of up to [`OBLIQUE`] between them is taken for none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axis_b: Option<[f64; 3]>,
     /// Provenance.
     #[serde(default)]
     pub origin: Origin,
+}
+
+/// Cosine of the angle between the axes of a universal joint that is taken for a right angle: those of drawings are rounded.
+pub const OBLIQUE: f64 = 1e-3;
+/// Cosine from which that is worth a word.
+const SQUARE: f64 = 1e-6;
+
+impl Joint {
+    /// Cosine of the angle between the axes of a universal joint; none for others.
+    pub fn cosine(&self) -> Option<f64> {
+        let (a, b) = self.axis.zip(self.axis_b).filter(|_| self.kind == JointKind::Universal)?;
+        Some(math::dot(a, b) / (math::norm(a) * math::norm(b)))
+    }
+
+    /// What is taken for the second axis of a universal joint whose axes are not quite at a right angle: the part of it across the first one.
+    pub fn squared_axis_b(&self) -> Option<[f64; 3]> {
+        self.cosine().filter(|cosine| cosine.abs() > SQUARE)?;
+        let (a, b) = self.axis.zip(self.axis_b)?;
+        Some(math::axpy(b, -math::dot(a, b) / math::dot(a, a), a))
+    }
 }
 
 /// What an ideal joint leaves free.

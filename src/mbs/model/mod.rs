@@ -13,7 +13,7 @@ mod contact;
 mod event_rule;
 mod mass;
 
-pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, RateFactor, Span};
+pub use connection::{Beam, Bending, Bushing, CarryOver, Force, Joint, JointKind, OBLIQUE, RateFactor, Span};
 pub use contact::{
     BodyContact, Contact, CrushedFace, Face, FaceRate, GROUND, GroundPlane, ObstacleBox, ObstaclePlane,
     PairRule, RESTITUTION, Shape,

@@ -73,8 +73,28 @@ pub(in crate::mbs) fn closing_remarks(books: &Balance, contacts: Option<Work>, f
 
 /// What a model asks for and does not get, whatever the run does.
 pub(in crate::mbs) fn remarks_on_wishes(model: &Model) -> Vec<String> {
-    let all = [remark_on_late_events(model), remark_on_late_forces(model), remark_on_reactions(model)];
+    let all = [
+        remark_on_late_events(model),
+        remark_on_late_forces(model),
+        remark_on_reactions(model),
+        remark_on_oblique_axes(model),
+    ];
     all.into_iter().flatten().collect()
+}
+
+/// That the second axis of universal joints is not quite the one given, if so.
+fn remark_on_oblique_axes(model: &Model) -> Option<String> {
+    let mut oblique = model.joints.iter().filter(|j| j.squared_axis_b().is_some());
+    let first = oblique.next()?;
+    let cosine = first.cosine().unwrap_or_default();
+    let others = match oblique.count() {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    Some(format!(
+        "joint \"{}\": axis_b is not quite at a right angle to axis (cosine {cosine:.1e}), its part across it is taken{others}",
+        first.id
+    ))
 }
 
 /// That there are no reactions without ideal joints.
@@ -179,6 +199,27 @@ mod tests {
         assert!(
             ideal.iter().all(|words| in_file(words) && words.contains("settings.tolerance")),
             "{ideal:?}"
+        );
+    }
+
+    /// Axes as of a drawing, 0.01 off a right angle in a thousand times that: one part in 1e5.
+    #[test]
+    fn axes_not_quite_at_a_right_angle_are_squared_and_told() {
+        let text = r#"{"schema": "fallwerk-mbs/2", "name": "m", "gravity_m_s2": [0, 0, 0], "bodies": [
+                {"id": "b", "mass_kg": 1, "inertia_kg_m2": [[1,0,0],[0,1,0],[0,0,1]], "position_m": [0,0,0]}],
+            "joints": [{"id": "j", "kind": "universal", "body_b": "b", "point_m": [0,0,0], "axis": [0, 1, 0], "axis_b": [1, 1e-5, 0]}]}"#;
+        let mut model: Model = serde_json::from_str(text).unwrap();
+        model.check().unwrap();
+        assert_eq!(model.joints[0].squared_axis_b(), Some([1.0, 0.0, 0.0]));
+        let said = remarks_on_wishes(&model);
+        assert!(said.len() == 1 && said[0].contains("cosine 1.0e-5"), "{said:?}");
+        model.joints[0].axis_b = Some([1.0, 1e-7, 0.0]);
+        assert_eq!(remarks_on_wishes(&model), Vec::<String>::new());
+        model.joints[0].axis_b = Some([1.0, 0.002, 0.0]);
+        let said = model.check().unwrap_err().to_string();
+        assert!(
+            said.contains("joints[0].axis_b: is not at a right angle to axis (cosine 2.0e-3, at most 1e-3)"),
+            "{said}"
         );
     }
 
