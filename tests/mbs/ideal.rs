@@ -215,7 +215,7 @@ fn a_motion_that_joints_allow_at_first_order_only_is_stopped_booked_and_told() {
 #[test]
 fn what_does_not_fit_is_refused_with_a_remedy() {
     type Change = fn(&mut Model);
-    let cases: [(Change, &str); 9] = [
+    let cases: [(Change, &str); 12] = [
         (
             |m| m.joints[0].kind = JointKind::Revolute,
             "joints[0].axis: is missing: a revolute joint needs a vector here",
@@ -243,6 +243,12 @@ fn what_does_not_fit_is_refused_with_a_remedy() {
             "settings.preload: is true, which is for models without ideal joints and forces",
         ),
         (|m| m.settings.tolerance = 0.0, "settings.tolerance: is 0, expected a positive number"),
+        (|m| m.settings.tolerance = 1e-18, "settings.tolerance: is 1e-18, expected at least 1e-14"),
+        (
+            |m| m.joints[0].point_m[1] = 1e12,
+            "joints[0].point_m: is 1e12, expected at most 1e9 m: a slip of the exponent or the unit?",
+        ),
+        (|m| track(m, "bob", [0.0, -1e30, 0.0]), "point_m: is 1e30, expected at most 1e9 m"),
         (|m| m.settings.tolerance = 100.0, "settings.tolerance: is 100, expected at most 0.1"),
         (
             |m| {

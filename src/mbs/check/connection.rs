@@ -89,7 +89,7 @@ fn check_bodies(a: Option<&str>, b: &str, path: &str, known: &Known<'_>, list: &
 fn check_joint(joint: &Joint, path: &str, known: &Known<'_>, list: &mut List) {
     use JointKind::{Cylindrical, Planar, PointOnLine, Prismatic, Revolute, Rod, Universal};
     check_bodies(joint.body_a.as_deref(), &joint.body_b, path, known, list);
-    list.finite(&format!("{path}.point_m"), &joint.point_m);
+    list.place(&format!("{path}.point_m"), &joint.point_m);
     let needs_axis =
         matches!(joint.kind, Revolute | Universal | Cylindrical | Prismatic | Planar | PointOnLine);
     list.there(joint.axis.is_some(), needs_axis, &format!("{path}.axis"), "a vector", joint.kind);
@@ -118,7 +118,7 @@ fn check_joint(joint: &Joint, path: &str, known: &Known<'_>, list: &mut List) {
         });
     }
     if let (Rod, Some(b)) = (joint.kind, joint.point_b_m) {
-        list.finite(&format!("{path}.point_b_m"), &b);
+        list.place(&format!("{path}.point_b_m"), &b);
         list.require(math::norm(math::sub(b, joint.point_m)) > 0.0, &format!("{path}.point_b_m"), || {
             "is the same as point_m: a rod needs a length; use a spherical joint".into()
         });
@@ -127,7 +127,7 @@ fn check_joint(joint: &Joint, path: &str, known: &Known<'_>, list: &mut List) {
 
 fn check_bushing(model: &Model, joint: &Bushing, path: &str, known: &Known<'_>, list: &mut List) {
     check_bodies(joint.body_a.as_deref(), &joint.body_b, path, known, list);
-    list.finite(&format!("{path}.point_m"), &joint.point_m);
+    list.place(&format!("{path}.point_m"), &joint.point_m);
     let off = orthonormality_error(&joint.axes);
     list.require(off <= ORTHONORMAL_TOLERANCE, &format!("{path}.axes"), || {
         format!("rows are not orthonormal and right-handed (off by {off:.1e}, allowed {ORTHONORMAL_TOLERANCE:.0e})")
@@ -356,8 +356,8 @@ fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list
             ..
         } => {
             check_bodies(body_a.as_deref(), body_b, path, known, list);
-            list.finite(&format!("{path}.point_a_m"), point_a_m);
-            list.finite(&format!("{path}.point_b_m"), point_b_m);
+            list.place(&format!("{path}.point_a_m"), point_a_m);
+            list.place(&format!("{path}.point_b_m"), point_b_m);
             if let Some(length) = length_m {
                 list.not_negative(&format!("{path}.length_m"), *length);
                 let apart = math::norm(math::sub(*point_b_m, *point_a_m));
@@ -398,7 +398,7 @@ fn check_force(model: &Model, force: &Force, path: &str, known: &Known<'_>, list
         }
         Force::Force { body, point_m, force_n, from_to_s, .. } => {
             list.known(known, body, &format!("{path}.body"));
-            list.finite(&format!("{path}.point_m"), point_m);
+            list.place(&format!("{path}.point_m"), point_m);
             list.finite(&format!("{path}.force_n"), force_n);
             check_span(*from_to_s, path, list);
         }

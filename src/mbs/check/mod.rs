@@ -135,57 +135,66 @@ impl Model {
         shared::check(self, &mut list);
         for (i, point) in self.tracked.iter().enumerate() {
             list.known(&known, &point.body, &format!("tracked[{i}].body"));
-            list.finite(&format!("tracked[{i}].point_m"), &point.point_m);
+            list.place(&format!("tracked[{i}].point_m"), &point.point_m);
         }
-        let s = &self.settings;
-        list.positive("settings.end_time_s", s.end_time_s);
-        list.within("settings.end_time_s", &[s.end_time_s], MOST_S, "s");
-        list.positive("settings.output_interval_s", s.output_interval_s);
-        let outputs = s.end_time_s / s.output_interval_s;
-        list.require(outputs.is_nan() || outputs <= MOST_OUTPUTS, "settings.output_interval_s", || {
-            format!(
-                "makes {outputs:.1e} outputs until settings.end_time_s = {}, at most {MOST_OUTPUTS:.0e}: outputs farther apart, or an earlier end",
-                s.end_time_s
-            )
-        });
-        if let Some(h) = s.time_step_s {
-            list.positive("settings.time_step_s", h);
-            let (span, until) = match s.end_time_s >= s.output_interval_s {
-                true => (s.end_time_s, "settings.end_time_s"),
-                false => (s.output_interval_s, "settings.output_interval_s"),
-            };
-            list.require(h <= 0.0 || (span / h).is_nan() || span / h < MOST_STEPS, "settings.time_step_s", || {
-                format!(
-                    "is {h:e}, with which {until} = {span} takes {:.1e} steps, at most {MOST_STEPS:.0e}: longer steps, or leave it out to have it chosen",
-                    span / h
-                )
-            });
-        }
-        list.positive("settings.tolerance", s.tolerance);
-        list.require(s.tolerance <= MOST_TOLERANCE || s.tolerance.is_nan(), "settings.tolerance", || {
-            format!(
-                "is {}, expected at most {MOST_TOLERANCE}: it is the error that a step may have",
-                s.tolerance
-            )
-        });
-        list.require(!s.preload || !self.is_ideal(), "settings.preload", || {
-            "is true, which is for models without ideal joints and forces: set it to false, the run begins in the poses of the file".into()
-        });
-        if let Some(v) = s.sleep_speed_m_s {
-            list.positive("settings.sleep_speed_m_s", v);
-            list.without_ideal(self, "settings.sleep_speed_m_s");
-        }
-        if let Some(v) = s.relative_inertia_rad_s {
-            list.require(v >= LEAST_RELATED_RAD_S, "settings.relative_inertia_rad_s", || {
-                format!("is {v}, expected at least {LEAST_RELATED_RAD_S} rad/s: what moves at a fifth of it, as floors do, is 2 % too slow already")
-            });
-            list.without_ideal(self, "settings.relative_inertia_rad_s");
-        }
-        if let Some(v) = s.soft_after_m {
-            list.positive("settings.soft_after_m", v);
-            list.without_ideal(self, "settings.soft_after_m");
-        }
+        check_settings(self, &mut list);
         if list.0.is_empty() { Ok(()) } else { Err(ModelError::Invalid(list.0)) }
+    }
+}
+
+/// Times, steps and tolerances that can be run, and what only some models know.
+fn check_settings(model: &Model, list: &mut List) {
+    let s = &model.settings;
+    list.positive("settings.end_time_s", s.end_time_s);
+    list.within("settings.end_time_s", &[s.end_time_s], MOST_S, "s");
+    list.positive("settings.output_interval_s", s.output_interval_s);
+    let outputs = s.end_time_s / s.output_interval_s;
+    list.require(outputs.is_nan() || outputs <= MOST_OUTPUTS, "settings.output_interval_s", || {
+        format!(
+            "makes {outputs:.1e} outputs until settings.end_time_s = {}, at most {MOST_OUTPUTS:.0e}: outputs farther apart, or an earlier end",
+            s.end_time_s
+        )
+    });
+    if let Some(h) = s.time_step_s {
+        list.positive("settings.time_step_s", h);
+        let (span, until) = match s.end_time_s >= s.output_interval_s {
+            true => (s.end_time_s, "settings.end_time_s"),
+            false => (s.output_interval_s, "settings.output_interval_s"),
+        };
+        list.require(h <= 0.0 || (span / h).is_nan() || span / h < MOST_STEPS, "settings.time_step_s", || {
+            format!(
+                "is {h:e}, with which {until} = {span} takes {:.1e} steps, at most {MOST_STEPS:.0e}: longer steps, or leave it out to have it chosen",
+                span / h
+            )
+        });
+    }
+    list.positive("settings.tolerance", s.tolerance);
+    let is_above = s.tolerance <= 0.0 || s.tolerance.is_nan() || s.tolerance >= LEAST_TOLERANCE;
+    list.require(is_above, "settings.tolerance", || {
+        format!(
+            "is {:e}, expected at least {LEAST_TOLERANCE:e}: numbers have sixteen digits, and no step is nearer than that",
+            s.tolerance
+        )
+    });
+    list.require(s.tolerance <= MOST_TOLERANCE || s.tolerance.is_nan(), "settings.tolerance", || {
+        format!("is {}, expected at most {MOST_TOLERANCE}: it is the error that a step may have", s.tolerance)
+    });
+    list.require(!s.preload || !model.is_ideal(), "settings.preload", || {
+        "is true, which is for models without ideal joints and forces: set it to false, the run begins in the poses of the file".into()
+    });
+    if let Some(v) = s.sleep_speed_m_s {
+        list.positive("settings.sleep_speed_m_s", v);
+        list.without_ideal(model, "settings.sleep_speed_m_s");
+    }
+    if let Some(v) = s.relative_inertia_rad_s {
+        list.require(v >= LEAST_RELATED_RAD_S, "settings.relative_inertia_rad_s", || {
+            format!("is {v}, expected at least {LEAST_RELATED_RAD_S} rad/s: what moves at a fifth of it, as floors do, is 2 % too slow already")
+        });
+        list.without_ideal(model, "settings.relative_inertia_rad_s");
+    }
+    if let Some(v) = s.soft_after_m {
+        list.positive("settings.soft_after_m", v);
+        list.without_ideal(model, "settings.soft_after_m");
     }
 }
 
@@ -223,6 +232,8 @@ const LEAST_KG_M2: f64 = 1e-20;
 const MOST_M_S2: f64 = 1e6;
 /// Largest error of a step with ideal joints that may be asked for.
 const MOST_TOLERANCE: f64 = 0.1;
+/// Smallest one: a share of each number, of which round-off is 1.1e-16.
+const LEAST_TOLERANCE: f64 = 1e-14;
 
 /// What an event can release or weaken has a name of its own among joints, bushings and forces: events and results tell them apart by nothing else.
 fn one_name_each(model: &Model, list: &mut List) {
@@ -342,6 +353,11 @@ impl List {
         self.require(values.iter().all(|v| v.is_finite()), path, || {
             format!("is {values:?}, expected finite numbers")
         });
+    }
+    /// A point in space.
+    fn place(&mut self, path: &str, point_m: &[f64; 3]) {
+        self.finite(path, point_m);
+        self.within(path, point_m, MOST_M, "m");
     }
     fn positive(&mut self, path: &str, value: f64) {
         self.require(value > 0.0 && value.is_finite(), path, || {

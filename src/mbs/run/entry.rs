@@ -1,7 +1,7 @@
 //! Runs of a model: with options, and again with smaller steps where one was too coarse.
 
 use super::Run;
-use super::remarks::{FINER, closing_remarks, remark_on_levels, remarks_on_wishes};
+use super::remarks::{FINER, closing_remarks, remark_on_levels, remark_on_tolerance, remarks_on_wishes};
 use crate::base::cpu::ThreadClock;
 use crate::mbs::contact::Settings;
 use crate::mbs::error::SolveError;
@@ -146,6 +146,7 @@ fn once(model: &Model, options: &SolverOptions, (share, known): (f64, &Tables)) 
     run.result.contact_work = run.contacts.work.into();
     let remarks = closing_remarks(&run.books, Some(run.contacts.work), FINER);
     run.result.warnings.extend(remarks_on_wishes(model));
+    run.result.warnings.extend(remark_on_tolerance(model));
     run.result.warnings.extend(remark_on_levels(&run.beyond_levels));
     run.result.warnings.extend(run.overturned.remark());
     run.result.warnings.extend(remarks);

@@ -5,7 +5,8 @@ use super::entry::GROWTH;
 use crate::mbs::balance::Balance;
 use crate::mbs::contact::Work;
 use crate::mbs::joint::MOST_TURN_RAD;
-use crate::mbs::model::{Event, Force, Model};
+use crate::mbs::math;
+use crate::mbs::model::{Body, Event, Force, Model, Shape, TOLERANCE};
 
 /// Energy error worth a warning.
 const ENERGY_WORTH_TELLING: f64 = 1e-3;
@@ -78,8 +79,40 @@ pub(in crate::mbs) fn remarks_on_wishes(model: &Model) -> Vec<String> {
         remark_on_late_forces(model),
         remark_on_reactions(model),
         remark_on_oblique_axes(model),
+        remark_on_inertia(model),
     ];
     all.into_iter().flatten().collect()
+}
+
+/// That the tolerance of a model of bushings has no effect, if it is not the one by default.
+pub(super) fn remark_on_tolerance(model: &Model) -> Option<String> {
+    let given = model.settings.tolerance;
+    (given != TOLERANCE).then(|| {
+        format!("settings.tolerance = {given:e} has no effect: without ideal joints and forces the step is that of settings.time_step_s (or --step), or follows from the stiffest bushing")
+    })
+}
+
+/// Radius of gyration over the farthest point of a body's shapes from its centre of mass above which its inertia is a slip; at most 1 where the shapes are all of the body.
+const SPREAD: f64 = 20.0;
+
+/// That bodies have inertia that their shapes cannot have, if there are any.
+fn remark_on_inertia(model: &Model) -> Option<String> {
+    let sizes = |body: &Body| {
+        let corners = body.shapes.iter().flat_map(Shape::corners);
+        let extent_m = corners.map(math::norm).reduce(f64::max)?;
+        let inertia = nalgebra::Matrix3::from_fn(|i, j| body.inertia_kg_m2[i][j]);
+        Some([(inertia.symmetric_eigenvalues().max() / body.mass_kg).sqrt(), extent_m])
+    };
+    let of_body = |body: &Body| sizes(body).filter(|[gyration_m, extent_m]| *gyration_m > SPREAD * extent_m);
+    let mut odd = model.bodies.iter().filter_map(|body| of_body(body).map(|sizes| (&body.id, sizes)));
+    let (id, [gyration_m, extent_m]) = odd.next()?;
+    let others = match odd.count() {
+        0 => String::new(),
+        more => format!("; so do {more} more"),
+    };
+    Some(format!(
+        "body \"{id}\": inertia_kg_m2 over mass_kg gives a radius of gyration of {gyration_m:.3e} m, and its shapes reach {extent_m:.3e} m from its centre of mass: a slip of the exponent or the unit?{others}"
+    ))
 }
 
 /// That the second axis of universal joints is not quite the one given, if so.
@@ -202,7 +235,7 @@ mod tests {
         );
     }
 
-    /// Axes as of a drawing, 0.01 off a right angle in a thousand times that: one part in 1e5.
+    /// Axes that are off a right angle by one part in 1e5, as rounded in a drawing.
     #[test]
     fn axes_not_quite_at_a_right_angle_are_squared_and_told() {
         let text = r#"{"schema": "fallwerk-mbs/2", "name": "m", "gravity_m_s2": [0, 0, 0], "bodies": [
@@ -221,6 +254,34 @@ mod tests {
             said.contains("joints[0].axis_b: is not at a right angle to axis (cosine 2.0e-3, at most 1e-3)"),
             "{said}"
         );
+    }
+
+    /// A cube of 0.2 m has its corners at 0.173 m: at 1 kg, with 16 kg m² it has a radius of gyration of 23 times that, with 9 kg m² of 17 times.
+    #[test]
+    fn inertia_that_shapes_cannot_have_is_told() {
+        let text = r#"{"schema": "fallwerk-mbs/2", "name": "m", "gravity_m_s2": [0, 0, 0], "bodies": [
+                {"id": "b", "mass_kg": 1, "inertia_kg_m2": [[16,0,0],[0,16,0],[0,0,16]], "position_m": [0,0,0],
+                 "shapes": [{"kind": "box", "center_m": [0,0,0], "half_extents_m": [0.1, 0.1, 0.1]}]}]}"#;
+        let mut model: Model = serde_json::from_str(text).unwrap();
+        let said = remarks_on_wishes(&model);
+        assert!(
+            said.len() == 1 && said[0].contains("4.000e0 m") && said[0].contains("1.732e-1 m"),
+            "{said:?}"
+        );
+        (0..3).for_each(|k| model.bodies[0].inertia_kg_m2[k][k] = 9.0);
+        assert_eq!(remarks_on_wishes(&model), Vec::<String>::new());
+        model.bodies[0].inertia_kg_m2[0][0] = 1e6;
+        model.bodies[0].shapes.clear();
+        assert_eq!(remarks_on_wishes(&model), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_tolerance_without_effect_is_told() {
+        let mut model = Model::empty("m", [0.0; 3], 1.0, 0.1);
+        assert_eq!(remark_on_tolerance(&model), None);
+        model.settings.tolerance = 1e-8;
+        let said = remark_on_tolerance(&model).unwrap();
+        assert!(said.starts_with("settings.tolerance = 1e-8 has no effect"), "{said}");
     }
 
     #[test]
