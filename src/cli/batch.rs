@@ -12,7 +12,7 @@ use std::time::Instant;
 /// Run a multibody model many times with other numbers
 ///
 /// The table is CSV: names of numbers in the first line, a run in each further one. Names follow the model file, with ids in the place of list places:
-/// bodies.slab1.velocity_m_s.2, contact.ground.friction, events.charge1.time_s; `*` is every member of a list. Names that end in _factor multiply:
+/// bodies.slab1.velocity_m_s.2, contact.ground.friction, events.charge1.time_s, settings.time_step_s; `*` is every member of a list. Names that end in _factor multiply:
 /// bushings.*.strength_factor, bodies.column3.mass_factor. Runs are spread over all threads; each ends with the same bytes as if it ran alone.
 ///
 /// Exit codes: 0 done, 1 a run went wrong (its row says why), 2 bad input or usage.

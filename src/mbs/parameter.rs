@@ -38,7 +38,11 @@ pub fn apply(model: &mut Model, name: &str, value: f64) -> Result<usize, Paramet
         }
         ("settings", ["end_time_s"]) => set(Some(&mut model.settings.end_time_s), value).ok_or(unknown("")),
         ("settings", ["tolerance"]) => set(Some(&mut model.settings.tolerance), value).ok_or(unknown("")),
-        ("settings", _) => Err(unknown("end_time_s or tolerance")),
+        ("settings", ["time_step_s"]) => {
+            model.settings.time_step_s = Some(value);
+            Ok(1)
+        }
+        ("settings", _) => Err(unknown("end_time_s, time_step_s or tolerance")),
         ("contact", [surface @ ("ground" | "bodies"), field]) => {
             let pair = if *surface == "ground" {
                 model.contact.ground.as_mut().map(|g| (&mut g.friction, &mut g.restitution))

@@ -38,6 +38,7 @@ fn names_follow_the_file() {
         ("contact.bodies.friction", "no such contact"),
         ("contact.planes.p.friction", "surfaces of planes, obstacles and single pairs cannot be varied"),
         ("gravity_m_s2.3", "expected 0, 1 or 2"),
+        ("settings.output_interval_s", "expected end_time_s, time_step_s or tolerance"),
     ] {
         let text = apply(&mut m, name, 1.0).unwrap_err().to_string();
         assert!(text.starts_with(name) && text.contains(expected), "{text}");
@@ -65,6 +66,26 @@ fn a_batch_gives_what_single_runs_give_and_a_bad_row_hurts_no_other() {
     let short = Table { rows: vec![vec![1.0]], ..table };
     let text = batch::run(&m, &short, &SolverOptions::default(), &|| {}).unwrap_err().to_string();
     assert_eq!(text, "row 1 has 1 values, expected 2, one for each name");
+}
+
+/// A table of steps shows how the answer depends on them.
+#[test]
+fn steps_can_be_varied() {
+    let m = falling();
+    let table =
+        Table { names: vec!["settings.time_step_s".into()], rows: vec![vec![0.01], vec![0.002], vec![0.0]] };
+    let found = batch::run(&m, &table, &SolverOptions::default(), &|| {}).unwrap();
+    assert!(found[2].as_ref().unwrap_err().to_string().contains("settings.time_step_s"));
+    let [coarse, fine] = [0, 1].map(|i| found[i].as_ref().unwrap());
+    assert!(
+        coarse.steps >= 50 && fine.steps >= 250 && coarse.steps < fine.steps,
+        "{} {}",
+        coarse.steps,
+        fine.steps
+    );
+    let alone = simulate(&varied(&m, &table.names, &table.rows[1]).unwrap()).unwrap();
+    assert_eq!((fine.steps, fine.displacements_m[0]), (alone.steps, alone.tracked[0].displacement_m[5]));
+    assert!((fine.displacements_m[0][2] + 0.5 * G * 0.25).abs() < 1e-3, "{:?}", fine.displacements_m);
 }
 
 #[test]
