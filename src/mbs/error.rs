@@ -131,6 +131,24 @@ pub enum SolveError {
         /// The step \[s\].
         step_s: f64,
     },
+    /// The energy balance is off where joints stop motions again and again.
+    #[error(
+        "at t = {time_s:.6} s the energy error is {error:.3}, above {limit}: joints have stopped a motion {times} times, which they allow at first order only in a singular pose (bars in one line between two pins, say); leave a joint out, or move a point of one out of the line (fastest body \"{body}\", joints: {joints})"
+    )]
+    Locked {
+        /// When \[s\].
+        time_s: f64,
+        /// Relative error.
+        error: f64,
+        /// Its limit.
+        limit: f64,
+        /// How often joints have stopped a motion.
+        times: usize,
+        /// The fastest body.
+        body: String,
+        /// Its joints.
+        joints: String,
+    },
     /// Contacts make energy.
     #[error(
         "at t = {time_s:.6} s contacts have made {made_j:.2e} J, {share:.3} of the energy turned over, above {limit}: bodies are jammed between contacts and joints, and the impulses on them do not settle (a smaller settings.tolerance or settings.time_step_s, now {step_s:.3e}, may help, or joints that yield)"

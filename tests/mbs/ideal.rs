@@ -212,6 +212,36 @@ fn a_motion_that_joints_allow_at_first_order_only_is_stopped_booked_and_told() {
     assert!(result.frames[last].position_m[0][2].abs() < 1e-3, "{:?}", result.frames[last]);
 }
 
+/// Five bars in one line between two ball joints, under their weight: the joints stop each motion across the line, hundreds of times, and no step resolves that.
+#[test]
+fn an_energy_error_in_a_singular_pose_is_told_as_such() {
+    use fallwerk::mbs::{SolverOptions, simulate_with};
+    let mut m = model("line", 0.2, 0.01);
+    let ids: Vec<String> = (0..5).map(|i| format!("b{i}")).collect();
+    for (i, id) in ids.iter().enumerate() {
+        m.bodies.push(Body {
+            mass_kg: 1.0,
+            inertia_kg_m2: [[0.01, 0.0, 0.0], [0.0, 0.0833, 0.0], [0.0, 0.0, 0.0833]],
+            shapes: Vec::new(),
+            ..solid(id, [i as f64 + 0.5, 0.0, 0.0], [1.0, 0.1, 0.1])
+        });
+    }
+    for i in 0..=5 {
+        let before = (1..5).contains(&i).then(|| ids[i - 1].as_str());
+        m.joints.push(ideal(
+            &format!("j{i}"),
+            JointKind::Spherical,
+            before,
+            &ids[i.min(4)],
+            [i as f64, 0.0, 0.0],
+        ));
+    }
+    let options = SolverOptions { energy_limit: 0.03, ..SolverOptions::default() };
+    let said = simulate_with(&m, &options).unwrap_err().to_string();
+    assert!(said.contains("joints have stopped a motion") && said.contains("singular pose"), "{said}");
+    assert!(!said.contains("smaller settings.time_step_s"), "{said}");
+}
+
 #[test]
 fn what_does_not_fit_is_refused_with_a_remedy() {
     type Change = fn(&mut Model);

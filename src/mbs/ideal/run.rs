@@ -195,7 +195,8 @@ impl<'a> Run<'a> {
                 record.kick_j = marcher.kick_j(record.kick_s);
                 failure = record
                     .output(model, options, tracked, [time, span.length_s], &marcher.motion, &state, result)
-                    .err();
+                    .err()
+                    .map(|error| by_locks(error, &marcher.locked));
             }
             None
         };
@@ -224,7 +225,9 @@ impl<'a> Run<'a> {
         record.contact_j = marcher.touching.as_ref().map_or([0.0; 2], Touching::taken_j);
         record.locked_j = marcher.locked.energy_j;
         (record.kick_j, record.share) = (marcher.kick_j(record.kick_s), 0.0);
-        record.output(model, options, tracked, at, &marcher.motion, &marcher.state, result)?;
+        record
+            .output(model, options, tracked, at, &marcher.motion, &marcher.state, result)
+            .map_err(|error| by_locks(error, &marcher.locked))?;
         if !model.settings.reactions {
             return Ok(());
         }
@@ -481,6 +484,19 @@ fn stopped(model: &Model, error: MarchError, longest_s: f64) -> SolveError {
             step_s,
         },
         error => SolveError::March { error, longest_s },
+    }
+}
+
+/// Times that joints have stopped a motion from which an energy balance that is off is their doing: no smaller step helps, since each of them ends one.
+const LOCKED_OFTEN: usize = 20;
+
+/// An error of the energy balance, with its cause where joints stop motions again and again.
+fn by_locks(error: SolveError, locked: &Locked) -> SolveError {
+    match error {
+        SolveError::Energy { time_s, error, limit, body, joint, .. } if locked.times >= LOCKED_OFTEN => {
+            SolveError::Locked { time_s, error, limit, times: locked.times, body, joints: joint }
+        }
+        other => other,
     }
 }
 

@@ -167,7 +167,10 @@ fn is_too_coarse(outcome: &Outcome) -> bool {
         Ok(result) => coarseness(result) > 1.0,
         Err(why) => matches!(
             why,
-            SolveError::Energy { .. } | SolveError::ContactEnergy { .. } | SolveError::Penetration { .. }
+            SolveError::Energy { .. }
+                | SolveError::Locked { .. }
+                | SolveError::ContactEnergy { .. }
+                | SolveError::Penetration { .. }
         ),
     }
 }
