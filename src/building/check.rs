@@ -4,6 +4,7 @@
 use super::clear::Clear;
 use super::connect::unsupported_groups;
 use super::fields::Placed;
+use super::gaps;
 use super::model::{Charge, Member, MemberKind, Preparation};
 use super::overrides;
 use super::partition::{COORDINATE_TOLERANCE_M, Partition};
@@ -22,11 +23,12 @@ use std::collections::BTreeMap;
 const MAX_CELLS: f64 = 1e7;
 const MAX_ELEMENTS: f64 = 5e6;
 /// Most overlaps and the like that are reported one by one.
-const MAX_REPORTED: usize = 20;
+pub(super) const MAX_REPORTED: usize = 20;
 
 /// All checks of meaning.
 pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     overlaps(draft, found);
+    gaps::check(draft, found);
     turned(draft, found);
     names_of_contacts(draft, found);
     obstacles(draft, found);

@@ -21,6 +21,7 @@ mod connect;
 pub mod ends;
 mod fields;
 pub mod format;
+pub mod gaps;
 mod grid;
 pub mod inclined;
 pub mod lines;

@@ -11,8 +11,8 @@ use crate::base::diagnostic::{Diagnostic, quoted};
 use crate::base::geom::Aabb;
 use crate::base::units::{Dimension, round_to_digits, show};
 
-/// Least share of a joint without a member that is told.
-const LEAST_OPEN: f64 = 1e-3;
+/// Least share of a joint, or of a gap, without a member that is told.
+pub(super) const LEAST_OPEN: f64 = 1e-3;
 
 /// A column with a joint that is not filled.
 struct Open<'a> {
@@ -85,7 +85,7 @@ fn open<'a>(column: &'a Placed<Member>, members: &'a [Placed<Member>], near: &Bo
 }
 
 /// The volume of a box that is in none of some members \[m³\]: the sum over the cells between their faces.
-fn missing(joint: &Aabb, members: &[&Member]) -> f64 {
+pub(super) fn missing(joint: &Aabb, members: &[&Member]) -> f64 {
     let solids = || members.iter().flat_map(|m| m.openings.iter().chain([&m.solid]));
     let faces = |i: usize| {
         let mut all = vec![joint.min[i], joint.max[i]];

@@ -7,8 +7,9 @@
 //! it is to have finer elements (`[[mesh.refine]]`) and the gap is wider than that share of their size; without it the mesh is refused ([`super::weld`]).
 
 use super::grid::SNAP_SHARE;
-use super::weld::{are_apart, gap, solids};
+use super::weld::are_apart;
 use crate::base::geom::Aabb;
+use crate::building::gaps::{gap, solids};
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
 use crate::building::{Building, Member, MemberKind};
 use std::collections::BTreeMap;

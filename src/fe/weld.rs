@@ -3,7 +3,7 @@
 //! Faces nearer than a quarter of the mesh size become one plane ([`super::merge`]). Where that closes the gap between two members they share nodes, and
 //! the model is another structure: an expansion joint is gone, a column that ends below its beam bears it. Such a mesh is refused ([`check`]).
 //!
-//! Members touch if their solids without the openings do, or what they own of the building ([`Partition`]), to within [`CLOSED_M`]. Two that do not
+//! Members touch if their solids without the openings do, or what they own of the building ([`Partition`]), to within [`LEAST_GAP_M`] (building files with narrower gaps are refused). Two that do not
 //! are welded where they share the face of an element, or nodes that belong to no third member that touches both; not where other members fill the gap
 //! between them, as the column does between two beams. Nodes of columns with a mesh of their own ([`super::apart`]) are tied as far away as planes
 //! are merged, and judged likewise.
@@ -12,12 +12,11 @@ use super::apart::FACES;
 use super::mesh::Mesh;
 use crate::base::boxes::Boxes;
 use crate::base::geom::Aabb;
+use crate::building::Building;
+use crate::building::gaps::{LEAST_GAP_M, gap, solids};
 use crate::building::partition::{COORDINATE_TOLERANCE_M, Partition};
-use crate::building::{Building, Member};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Gaps up to this are closed without a word \[m\].
-pub const CLOSED_M: f64 = 1e-3;
 /// Most pairs that the message lists.
 const MOST_LISTED: usize = 5;
 /// Where the way across a gap is looked at, as shares of it.
@@ -138,48 +137,9 @@ fn tied_across(mesh: &Mesh) -> BTreeMap<(usize, usize), Vec<(usize, usize)>> {
     tied
 }
 
-/// Boxes of the solid of a member that is not turned, without its openings \[m\].
-pub(super) fn solids(member: &Member) -> Vec<Aabb> {
-    let mut boxes = vec![member.solid];
-    for opening in &member.openings {
-        boxes = boxes.iter().flat_map(|solid| without(*solid, opening)).collect();
-    }
-    boxes
-}
-
-/// What is left of a box outside of another one.
-fn without(mut solid: Aabb, hole: &Aabb) -> Vec<Aabb> {
-    if solid.intersection(hole, COORDINATE_TOLERANCE_M).is_none() {
-        return vec![solid];
-    }
-    let mut left = Vec::new();
-    for i in 0..3 {
-        if hole.min[i] > solid.min[i] + COORDINATE_TOLERANCE_M {
-            let mut below = solid;
-            below.max[i] = hole.min[i];
-            solid.min[i] = hole.min[i];
-            left.push(below);
-        }
-        if hole.max[i] < solid.max[i] - COORDINATE_TOLERANCE_M {
-            let mut above = solid;
-            above.min[i] = hole.max[i];
-            solid.max[i] = hole.max[i];
-            left.push(above);
-        }
-    }
-    left
-}
-
-/// Axis along which two boxes are farthest apart, and how far \[m\].
-pub(super) fn gap(a: &Aabb, b: &Aabb) -> (usize, f64) {
-    let along = |i: usize| (a.min[i] - b.max[i]).max(b.min[i] - a.max[i]);
-    let axis = (0..3).max_by(|i, j| along(*i).total_cmp(&along(*j))).unwrap_or(0);
-    (axis, along(axis))
-}
-
-/// Whether no box of one list comes as near as [`CLOSED_M`] to one of the other.
+/// Whether no box of one list comes as near as [`LEAST_GAP_M`] to one of the other.
 pub(super) fn are_apart(a: &[Aabb], b: &[Aabb]) -> bool {
-    a.iter().all(|p| b.iter().all(|q| gap(p, q).1 > CLOSED_M))
+    a.iter().all(|p| b.iter().all(|q| gap(p, q).1 > LEAST_GAP_M))
 }
 
 /// Pairs of members that stand apart, and what the building has about them.
@@ -244,7 +204,7 @@ impl<'a> Gaps<'a> {
     fn tied(&self, mesh: &Mesh, pair: (usize, usize), nodes: &[(usize, usize)]) -> Option<Weld> {
         let hangs = |(node, part): &&(usize, usize)| {
             let point = mesh.nodes[*node];
-            let near = self.places.near(&Aabb { min: point, max: point }, CLOSED_M);
+            let near = self.places.near(&Aabb { min: point, max: point }, LEAST_GAP_M);
             near.iter().all(|at| self.all[*at].0 == *part)
         };
         self.narrowest(pair, nodes.iter().filter(hangs).map(|(node, _)| mesh.nodes[*node]))

@@ -63,6 +63,7 @@ pub use unmet::Unmet;
 pub use webs::{StaysWhole, web_of};
 pub use wish::{Accuracy, Derive, Wishes};
 
+use crate::base::units::round_to_digits;
 use crate::building::{Building, MemberKind};
 use crate::fe::weld::Welds;
 use crate::library::derive::DeriveError;
@@ -212,8 +213,9 @@ pub enum GenerateError {
     Loose(String),
     /// A member end that the mesh has elsewhere.
     #[error(
-        "member end {end} lies at {axis} = {at_m:.3} m, in the mesh at {mesh_m:.3} m: its face is one plane with that of another member, which is nearer than a quarter of the mesh size; \
-         give a `settings.mesh_size` below {:.3} m, or put both faces at the same height", 4.0 * (.at_m - .mesh_m).abs()
+        "member end {end} lies at {axis} = {} m, in the mesh at {} m: its face is one plane with that of another member, which is nearer than a quarter of the mesh size; \
+         give a `settings.mesh_size` below {} m, or put both faces at the same height",
+        round_to_digits(*at_m, 7), round_to_digits(*mesh_m, 7), round_to_digits(4.0 * (.at_m - .mesh_m).abs(), 3)
     )]
     Moved {
         /// The end.

@@ -15,6 +15,7 @@ use super::decide::Decision;
 use super::joints::{Place, axes, stands};
 use super::sections::slip;
 use crate::base::geom::Aabb;
+use crate::building::gaps::JUST_BEYOND_M;
 use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::graph::Structure;
@@ -22,9 +23,6 @@ use crate::mbs::model::{Bending, Bushing, CarryOver, Origin};
 use crate::rc::around::edges_between;
 use crate::rc::layers::{Held, Layer, Layers, Rows};
 use std::collections::BTreeMap;
-
-/// How far beyond an end its neighbour is looked for \[m\].
-const BEYOND_M: f64 = 1e-4;
 
 /// How far from a spring the pieces are looked for that it may stand on \[m\]: less than any piece is wide.
 const BESIDE_M: f64 = 1e-3;
@@ -211,7 +209,7 @@ fn parts<'a>(
             let mut at = half.point_m(side, end);
             let own = bodies.of(half.wall, at)?;
             (0..2).for_each(|i| at[i] += beside[i]);
-            let outside = [at[0], at[1], at[2] + if end == 0 { -BEYOND_M } else { BEYOND_M }];
+            let outside = [at[0], at[1], at[2] + if end == 0 { -JUST_BEYOND_M } else { JUST_BEYOND_M }];
             let next = structure.partition.member_at(outside);
             let other = next.and_then(|member| bodies.of(member, outside));
             let is_joined = other.is_some() || stands(building, half.wall, (2, at), next);

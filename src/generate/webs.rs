@@ -18,6 +18,7 @@ use super::decide::Decision;
 use super::joints::axes;
 use super::sections::{SOFTER, shear_capacity};
 use crate::base::geom::Aabb;
+use crate::building::gaps::JUST_BEYOND_M;
 use crate::building::{Building, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::graph::Structure;
@@ -30,8 +31,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Planes nearer to each other than this are one \[m\].
 const MEETS_M: f64 = 1e-6;
-/// How far beyond its end the neighbour of a web is looked for \[m\].
-const BEYOND_M: f64 = 1e-4;
 
 /// Id of the question whether a beam may break away from its slab, in traces.
 pub fn web_of(member: &str) -> String {
@@ -224,7 +223,7 @@ impl Web {
     /// A place just beyond one of its ends \[m\].
     fn beyond(&self, building: &Building, side: usize) -> [f64; 3] {
         let (axis, mut at) = (building.members[self.member].axis, self.solid.center());
-        at[axis] = [self.solid.min, self.solid.max][side][axis] + [-BEYOND_M, BEYOND_M][side];
+        at[axis] = [self.solid.min, self.solid.max][side][axis] + [-JUST_BEYOND_M, JUST_BEYOND_M][side];
         at
     }
 

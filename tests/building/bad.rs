@@ -155,3 +155,54 @@ fn joints_that_no_member_fills_are_told() {
         "{told}"
     );
 }
+
+/// The reference building, whose first slab has its soffit at 3.25 m, with a column up to a level in the middle of it, and further members.
+fn told_of_column_up_to(level_m: f64, members: &str) -> String {
+    let column = format!(
+        "[[members]]\nid = \"C1-X\"\nkind = \"column\"\nsection = \"column\"\nfrom = [3, 2.5, 0]\nto = [3, 2.5, {level_m}]\n\n"
+    );
+    let more = format!("{column}{members}[[supports]]");
+    let text = fallwerk::building::EXAMPLE.replacen("[[supports]]", &more, 1);
+    inspect(&text, Format::Toml, "a.toml").diagnostics.render(false)
+}
+
+/// The mesh joins what stands 1 mm apart, load paths and multibody models do not: such a building is refused.
+#[test]
+fn gaps_narrower_than_any_joint_are_refused() {
+    for level_m in [3.25, 3.249_999_5, 3.248, 3.2] {
+        assert_eq!(told_of_column_up_to(level_m, ""), "0 warnings in a.toml\n", "{level_m}");
+    }
+    for (level_m, gap_mm) in [(3.24999, "0.01"), (3.2495, "0.5"), (3.249, "1")] {
+        let told = told_of_column_up_to(level_m, "");
+        let words = [
+            format!(
+                "error[narrow-gap]: the column `C1-X` and the slab `S1` are {gap_mm} mm apart, at (3.000, 2.500, 3.2"
+            ),
+            format!("its face is at z = {level_m} m"),
+            "end `C1-X` at z = 3.25 m, or leave more than 1 mm between them".to_string(),
+        ];
+        for words in words {
+            assert!(told.contains(&words), "{words}: {told}");
+        }
+        assert!(told.contains("1 error in"), "{told}");
+    }
+}
+
+/// Beams that end inside a column are joined by it.
+#[test]
+fn narrow_gaps_inside_a_third_member_are_none() {
+    let beam = |id: &str, from: f64, to: f64| {
+        format!(
+            "[[members]]\nid = \"{id}\"\nkind = \"beam\"\nsection = \"beam\"\nfrom = [{from}, 2.5, 3.5]\nto = [{to}, 2.5, 3.5]\n\n"
+        )
+    };
+    let beams = beam("BX", 0.15, 2.99975) + &beam("BY", 3.00025, 5.0);
+    let told = told_of_column_up_to(3.5, &beams);
+    assert!(!told.contains("error"), "{told}");
+    // the slab fills the upper half; the lower one is open over a column that ends under the beams
+    let told = told_of_column_up_to(3.0, &beams);
+    assert!(
+        told.contains("the beam `BY` and the beam `BX` are 0.5 mm apart, at (3.000, 2.500, 3.250) m"),
+        "{told}"
+    );
+}
