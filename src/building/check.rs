@@ -1,6 +1,7 @@
 //! Checks of meaning: solids that overlap or hang in the air, plans that remove everything, meshes that
 //! cannot work. They run on all members that could be read and report everything they find.
 
+use super::between::Between;
 use super::clear::Clear;
 use super::connect::unsupported_groups;
 use super::fields::Placed;
@@ -470,7 +471,7 @@ pub(super) fn some_of(ids: &[&str]) -> String {
     format!("{} and {} more", shown.join(", "), ids.len() - 4)
 }
 
-/// Members that the precedence of solids leaves without volume.
+/// Members that the precedence of solids leaves without volume, and beams at columns that go on above and below them.
 fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
     let Some(building) = draft.building() else { return };
     let planes: f64 = (0..3)
@@ -496,7 +497,14 @@ fn volumes(draft: &Draft, found: &mut Vec<Diagnostic>) {
         found.push(error);
         return;
     }
-    let volumes = Partition::of(&building).volumes(building.members.len());
+    let partition = Partition::of(&building);
+    for met in Between::all(&building, &partition).into_iter().take(MAX_REPORTED) {
+        let [beam, column] = [met.beam, met.column].map(|i| draft.members.list[i].span);
+        let warning =
+            Diagnostic::warning("between-ends", met.problem()).at(beam, "in FE only").help(met.remedy());
+        found.push(if beam == column { warning } else { warning.also(column, "the column") });
+    }
+    let volumes = partition.volumes(building.members.len());
     for (member, volume) in draft.members.list.iter().zip(volumes) {
         if volume < 1e-3 * member.item.solid.volume() && !member.item.is_skew() {
             let (noun, id) = (member.item.kind.name(), quoted(&member.item.id));

@@ -15,6 +15,7 @@
 //! ```
 
 mod bays;
+pub mod between;
 mod check;
 pub mod clear;
 mod connect;

@@ -10,6 +10,7 @@ use super::{
     Accuracy, EventReason, GenerateError, Generated, Jointless, StaysWhole, Unmet, Wishes, entries, joints,
     unasked, undemanded,
 };
+use crate::building::between::Between;
 use crate::building::ends::{MemberEnd, member_ends};
 use crate::building::lines::{Line as PlateLine, lines as plate_lines};
 use crate::building::{Building, MemberKind, Override};
@@ -120,6 +121,10 @@ impl<'a> Generator<'a> {
         }
         let mut stages = Stages::begin();
         let structure = Structure::of(building);
+        let between = Between::all(building, &structure.partition);
+        if !between.is_empty() {
+            return Err(GenerateError::Between(between));
+        }
         stages.end("graph", 0.0);
         let ends = member_ends(building, &structure.partition);
         let plates = plate_lines(building, &structure.partition);

@@ -64,6 +64,7 @@ pub use webs::{StaysWhole, web_of};
 pub use wish::{Accuracy, Derive, Wishes};
 
 use crate::base::units::round_to_digits;
+use crate::building::between::Between;
 use crate::building::{Building, MemberKind};
 use crate::fe::weld::Welds;
 use crate::library::derive::DeriveError;
@@ -203,6 +204,9 @@ pub enum GenerateError {
     /// A member is turned out of the axes.
     #[error("{0}")]
     Skew(String),
+    /// Beams that meet columns between their ends.
+    #[error("{}{}; {}", .0[0].problem(), more_of(.0), .0[0].remedy())]
+    Between(Vec<Between>),
     /// A decision of the analyst cannot be carried out.
     #[error("the override of {0} cannot be carried out: {1}")]
     Override(String, String),
@@ -246,6 +250,11 @@ fn listed(ids: &[String]) -> String {
     let more = ids.len().saturating_sub(MOST_LISTED);
     let first = ids[..ids.len() - more].join(", ");
     if more > 0 { format!("{first} and {more} more") } else { first }
+}
+
+/// " (and 2 more)" after the first of some.
+fn more_of<T>(all: &[T]) -> String {
+    if all.len() > 1 { format!(" (and {} more)", all.len() - 1) } else { String::new() }
 }
 
 /// Generates the model of a building. `progress` hears what is being derived.

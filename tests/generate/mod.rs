@@ -1,5 +1,6 @@
 //! The generated model of the reference building: what is in it, and that every part says why.
 
+mod between;
 mod carried;
 mod charges;
 mod events;
