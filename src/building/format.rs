@@ -113,7 +113,8 @@ const CONCRETE_MODULUS: Kind = quantity(Dimension::Stress, 1e9, 60e9, (10e9, 45e
 const POISSON: Kind = quantity(Dimension::Number, 0.0, 0.45, (0.1, 0.3));
 const FRICTION: Kind = quantity(Dimension::Number, 0.0, 2.0, (0.2, 0.8));
 const STRAIN: Kind = quantity(Dimension::Number, 0.0, 2.0, (0.0, 0.3));
-const STRESS: Kind = quantity(Dimension::Stress, 0.0, 1e9, (1e6, 100e6));
+// no concrete yields below 0.1 MPa: what does is written in MPa without its unit
+const STRESS: Kind = quantity(Dimension::Stress, 1e5, 1e9, (1e6, 100e6));
 
 const FROM: Key = must("from", POINT, "[0, 0, 0]", "First point [m], in global x, y, z.");
 const TO: Key = must("to", POINT, "[0, 0, \"3.5 m\"]", "Second point [m].");

@@ -16,6 +16,9 @@ use crate::base::units::{Dimension, show};
 /// Most members of a building, and of a grid.
 pub const MAX_MEMBERS: usize = 20_000;
 
+/// Distance of axes above which a slip of units is likely \[m\]: as long as a beam may be.
+const LONGEST_SPAN_M: f64 = 60.0;
+
 /// A grid in numbers, m.
 pub struct Grid<'a> {
     x: Vec<f64>,
@@ -93,6 +96,7 @@ impl<'a> Grid<'a> {
             );
             return None;
         }
+        long_spans(fields, [("x", &x), ("y", &y)], found);
         let (beams, overhang) = (beams?, fields.number_or("slab_overhang", 0.0)?);
         if slab.is_some() && !have_width(fields, [&x, &y], overhang, found) {
             return None;
@@ -257,6 +261,23 @@ fn check_axes(
             found
                 .push(Diagnostic::error("overlap", message).at(item.span, show(distance, Dimension::Length)));
         }
+    }
+}
+
+/// Warns of the longest span of a direction that no frame has: numbers without a unit are metres.
+fn long_spans(fields: Fields<'_>, axes: [(&str, &[f64]); 2], found: &mut Vec<Diagnostic>) {
+    for (key, axes) in axes {
+        let items = fields.node.get(key).map_or(&[][..], |n| n.items());
+        let spans = axes.windows(2).map(|pair| pair[1] - pair[0]).zip(items.iter().skip(1));
+        let Some((span_m, item)) = spans.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|s| s.0 > LONGEST_SPAN_M)
+        else {
+            continue;
+        };
+        let message = format!("{key} axes are {} apart", show(span_m, Dimension::Length));
+        let warning = Diagnostic::warning("long-span", message)
+            .at(item.span, format!("usual: up to {LONGEST_SPAN_M} m"))
+            .help("plain numbers are metres: write others with their unit, such as \"600 cm\"");
+        found.push(warning);
     }
 }
 

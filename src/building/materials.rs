@@ -118,9 +118,6 @@ fn hardening(fields: Fields<'_>, found: &mut Vec<Diagnostic>) -> Option<Vec<Hard
             }
             _ => {}
         }
-        if stress_pa <= 0.0 {
-            found.push(table("a yield stress must be positive".into(), stress.span, ""));
-        }
         points.push(HardeningPoint { plastic_strain, stress_pa });
     }
     complete.then_some(points)

@@ -357,6 +357,16 @@ fn out_of_range(node: &Node, name: &str, value: f64, quantity: &Quantity) -> Dia
     )
     .at(node.span, label)
     .help_if(unit_slip(node, value, quantity).map(|meant| format!("did you mean `\"{meant}\"`?")))
+    .help_if(weight_per_volume(value, quantity))
+}
+
+/// A usual density if the number is a weight per volume in kN/m3, as drawings and codes of loads give it.
+fn weight_per_volume(value: f64, quantity: &Quantity) -> Option<String> {
+    const GRAVITY_M_S2: f64 = 9.81;
+    let meant = round_to_digits(1e3 * value / GRAVITY_M_S2, 3);
+    let is_usual = meant >= quantity.usual.0 && meant <= quantity.usual.1;
+    (quantity.dimension == Dimension::Density && is_usual)
+        .then(|| format!("a weight of {value} kN/m3 is a density of about {meant} kg/m3"))
 }
 
 /// The same digits with another unit, if that gives a usual value.

@@ -206,3 +206,21 @@ fn narrow_gaps_inside_a_third_member_are_none() {
         "{told}"
     );
 }
+
+/// Numbers in the units of drawings: MPa without the unit, centimetres, weights per volume.
+#[test]
+fn slips_of_units_are_told() {
+    let told = |from: &str, to: &str| {
+        let text = fallwerk::building::EXAMPLE.replacen(from, to, 1);
+        assert_ne!(text, fallwerk::building::EXAMPLE, "{from}");
+        inspect(&text, Format::Toml, "a.toml").diagnostics.render(false)
+    };
+    let stress = told("\"10.5 MPa\"", "10.5");
+    assert!(stress.contains("`hardening` is 10.5 Pa, which is out of range"), "{stress}");
+    assert!(stress.contains("did you mean `\"10.5 MPa\"`?"), "{stress}");
+    let span = told("x = [0, 6]", "x = [0, 600]");
+    assert!(span.contains("warning[long-span]: x axes are 600 m apart"), "{span}");
+    assert!(span.contains("plain numbers are metres"), "{span}");
+    let weight = told("density = \"2500 kg/m3\"", "density = 25");
+    assert!(weight.contains("a weight of 25 kN/m3 is a density of about 2550 kg/m3"), "{weight}");
+}
