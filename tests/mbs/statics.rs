@@ -255,6 +255,32 @@ fn a_column_is_crushed_by_as_much_shortening_as_it_bears() {
     assert!(result.energy_error < 1e-3, "{}", result.energy_error);
 }
 
+/// A column that stands on the ground, joined to it, meets it as its foot gives way: the first contact is that of a block that falls by 1 m, `√(2 h / g)`.
+#[test]
+fn what_stands_on_the_ground_does_not_come_down_on_it() {
+    let mut m = model("first contact", 0.6, 0.01);
+    m.contact.ground = Some(GroundPlane { level_m: 0.0, friction: 0.5, restitution: 0.0 });
+    m.bodies.push(solid("column", [0.0, 0.0, 1.5], [0.4, 0.4, 3.0]));
+    m.bodies.push(solid("block", [3.0, 0.0, 1.2], [0.4; 3]));
+    let foot = joint("foot", None, "column", [0.0; 3], 1e9, 1e7, [elastic(1e7), elastic(1e7)]);
+    m.bushings.push(foot);
+    m.events.push(Event { release: vec!["foot".into()], ..Event::at("foot", 0.1) });
+    let touched_s = |result: &fallwerk::mbs::result::RunResult, body: &str| {
+        let met = |kind: &EventKind| matches!(kind, EventKind::Contact { a, .. } if a == body);
+        result.events.iter().find(|e| met(&e.kind)).map(|e| e.time_s)
+    };
+    let result = simulate(&m).unwrap();
+    let fallen_s = (2.0 / G).sqrt();
+    let [column_s, block_s] = ["column", "block"].map(|body| touched_s(&result, body).unwrap());
+    assert!(column_s < 0.2 && (block_s - fallen_s).abs() < 1e-3, "{column_s} {block_s} {fallen_s}");
+    assert_eq!(result.first_ground_contact_s, Some(block_s));
+    // what nothing holds comes down, if by little
+    (m.bushings, m.events) = (Vec::new(), Vec::new());
+    let result = simulate(&m).unwrap();
+    assert_eq!(result.first_ground_contact_s, touched_s(&result, "column"));
+    assert!(result.first_ground_contact_s.is_some_and(|t| t < 0.2));
+}
+
 /// A floor whose column is crushed goes down to the ground through it, the column stands there.
 #[test]
 fn what_is_crushed_props_nothing_up() {

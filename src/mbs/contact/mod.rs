@@ -104,6 +104,8 @@ pub struct ContactSet {
     /// Who does not move: bodies asleep, and the ground.
     still: Vec<bool>,
     colliders: Vec<Collider>,
+    /// Bodies that stand on the ground at the start and are joined to it.
+    founded: Vec<bool>,
     planes: Vec<Plane>,
     surfaces: Surfaces,
     faces: Faces,
@@ -175,6 +177,7 @@ impl ContactSet {
             work: Work::default(),
             touched: Vec::new(),
             still: (0..=ground).map(|i| i == ground).collect(),
+            founded: model.bodies.iter().map(|body| surface::founded(model, body)).collect(),
             surfaces: Surfaces::new(model),
             faces: Faces::new(model, count),
             is_rolling: model.contact.resists_rolling(),

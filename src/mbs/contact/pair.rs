@@ -125,7 +125,8 @@ impl ContactSet {
         let a = self.bodies_of(pair)[0];
         let b: Partner = self.partner_of(pair);
         if self.seen.insert((a, b)) {
-            self.touches.push(super::Touch { a, b, after_s });
+            let stood = b == Partner::Ground && self.founded[a];
+            self.touches.push(super::Touch { a, b, after_s, stood });
         }
     }
 

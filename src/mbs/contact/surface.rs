@@ -102,19 +102,29 @@ fn key(a: usize, b: Partner) -> (usize, Partner) {
     }
 }
 
-/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it, but for what is away from all connections that the body itself has with the ground.
-pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
-    let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
-    let turn = math::qmat(body.orientation);
-    let height = |c: &[f64; 3]| body.position_m[2] + math::mul(&turn, *c)[2];
-    let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
+/// Where a body is joined to the ground \[m\].
+fn ground_points(model: &Model, body: &Body) -> Vec<math::V3> {
     let own = |a: &Option<String>, b: &str| match a {
         None => b == body.id,
         Some(a) => *a == body.id && b == GROUND,
     };
     let bushings = model.bushings.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
     let joints = model.joints.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
-    let points: Vec<math::V3> = bushings.chain(joints).collect();
+    bushings.chain(joints).collect()
+}
+
+/// Whether all of a body stands on the ground and is joined to it at the start, as a column on its foot: that it touches the ground once the joint has failed is no news.
+pub(super) fn founded(model: &Model, body: &Body) -> bool {
+    !ground_points(model, body).is_empty() && tied(model, body).iter().all(|tied| *tied)
+}
+
+/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it, but for what is away from all connections that the body itself has with the ground.
+pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
+    let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
+    let turn = math::qmat(body.orientation);
+    let height = |c: &[f64; 3]| body.position_m[2] + math::mul(&turn, *c)[2];
+    let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
+    let points = ground_points(model, body);
     let at = Placed { x: body.position_m, q: body.orientation, r: turn };
     let placed = |shape: &Shape| {
         let (solid, in_body) = Solid::of(shape);

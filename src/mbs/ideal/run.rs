@@ -245,7 +245,7 @@ impl<'a> Run<'a> {
     fn record_touches(&mut self) {
         let Some(touching) = &mut self.marcher.touching else { return };
         for (time_s, touch) in touching.touches.drain(..) {
-            if touch.b == Partner::Ground {
+            if touch.b == Partner::Ground && !touch.stood {
                 self.result.first_ground_contact_s.get_or_insert(time_s);
             }
             let kind = EventKind::Contact {

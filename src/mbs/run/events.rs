@@ -112,7 +112,7 @@ impl Run<'_> {
     pub(super) fn record_touches(&mut self) {
         for touch in std::mem::take(&mut self.contacts.touches) {
             let time_s = self.time + touch.after_s;
-            if touch.b == Partner::Ground {
+            if touch.b == Partner::Ground && !touch.stood {
                 self.result.first_ground_contact_s.get_or_insert(time_s);
             }
             let kind = EventKind::Contact {
