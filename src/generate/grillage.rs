@@ -20,13 +20,14 @@ use super::panels::{Given, Panel};
 use super::twist;
 use super::webs::{Web, share_of};
 use super::wish::Accuracy;
+use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, MemberKind};
 use crate::graph::Structure;
 use crate::graph::frame::{Element, Frame};
 use crate::graph::shear_lag::Stretch;
 use crate::mbs::model::{Bending, Body, Bushing, Origin, PairRule, Span};
 use crate::rc::layers::Held;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A floor in pieces about its columns.
 #[derive(Debug, Clone)]
@@ -187,7 +188,14 @@ pub fn springs(
         let spring = spring(building, (cut, pieces), own, yielding);
         springs.extend(cut.with_webs(building, (spring, pieces), webs, yielding));
     }
+    let first_across = springs.len();
     springs.extend(panels.iter().flat_map(|p| p.springs(&cuts, own, yielding)));
+    // across a panel only its slab bends, also where beams end in the pieces beside it
+    let slabs: BTreeSet<&str> =
+        building.members.iter().filter(|m| m.kind == MemberKind::Slab).map(|m| m.id.as_str()).collect();
+    for spring in &mut springs[first_across..] {
+        spring.origin.members.retain(|id| slabs.contains(id.as_str()));
+    }
     springs
 }
 
@@ -208,7 +216,7 @@ fn spring(
         if cut.yields { yielding.of(building, &id, &cut.beam(pieces), turn) } else { Ends::elastic(turn) };
     let vertical = cut.give(building, pieces, ends.bending, yielding);
     let level_one = Bending::Elastic { stiffness_nm_rad: turn_in_plane };
-    let mut members = of_a.origin.members.clone();
+    let mut members = through(building, cut, pieces);
     members.append(&mut cut.lines);
     Bushing {
         axial_stiffness_n_m: cut.plane.axial / length_m,
@@ -223,6 +231,22 @@ fn spring(
         origin: Origin { entries: Vec::new(), members, ..of_a.origin.clone() },
         ..Bushing::free(id, Some(of_a.id.clone()), of_b.id.clone(), cut.point_m, axes(axis, 1.0))
     }
+}
+
+/// The members that go through a cut: slabs and the beams across it, but not beams along it in the same pieces.
+fn through(building: &Building, cut: &Cut, pieces: &[Piece]) -> Vec<String> {
+    let (axis, at_m) = (cut.axis, cut.point_m[cut.axis]);
+    let mut found: Vec<String> = Vec::new();
+    for (index, own) in cut.pieces.iter().flat_map(|p| &pieces[*p].boxes) {
+        let member = &building.members[*index];
+        let is_across = member.kind != MemberKind::Beam || member.axis == axis;
+        let reaches =
+            own.min[axis] < at_m + COORDINATE_TOLERANCE_M && own.max[axis] > at_m - COORDINATE_TOLERANCE_M;
+        if is_across && reaches && !found.contains(&member.id) {
+            found.push(member.id.clone());
+        }
+    }
+    found
 }
 
 impl Cut {

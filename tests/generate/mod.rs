@@ -178,6 +178,15 @@ fn every_part_names_members_rules_and_entries() {
     }
 }
 
+/// Two pieces of a floor are joined by its slab and by the beam between them, not by the beam along the other edge of the first.
+#[test]
+fn joints_of_floors_name_what_goes_through_them() {
+    let model = generated(&reference(|t| t)).unwrap().model;
+    let named = |id: &str| &model.bushings.iter().find(|j| j.id == id).unwrap().origin.members;
+    assert_eq!(*named("S1/1-1|S1/1-2"), ["B1-A1-A2", "S1", "S1:C1-A1|C1-A2"]);
+    assert_eq!(*named("S1/1-1|S1/2-1"), ["B1-A1-B1", "S1", "S1:C1-A1|C1-B1"]);
+}
+
 #[test]
 fn a_missing_curve_is_named_and_not_replaced() {
     let other = reference(|t| t.replace("[0, \"10.5 MPa\"]", "[0, \"11 MPa\"]"));
