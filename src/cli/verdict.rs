@@ -171,7 +171,7 @@ fn displacements(v: &Validation) -> Check {
     let Some(e) = v.e_to_contact else {
         return check(label, "nothing was compared".into(), limit, Status::Unknown, words);
     };
-    let mut value = format!("e = {e:.3}");
+    let mut value = if v.fe_rests() { "FE at rest".into() } else { format!("e = {e:.3}") };
     if v.stands() {
         value += &format!(", {}", apart(v));
         limit += &format!(", or {:.0} mm apart", 1e3 * LIMIT_STANDING_M);
@@ -236,7 +236,7 @@ pub fn verdict(v: &Validation) -> Verdict {
     let (headline, status) = match v.agreement() {
         None => (undecided(v), Status::Unknown),
         Some(true) => match v.e_to_contact {
-            Some(e) if e <= LIMIT_TO_CONTACT => {
+            Some(e) if e <= LIMIT_TO_CONTACT && !v.fe_rests() => {
                 (format!("The MBS agrees with FE {phase}: e = {e:.3}"), Status::Pass)
             }
             _ => {

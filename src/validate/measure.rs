@@ -3,6 +3,8 @@
 //! `e(T) = sqrt( Σ_p ∫_0^T |u_a - u_b|² dt / Σ_p ∫_0^T |u_b|² dt )` over tracked points p, with u the displacement from
 //! the preloaded state and b the reference (FE). Integrals by the trapezoidal rule over common output times.
 //!
+//! A reference that never moves by [`LEAST_MOVED_M`] is at rest: what it shows is round-off, nothing to relate a difference to, and `e` is zero.
+//!
 //! After a time `t_c` alone both integrals run from the last output not after `t_c` to the end: `e_after² Σ∫_c^T |u_b|² = e(T)² Σ∫_0^T |u_b|² - e(t_c)² Σ∫_0^c |u_b|²`.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,11 +12,23 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Displacements of one point: times × 3 \[m\].
 pub type Displacement = [[f64; 3]];
 
-/// `e(T)` at every output time; zero where the reference has not moved.
+/// Displacement that a reference has to reach for an error relative to it: the preload of an FE run leaves less \[m\].
+pub const LEAST_MOVED_M: f64 = 1e-6;
+
+/// `e(T)` at every output time; zero where the reference has not moved, at all of them if it never does by [`LEAST_MOVED_M`].
 ///
 /// `pairs` are `(candidate, reference)` histories of the same points on the times `times_s`.
 pub fn error_curve(times_s: &[f64], pairs: &[(&Displacement, &Displacement)]) -> Vec<f64> {
+    if !moves(pairs) {
+        return vec![0.0; times_s.len()];
+    }
     integrals(times_s, pairs).into_iter().map(ratio).collect()
+}
+
+/// Whether any point of the reference moves at all.
+fn moves(pairs: &[(&Displacement, &Displacement)]) -> bool {
+    let squares = pairs.iter().flat_map(|(_, b)| b.iter()).map(|u| u.iter().map(|c| c * c).sum::<f64>());
+    squares.fold(0.0, f64::max) >= LEAST_MOVED_M * LEAST_MOVED_M
 }
 
 /// The error from the last output not after `time_s` to the end; `None` where no output follows it, or the reference has not moved.
@@ -24,7 +38,7 @@ pub fn error_after(times_s: &[f64], pairs: &[(&Displacement, &Displacement)], ti
     let sums = integrals(times_s, pairs);
     let [before, end] = [at(times_s, &sums, time_s)?, *sums.last()?];
     let after = [end[0] - before[0], end[1] - before[1]];
-    (after[1] > 0.0).then(|| ratio(after))
+    (after[1] > 0.0 && moves(pairs)).then(|| ratio(after))
 }
 
 fn ratio([difference, reference]: [f64; 2]) -> f64 {
@@ -220,6 +234,19 @@ mod tests {
         assert!((e[10] - 0.1 / 2.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!(at(&times, &e, 0.55), Some(e[5]));
         assert_eq!(at(&times, &e, -1.0), None);
+    }
+
+    #[test]
+    fn nothing_is_related_to_the_round_off_of_a_reference_at_rest() {
+        let times = [0.0, 0.1, 0.2];
+        let a = [[0.0, 0.0, -3e-4]; 3];
+        let at_rest = [[0.0; 3], [0.0, 0.0, 1e-13], [0.0, 0.0, -9e-7]];
+        assert_eq!(error_curve(&times, &[(&a, &at_rest)]), [0.0; 3]);
+        assert_eq!(error_after(&times, &[(&a, &at_rest)], 0.1), None);
+        // 1 µm, reached in the end: the whole history counts, as before
+        let moves = [[0.0, 0.0, 1e-6]; 3];
+        let e = error_curve(&times, &[(&a, &moves)]);
+        assert!((e[2] - 301.0).abs() < 1e-9, "{e:?}");
     }
 
     #[test]

@@ -22,7 +22,7 @@ use crate::mbs::result::{EventKind, RunResult};
 pub use crate::study::fell;
 use crate::study::{COLLAPSE_DROP_M, Facts, TURNED_RAD};
 use heap::Heap;
-use measure::Sites;
+use measure::{LEAST_MOVED_M, Sites};
 use points::PointErrors;
 use serde::{Deserialize, Serialize};
 
@@ -235,10 +235,16 @@ impl Validation {
         !self.collapsed.fe && !self.collapsed.mbs
     }
 
-    /// Whether the displacements agree: by their relative error, or where the structure stands in both runs by their distance.
+    /// Whether the FE run is at rest throughout, so that no error is relative to it.
+    pub fn fe_rests(&self) -> bool {
+        self.largest_displacement_m.fe < LEAST_MOVED_M
+    }
+
+    /// Whether the displacements agree: by their relative error, or where the structure stands in both runs by their distance; by that alone if FE is at rest.
     pub fn displacements_agree(&self) -> bool {
         self.e_to_contact.is_some_and(|e| {
-            e <= LIMIT_TO_CONTACT || self.stands() && self.largest_difference_m <= LIMIT_STANDING_M
+            !self.fe_rests() && e <= LIMIT_TO_CONTACT
+                || self.stands() && self.largest_difference_m <= LIMIT_STANDING_M
         })
     }
 

@@ -176,6 +176,14 @@ fn a_structure_that_stands_is_judged_by_the_distance() {
     assert!(verdict(&v).headline.contains("4.0 µm apart (FE 20.0 µm, MBS 24.0 µm)"));
     v.largest_difference_m = 0.06;
     assert!(!v.agrees() && verdict(&v).headline.contains("limit ≤ 0.10, or 50 mm apart"));
+    // no error is relative to the round-off of an FE run at rest
+    (v.e_to_contact, v.largest_displacement_m.fe) = (Some(0.0), 1e-13);
+    let words = verdict(&v).headline;
+    assert!(!v.agrees() && words.contains("FE at rest, displacements at most 60.0 mm apart"), "{words}");
+    v.largest_difference_m = 3e-4;
+    assert!(
+        v.agrees() && verdict(&v).headline.contains("stands in both, displacements at most 0.3 mm apart")
+    );
 }
 
 fn doubt(kind: Doubt, words: &str) -> Vec<Undecided> {
