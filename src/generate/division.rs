@@ -222,7 +222,8 @@ impl Parts<'_> {
             return Ok(None);
         }
         let why = if without.contains(name) {
-            "the library has no curves for the lines at which it may fold, nor similar ones".to_string()
+            "the library has no curves for the lines at which it may fold, nor similar ones; `--derive` computes them"
+                .to_string()
         } else {
             match Grid::of(building, structure, &floor, &ends, decision) {
                 Ok(grid) => return Ok(grid.map(Floor::Folds)),

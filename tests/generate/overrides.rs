@@ -173,7 +173,7 @@ fn a_line_is_there_or_not_for_all_beam_ends_on_it() {
     match scene(&[("B1-A1-B1.start", OverrideAction::LatentHinge)]) {
         Err(GenerateError::Override(target, why)) => {
             assert_eq!(target, "B1-A1-B1.start");
-            assert!(why.contains("no curves"), "{why}");
+            assert!(why.contains("no curves") && why.contains("`--derive` computes them"), "{why}");
         }
         other => panic!("{other:?}"),
     }
