@@ -5,6 +5,7 @@ use super::between::Between;
 use super::clear::Clear;
 use super::connect::unsupported_groups;
 use super::fields::Placed;
+use super::footings;
 use super::gaps;
 use super::model::{Charge, Member, MemberKind, Preparation};
 use super::overrides;
@@ -36,6 +37,7 @@ pub fn check(root: &Node, draft: &Draft, found: &mut Vec<Diagnostic>) {
     below_ground(draft, found);
     supported_braces(draft, found);
     events_on_removed(draft, found);
+    footings::check(draft, found);
     mesh(root, draft, found);
     if draft.members.complete && !draft.members.list.is_empty() {
         removed_wholly(draft, found);

@@ -21,6 +21,7 @@ pub mod clear;
 mod connect;
 pub mod ends;
 mod fields;
+mod footings;
 pub mod format;
 pub mod gaps;
 mod grid;

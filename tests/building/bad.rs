@@ -224,3 +224,24 @@ fn slips_of_units_are_told() {
     let weight = told("density = \"2500 kg/m3\"", "density = 25");
     assert!(weight.contains("a weight of 25 kN/m3 is a density of about 2550 kg/m3"), "{weight}");
 }
+
+/// A footing whose top is at the level of the ground: a charge on it lets nothing fall.
+#[test]
+fn charges_on_footings_that_the_ground_replaces_are_told() {
+    let told = |level: &str| {
+        let footing = "[[members]]\nid = \"F1\"\nkind = \"footing\"\nsection = \"slab\"\nfrom = [-1, -1, 0]\nto = [1, 1, 0]\n\n[[supports]]";
+        let text = fallwerk::building::EXAMPLE
+            .replacen("[[supports]]", footing, 1)
+            .replacen("members = [\"C1-*\"]", "members = [\"C1-A2\", \"C1-B*\", \"F1\"]", 1)
+            .replacen("member = \"C1-A1\"", "member = \"F1\"", 1)
+            .replacen("level = 0 ", &format!("level = {level} "), 1)
+            .replacen("[grid]", "[grid]\nbase = 0", 1);
+        inspect(&text, Format::Toml, "a.toml").diagnostics.render(false)
+    };
+    let flush = told("0");
+    let words = "warning[charge-on-footing]: the charge `front-left` takes the footing `F1`, and `C1-A1` then stands on the ground, at 0 m";
+    assert!(flush.contains(words), "{flush}");
+    assert!(flush.contains("charge `C1-A1` in place of the footing"), "{flush}");
+    let pit = told("-2");
+    assert!(!pit.contains("charge-on-footing"), "{pit}");
+}
