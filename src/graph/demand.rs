@@ -6,10 +6,11 @@
 //! first, not that it collapses, and says nothing about the dynamic increase after a sudden removal.
 
 use super::ends::MemberEnd;
-use super::frame::{Frame, FrameError, Mechanism, SectionForces};
+use super::frame::{Frame, FrameError, FrameSolution, Mechanism, SectionForces};
 use super::idealise::{Idealised, idealise};
 use super::paths::{charged_members, cut_members};
 use super::structure::Structure;
+use crate::base::geom::Aabb;
 use crate::base::root::{Close, increasing};
 use crate::building::{Building, Material, MemberKind};
 use crate::material::section_capacity::{CompressedEdge, FibreSection, HomogenisedCapacity};
@@ -19,6 +20,8 @@ use std::collections::BTreeSet;
 
 /// Share of the weight that may be missing from the supports without a word.
 const BALANCE: f64 = 0.01;
+/// Share of the building's smaller side in plan by which the supports may bear the weight beside its centre without a word.
+const OFF_CENTER: f64 = 0.04;
 /// To what share of itself a ratio is found.
 const CLOSE: f64 = 1e-9;
 /// A moment over its capacity from which on it counts as that.
@@ -76,6 +79,9 @@ pub enum StateSummary {
         unplaced: Vec<String>,
         /// Columns and walls that touch a slab above them and bear nothing of it.
         left_out: Vec<String>,
+        /// How far from the centre of the weight the supports bear it, over the smaller side of the building in plan.
+        #[serde(skip)]
+        off_center: f64,
     },
     /// Parts can move freely.
     Mechanism(Mechanism),
@@ -139,7 +145,7 @@ impl Solved {
 impl StateSummary {
     /// Why the forces of the state are not those of the building, each with what to do about it.
     pub fn warnings(&self) -> Vec<String> {
-        let Self::Equilibrium { weight_n, reaction_sum_n, unplaced, left_out, .. } = self else {
+        let Self::Equilibrium { weight_n, reaction_sum_n, unplaced, left_out, off_center, .. } = self else {
             return Vec::new();
         };
         let mut warnings = Vec::new();
@@ -157,6 +163,11 @@ impl StateSummary {
                 "the supports bear {:.3} kN of a weight of {:.3} kN, so that forces and ratios are too small; {remedy}",
                 borne_n / 1e3,
                 weight_n / 1e3
+            ));
+        } else if *off_center > OFF_CENTER {
+            warnings.push(format!(
+                "the supports bear the weight beside its centre, by {:.0} % of the building's smaller side in plan, so that forces and moments of columns are wrong; look at slabs that reach far beyond beams and columns",
+                1e2 * off_center
             ));
         }
         if !left_out.is_empty() {
@@ -243,6 +254,7 @@ fn state(
         unknowns: solution.unknowns,
         unplaced: ideal.unplaced.clone(),
         left_out: ideal.left_out.clone(),
+        off_center: off_center(building, ideal, &solution),
     };
     let ends = ideal.ends.par_iter().zip(&structure.ends).map(|(place, end)| {
         let (element, side) = (*place)?;
@@ -254,6 +266,15 @@ fn state(
         })
     });
     (summary, ends.collect())
+}
+
+/// How far from the centre of the weight the supports bear it, over the smaller side of the building in plan.
+fn off_center(building: &Building, ideal: &Idealised, solution: &FrameSolution) -> f64 {
+    let borne_at = ideal.frame.center_of_reactions_m(solution);
+    let off_m = libm::hypot(borne_at[0] - ideal.center_m[0], borne_at[1] - ideal.center_m[1]);
+    let outline = building.members.iter().map(|m| m.solid).reduce(Aabb::around);
+    let side_m = outline.map_or(0.0, |o| o.size()[0].min(o.size()[1]));
+    off_m / side_m
 }
 
 /// The compressed edge for a moment about axis 1 or 2 (see [`SectionForces::moment_nm`]).

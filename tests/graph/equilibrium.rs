@@ -9,7 +9,7 @@ use fallwerk::graph::*;
 use std::path::Path;
 
 /// How far the supports' forces and moments put the centre of the weight from where it is \[m\].
-fn off_m(building: &Building, structure: &Structure, state: &StateSummary, is_after: bool) -> f64 {
+pub fn off_m(building: &Building, structure: &Structure, state: &StateSummary, is_after: bool) -> f64 {
     let StateSummary::Equilibrium { reactions, .. } = state else { panic!("{state:?}") };
     let mut gone = cut_members(building);
     if is_after {
@@ -30,7 +30,8 @@ fn off_m(building: &Building, structure: &Structure, state: &StateSummary, is_af
     (0..2).map(|k| (of_weight[k] / weight - of_borne[k] / borne).powi(2)).sum::<f64>().sqrt()
 }
 
-fn states(building: &Building) -> (Structure, Demands) {
+/// A building's structure and demands.
+pub fn states(building: &Building) -> (Structure, Demands) {
     let structure = Structure::of(building);
     let demands = demands(&structure, building);
     (structure, demands)

@@ -84,12 +84,17 @@ fn clamped_beam() {
         for (nodes, from, to) in [([0, 1], 0.0, 0.4), ([1, 2], 0.4, 1.0)] {
             let mut bar = element(nodes, &frame, slender(1.0));
             let clipped = [stretch[0], stretch[1]].map(|x: f64| ((x - from) / (to - from)).clamp(0.0, 1.0));
-            bar.loads.push(LineLoad { stretch: clipped, force_n_m: [0.0, 0.0, -load] });
+            bar.loads.push(LineLoad { stretch: clipped, force_n_m: [0.0, 0.0, -load], torque_nm_m: load });
             frame.elements.push(bar);
         }
         let solution = frame.solve().unwrap();
         close(solution.forces[0][0].moment_nm[0], moments[0] * load * length * length, 1e-9);
         close(solution.forces[1][1].moment_nm[0], moments[1] * load * length * length, 1e-9);
+        // a torque goes to both ends by the distances from the other one
+        let right = 0.5 * (stretch[1] - stretch[0]) * (stretch[0] + stretch[1]);
+        for (reaction, share) in solution.reactions.iter().zip([stretch[1] - stretch[0] - right, right]) {
+            close(reaction.1[3], -share * load * length, 1e-9);
+        }
         close(solution.reaction_sum_n()[2], load * length * (stretch[1] - stretch[0]), 1e-12);
     }
 }
@@ -126,7 +131,11 @@ fn portal() {
             foot = side * height / 2.0 * (3.0 * k + 1.0) / (6.0 * k + 1.0);
             corner = side * height / 2.0 * 3.0 * k / (6.0 * k + 1.0);
         } else {
-            frame.elements[1].loads.push(LineLoad { stretch: [0.0, 1.0], force_n_m: [0.0, 0.0, -load] });
+            frame.elements[1].loads.push(LineLoad {
+                stretch: [0.0, 1.0],
+                force_n_m: [0.0, 0.0, -load],
+                torque_nm_m: 0.0,
+            });
             foot = load * width * width / (12.0 * (k + 2.0));
             corner = 2.0 * foot;
         }

@@ -3,5 +3,6 @@
 mod buildings;
 mod equilibrium;
 mod frame;
+mod overhang;
 mod reference;
 mod shapes;

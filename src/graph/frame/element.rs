@@ -58,6 +58,8 @@ pub struct LineLoad {
     pub stretch: [f64; 2],
     /// Load along the global axes \[N/m\].
     pub force_n_m: [f64; 3],
+    /// Torque about the element's first axis \[N m/m\].
+    pub torque_nm_m: f64,
 }
 
 /// A beam between two end points, each tied rigidly to a node.
@@ -149,6 +151,8 @@ impl Element {
                 let weight = half * length;
                 p[0] += weight * local[0] * (1.0 - x);
                 p[6] += weight * local[0] * x;
+                p[3] += weight * load.torque_nm_m * (1.0 - x);
+                p[9] += weight * load.torque_nm_m * x;
                 for (plane, (u, r, sign)) in PLANES.into_iter().enumerate() {
                     let n = shape(x, length, self.shear_ratio(plane));
                     for (slot, value, turn) in

@@ -52,6 +52,19 @@ impl FrameSolution {
     }
 }
 
+impl Frame {
+    /// Where in plan the supports bear what they bear: the centre of the loads, if these are vertical \[m\].
+    pub fn center_of_reactions_m(&self, solution: &FrameSolution) -> [f64; 2] {
+        let mut moment_nm = [0.0; 2];
+        for (node, [along_x, along_y, up, about_x, about_y, _]) in &solution.reactions {
+            let [x, y, z] = self.nodes[*node].point_m;
+            moment_nm[0] += up * x - along_x * z - about_y;
+            moment_nm[1] += up * y - along_y * z + about_x;
+        }
+        moment_nm.map(|moment| moment / solution.reaction_sum_n()[2])
+    }
+}
+
 /// Each degree of freedom of a node as a combination of unknowns; empty if it is held.
 type Ties = Vec<[Vec<(usize, f64)>; 6]>;
 

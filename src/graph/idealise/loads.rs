@@ -1,5 +1,7 @@
 //! Dead load: where each cell's weight goes.
 
+use super::hull::Hull;
+use super::joints::Joint;
 use super::plates::Plate;
 use super::{Builder, LOAD_BIN_M, LOAD_SAMPLE_M, Span};
 use crate::base::boxes::Boxes;
@@ -14,13 +16,17 @@ use std::collections::{BTreeMap, BTreeSet};
 const TIE_M: f64 = 1e-9;
 
 /// The loads of a span that fall on a stretch of it.
-pub(super) fn on_stretch(loads: &[([f64; 2], f64)], from: f64, to: f64) -> Vec<LineLoad> {
+pub(super) fn on_stretch(loads: &[([f64; 2], [f64; 2])], from: f64, to: f64) -> Vec<LineLoad> {
     let share = |x: f64| (x - from) / (to - from);
     loads
         .iter()
         .map(|(range, force)| ([range[0].max(from), range[1].min(to)], force))
-        .filter(|(range, force)| range[1] > range[0] && **force != 0.0)
-        .map(|(range, force)| LineLoad { stretch: range.map(share), force_n_m: [0.0, 0.0, -force] })
+        .filter(|(range, [force, _])| range[1] > range[0] && *force != 0.0)
+        .map(|(range, [force, torque])| LineLoad {
+            stretch: range.map(share),
+            force_n_m: [0.0, 0.0, -force],
+            torque_nm_m: *torque,
+        })
         .collect()
 }
 
@@ -69,7 +75,7 @@ impl Builder<'_> {
             let inside = |s: &Span| s.range[0] < middle && middle < s.range[1];
             if let Some(&s) = spans.iter().find(|s| inside(&self.spans[**s])) {
                 let range = [cell.min[axis], cell.max[axis]];
-                self.spans[s].loads.push((range, force / (range[1] - range[0])));
+                self.spans[s].loads.push((range, [force / (range[1] - range[0]), 0.0]));
                 continue;
             }
             let distance = |(at, _): &(f64, usize)| (at - middle).abs();
@@ -93,9 +99,11 @@ impl Builder<'_> {
             .collect();
         let nodes: Vec<usize> =
             (0..self.nodes.len()).filter(|n| on_it.contains(&self.nodes[*n].id)).collect();
-        let force = self.specific_weight(member) * self.structure.mass_of(&[member]).volume_m3;
+        let mass = self.structure.mass_of(&[member]);
+        let force = self.specific_weight(member) * mass.volume_m3;
         if nodes.is_empty() && self.structure.supports().any(|s| s.member == member) {
             self.aside_n += force;
+            (0..2).for_each(|k| self.aside_moment_nm[k] += force * mass.center_m[k]);
             return true;
         }
         nodes.iter().for_each(|n| self.nodes[*n].load[2] -= force / nodes.len() as f64);
@@ -129,36 +137,41 @@ impl Builder<'_> {
         }
         let places = Boxes::of(carriers.iter().map(|c| in_plan(&self.spans[*c])));
         let spans: Vec<&Span> = carriers.iter().map(|c| &self.spans[*c]).collect();
+        let hull = self.hull(plate, &carriers);
         let borne = |slab: &usize| {
-            let (mut shares, weight) = (Shares::of(&spans), self.specific_weight(*slab));
+            let (mut shares, weight) = (Shares::of(&spans, &hull), self.specific_weight(*slab));
             for cell in self.structure.boxes(*slab) {
                 let mut candidates = self.nearest_to(cell, &carriers, &places);
                 let samples = Samples::of(cell, weight);
+                shares.reaches_beyond = !hull.contains(cell);
                 shares.take(&samples, samples.count.map(|n| [0, n]), &mut candidates, 0);
             }
-            let Shares { bins, nodes, .. } = shares;
-            let bears = |(_, bins): &(usize, Vec<f64>)| bins.iter().any(|force| *force != 0.0);
+            let Shares { bins, nodes, beyond, .. } = shares;
+            let bears = |(_, bins): &(usize, Vec<[f64; 2]>)| bins.iter().any(|[force, _]| *force != 0.0);
             let bins = carriers.iter().copied().zip(bins).filter(bears).collect();
-            (*slab, OnCarriers { bins, nodes })
+            (*slab, OnCarriers { bins, nodes, beyond })
         };
         plate.slabs.iter().map(borne).collect()
     }
 
     /// A slab: on the carriers of its plate.
     fn place_slab(&mut self, slab: usize, plate: &Plate, shares: Option<OnCarriers>) -> bool {
-        let Some(OnCarriers { bins, nodes }) = shares else {
+        let Some(OnCarriers { bins, nodes, beyond }) = shares else {
             return self.place_slab_on_joints(slab, plate);
         };
         for (node, force) in nodes {
             self.nodes[node].load[2] -= force;
         }
+        for (node, point, force) in beyond {
+            self.turn(node, point, force);
+        }
         for (carrier, bins) in bins {
             let span = &mut self.spans[carrier];
             let width = (span.range[1] - span.range[0]) / bins.len() as f64;
-            let loads = bins.iter().enumerate().map(|(i, force)| {
+            let loads = bins.iter().enumerate().map(|(i, borne)| {
                 let from = span.range[0] + width * i as f64;
                 let to = if i + 1 == bins.len() { span.range[1] } else { from + width };
-                ([from, to], force / (width * span.stretch()))
+                ([from, to], borne.map(|sum| sum / (width * span.stretch())))
             });
             let loads: Vec<_> = loads.collect();
             span.loads.extend(loads);
@@ -171,8 +184,10 @@ impl Builder<'_> {
         let (joints, weight) = (self.joints_at(plate), self.specific_weight(slab));
         // the block of a column that is gone bears nothing unless a bar holds it
         let bars: BTreeSet<usize> = self.spans.iter().flat_map(|s| &s.nodes).map(|(_, node)| *node).collect();
-        let nodes = joints.iter().map(|j| self.joints[*j].node);
-        let nodes: Vec<usize> = nodes.filter(|n| bars.contains(n)).collect();
+        let joints: Vec<&Joint> =
+            joints.iter().map(|j| &self.joints[*j]).filter(|joint| bars.contains(&joint.node)).collect();
+        let hull = Hull::of(joints.iter().flat_map(|j| &j.uprights).map(|u| self.member(*u).solid));
+        let nodes: Vec<usize> = joints.iter().map(|joint| joint.node).collect();
         for cell in self.structure.boxes(slab) {
             for (point, force) in Samples::of(cell, weight).each() {
                 let distance = |n: usize| {
@@ -182,7 +197,11 @@ impl Builder<'_> {
                 let least = nodes.iter().map(|n| distance(*n)).fold(f64::INFINITY, f64::min);
                 let near: Vec<usize> =
                     nodes.iter().copied().filter(|n| distance(*n) < least + TIE_M).collect();
-                near.iter().for_each(|n| self.nodes[*n].load[2] -= force / near.len() as f64);
+                let share = force / near.len() as f64;
+                near.iter().for_each(|n| self.nodes[*n].load[2] -= share);
+                if !hull.holds(point) {
+                    near.iter().for_each(|n| self.turn(*n, point, share));
+                }
             }
         }
         !nodes.is_empty()
@@ -196,33 +215,47 @@ fn in_plan(span: &Span) -> Aabb {
     Aabb { min: flat(f64::min), max: flat(f64::max) }
 }
 
+/// The node at the end of a span beyond which a place is.
+fn end_node(span: &Span, place: f64) -> Option<usize> {
+    let node = if place <= 0.0 { span.nodes.first() } else { span.nodes.last() };
+    node.map(|(_, n)| *n)
+}
+
 fn bin_count(span: &Span) -> usize {
     ((span.range[1] - span.range[0]) / LOAD_BIN_M).ceil().max(1.0) as usize
 }
 
 /// What carriers of a slab bear of it.
 struct OnCarriers {
-    /// Spans with the forces on stretches of them \[N\].
-    bins: Vec<(usize, Vec<f64>)>,
+    /// Spans with the forces \[N\] and torques \[N m\] on stretches of them.
+    bins: Vec<(usize, Vec<[f64; 2]>)>,
     /// Nodes with the forces on them, in the order in which they came \[N\].
     nodes: Vec<(usize, f64)>,
+    /// Those of the forces on nodes that come from beyond the carriers, and from where in plan \[m, N\].
+    beyond: Vec<(usize, [f64; 2], f64)>,
 }
 
 /// The same while it is found.
 struct Shares<'a> {
     spans: &'a [&'a Span],
-    /// Forces on stretches of the spans \[N\].
-    bins: Vec<Vec<f64>>,
-    /// Nodes with the forces on them, in the order in which they came \[N\].
+    hull: &'a Hull,
+    /// Whether some of the cell at hand lies beyond the carriers.
+    reaches_beyond: bool,
+    /// Forces \[N\] and torques \[N m\] on stretches of the spans.
+    bins: Vec<Vec<[f64; 2]>>,
+    /// See [`OnCarriers`].
     nodes: Vec<(usize, f64)>,
+    /// See [`OnCarriers`].
+    beyond: Vec<(usize, [f64; 2], f64)>,
     /// Distances of the candidates of a rectangle \[m\].
     distances_m: Vec<f64>,
 }
 
 impl<'a> Shares<'a> {
-    fn of(spans: &'a [&'a Span]) -> Self {
-        let bins = spans.iter().map(|s| vec![0.0; bin_count(s)]).collect();
-        Self { spans, bins, nodes: Vec::new(), distances_m: Vec::new() }
+    fn of(spans: &'a [&'a Span], hull: &'a Hull) -> Self {
+        let bins = spans.iter().map(|s| vec![[0.0; 2]; bin_count(s)]).collect();
+        let (nodes, beyond, distances_m) = (Vec::new(), Vec::new(), Vec::new());
+        Self { spans, hull, reaches_beyond: false, bins, nodes, beyond, distances_m }
     }
 
     /// A rectangle of sample points, each to its nearest carriers; these are among those from a place of a list on. It is halved until one carrier is the
@@ -245,7 +278,10 @@ impl<'a> Shares<'a> {
         self.distances_m.truncate(scratch);
         if x * y == 1 {
             let share = samples.force / (candidates.len() - end) as f64;
-            candidates[end..].iter().for_each(|i| self.bear(*i, project(self.spans[*i], middle).1, share));
+            for i in &candidates[end..] {
+                self.bear(*i, project(self.spans[*i], middle).1, share);
+                self.turn(*i, middle, share);
+            }
         } else if let [only] = candidates[end..]
             && self.spans[only].skew == 0.0
         {
@@ -253,6 +289,12 @@ impl<'a> Shares<'a> {
             let force = samples.force * [y, x][axis] as f64;
             (part[axis][0]..part[axis][1])
                 .for_each(|k| self.bear(only, samples.at(axis, k as f64 + 0.5), force));
+            if self.reaches_beyond {
+                let rows = (part[1][0]..part[1][1]).map(|k| samples.at(1, k as f64 + 0.5));
+                let points = rows
+                    .flat_map(|y| (part[0][0]..part[0][1]).map(move |k| [samples.at(0, k as f64 + 0.5), y]));
+                points.for_each(|point| self.turn(only, point, samples.force));
+            }
         } else {
             let long = usize::from(y > x);
             let [low, high] = part[long];
@@ -271,16 +313,36 @@ impl<'a> Shares<'a> {
         let [low, high] = span.range;
         let place = (along - low) / (high - low);
         if place <= 0.0 || place >= 1.0 {
-            let node = if place <= 0.0 { span.nodes.first() } else { span.nodes.last() };
-            self.nodes.extend(node.map(|(_, n)| (*n, force)));
+            self.nodes.extend(end_node(span, place).map(|n| (n, force)));
             return;
         }
-        // A sample on the border of two bins goes half to each: symmetric panels stay so.
+        self.stretches(i, place).into_iter().for_each(|bin| self.bins[i][bin][0] += 0.5 * force);
+    }
+
+    /// The moment that a force from a point \[m, N\] has about a span, if the point lies beyond all carriers.
+    fn turn(&mut self, i: usize, point: [f64; 2], force: f64) {
+        if !self.reaches_beyond || self.hull.holds(point) {
+            return;
+        }
+        let span = self.spans[i];
+        let (along, [low, high]) = (project(span, point).1, span.range);
+        let place = (along - low) / (high - low);
+        if place <= 0.0 || place >= 1.0 {
+            self.beyond.extend(end_node(span, place).map(|n| (n, point, force)));
+            return;
+        }
+        // from the foot straight across: to the left of x as of y a weight turns against the axis along x, and with that along y
+        let foot = span.point(along);
+        let across = (point[1 - span.axis] - foot[1 - span.axis]) * span.stretch();
+        let torque = if span.axis == 0 { -across * force } else { across * force };
+        self.stretches(i, place).into_iter().for_each(|bin| self.bins[i][bin][1] += 0.5 * torque);
+    }
+
+    /// The stretches of a span on which a place of it is. A sample on the border of two goes half to each: symmetric panels stay so.
+    fn stretches(&self, i: usize, place: f64) -> [usize; 2] {
         let exact = place * self.bins[i].len() as f64;
         let last = self.bins[i].len() - 1;
-        for side in [-TIE_M, TIE_M] {
-            self.bins[i][((exact + side) as usize).min(last)] += 0.5 * force;
-        }
+        [-TIE_M, TIE_M].map(|side| ((exact + side) as usize).min(last))
     }
 }
 

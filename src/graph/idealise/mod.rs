@@ -10,10 +10,12 @@
 //!   one in line with it has strips to its neighbours all round.
 //! * Dead load: each member's own cells. Columns, walls and beams carry theirs as a line load, joint blocks at their
 //!   node; each point of a slab loads the nearest beam or strip (45° envelope of a panel), in bins of
-//!   [`LOAD_BIN_M`]. The torsion that a slab's edge gives its beam is left out.
+//!   [`LOAD_BIN_M`]. What lies beyond all carriers takes its moment about the nearest one along (`hull`); the torsion that a panel between
+//!   carriers gives a beam is left out.
 //! * Supported ends are clamped, also through a supported footing.
 
 mod flange;
+mod hull;
 mod joints;
 mod level;
 mod loads;
@@ -48,6 +50,8 @@ pub struct Idealised {
     pub ends: Vec<Option<(usize, usize)>>,
     /// Weight of the members that are left, but for footings that bear nothing and lie on supports of their own \[N\].
     pub weight_n: f64,
+    /// Its centre in plan \[m\].
+    pub center_m: [f64; 2],
     /// Members whose weight found nothing to rest on; it is not in the frame.
     pub unplaced: Vec<String>,
     /// Columns and walls that touch a slab above them and bear nothing of it.
@@ -75,8 +79,8 @@ struct Span {
     ends: Option<[usize; 2]>,
     /// `(coordinate, node)` of the nodes on it.
     nodes: Vec<(f64, usize)>,
-    /// Vertical loads: stretch \[m\] and force \[N/m\], positive downwards.
-    loads: Vec<([f64; 2], f64)>,
+    /// Vertical loads: stretch \[m\], force \[N/m\], positive downwards, and torque about the way along it \[N m/m\].
+    loads: Vec<([f64; 2], [f64; 2])>,
 }
 
 impl Span {
@@ -117,6 +121,8 @@ struct Builder<'a> {
     unplaced: Vec<String>,
     /// Weight of footings on supports of their own that nothing stands on \[N\].
     aside_n: f64,
+    /// Its moments about the origin along x and y \[N m\].
+    aside_moment_nm: [f64; 2],
     /// Solids of the beams.
     beams: Boxes,
 }
@@ -134,6 +140,7 @@ pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<u
         nodes: Vec::new(),
         unplaced: Vec::new(),
         aside_n: 0.0,
+        aside_moment_nm: [0.0; 2],
     };
     let plates = builder.plates();
     builder.add_bars(&plates);
@@ -386,11 +393,15 @@ impl Builder<'_> {
                 ends[high] = Some((elements.len() - 1, 1));
             }
         }
-        let left: Vec<f64> =
-            self.structure.members().filter(|m| self.left(m.index)).map(|m| m.mass.mass_kg).collect();
-        let weight_n = left.iter().sum::<f64>() * self.building.settings.gravity_m_s2 - self.aside_n;
+        let left: Vec<_> = self.structure.members().filter(|m| self.left(m.index)).map(|m| &m.mass).collect();
+        let gravity = self.building.settings.gravity_m_s2;
+        let weight_n = left.iter().map(|m| m.mass_kg).sum::<f64>() * gravity - self.aside_n;
+        let moment_nm = |k: usize| {
+            left.iter().map(|m| m.mass_kg * m.center_m[k]).sum::<f64>() * gravity - self.aside_moment_nm[k]
+        };
+        let center_m = [0, 1].map(|k| moment_nm(k) / weight_n);
         let frame = Frame { nodes: self.nodes, elements, diaphragms };
-        Idealised { frame, ends, weight_n, unplaced: self.unplaced, left_out: Vec::new() }
+        Idealised { frame, ends, weight_n, center_m, unplaced: self.unplaced, left_out: Vec::new() }
     }
 
     fn upright(&self, member: usize) -> bool {

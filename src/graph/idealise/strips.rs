@@ -259,7 +259,7 @@ fn area(a: [f64; 2], b: [f64; 2]) -> Aabb {
 }
 
 /// Corners of a box in plan \[m\].
-fn corners(solid: &Aabb) -> [[f64; 2]; 4] {
+pub(super) fn corners(solid: &Aabb) -> [[f64; 2]; 4] {
     let [low, high] = [solid.min, solid.max];
     [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]]
 }
