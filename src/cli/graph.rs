@@ -172,12 +172,22 @@ fn states(out: &mut String, building: &Building, demands: &Demands) {
     for (name, summary) in states.iter().filter_map(|(name, s)| s.map(|s| (name, s))) {
         let line = match summary {
             StateSummary::Equilibrium {
-                weight_n, reaction_sum_n, largest_displacement_m, unplaced, ..
+                weight_n,
+                reaction_sum_n,
+                largest_displacement_m,
+                unplaced,
+                not_held,
+                ..
             } => {
                 let rest = if unplaced.is_empty() {
                     String::new()
                 } else {
                     format!("; resting on nothing: {}", unplaced.join(", "))
+                };
+                let rest = if not_held.is_empty() {
+                    rest
+                } else {
+                    format!("; a building beside has no equilibrium, not held: {}{rest}", not_held.join(", "))
                 };
                 let rest = if *largest_displacement_m > LINEAR_M { format!("{LARGE}{rest}") } else { rest };
                 format!(

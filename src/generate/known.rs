@@ -12,7 +12,6 @@ use crate::building::lines::{Line, lines};
 use crate::building::partition::Partition;
 use crate::building::rows::rows;
 use crate::building::{Building, Member, MemberKind, Obstacle, Preparation};
-use crate::graph::demand::StateSummary;
 use crate::graph::{Demands, EndDemand, EndState, Structure, demands};
 use crate::rules::{Subject, SubjectKind, Value};
 use rayon::prelude::*;
@@ -138,8 +137,7 @@ impl<'a> Site<'a> {
         let share = of_storey.values().map(|[gone, all]| gone / all).fold(0.0, f64::max);
         let times = || building.events.iter().map(|e| e.time_s);
         let (first, last) = (times().fold(f64::INFINITY, f64::min), times().fold(0.0, f64::max));
-        let mechanism =
-            matches!(demands.after.as_ref().unwrap_or(&demands.before), StateSummary::Mechanism(_));
+        let mechanism = demands.after.as_ref().unwrap_or(&demands.before).free().is_some();
         let mut common: Vec<(&'static str, Value)> = vec![
             ("building.charged_share", share.into()),
             ("building.ignition_span", (last - first).max(0.0).into()),

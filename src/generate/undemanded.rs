@@ -21,6 +21,7 @@ const OF_AFTER: [&str; 8] = [
 ];
 const CONNECT: &str =
     "connect or support what is not meant to be free, or write rules that ask for `building.mechanism`";
+const REACH: &str = "let beams reach columns, walls or other beams";
 const DECIDE: &str = "look at `fallwerk graph`, and decide with `[[overrides]]` what these rules would have";
 
 /// Notes of what the elastic demands lack, with a remedy each.
@@ -30,27 +31,44 @@ pub(super) fn notes(basis: &Basis<'_>) -> Vec<String> {
     let (mut notes, mut why, mut remedies) = (Vec::new(), Vec::new(), BTreeSet::new());
     let mut features: Vec<&str> = Vec::new();
     for ((name, state), own) in states.into_iter().zip([&OF_BEFORE[..], &OF_AFTER[..]]) {
-        let (said, remedy) = match state.unwrap_or(&demands.before) {
-            StateSummary::Equilibrium { left_out, .. } => {
-                notes.extend(state.and_then(|_| left_out_words(name, left_out)));
-                continue;
-            }
-            StateSummary::Mechanism(mechanism) => (
-                format!("there is no equilibrium {name} the charges ({})", free(&mechanism.members)),
-                CONNECT,
-            ),
-            StateSummary::Failed { reason } => {
-                (format!("the elastic demands {name} the charges have no solution ({reason})"), DECIDE)
-            }
-        };
-        why.extend(state.map(|_| said));
-        remedies.insert(remedy);
-        features.extend(own);
+        let solved = state.unwrap_or(&demands.before);
+        if let StateSummary::Equilibrium { left_out, .. } = solved {
+            notes.extend(state.and_then(|_| left_out_words(name, left_out)));
+        }
+        let lacking = lacking(name, solved);
+        if !lacking.is_empty() {
+            features.extend(own);
+        }
+        for (said, remedy) in lacking {
+            why.extend(state.map(|_| said));
+            remedies.insert(remedy);
+        }
     }
     let remedy = remedies.into_iter().collect::<Vec<_>>().join("; ");
     notes.extend(unsolved_words(basis, &features, &why.join(", "), &remedy));
     notes.extend(demands.overloaded(basis.building));
     notes
+}
+
+/// Why members have no demands in a state, each with its remedy.
+fn lacking(name: &str, state: &StateSummary) -> Vec<(String, &'static str)> {
+    let mut found = Vec::new();
+    if let Some(members) = state.free() {
+        found.push((format!("there is no equilibrium {name} the charges ({})", free(members)), CONNECT));
+    }
+    match state {
+        StateSummary::Equilibrium { by_slab, .. } if !by_slab.is_empty() => {
+            found.push((format!("only a slab holds {} {name} the charges", listed(by_slab)), REACH));
+        }
+        StateSummary::Failed { reason } => {
+            found.push((
+                format!("the elastic demands {name} the charges have no solution ({reason})"),
+                DECIDE,
+            ));
+        }
+        _ => {}
+    }
+    found
 }
 
 /// What can move freely.
@@ -115,7 +133,30 @@ fn unasked<'a>(basis: &Basis<'a>, subject: &Subject, features: &[&str]) -> Vec<&
 
 #[cfg(test)]
 mod tests {
-    use super::left_out_words;
+    use super::{CONNECT, REACH, StateSummary, lacking, left_out_words};
+
+    #[test]
+    fn members_without_demands_beside_others_with_some_are_told() {
+        let state = |by_slab: &[&str], not_held: &[&str]| StateSummary::Equilibrium {
+            weight_n: 1.0,
+            reaction_sum_n: [0.0, 0.0, 1.0],
+            reactions: Vec::new(),
+            largest_displacement_m: 0.0,
+            unknowns: 6,
+            unplaced: Vec::new(),
+            left_out: Vec::new(),
+            by_slab: by_slab.iter().map(ToString::to_string).collect(),
+            not_held: not_held.iter().map(ToString::to_string).collect(),
+            off_center: 0.0,
+        };
+        assert!(lacking("before", &state(&[], &[])).is_empty());
+        let [(free, connect), (slab, reach)] = &lacking("after", &state(&["BX"], &["K1", "K2"]))[..] else {
+            panic!()
+        };
+        assert_eq!(free, "there is no equilibrium after the charges (K1, K2 can move freely)");
+        assert_eq!(slab, "only a slab holds BX after the charges");
+        assert_eq!((*connect, *reach), (CONNECT, REACH));
+    }
 
     #[test]
     fn columns_that_are_left_out_are_named_with_a_remedy() {

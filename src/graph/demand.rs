@@ -5,6 +5,7 @@
 //! Demands are linear elastic and of first order: a ratio above 1 says where the structure yields
 //! first, not that it collapses, and says nothing about the dynamic increase after a sudden removal.
 
+use super::apart;
 use super::ends::MemberEnd;
 use super::frame::{Frame, FrameError, FrameSolution, Mechanism, SectionForces};
 use super::idealise::{Idealised, idealise};
@@ -79,6 +80,12 @@ pub enum StateSummary {
         unplaced: Vec<String>,
         /// Columns and walls that touch a slab above them and bear nothing of it.
         left_out: Vec<String>,
+        /// Beams that only a slab holds: it bears them, and they have no forces of their own.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        by_slab: Vec<String>,
+        /// Members that can move freely in buildings beside those in equilibrium: weight, forces and supports are those of the latter.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        not_held: Vec<String>,
         /// How far from the centre of the weight the supports bear it, over the smaller side of the building in plan.
         #[serde(skip)]
         off_center: f64,
@@ -145,7 +152,9 @@ impl Solved {
 impl StateSummary {
     /// Why the forces of the state are not those of the building, each with what to do about it.
     pub fn warnings(&self) -> Vec<String> {
-        let Self::Equilibrium { weight_n, reaction_sum_n, unplaced, left_out, off_center, .. } = self else {
+        let Self::Equilibrium { weight_n, reaction_sum_n, unplaced, left_out, by_slab, off_center, .. } =
+            self
+        else {
             return Vec::new();
         };
         let mut warnings = Vec::new();
@@ -176,7 +185,22 @@ impl StateSummary {
                 left_out.join(", ")
             ));
         }
+        if !by_slab.is_empty() {
+            warnings.push(format!(
+                "only a slab holds {}: they have no forces and ratios, and their stiffness is left out; let them reach columns, walls or beams",
+                by_slab.join(", ")
+            ));
+        }
         warnings
+    }
+
+    /// Members that can move freely, if there are any.
+    pub fn free(&self) -> Option<&[String]> {
+        match self {
+            Self::Mechanism(mechanism) => Some(&mechanism.members),
+            Self::Equilibrium { not_held, .. } if !not_held.is_empty() => Some(not_held),
+            _ => None,
+        }
     }
 }
 
@@ -240,24 +264,27 @@ fn state(
     ideal: &Idealised,
 ) -> (StateSummary, Vec<Option<EndState>>) {
     let none = vec![None; structure.ends.len()];
-    let solution = match ideal.frame.solve() {
-        Ok(solution) => solution,
+    let apart = match apart::solve(structure, &ideal.frame) {
+        Ok(apart) => apart,
         Err(FrameError::Mechanism(mechanism)) => return (StateSummary::Mechanism(mechanism), none),
         Err(FrameError::Factorisation(reason)) => return (StateSummary::Failed { reason }, none),
     };
+    let solution = &apart.solution;
     let length = |u: &[f64; 6]| (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
     let summary = StateSummary::Equilibrium {
-        weight_n: ideal.weight_n,
+        weight_n: ideal.weight_n - apart.free_weight_n(&ideal.frame),
         reaction_sum_n: solution.reaction_sum_n(),
         reactions: solution.reactions.iter().map(|(n, r)| (ideal.frame.nodes[*n].id.clone(), *r)).collect(),
         largest_displacement_m: solution.displacement.iter().map(length).fold(0.0, f64::max),
         unknowns: solution.unknowns,
         unplaced: ideal.unplaced.clone(),
         left_out: ideal.left_out.clone(),
-        off_center: off_center(building, ideal, &solution),
+        by_slab: ideal.by_slab.clone(),
+        off_center: if apart.free.is_empty() { off_center(building, ideal, solution) } else { 0.0 },
+        not_held: apart.free.clone(),
     };
     let ends = ideal.ends.par_iter().zip(&structure.ends).map(|(place, end)| {
-        let (element, side) = (*place)?;
+        let (element, side) = (*place).filter(|(element, _)| apart.held[*element])?;
         let forces = solution.forces[element][side];
         Some(EndState {
             forces,

@@ -15,8 +15,10 @@
 //! | [`frame`] | linear frame solver |
 //! | [`idealise`] | the building as a frame |
 //! | [`shear_lag`] | beams whose slab ends at an edge |
+//! | `apart` | the frame of each building by itself |
 //! | [`demand`] | end forces before and after the removal, against capacities |
 
+mod apart;
 pub mod contact;
 pub mod demand;
 pub mod ends;

@@ -1,5 +1,6 @@
 //! Structure graph, frame analysis and demands.
 
+mod apart;
 mod buildings;
 mod equilibrium;
 mod frame;

@@ -58,6 +58,14 @@ pub struct Frame {
     pub diaphragms: Vec<Diaphragm>,
 }
 
+impl Frame {
+    /// Some of its elements alone, on all of its nodes; loads on nodes without an element count for nothing.
+    pub fn part(&self, elements: &[usize]) -> Self {
+        let elements = elements.iter().map(|e| self.elements[*e].clone()).collect();
+        Self { nodes: self.nodes.clone(), elements, diaphragms: self.diaphragms.clone() }
+    }
+}
+
 /// Section forces at one end of an element, on the face whose outward normal points along axis 0
 /// of the element's axes (from its first to its second end).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]

@@ -45,12 +45,18 @@ impl Builder<'_> {
             plate.slabs.iter().for_each(|s| {
                 plate_of.insert(*s, plate);
             });
+            self.on_plate(plate).for_each(|beam| {
+                plate_of.insert(beam, plate);
+            });
         }
         for member in 0..self.building.members.len() {
             if !self.left(member) || self.structure.boxes(member).is_empty() {
                 continue;
             }
             let placed = match self.member(member).kind {
+                _ if self.by_slab.contains(&member) => {
+                    self.place_slab(member, plate_of[&member], of_slabs.remove(&member))
+                }
                 MemberKind::Slab => self.place_slab(member, plate_of[&member], of_slabs.remove(&member)),
                 MemberKind::Footing => self.place_footing(member),
                 _ => self.place_bar(member, &spans_of[member]),
@@ -59,6 +65,11 @@ impl Builder<'_> {
                 self.unplaced.push(self.member(member).id.clone());
             }
         }
+    }
+
+    /// Beams that only a plate holds.
+    fn on_plate(&self, plate: &Plate) -> impl Iterator<Item = usize> {
+        self.by_slab.iter().copied().filter(move |beam| plate.meets(&self.member(*beam).solid))
     }
 
     /// Weight per volume of a member \[N/m³\].
@@ -151,7 +162,8 @@ impl Builder<'_> {
             let bins = carriers.iter().copied().zip(bins).filter(bears).collect();
             (*slab, OnCarriers { bins, nodes, beyond })
         };
-        plate.slabs.iter().map(borne).collect()
+        let beams: Vec<usize> = self.on_plate(plate).collect();
+        plate.slabs.iter().chain(&beams).map(borne).collect()
     }
 
     /// A slab: on the carriers of its plate.

@@ -12,9 +12,11 @@
 //!   node; each point of a slab loads the nearest beam or strip (45° envelope of a panel), in bins of
 //!   [`LOAD_BIN_M`]. What lies beyond all carriers takes its moment about the nearest one along (`hull`); the torsion that a panel between
 //!   carriers gives a beam is left out.
+//! * Beams that only a slab holds go along with a strip, or the slab bears them (`floating`).
 //! * Supported ends are clamped, also through a supported footing.
 
 mod flange;
+mod floating;
 mod hull;
 mod joints;
 mod level;
@@ -56,6 +58,8 @@ pub struct Idealised {
     pub unplaced: Vec<String>,
     /// Columns and walls that touch a slab above them and bear nothing of it.
     pub left_out: Vec<String>,
+    /// Beams that only a slab holds and that are no bars of the frame; the slab bears their weight.
+    pub by_slab: Vec<String>,
 }
 
 /// A straight bar between joints, before it is cut into elements.
@@ -123,6 +127,8 @@ struct Builder<'a> {
     aside_n: f64,
     /// Its moments about the origin along x and y \[N m\].
     aside_moment_nm: [f64; 2],
+    /// Beams without spans since only a slab holds them.
+    by_slab: BTreeSet<usize>,
     /// Solids of the beams.
     beams: Boxes,
 }
@@ -141,6 +147,7 @@ pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<u
         unplaced: Vec::new(),
         aside_n: 0.0,
         aside_moment_nm: [0.0; 2],
+        by_slab: BTreeSet::new(),
     };
     let plates = builder.plates();
     builder.add_bars(&plates);
@@ -148,6 +155,7 @@ pub fn idealise(structure: &Structure, building: &Building, removed: &BTreeSet<u
     builder.tie_bars();
     builder.add_strips(&plates);
     builder.clamp_slabs();
+    builder.hold_floating_beams(&plates);
     builder.place_loads(&plates);
     let diaphragms = builder.diaphragms(&plates);
     builder.level(&diaphragms);
@@ -401,7 +409,8 @@ impl Builder<'_> {
         };
         let center_m = [0, 1].map(|k| moment_nm(k) / weight_n);
         let frame = Frame { nodes: self.nodes, elements, diaphragms };
-        Idealised { frame, ends, weight_n, center_m, unplaced: self.unplaced, left_out: Vec::new() }
+        let by_slab = self.by_slab.iter().map(|m| self.building.members[*m].id.clone()).collect();
+        Idealised { frame, ends, weight_n, center_m, unplaced: self.unplaced, left_out: Vec::new(), by_slab }
     }
 
     fn upright(&self, member: usize) -> bool {

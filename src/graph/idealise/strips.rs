@@ -8,7 +8,6 @@ use crate::base::geom::Aabb;
 use crate::building::MemberKind;
 use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::graph::frame::BeamSection;
-use petgraph::unionfind::UnionFind;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Builder<'_> {
@@ -56,12 +55,7 @@ impl Builder<'_> {
 
     /// Takes strips away that hang together with nothing that is held, such as those between two walls that are gone: the plate rests on what else carries it.
     fn drop_loose_strips(&mut self) {
-        let mut parts = UnionFind::new(self.nodes.len());
-        for span in &self.spans {
-            span.nodes.windows(2).for_each(|pair| {
-                parts.union(pair[0].1, pair[1].1);
-            });
-        }
+        let parts = self.connected();
         let bars = self.spans.iter().filter(|s| s.ends.is_some());
         let mut kept: BTreeSet<usize> =
             bars.flat_map(|s| &s.nodes).map(|(_, node)| parts.find(*node)).collect();
