@@ -311,15 +311,16 @@ fn curves_of_a_rectangular_column_are_scaled_about_each_axis() {
         let from = entry.provenance.inputs.settings["scaled_from"].as_str().unwrap();
         assert!(from.contains("400x400"), "{from}");
         let from = store.get(from).unwrap();
+        let a = from.axes[0].curve.between(&from.axes[1].curve, 0.5).unwrap();
         for axis in 0..2 {
             // of the section, the first axis is along its width
             let depth = if axis == along { 1.5 } else { 1.0 };
-            let (a, b) = (&from.axes[axis].curve, &entry.axes[axis].curve);
+            let b = &entry.axes[axis].curve;
             for (x, y) in a.levels.iter().zip(&b.levels) {
                 assert!((y.axial_force_n - 1.5 * x.axial_force_n).abs() < 1e-3);
-                assert!((y.peak_nm() / x.peak_nm() / (1.5 * depth) - 1.0).abs() < 1e-9, "{sides:?} {axis}");
+                assert!((y.peak_nm() / x.peak_nm() / (1.5 * depth) - 1.0).abs() < 1e-7, "{sides:?} {axis}");
                 let rotation = y.fracture_rotation_rad / x.fracture_rotation_rad;
-                assert!((rotation * depth - 1.0).abs() < 1e-9, "{sides:?} {axis}: {rotation}");
+                assert!((rotation * depth - 1.0).abs() < 1e-7, "{sides:?} {axis}: {rotation}");
             }
         }
         assert!(scaled.notes.iter().any(|n| n.contains("width")), "{:?}", scaled.notes);

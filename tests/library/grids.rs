@@ -1,8 +1,7 @@
 //! The grids from which the shipped entries of the RC submodel are derived, and those entries.
 
-use fallwerk::library::entry::EnvelopeLevel;
 use fallwerk::library::rc::{RC_AXIAL_SHARES, RcWanted, Symmetry};
-use fallwerk::library::{Entry, Origin};
+use fallwerk::library::{Entry, EntryKind, Origin};
 use fallwerk::rc::series::fibre_peak_nm;
 use fallwerk::rc::{RcSection, SeriesOptions, section_grid};
 use std::collections::BTreeSet;
@@ -100,37 +99,40 @@ fn of_submodel() -> Vec<Entry> {
     files.map(read).filter(|e| e.origin == Origin::RcSubmodel && e.deprecated.is_none()).collect()
 }
 
-/// A push that broke off before the section cracked through tells nothing of its strength.
+/// A push that broke off before the section cracked through tells nothing of its strength; under tension that comes first. Fibres take a quarter of a second a level, so that of the
+/// columns every fourth is looked at.
 #[test]
-fn shipped_levels_bear_at_least_half_of_what_fibres_of_their_section_do() {
+fn shipped_levels_under_tension_bear_at_least_half_of_what_fibres_of_their_section_do() {
     let sections: Vec<RcSection> = grids().into_iter().flat_map(|(_, sections)| sections).collect();
+    let (columns, floors): (Vec<Entry>, Vec<Entry>) =
+        of_submodel().into_iter().partition(|e| e.kind == EntryKind::ColumnHinge);
     let mut looked_at = 0;
-    for entry in of_submodel() {
-        let inputs = &entry.provenance.inputs;
-        let is_its = |section: &&RcSection| {
-            let wanted = RcWanted::of(section, &SeriesOptions::default()).unwrap();
-            let [of_its, of_wanted] =
-                [&inputs.settings, &wanted.inputs.settings].map(|s| &s["bars_x_y_diameter_m"]);
-            of_its == of_wanted
-                && wanted.features.rc == entry.features.rc
-                && wanted.inputs.geometry == inputs.geometry
-        };
-        let Some(section) = sections.iter().find(is_its) else { panic!("{} is of no grid", entry.key) };
+    for entry in floors.iter().chain(columns.iter().step_by(4)) {
+        let section = of_entry(&sections, entry);
         // strips of slabs are stored for a metre
         let strips = entry.features.width_m / section.input.size_m[0];
         let axis = &entry.axes[0];
         let reverse = axis.reverse.iter().flat_map(|b| &b.envelopes).map(|l| (270.0, l));
-        for (direction_deg, level) in axis.envelopes.iter().map(|l| (90.0, l)).chain(reverse) {
-            let peak_nm = peak_nm(level) / strips;
+        let levels = axis.envelopes.iter().map(|l| (90.0, l)).chain(reverse);
+        for (direction_deg, level) in levels.filter(|(_, l)| l.axial_force_n < 0.0) {
+            let peak_nm = level.points.iter().map(|p| p[1]).fold(0.0, f64::max) / strips;
             let fibre_nm = fibre_peak_nm(section, level.axial_force_n / strips, direction_deg).unwrap();
             let axial_kn = level.axial_force_n / 1e3;
             assert!(peak_nm > 0.5 * fibre_nm, "{} at {axial_kn} kN: {peak_nm} of {fibre_nm} N m", entry.key);
             looked_at += 1;
         }
     }
-    assert!(looked_at > 300, "{looked_at} levels");
+    assert!(looked_at > 25, "{looked_at} levels");
 }
 
-fn peak_nm(level: &EnvelopeLevel) -> f64 {
-    level.points.iter().map(|p| p[1]).fold(0.0, f64::max)
+/// The section that an entry is of.
+fn of_entry<'a>(sections: &'a [RcSection], entry: &Entry) -> &'a RcSection {
+    let inputs = &entry.provenance.inputs;
+    let is_its = |section: &&RcSection| {
+        let wanted = RcWanted::of(section, &SeriesOptions::default()).unwrap();
+        let [its, of_wanted] = [inputs, &wanted.inputs].map(|i| &i.settings["bars_x_y_diameter_m"]);
+        let alike = wanted.features.rc == entry.features.rc && wanted.inputs.geometry == inputs.geometry;
+        its == of_wanted && alike
+    };
+    sections.iter().find(is_its).unwrap_or_else(|| panic!("{} is of no grid", entry.key))
 }
