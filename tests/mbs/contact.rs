@@ -645,3 +645,20 @@ fn what_hangs_above_the_ground_on_a_joint_strikes_it() {
     assert!((end[2] + 1.4).abs() < 1e-3, "{end:?}");
     assert!(run.first_ground_contact_s.is_some_and(|t| (t - (2.0 * 1.4 / G).sqrt()).abs() < 1e-4));
 }
+
+/// Boxes that come down within one step are told in the order in which they do, whatever their place in the file: `t = √(2 h / g)`.
+#[test]
+fn contacts_of_a_step_are_told_in_their_order() {
+    let heights_m = [0.5006, 0.5003, 0.5];
+    let mut m = on_ground("order", 0.4, 0.0);
+    m.settings.time_step_s = Some(5e-3);
+    for (i, height_m) in heights_m.iter().enumerate() {
+        m.bodies.push(solid(&format!("box {i}"), [2.0 * i as f64, 0.0, height_m + 0.2], [0.4; 3]));
+    }
+    let result = simulate(&m).unwrap();
+    let times_s: Vec<f64> = result.events.iter().map(|e| e.time_s).collect();
+    assert_eq!(times_s.len(), 3, "{:?}", result.events);
+    assert!(times_s[0] < times_s[1] && times_s[1] < times_s[2], "{times_s:?}");
+    assert!((times_s[0] - (2.0 * 0.5 / G).sqrt()).abs() < 1e-4, "{times_s:?}");
+    assert_eq!(result.first_ground_contact_s, Some(times_s[0]));
+}

@@ -244,6 +244,7 @@ impl<'a> Run<'a> {
 
     fn record_touches(&mut self) {
         let Some(touching) = &mut self.marcher.touching else { return };
+        touching.touches.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (time_s, touch) in touching.touches.drain(..) {
             if touch.b == Partner::Ground && !touch.stood {
                 self.result.first_ground_contact_s.get_or_insert(time_s);

@@ -110,7 +110,9 @@ impl Run<'_> {
 
     #[cold]
     pub(super) fn record_touches(&mut self) {
-        for touch in std::mem::take(&mut self.contacts.touches) {
+        let mut touches = std::mem::take(&mut self.contacts.touches);
+        touches.sort_by(|a, b| a.after_s.total_cmp(&b.after_s));
+        for touch in touches {
             let time_s = self.time + touch.after_s;
             if touch.b == Partner::Ground && !touch.stood {
                 self.result.first_ground_contact_s.get_or_insert(time_s);
