@@ -253,19 +253,18 @@ fn a_collapse_in_two_parts_leaves_the_same_files() {
     }
     assert!(parts[0] > 3 && parts[1] > 3, "elements erode before and after: {parts:?}");
     assert!(events.contains(",contact,"), "{events}");
-    for threads in ["1", "2"] {
-        let checkpoint = ["--checkpoint-every", "0.5", "--checkpoint", "half", "-o", "run"];
-        let first = run(&[&["--end-time", "1.65", "--threads", threads], &checkpoint[..]].concat());
-        assert_eq!(first.0, 0, "{}", first.1);
-        assert!(contents(&at.join("run")) != whole && at.join("half").is_file());
-        let second = run(&["--end-time", "1.9", "--threads", threads, "--resume", "half", "-o", "run"]);
-        assert_eq!(second.0, 0, "{}", second.1);
-        let names = |files: &[(String, Vec<u8>)]| files.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
-        let run = contents(&at.join("run"));
-        assert_eq!(names(&run), names(&whole));
-        for (a, b) in run.iter().zip(&whole) {
-            assert!(a == b, "{threads} threads: {} differs", a.0);
-        }
+    // the parts with other numbers of threads than the whole and each other
+    let checkpoint = ["--checkpoint-every", "0.5", "--checkpoint", "half", "-o", "run"];
+    let first = run(&[&["--end-time", "1.65", "--threads", "2"], &checkpoint[..]].concat());
+    assert_eq!(first.0, 0, "{}", first.1);
+    assert!(contents(&at.join("run")) != whole && at.join("half").is_file());
+    let second = run(&["--end-time", "1.9", "--threads", "3", "--resume", "half", "-o", "run"]);
+    assert_eq!(second.0, 0, "{}", second.1);
+    let names = |files: &[(String, Vec<u8>)]| files.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
+    let parts = contents(&at.join("run"));
+    assert_eq!(names(&parts), names(&whole));
+    for (a, b) in parts.iter().zip(&whole) {
+        assert!(a == b, "{} differs", a.0);
     }
     assert!(!at.join("run.unfinished").exists());
     // what is refused, before anything is computed
