@@ -478,8 +478,7 @@ impl RunState {
     }
 }
 
-/// Refuses shares of the stability limit at which central differences are not stable, unless that is `forced`.
-/// The share of the stability limit that is taken where one is asked for: what bulk viscosity leaves stable at most, unless it is forced.
+/// The share of the stability limit that is taken where one is asked for: what bulk viscosity leaves stable at most. A share above the limit is refused; one that is `forced` is taken as it is.
 pub(super) fn step_share(asked: f64, mesh: &Mesh, forced: bool) -> Result<f64, FeError> {
     match forced {
         true if asked > 0.0 && asked.is_finite() => Ok(asked),
