@@ -41,7 +41,7 @@ pub struct RunResult {
     pub reactions: Vec<ReactionHistory>,
     /// What happened, in order of time.
     pub events: Vec<RunEvent>,
-    /// Time of the first contact of a body with the ground \[s\], but for those that stand on it at the start with all their shapes and are joined to it.
+    /// Time of the first contact of a body with the ground \[s\], but for points that stand on it at the start and are joined to it.
     pub first_ground_contact_s: Option<f64>,
     /// Number of steps.
     pub steps: usize,

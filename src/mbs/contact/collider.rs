@@ -1,7 +1,7 @@
 //! Solids of bodies and obstacles, and planes, as a model has them.
 
 use super::collide::{Placed, Solid};
-use super::surface;
+use super::surface::{self, Footing};
 use super::terms::Partner;
 use crate::mbs::math::{self, V3};
 use crate::mbs::model::{Model, ObstacleBox, Shape};
@@ -18,12 +18,12 @@ pub struct Collider {
     pub thickness: f64,
     /// What it is to others.
     pub partner: Partner,
-    /// Whether it stands on the ground at the start, which it may not touch while an intact connection joins its body to it.
-    pub tied: bool,
+    /// How it stands on the ground at the start.
+    pub footing: Footing,
 }
 
 impl Collider {
-    fn of_body(body: usize, shape: &Shape, tied: bool) -> Self {
+    fn of_body(body: usize, shape: &Shape, footing: Footing) -> Self {
         let (solid, local) = Solid::of(shape);
         Self {
             body,
@@ -32,7 +32,7 @@ impl Collider {
             local: (local != Placed::HERE).then_some(local),
             turned: local.q != Placed::HERE.q,
             partner: Partner::Body(body),
-            tied,
+            footing,
         }
     }
 
@@ -47,7 +47,7 @@ impl Collider {
             local: Some(local),
             turned: false,
             partner: Partner::Obstacle(i),
-            tied: false,
+            footing: Footing::default(),
         }
     }
 
@@ -91,8 +91,8 @@ pub struct Plane {
 /// The solids of a model: those of its bodies in their order, then the obstacles, whose body is the number of bodies.
 pub fn of_model(model: &Model) -> Vec<Collider> {
     let bodies = model.bodies.iter().enumerate().flat_map(|(body, entry)| {
-        let shapes = entry.shapes.iter().zip(surface::tied(model, entry));
-        shapes.map(move |(shape, tied)| Collider::of_body(body, shape, tied))
+        let shapes = entry.shapes.iter().zip(surface::footings(model, entry));
+        shapes.map(move |(shape, footing)| Collider::of_body(body, shape, footing))
     });
     let ground = model.bodies.len();
     let obstacles =

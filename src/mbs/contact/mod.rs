@@ -104,8 +104,6 @@ pub struct ContactSet {
     /// Who does not move: bodies asleep, and the ground.
     still: Vec<bool>,
     colliders: Vec<Collider>,
-    /// Bodies that stand on the ground at the start and are joined to it.
-    founded: Vec<bool>,
     planes: Vec<Plane>,
     surfaces: Surfaces,
     faces: Faces,
@@ -177,7 +175,6 @@ impl ContactSet {
             work: Work::default(),
             touched: Vec::new(),
             still: (0..=ground).map(|i| i == ground).collect(),
-            founded: model.bodies.iter().map(|body| surface::founded(model, body)).collect(),
             surfaces: Surfaces::new(model),
             faces: Faces::new(model, count),
             is_rolling: model.contact.resists_rolling(),
@@ -282,7 +279,8 @@ impl ContactSet {
             return true;
         }
         let joined = self.connected.binary_search(&(a.min(b), a.max(b))).is_ok();
-        let tied = || self.partner_of(pair) == Partner::Ground && self.colliders[pair.a as usize].tied;
+        let tied =
+            || self.partner_of(pair) == Partner::Ground && self.colliders[pair.a as usize].footing.tied;
         joined && (b != self.ground || tied())
     }
 

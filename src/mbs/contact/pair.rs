@@ -125,9 +125,17 @@ impl ContactSet {
         let a = self.bodies_of(pair)[0];
         let b: Partner = self.partner_of(pair);
         if self.seen.insert((a, b)) {
-            let stood = b == Partner::Ground && self.founded[a];
-            self.touches.push(super::Touch { a, b, after_s, stood });
+            self.touches.push(super::Touch { a, b, after_s });
         }
+    }
+
+    /// Whether a contact at a point of a pair is one: what stood on the ground, joined to it, has met it already.
+    #[cold]
+    pub(super) fn is_news(&self, pair: &Pair, point: u32) -> bool {
+        let feet = &self.colliders[pair.a as usize].footing.feet;
+        feet.is_empty()
+            || self.partner_of(pair) != Partner::Ground
+            || !feet.contains(&pair.points[point as usize].id)
     }
 
     /// Takes back the first contacts of the last step.

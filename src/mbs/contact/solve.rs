@@ -459,7 +459,7 @@ impl ContactSet {
                     point.normal = row.normal / h;
                     point.tangent = math::scale(1.0 / h, row.tangent);
                 }
-                if row.normal > 0.0 && !self.pairs[slot].seen {
+                if row.normal > 0.0 && !self.pairs[slot].seen && self.is_news(&self.pairs[slot], row.point) {
                     let [a, b] = block.bodies.map(|i| Motion::before(bodies, i as usize));
                     let closing = -math::dot(row.passing(&a, &b), block.normal);
                     first_touch = first_touch.min(row.touch_s(closing));

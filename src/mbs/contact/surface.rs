@@ -102,36 +102,36 @@ fn key(a: usize, b: Partner) -> (usize, Partner) {
     }
 }
 
-/// Where a body is joined to the ground \[m\].
-fn ground_points(model: &Model, body: &Body) -> Vec<math::V3> {
+/// How a shape of a body stands on the ground at the start.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Footing {
+    /// Whether it does not touch the ground while an intact connection joins both: it stands on it or reaches below it, but for what is away from all connections that its body itself has with the ground.
+    pub tied: bool,
+    /// Points of it that are on the ground then, joined to it: that these meet it once the joint has failed is no news.
+    pub feet: Vec<u64>,
+}
+
+/// How each shape of a body stands on the ground at the start.
+pub(super) fn footings(model: &Model, body: &Body) -> Vec<Footing> {
+    let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
+    let turn = math::qmat(body.orientation);
+    let height = |c: &math::V3| body.position_m[2] + math::mul(&turn, *c)[2];
+    let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
     let own = |a: &Option<String>, b: &str| match a {
         None => b == body.id,
         Some(a) => *a == body.id && b == GROUND,
     };
     let bushings = model.bushings.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
     let joints = model.joints.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
-    bushings.chain(joints).collect()
-}
-
-/// Whether all of a body stands on the ground and is joined to it at the start, as a column on its foot: that it touches the ground once the joint has failed is no news.
-pub(super) fn founded(model: &Model, body: &Body) -> bool {
-    !ground_points(model, body).is_empty() && tied(model, body).iter().all(|tied| *tied)
-}
-
-/// Which shapes of a body do not touch the ground while an intact connection joins both: those that stand on it at the start or reach below it, but for what is away from all connections that the body itself has with the ground.
-pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
-    let level = model.contact.ground.as_ref().map_or(f64::NEG_INFINITY, |g| g.level_m);
-    let turn = math::qmat(body.orientation);
-    let height = |c: &[f64; 3]| body.position_m[2] + math::mul(&turn, *c)[2];
-    let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
-    let points = ground_points(model, body);
+    let points: Vec<math::V3> = bushings.chain(joints).collect();
     let at = Placed { x: body.position_m, q: body.orientation, r: turn };
     let placed = |shape: &Shape| {
         let (solid, in_body) = Solid::of(shape);
-        (solid.thickness(), solid.bounds(&at.of(&in_body)))
+        let here = at.of(&in_body);
+        (solid.bounds(&here), solid, here)
     };
-    let solids: Vec<(f64, [math::V3; 2])> = body.shapes.iter().map(placed).collect();
-    let corners = solids.iter().flat_map(|(_, bounds)| bounds).chain(&points);
+    let solids: Vec<([math::V3; 2], Solid, Placed)> = body.shapes.iter().map(placed).collect();
+    let corners = solids.iter().flat_map(|(bounds, ..)| bounds).chain(&points);
     let none = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     let [least, most] = corners.fold(none, |[least, most], p| {
         [0, 1].map(|side| {
@@ -140,12 +140,25 @@ pub(super) fn tied(model: &Model, body: &Body) -> Vec<bool> {
     });
     let size_m = math::norm(math::sub(most, least));
     let beside_m = BESIDE_M.min(BESIDE_SHARE * size_m);
-    let is_beside = |(thickness_m, [low, high]): &(f64, [math::V3; 2])| {
+    let is_beside = |[low, high]: &[math::V3; 2], thickness_m: f64| {
         let near = |p: &math::V3| {
             let off: math::V3 = std::array::from_fn(|k| (low[k] - p[k]).max(p[k] - high[k]).max(0.0));
             math::norm(off) <= thickness_m.max(beside_m)
         };
         points.is_empty() || points.iter().any(near)
     };
-    body.shapes.iter().zip(&solids).map(|(shape, solid)| stands(shape) && is_beside(solid)).collect()
+    let footing = |(shape, (bounds, solid, here)): (&Shape, &([math::V3; 2], Solid, Placed))| {
+        let tied = stands(shape) && is_beside(bounds, solid.thickness());
+        let is_joined = tied && !points.is_empty();
+        Footing { tied, feet: if is_joined { feet(solid, here, level) } else { Vec::new() } }
+    };
+    body.shapes.iter().zip(&solids).map(footing).collect()
+}
+
+/// Points of a solid that are on the ground or below it.
+fn feet(solid: &Solid, here: &Placed, level_m: f64) -> Vec<u64> {
+    let mut all = Vec::new();
+    solid.feet(here, [0.0, 0.0, 1.0], f64::INFINITY, &mut all);
+    let height = |foot: math::V3| here.x[2] + math::mul(&here.r, foot)[2];
+    all.into_iter().filter(|(foot, _)| height(*foot) <= level_m + AT_GROUND_M).map(|(_, id)| id).collect()
 }

@@ -88,8 +88,6 @@ pub struct Touch {
     pub b: Partner,
     /// When, from the start of the step \[s\].
     pub after_s: f64,
-    /// Whether it is what stood on the ground at the start, joined to it, that meets the ground.
-    pub stood: bool,
 }
 
 /// Energies taken by contacts \[J\].

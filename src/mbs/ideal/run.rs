@@ -246,7 +246,7 @@ impl<'a> Run<'a> {
         let Some(touching) = &mut self.marcher.touching else { return };
         touching.touches.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (time_s, touch) in touching.touches.drain(..) {
-            if touch.b == Partner::Ground && !touch.stood {
+            if touch.b == Partner::Ground {
                 self.result.first_ground_contact_s.get_or_insert(time_s);
             }
             let kind = EventKind::Contact {

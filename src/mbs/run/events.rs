@@ -114,7 +114,7 @@ impl Run<'_> {
         touches.sort_by(|a, b| a.after_s.total_cmp(&b.after_s));
         for touch in touches {
             let time_s = self.time + touch.after_s;
-            if touch.b == Partner::Ground && !touch.stood {
+            if touch.b == Partner::Ground {
                 self.result.first_ground_contact_s.get_or_insert(time_s);
             }
             let kind = EventKind::Contact {
