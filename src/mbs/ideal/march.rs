@@ -594,6 +594,46 @@ mod tests {
         assert!(plane.energy_change_j < 1e-7, "{}", plane.energy_change_j);
     }
 
+    /// A swing of two rods and a bar, turned about the vertical: its joints hold it across its plane twice, by a combination of rows that lies a little beside an axis.
+    fn swing(turn: f64) -> Mechanism {
+        let (sin, cos) = turn.sin_cos();
+        let about = |[x, y, z]: V3| [cos * x - sin * y, sin * x + cos * y, z];
+        let at_angle = |x: f64| about([x + 0.3_f64.sin(), 0.0, -0.3_f64.cos()]);
+        let middle = |x: f64| about([x + 0.5 * 0.3_f64.sin(), 0.0, -0.5 * 0.3_f64.cos()]);
+        let turned = |body: Body| {
+            let r = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+            Body { inertia_kg_m2: crate::mbs::math::turned(&r, &body.inertia_kg_m2), ..body }
+        };
+        let rod = |x: f64| turned(Body::at_rest(1.0, [0.08, 0.08, 0.08], middle(x)));
+        let bar = turned(Body::at_rest(2.0, [0.01, 0.2, 0.2], at_angle(0.5)));
+        let axis = about([0.0, 1.0, 0.0]);
+        let pin = |bodies, point_m| Joint::at(Kind::Revolute, bodies, point_m, axis);
+        Mechanism {
+            bodies: vec![rod(0.0), rod(1.0), bar],
+            joints: vec![
+                pin([GROUND, 0], [0.0; 3]),
+                pin([GROUND, 1], about([1.0, 0.0, 0.0])),
+                pin([0, 2], at_angle(0.0)),
+                pin([1, 2], at_angle(1.0)),
+            ],
+            gravity_m_s2: [0.0, 0.0, -9.81],
+            ..Mechanism::default()
+        }
+    }
+
+    #[test]
+    fn a_swing_swings_in_any_plane_as_in_its_own() {
+        let best = run(&swing(0.0), 1e-10, true);
+        let height = |course: &Course, b: usize| course.states[4][STATE * b + 2];
+        for turn in [1e-4, 3e-4, 1e-3, 0.1, 0.7, std::f64::consts::FRAC_PI_2] {
+            let turned = run(&swing(turn), 1e-10, true);
+            assert_eq!(turned.rows, [20, 3], "{turn}");
+            for b in 0..3 {
+                assert!((height(&turned, b) - height(&best, b)).abs() < 1e-8, "{turn}");
+            }
+        }
+    }
+
     #[test]
     fn the_error_follows_the_tolerance() {
         let y = [0.0, 1.0, 0.0];
