@@ -117,6 +117,14 @@ pub fn stretches_to_m(building: &Building, column: &Member) -> Option<f64> {
     own.filter(|_| upright).map(|[_, to]| column.solid.min[2] + to).reduce(f64::max)
 }
 
+/// The level up to which a member goes on standing on what supports it while charges act \[m\]: the middle of the lowest stretch that they take of an upright column; infinite of others.
+pub fn stands_to_m(building: &Building, member: &Member) -> f64 {
+    let own = building.events.iter().filter(|e| e.member == member.id).filter_map(|e| e.stretch_m);
+    let upright = member.kind == MemberKind::Column && !member.is_skew();
+    let middle = |[from, to]: [f64; 2]| member.solid.min[2] + 0.5 * (from + to);
+    own.filter(|_| upright).map(middle).fold(f64::INFINITY, f64::min)
+}
+
 /// Whether stretches that charges take of a column reach its upper end.
 fn loses_its_top(building: &Building, partition: &Partition, member: usize) -> bool {
     let column = &building.members[member];

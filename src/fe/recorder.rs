@@ -14,8 +14,8 @@ use super::truss::BarRupture;
 use super::vtu::{Frame, FrameSink};
 use super::watch::{Books, Watch};
 use crate::building::partition::Partition;
-use crate::building::tracked::{stretches_to_m, tracked_points};
-use crate::building::{Building, MemberKind};
+use crate::building::tracked::{stands_to_m, stretches_to_m, tracked_points};
+use crate::building::{Building, Member, MemberKind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -47,7 +47,8 @@ pub(super) struct Recorder {
     initial_j: f64,
     pub(super) kinetic_j: f64,
     pub(super) removed_j: f64,
-    standing: Vec<bool>,
+    /// The level up to which each member stands on the ground from the start on: that it goes on standing there while it is crushed is no first contact \[m\].
+    stands_to_m: Vec<f64>,
     energy_error: f64,
     hourglass_share: f64,
     first_contact_s: Option<f64>,
@@ -74,8 +75,10 @@ impl Recorder {
         let start_m: Vec<[f64; 3]> =
             probes.iter().map(|p| p.position(mesh, &body.blocks, &body.x).unwrap_or(p.point_m)).collect();
         let tracked = probes.iter().map(|p| History { id: p.id.clone(), ..History::default() }).collect();
-        let standing =
-            building.members.iter().map(|m| building.supports.iter().any(|s| s.member == m.id)).collect();
+        let stands_to = |m: &Member| match building.supports.iter().any(|s| s.member == m.id) {
+            true => stands_to_m(building, m),
+            false => f64::NEG_INFINITY,
+        };
         Self {
             last_m: start_m.clone(),
             probes,
@@ -97,7 +100,7 @@ impl Recorder {
             initial_j: body.blocks.energies_j().iter().sum::<f64>() + body.trusses.internal_j(),
             kinetic_j: 0.0,
             removed_j: 0.0,
-            standing,
+            stands_to_m: building.members.iter().map(stands_to).collect(),
             energy_error: 0.0,
             hourglass_share: 0.0,
             first_contact_s: None,
@@ -115,7 +118,7 @@ impl Recorder {
         self.ruptures.extend(body.trusses.ruptures(mesh, body.time_s));
         for (node, surface) in std::mem::take(&mut body.surfaces.new_touches) {
             let Some(part) = part_at(mesh, body, node) else { continue };
-            if surface == 0 && !self.standing[part] {
+            if surface == 0 && self.rest_m[node][2] > self.stands_to_m[part] {
                 self.first_contact_s.get_or_insert(body.time_s);
             }
             let [part, surface] =

@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// First bytes of a checkpoint.
 pub const MAGIC: [u8; 8] = *b"FWFECKPT";
 /// Version of the file layout and of the states in it.
-pub const FORMAT: u32 = 17;
+pub const FORMAT: u32 = 18;
 /// Bytes before the head.
 const PREFIX: usize = 8 + 4 + 8 + 8;
 /// Bytes of the checksum.

@@ -87,6 +87,27 @@ fn what_loses_all_support_over_time_falls_by_the_cube_of_it() {
     assert!((fallen / exact - 1.0).abs() < 0.01, "{fallen} m for {exact} m");
 }
 
+/// What stands above a stretch that a charge takes comes down on the ground: the first contact, a free fall over the stretch later.
+#[test]
+fn columns_that_lose_their_feet_come_down() {
+    let mut building = small(0.0);
+    let first = building.events[0].clone();
+    let columns = building.members.iter().filter(|m| m.kind == MemberKind::Column);
+    let fire = |m: &Member| Charge {
+        id: m.id.clone(),
+        member: m.id.clone(),
+        stretch_m: Some([0.0, 1.0]),
+        ..first.clone()
+    };
+    building.events = columns.map(fire).collect();
+    building.settings.end_time_s = 0.5;
+    let options = FeOptions { mesh_size_m: Some(0.5), ..FeOptions::default() };
+    let found = run(&building, &options, &mut |_| {}).unwrap();
+    let contact_s = found.summary.first_ground_contact_s.unwrap();
+    let fallen_s = first.time_s + (2.0_f64 / 9.81).sqrt();
+    assert!((contact_s / fallen_s - 1.0).abs() < 0.01, "{contact_s} {fallen_s}");
+}
+
 /// Three storeys press 3 MPa into the column. Elements that kept this stress without stiffness tore themselves apart within 0.27 s.
 #[test]
 fn a_removal_may_take_as_long_as_it_likes() {
