@@ -167,7 +167,7 @@ impl List {
 
     /// The frame without its front columns, under gravity that acts at once.
     fn sudden(&self) -> Result<Model, String> {
-        let mut model = of_building(&self.frame, None).map_err(|e| e.to_string())?.model;
+        let mut model = of_building(&self.frame, &FeOptions::default()).map_err(|e| e.to_string())?.model;
         let gone = |part: usize| self.frame.events.iter().any(|e| e.member == model.mesh.parts[part]);
         let kept: Vec<_> = model.mesh.elements.iter().filter(|e| !gone(e.part)).copied().collect();
         model.mesh.elements = kept;

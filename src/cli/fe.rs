@@ -165,7 +165,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let options = options(arguments, &building)?;
     let other = arguments.against.as_deref().map(Other::read).transpose()?;
     if let Some(path) = &arguments.write_deck {
-        return super::fe_deck::write_building(&building, options.mesh_size_m, [path, &arguments.building]);
+        return super::fe_deck::write_building(&building, &options, [path, &arguments.building]);
     }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
     super::generate_mbs::keep_results_of_validation(&target, "--output names another folder")?;

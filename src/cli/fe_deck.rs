@@ -12,6 +12,7 @@ use crate::building::Building;
 use crate::fe::deck::{DECK_ENDINGS, Deck, DeckErrors, DeckOptions, of_building, read, write};
 use crate::fe::dynamics::Death;
 use crate::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
+use crate::fe::run::FeOptions;
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -105,10 +106,10 @@ fn refused(arguments: &Arguments, errors: &DeckErrors) -> Failure {
 /// Writes the FE model of a building as a deck.
 pub fn write_building(
     building: &Building,
-    mesh_size_m: Option<f64>,
+    options: &FeOptions,
     [path, file]: [&Path; 2],
 ) -> Result<Outcome, Failure> {
-    let deck = of_building(building, mesh_size_m).map_err(|e| Failure::input(e.to_string()))?;
+    let deck = of_building(building, options).map_err(|e| Failure::input(e.to_string()))?;
     let written = write(&deck.model, &deck.comments);
     save(path, file, &written.text, &written.notes)
 }

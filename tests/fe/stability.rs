@@ -47,7 +47,8 @@ fn a_building_with_too_long_a_step_is_stopped() {
 /// The same as a deck's model, recorded so seldom that only the looks between records can find it.
 #[test]
 fn a_model_with_too_long_a_step_is_stopped() {
-    let mut model = of_building(&frame(), None).unwrap().model;
+    let without = FeOptions { body_contact: false, ..FeOptions::default() };
+    let mut model = of_building(&frame(), &without).unwrap().model;
     model.control.end_time_s = 0.1;
     model.control.history_interval_s = 0.1;
     model.control.step_safety = 1.44;

@@ -4,7 +4,8 @@ use crate::building::Building;
 use crate::building::partition::Partition;
 use crate::building::tracked::tracked_points;
 use crate::fe::mesh::Mesh;
-use crate::fe::model::{BodyLoad, Control, Curve, Model, RigidPlane};
+use crate::fe::model::{BodyLoad, ContactSettings, Control, Curve, Model, RigidPlane};
+use crate::fe::run::FeOptions;
 use crate::fe::weld::{self, Welds};
 
 /// A building's model with what a deck does not say of it.
@@ -12,23 +13,32 @@ use crate::fe::weld::{self, Welds};
 pub struct BuildingDeck {
     /// The model.
     pub model: Model,
-    /// What whoever runs the deck has to know: dead load, charges, obstacles.
+    /// What whoever runs the deck has to know: dead load, contact, charges, obstacles.
     pub comments: Vec<String>,
 }
 
-/// Mesh, gravity, ground and tracked points of a building at an element size \[m\] (`None`: the building's).
+/// Mesh, gravity, ground, contact of the parts and tracked points of a building. Of the options of its FE run the mesh size and the
+/// contact count.
 ///
 /// # Errors
 /// If the mesh joins members that stand apart.
-pub fn of_building(building: &Building, mesh_size_m: Option<f64>) -> Result<BuildingDeck, Welds> {
+pub fn of_building(building: &Building, options: &FeOptions) -> Result<BuildingDeck, Welds> {
     let settings = &building.settings;
-    let size_m = mesh_size_m.unwrap_or(settings.mesh_size_m);
+    let size_m = options.mesh_size_m.unwrap_or(settings.mesh_size_m);
     let (mesh, _) = Mesh::of(building, size_m);
     weld::check(building, &mesh, size_m)?;
     let mut comments = vec![
         "Units: m, kg, s, N, Pa.".to_string(),
         "Gravity acts from the beginning of the run at its full value; fallwerk itself starts a building from its static state under dead load.".into(),
     ];
+    // as in the FE run of the building
+    let body_contact = options.body_contact.then_some(ContactSettings { friction: building.ground.friction });
+    comments.push(match body_contact {
+        Some(contact) => {
+            format!("The parts touch each other, with the friction of the ground: {}.", contact.friction)
+        }
+        None => "There is no contact between the parts: they pass through each other.".into(),
+    });
     for charge in &building.events {
         let stretch = charge.stretch_m.map_or(String::new(), |[a, b]| format!(", {a} to {b} m along it"));
         comments.push(format!(
@@ -61,6 +71,7 @@ pub fn of_building(building: &Building, mesh_size_m: Option<f64>) -> Result<Buil
         mesh,
         body_loads: vec![gravity],
         walls: vec![ground],
+        body_contact,
         control,
         ..Model::default()
     };

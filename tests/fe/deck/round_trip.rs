@@ -10,6 +10,7 @@ use fallwerk::fe::mesh::Truss;
 use fallwerk::fe::model::{
     BodyLoad, Constraint, ContactSettings, Curve, DrivenNode, Model, NodalLoad, RigidPlane,
 };
+use fallwerk::fe::run::FeOptions;
 
 /// A model with all that a deck can say and awkward numbers.
 fn rich() -> Model {
@@ -109,7 +110,7 @@ fn a_read_deck_is_written_as_it_was() {
 #[test]
 fn a_building_comes_back() {
     let building = fallwerk::building::parse(fallwerk::building::EXAMPLE, Format::Toml, "a.toml").unwrap();
-    let deck = of_building(&building, None).unwrap();
+    let deck = of_building(&building, &FeOptions::default()).unwrap();
     let written = write(&deck.model, &deck.comments);
     assert!(written.text.contains("$ Charge") && written.text.contains("*ELEMENT_SOLID\n"));
     let read = good(&written.text);
@@ -117,4 +118,20 @@ fn a_building_comes_back() {
     assert_eq!(read.model.mesh.elements.len(), deck.model.mesh.elements.len());
     assert_eq!(read.model.walls[0].point_m[2], building.ground.level_m);
     assert_eq!(read.model.body_loads[0].acceleration_m_s2.at(1.0), -9.81);
+}
+
+/// The parts of a building touch each other in its deck as in its run, unless that is switched off; the head of the deck says which.
+#[test]
+fn contact_of_a_building_is_in_its_deck() {
+    let building = fallwerk::building::parse(fallwerk::building::EXAMPLE, Format::Toml, "a.toml").unwrap();
+    for body_contact in [true, false] {
+        let deck = of_building(&building, &FeOptions { body_contact, ..FeOptions::default() }).unwrap();
+        let text = write(&deck.model, &deck.comments).text;
+        let head = text.split("*TITLE").next().unwrap();
+        assert_eq!(head.contains("$ The parts touch each other"), body_contact, "{head}");
+        assert_eq!(head.contains("$ There is no contact between the parts"), !body_contact, "{head}");
+        assert_eq!(text.contains("_SINGLE_SURFACE"), body_contact);
+        let friction = good(&text).model.body_contact.map(|c| c.friction);
+        assert_eq!(friction, body_contact.then_some(building.ground.friction));
+    }
 }
