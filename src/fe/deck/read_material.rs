@@ -42,20 +42,25 @@ fn tangent<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, field: usize, youngs:
     tangent
 }
 
-/// `C`, `P` and the form `VP`.
-fn rate<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, [c, p, vp]: [usize; 3]) -> Option<CowperSymonds> {
+/// `C`, `P` and the form `VP`. The rate is that of the plastic strain (`crate::material::rate`), which is the rate of VP = 1; that of VP = 0
+/// is the rate of the total strain (Altair, reference of the LS-DYNA input of Radioss, `*MAT_024`). Also whether VP is 1.
+fn rate<'a>(
+    cards: &mut Cards<'a, '_>,
+    card: &Card<'a>,
+    [c, p, vp]: [usize; 3],
+) -> (Option<CowperSymonds>, bool) {
     let (c_1_s, exponent) = (cards.real(card, c), cards.real(card, p));
-    match cards.whole(card, vp) {
-        Some(0) | None => {}
-        Some(1) if c_1_s > 0.0 => cards.messages.note(
+    let form = cards.whole(card, vp);
+    match form {
+        Some(0) if c_1_s > 0.0 => cards.messages.note(
             card.place(vp),
-            "VP = 1: the rate factor takes the total equivalent strain rate, not that of the plastic strain",
+            "VP = 0: the rate factor takes the rate of the plastic strain, elsewhere that of the total strain; in steady flow they are the same",
         ),
-        Some(1) => {}
+        Some(0 | 1) | None => {}
         Some(_) => cards.refuse(card, vp, "the rate factor acts on the yield stress: VP is 0 (or 1)"),
     }
     if c_1_s == 0.0 || c_1_s.is_nan() {
-        return None;
+        return (None, false);
     }
     if c_1_s < 0.0 {
         cards.refuse(card, c, "a strain rate is positive");
@@ -63,7 +68,18 @@ fn rate<'a>(cards: &mut Cards<'a, '_>, card: &Card<'a>, [c, p, vp]: [usize; 3]) 
     if exponent <= 0.0 {
         cards.refuse(card, p, "the exponent of the rate law is positive");
     }
-    Some(CowperSymonds { c_1_s, p: exponent })
+    (Some(CowperSymonds { c_1_s, p: exponent }), form == Some(1))
+}
+
+/// Whether the yield stress changes with plastic strain: VP = 1 elsewhere adds the rate factor times SIGY to the hardening table (d3view,
+/// "Yield Stress and Strain-rate Dependency in MAT_024 and the significance of SIGY").
+fn hardens(plastic: &RawPlastic) -> bool {
+    match plastic {
+        RawPlastic::Elastic => false,
+        RawPlastic::Bilinear { tangent, .. } => *tangent > 0.0,
+        RawPlastic::Points(points) => points.len() > 1,
+        RawPlastic::Curve(_) => true,
+    }
 }
 
 /// A failure strain; blank or 0 is none.
@@ -102,7 +118,7 @@ fn kinematic(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     }
     let (mut found_rate, mut failure_strain) = (None, f64::INFINITY);
     if let Some(second) = cards.card(SECOND) {
-        found_rate = rate(cards, &second, [0, 1, 3]);
+        (found_rate, _) = rate(cards, &second, [0, 1, 3]);
         failure_strain = failure(cards, &second, 2);
     }
     let plastic = RawPlastic::Bilinear { yield_stress, tangent };
@@ -124,9 +140,11 @@ fn piecewise(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     let [density, youngs, poisson] = elasticity(cards, &card);
     let failure_strain = failure(cards, &card, 6);
     cards.must_be_zero(&card, 7, "elements erode at the solver's own limit of the time step; leave TDEL out");
-    let (mut found_rate, mut curve, mut points) = (None, Some(0), Vec::new());
+    let (mut found_rate, mut plastic_rate, mut curve, mut points) = (None, None, Some(0), Vec::new());
     if let Some(second) = cards.card(SECOND) {
-        found_rate = rate(cards, &second, [0, 1, 4]);
+        let viscoplastic;
+        (found_rate, viscoplastic) = rate(cards, &second, [0, 1, 4]);
+        plastic_rate = viscoplastic.then(|| second.place(4));
         curve = cards.id(&second, 2);
         cards.must_be_zero(&second, 3, "curves of the rate effect are not supported; give C and P");
         if let Some(strains) = cards.card(STRAINS) {
@@ -142,6 +160,10 @@ fn piecewise(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
         Some(curve) => RawPlastic::Curve(curve),
         None => RawPlastic::Elastic,
     };
+    if let Some(place) = plastic_rate.filter(|_| hardens(&plastic)) {
+        let text = "VP = 1: the rate factor acts on the hardening table as a whole, elsewhere on SIGY alone";
+        cards.messages.note(place, text);
+    }
     enter(
         cards,
         raw,

@@ -59,6 +59,9 @@ pub fn write(model: &Model, comments: &[String]) -> Written {
     if model.mesh.laws.iter().any(|l| l.hardening.len() > 1) {
         notes.push("yield stresses are constant beyond the last point of their table here; other programs may go on along the last slope".into());
     }
+    if model.mesh.laws.iter().any(|l| l.rate.is_some() && l.hardening.len() > 1) {
+        notes.push("strain rates raise hardening tables as a whole here; other programs may raise SIGY alone with VP = 1".into());
+    }
     let mut text = String::from("*KEYWORD\n");
     for comment in comments.iter().chain(&notes) {
         for line in comment.lines() {
@@ -250,12 +253,17 @@ impl Writer {
         let failure = law.erosion.plastic_strain;
         let failure = if failure.is_finite() { Real(failure) } else { Blank };
         first.extend([Real(begin.stress_pa), Real(0.0), failure]);
+        let table = &law.hardening;
         // zeros, not blanks: some programs pass over a blank line
         let mut second = law.rate.map_or(vec![Real(0.0); 2], |r| vec![Real(r.c_1_s), Real(r.p)]);
-        let table = &law.hardening;
         if table.len() > 8 {
             let curve = Curve(table.iter().map(|p| [p.plastic_strain, p.stress_pa]).collect());
             second.push(self.curve(&curve));
+        }
+        if law.rate.is_some() {
+            second.resize(4, Id(0));
+            // VP: the rate is that of the plastic strain
+            second.push(Id(1));
         }
         let mut rows = vec![Row::Card(TEN, first), Row::Card(TEN, second)];
         if (2..=8).contains(&table.len()) {

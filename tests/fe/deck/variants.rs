@@ -1,9 +1,9 @@
 //! The same model in all the spellings of decks.
 
 use super::{CUBE, good, same, with};
-use fallwerk::fe::deck::{DeckOptions, is_deck, parse, read};
+use fallwerk::fe::deck::{DeckOptions, is_deck, parse, read, write};
 use fallwerk::fe::law::{ElementForm, Hourglass};
-use fallwerk::fe::model::Constraint;
+use fallwerk::fe::model::{Constraint, Model};
 use std::fs;
 
 #[test]
@@ -159,6 +159,43 @@ fn erosion_by_the_mean_of_the_points_is_noted() {
         |text: &str| good(text).notes.iter().any(|n| n.text.contains("mean plastic strain of their points"));
     assert!(!noted(CUBE));
     assert!(noted(&with(CUBE, "        20         1\n", "        20         2\n")));
+}
+
+/// The rate factor takes the rate of the plastic strain and acts on the whole table: what VP means elsewhere is noted where it is something
+/// else, and changes nothing. Decks are written with VP = 1.
+#[test]
+fn what_the_rate_factor_is_elsewhere() {
+    let vp = |text: &str, vp: &str| with(text, "      40.0       5.0\n", &format!("40.,5.,0,0,{vp}\n"));
+    let noted = |text: &str| {
+        let notes = good(text).notes.into_iter().map(|n| n.text).filter(|n| n.contains("VP ="));
+        notes.map(|n| n[..6].to_string()).collect::<Vec<_>>()
+    };
+    let table = "       0.0      0.05       0.1\n     3.0e8     3.5e8     3.8e8\n";
+    let perfect = with(CUBE, table, "");
+    for (text, value, expected) in [
+        (CUBE, "", &["VP = 0"][..]),
+        (CUBE, "0", &["VP = 0"]),
+        (CUBE, "1", &["VP = 1"]),
+        (&perfect[..], "0", &["VP = 0"]),
+        (&perfect[..], "1", &[]),
+    ] {
+        assert_eq!(noted(&vp(text, value)), expected, "VP {value}");
+    }
+    for (value, expected) in [("", &["VP = 0"][..]), ("1", &[])] {
+        let kinematic = format!("*MAT_003\n31,7850,2.1e11,.3,3e8,1e9,1\n40,5,0,{value}\n*NODE\n");
+        assert_eq!(noted(&with(&vp(&perfect, "1"), "*NODE\n", &kinematic)), expected, "*MAT_003, VP {value}");
+    }
+    let mut model = good(CUBE).model;
+    same(&model, &good(&vp(CUBE, "1")).model);
+    let second_card = |model: &Model| {
+        let text = write(model, &[]).text;
+        let line = text.lines().skip_while(|l| !l.starts_with("*MAT_PIECEWISE")).nth(2).unwrap();
+        line.split_whitespace().map(|f| f.parse().unwrap()).collect::<Vec<f64>>()
+    };
+    assert_eq!(second_card(&model), [40.0, 5.0, 0.0, 0.0, 1.0]);
+    assert_eq!(noted(&write(&model, &[]).text), ["VP = 1"]);
+    model.mesh.laws[0].rate = None;
+    assert_eq!(second_card(&model), [0.0, 0.0]);
 }
 
 /// A node that a set lists twice has its load once.
