@@ -105,7 +105,8 @@ pub struct Arguments {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
-    /// Write the FE model as a keyword deck into this file instead of running it
+    /// Write the FE model as a keyword deck into this file instead of running it; mesh size, end time, form, mass scaling and
+    /// --no-body-contact go into it
     #[arg(long, value_name = "FILE")]
     pub(super) write_deck: Option<PathBuf>,
     /// Leave keywords of a deck that are not known out, with a note, instead of refusing them
@@ -133,22 +134,43 @@ impl Arguments {
 
     /// The first given option that has no meaning for a deck.
     pub(super) fn for_buildings_only(&self) -> Option<&'static str> {
-        let given = [
-            (self.checkpoint_every.is_some(), "--checkpoint-every"),
-            (self.resume.is_some(), "--resume"),
+        let of_the_model = [
             (self.mass_scaling_step.is_some(), "--mass-scaling-step"),
             (self.no_body_contact, "--no-body-contact"),
-            (self.compute_all, "--compute-all"),
             (self.form.is_some(), "--form"),
+        ];
+        first_given(self.of_a_building_run().into_iter().chain(of_the_model))
+    }
+
+    /// The first given option that has no meaning where a deck is written in place of a run.
+    pub(super) fn for_runs_only(&self) -> Option<&'static str> {
+        let of_any_run = [
+            (self.output.is_some(), "--output"),
+            (self.vtu, "--vtu"),
+            (self.vtu_every.is_some(), "--vtu-every"),
+            (self.force_mass_scaling, "--force-mass-scaling"),
+        ];
+        first_given(self.of_a_building_run().into_iter().chain(of_any_run))
+    }
+
+    /// Which options of a building's run are given that are in no deck.
+    fn of_a_building_run(&self) -> [(bool, &'static str); 9] {
+        [
+            (self.checkpoint_every.is_some(), "--checkpoint-every"),
+            (self.resume.is_some(), "--resume"),
+            (self.compute_all, "--compute-all"),
             (self.isa.is_some(), "--isa"),
             (self.hybrid.is_given(), "--hybrid"),
             (self.against.is_some(), "--against"),
             (self.knowledge.rules.is_some(), "--rules"),
             (self.knowledge.library.is_some(), "--library"),
             (!matches!(self.on_failure, OnFailure::Erode), "--on-failure"),
-        ];
-        given.iter().find(|(given, _)| *given).map(|(_, name)| *name)
+        ]
     }
+}
+
+fn first_given(mut options: impl Iterator<Item = (bool, &'static str)>) -> Option<&'static str> {
+    options.find(|(given, _)| *given).map(|(_, name)| name)
 }
 
 /// Runs the command.
@@ -161,12 +183,13 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "--skip-unknown is for decks: a building file with unknown keys is refused; leave the option out";
         return Err(Failure::input(what.into()));
     }
+    let deck = super::fe_deck::to_write(arguments)?;
     let building = read_building(&arguments.building, arguments.json)?;
     let options = options(arguments, &building)?;
-    let other = arguments.against.as_deref().map(Other::read).transpose()?;
-    if let Some(path) = &arguments.write_deck {
-        return super::fe_deck::write_building(&building, &options, [path, &arguments.building]);
+    if let Some(path) = deck {
+        return super::fe_deck::write_building(arguments, &building, &options, path);
     }
+    let other = arguments.against.as_deref().map(Other::read).transpose()?;
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
     super::generate_mbs::keep_results_of_validation(&target, "--output names another folder")?;
     let notes = notes(&building, &options);

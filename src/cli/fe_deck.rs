@@ -11,6 +11,7 @@ use crate::base::units::in_table;
 use crate::building::Building;
 use crate::fe::deck::{DECK_ENDINGS, Deck, DeckErrors, DeckOptions, of_building, read, write};
 use crate::fe::dynamics::Death;
+use crate::fe::model::Model;
 use crate::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
 use crate::fe::run::FeOptions;
 use crate::fe::vtu::{FrameSink, VtuSeries};
@@ -31,16 +32,18 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "{option} is for buildings; a deck has its own keywords, or none"
         )));
     }
+    let (path, end_time_s) = (to_write(arguments)?, super::fe::end_time(arguments)?);
     let options = DeckOptions { skip_unknown: arguments.skip_unknown };
-    let deck = read(&arguments.building, options).map_err(|errors| refused(arguments, &errors))?;
+    let mut deck = read(&arguments.building, options).map_err(|errors| refused(arguments, &errors))?;
     for note in &deck.notes {
         eprintln!("note: {note}");
     }
-    if let Some(path) = &arguments.write_deck {
-        let written = write(&deck.model, &[]);
-        return save(path, &arguments.building, &written.text, &written.notes);
+    if let Some(path) = path {
+        let control = &mut deck.model.control;
+        control.end_time_s = end_time_s.unwrap_or(control.end_time_s);
+        let notes = deck.notes.iter().map(|n| n.to_string()).collect();
+        return save(arguments, path, &deck.model, &[], notes);
     }
-    let end_time_s = super::fe::end_time(arguments)?;
     let target = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.building));
     let output = OutputFolder::create(&target).map_err(|e| unwritable(&e))?;
     let progress = Progress::on_stderr();
@@ -103,27 +106,52 @@ fn refused(arguments: &Arguments, errors: &DeckErrors) -> Failure {
     Failure::input(String::new())
 }
 
-/// Writes the FE model of a building as a deck.
-pub fn write_building(
-    building: &Building,
-    options: &FeOptions,
-    [path, file]: [&Path; 2],
-) -> Result<Outcome, Failure> {
-    let deck = of_building(building, options).map_err(|e| Failure::input(e.to_string()))?;
-    let written = write(&deck.model, &deck.comments);
-    save(path, file, &written.text, &written.notes)
+/// The deck to be written, if there is to be one: options of a run beside it are refused.
+pub fn to_write(arguments: &Arguments) -> Result<Option<&Path>, Failure> {
+    let Some(path) = arguments.write_deck.as_deref() else { return Ok(None) };
+    match arguments.for_runs_only() {
+        None => Ok(Some(path)),
+        Some(option) => Err(Failure::input(format!(
+            "{option} is for runs, and with --write-deck nothing is run; leave one of the two out"
+        ))),
+    }
 }
 
-fn save(path: &Path, read: &Path, text: &str, notes: &[String]) -> Result<Outcome, Failure> {
-    may_write(path, &DECK_ENDINGS, &[read]).map_err(|why| Failure::input(format!("--write-deck: {why}")))?;
-    write_atomic(path, text.as_bytes()).map_err(|e| {
+/// Writes the FE model of a building as a deck.
+pub fn write_building(
+    arguments: &Arguments,
+    building: &Building,
+    options: &FeOptions,
+    path: &Path,
+) -> Result<Outcome, Failure> {
+    let deck = of_building(building, options).map_err(|e| Failure::input(e.to_string()))?;
+    save(arguments, path, &deck.model, &deck.comments, Vec::new())
+}
+
+/// Writes a model with comments at the head of its deck; `notes` are those there are already.
+fn save(
+    arguments: &Arguments,
+    path: &Path,
+    model: &Model,
+    comments: &[String],
+    mut notes: Vec<String>,
+) -> Result<Outcome, Failure> {
+    may_write(path, &DECK_ENDINGS, &[&arguments.building])
+        .map_err(|why| Failure::input(format!("--write-deck: {why}")))?;
+    let written = write(model, comments);
+    write_atomic(path, written.text.as_bytes()).map_err(|e| {
         let remedy = "make room there, or name a file that can be written";
         Failure::input(format!("--write-deck {}: {e}; {remedy}", path.display()))
     })?;
-    for note in notes {
+    for note in &written.notes {
         eprintln!("note: {note}");
     }
-    print(&format!("{}\n", path.display()));
+    if arguments.json {
+        notes.extend(written.notes);
+        print(&format!("{:#}\n", json!({ "title": model.title, "notes": notes, "output": path })));
+    } else {
+        print(&format!("{}\n", path.display()));
+    }
     Ok(Outcome::Done)
 }
 

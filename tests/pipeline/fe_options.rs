@@ -5,6 +5,8 @@ use fallwerk::base::isa::Isa;
 use fallwerk::base::tree::Format;
 use fallwerk::building::{EXAMPLE, parse};
 use fallwerk::cli::fe::displacements_csv;
+use fallwerk::fe::deck::{DeckOptions, read};
+use fallwerk::fe::law::ElementForm;
 use fallwerk::fe::run::{FeOptions, run};
 use fallwerk::verify::fe::forms::{FORMS, form};
 use serde_json::Value;
@@ -128,4 +130,47 @@ fn there_is_no_verdict_before_all_charges_were_fired() {
         fallwerk(room.path(), &["fe", "building.toml", "--end-time", "0.02", "-o", "again"]);
     assert_eq!(code, 0, "{err}");
     assert!(out.contains("no verdict (the run ends before front-right) in the FE run"), "{out}");
+}
+
+/// What belongs to the model goes into a written deck; what belongs to a run is refused by name.
+#[test]
+fn options_beside_a_deck_that_is_written() {
+    let room = room(str::to_string);
+    let at = room.path();
+    let model_options = ["--end-time", "0.05", "--form", "full", "--mass-scaling-step", "0.001"];
+    let write = ["fe", "building.toml", "--write-deck", "a.k", "--no-body-contact", "--json"];
+    let (code, out, err) = fallwerk(at, &[&write[..], &model_options].concat());
+    assert_eq!(code, 0, "{err}");
+    let printed: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&printed["output"], printed["notes"].is_array()), (&Value::from("a.k"), true));
+    let model = |file: &str| read(&at.join(file), DeckOptions::default()).unwrap().model;
+    let written = model("a.k");
+    assert_eq!((written.control.end_time_s, written.body_contact), (0.05, None));
+    assert!((written.control.mass_scaling_step_s.unwrap() / 0.001 - 1.0).abs() < 1e-12);
+    assert!(written.mesh.laws.iter().all(|l| l.form == ElementForm::FullyIntegrated));
+    let (code, out, err) = fallwerk(at, &["fe", "a.k", "--write-deck", "b.k", "--end-time", "0.02"]);
+    assert_eq!((code, out.trim()), (0, "b.k"), "{err}");
+    assert_eq!(model("b.k").control.end_time_s, 0.02);
+    for option in [
+        &["--hybrid"][..],
+        &["--on-failure", "split"],
+        &["--resume", "x"],
+        &["--checkpoint-every", "1"],
+        &["--compute-all"],
+        &["--vtu"],
+        &["--vtu-every", "2"],
+        &["--output", "run"],
+        &["--mass-scaling-step", "0.001", "--force-mass-scaling"],
+    ] {
+        let name = option.iter().rfind(|word| word.starts_with("--")).unwrap();
+        let (code, out, err) =
+            fallwerk(at, &[&["fe", "building.toml", "--write-deck", "c.k"][..], option].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{name}: {err}");
+        assert!(err.contains(name) && err.contains("--write-deck"), "{name}: {err}");
+    }
+    for option in [&["--vtu"][..], &["-o", "run"]] {
+        let (code, _, err) = fallwerk(at, &[&["fe", "a.k", "--write-deck", "c.k"][..], option].concat());
+        assert!(code == 2 && err.contains("--write-deck"), "{option:?}: {err}");
+    }
+    assert_eq!(names(at), ["a.k", "b.k", "building.toml"]);
 }

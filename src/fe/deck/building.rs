@@ -17,16 +17,19 @@ pub struct BuildingDeck {
     pub comments: Vec<String>,
 }
 
-/// Mesh, gravity, ground, contact of the parts and tracked points of a building. Of the options of its FE run the mesh size and the
-/// contact count.
+/// Mesh, gravity, ground, contact of the parts and tracked points of a building. Of the options of its FE run mesh size, form of the
+/// elements, end time, mass scaling and contact count; the others are of the run, not of the model.
 ///
 /// # Errors
 /// If the mesh joins members that stand apart.
 pub fn of_building(building: &Building, options: &FeOptions) -> Result<BuildingDeck, Welds> {
     let settings = &building.settings;
     let size_m = options.mesh_size_m.unwrap_or(settings.mesh_size_m);
-    let (mesh, _) = Mesh::of(building, size_m);
+    let (mut mesh, _) = Mesh::of(building, size_m);
     weld::check(building, &mesh, size_m)?;
+    if let Some(form) = options.form {
+        mesh.laws.iter_mut().for_each(|law| law.form = form);
+    }
     let mut comments = vec![
         "Units: m, kg, s, N, Pa.".to_string(),
         "Gravity acts from the beginning of the run at its full value; fallwerk itself starts a building from its static state under dead load.".into(),
@@ -59,7 +62,8 @@ pub fn of_building(building: &Building, options: &FeOptions) -> Result<BuildingD
         nodes: None,
     };
     let control = Control {
-        end_time_s: settings.end_time_s,
+        end_time_s: options.end_time_s.unwrap_or(settings.end_time_s),
+        mass_scaling_step_s: options.mass_scaling_step_s,
         state_interval_s: settings.output_interval_s,
         history_interval_s: settings.output_interval_s,
         history_nodes: history_nodes(building, &mesh),
