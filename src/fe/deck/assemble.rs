@@ -1,7 +1,7 @@
 //! From tables by identifier to a model by index. Every reference is looked up, every element measured.
 
 use super::error::{At, Messages};
-use super::groups::{Groups, unknown};
+use super::groups::{EVERYWHERE, Groups, unknown};
 use super::laws::{PartLaw, law_of};
 use super::raw::{Raw, RawDrive, RawHistory, RawStart, RawWall, Who};
 use super::read::Ids;
@@ -353,7 +353,8 @@ fn hold(raw: &Raw, groups: &Groups<'_>, model: &mut Model, messages: &mut Messag
         }
     }
     for drive in &raw.driven {
-        let nodes = groups.nodes(&drive.who, drive.at, messages);
+        // what a set lacks is told where its motions are spread
+        let nodes = groups.nodes(&drive.who, drive.at, &mut Messages::default());
         let both = nodes.iter().find(|n| held.get(n).is_some_and(|h| h[drive.axis]));
         if let Some(node) = both {
             let message = format!("node {} is held and moved in the same direction", raw.nodes[*node].id);
@@ -378,21 +379,23 @@ fn starts(raw: &Raw, groups: &Groups<'_>, messages: &mut Messages) -> Vec<(usize
         if let Some((set, velocity)) = start.without {
             others = Some((groups.nodes(&Who::Set(set), start.at, messages).into_iter().collect(), velocity));
         }
-        for node in nodes {
-            let x = raw.nodes[node].x;
-            if start.inside.is_some_and(|b| !groups.inside(b, x, start.at, messages)) {
-                continue;
+        let sides = start.inside.map_or(EVERYWHERE, |id| groups.limits(id, start.at, messages));
+        let inside = |x: [f64; 3]| (0..3).all(|i| x[i] >= sides[i][0] && x[i] <= sides[i][1]);
+        let mut given = 0;
+        for node in nodes.iter().copied().filter(|n| inside(raw.nodes[*n].x)) {
+            let velocity = match &others {
+                Some((set, velocity)) if set.contains(&node) => *velocity,
+                _ => Some(velocity_at(start, raw.nodes[node].x)),
+            };
+            if let Some(velocity) = velocity {
+                found.insert(node, velocity);
+                given += 1;
             }
-            match &others {
-                Some((set, velocity)) if set.contains(&node) => {
-                    if let Some(velocity) = velocity {
-                        found.insert(node, *velocity);
-                    }
-                }
-                _ => {
-                    found.insert(node, velocity_at(start, x));
-                }
-            }
+        }
+        if given == 0 && !nodes.is_empty() {
+            let message = "the initial velocity is given to no node".to_string();
+            let help = "none of the nodes meant lies in the box BOXID and out of the set NSIDEX: change these, or take the velocity out";
+            messages.error(start.at, "no-nodes", message, "", help);
         }
     }
     found.into_iter().filter(|(_, v)| *v != [0.0; 3]).collect()
@@ -410,6 +413,7 @@ fn wall(raw: &Raw, wall: &RawWall, groups: &Groups<'_>, messages: &mut Messages)
     let length = along.iter().map(|c| c * c).sum::<f64>().sqrt();
     let normal = along.map(|c| c / length);
     let height = |x: [f64; 3]| (0..3).map(|i| (x[i] - wall.tail[i]) * normal[i]).sum::<f64>();
+    let before = messages.count();
     let mut nodes = (wall.set > 0).then(|| groups.nodes(&Who::Set(wall.set), wall.at, messages));
     if wall.within > 0.0 {
         let near = (0..raw.nodes.len()).filter(|n| height(raw.nodes[*n].x).abs() <= wall.within);
@@ -423,6 +427,11 @@ fn wall(raw: &Raw, wall: &RawWall, groups: &Groups<'_>, messages: &mut Messages)
             groups.nodes(&Who::Set(wall.without), wall.at, messages).into_iter().collect();
         let list = nodes.get_or_insert_with(|| (0..raw.nodes.len()).collect());
         list.retain(|n| !out.contains(n));
+    }
+    if nodes.as_ref().is_some_and(Vec::is_empty) && messages.count() == before {
+        let message = "the wall stops no node".to_string();
+        let help = "no node lies within OFFSET of it, or all of its nodes are in the set NSIDEX: change these, or take the wall out";
+        messages.error(wall.at, "no-nodes", message, "", help);
     }
     let size = raw.nodes.iter().flat_map(|n| n.x).map(f64::abs).fold(0.0, f64::max);
     let count = match &nodes {

@@ -113,6 +113,11 @@ impl Messages {
         }
     }
 
+    /// Number of errors.
+    pub fn count(&self) -> usize {
+        self.errors.len() + self.left_out
+    }
+
     /// Whether there is any error.
     pub fn any(&self) -> bool {
         !self.errors.is_empty()

@@ -4,6 +4,9 @@ use super::error::{At, Messages};
 use super::raw::{Raw, Who};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
+/// Limits of a box that holds all points: in place of one that is wrong, so that nothing follows from it.
+pub(super) const EVERYWHERE: [[f64; 2]; 3] = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
+
 /// Looks up what identifiers mean.
 pub(super) struct Groups<'a> {
     raw: &'a Raw,
@@ -41,8 +44,38 @@ impl<'a> Groups<'a> {
         found
     }
 
-    /// The nodes meant, in the order given (sets) or increasing (others); empty after an error.
+    /// The nodes meant, in the order given (sets) or increasing (others); empty after an error. That there are none is an error: a support or
+    /// a wall would be missing.
     pub fn nodes(&self, who: &Who, at: At, messages: &mut Messages) -> Vec<usize> {
+        let before = messages.count();
+        let found = self.find(who, at, messages);
+        if found.is_empty() && messages.count() == before {
+            let (meant, help) = match who {
+                Who::Set(id) => (format!("set of nodes {id}"), "give it nodes that the deck has"),
+                Who::Part(id) => (format!("part {id}"), "give it elements"),
+                Who::PartSet(id) => (format!("set of parts {id}"), "give it parts with elements"),
+                Who::All | Who::Node(_) => return found,
+            };
+            let message = format!("the {meant} has no nodes{}", self.ranges_of(who));
+            let help = format!("{help}, or take out what refers to it");
+            messages.error(at, "no-nodes", message, "referred to here", &help);
+        }
+        found
+    }
+
+    /// Where the ranges of a set are that has no nodes in them, for the message.
+    fn ranges_of(&self, who: &Who) -> String {
+        let Who::Set(id) = who else { return String::new() };
+        let ranges = self.raw.node_ranges.get(id).map_or(&[][..], |(ranges, _)| &ranges[..]);
+        let ranges: Vec<String> = ranges.iter().take(4).map(|[from, to]| format!("{from} to {to}")).collect();
+        if ranges.is_empty() {
+            String::new()
+        } else {
+            format!(": none is in its ranges {}", ranges.join(", "))
+        }
+    }
+
+    fn find(&self, who: &Who, at: At, messages: &mut Messages) -> Vec<usize> {
         match who {
             Who::All => (0..self.raw.nodes.len()).collect(),
             Who::Node(id) => self.node(*id, at, messages).into_iter().collect(),
@@ -71,8 +104,7 @@ impl<'a> Groups<'a> {
             return once.filter_map(|n| self.node(*n, *place, messages)).collect();
         }
         if let Some((of, place)) = self.raw.node_general.get(&id) {
-            let found: BTreeSet<usize> =
-                of.iter().flat_map(|who| self.nodes(who, *place, messages)).collect();
+            let found: BTreeSet<usize> = of.iter().flat_map(|who| self.find(who, *place, messages)).collect();
             return found.into_iter().collect();
         }
         let Some((ranges, _)) = self.raw.node_ranges.get(&id) else {
@@ -91,13 +123,13 @@ impl<'a> Groups<'a> {
         found.into_iter().collect()
     }
 
-    /// Whether a point lies in a box.
-    pub fn inside(&self, id: u64, x: [f64; 3], at: At, messages: &mut Messages) -> bool {
+    /// The limits of a box along each axis; without bounds after an error.
+    pub fn limits(&self, id: u64, at: At, messages: &mut Messages) -> [[f64; 2]; 3] {
         match self.raw.boxes.get(&id) {
-            Some((sides, _)) => (0..3).all(|i| x[i] >= sides[i][0] && x[i] <= sides[i][1]),
+            Some((sides, _)) => *sides,
             None => {
                 unknown(at, "box", id, "*DEFINE_BOX", messages);
-                false
+                EVERYWHERE
             }
         }
     }

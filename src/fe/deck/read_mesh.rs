@@ -2,6 +2,7 @@
 
 use super::card::{Cards, Names};
 use super::error::At;
+use super::groups::EVERYWHERE;
 use super::raw::{Defined, Raw, RawBeam, RawNode, RawPart, RawSection, RawSolid, Who};
 
 /// Reads the block if it is one of these; says whether it was.
@@ -286,7 +287,19 @@ fn boxes(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
     while cards.more() {
         cards.skip_title(titled);
         let Some(card) = cards.required(NAMES) else { return };
-        let sides = [0, 1, 2].map(|i| [cards.real(&card, 1 + 2 * i), cards.real(&card, 2 + 2 * i)]);
+        let mut sides = [0, 1, 2].map(|i| [cards.real(&card, 1 + 2 * i), cards.real(&card, 2 + 2 * i)]);
+        for (i, [least, most]) in sides.into_iter().enumerate() {
+            if least > most {
+                cards.refuse(
+                    &card,
+                    1 + 2 * i,
+                    "the lower limit comes first, and then one that is not below it",
+                );
+            }
+            if least > most || least.is_nan() || most.is_nan() {
+                sides = EVERYWHERE;
+            }
+        }
         if let Some(id) = cards.required_id(&card, 0) {
             define(cards, &mut raw.boxes, id, sides, card.place(0));
         }

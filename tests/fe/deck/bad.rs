@@ -141,6 +141,44 @@ fn given_fields_are_not_passed_over() {
     }
 }
 
+/// What is referred to and has no nodes is an error, told once: a support or a wall would be missing.
+#[test]
+fn references_without_nodes() {
+    let empty = "the set of nodes 9 has no nodes";
+    for (cards, words) in [
+        (
+            "*SET_NODE_LIST_GENERATE\n9\n101,200\n*BOUNDARY_SPC_SET\n9,0,1,1,1\n",
+            "none is in its ranges 101 to 200",
+        ),
+        ("*SET_NODE_GENERAL\n9\nPART\n*LOAD_NODE_SET\n9,3,7,1.0\n", empty),
+        ("*SET_NODE_LIST\n9\n*RIGIDWALL_PLANAR\n9\n0,0,0,0,0,1,0\n", empty),
+        ("*SET_NODE_LIST\n9\n*BOUNDARY_PRESCRIBED_MOTION_SET\n9,3,0,7\n", empty),
+        ("*SET_NODE_LIST\n9\n*DATABASE_HISTORY_NODE_SET\n9\n", empty),
+        ("*SET_NODE_LIST\n9\n*INITIAL_VELOCITY\n9\n0,0,1\n", empty),
+        (
+            "*PART\nidle\n11,20,30,0,40\n*INITIAL_VELOCITY_GENERATION\n11,2,0,0,0,1\n",
+            "the part 11 has no nodes",
+        ),
+        ("*RIGIDWALL_PLANAR\n0,0,0,0.1\n0,0,-1,0,0,0,0\n", "the wall stops no node"),
+        (
+            "*DEFINE_BOX\n9,2,3,-1,2,-1,2\n*INITIAL_VELOCITY\n0,0,9\n0,0,1\n",
+            "the initial velocity is given to no node",
+        ),
+        ("*DEFINE_BOX\n9,1,0,-1,2,-1,2\n*INITIAL_VELOCITY\n0,0,9\n0,0,1\n", "*DEFINE_BOX: XMN is `1`"),
+    ] {
+        let text = with(CUBE, "*NODE\n", &format!("{cards}*NODE\n"));
+        let errors = parse(&text, "deck.k", DeckOptions::default()).map(|_| cards).unwrap_err();
+        let said = errors.to_string();
+        assert!(said.contains(words) && said.contains("--> deck.k:"), "{cards}: {said}");
+        let items: Vec<_> = errors.items().collect();
+        assert!(items.len() == 1 && !items[0].help.is_empty(), "{cards}: {said}");
+    }
+    // a set to which nothing refers may be empty
+    assert!(
+        parse(&with(CUBE, "*NODE\n", "*SET_NODE_LIST\n9\n*NODE\n"), "deck.k", DeckOptions::default()).is_ok()
+    );
+}
+
 /// A number that goes on into the next field is no two numbers; those that fill their fields are.
 #[test]
 fn numbers_longer_than_their_fields() {
