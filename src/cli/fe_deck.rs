@@ -33,7 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         )));
     }
     let (path, end_time_s) = (to_write(arguments)?, super::fe::end_time(arguments)?);
-    let options = DeckOptions { skip_unknown: arguments.skip_unknown };
+    let options = DeckOptions { skip_unknown: arguments.skip_unknown, end_time_s };
     let mut deck = read(&arguments.building, options).map_err(|errors| refused(arguments, &errors))?;
     for note in &deck.notes {
         eprintln!("note: {note}");

@@ -16,14 +16,14 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 const HISTORIES: f64 = 100.0;
 const STATES: f64 = 20.0;
 
-/// The model of a deck; of use only if there are no errors.
-pub(super) fn assemble(raw: &Raw, messages: &mut Messages) -> Option<(Model, Ids)> {
+/// The model of a deck; of use only if there are no errors. `end_time_s`: when its run ends, if not at the time of the deck.
+pub(super) fn assemble(raw: &Raw, end_time_s: Option<f64>, messages: &mut Messages) -> Option<(Model, Ids)> {
     let groups = Groups::new(raw, messages);
     let mut ids = Ids { nodes: raw.nodes.iter().map(|n| n.id).collect(), ..Ids::default() };
     let mesh = mesh(raw, &groups, &mut ids, messages);
     let mut model = Model { title: raw.title.clone(), mesh, ..Model::default() };
     model.control = control(raw, messages);
-    let end_s = model.control.end_time_s;
+    let end_s = end_time_s.unwrap_or(model.control.end_time_s);
     let mut history = |h: RawHistory, at: At, messages: &mut Messages| curve(raw, h, at, end_s, messages);
     for load in &raw.body_loads {
         let acceleration_m_s2 = history(load.history, load.at, messages);

@@ -17,6 +17,8 @@ use std::path::Path;
 pub struct DeckOptions {
     /// Unknown keywords are noted and left out instead of being errors.
     pub skip_unknown: bool,
+    /// When the run is to end, if not at the deck's own time \[s\]: curves have to span the run. The model keeps the time of the deck.
+    pub end_time_s: Option<f64>,
 }
 
 /// The identifiers that a deck gives to what the model knows by index.
@@ -124,7 +126,7 @@ fn of_source(
             unknown(block, options, &mut messages);
         }
     }
-    let assembled = assemble(&raw, &mut messages);
+    let assembled = assemble(&raw, options.end_time_s, &mut messages);
     let notes = messages.finish(&split.files)?;
     let (model, ids) = assembled.unwrap_or_default();
     let places = Places::of(split.files, &raw);

@@ -227,7 +227,7 @@ proptest! {
 
     #[test]
     fn mutated_decks_never_panic(changes in prop::collection::vec((0usize..4000, any::<u8>(), any::<u8>()), 1..8), skip_unknown: bool) {
-        match parse(&mutated(&changes), "mutated.k", DeckOptions { skip_unknown }) {
+        match parse(&mutated(&changes), "mutated.k", DeckOptions { skip_unknown, ..DeckOptions::default() }) {
             Err(errors) => {
                 prop_assert!(errors.items().count() > 0);
                 prop_assert!(errors.render(false).contains("error"));

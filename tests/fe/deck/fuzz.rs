@@ -102,7 +102,7 @@ fn damaged_decks_give_an_error_with_its_line_or_a_model() {
             damage(&mut lines, &mut chance);
         }
         let text = lines.join("\n");
-        match parse(&text, "deck.k", DeckOptions { skip_unknown: case % 3 == 0 }) {
+        match parse(&text, "deck.k", DeckOptions { skip_unknown: case % 3 == 0, ..DeckOptions::default() }) {
             Err(errors) => {
                 refused += 1;
                 let said = errors.render(false);

@@ -133,7 +133,7 @@ fn included_files_stand_in_their_place() {
 fn unknown_keywords_may_be_left_out() {
     let text = with(CUBE, "*NODE\n", "*DEFINE_FRICTION_ORIENTATION\n1,2,3\n*NODE\n");
     assert!(parse(&text, "a.k", DeckOptions::default()).is_err());
-    let deck = parse(&text, "a.k", DeckOptions { skip_unknown: true }).unwrap();
+    let deck = parse(&text, "a.k", DeckOptions { skip_unknown: true, ..DeckOptions::default() }).unwrap();
     same(&deck.model, &good(CUBE).model);
     assert!(deck.notes.iter().any(|n| n.text.contains("*DEFINE_FRICTION_ORIENTATION")), "{:?}", deck.notes);
 }
@@ -196,6 +196,22 @@ fn what_the_rate_factor_is_elsewhere() {
     assert_eq!(noted(&write(&model, &[]).text), ["VP = 1"]);
     model.mesh.laws[0].rate = None;
     assert_eq!(second_card(&model), [0.0, 0.0]);
+}
+
+/// Whether a curve spans the run is a question of when the run ends, not of the deck's own time.
+#[test]
+fn curves_span_the_run_that_is_asked_for() {
+    let noted = |text: &str, end_time_s: Option<f64>| {
+        let options = DeckOptions { end_time_s, ..DeckOptions::default() };
+        let deck = parse(text, "deck.k", options).unwrap();
+        assert_eq!(deck.model.control.end_time_s, 0.1);
+        deck.notes.iter().any(|n| n.text.contains("curve 7 does not span the run"))
+    };
+    // the curve of gravity ends at 1 s
+    assert_eq!([None, Some(1.0), Some(1.5)].map(|end| noted(CUBE, end)), [false, false, true]);
+    let short =
+        with(CUBE, "                 1.0                9.81", "                0.05                9.81");
+    assert_eq!([None, Some(0.05), Some(0.01)].map(|end| noted(&short, end)), [true, false, false]);
 }
 
 /// A node that a set lists twice has its load once.
