@@ -109,9 +109,14 @@ fn termination(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
     }
     cards.end();
     if raw.end_time.replace(end).is_some() {
-        let message = "*CONTROL_TERMINATION stands twice in the deck".to_string();
-        cards.messages.error(cards.block.at, "duplicate", message, "", "keep one of them");
+        twice(cards);
     }
+}
+
+/// A keyword that a deck has once.
+pub(super) fn twice(cards: &mut Cards<'_, '_>) {
+    let message = format!("*{} stands twice in the deck", cards.block.keyword);
+    cards.messages.error(cards.block.at, "duplicate", message, "", "keep one of them");
 }
 
 fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
@@ -125,7 +130,9 @@ fn time_step(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
     if safety <= 0.0 || safety > 1.0 {
         cards.refuse(&card, 1, "a share of the critical step, above 0 and at most 1");
     }
-    raw.step_safety = Some(safety);
+    if raw.step_safety.replace(safety).is_some() {
+        twice(cards);
+    }
     let least = cards.real(&card, 4);
     if least > 0.0 {
         cards.refuse(

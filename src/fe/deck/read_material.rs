@@ -2,6 +2,7 @@
 
 use super::card::{Card, Cards, Names};
 use super::raw::{Raw, RawErosion, RawMaterial, RawPlastic};
+use super::read_control::twice;
 use super::read_mesh::{define, without_title};
 use crate::fe::law::{CowperSymonds, Hourglass};
 use crate::fe::limit::{BULK_LINEAR, BULK_QUADRATIC};
@@ -360,8 +361,10 @@ fn hourglass(cards: &mut Cards<'_, '_>, raw: &mut Raw, titled: bool) {
 
 fn control_hourglass(cards: &mut Cards<'_, '_>, raw: &mut Raw) {
     let Some(card) = cards.card(&["IHQ", "QH"]) else { return };
-    if let Some(Some(found)) = control(cards, &card, 0, 1) {
-        raw.default_hourglass = Some(found);
+    if let Some(Some(found)) = control(cards, &card, 0, 1)
+        && raw.default_hourglass.replace(found).is_some()
+    {
+        twice(cards);
     }
     cards.end();
 }

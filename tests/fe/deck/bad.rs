@@ -179,6 +179,21 @@ fn references_without_nodes() {
     );
 }
 
+/// Controls of the whole model that stand twice would be mixed, or the first one dropped.
+#[test]
+fn controls_that_stand_twice() {
+    for (keyword, cards) in [
+        ("CONTROL_TIMESTEP", "*CONTROL_TIMESTEP\n0,0.5,0,0,-1e-5,0,0,1\n"),
+        ("CONTROL_TERMINATION", "*CONTROL_TERMINATION\n0.2\n"),
+        ("CONTROL_HOURGLASS", "*CONTROL_HOURGLASS\n4,0.1\n*CONTROL_HOURGLASS\n6,1.0\n"),
+    ] {
+        let text = with(CUBE, "*NODE\n", &format!("{cards}*NODE\n"));
+        let said = parse(&text, "deck.k", DeckOptions::default()).map(|_| cards).unwrap_err().to_string();
+        assert!(said.contains(&format!("*{keyword} stands twice in the deck")), "{said}");
+        assert!(said.contains("keep one of them") && said.contains("1 error in deck.k"), "{said}");
+    }
+}
+
 /// A number that goes on into the next field is no two numbers; those that fill their fields are.
 #[test]
 fn numbers_longer_than_their_fields() {
