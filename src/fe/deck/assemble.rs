@@ -42,8 +42,11 @@ pub(super) fn assemble(raw: &Raw, end_time_s: Option<f64>, messages: &mut Messag
     model.walls = raw.walls.iter().map(|w| wall(raw, w, &groups, messages)).collect();
     model.body_contact = raw.contact;
     contact_of_all(raw, messages);
+    // a node has one history, however often it is asked for
+    let mut recorded = HashSet::new();
     for (who, at) in &raw.history {
-        model.control.history_nodes.extend(groups.nodes(who, *at, messages));
+        let nodes = groups.nodes(who, *at, messages);
+        model.control.history_nodes.extend(nodes.into_iter().filter(|n| recorded.insert(*n)));
     }
     for erosion in raw.erosions.iter().filter(|e| !raw.materials.contains_key(&e.material)) {
         unknown(erosion.at, "material", erosion.material, "one of the *MAT keywords", messages);

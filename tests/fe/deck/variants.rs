@@ -214,6 +214,14 @@ fn curves_span_the_run_that_is_asked_for() {
     assert_eq!([None, Some(0.05), Some(0.01)].map(|end| noted(&short, end)), [true, false, false]);
 }
 
+/// A node that is asked for several times has one history, in its first place.
+#[test]
+fn a_node_has_one_history() {
+    let cards = "*DATABASE_HISTORY_NODE\n8,7,7\n*DATABASE_HISTORY_NODE_SET\n3\n*DATABASE_HISTORY_NODE_ID\n2,again\n*NODE\n";
+    let model = good(&with(CUBE, "*NODE\n", cards)).model;
+    assert_eq!(model.control.history_nodes, [7, 6, 0, 1, 2, 3]);
+}
+
 /// A node that a set lists twice has its load once.
 #[test]
 fn a_set_holds_a_node_once() {
