@@ -4,6 +4,7 @@
 use super::mesh::Mesh;
 use crate::base::piecewise::interpolate;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Everything a run starts from.
 #[derive(Debug, Clone, Default)]
@@ -39,14 +40,25 @@ pub struct Constraint {
     pub held: [bool; 3],
 }
 
-/// A history as `(time [s], value)`, linear between points, constant outside.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Curve(pub Vec<[f64; 2]>);
+/// A history as `(time [s], value)`, linear between points, constant outside. Clones share its points: a set of nodes that follow one has it once.
+#[derive(Debug, Clone, Default)]
+pub struct Curve(pub(crate) Arc<Vec<[f64; 2]>>);
+
+impl PartialEq for Curve {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
+    }
+}
 
 impl Curve {
+    /// Through points in rising order of time.
+    pub fn new(points: Vec<[f64; 2]>) -> Self {
+        Self(Arc::new(points))
+    }
+
     /// A value that does not change.
     pub fn constant(value: f64) -> Self {
-        Self(vec![[0.0, value]])
+        Self::new(vec![[0.0, value]])
     }
 
     /// Value at a time \[s\]; 0 for a curve without points.
@@ -148,7 +160,7 @@ mod tests {
 
     #[test]
     fn curve_is_linear_between_points_and_constant_outside() {
-        let curve = Curve(vec![[1.0, 2.0], [3.0, 6.0]]);
+        let curve = Curve::new(vec![[1.0, 2.0], [3.0, 6.0]]);
         assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|t| curve.at(t)), [2.0, 2.0, 4.0, 6.0, 6.0]);
         assert_eq!(Curve::constant(-9.81).at(7.0), -9.81);
     }

@@ -269,7 +269,7 @@ fn curve(raw: &Raw, history: RawHistory, at: At, end_s: f64, messages: &mut Mess
         );
         messages.note(at, text);
     }
-    Curve(points.iter().map(|p| [p[0], history.factor * p[1]]).collect())
+    Curve::new(points.iter().map(|p| [p[0], history.factor * p[1]]).collect())
 }
 
 /// Loads on sets as loads on nodes.

@@ -3,7 +3,8 @@
 use crate::fe::law::{ElementForm, Erosion, Hourglass, Law};
 use crate::fe::mesh::Mesh;
 use crate::fe::model::{Constraint, Curve, Model, RigidPlane};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// The same model with each part of one law, no factors on elements (densities, moduli and yield stresses of new laws
 /// contain them), curves over the whole run, nodes held in all directions in one list. Also what could not be kept.
@@ -16,10 +17,7 @@ pub fn normalised(model: &Model) -> (Model, Vec<String>) {
     holds(&mut normal);
     let starts: BTreeMap<usize, [f64; 3]> = model.initial_velocity_m_s.iter().copied().collect();
     normal.initial_velocity_m_s = starts.into_iter().filter(|(_, v)| *v != [0.0; 3]).collect();
-    let end_s = model.control.end_time_s;
-    normal.body_loads.iter_mut().for_each(|l| span(&mut l.acceleration_m_s2, end_s));
-    normal.nodal_loads.iter_mut().for_each(|l| span(&mut l.force_n, end_s));
-    normal.driven.iter_mut().for_each(|d| span(&mut d.velocity_m_s, end_s));
+    span_all(&mut normal);
     for wall in &mut normal.walls {
         // what the two points of a deck give back; a few rounds reach the normal that stays
         for _ in 0..4 {
@@ -61,16 +59,37 @@ fn line(text: &str) -> String {
     if plain.starts_with(['$', '*']) { format!("_{plain}") } else { plain.to_string() }
 }
 
-/// A curve with a value at the beginning and at the end of the run.
-fn span(curve: &mut Curve, end_s: f64) {
-    if curve.0.first().is_none_or(|p| p[0] > 0.0) {
-        curve.0.insert(0, [0.0, curve.at(0.0)]);
+/// Curves that span the run. Loads that share one go on sharing it.
+fn span_all(model: &mut Model) {
+    let end_s = model.control.end_time_s;
+    // by the place of the points in memory; the old curve is kept, so that no other one comes to lie there
+    let mut known: HashMap<*const Vec<[f64; 2]>, [Curve; 2]> = HashMap::new();
+    let accelerations = model.body_loads.iter_mut().map(|l| &mut l.acceleration_m_s2);
+    let forces = model.nodal_loads.iter_mut().map(|l| &mut l.force_n);
+    let velocities = model.driven.iter_mut().map(|d| &mut d.velocity_m_s);
+    for curve in accelerations.chain(forces).chain(velocities) {
+        let [_, whole] =
+            known.entry(Arc::as_ptr(&curve.0)).or_insert_with(|| [curve.clone(), span(curve, end_s)]);
+        *curve = whole.clone();
     }
-    if let Some(&[last, value]) = curve.0.last()
+}
+
+/// A curve with a value at the beginning and at the end of the run.
+fn span(curve: &Curve, end_s: f64) -> Curve {
+    let starts = curve.0.first().is_some_and(|p| p[0] <= 0.0);
+    if starts && curve.0.last().is_some_and(|p| p[0] >= end_s) {
+        return curve.clone();
+    }
+    let mut points = curve.0.to_vec();
+    if !starts {
+        points.insert(0, [0.0, curve.at(0.0)]);
+    }
+    if let Some(&[last, value]) = points.last()
         && last < end_s
     {
-        curve.0.push([end_s, value]);
+        points.push([end_s, value]);
     }
+    Curve::new(points)
 }
 
 fn holds(model: &mut Model) {
@@ -166,5 +185,40 @@ fn scale(law: &mut Law, smear: f64, strength: f64) {
     law.youngs_modulus_pa *= smear;
     for point in &mut law.hardening {
         point.stress_pa *= smear * strength;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::normalised;
+    use crate::fe::deck::{DeckOptions, parse};
+    use crate::fe::model::{Curve, Model};
+    use std::sync::Arc;
+
+    /// A cube whose upper face is loaded and whose lower one is moved, over a part of the run.
+    const SETS: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\ncube\n1,1,1,0,1\n*SECTION_SOLID\n1,1\n\
+        *HOURGLASS\n1,6,1.0\n*MAT_ELASTIC\n1,2500.,3e10,0.2\n*SET_NODE_LIST\n1\n1,2,3,4\n*SET_NODE_LIST\n2\n5,6,7,8\n\
+        *BOUNDARY_PRESCRIBED_MOTION_SET\n1,3,0,7,2.0\n*LOAD_NODE_SET\n2,3,7,5.0\n*DEFINE_CURVE\n7\n0.1,1.0\n0.5,3.0\n\
+        *NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
+        *ELEMENT_SOLID\n1,1,1,2,3,4,5,6,7,8\n*END\n";
+
+    #[test]
+    fn nodes_of_a_set_share_their_curve() {
+        let shared = |model: &Model| {
+            let [forces, velocities]: [Vec<&Curve>; 2] = [
+                model.nodal_loads.iter().map(|l| &l.force_n).collect(),
+                model.driven.iter().map(|d| &d.velocity_m_s).collect(),
+            ];
+            assert_eq!([forces.len(), velocities.len()], [4, 4]);
+            for curves in [&forces, &velocities] {
+                assert!(curves.iter().all(|c| Arc::ptr_eq(&c.0, &curves[0].0)));
+            }
+            [forces[0].0.to_vec(), velocities[0].0.to_vec()]
+        };
+        let model = parse(SETS, "sets.k", DeckOptions::default()).unwrap().model;
+        assert_eq!(shared(&model), [[[0.1, 5.0], [0.5, 15.0]], [[0.1, 2.0], [0.5, 6.0]]]);
+        let (normal, _) = normalised(&model);
+        let over = |v: f64| [[0.0, v], [0.1, v], [0.5, 3.0 * v], [1.0, 3.0 * v]];
+        assert_eq!(shared(&normal), [over(5.0), over(2.0)]);
     }
 }

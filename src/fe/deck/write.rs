@@ -257,7 +257,7 @@ impl Writer {
         // zeros, not blanks: some programs pass over a blank line
         let mut second = law.rate.map_or(vec![Real(0.0); 2], |r| vec![Real(r.c_1_s), Real(r.p)]);
         if table.len() > 8 {
-            let curve = Curve(table.iter().map(|p| [p.plastic_strain, p.stress_pa]).collect());
+            let curve = Curve::new(table.iter().map(|p| [p.plastic_strain, p.stress_pa]).collect());
             second.push(self.curve(&curve));
         }
         if law.rate.is_some() {

@@ -45,7 +45,7 @@ fn rich() -> Model {
         element.strength = [1.0, 0.3][i / 6];
     }
     mesh.trusses = vec![Truss { nodes: [0, 5], area_m2: 1e-4 / 3.0, part: 2, law: 2 }];
-    let curve = |v: f64| Curve(vec![[0.0, v], [0.1, -v / 3.0], [7.0, 0.0]]);
+    let curve = |v: f64| Curve::new(vec![[0.0, v], [0.1, -v / 3.0], [7.0, 0.0]]);
     let mut model = Model {
         title: " Rich ".into(),
         mesh,
