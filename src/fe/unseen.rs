@@ -4,13 +4,16 @@
 //! than the other body is wide, edges can cross edges with no node near.
 
 use super::embed::{Boxes, natural_coordinates};
+use super::hexahedron::to_patterns;
 use super::mesh::Mesh;
 use crate::base::units::round_to_digits;
-use crate::base::vector::{V3, dot, sub};
+use crate::base::vector::{V3, cross, dot, sub, unit};
 use petgraph::unionfind::UnionFind;
 
 /// Share of the half length of an element up to which a node counts as on its face: bodies that stand flush do not overlap.
 const ON_FACE: f64 = 1e-3;
+/// Elements of a body, spread over it, across whose faces its width is measured at most.
+const ELEMENTS_ASKED: usize = 16;
 /// Corners of a hexahedron that its edges join.
 const EDGES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
@@ -20,12 +23,39 @@ struct Body {
     low: V3,
     high: V3,
     longest_edge_m: f64,
+    elements: Vec<usize>,
 }
 
 impl Body {
-    /// The least extent of the box around it \[m\].
-    fn width_m(&self) -> f64 {
-        (0..3).map(|i| self.high[i] - self.low[i]).fold(f64::INFINITY, f64::min)
+    /// The least extent along the axes and across the faces of its elements \[m\]: of a body out of the axes the box around it tells nothing.
+    fn width_m(&self, mesh: &Mesh) -> f64 {
+        let along_axes = (0..3).map(|i| self.high[i] - self.low[i]);
+        let across = self.directions(mesh).into_iter().map(|along| {
+            let corners = self.elements.iter().flat_map(|e| mesh.elements[*e].nodes);
+            let places = corners.map(|n| dot(along, mesh.nodes[n]));
+            let [low, high] = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
+                [low.min(place), high.max(place)]
+            });
+            high - low
+        });
+        along_axes.chain(across).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Unit normals of the middle planes of some elements, each once.
+    fn directions(&self, mesh: &Mesh) -> Vec<V3> {
+        let mut found: Vec<V3> = Vec::new();
+        for element in self.elements.iter().step_by(self.elements.len().div_ceil(ELEMENTS_ASKED).max(1)) {
+            let x = mesh.elements[*element].nodes.map(|n| mesh.nodes[n]);
+            let coordinates: [[f64; 7]; 3] = std::array::from_fn(|i| to_patterns(x.map(|x| x[i])));
+            let [xi, eta, zeta] = [0, 1, 2].map(|pattern| coordinates.map(|c| c[pattern]));
+            for normal in [cross(eta, zeta), cross(zeta, xi), cross(xi, eta)] {
+                let normal = unit(normal);
+                if found.iter().all(|known| dot(*known, normal).abs() < 1.0 - 1e-14) {
+                    found.push(normal);
+                }
+            }
+        }
+        found
     }
 }
 
@@ -35,7 +65,7 @@ pub(super) fn notes(mesh: &Mesh) -> Vec<String> {
     if bodies.len() < 2 {
         return Vec::new();
     }
-    crossing(&bodies).into_iter().chain(overlap(mesh, &bodies, &of_node)).collect()
+    crossing(mesh, &bodies).into_iter().chain(overlap(mesh, &bodies, &of_node)).collect()
 }
 
 /// The bodies, and that of each node; `None`: of no element.
@@ -48,13 +78,15 @@ fn bodies(mesh: &Mesh) -> (Vec<Body>, Vec<Option<usize>>) {
     }
     let (mut bodies, mut of_node) = (Vec::new(), vec![None; mesh.nodes.len()]);
     let mut of_root = vec![None; mesh.nodes.len()];
-    for element in &mesh.elements {
+    for (number, element) in mesh.elements.iter().enumerate() {
         let root = sets.find(element.nodes[0]);
         let index = *of_root[root].get_or_insert_with(|| {
-            bodies.push(Body { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3], longest_edge_m: 0.0 });
+            let [low, high] = [f64::INFINITY, f64::NEG_INFINITY].map(|far| [far; 3]);
+            bodies.push(Body { low, high, longest_edge_m: 0.0, elements: Vec::new() });
             bodies.len() - 1
         });
         let body: &mut Body = &mut bodies[index];
+        body.elements.push(number);
         let x = element.nodes.map(|n| mesh.nodes[n]);
         for (node, x) in element.nodes.iter().zip(x) {
             of_node[*node] = Some(index);
@@ -68,11 +100,12 @@ fn bodies(mesh: &Mesh) -> (Vec<Body>, Vec<Option<usize>>) {
 }
 
 /// Two bodies whose edges can cross with no node near.
-fn crossing(bodies: &[Body]) -> Option<String> {
-    let longer = |a: &Body, b: &Body| a.longest_edge_m > (1.0 + 1e-6) * b.width_m();
-    let mut pairs = bodies.iter().enumerate().flat_map(|(i, a)| bodies[i + 1..].iter().map(move |b| (a, b)));
+fn crossing(mesh: &Mesh, bodies: &[Body]) -> Option<String> {
+    let sizes: Vec<[f64; 2]> = bodies.iter().map(|b| [b.longest_edge_m, b.width_m(mesh)]).collect();
+    let longer = |[long, _]: &[f64; 2], [_, wide]: &[f64; 2]| *long > (1.0 + 1e-6) * wide;
+    let mut pairs = sizes.iter().enumerate().flat_map(|(i, a)| sizes[i + 1..].iter().map(move |b| (a, b)));
     let (a, b) = pairs.find(|(a, b)| longer(a, b) && longer(b, a))?;
-    let [long, wide] = [a.longest_edge_m, b.width_m()].map(|m| round_to_digits(m, 3));
+    let [long, wide] = [a[0], b[1]].map(|m| round_to_digits(m, 3));
     Some(format!(
         "contact is of nodes with faces, not of edges with edges: a body with elements {long} long and one that is {wide} wide may pass through each other between nodes; make elements no longer than the other body is wide"
     ))
@@ -148,6 +181,15 @@ mod tests {
             found.len() == 1 && found[0].contains("elements 0.4 long and one that is 0.1 wide"),
             "{found:?}"
         );
+        // out of the axes a bar is as wide as along them
+        for count in [20, 5] {
+            let (along, mut turned) = (bars(count), bars(count));
+            for [x, y, z] in &mut turned.nodes {
+                [*x, *y] = [0.6 * *x - 0.8 * *y, 0.8 * *x + 0.6 * *y];
+                [*y, *z] = [0.8 * *y - 0.6 * *z, 0.6 * *y + 0.8 * *z];
+            }
+            assert_eq!(notes(&turned), notes(&along), "{count}");
+        }
         // the nodes of a fine bar meet the faces of a coarse one
         let mixed = two(([5, 1, 1], [2.0, 0.1, 0.1]), ([1, 20, 1], [0.1, 2.0, 0.1]), [0.9, -1.0, 0.15]);
         assert!(notes(&mixed).is_empty());
