@@ -217,7 +217,7 @@ impl Dynamics {
         if !self.trusses.is_empty() {
             self.other_n.resize(self.x.len(), [0.0; 3]);
             self.other_n.fill([0.0; 3]);
-            self.trusses.update(&self.x, sweep.step, &mut self.other_n);
+            self.trusses.update(&self.x, sweep.step, sweep.drop_above, &mut self.other_n);
         }
     }
 

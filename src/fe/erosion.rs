@@ -7,7 +7,8 @@
 //!   (Flanagan and Belytschko 1981, equation 23), so that `F` is the volume mean over the reference element. It is computed from
 //!   node positions, only for laws that ask, every [`STRAIN_CHECK_STEPS`] steps: it may be found late by that many steps times the
 //!   rate of the strain (4 steps of 0.1 ms at 10 1/s: 0.004);
-//! * **collapse of the time step**: the step that the element allows falls below a share of the first step, or its volume is lost.
+//! * **collapse of the time step**: the step that the element allows falls below a share of the first step, or its volume is lost. Bars end at the
+//!   same share ([`super::truss`]).
 //!
 //! An eroded element exerts nothing any more. Its mass stays with its nodes; a node without an acting element is free debris.
 //! The [`ErosionTable`] tells what each failure took: mass, work of the stresses, the elastic part of it (which could have been

@@ -3,7 +3,7 @@
 use super::contact::body::PUSH_M_S;
 use super::contact::{BodyContact, RigidSurfaces};
 use super::dynamics::Dynamics;
-use super::erosion::{ErosionTable, free_nodes};
+use super::erosion::{ErosionTable, STEP_COLLAPSE, free_nodes};
 use super::mass_scaling::{MOST_ADDED, MOST_ADDED_IN_DECK, MassScalingError, scale_mass};
 use super::mesh::Mesh;
 use super::model::Model;
@@ -199,6 +199,7 @@ pub fn run_model(
     }
     let mut run = recorder.finish(model, &body);
     (run.added_mass_kg, run.notes) = (added_mass_kg, notes);
+    run.notes.extend(squeezed(&model.mesh, &run.ruptures));
     run.summary.elapsed = watch.elapsed();
     Ok(run)
 }
@@ -206,6 +207,18 @@ pub fn run_model(
 /// Number of the first multiple of an interval after a time.
 fn next(time_s: f64, interval_s: f64) -> f64 {
     (time_s / interval_s).floor() + 1.0
+}
+
+/// A note on bars whose ends came together, if there are any: those that ended with their time step were shorter than a tenth of their length.
+fn squeezed(mesh: &Mesh, ruptures: &[BarRupture]) -> Option<String> {
+    let flat = || ruptures.iter().filter(|r| libm::exp(r.strain) < STEP_COLLAPSE);
+    let first = flat().next()?;
+    Some(format!(
+        "bars that were squeezed to less than a tenth of their length ended with the ruptured ones: {}, the first in part `{}` at {:.6} s; check what holds and loads them",
+        flat().count(),
+        mesh.parts[first.part],
+        first.time_s
+    ))
 }
 
 /// Step safety, constraints, mass scaling, contact and initial velocities; returns the added mass \[kg\] and notes.

@@ -8,7 +8,8 @@
 //!
 //! A bar ruptures when its plastic strain reaches that of the law's erosion, or its strain since the start the law's principal strain. It
 //! keeps its mass. The force at the end of the step in which it does never acts: what the work of that step has of it is booked as released, as for elements
-//! ([`super::erosion`]); a law with cycles ends that step at stress zero. The strain at rupture belongs to the length of the bars: it should stand for the length in which a real bar slips from the concrete.
+//! ([`super::erosion`]); a law with cycles ends that step at stress zero. A bar also ends, and counts as ruptured, where its ends have come together so far
+//! that its own time step has collapsed as that of an element would: it would take all others down to its step. The strain at rupture belongs to the length of the bars: it should stand for the length in which a real bar slips from the concrete.
 //!
 //! **Frequency.** `ω² = 4 (E A / l) / m` with the bar's own mass `m`, half at each end, `A / l` current. By the eigenvalue
 //! inequality of Irons and Treharne (1971) for lumped masses the largest over bars and hexahedra bounds that of the mesh, whatever they share.
@@ -102,6 +103,14 @@ impl Bar {
         4.0 * self.stiffness_n_m(length_m) / self.mass_kg
     }
 
+    /// Ends it at a new length \[m\] that its time step does not outlive: in this step only the force at its beginning acted.
+    fn collapse(&mut self, length_m: f64) {
+        self.internal_j += 0.5 * self.force_n() * (length_m - self.length_m[1]);
+        self.length_m[1] = length_m.max(f64::MIN_POSITIVE); // its strain is told
+        self.stress_pa = 0.0;
+        self.acts = false;
+    }
+
     /// Takes it to a new length \[m\] in a law with cycles.
     fn follow(&mut self, length_m: f64, rebar: &RebarLaw) {
         let (before, old) = (self.rebar.strain, self.rebar.stress_pa);
@@ -179,13 +188,16 @@ impl Trusses {
         }
     }
 
-    /// Takes the bars to the nodes' positions \[m\] and adds their forces on the nodes \[N\], in the order of the bars.
-    pub fn update(&mut self, x: &[V3], step: KernelStep, force_n: &mut [V3]) {
+    /// Takes the bars to the nodes' positions \[m\] and adds their forces on the nodes \[N\], in the order of the bars. Bars with a squared frequency bound
+    /// above `drop_above` \[1/s²\] end.
+    pub fn update(&mut self, x: &[V3], step: KernelStep, drop_above: Option<f64>, force_n: &mut [V3]) {
         self.bound_1_s2 = 0.0;
         self.ruptured.clear();
         for (index, bar) in self.bars.iter_mut().enumerate().filter(|(_, b)| b.acts) {
             let (unit, length) = direction(x, bar.nodes);
+            let square = bar.bound_1_s2(length);
             match &self.rebars[bar.law] {
+                _ if drop_above.is_some_and(|most| square > most) => bar.collapse(length),
                 Some(rebar) => bar.follow(length, rebar),
                 None => self.released_j += bar.stretch(length, &self.tables[bar.law], step),
             }
@@ -196,7 +208,6 @@ impl Trusses {
             let pull = scale(bar.force_n(), unit);
             force_n[bar.nodes[0]] = add(force_n[bar.nodes[0]], pull);
             force_n[bar.nodes[1]] = add(force_n[bar.nodes[1]], scale(-1.0, pull));
-            let square = bar.bound_1_s2(length);
             self.bound_1_s2 = if square > self.bound_1_s2 { square } else { self.bound_1_s2 };
         }
     }

@@ -22,7 +22,7 @@ use super::hourglass;
 use super::law::{ElementForm, Hourglass};
 use super::mesh::Mesh;
 use super::run::FeError;
-use crate::base::vector::V3;
+use crate::base::vector::{V3, norm, sub};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -152,6 +152,8 @@ pub struct Place {
     pub at_m: V3,
     /// Time step \[s\] of an element, speed \[m/s\] of a node.
     pub value: f64,
+    /// Whether the element is a bar.
+    pub is_bar: bool,
 }
 
 /// Why a run was stopped, and where to look.
@@ -167,16 +169,16 @@ pub struct Diagnosis {
     pub grown: (&'static str, f64),
     /// The time step in use \[s\].
     pub step_s: f64,
-    /// Element that asks for the smallest step.
+    /// Element or bar that asks for the smallest step.
     pub smallest: Option<Place>,
     /// Node with the largest speed.
     pub fastest: Option<Place>,
 }
 
 impl Diagnosis {
-    /// The same with the identifiers that a deck gives to nodes and elements in the place of their indices.
+    /// The same with the identifiers that a deck gives to nodes, elements and bars in the place of their indices.
     #[must_use]
-    pub fn by_ids(&self, nodes: &[u64], elements: &[u64]) -> Self {
+    pub fn by_ids(&self, nodes: &[u64], elements: &[u64], bars: &[u64]) -> Self {
         let id = |ids: &[u64], index: usize| ids.get(index).map_or(index, |id| *id as usize);
         let named = |place: &Option<Place>, ids: &[u64]| {
             place.clone().map(|place| Place { index: id(ids, place.index), ..place })
@@ -185,7 +187,8 @@ impl Diagnosis {
             Trouble::NotFinite(Some(node)) => Trouble::NotFinite(Some(id(nodes, node))),
             ref other => other.clone(),
         };
-        let (smallest, fastest) = (named(&self.smallest, elements), named(&self.fastest, nodes));
+        let asking = if self.smallest.as_ref().is_some_and(|p| p.is_bar) { bars } else { elements };
+        let (smallest, fastest) = (named(&self.smallest, asking), named(&self.fastest, nodes));
         Self { trouble, smallest, fastest, ..self.clone() }
     }
 }
@@ -222,9 +225,10 @@ impl fmt::Display for Diagnosis {
         )?;
         if let Some(p) = &self.smallest {
             let (e, part, at, step) = (p.index, &p.part, p.at_m, p.value);
+            let kind = if p.is_bar { "bar" } else { "element" };
             write!(
                 f,
-                "; the step is {:.3e} s, the shortest is asked for by element {e} of part `{part}` at x = {at:.3?} m: {step:.3e} s",
+                "; the step is {:.3e} s, the shortest is asked for by {kind} {e} of part `{part}` at x = {at:.3?} m: {step:.3e} s",
                 self.step_s
             )?;
         }
@@ -324,17 +328,26 @@ impl Watch {
     }
 }
 
-/// The acting element that asks for the shortest step.
+/// The acting element or bar that asks for the shortest step.
 fn smallest_step(mesh: &Mesh, body: &Dynamics) -> Option<Place> {
-    let bounds = body.blocks.element_bounds_1_s2(&body.x);
-    let bounded = (0..bounds.len()).filter(|e| bounds[*e] > 0.0);
-    let element = bounded.max_by(|a, b| bounds[*a].total_cmp(&bounds[*b]))?;
+    let solids = body.blocks.element_bounds_1_s2(&body.x).into_iter().enumerate();
+    let bars = body.trusses.bars.iter().enumerate().filter(|(_, bar)| bar.acts);
+    let bars = bars.map(|(index, bar)| {
+        let [a, b] = bar.nodes.map(|n| body.x[n]);
+        (index, bar.bound_1_s2(norm(sub(b, a))))
+    });
+    let all = solids.map(|(e, bound)| (false, e, bound)).chain(bars.map(|(e, bound)| (true, e, bound)));
+    let (is_bar, index, bound) = all.filter(|a| a.2 > 0.0).max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let (part, nodes) = if is_bar {
+        (mesh.trusses[index].part, body.trusses.bars[index].nodes.to_vec())
+    } else {
+        (mesh.elements[index].part, body.blocks.nodes_of(index).to_vec())
+    };
     let mut at_m = [0.0; 3];
-    for n in body.blocks.nodes_of(element) {
-        (0..3).for_each(|i| at_m[i] += 0.125 * body.x[n][i]);
+    for n in &nodes {
+        (0..3).for_each(|i| at_m[i] += body.x[*n][i] / nodes.len() as f64);
     }
-    let part = mesh.parts[mesh.elements[element].part].clone();
-    Some(Place { index: element, part, at_m, value: body.step_under_bound_s(bounds[element]) })
+    Some(Place { index, part: mesh.parts[part].clone(), at_m, value: body.step_under_bound_s(bound), is_bar })
 }
 
 /// The node with the largest finite speed.
@@ -342,9 +355,10 @@ fn fastest_node(mesh: &Mesh, body: &Dynamics) -> Option<Place> {
     let squared = |n: &usize| body.v[*n].iter().map(|c| c * c).sum::<f64>();
     let finite = (0..body.v.len()).filter(|n| squared(n).is_finite());
     let node = finite.max_by(|a, b| squared(a).total_cmp(&squared(b)))?;
-    let part = body.blocks.elements_at(node).next();
-    let part = part.map_or("?".to_string(), |e| mesh.parts[mesh.elements[e].part].clone());
-    Some(Place { index: node, part, at_m: body.x[node], value: squared(&node).sqrt() })
+    let of_solid = body.blocks.elements_at(node).next().map(|e| mesh.elements[e].part);
+    let of_bar = || mesh.trusses.iter().find(|bar| bar.nodes.contains(&node)).map(|bar| bar.part);
+    let part = of_solid.or_else(of_bar).map_or("?".to_string(), |part| mesh.parts[part].clone());
+    Some(Place { index: node, part, at_m: body.x[node], value: squared(&node).sqrt(), is_bar: false })
 }
 
 /// The part that exceeds the bound of the module's head most, with the root of the quotient.
@@ -413,10 +427,11 @@ fn element_stored_j(body: &Dynamics, element: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Books, Trouble, Watch};
+    use super::{Books, Trouble, Watch, fastest_node, smallest_step};
     use crate::fe::contact::RigidSurfaces;
     use crate::fe::dynamics::Dynamics;
     use crate::fe::law::{ElementForm, Hourglass};
+    use crate::fe::mesh::Truss;
     use crate::fe::run::FeError;
     use crate::fe::shapes::{distort, elastic, grid};
 
@@ -451,6 +466,26 @@ mod tests {
             }
         }
         None
+    }
+
+    #[test]
+    fn bars_are_in_the_places_of_a_diagnosis() {
+        let mut mesh = grid([1; 3], [1.0; 3], elastic(), |_| false);
+        let (first, part) = (mesh.nodes.len(), mesh.parts.len());
+        mesh.nodes.extend([[2.0, 0.0, 0.0], [2.02, 0.0, 0.0]]);
+        mesh.parts.push("bars".into());
+        mesh.trusses.push(Truss { nodes: [first, first + 1], area_m2: 1e-4, part, law: 0 });
+        let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+        body.v[first + 1] = [3.0, 0.0, 4.0];
+        let asking = smallest_step(&mesh, &body).unwrap();
+        assert_eq!((asking.index, &asking.part[..], asking.is_bar), (0, "bars", true));
+        assert!((asking.at_m[0] - 2.01).abs() < 1e-12 && asking.at_m[1..] == [0.0; 2], "{asking:?}");
+        assert!((asking.value / body.dt_s - 1.0).abs() < 1e-9, "{asking:?} {}", body.dt_s);
+        let fastest = fastest_node(&mesh, &body).unwrap();
+        assert_eq!((fastest.index, &fastest.part[..], fastest.value), (first + 1, "bars", 5.0));
+        // a bar that has broken asks for nothing
+        body.trusses.bars[0].acts = false;
+        assert!(smallest_step(&mesh, &body).is_some_and(|p| !p.is_bar && p.index == 0));
     }
 
     #[test]

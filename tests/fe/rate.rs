@@ -68,7 +68,7 @@ fn flow_stress_of_a_bar_at_constant_rate() {
         for step in 1..=400 {
             body.x[1][0] = (5e-5 * f64::from(step)).exp();
             let step = KernelStep { dt_s: 5e-5 / rate, viscous: true };
-            body.trusses.update(&body.x, step, &mut [[0.0; 3]; 2]);
+            body.trusses.update(&body.x, step, None, &mut [[0.0; 3]; 2]);
         }
         let got = body.trusses.bars[0].stress_pa;
         assert!((got / expected_pa(rate) - 1.0).abs() < 1e-6, "at {rate}/s: {got}");

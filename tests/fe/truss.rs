@@ -12,6 +12,7 @@ use fallwerk::fe::mesh::{Mesh, Tie, Truss};
 use fallwerk::fe::model::{Control, Curve, DrivenNode, Model};
 use fallwerk::fe::model_run::{ModelOptions, run_model};
 use fallwerk::fe::preload::equilibrate;
+use fallwerk::fe::watch::Books;
 
 const STEEL_PA: f64 = 200e9;
 
@@ -104,7 +105,7 @@ fn plastic_elongation_and_rupture() {
         let (length, angle) = (body.trusses.bars[0].length_m[1] + 1e-5, 1e-4 * f64::from(ruptures as u32));
         body.x[1] = [length * angle.cos(), length * angle.sin(), 0.0];
         let mut force = vec![[0.0; 3]; 2];
-        body.trusses.update(&body.x, step, &mut force);
+        body.trusses.update(&body.x, step, None, &mut force);
         ruptures += body.trusses.ruptured.len();
         if !body.trusses.bars[0].acts {
             assert_eq!(force, [[0.0; 3]; 2]);
@@ -161,6 +162,52 @@ fn a_rupture_is_an_event_of_the_run() {
     assert!(largest < 0.3 * last.released_j, "{largest} {}", last.released_j);
 }
 
+/// A bar whose ends are driven together ends where its step is a tenth of the first one: the step goes with its length. It was elastic up to there.
+#[test]
+fn a_bar_that_is_squeezed_flat_ends() {
+    let mesh = bars(vec![[0.0; 3], [1.0, 0.0, 0.0]], &[[0, 1]], 1e-4, steel(), vec![0]);
+    let mut body = Dynamics::new(&mesh, 0.0, RigidSurfaces::default(), false);
+    let speed = 50.0;
+    body.v[1] = [-speed, 0.0, 0.0];
+    body.prescribed_m_s[1] = [Some(-speed), Some(0.0), Some(0.0)];
+    let (initial_j, mut kinetic_j) = (body.kinetic_j(), 0.0);
+    while body.trusses.bars[0].acts {
+        kinetic_j = body.step(true);
+        assert!(body.steps < 1000);
+    }
+    assert_eq!(body.trusses.ruptured, [0]);
+    // ω = 2 c / l, and the step is below 2 / ω by safety and damping
+    let shortest = 0.1 * body.first_dt_s * (STEEL_PA / 7850.0_f64).sqrt();
+    let length = body.trusses.bars[0].length_m[1];
+    assert!(length < shortest && length > shortest - speed * body.dt_s, "{length} {shortest}");
+    let expected = 0.5 * STEEL_PA * shortest.ln().powi(2) * 1e-4;
+    let booked = body.trusses.internal_j();
+    assert!((booked / expected - 1.0).abs() < 0.01, "{booked} {expected}");
+    let books = Books::of(&body, kinetic_j, initial_j, 0.0);
+    assert!(books.residual_j().abs() < 1e-3 * booked, "{books:?}");
+}
+
+/// A run of a deck with such a bar goes on, and tells.
+#[test]
+fn a_bar_that_is_squeezed_flat_is_noted() {
+    let mut mesh = grid([1, 1, 1], [0.2; 3], elastic(), |p| p[2] == 0.0);
+    let first = mesh.nodes.len();
+    mesh.nodes.extend([[2.0, 0.0, 0.0], [2.3, 0.0, 0.0]]);
+    mesh.fixed.push(first);
+    mesh.parts.push("strut".to_string());
+    mesh.laws.push(steel());
+    mesh.trusses.push(Truss { nodes: [first, first + 1], area_m2: 1e-4, part: 1, law: 1 });
+    let driven = vec![DrivenNode { node: first + 1, axis: 0, velocity_m_s: Curve::constant(-100.0) }];
+    let control = Control { end_time_s: 4e-3, history_interval_s: 1e-3, ..Control::default() };
+    let model = Model { mesh, driven, control, ..Model::default() };
+    let run =
+        run_model(&model, &ModelOptions::default(), None, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((run.ruptures.len(), run.notes.len()), (1, 1));
+    assert!(run.notes[0].contains("ruptured ones: 1, the first in part `strut`"), "{:?}", run.notes);
+    // the end is driven at 100 m/s until less than 0.03 m of 0.3 m are left
+    assert!((0.0027..0.003).contains(&run.ruptures[0].time_s), "{:?}", run.ruptures);
+}
+
 /// A cube with two bars, of which the short one asks for the step: it alone gets mass.
 #[test]
 fn mass_scaling_reaches_bars() {
@@ -193,7 +240,7 @@ fn hardening_is_isotropic() {
     let step = KernelStep { dt_s: 1.0, viscous: false };
     let mut to = |strain: f64| {
         body.x[1][0] = f64::exp(strain);
-        body.trusses.update(&body.x, step, &mut [[0.0; 3]; 2]);
+        body.trusses.update(&body.x, step, None, &mut [[0.0; 3]; 2]);
         body.trusses.bars[0]
     };
     let peak = to(0.02);

@@ -67,7 +67,9 @@ impl Ids {
     /// Why a run stopped, with the identifiers of the deck and remedies that a deck has; `None` if it says what is wrong as it is.
     pub fn words(&self, error: &FeError) -> Option<String> {
         match error {
-            FeError::Unsound(diagnosis) => Some(diagnosis.by_ids(&self.nodes, &self.elements).to_string()),
+            FeError::Unsound(diagnosis) => {
+                Some(diagnosis.by_ids(&self.nodes, &self.elements, &self.trusses).to_string())
+            }
             FeError::Contact { .. } => {
                 let text = error.to_string();
                 let what = text.split_once("; try ").map_or(&text[..], |(what, _)| what);

@@ -175,7 +175,8 @@ fn a_run_that_stops_speaks_of_the_deck() {
             .replace("*DATABASE_HISTORY_NODE\n         8", "*DATABASE_HISTORY_NODE\n      4711"),
     )
     .ids;
-    let place = |index: usize| Some(Place { index, part: "cube".into(), at_m: [0.0; 3], value: 1.0 });
+    let place =
+        |index: usize| Some(Place { index, part: "cube".into(), at_m: [0.0; 3], value: 1.0, is_bar: false });
     let diagnosis = Diagnosis {
         time_s: 0.1,
         trouble: Trouble::NotFinite(Some(7)),
@@ -185,6 +186,9 @@ fn a_run_that_stops_speaks_of_the_deck() {
         smallest: place(0),
         fastest: place(7),
     };
+    let bar = Place { is_bar: true, ..place(0).unwrap() };
+    let of_bar = Diagnosis { smallest: Some(bar), ..diagnosis.clone() }.by_ids(&[], &[1], &[77]).to_string();
+    assert!(of_bar.contains("by bar 77 of part"), "{of_bar}");
     let words = ids.words(&FeError::Unsound(Box::new(diagnosis))).unwrap();
     for part in ["node 4711 has no finite", "by element 1 of part", "fastest node is 4711 of"] {
         assert!(words.contains(part), "{part}: {words}");
