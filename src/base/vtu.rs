@@ -15,6 +15,8 @@ pub enum Kind {
     Float64,
     /// 32-bit signed integers.
     Int32,
+    /// 64-bit signed integers.
+    Int64,
     /// Bytes.
     UInt8,
 }
@@ -25,6 +27,7 @@ impl Kind {
             Self::Float32 => "Float32",
             Self::Float64 => "Float64",
             Self::Int32 => "Int32",
+            Self::Int64 => "Int64",
             Self::UInt8 => "UInt8",
         }
     }
@@ -32,7 +35,7 @@ impl Kind {
     fn bytes(self) -> usize {
         match self {
             Self::Float32 | Self::Int32 => 4,
-            Self::Float64 => 8,
+            Self::Float64 | Self::Int64 => 8,
             Self::UInt8 => 1,
         }
     }
@@ -76,6 +79,11 @@ impl Array {
     /// Whole numbers.
     pub fn integers(name: &'static str, values: impl Iterator<Item = i32>) -> Self {
         Self::of(name, Kind::Int32, 1, values.map(i32::to_le_bytes))
+    }
+
+    /// Identifiers, which may need more than 32 bits.
+    pub fn identifiers(name: &'static str, values: impl Iterator<Item = i64>) -> Self {
+        Self::of(name, Kind::Int64, 1, values.map(i64::to_le_bytes))
     }
 
     /// Symmetric tensors, components in the order of [`SYMMETRIC`].

@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         progress.advance(at.time_s / at.end_s, &format!("t = {:.4e} of {:.4e} s", at.time_s, at.end_s));
     };
     let every = arguments.frames_every();
-    let mut series = every.map(|every| VtuSeries::new(output.path(), every));
+    let mut series = every.map(|every| VtuSeries::new(output.path(), every).by_ids(&deck.ids));
     let frames = series.as_mut().map(|s| s as &mut dyn FrameSink);
     let ran = pool.install(|| {
         run_model(&deck.model, &ModelOptions { end_time_s, ..ModelOptions::default() }, frames, &mut report)

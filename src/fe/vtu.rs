@@ -1,5 +1,6 @@
 //! The mesh over time for ParaView: what acts at each output, with the fields that show how a building comes down.
 
+use super::deck::Ids;
 use super::dynamics::Dynamics;
 use super::hexahedron::{frame, to_patterns};
 use super::mesh::Mesh;
@@ -8,7 +9,6 @@ use crate::base::output::write_renamed;
 use crate::base::vector::{V3, add, dot, scale};
 use crate::base::vtu::{Array, Cells, UnstructuredGrid, collection};
 use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -66,11 +66,20 @@ pub trait FrameSink: Send {
     fn every(&self) -> usize;
 }
 
+/// What a cell stands for, by its index in the mesh.
+#[derive(Debug, Clone, Copy, Default)]
+enum Shown {
+    #[default]
+    Debris,
+    Solid(usize),
+    Bar(usize),
+}
+
 /// Values of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 struct CellState {
     part: usize,
-    element: i32,
+    shown: Shown,
     plastic_strain: f64,
     strain_rate_1_s: f64,
     stress_pa: [f64; 6],
@@ -79,8 +88,8 @@ struct CellState {
 }
 
 /// The grid of what acts: hexahedra, bars, and as vertices nodes with mass all whose elements have died. Points are all nodes in
-/// the order of the mesh, so that a point has the same number in every frame.
-pub fn grid(frame: &Frame<'_>) -> UnstructuredGrid {
+/// the order of the mesh, so that a point has the same number in every frame. Elements, bars and parts have their `ids` if a deck gives them any.
+pub fn grid(frame: &Frame<'_>, ids: Option<&Ids>) -> UnstructuredGrid {
     let (mesh, body) = (frame.mesh, frame.body);
     let (mut cells, mut states) = (Cells::default(), Vec::new());
     let mut held = vec![false; mesh.nodes.len()];
@@ -102,10 +111,11 @@ pub fn grid(frame: &Frame<'_>) -> UnstructuredGrid {
         let owner = body.blocks.elements_at(node).next();
         cells.push(Cells::VERTEX, &[node]);
         let part = owner.map_or(0, |e| mesh.elements[e].part);
-        states.push(CellState { part, element: -1, ..CellState::default() });
+        states.push(CellState { part, ..CellState::default() });
     }
     let moved = body.x.iter().zip(frame.start_m).flat_map(|(x, x0)| (0..3).map(move |i| x[i] - x0[i]));
     let field = |name, of: fn(&CellState) -> f64| Array::floats(name, 1, states.iter().map(of));
+    let [part, element] = names(&states, ids);
     UnstructuredGrid {
         time_s: frame.time_s,
         points: Array::floats("Points", 3, body.x.as_flattened().iter().copied()),
@@ -118,13 +128,33 @@ pub fn grid(frame: &Frame<'_>) -> UnstructuredGrid {
             field("strain_rate_1_s", |s| s.strain_rate_1_s),
             field("mises_pa", |s| mises(&s.stress_pa)),
             Array::tensors("stress_pa", states.iter().map(|s| s.stress_pa)),
-            Array::integers("part", states.iter().map(|s| s.part as i32)),
+            part,
             field("internal_energy_j", |s| s.internal_j),
             field("hourglass_share", |s| s.hourglass_share),
-            Array::integers("element", states.iter().map(|s| s.element)),
+            element,
         ],
         cells,
     }
+}
+
+/// Part and element of the cells: indices, bars having none, or identifiers.
+fn names(states: &[CellState], ids: Option<&Ids>) -> [Array; 2] {
+    let Some(ids) = ids else {
+        let element = |s: &CellState| if let Shown::Solid(index) = s.shown { index as i32 } else { -1 };
+        return [
+            Array::integers("part", states.iter().map(|s| s.part as i32)),
+            Array::integers("element", states.iter().map(element)),
+        ];
+    };
+    let element = |s: &CellState| match s.shown {
+        Shown::Solid(index) => ids.elements[index] as i64,
+        Shown::Bar(index) => ids.trusses[index] as i64,
+        Shown::Debris => -1,
+    };
+    [
+        Array::identifiers("part", states.iter().map(|s| ids.parts[s.part] as i64)),
+        Array::identifiers("element", states.iter().map(element)),
+    ]
 }
 
 fn hexahedron(frame: &Frame<'_>, index: usize) -> CellState {
@@ -133,7 +163,7 @@ fn hexahedron(frame: &Frame<'_>, index: usize) -> CellState {
     let (internal_j, hourglass_j) = (state.internal_j[lane], state.hourglass_j[lane]);
     CellState {
         part: frame.mesh.elements[index].part,
-        element: index as i32,
+        shown: Shown::Solid(index),
         plastic_strain: state.plastic_strain[lane],
         strain_rate_1_s: f64::from(frame.strain_rates_1_s[index]),
         stress_pa: global_stress(frame, index, &state.stress.map(|s| s[lane])),
@@ -151,7 +181,7 @@ fn bar_state(frame: &Frame<'_>, index: usize) -> Option<CellState> {
     let [x, y, z] = along.map(|c| c / length);
     Some(CellState {
         part: frame.mesh.trusses[index].part,
-        element: -1,
+        shown: Shown::Bar(index),
         plastic_strain: bar.plastic_strain,
         stress_pa: [x * x, y * y, z * z, x * y, y * z, z * x].map(|c| c * bar.stress_pa),
         internal_j: bar.internal_j,
@@ -192,6 +222,8 @@ fn mises(s: &[f64; 6]) -> f64 {
 pub struct VtuSeries {
     folder: PathBuf,
     every: usize,
+    /// What a deck calls its elements and parts.
+    ids: Option<Ids>,
     /// A folder with the grids of the first part of a run.
     older: Option<PathBuf>,
     written: Vec<WrittenFrame>,
@@ -200,7 +232,18 @@ pub struct VtuSeries {
 impl VtuSeries {
     /// A series in this folder of every `every` outputs (at least 1).
     pub fn new(folder: &Path, every: usize) -> Self {
-        Self { folder: folder.to_path_buf(), every: every.max(1), older: None, written: Vec::new() }
+        Self {
+            folder: folder.to_path_buf(),
+            every: every.max(1),
+            ids: None,
+            older: None,
+            written: Vec::new(),
+        }
+    }
+
+    /// Names elements, bars and parts as a deck does, in the place of their indices.
+    pub fn by_ids(self, ids: &Ids) -> Self {
+        Self { ids: Some(ids.clone()), ..self }
     }
 
     /// Names a finished result folder: a run that goes on behind its end takes the grids from there.
@@ -260,11 +303,15 @@ impl VtuSeries {
     fn begin(&self, mesh: &Mesh) -> Result<(), String> {
         let folder = self.folder.join(FOLDER);
         fs::create_dir_all(&folder).map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
-        let mut legend = String::from("part,name\n");
+        let mut legend = csv::Writer::from_writer(Vec::new());
+        let all = |e: csv::Error| e.to_string();
+        legend.write_record(["part", "name"]).map_err(all)?;
         for (index, name) in mesh.parts.iter().enumerate() {
-            let _ = writeln!(legend, "{index},{name}");
+            let part = self.ids.as_ref().map_or(index as u64, |ids| ids.parts[index]);
+            legend.write_record([&part.to_string(), name]).map_err(all)?;
         }
-        self.put(&format!("{FOLDER}/parts.csv"), legend.as_bytes())
+        let legend = legend.into_inner().map_err(|e| e.to_string())?;
+        self.put(&format!("{FOLDER}/parts.csv"), &legend)
     }
 }
 
@@ -276,7 +323,7 @@ impl FrameSink for VtuSeries {
         if self.written.is_empty() {
             self.begin(frame.mesh)?;
         }
-        let grid = grid(frame);
+        let grid = grid(frame, self.ids.as_ref());
         let mut bytes = Vec::with_capacity(grid.bytes() + 4096);
         grid.write(&mut bytes).map_err(|e| e.to_string())?;
         self.put(&Self::file(frame.output), &bytes)?;

@@ -3,6 +3,7 @@
 use super::mesh::{bilinear, distort, elastic, grid, ground};
 use fallwerk::base::vtu::collection;
 use fallwerk::fe::contact::RigidSurfaces;
+use fallwerk::fe::deck::{DeckOptions, Ids, parse};
 use fallwerk::fe::dynamics::Dynamics;
 use fallwerk::fe::kernel::KernelStep;
 use fallwerk::fe::mesh::Mesh;
@@ -25,6 +26,11 @@ impl Read {
     fn integers(&self) -> Vec<i32> {
         assert_eq!(self.kind, "Int32");
         self.bytes.chunks(4).map(|b| i32::from_le_bytes(b.try_into().unwrap())).collect()
+    }
+
+    fn identifiers(&self) -> Vec<i64> {
+        assert_eq!(self.kind, "Int64");
+        self.bytes.chunks(8).map(|b| i64::from_le_bytes(b.try_into().unwrap())).collect()
     }
 }
 
@@ -82,11 +88,20 @@ fn read(bytes: &[u8]) -> File {
 
 impl File {
     fn of(frame: &Frame<'_>) -> Self {
+        Self::by_ids(frame, None)
+    }
+
+    fn by_ids(frame: &Frame<'_>, ids: Option<&Ids>) -> Self {
         let mut bytes = Vec::new();
-        vtu::grid(frame).write(&mut bytes).unwrap();
+        vtu::grid(frame, ids).write(&mut bytes).unwrap();
         let file = read(&bytes);
         for (name, array) in &file.arrays {
-            let size = if array.kind == "UInt8" { 1 } else { 4 } * array.components;
+            let width = match &array.kind[..] {
+                "UInt8" => 1,
+                "Int64" => 8,
+                _ => 4,
+            };
+            let size = width * array.components;
             match file.group[name].as_str() {
                 "PointData" | "Points" => assert_eq!(array.bytes.len(), size * file.points, "{name}"),
                 "CellData" => assert_eq!(array.bytes.len(), size * file.cells, "{name}"),
@@ -272,4 +287,30 @@ fn a_series_is_listed_and_gone_on_with_only_if_it_is_whole() {
     std::fs::write(room.path().join(&sets[1].1), "changed").unwrap();
     let error = VtuSeries::new(room.path(), 2).resume(&mesh, written).unwrap_err();
     assert!(error.contains("1 of the 2") && error.contains("frame-00002.vtu"), "{error}");
+}
+
+/// The elements of a deck are sorted by law, those of a part that comes first in the deck first; grids name them as the deck does.
+#[test]
+fn grids_of_decks_have_its_identifiers() {
+    const DECK: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nslab, \"left\" 3,4\n20,1,20,0,1\n*PART\nother\n30,1,30,0,1\n\
+        *PART\nbars\n5,2,5\n*SECTION_SOLID\n1,1\n*SECTION_BEAM\n2,3\n1e-4\n*HOURGLASS\n1,6,1.0\n\
+        *MAT_ELASTIC\n20,2500.,3e10,0.2\n*MAT_ELASTIC\n30,2000.,3e10,0.2\n*MAT_ELASTIC\n5,7800.,2e11,0.3\n\
+        *NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,0,0,2\n10,1,0,2\n11,1,1,2\n12,0,1,2\n\
+        *ELEMENT_SOLID\n100,30,1,2,3,4,5,6,7,8\n114,20,5,6,7,8,9,10,11,12\n*ELEMENT_BEAM\n7,5,1,9\n*END\n";
+    let deck = parse(DECK, "ids.k", DeckOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mesh = &deck.model.mesh;
+    let mut body = Dynamics::new(mesh, 0.0, RigidSurfaces::default(), false);
+    let rates = [0.0; 2];
+    let of = |body: &Dynamics| {
+        let file = File::by_ids(&frame(mesh, body, &rates), Some(&deck.ids));
+        ["part", "element"].map(|name| file.arrays[name].identifiers())
+    };
+    assert_eq!(of(&body), [[20, 30, 5], [114, 100, 7]]);
+    let room = tempfile::tempdir().unwrap();
+    VtuSeries::new(room.path(), 1).by_ids(&deck.ids).frame(&frame(mesh, &body, &rates)).unwrap();
+    let legend = std::fs::read_to_string(room.path().join("vtu/parts.csv")).unwrap();
+    assert_eq!(legend, "part,name\n20,\"slab, \"\"left\"\" 3,4\"\n30,other\n5,bars\n");
+    // the outer nodes of an element that has died are debris, four of them in no other element; the bar holds one
+    body.blocks.set_share(0, 0.0);
+    assert_eq!(of(&body), [[30, 5, 20, 20, 20], [100, 7, -1, -1, -1]]);
 }
