@@ -416,10 +416,12 @@ impl Recorder {
     }
 
     fn energies(&self, body: &Dynamics, books: &Books) -> ModelEnergies {
+        let eroded = self.run.deaths.iter().map(|d| body.blocks.internal_j(d.element));
         ModelEnergies {
             kinetic_j: books.kinetic_j,
             internal_j: books.internal_j,
-            eroded_j: self.run.deaths.iter().map(|d| body.blocks.internal_j(d.element)).sum(),
+            // the sum of nothing would be -0
+            eroded_j: eroded.fold(0.0, |sum, j| sum + j),
             hourglass_j: books.hourglass_j,
             viscous_j: books.viscous_j,
             body_loads_j: books.body_loads_j,

@@ -220,7 +220,7 @@ impl Recorder {
             .iter()
             .filter(|d| !matches!(d.cause, Death::Removed | Death::Split))
             .map(|d| body.blocks.internal_j(d.element))
-            .sum();
+            .fold(0.0, |sum, j| sum + j); // the sum of nothing would be -0
         self.energies.push(FeEnergies {
             kinetic_j: books.kinetic_j,
             internal_j: books.internal_j,

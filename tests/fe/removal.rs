@@ -118,6 +118,8 @@ fn a_removal_may_take_as_long_as_it_likes() {
     let found = run(&building, &options, &mut |_| {}).unwrap();
     assert!(found.summary.energy_error < 1e-3, "{}", found.summary.energy_error);
     assert!(found.deaths.iter().all(|d| d.cause == Death::Removed));
+    // nothing has eroded: 0 in the tables, not -0
+    assert!(found.energies.iter().all(|e| e.eroded_j.to_bits() == 0), "{:?}", found.energies[0]);
     // the forces hold back what sinks onto them; their work stands with what leaves with the columns
     let end = found.energies.last().unwrap();
     assert!(end.removed_j < -0.3 * end.gravity_j, "{} of {}", end.removed_j, end.gravity_j);

@@ -148,6 +148,8 @@ fn clamped_nodes_start_at_rest() {
     // 625 kg, of which a quarter is at the clamped face
     assert!((run.energies[0].kinetic_j / (0.5 * 625.0 * 0.75) - 1.0).abs() < 1e-12, "{:?}", run.energies[0]);
     assert_eq!(run.energies.last().unwrap().driven_j, 0.0);
+    // nothing has eroded: 0 in the tables, not -0
+    assert!(run.energies.iter().all(|e| e.eroded_j.to_bits() == 0), "{:?}", run.energies[0]);
 }
 
 #[test]
