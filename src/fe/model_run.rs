@@ -88,11 +88,11 @@ pub struct NodeHistory {
     pub node: usize,
     /// Displacement from the mesh's position at each time \[m\].
     pub displacement_m: Vec<[f64; 3]>,
-    /// Velocity in the middle of the step that follows each time \[m/s\].
+    /// Velocity in the middle of the step that ends at each time \[m/s\], half a step before it; the initial one in the first row.
     pub velocity_m_s: Vec<[f64; 3]>,
 }
 
-/// Energies at one time \[J\]; the balance is
+/// Energies \[J\] of the beginning of the step that ends at a time, where forces and strains are known: one step before it. The balance is
 /// `kinetic + internal + hourglass + viscous = initial + body_loads + driven + contact + friction + released + residual`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelEnergies {
@@ -127,7 +127,7 @@ pub struct ModelRun {
     pub times_s: Vec<f64>,
     /// Motion of the recorded nodes.
     pub histories: Vec<NodeHistory>,
-    /// Energies.
+    /// Energies, one step before the times.
     pub energies: Vec<ModelEnergies>,
     /// Element deaths in order.
     pub deaths: Vec<ElementDeath>,

@@ -4,7 +4,7 @@ use super::super::mesh::{bilinear, elastic, grid, nearest, round_bar};
 use super::{CUBE, good, with};
 use fallwerk::fe::deck::{DeckOptions, read, write};
 use fallwerk::fe::mesh::Element;
-use fallwerk::fe::model::{ContactSettings, Model, RigidPlane};
+use fallwerk::fe::model::{BodyLoad, ContactSettings, Curve, Model, RigidPlane};
 use fallwerk::fe::model_run::{ModelError, ModelOptions, ModelRun, run_model};
 use fallwerk::fe::run::FeError;
 use fallwerk::fe::watch::{Diagnosis, Place, Trouble};
@@ -150,6 +150,26 @@ fn clamped_nodes_start_at_rest() {
     assert_eq!(run.energies.last().unwrap().driven_j, 0.0);
     // nothing has eroded: 0 in the tables, not -0
     assert!(run.energies.iter().all(|e| e.eroded_j.to_bits() == 0), "{:?}", run.energies[0]);
+}
+
+/// A block in free fall: a row has the place at its time, the velocity half a step before and the energy one step before.
+#[test]
+fn rows_have_energies_of_the_step_before() {
+    let mesh = grid([1; 3], [1.0; 3], elastic(), |_| false);
+    let gravity = BodyLoad { axis: 2, acceleration_m_s2: Curve::constant(-9.81) };
+    let mut model = Model { mesh, body_loads: vec![gravity], ..Model::default() };
+    (model.control.end_time_s, model.control.history_interval_s) = (1e-3, 1e-6);
+    model.control.history_nodes = vec![0];
+    let run = run(&model);
+    let step_s = run.summary.time_step_s;
+    assert!(run.times_s.len() > 4 && run.times_s.len() == run.summary.steps as usize + 1);
+    for (row, time_s) in run.times_s.iter().enumerate().skip(2) {
+        let [moved, speed] = [run.histories[0].displacement_m[row][2], run.histories[0].velocity_m_s[row][2]];
+        assert!((moved / (-0.5 * 9.81 * time_s * time_s) - 1.0).abs() < 0.01, "{row}: {moved}");
+        assert!((speed / -9.81 - (time_s - 0.5 * step_s)).abs() < 0.05 * step_s, "{row}: {speed}");
+        let fallen_s = (2.0 * run.energies[row].kinetic_j / run.summary.mass_kg).sqrt() / 9.81;
+        assert!((fallen_s - (time_s - step_s)).abs() < 0.2 * step_s, "{row}: {fallen_s} {time_s}");
+    }
 }
 
 #[test]
