@@ -20,7 +20,7 @@ use crate::fe::law::ElementForm;
 use crate::fe::mass_scaling::MassScaling;
 use crate::fe::quality::{Quality, sliver_note};
 use crate::fe::result::{FeRun, FeSummary};
-use crate::fe::run::{Attached, FeOptions, outputs, run_with};
+use crate::fe::run::{Attached, FeOptions, outputs, reaches_an_output, run_with};
 use crate::fe::vtu::{FrameSink, VtuSeries};
 use crate::study::{facts, fell};
 use crate::validate::undecided::moving_note;
@@ -192,6 +192,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let other = arguments.against.as_deref().map(Other::read).transpose()?;
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
     super::generate_mbs::keep_results_of_validation(&target, "--output names another folder")?;
+    let end_s = options.end_time_s.unwrap_or(building.settings.end_time_s);
+    reaches_an_output(end_s, building.settings.output_interval_s).map_err(|e| failure(&e))?;
     let notes = notes(&building, &options);
     notes.iter().for_each(|note| eprintln!("warning: {note}"));
     let checkpoints =

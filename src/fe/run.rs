@@ -276,9 +276,7 @@ pub fn run_with(
     }
     let end_s = options.end_time_s.unwrap_or(settings.end_time_s);
     let interval = settings.output_interval_s;
-    if end_s < interval * (1.0 - 1e-9) {
-        return Err(FeError::TooShort { end_s, interval_s: interval });
-    }
+    reaches_an_output(end_s, interval)?;
     let outputs = outputs(end_s, interval);
     let mut head = head(building, options, size_m, &attached)?;
     let mut state = match attached.resume.take() {
@@ -309,6 +307,14 @@ pub fn run_with(
     result.summary.mass_scaling = state.mass_scaling;
     result.summary.elapsed = before + watch.elapsed();
     Ok(result)
+}
+
+/// Whether a run is long enough for an output \[s\].
+///
+/// # Errors
+/// If it is not.
+pub fn reaches_an_output(end_s: f64, interval_s: f64) -> Result<(), FeError> {
+    if end_s < interval_s * (1.0 - 1e-9) { Err(FeError::TooShort { end_s, interval_s }) } else { Ok(()) }
 }
 
 /// Number of outputs after the first: the run ends at the one nearest to its end.

@@ -90,6 +90,9 @@ fn ends_steps_and_options_of_a_building() {
     let common = ["building.toml", "-o", "run"];
     let with = |more: &[&'static str]| [&common[..], more].concat();
     refused(at, &with(&["--end-time", "1e-9"]), &["0.000000001 s", "0.01 s", "output_interval"]);
+    // what is refused is not first said to end elsewhere
+    let (code, _, err) = fallwerk(at, &[&["fe"], &with(&["--end-time", "0.004"])[..]].concat());
+    assert!(code == 2 && err.contains("before its first output") && !err.contains("nearest"), "{err}");
     refused(at, &with(&["--skip-unknown"]), &["--skip-unknown", "decks"]);
     refused(at, &with(&["--mass-scaling-step", "0.005"]), &["% more mass", "--force-mass-scaling"]);
     refused(
