@@ -152,7 +152,7 @@ fn run_command(command: Command) -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => finish(explain::run(&arguments)),
         Command::Export(arguments) => finish(export::run(&arguments)),
-        Command::Fe(arguments) => finish(fe::run(&arguments)),
+        Command::Fe(arguments) => finish(failing(arguments.json, fe::run(&arguments))),
         Command::GenerateMbs(arguments) => finish(generate_mbs::run(&arguments)),
         Command::Init(arguments) => init::run(&arguments),
         Command::Schema(arguments) => schema::run(&arguments),

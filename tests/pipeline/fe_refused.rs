@@ -102,6 +102,33 @@ fn ends_steps_and_options_of_a_building() {
     );
 }
 
+/// With --json standard output tells what is wrong, be it found in options, in the model, or by the run.
+#[test]
+fn failures_are_told_as_json() {
+    const HEAD: &str = "*KEYWORD\n*CONTROL_TERMINATION\n0.001\n*PART\npart\n1,1,1,0,1\n*HOURGLASS\n1,6,1.0\n\
+        *MAT_ELASTIC\n1,2500.,3e10,0.2\n*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n";
+    const BAR: &str = "*SECTION_BEAM\n1,3\n1e-4\n*ELEMENT_BEAM\n1,1,1,2\n*END\n";
+    const CUBE: &str = "*SECTION_SOLID\n1,1\n*DEFINE_CURVE\n1\n0,1\n1,1\n*LOAD_BODY_Z\n1,1e200\n\
+        *ELEMENT_SOLID\n1,1,1,2,3,4,5,6,7,8\n*END\n";
+    let folder = room(str::to_string);
+    let at = folder.path();
+    fs::write(at.join("bar.k"), format!("{HEAD}{BAR}")).unwrap();
+    fs::write(at.join("hard.k"), format!("{HEAD}{CUBE}")).unwrap();
+    for (arguments, expected, word) in [
+        (&["building.toml", "--end-time", "-1"][..], 2, "--end-time is -1"),
+        (&["bar.k"], 2, "no solid elements"),
+        (&["bar.k", "--mesh-size", "0.1"], 2, "--mesh-size"),
+        (&["hard.k"], 1, "not finite"),
+    ] {
+        let (code, out, err) = fallwerk(at, &[&["fe"][..], arguments, &["--json", "-o", "run"]].concat());
+        assert_eq!(code, expected, "{arguments:?}: {err}");
+        let json: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|e| panic!("{e}: {out}"));
+        assert_eq!(json["ok"], false);
+        let message = json["diagnostics"][0]["message"].as_str().unwrap();
+        assert!(message.contains(word) && err.contains(word), "{arguments:?}: {out}");
+    }
+}
+
 /// A charge after the end does nothing, and an end between two outputs is moved: both are said.
 #[test]
 fn late_charges_are_noted() {
