@@ -45,12 +45,13 @@ fn under_damping(ratio: f64) -> f64 {
     (1.0 + ratio * ratio).sqrt() - ratio
 }
 
-/// Largest share of the stability limit at which the bulk viscosity of all laws of a mesh is stable. [`allowed_step_s`] takes the damping ratio [`BULK_LINEAR`] of a plane wave into account. The vibration in which a cube
+/// Largest share of the stability limit at which the bulk viscosity of all elements of a mesh is stable; bars have none. [`allowed_step_s`] takes the damping ratio [`BULK_LINEAR`] of a plane wave into account. The vibration in which a cube
 /// breathes is damped by `3 (1 - ν) / (1 + ν)` of that; a mesh of few elements has no higher one, so that below ν = 0.07 not even [`STEP_SAFETY`] is left.
 pub fn most_step_safety(mesh: &Mesh) -> f64 {
     let ratio = |nu: f64| 3.0 * BULK_LINEAR * (1.0 - nu) / (1.0 + nu);
     let share = |nu: f64| ROUNDING_SAFETY * under_damping(ratio(nu)) / under_damping(BULK_LINEAR);
-    mesh.laws.iter().map(|law| share(law.poisson_ratio)).fold(1.0, f64::min)
+    let ratios = mesh.elements.iter().map(|e| mesh.laws[e.law].poisson_ratio);
+    ratios.reduce(f64::min).map_or(1.0, |least| share(least).min(1.0))
 }
 
 /// What ended an element.
