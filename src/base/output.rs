@@ -6,9 +6,10 @@
 //!
 //! [`OutputFolder`] does the same for a folder of results: it is filled under a temporary sibling name and
 //! renamed into place at the end. An older result folder of this program (it holds the marker
-//! file [`MARKER`], which names what was written) is replaced; a folder that is not ours, or holds something else, is never touched. A long run that may be interrupted fills
+//! file [`MARKER`], which names what was written) is replaced by results of the same kind ([`Results`]); one of another kind, a folder that is not ours, or holds something else, is never touched. A long run that may be interrupted fills
 //! [`OutputFolder::unfinished`], a sibling `NAME.unfinished` that stays once there is something to go on from.
 
+use super::results::Results;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -50,6 +51,14 @@ pub enum OutputError {
     Foreign {
         /// What it holds.
         path: PathBuf,
+    },
+    /// The target holds results of another kind.
+    #[error("{path}: holds {results}, which would be lost; name another folder, or remove this one")]
+    OtherResults {
+        /// The target.
+        path: PathBuf,
+        /// What it holds.
+        results: Results,
     },
     /// The file system refused.
     #[error("{path}: {source}")]
@@ -140,20 +149,21 @@ pub fn sync_folder(folder: &Path) -> io::Result<()> {
 pub struct OutputFolder {
     target: PathBuf,
     temporary: PathBuf,
+    results: Results,
     /// Whether what was written stays if the folder is not committed.
     kept: AtomicBool,
     committed: bool,
 }
 
 impl OutputFolder {
-    /// Begins a result folder; the target itself is not touched before [`OutputFolder::commit`].
+    /// Begins a folder for results of a kind; the target itself is not touched before [`OutputFolder::commit`].
     ///
     /// What an earlier run left behind when it was killed is cleared, and a result folder it had set
     /// aside is put back.
     ///
     /// # Errors
-    /// If the target exists and is not ours, has no name of its own (`.`, `..`, `/`), or cannot be written.
-    pub fn create(target: &Path) -> Result<Self, OutputError> {
+    /// If the target exists and is not ours, holds results that these [may not replace](Results::may_replace), has no name of its own (`.`, `..`, `/`), or cannot be written.
+    pub fn create(target: &Path, results: Results) -> Result<Self, OutputError> {
         let bad = |what| OutputError::BadTarget { path: target.to_path_buf(), what };
         let name = target
             .file_name()
@@ -163,15 +173,15 @@ impl OutputFolder {
         let parent = parent_of(target);
         fs::create_dir_all(parent).map_err(at(parent))?;
         recover(target, &name).map_err(at(target))?;
-        may_replace(target)?;
+        may_replace(target, results)?;
         let temporary = parent.join(format!(".{name}.part-{}-{}", std::process::id(), next_number()));
         fs::create_dir(&temporary).map_err(at(target))?;
-        Self::begin(target, temporary, false)
+        Self::begin(target, temporary, results, false)
     }
 
-    fn begin(target: &Path, temporary: PathBuf, kept: bool) -> Result<Self, OutputError> {
+    fn begin(target: &Path, temporary: PathBuf, results: Results, kept: bool) -> Result<Self, OutputError> {
         let kept = AtomicBool::new(kept);
-        let folder = Self { target: target.to_path_buf(), temporary, kept, committed: false };
+        let folder = Self { target: target.to_path_buf(), temporary, results, kept, committed: false };
         folder.write(MARKER, MARKER_TEXT.as_bytes())?;
         Ok(folder)
     }
@@ -187,14 +197,14 @@ impl OutputFolder {
     ///
     /// # Errors
     /// As [`OutputFolder::create`]; also if a kept one is there and `resume` is not given, or it is not ours.
-    pub fn unfinished(target: &Path, resume: bool) -> Result<Self, OutputError> {
-        drop(Self::create(target)?); // all that is to be checked and cleared
+    pub fn unfinished(target: &Path, results: Results, resume: bool) -> Result<Self, OutputError> {
+        drop(Self::create(target, results)?); // all that is to be checked and cleared
         let temporary = Self::unfinished_path(target);
         match fs::create_dir(&temporary) {
-            Ok(()) => Self::begin(target, temporary, false),
+            Ok(()) => Self::begin(target, temporary, results, false),
             Err(e) if e.kind() != io::ErrorKind::AlreadyExists => Err(at(&temporary)(e)),
             Err(_) if !temporary.join(MARKER).is_file() => Err(OutputError::NotOurs { path: temporary }),
-            Err(_) if resume => Self::begin(target, temporary, true),
+            Err(_) if resume => Self::begin(target, temporary, results, true),
             Err(_) => Err(OutputError::BadTarget {
                 path: temporary,
                 what: "holds a run that is under way or was interrupted; go on with it (--resume), or remove the folder",
@@ -232,14 +242,14 @@ impl OutputFolder {
     /// Puts the folder in its place and returns the target.
     ///
     /// # Errors
-    /// If the target has meanwhile become a folder that is not ours, or the file system refuses; an
+    /// If the target has meanwhile become a folder that is not ours or holds other results, or the file system refuses; an
     /// older result folder is then still in place.
     pub fn commit(mut self) -> Result<PathBuf, OutputError> {
         let names = names_in(&self.temporary).map_err(at(&self.temporary))?;
         let listed = names.iter().filter(|name| *name != MARKER).map(|name| format!("{name}\n"));
         self.write(MARKER, (MARKER_TEXT.to_string() + &listed.collect::<String>()).as_bytes())?;
         sync_tree(&self.temporary).map_err(at(&self.temporary))?;
-        may_replace(&self.target)?;
+        may_replace(&self.target, self.results)?;
         let name = self.target.file_name().unwrap_or_default().to_string_lossy();
         let aside =
             self.target.with_file_name(format!(".{name}.old-{}-{}", std::process::id(), next_number()));
@@ -270,8 +280,8 @@ impl Drop for OutputFolder {
     }
 }
 
-/// Whether the target is absent, empty, or a result folder of ours.
-fn may_replace(target: &Path) -> Result<(), OutputError> {
+/// Whether the target is absent, empty, or a result folder of ours that such results may replace.
+fn may_replace(target: &Path, results: Results) -> Result<(), OutputError> {
     let Ok(meta) = fs::symlink_metadata(target) else { return Ok(()) };
     if !meta.is_dir() {
         return Err(OutputError::BadTarget {
@@ -289,8 +299,13 @@ fn may_replace(target: &Path) -> Result<(), OutputError> {
     };
     let written: Vec<&str> = marker.lines().skip(1).collect();
     let is_foreign = |name: &&String| *name != MARKER && !written.contains(&name.as_str());
-    match names.iter().find(is_foreign) {
-        Some(name) if !written.is_empty() => Err(OutputError::Foreign { path: target.join(name) }),
+    if let Some(name) = names.iter().find(is_foreign).filter(|_| !written.is_empty()) {
+        return Err(OutputError::Foreign { path: target.join(name) });
+    }
+    match Results::among(&names) {
+        Some(older) if !results.may_replace(older) => {
+            Err(OutputError::OtherResults { path: target.to_path_buf(), results: older })
+        }
         _ => Ok(()),
     }
 }
@@ -355,24 +370,24 @@ mod tests {
     fn a_folder_appears_whole_and_replaces_only_our_own() {
         let room = tempfile::tempdir().unwrap();
         let target = room.path().join("out/run");
-        let first = OutputFolder::create(&target).unwrap();
+        let first = OutputFolder::create(&target, Results::Model).unwrap();
         first.write("a/b.txt", b"one").unwrap();
         assert!(!target.exists());
         first.commit().unwrap();
         assert_eq!(fs::read(target.join("a/b.txt")).unwrap(), b"one");
 
-        let second = OutputFolder::create(&target).unwrap();
+        let second = OutputFolder::create(&target, Results::Model).unwrap();
         second.write("c.txt", b"two").unwrap();
         drop(second);
         assert!(target.join("a/b.txt").exists(), "an abandoned run changes nothing");
 
         let note = target.join("my note.txt");
         fs::write(&note, b"keep").unwrap();
-        let refused = OutputFolder::create(&target).unwrap_err().to_string();
+        let refused = OutputFolder::create(&target, Results::Model).unwrap_err().to_string();
         assert!(refused.contains("my note.txt") && refused.contains("move it"), "{refused}");
         fs::remove_file(&note).unwrap();
 
-        let third = OutputFolder::create(&target).unwrap();
+        let third = OutputFolder::create(&target, Results::Model).unwrap();
         third.write("c.txt", b"three").unwrap();
         third.commit().unwrap();
         assert!(target.join("c.txt").exists() && !target.join("a").exists());
@@ -380,24 +395,68 @@ mod tests {
     }
 
     #[test]
+    fn results_are_replaced_by_their_like_only() {
+        let room = tempfile::tempdir().unwrap();
+        let target = room.path().join("run");
+        let write = |results: Results| {
+            OutputFolder::create(&target, results).and_then(|folder| {
+                folder.write("trace.json", b"")?;
+                folder.write(
+                    if results == Results::Validation { "validation.json" } else { "mbs.json" },
+                    b"",
+                )?;
+                folder.commit()
+            })
+        };
+        for results in [Results::Model, Results::Model, Results::Validation, Results::Validation] {
+            write(results).unwrap();
+        }
+        for results in [
+            Results::Model,
+            Results::Fe,
+            Results::Deck,
+            Results::Simulation,
+            Results::Section,
+            Results::Cases,
+        ] {
+            let refused = write(results).unwrap_err().to_string();
+            let told = refused.contains("run: holds the results of a run with --validate");
+            assert!(told && refused.contains("name another folder"), "{refused}");
+        }
+        assert!(target.join("validation.json").exists());
+        // also where they turn up while a run is under way
+        let late = room.path().join("late");
+        let run = OutputFolder::create(&late, Results::Fe).unwrap();
+        fs::rename(&target, &late).unwrap();
+        assert!(matches!(run.commit(), Err(OutputError::OtherResults { .. })));
+        assert!(late.join("validation.json").exists());
+    }
+
+    #[test]
     fn an_unfinished_folder_stays_once_it_is_kept() {
         let room = tempfile::tempdir().unwrap();
         let target = room.path().join("run");
-        drop(OutputFolder::unfinished(&target, false).unwrap());
+        drop(OutputFolder::unfinished(&target, Results::Fe, false).unwrap());
         assert_eq!(fs::read_dir(room.path()).unwrap().count(), 0, "nothing was kept");
-        let first = OutputFolder::unfinished(&target, false).unwrap();
+        let first = OutputFolder::unfinished(&target, Results::Fe, false).unwrap();
         first.write("part.txt", b"half").unwrap();
         first.keep();
         drop(first);
-        assert!(matches!(OutputFolder::unfinished(&target, false), Err(OutputError::BadTarget { .. })));
-        let second = OutputFolder::unfinished(&target, true).unwrap();
+        assert!(matches!(
+            OutputFolder::unfinished(&target, Results::Fe, false),
+            Err(OutputError::BadTarget { .. })
+        ));
+        let second = OutputFolder::unfinished(&target, Results::Fe, true).unwrap();
         assert_eq!(fs::read(second.path().join("part.txt")).unwrap(), b"half");
         second.commit().unwrap();
         assert!(target.join("part.txt").is_file());
         assert_eq!(fs::read_dir(room.path()).unwrap().count(), 1);
         let foreign = OutputFolder::unfinished_path(&target);
         fs::create_dir(&foreign).unwrap();
-        assert!(matches!(OutputFolder::unfinished(&target, true), Err(OutputError::NotOurs { .. })));
+        assert!(matches!(
+            OutputFolder::unfinished(&target, Results::Fe, true),
+            Err(OutputError::NotOurs { .. })
+        ));
     }
 
     #[test]
@@ -406,14 +465,17 @@ mod tests {
         let target = room.path().join("thesis");
         fs::create_dir(&target).unwrap();
         fs::write(target.join("chapter.txt"), "years of work").unwrap();
-        assert!(matches!(OutputFolder::create(&target), Err(OutputError::NotOurs { .. })));
+        assert!(matches!(OutputFolder::create(&target, Results::Model), Err(OutputError::NotOurs { .. })));
         // It also holds when the folder turns up while a run is under way.
         let late = room.path().join("late");
-        let run = OutputFolder::create(&late).unwrap();
+        let run = OutputFolder::create(&late, Results::Model).unwrap();
         fs::rename(&target, &late).unwrap();
         assert!(matches!(run.commit(), Err(OutputError::NotOurs { .. })));
         assert_eq!(fs::read_to_string(late.join("chapter.txt")).unwrap(), "years of work");
-        assert!(matches!(OutputFolder::create(Path::new("..")), Err(OutputError::BadTarget { .. })));
+        assert!(matches!(
+            OutputFolder::create(Path::new(".."), Results::Model),
+            Err(OutputError::BadTarget { .. })
+        ));
     }
 
     #[test]
@@ -427,7 +489,7 @@ mod tests {
             fs::write(path.join(kind), "").unwrap();
         }
         let target = room.path().join("run");
-        let run = OutputFolder::create(&target).unwrap();
+        let run = OutputFolder::create(&target, Results::Model).unwrap();
         assert!(target.join("old").exists());
         assert!(!room.path().join(format!(".run.part-{gone}-0")).exists());
         drop(run);

@@ -10,6 +10,7 @@ use super::{Failure, Outcome, print, read_building, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::isa::Isa;
 use crate::base::output::OutputFolder;
+use crate::base::results::Results;
 use crate::base::units::in_table;
 use crate::building::partition::Partition;
 use crate::building::{Building, Member};
@@ -50,7 +51,7 @@ pub struct Arguments {
     /// The building file or the deck
     #[arg(value_name = "BUILDING|DECK")]
     pub(super) building: PathBuf,
-    /// Result folder [default: out/NAME-fe]
+    /// Result folder [default: out/NAME-fe]; one of an earlier run is replaced
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
     /// Target edge length of the elements in metres, instead of the building's
@@ -191,7 +192,6 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     }
     let other = arguments.against.as_deref().map(Other::read).transpose()?;
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, "-fe"));
-    super::generate_mbs::keep_results_of_validation(&target, "--output names another folder")?;
     let end_s = options.end_time_s.unwrap_or(building.settings.end_time_s);
     reaches_an_output(end_s, building.settings.output_interval_s).map_err(|e| failure(&e))?;
     let notes = notes(&building, &options);
@@ -199,9 +199,9 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let checkpoints =
         places::checkpoints(arguments.checkpoint_every, arguments.checkpoint.as_ref(), &target)?;
     let output = if checkpoints.is_some() || arguments.resume.is_some() {
-        OutputFolder::unfinished(&target, arguments.resume.is_some())
+        OutputFolder::unfinished(&target, Results::Fe, arguments.resume.is_some())
     } else {
-        OutputFolder::create(&target)
+        OutputFolder::create(&target, Results::Fe)
     };
     let output = output.map_err(|e| unwritable(&e))?;
     let progress = Progress::on_stderr();

@@ -7,6 +7,7 @@ use super::verdict::percent;
 use super::{Failure, Outcome, colour_on_stderr, print, thread_pool};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::output::{OutputFolder, may_write, write_atomic};
+use crate::base::results::Results;
 use crate::base::units::in_table;
 use crate::building::Building;
 use crate::fe::deck::{DECK_ENDINGS, Deck, DeckErrors, DeckOptions, of_building, read, write};
@@ -45,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
         return save(arguments, path, &deck.model, &[], notes);
     }
     let target = arguments.output.clone().unwrap_or_else(|| default_output(&arguments.building));
-    let output = OutputFolder::create(&target).map_err(|e| unwritable(&e))?;
+    let output = OutputFolder::create(&target, Results::Deck).map_err(|e| unwritable(&e))?;
     let progress = Progress::on_stderr();
     let pool = thread_pool(arguments.threads)?;
     progress.stage("FE run");

@@ -76,9 +76,10 @@ const ELSEWHERE: &str = "make room there, or name a folder that can be written w
 pub(super) fn unwritable(error: &OutputError) -> Failure {
     match error {
         OutputError::Io { .. } => Failure::input(format!("{error}; {ELSEWHERE}")),
-        OutputError::NotOurs { .. } | OutputError::BadTarget { .. } | OutputError::Foreign { .. } => {
-            Failure::input(error.to_string())
-        }
+        OutputError::NotOurs { .. }
+        | OutputError::BadTarget { .. }
+        | OutputError::OtherResults { .. }
+        | OutputError::Foreign { .. } => Failure::input(error.to_string()),
     }
 }
 

@@ -9,7 +9,8 @@ use super::summary::{Summary, as_json, as_text};
 use super::{Failure, Outcome, fe, fe_hybrid, print, read_building, simulate, thread_pool, write};
 use crate::base::hash::{ContentHash, readable_json};
 use crate::base::median::median;
-use crate::base::output::OutputFolder;
+use crate::base::output::{OutputError, OutputFolder};
+use crate::base::results::{Results, VALIDATION_FILE};
 use crate::building::Building;
 use crate::fe::hybrid::HybridSettings;
 use crate::fe::result::FeRun;
@@ -25,8 +26,6 @@ use std::time::Instant;
 
 /// Runs of the MBS over which its run time is the median: one run takes some ten milliseconds, in which the scheduler counts.
 pub const MBS_RUNS: usize = 3;
-/// The result that costs most.
-pub const VALIDATION_FILE: &str = "validation.json";
 
 /// Generate the MBS model of a building, run it and compare it with FE
 ///
@@ -95,8 +94,7 @@ fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
         ));
     }
     let target = arguments.output.clone().unwrap_or_else(|| super::default_output(&building, ""));
-    keep_validation(arguments, &target)?;
-    let output = OutputFolder::create(&target).map_err(|e| unwritable(&e))?;
+    let output = result_folder(arguments, &target)?;
     let pool = thread_pool(arguments.threads)?;
     let progress = Progress::on_stderr();
     let result = pool.install(|| compute(arguments, &building, hybrid, &output, &progress));
@@ -126,21 +124,17 @@ fn attempt(arguments: &Arguments) -> Result<Outcome, Failure> {
     Ok(if agrees { Outcome::Done } else { Outcome::CheckFailed })
 }
 
-/// A validation takes long; a quick run without one does not replace it unasked.
-fn keep_validation(arguments: &Arguments, target: &Path) -> Result<(), Failure> {
-    if arguments.validate || arguments.force {
-        return Ok(());
-    }
-    keep_results_of_validation(target, "--force replaces them, --output names another folder")
-}
-
-/// Refuses a folder that holds a validation.
-pub(super) fn keep_results_of_validation(target: &Path, help: &str) -> Result<(), Failure> {
-    if !target.join(VALIDATION_FILE).exists() {
-        return Ok(());
-    }
-    let shown = target.display();
-    Err(Failure::input(format!("{shown} holds the results of a run with --validate\n  = help: {help}")))
+/// The folder for the results. A validation takes long; a quick run without one does not replace it unasked.
+fn result_folder(arguments: &Arguments, target: &Path) -> Result<OutputFolder, Failure> {
+    let replaces_validation = arguments.validate || arguments.force;
+    let results = if replaces_validation { Results::Validation } else { Results::Model };
+    OutputFolder::create(target, results).map_err(|error| {
+        let Failure { mut message, outcome } = unwritable(&error);
+        if matches!(error, OutputError::OtherResults { results: Results::Validation, .. }) {
+            message += "\n  = help: --force replaces them, --output names another folder";
+        }
+        Failure { message, outcome }
+    })
 }
 
 struct Computed {

@@ -5,6 +5,7 @@ use super::rc_cycles::{self, Loading};
 use super::{Failure, Outcome, colour_on_stderr, print, read_building, thread_pool, write};
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
+use crate::base::results::Results;
 use crate::base::units::Dimension;
 use crate::building::inspect_file;
 use crate::library::rc::no_strength;
@@ -42,7 +43,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) bending: Bending,
     /// Write curves.csv, result.json and moment-rotation.svg into this folder, with more than two directions also biaxial.svg; of cyclic bends
-    /// history.csv, cycles.csv, envelope.csv, result.json and loops.svg
+    /// history.csv, cycles.csv, envelope.csv, result.json and loops.svg. The results of an earlier call in it are replaced
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
     /// Print JSON
@@ -221,7 +222,8 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
             "--direction {odd} is not within a turn; give degrees such as 90, at most 360"
         )));
     }
-    let output = arguments.output.as_deref().map(OutputFolder::create).transpose();
+    let output =
+        arguments.output.as_deref().map(|folder| OutputFolder::create(folder, Results::Section)).transpose();
     let output = output.map_err(|e| Failure::input(e.to_string()))?;
     let progress = Progress::on_stderr();
     progress.stage("bending:");

@@ -5,6 +5,7 @@ use super::rc::section_words;
 use super::{Failure, Outcome, print, thread_pool, write};
 use crate::base::hash::readable_json;
 use crate::base::output::OutputFolder;
+use crate::base::results::Results;
 use crate::rc::piece::Drive;
 use crate::rc::springs::{self, Reference, SpringCase};
 use crate::rc::{RcSection, SpringOptions, Springs};
@@ -99,7 +100,8 @@ pub fn run(section: &RcSection, drive: Drive, arguments: &super::rc::Arguments) 
     if let Some(odd) = options.directions_deg.iter().find(|d| !d.is_finite()) {
         return Err(Failure::input(format!("--direction {odd} is no angle; give degrees such as 90")));
     }
-    let output = arguments.output.as_deref().map(OutputFolder::create).transpose();
+    let output =
+        arguments.output.as_deref().map(|folder| OutputFolder::create(folder, Results::Section)).transpose();
     let output = output.map_err(|e| Failure::input(e.to_string()))?;
     let progress = Progress::on_stderr();
     progress.stage("curves");

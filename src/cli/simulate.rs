@@ -1,8 +1,8 @@
 //! `fallwerk simulate MODEL`: runs a multibody model file.
 
-use super::generate_mbs::VALIDATION_FILE;
 use super::knowledge::{LatentArgs, StepArgs};
 use crate::base::output::{OutputError, OutputFolder};
+use crate::base::results::Results;
 use crate::base::units::in_table;
 use crate::mbs::result::{EventKind, RunResult};
 use crate::mbs::{Model, SolveError, simulate_with};
@@ -75,17 +75,14 @@ pub fn run(args: SimulateArgs) -> Result<(), SimulateError> {
     Ok(())
 }
 
-/// The folder for the results, checked before the run: what is replaced is never the model itself, nor a validation, which takes long.
+/// The folder for the results, checked before the run: what is replaced is never the model itself.
 fn result_folder(target: &Path, model: &Path) -> Result<OutputFolder, SimulateError> {
     let bad = |what| SimulateError::Output(OutputError::BadTarget { path: target.into(), what });
     let is_within = |(file, folder): (PathBuf, PathBuf)| file != folder && file.starts_with(folder);
     if model.canonicalize().ok().zip(target.canonicalize().ok()).is_some_and(is_within) {
         return Err(bad("holds the model, which would be replaced with all else in it; name another folder"));
     }
-    if target.join(VALIDATION_FILE).exists() {
-        return Err(bad("holds the results of a run with --validate; name another folder"));
-    }
-    Ok(OutputFolder::create(target)?)
+    Ok(OutputFolder::create(target, Results::Simulation)?)
 }
 
 fn write_files(folder: OutputFolder, result: &RunResult) -> Result<(), SimulateError> {

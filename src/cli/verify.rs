@@ -4,6 +4,7 @@ use super::progress::Progress;
 use super::verify_columns;
 use super::{Failure, Outcome, print, thread_pool, write};
 use crate::base::output::OutputFolder;
+use crate::base::results::Results;
 use crate::verify::{Case, Figure, Form, fe, manual, mbs, rc, select, suite};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -60,7 +61,7 @@ struct Options {
 struct MbsOptions {
     #[command(flatten)]
     options: Options,
-    /// Run nothing; write the cases as model files into this folder, known paths of their tracked points beside them
+    /// Run nothing; write the cases as model files into this folder, known paths of their tracked points beside them; those of an earlier call in it are replaced
     #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "markdown", "list", "case"])]
     models: Option<PathBuf>,
 }
@@ -156,7 +157,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
 /// Writes the model files of the multibody cases.
 fn write_models(folder: &Path) -> Result<Outcome, Failure> {
     let failed = |e: &dyn std::fmt::Display| Failure::input(format!("{}: {e}", folder.display()));
-    let output = OutputFolder::create(folder).map_err(|e| Failure::input(e.to_string()))?;
+    let output = OutputFolder::create(folder, Results::Cases).map_err(|e| Failure::input(e.to_string()))?;
     for named in mbs::models::all() {
         let text = serde_json::to_string_pretty(&named.model).map_err(|e| failed(&e))?;
         write(&output, &format!("{}.json", named.file), &(text + "\n"))?;

@@ -98,6 +98,23 @@ fn a_quick_run_does_not_replace_a_validation_unasked() {
     let (_, _, err) = fallwerk(room.path(), &[&quick[..], &["--force"]].concat());
     assert!(err.contains("no entry"), "with --force the next obstacle is met: {err}");
     assert!(results.join("validation.json").exists(), "a run that fails replaces nothing");
+    // nor do commands that compute something else
+    fs::write(room.path().join("section.toml"), fallwerk::rc::section_file::EXAMPLE).unwrap();
+    for other in [
+        &["verify", "mbs", "--models", "results"][..],
+        &["rc", "section.toml", "-o", "results"],
+        &["rc", "section.toml", "--load", "crush", "-o", "results"],
+        &["fe", "building.toml", "-o", "results"],
+    ] {
+        let (code, _, err) = fallwerk(room.path(), other);
+        assert_eq!(code, 2, "{other:?}: {err}");
+        assert!(err.contains("results: holds the results of a run with --validate"), "{err}");
+    }
+    assert_eq!(names(&results), [fallwerk::base::output::MARKER, "validation.json"]);
+    let models = ["verify", "mbs", "--models", "models"];
+    assert_eq!([0; 2].map(|_| fallwerk(room.path(), &models).0), [0; 2], "its own are replaced");
+    let (code, _, err) = fallwerk(room.path(), &[&quick[..3], &["models", "--force"]].concat());
+    assert!(code == 2 && err.contains("models: holds the models of verify mbs"), "{err}");
 }
 
 #[test]
@@ -211,7 +228,9 @@ fn simulate_replaces_its_own_results_only() {
     fs::create_dir(path("thesis")).unwrap();
     fs::write(path("thesis/chapter.txt"), "years of work").unwrap();
     // folders of this program that hold what a run of a model must not take away
-    for (name, file) in [("validated", "validation.json"), ("generated", "model.json")] {
+    let kept =
+        [("validated", "validation.json"), ("computed", "fe-displacements.csv"), ("generated", "model.json")];
+    for (name, file) in kept {
         fs::create_dir(path(name)).unwrap();
         fs::write(path(name).join(fallwerk::base::output::MARKER), "").unwrap();
         fs::copy(path("model.json"), path(name).join(file)).unwrap();
@@ -219,6 +238,7 @@ fn simulate_replaces_its_own_results_only() {
     for (target, model, words) in [
         ("thesis", "model.json", "not a result folder"),
         ("validated", "model.json", "--validate"),
+        ("computed", "model.json", "results of fe"),
         ("generated", "generated/model.json", "holds the model"),
         ("model.json", "model.json", "not a folder"),
     ] {
@@ -227,7 +247,7 @@ fn simulate_replaces_its_own_results_only() {
         assert!(err.contains(target) && err.contains(words), "{err}");
     }
     assert_eq!(names(&path("thesis")), ["chapter.txt"]);
-    assert_eq!(names(folder.path()), ["generated", "model.json", "out", "thesis", "validated"]);
+    assert_eq!(names(folder.path()), ["computed", "generated", "model.json", "out", "thesis", "validated"]);
 }
 
 /// What is wrong with a model file is bad input to all that read one, and a building file is told from a model.
