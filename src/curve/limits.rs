@@ -13,10 +13,16 @@ const FALLING: f64 = 0.98;
 const SAME: f64 = 1e-6;
 
 impl ResistanceCurve {
-    /// The curve past the loss of an axial force, and up to the force at which the section flows as a whole \[N\], over plastic rotation \[rad\] as it hardens; empty if that is not known.
+    /// The curve of pushes past the loss of an axial force, and up to the force at which the section flows as a whole \[N\], over plastic rotation \[rad\] as it hardens; empty if that is not known.
     #[must_use]
     pub fn in_a_structure(&self, crushing: &[[f64; 2]]) -> Self {
         self.past_compression().up_to_crushing(crushing)
+    }
+
+    /// As [`Self::in_a_structure`] of a curve that was measured, or that another program gave: all its points stand as they are, also a fall under compression and the rotation at which the end breaks.
+    #[must_use]
+    pub fn measured_in_a_structure(&self, crushing: &[[f64; 2]]) -> Self {
+        self.clone().up_to_crushing(crushing)
     }
 
     /// The level under the smallest axial force.

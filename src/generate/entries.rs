@@ -114,13 +114,16 @@ impl Entries {
         self.of_end.values_mut().filter(|k| *k == key).for_each(|k| *k = other.to_string());
     }
 
-    /// The curves of all entries as they work in a structure, `KEY/axis-1` and `KEY/axis-2`.
+    /// The curves of all entries as they work in a structure, `KEY/axis-1` and `KEY/axis-2`. Pushes end where an axial force is borne no longer, which is made up for; points of tests and other programs are kept.
     pub fn curves(&self) -> BTreeMap<String, ResistanceCurve> {
         self.entries
             .iter()
             .flat_map(|(key, e)| {
                 let crushing = crushing(e);
-                let whole = move |axis: &AxisRecord| axis.curve.in_a_structure(&crushing);
+                let whole = move |axis: &AxisRecord| match e.origin.is_own() {
+                    true => axis.curve.in_a_structure(&crushing),
+                    false => axis.curve.measured_in_a_structure(&crushing),
+                };
                 e.axes.iter().enumerate().map(move |(i, a)| (curve_id(key, i), whole(a)))
             })
             .collect()
@@ -372,5 +375,39 @@ pub fn hardening(law: &Homogenised, length_m: f64) -> Vec<[f64; 2]> {
         points.into_iter().map(|[x, share]| [x * length_m, share]).collect()
     } else {
         Vec::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library::Origin;
+
+    /// A push under a compressive force goes on behind its end as that without it; a measured fall is the end.
+    #[test]
+    fn measured_points_are_kept_and_pushes_are_gone_on_with() {
+        let record =
+            include_str!("../../library/column_hinge/400x400-l1286-bottom-ground-m400@dc3a09f4c564b7b6.json");
+        let pushed = Entry::from_text(record).unwrap();
+        let curve_of = |entry: &Entry| {
+            let entries = BTreeMap::from([(entry.key.clone(), entry.clone())]);
+            Entries { entries, ..Entries::default() }.curves().remove(&curve_id(&entry.key, 0)).unwrap()
+        };
+        let given = &pushed.axes[0].curve.levels;
+        let [free, last] = [&given[1], &given[4]];
+        assert!(free.axial_force_n == 0.0 && last.fracture_rotation_rad < free.fracture_rotation_rad);
+        let own = curve_of(&pushed);
+        assert_eq!(own.levels[4].fracture_rotation_rad, free.fracture_rotation_rad);
+        for origin in [Origin::Test, Origin::Program] {
+            let measured = curve_of(&Entry { origin, ..pushed.clone() });
+            assert_eq!(&measured.levels[..given.len()], &given[..]);
+            // up to crushing none of the levels beyond bears more, or for longer, than the last one
+            assert!(measured.levels.len() > given.len() && measured.check().is_ok());
+            for level in &measured.levels[given.len()..] {
+                assert_eq!(level.fracture_rotation_rad, last.fracture_rotation_rad);
+                assert!(level.peak_nm() < last.peak_nm());
+            }
+        }
+        assert_eq!(curve_of(&Entry { origin: Origin::RcSubmodel, ..pushed.clone() }), own);
     }
 }
