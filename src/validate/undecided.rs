@@ -5,7 +5,7 @@ use crate::base::vector::{norm, sub};
 use crate::building::Building;
 use crate::fe::result::FeRun;
 use crate::mbs::RunResult;
-use crate::study::fell;
+use crate::study::{COLLAPSE_DROP_M, fell};
 use serde::{Deserialize, Serialize};
 
 /// Why a comparison does not tell whether the MBS agrees with FE.
@@ -31,6 +31,14 @@ pub enum Doubt {
 
 /// Speed of a tracked point from which what has not come down is not at rest either \[m/s\].
 const MOVES_M_S: f64 = 1.0;
+/// Time over which slow motion is told from swings about rest: its way in two of these, one after the other \[s\].
+const PACE_S: f64 = 0.5;
+/// Share of its speed that slow motion keeps from one [`PACE_S`] to the next. What slows by no more has another `PACE_S KEEPS / (1 - KEEPS)` of its speed to go, 4.5 s.
+const KEEPS: f64 = 0.9;
+/// Part of these 4.5 s for which it is taken to go on \[s\].
+const AHEAD_S: f64 = 2.0;
+/// Way in this time below which it is none \[m\].
+const LEAST_M: f64 = 0.1;
 
 /// A tracked point with its displacements \[m\].
 type Moved<'a> = (&'a str, &'a [[f64; 3]]);
@@ -93,15 +101,41 @@ pub fn falling_words(runs: &[(&str, Fastest)]) -> Option<String> {
     ))
 }
 
+/// A point that goes away from its place slowly and steadily at the end of a run: `[distance (m), speed (m/s)]`, if at this speed it soon has come as far as counts as collapse.
+fn leaving(times_s: &[f64], displacement_m: &[[f64; 3]]) -> Option<[f64; 2]> {
+    let end_s = *times_s.last()?;
+    let at = |back_s: f64| {
+        // outputs are sums of intervals
+        let next = times_s.partition_point(|t| *t <= end_s - back_s + 1e-6);
+        let i = next.checked_sub(1)?;
+        Some((times_s[i], norm(*displacement_m.get(i)?)))
+    };
+    let [first, middle, last] = [at(2.0 * PACE_S)?, at(PACE_S)?, at(0.0)?];
+    let speed = |a: (f64, f64), b: (f64, f64)| (b.1 - a.1) / (b.0 - a.0);
+    let [before, now] = [speed(first, middle), speed(middle, last)];
+    let (far, way) = (last.1, AHEAD_S * now);
+    let goes_on = before > 0.0 && now >= KEEPS * before;
+    (goes_on && way > LEAST_M && far + way > COLLAPSE_DROP_M).then_some([far, now])
+}
+
 /// That a building which has not collapsed by the end of a run still moves, if one of the points does, for the times of their displacements.
 pub fn moving_note<'a>(
     collapsed: bool,
     times_s: &[f64],
     points: impl Iterator<Item = (&'a str, &'a [[f64; 3]])>,
 ) -> Option<String> {
-    let Fastest { id, speed_m_s, end_s } = Fastest::of(times_s, points).filter(|_| !collapsed)?;
+    let end_s = *times_s.last().filter(|_| !collapsed)?;
+    let points: Vec<Moved> = points.collect();
+    let moves = match Fastest::of(times_s, points.iter().copied()) {
+        Some(Fastest { id, speed_m_s, .. }) => format!("\"{id}\" still moves at {speed_m_s:.1} m/s"),
+        None => {
+            let steady = points.iter().filter_map(|(id, u)| Some((id, leaving(times_s, u)?)));
+            let (id, [far, speed_m_s]) = steady.max_by(|a, b| a.1[0].total_cmp(&b.1[0]))?;
+            format!("\"{id}\" is {far:.2} m from its place and goes on at {speed_m_s:.2} m/s")
+        }
+    };
     Some(format!(
-        "at the end, {end_s:.4} s, \"{id}\" still moves at {speed_m_s:.1} m/s: too soon to tell whether it collapses; give a later settings.end_time"
+        "at the end, {end_s:.4} s, {moves}: too soon to tell whether it collapses; give a later settings.end_time"
     ))
 }
 
@@ -157,5 +191,26 @@ mod tests {
             moving_note(false, &times_s, points()).is_some()
                 && moving_note(true, &times_s, points()).is_none()
         );
+    }
+
+    /// A building that falls slowly (a frame under the moon's gravity went at 0.4 m/s for seconds before it came down) is told from one that swings, creeps to rest, or stands where it has slid to.
+    #[test]
+    fn what_goes_slowly_and_steadily_is_not_at_rest() {
+        let times_s: Vec<f64> = (0..=250).map(|i| 0.01 * f64::from(i)).collect();
+        let note = |far: &dyn Fn(f64) -> f64| {
+            // along (0, -0.8, -0.6)
+            let u: Vec<[f64; 3]> = times_s.iter().map(|t| [0.0, -0.8 * far(*t), -0.6 * far(*t)]).collect();
+            moving_note(false, &times_s, [("corner", &u[..])].into_iter())
+        };
+        let falls = note(&|t| 0.36 * t).unwrap();
+        assert!(falls.contains("\"corner\" is 0.90 m from its place and goes on at 0.36 m/s"), "{falls}");
+        assert!(note(&|t| 0.16 * t).is_none(), "0.72 m in two more seconds");
+        assert!(note(&|t| 0.9 * (1.0 - (-2.0 * t).exp())).is_none(), "creeps to rest");
+        for phase in 0..20 {
+            let swing = |t: f64| 0.6 + 0.1 * (5.0 * t + 0.314 * f64::from(phase)).sin();
+            assert!(note(&swing).is_none(), "swings in 1.26 s, {phase}");
+        }
+        assert!(note(&|t| 1.2 + 0.01 * t).is_none(), "has slid");
+        assert!(note(&|_| 0.0).is_none());
     }
 }
