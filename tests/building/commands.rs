@@ -16,7 +16,13 @@ fn init_then_check() {
     let run = |arguments: &[&str]| fallwerk(folder.path(), arguments);
     assert_eq!(run(&["init"]).0, 0);
     let written = std::fs::read_to_string(folder.path().join("building.toml")).unwrap();
-    assert_eq!(written, fallwerk::building::EXAMPLE);
+    let (renamed, example): (Vec<&str>, Vec<&str>) = written
+        .lines()
+        .zip(fallwerk::building::EXAMPLE.lines())
+        .filter(|(written, example)| written != example)
+        .unzip();
+    assert_eq!(renamed, ["name = \"building\"               # used in titles and file names"]);
+    assert_eq!(example, ["name = \"three-storey-frame\"     # used in titles and file names"]);
     let (code, out, err) = run(&["check", "building.toml"]);
     assert_eq!((code, err.as_str()), (0, ""));
     assert!(out.contains("12 columns") && out.contains("36.750 m3") && out.contains("91.88 t"), "{out}");
@@ -29,6 +35,13 @@ fn init_then_check() {
     assert_eq!(run(&["init", "--force"]).0, 0);
     assert_eq!(run(&["check", "building.toml"]).0, 0);
     assert_eq!(run(&["init", "house.json"]).0, 2);
+    // results lie in out/NAME: those of another file are not in the way
+    for (file, name) in
+        [("my-house.toml", "my-house"), ("a \"b\" \\c.toml", "a \"b\" -c"), (" .toml", "building")]
+    {
+        assert_eq!(run(&["init", file]).0, 0);
+        assert_eq!(fallwerk::building::read(&folder.path().join(file)).unwrap().name, name);
+    }
     assert_eq!(run(&["init", "nowhere/house.toml"]).0, 2);
 }
 
