@@ -37,14 +37,14 @@ pub struct StoreyPlan {
 }
 
 /// A member seen from above.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PlanPart {
     /// What it is.
     pub kind: PlanKind,
     /// Lower and upper corner in x and y \[m\].
     pub box_m: [[f64; 2]; 2],
-    /// When a charge takes it or a stretch of it \[s\]; `None`: never.
-    pub charge_s: Option<f64>,
+    /// When charges take it or a stretch of it \[s\], in their order; empty: never.
+    pub charges_s: Vec<f64>,
 }
 
 /// Kinds of members in a plan.
@@ -197,13 +197,13 @@ fn storey(plan: &StoreyPlan) -> String {
         [(PlanKind::Floor, "floor"), (PlanKind::Beam, "beam"), (PlanKind::Bearing, "bearing")]
     {
         for part in of(kind) {
-            let class = if part.charge_s.is_some() { "charged" } else { class };
+            let class = if part.charges_s.is_empty() { class } else { "charged" };
             scale.rectangle(&mut out, class, part.box_m);
         }
     }
-    for part in &plan.parts {
-        let Some(time_s) = part.charge_s else { continue };
-        let text = milliseconds(time_s);
+    for part in plan.parts.iter().filter(|p| !p.charges_s.is_empty()) {
+        let times: Vec<String> = part.charges_s.iter().map(|time_s| milliseconds(*time_s)).collect();
+        let text = times.join(", ");
         let (x, y, class) = beside(&scale, part.box_m, &text);
         let _ = write!(out, "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{text}</text>");
     }
@@ -306,16 +306,16 @@ mod tests {
             storey: "1".into(),
             time_s,
         };
-        let part = |x: f64, charge_s| PlanPart {
+        let part = |x: f64, charges_s: &[f64]| PlanPart {
             kind: PlanKind::Bearing,
             box_m: [[x, 0.0], [x + 0.4, 0.4]],
-            charge_s,
+            charges_s: charges_s.to_vec(),
         };
         let plan = BlastingPlan {
             charges: vec![charge("late", 0.25), charge("<first>", 0.0125)],
             storeys: vec![StoreyPlan {
                 label: "Storey 1".into(),
-                parts: vec![part(0.0, Some(0.25)), part(6.0, None)],
+                parts: vec![part(0.0, &[0.0125, 0.25]), part(6.0, &[])],
             }],
         };
         let drawn = blasting(&plan);
@@ -323,7 +323,7 @@ mod tests {
         assert_eq!(drawn.rows[1][1], "250");
         let plan = &drawn.plans[0];
         assert_eq!((plan.matches("\"charged\"").count(), plan.matches("\"bearing\"").count()), (1, 1));
-        assert!(plan.contains(">250</text>") && plan.contains("1 m</text>"), "{plan}");
+        assert!(plan.contains(">12.5, 250</text>") && plan.contains("1 m</text>"), "{plan}");
     }
 
     /// The drawing ends 26 units beside the building: four digits are wider.

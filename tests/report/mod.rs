@@ -293,7 +293,7 @@ fn charges_and_debris_have_their_plans() {
     let mut input = collapse::report(0.8, 5);
     let without = render(&input).unwrap();
     assert!(!without.contains("id=\"charges\"") && !without.contains("id=\"debris\""));
-    let part = PlanPart { kind: PlanKind::Bearing, box_m: [[0.0; 2], [0.4; 2]], charge_s: Some(0.075) };
+    let part = PlanPart { kind: PlanKind::Bearing, box_m: [[0.0; 2], [0.4; 2]], charges_s: vec![0.075] };
     input.blasting = Some(BlastingPlan {
         charges: vec![PlannedCharge {
             id: "<front>".into(),

@@ -54,14 +54,17 @@ fn storey_of(member: &Member, heights: &Heights) -> Option<u32> {
     member.storey.or(most.map(|o| o.0))
 }
 
-/// The members of a storey, with the first charge of each.
+/// The members of a storey, with the times of the charges of each.
 fn storey(building: &Building, storey: Option<u32>, heights: &Heights) -> StoreyPlan {
-    let first_s = |m: &Member| {
+    let times_s = |m: &Member| {
         let own = building.events.iter().filter(|c| c.member == m.id);
-        own.map(|c| c.time_s).reduce(f64::min)
+        let mut times_s: Vec<f64> = own.map(|c| c.time_s).collect();
+        times_s.sort_by(f64::total_cmp);
+        times_s.dedup();
+        times_s
     };
     let part =
-        |m: &Member| PlanPart { kind: kind(m), box_m: plan(m.solid.min, m.solid.max), charge_s: first_s(m) };
+        |m: &Member| PlanPart { kind: kind(m), box_m: plan(m.solid.min, m.solid.max), charges_s: times_s(m) };
     let is_here = |m: &&Member| storey_of(m, heights) == storey && !building.is_cut(&m.id);
     let members = building.members.iter().filter(is_here);
     StoreyPlan {
@@ -140,10 +143,17 @@ mod tests {
         building.events[0].member = "beside".into();
         let plan = blasting(&building).unwrap();
         assert_eq!((plan.charges[0].storey.as_str(), plan.storeys.len()), ("2", 1));
-        let charged = plan.storeys[0].parts.iter().filter(|p| p.charge_s.is_some()).count();
+        let charged = plan.storeys[0].parts.iter().filter(|p| !p.charges_s.is_empty()).count();
         assert!(
             charged == 1 && plan.storeys[0].label.starts_with("Storey 2") && plan.storeys[0].parts.len() > 5
         );
+        // several charges on one member, two of them at once
+        let first = building.events[0].clone();
+        building.events.extend([0.05, 0.025, 0.05].map(|time_s| Charge { time_s, ..first.clone() }));
+        building.events[0].time_s = 0.1;
+        let plan = blasting(&building).unwrap();
+        let times_s = plan.storeys[0].parts.iter().map(|p| p.charges_s.clone()).max_by_key(Vec::len);
+        assert_eq!(times_s, Some(vec![0.025, 0.05, 0.1]));
         let beside = building.members.pop().unwrap();
         assert_eq!(storey_of(&beside, &Heights::new()), None, "a building of such members alone");
     }
