@@ -16,7 +16,7 @@ use crate::fe::hybrid::HybridSettings;
 use crate::fe::result::FeRun;
 use crate::fe::run::{Attached, FeOptions};
 use crate::generate::{GenerateError, Generated, Generator};
-use crate::mbs::{RunResult, SolverOptions, simulate_with};
+use crate::mbs::{RunResult, SolveError, SolverOptions, simulate_with};
 use crate::review::{self, Review};
 use crate::study::{Facts, Study, facts};
 use crate::validate::Validation;
@@ -285,6 +285,10 @@ fn run_mbs(generated: &Generated, options: &SolverOptions) -> Result<(Vec<RunRes
         let began = Instant::now();
         match simulate_with(&model, options) {
             Ok(run) => runs.push(run),
+            // the generator asks for no step: this one is of the command line
+            Err(e @ SolveError::TimeStep { .. }) if k == 0 => {
+                return Err(Failure::input(format!("the MBS run: {e}")));
+            }
             Err(e) if k == 0 => return Err(Failure::stopped(format!("the MBS run: {e}"))),
             // what a change of rounding runs into is no reason to withhold the run
             Err(_) => continue,

@@ -118,6 +118,18 @@ fn a_quick_run_does_not_replace_a_validation_unasked() {
 }
 
 #[test]
+fn a_step_above_the_stability_limit_is_bad_input() {
+    let room = room(str::to_string);
+    let (code, _, err) = fallwerk(
+        room.path(),
+        &["generate-mbs", "building.toml", "--accuracy", "fast", "--step", "1", "-o", "run"],
+    );
+    assert_eq!(code, 2, "{err}");
+    assert!(err.contains("--step") && err.contains("stability limit"), "{err}");
+    assert_eq!(names(room.path()), ["building.toml"]);
+}
+
+#[test]
 fn fe_limits_what_the_command_line_may_ask() {
     let room = room(str::to_string);
     for bad in [
