@@ -130,7 +130,7 @@ pub struct Frame {
 pub struct EnergyHistory {
     /// Kinetic energy.
     pub kinetic_j: Vec<f64>,
-    /// Potential energy of gravity of the present bodies, relative to `t = 0`.
+    /// Potential energy of gravity of the present bodies, relative to `t = 0`; and of what spans of beams sag by themselves, relative to the model before the preload.
     pub gravity_j: Vec<f64>,
     /// Elastic energy of the joints.
     pub joints_elastic_j: Vec<f64>,
