@@ -92,11 +92,13 @@ fn shares(building: &Building) -> Vec<Share> {
 fn summary(building: &Building) -> String {
     let shares = shares(building);
     let mut text = format!("{}\n", building.name);
+    // all of these words have an `s` for many
+    let word = |many: &'static str, count| if count == 1 { many.trim_end_matches('s') } else { many };
     for share in &shares {
         text += &format!(
             "  {:4} {:10} {:9.3} m3 {:9.2} t\n",
             share.count,
-            share.kind,
+            word(share.kind, share.count),
             share.volume_m3,
             share.mass_kg / 1e3
         );
@@ -105,7 +107,7 @@ fn summary(building: &Building) -> String {
     text += &format!(
         "  {:4} {:10} {:9.3} m3 {:9.2} t\n",
         building.members.len(),
-        "members",
+        word("members", building.members.len()),
         total(|s| s.volume_m3),
         total(|s| s.mass_kg) / 1e3
     );
@@ -185,4 +187,22 @@ fn as_json(inspection: &Inspection, quality: Option<(Quality, Vec<String>)>) -> 
         value["mesh"]["notes"] = json!(notes);
     }
     value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::tree::Format;
+    use crate::building::{EXAMPLE, Member, parse};
+
+    #[test]
+    fn one_member_is_no_members() {
+        let mut building = parse(EXAMPLE, Format::Toml, "example.toml").unwrap();
+        assert!(summary(&building).contains("12 columns "));
+        let is_column = |m: &Member| m.kind == MemberKind::Column;
+        let column = building.members.iter().position(is_column).unwrap();
+        building.members = vec![building.members[column].clone()];
+        let text = summary(&building);
+        assert!(text.contains("   1 column  ") && text.contains("   1 member  "), "{text}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::explain_entry::{self, EntryFacts};
 use super::knowledge::KnowledgeArgs;
-use super::{Failure, Outcome, explain_events, explain_joint, knowledge, print};
+use super::{Failure, Outcome, counted, explain_events, explain_joint, knowledge, print};
 use crate::base::diagnostic::{closest, quoted};
 use crate::base::json;
 use crate::building::Building;
@@ -327,8 +327,9 @@ fn whole_text(beams: &[StaysWhole]) -> String {
 fn review_text(items: &[(usize, Item)]) -> String {
     let line = |(count, item): &(usize, Item)| {
         let (why, changes) = (item.why.join("; "), item.change_words());
+        let count = counted(*count, "decision", "decisions");
         format!(
-            "  review: number {} of {count} decisions worth a look: {} of {}\n    {why}\n    otherwise {}: {changes}\n",
+            "  review: number {} of {count} worth a look: {} of {}\n    {why}\n    otherwise {}: {changes}\n",
             item.rank,
             item.decision,
             item.subject_words(),

@@ -215,6 +215,11 @@ fn read_building(path: &Path, json: bool) -> Result<Building, Failure> {
     })
 }
 
+/// A number with the word for one or for many.
+fn counted(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
 /// `out/` and the building's name as a file name.
 fn default_output(building: &Building, ending: &str) -> PathBuf {
     let plain = |c: char| if c.is_alphanumeric() || c == '_' { c } else { '-' };

@@ -4,7 +4,7 @@ use super::knowledge::{CurveArgs, LatentArgs};
 use super::progress::Progress;
 use super::study::STUDIES;
 use super::study_run::{Task, files};
-use super::{Failure, Outcome, print};
+use super::{Failure, Outcome, counted, print};
 use crate::generate::generate;
 use crate::learn::ablation;
 use crate::library::Store;
@@ -244,11 +244,6 @@ fn figures(compared: &Compared) -> String {
         );
     }
     text + &all_together(&compared.together)
-}
-
-/// A number with the word for one or for many.
-fn counted(number: usize, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 /// Figures of all buildings, in two lines.

@@ -1,6 +1,7 @@
 //! The summary of `generate-mbs`, for people and for programs.
 
 use super::compose::compared;
+use super::counted;
 use super::generate_mbs::{Comparison, MBS_RUNS};
 use super::verdict::{collapse_words, energy_warning, energy_words, sites_words, told_words, verdict};
 use crate::building::Building;
@@ -168,7 +169,8 @@ fn review_text(review: &Review) -> String {
         (0, _) => "none of which can be turned round".to_string(),
         (runs, _) => format!("{runs} turned round, each in a run of its own"),
     };
-    let mut text = format!("  review     {count} decisions worth a look, {tried}; all in review.json\n");
+    let count = counted(count, "decision", "decisions");
+    let mut text = format!("  review     {count} worth a look, {tried}; all in review.json\n");
     for item in review.items.iter().take(REVIEW_SHOWN) {
         text += &format!(
             "             {}. {}: {} ({}), {}; otherwise {}: {}\n",
