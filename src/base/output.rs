@@ -284,10 +284,13 @@ impl Drop for OutputFolder {
 fn may_replace(target: &Path, results: Results) -> Result<(), OutputError> {
     let Ok(meta) = fs::symlink_metadata(target) else { return Ok(()) };
     if !meta.is_dir() {
-        return Err(OutputError::BadTarget {
-            path: target.to_path_buf(),
-            what: "exists and is not a folder",
-        });
+        let what = match meta.is_symlink() {
+            true => {
+                "is a symbolic link, which would be replaced in place of what it leads to; name the folder itself"
+            }
+            false => "exists and is not a folder; name another one",
+        };
+        return Err(OutputError::BadTarget { path: target.to_path_buf(), what });
     }
     let names = names_in(target).map_err(at(target))?;
     let Ok(marker) = fs::read_to_string(target.join(MARKER)) else {
@@ -476,6 +479,24 @@ mod tests {
             OutputFolder::create(Path::new(".."), Results::Model),
             Err(OutputError::BadTarget { .. })
         ));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_a_folder_is_told_as_such() {
+        let room = tempfile::tempdir().unwrap();
+        let [folder, link] = ["folder", "link"].map(|name| room.path().join(name));
+        fs::create_dir(&folder).unwrap();
+        std::os::unix::fs::symlink(&folder, &link).unwrap();
+        let refused = OutputFolder::create(&link, Results::Model).unwrap_err().to_string();
+        assert!(
+            refused.contains("link: is a symbolic link") && refused.contains("name the folder"),
+            "{refused}"
+        );
+        fs::write(room.path().join("file"), "").unwrap();
+        let refused =
+            OutputFolder::create(&room.path().join("file"), Results::Model).unwrap_err().to_string();
+        assert!(refused.contains("file: exists and is not a folder"), "{refused}");
     }
 
     #[test]
