@@ -34,6 +34,7 @@ mod levers;
 mod lines;
 mod nearest;
 mod panels;
+mod piers;
 mod rates;
 mod rigid;
 mod sections;

@@ -5,6 +5,8 @@
 //!
 //! Out of its plane a wall is a beam between floors: springs `6 E I / h` that carry over to each other ([`CarryOver`]).
 //!
+//! Where openings reach foot or head, each strip of the wall beside or over them has springs of its own, at those of its ends that are there ([`piers`]): piers of the whole height as beams, lintels with what the face at their head bears.
+//!
 //! Where a spring stands on a seam between two pieces of a floor, each piece has its share of it.
 //!
 //! Walls yield axially at the squash load `f A` of the homogenised law either way, and out of the plane by the elements across their thickness, in plane strain ([`crate::rc::layers`]), times `1 - (N/N_p)²`.
@@ -13,9 +15,11 @@
 use super::bodies::Bodies;
 use super::decide::Decision;
 use super::joints::{Place, axes, stands};
+use super::piers::{self, Strip};
 use super::sections::slip;
 use crate::base::geom::Aabb;
 use crate::building::gaps::JUST_BEYOND_M;
+use crate::building::partition::COORDINATE_TOLERANCE_M;
 use crate::building::{Building, Homogenised, MemberKind};
 use crate::curve::{CapacityLevel, ResistanceCurve};
 use crate::graph::Structure;
@@ -41,8 +45,9 @@ pub fn springs(
     let (mut springs, mut curves) = (Vec::new(), BTreeMap::new());
     for (wall, member) in walls {
         let solid = structure.boxes(wall).iter().copied().reduce(Aabb::around);
-        let Some(half) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
-        for (part, spring) in of_wall(building, structure, (bodies, decision), &half) {
+        let Some(whole) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
+        let halves = whole.strips(building, structure, bodies);
+        for (part, spring) in of_wall(building, structure, (bodies, decision), (wall, &halves)) {
             curves.entry(part.curve_id(&member.id)).or_insert_with(|| part.curve(planes));
             springs.push(spring);
         }
@@ -50,10 +55,14 @@ pub fn springs(
     (springs, curves)
 }
 
-/// Half of a wall storey in its length and in its height, or a share of it.
+/// Half of a wall storey, or of a strip of it, in its length and in its height, or a share of it.
 #[derive(Clone, Copy)]
 struct Half<'a> {
     wall: usize,
+    /// Number of its strip where openings cut the wall into several.
+    strip: Option<usize>,
+    /// Whether it has a foot, and a head.
+    ends: [bool; 2],
     /// How much of it a spring stands for.
     share: f64,
     law: &'a Homogenised,
@@ -75,6 +84,8 @@ impl<'a> Half<'a> {
         let along = usize::from(size[1] > size[0]);
         Self {
             wall,
+            strip: None,
+            ends: [true; 2],
             share: 1.0,
             law: building.law_of(member),
             strength: building.strength_factor(&member.id),
@@ -87,6 +98,23 @@ impl<'a> Half<'a> {
         }
     }
 
+    /// The halves of the strips of a whole wall: itself, if no opening reaches its foot or head.
+    fn strips(self, building: &Building, structure: &Structure, bodies: &Bodies) -> Vec<Self> {
+        if !piers::reach_an_end(&building.members[self.wall].openings, &self.solid) {
+            return vec![self];
+        }
+        let faces = [0, 1].map(|end| face(building, structure, bodies, &self, end));
+        let strips = piers::strips(&faces, self.along).into_iter().enumerate();
+        strips.map(|(k, strip)| self.cut(k, strip)).collect()
+    }
+
+    /// The half of a strip of it.
+    fn cut(&self, number: usize, Strip { along_m, ends }: Strip) -> Self {
+        let (along, mut solid) = (self.along, self.solid);
+        (solid.min[along], solid.max[along]) = (along_m[0], along_m[1]);
+        Self { strip: Some(number), ends, solid, length_m: 0.5 * solid.size()[along], ..*self }
+    }
+
     /// Where its spring stands at its foot (`end` 0) or head \[m\].
     fn point_m(&self, side: usize, end: usize) -> [f64; 3] {
         let mut point_m = self.solid.center();
@@ -96,7 +124,9 @@ impl<'a> Half<'a> {
     }
 
     fn curve_id(&self, wall: &str) -> String {
-        if self.share < 1.0 { format!("wall/{wall}/{}", self.share) } else { format!("wall/{wall}") }
+        let strip = self.strip.map_or_else(String::new, |k| format!("/strip-{}", k + 1));
+        let share = if self.share < 1.0 { format!("/{}", self.share) } else { String::new() };
+        format!("wall/{wall}{strip}{share}")
     }
 
     /// Its share of the length \[m\].
@@ -163,27 +193,29 @@ fn of_wall<'a>(
     building: &Building,
     structure: &Structure,
     (bodies, decision): (&Bodies, &Decision),
-    half: &Half<'a>,
+    (wall, halves): (usize, &[Half<'a>]),
 ) -> Vec<(Half<'a>, Bushing)> {
-    let wall = &building.members[half.wall].id;
+    let wall = &building.members[wall].id;
     let (mut list, mut feet) = (Vec::new(), BTreeMap::new());
-    let parts = [0, 1].map(|side| parts(building, structure, bodies, half, side));
+    let both = |half: &Half<'a>| [0, 1].map(|side| (side, parts(building, structure, bodies, half, side)));
+    let sides: Vec<_> = halves.iter().flat_map(|half| both(half).map(|own| (half.ends, own))).collect();
     for (end, name) in [(0, "bottom"), (1, "top")] {
-        for (side, parts) in parts.iter().enumerate() {
+        let line = format!("{wall}.{name}");
+        let there = sides.iter().enumerate().filter(|(_, (ends, _))| ends[end]);
+        for (number, (place, (_, (side, parts)))) in there.enumerate() {
             for (k, (part, neighbours)) in parts.iter().enumerate() {
                 let Some(other) = neighbours[end] else { continue };
-                let line = format!("{wall}.{name}");
                 let letter = if parts.len() > 1 { ["a", "b", "c", "d"][k] } else { "" };
-                let id = format!("{line}-{}{letter}", side + 1);
-                let mut own = spring(building, bodies, part, other, (id, part.point_m(side, end)));
+                let id = format!("{line}-{}{letter}", number + 1);
+                let mut own = spring(building, bodies, part, other, (id, part.point_m(*side, end)));
                 if decision.elastic_lines.contains(&line) {
                     own = part.elastic(own);
                 }
-                own.origin.members.push(line);
+                own.origin.members.push(line.clone());
                 if end == 0 {
-                    feet.insert((side, k), own.id.clone());
+                    feet.insert((place, k), own.id.clone());
                 } else {
-                    own.carry_over = feet.remove(&(side, k)).map(|foot| part.carry_over(foot));
+                    own.carry_over = feet.remove(&(place, k)).map(|foot| part.carry_over(foot));
                 }
                 list.push((*part, own));
             }
@@ -194,6 +226,35 @@ fn of_wall<'a>(
 
 /// What a spring at an end of a wall leads to: a body, or the ground; nothing if there is no spring.
 type Neighbour = Option<Option<usize>>;
+
+/// What a wall meets beyond a place at its foot (`end` 0) or head \[m\] that is of the body `own`.
+fn neighbour(
+    building: &Building,
+    structure: &Structure,
+    bodies: &Bodies,
+    (wall, own): (usize, usize),
+    (end, at): (usize, [f64; 3]),
+) -> Neighbour {
+    let outside = [at[0], at[1], at[2] + if end == 0 { -JUST_BEYOND_M } else { JUST_BEYOND_M }];
+    let next = structure.partition.member_at(outside);
+    let other = next.and_then(|member| bodies.of(member, outside));
+    let is_joined = other.is_some() || stands(building, wall, (2, at), next);
+    (is_joined && other != Some(own)).then_some(other)
+}
+
+/// The cells of a wall that meet something at its foot (`end` 0) or head: its contact face there.
+fn face(building: &Building, structure: &Structure, bodies: &Bodies, whole: &Half, end: usize) -> Vec<Aabb> {
+    let level = |b: &Aabb| if end == 0 { b.min[2] } else { b.max[2] };
+    let level_m = level(&whole.solid);
+    let meets = |b: &Aabb| {
+        let [x, y, _] = b.center();
+        let (wall, at) = (whole.wall, [x, y, level_m]);
+        let beyond = |own| neighbour(building, structure, bodies, (wall, own), (end, at));
+        bodies.of(wall, at).is_some_and(|own| beyond(own).is_some())
+    };
+    let is_in_it = |b: &Aabb| (level(b) - level_m).abs() < COORDINATE_TOLERANCE_M && meets(b);
+    structure.boxes(whole.wall).iter().copied().filter(is_in_it).collect()
+}
 
 /// A half of a wall in the parts that stand between the same bodies, found beside its spring at base and top: one, unless that is on a seam of a floor.
 fn parts<'a>(
@@ -207,13 +268,9 @@ fn parts<'a>(
     for beside in [[-BESIDE_M; 2], [-BESIDE_M, BESIDE_M], [BESIDE_M, -BESIDE_M], [BESIDE_M; 2]] {
         let neighbours = [0, 1].map(|end| {
             let mut at = half.point_m(side, end);
-            let own = bodies.of(half.wall, at)?;
+            let own = bodies.of(half.wall, at).filter(|_| half.ends[end])?;
             (0..2).for_each(|i| at[i] += beside[i]);
-            let outside = [at[0], at[1], at[2] + if end == 0 { -JUST_BEYOND_M } else { JUST_BEYOND_M }];
-            let next = structure.partition.member_at(outside);
-            let other = next.and_then(|member| bodies.of(member, outside));
-            let is_joined = other.is_some() || stands(building, half.wall, (2, at), next);
-            (is_joined && other != Some(own)).then_some(other)
+            neighbour(building, structure, bodies, (half.wall, own), (end, at))
         });
         match parts.iter_mut().find(|part| part.1 == neighbours) {
             Some((part, _)) => part.share += 0.25,

@@ -2,9 +2,10 @@
 
 use super::{knowledge, moved_m, reference};
 use fallwerk::base::tree::Format;
-use fallwerk::building::parse;
+use fallwerk::building::{Building, parse};
 use fallwerk::generate::{Accuracy, Derive, Wishes, generate};
-use fallwerk::mbs::model::{Bending, Bushing};
+use fallwerk::graph::{ContactFace, Structure};
+use fallwerk::mbs::model::{Bending, Bushing, Model};
 
 #[test]
 fn walls_stand_on_springs_between_ground_and_floor() {
@@ -148,4 +149,115 @@ fn walls_hold_each_other_at_vertical_edges() {
     let lowest = |u: &[[f64; 3]]| u.iter().map(|u| u[2]).fold(0.0, f64::min);
     let sunk = run.tracked.iter().map(|t| lowest(&t.displacement_m)).fold(0.0, f64::min);
     assert!(sunk > -0.005, "{sunk}");
+}
+
+/// The reference building with a wall between its rear columns that stands on the ground, 0.2 to 5.8 m along x and 3 m high.
+fn with_wall(openings: &str) -> Building {
+    let wall = format!(
+        "\n[[members]]\nid = \"W1\"\nkind = \"wall\"\nsection = \"slab\"\nfrom = [0.2, 5, 0]\nto = [5.8, 5, 3]\n{openings}\n\n[[supports]]"
+    );
+    reference(|text| {
+        text.replacen("\n[[supports]]", &wall, 1).replacen(
+            "members = [\"C1-*\"]",
+            "members = [\"C1-*\", \"W1\"]",
+            1,
+        )
+    })
+}
+
+fn model_of(building: &Building) -> Model {
+    let (rules, mut store, _cache) = knowledge();
+    generate(building, &rules, &mut store, Derive::Similar, &|_| {}).unwrap().model
+}
+
+/// All springs at an end of a wall along x, 3 m high and 0.25 m thick, are together as stiff and as strong as its half there with a contact face.
+fn assert_bears(model: &Model, end: &str, face: &ContactFace) {
+    let springs: Vec<&Bushing> = model.bushings.iter().filter(|b| b.id.starts_with(end)).collect();
+    let sum = |of: &dyn Fn(&Bushing) -> f64| springs.iter().copied().map(of).sum::<f64>();
+    let is = |what: &str, ours: f64, theirs: f64, within: f64| {
+        assert!((ours / theirs - 1.0).abs() < within, "{what} of {end}: {ours}, not {theirs}");
+    };
+    let (youngs_pa, yield_pa, half_m, area) = (16.5e9, 10.5e6, 1.5, face.area_m2);
+    is("axial stiffness", sum(&|b| b.axial_stiffness_n_m), youngs_pa * area / half_m, 1e-9);
+    let shear = 5.0 / 6.0 * youngs_pa / 2.4 * area / half_m;
+    is("shear stiffness", sum(&|b| b.shear_stiffness_n_m[1]), shear, 1e-9);
+    is("strength", sum(&|b| b.compressive_capacity_n.unwrap()), yield_pa * area, 1e-9);
+    let slips = yield_pa * area / 3.0_f64.sqrt();
+    is("strength in shear", sum(&|b| b.shear_capacity_n.unwrap()[0]), slips, 1e-9);
+    // in its plane: couples about the centroid, and what each spring bears itself
+    let couple = |b: &Bushing| b.axial_stiffness_n_m * (b.point_m[0] - face.centroid_m[0]).powi(2);
+    let own = |b: &Bushing| {
+        let Bending::Elastic { stiffness_nm_rad } = b.bending[1] else {
+            panic!("{} yields in its plane", b.id)
+        };
+        stiffness_nm_rad
+    };
+    let in_plane = youngs_pa * face.second_moments_m4[1] / half_m;
+    is("in-plane stiffness", sum(&|b| couple(b) + own(b)), in_plane, 1e-9);
+    // out of it: 6 E I / h of a beam in sway, and the moment at which two elements across yield in plane strain, with a hourglass stress as large as that in their centre
+    let curve = |b: &Bushing| {
+        let Bending::Curve { curve, .. } = &b.bending[0] else {
+            panic!("{} is elastic out of its plane", b.id)
+        };
+        &model.curves[curve]
+    };
+    let sway = 6.0 * youngs_pa * face.second_moments_m4[0] / (2.0 * half_m);
+    is("stiffness out of the plane", sum(&|b| curve(b).stiffness_nm_rad), sway, 1e-9);
+    let flows = |b: &Bushing| {
+        let level = curve(b).levels.iter().find(|l| l.axial_force_n == 0.0).unwrap();
+        level.capacity[0][1]
+    };
+    let moment = 2.0 / 3.0_f64.sqrt() * yield_pa / (1.0_f64 + 1.0 / 2.4).sqrt() * area * 0.25 / 3.0;
+    is("moment out of the plane", sum(&flows), moment, 0.01);
+}
+
+/// The springs of the wall at its foot and head stand for the faces that the structure graph finds there, in m², at places along x.
+fn assert_stands(openings: &str, areas_m2: [f64; 2], at_m: [&[f64]; 2]) {
+    let building = with_wall(&format!("openings = [{openings}]"));
+    let structure = Structure::of(&building);
+    let foot = &structure.supports().find(|s| s.member_id == "W1").unwrap().contact;
+    let head = &structure.connection("W1.top/B1-A2-B2").unwrap().faces[0];
+    let model = model_of(&building);
+    for (k, (end, face)) in [("W1.bottom-", foot), ("W1.top-", head)].into_iter().enumerate() {
+        assert!((face.area_m2 - areas_m2[k]).abs() < 1e-9, "{face:?}");
+        assert_bears(&model, end, face);
+        let springs: Vec<&Bushing> = model.bushings.iter().filter(|b| b.id.starts_with(end)).collect();
+        assert_eq!(springs.len(), at_m[k].len());
+        for (i, (spring, x)) in springs.iter().zip(at_m[k]).enumerate() {
+            assert_eq!(spring.id, format!("{end}{}", i + 1));
+            assert!((spring.point_m[0] - x).abs() < 1e-9, "{} at {:?}", spring.id, spring.point_m);
+        }
+    }
+}
+
+/// A door, a wider one, and a door beside an opening at the head. (Two springs at the quarter points of the whole wall had the strength of all of it, and stood in the doors.)
+#[test]
+fn a_wall_with_openings_bears_what_is_left_of_its_foot_and_head() {
+    let door = "{ from = [1, 0], to = [2, \"2.1 m\"] }";
+    assert_stands(door, [1.15, 1.4], [&[0.4, 0.8, 2.95, 4.85], &[0.4, 0.8, 1.25, 1.75, 2.95, 4.85]]);
+    let wide = "{ from = [1, 0], to = [5, \"2.1 m\"] }";
+    assert_stands(wide, [0.4, 1.4], [&[0.4, 0.8, 5.2, 5.6], &[0.4, 0.8, 2.0, 4.0, 5.2, 5.6]]);
+    let both = format!("{door}, {{ from = [3, 2.5], to = [4, 3] }}");
+    let feet = [0.4, 0.8, 2.25, 2.75, 3.25, 3.75, 4.45, 5.35];
+    let heads = [0.4, 0.8, 1.25, 1.75, 2.25, 2.75, 4.45, 5.35];
+    assert_stands(&both, [1.15, 1.15], [&feet, &heads]);
+}
+
+/// Piers are beams from foot to head; a lintel over a door has a head alone. Each pier stands on springs of its own, so that it makes no contact with the ground on which it stands: it touched it at 0 s, and without a door the building does at 1.765 s.
+#[test]
+fn piers_beside_a_door_stand_on_the_ground() {
+    let [plain, door] =
+        ["", "openings = [{ from = [1, 0], to = [2, \"2.1 m\"] }]"].map(|o| model_of(&with_wall(o)));
+    let carried = |k: usize| {
+        let top = door.bushings.iter().find(|b| b.id == format!("W1.top-{k}")).unwrap();
+        top.carry_over.as_ref().map(|carry| carry.bushing.as_str())
+    };
+    let feet = [1, 2, 5, 6].map(carried);
+    assert_eq!(feet, ["W1.bottom-1", "W1.bottom-2", "W1.bottom-3", "W1.bottom-4"].map(Some));
+    assert_eq!([carried(3), carried(4)], [None, None]);
+    let [without_s, with_s] = [plain, door].map(|mut model| {
+        model.settings.end_time_s = 2.0;
+        fallwerk::mbs::simulate(&model).unwrap().first_ground_contact_s.unwrap()
+    });
+    assert!((with_s / without_s - 1.0).abs() < 0.05, "{with_s} s with a door, {without_s} s without");
 }
