@@ -221,45 +221,58 @@ fn eliminate_any(
     turned: &mut [f64],
     diagonal: &[f64],
 ) -> usize {
-    let mut found = 0;
-    for column in columns {
-        let n = usize::from(column.size);
-        let (at, first) = (column.diagonal as usize, column.first as usize);
-        let (block, start) = (&values[at..at + n * stride(n)], &diagonal[first..first + n]);
-        let (inverse, dependent) = match n {
-            1 => inverted::<1>(block, start),
-            2 => inverted::<2>(block, start),
-            3 => inverted::<3>(block, start),
-            4 => inverted::<4>(block, start),
-            5 => inverted::<5>(block, start),
-            _ => inverted::<6>(block, start),
-        };
-        found += dependent;
-        values[at..at + n * stride(n)].copy_from_slice(&inverse[..n * stride(n)]);
-        for (_, size, place) in &column.below {
-            let (m, place) = (usize::from(*size), *place as usize);
-            let range = place..place + m * stride(n);
-            let (block, out) = (&values[range.clone()], &mut scaled[range]);
-            match (m, n) {
-                (3, 3) => multiply_3(block, &inverse, out, &mut turned[place..place + 12]),
-                (2, 2) => multiply::<2, 2>(block, &inverse, out),
-                (5, 5) => multiply::<5, 5>(block, &inverse, out),
-                _ => multiply_any(block, &inverse, out, [m, n]),
-            }
-        }
-        for u in &column.updates {
-            let (t, w, b) = (u.target as usize, u.w as usize, u.b as usize);
-            match u.sizes {
-                [3, 3, 3] => {
-                    subtract_3(&mut values[t..t + 12], &scaled[w..w + 12], &turned[b..b + 12]);
-                }
-                [2, 2, 2] => subtract::<2, 2, 2>(values, scaled, [t, w, b]),
-                [5, 5, 5] => subtract::<5, 5, 5>(values, scaled, [t, w, b]),
-                sizes => subtract_any(values, scaled, [t, w, b], sizes.map(usize::from)),
-            }
+    columns
+        .iter()
+        .map(|column| match column.size {
+            1 => eliminate_column::<1>(column, values, scaled, turned, diagonal),
+            2 => eliminate_column::<2>(column, values, scaled, turned, diagonal),
+            3 => eliminate_column::<3>(column, values, scaled, turned, diagonal),
+            4 => eliminate_column::<4>(column, values, scaled, turned, diagonal),
+            5 => eliminate_column::<5>(column, values, scaled, turned, diagonal),
+            _ => eliminate_column::<6>(column, values, scaled, turned, diagonal),
+        })
+        .sum()
+}
+
+/// Eliminates the rows of a joint; how many of them depend on others.
+#[inline(always)]
+fn eliminate_column<const N: usize>(
+    column: &Column,
+    values: &mut [f64],
+    scaled: &mut [f64],
+    turned: &mut [f64],
+    diagonal: &[f64],
+) -> usize {
+    let (at, first) = (column.diagonal as usize, column.first as usize);
+    let (block, start) = (&values[at..at + N * stride(N)], &diagonal[first..first + N]);
+    let Some(inverse) = inverted::<N>(block, start) else {
+        let pivots = pivoted::<N>(block, start);
+        values[at..at + N * stride(N)].copy_from_slice(&pivots.inverted()[..N * stride(N)]);
+        pivots.take_off(column, values, scaled);
+        return pivots.dependent();
+    };
+    values[at..at + N * stride(N)].copy_from_slice(&inverse[..N * stride(N)]);
+    for (_, size, place) in &column.below {
+        let (m, place) = (usize::from(*size), *place as usize);
+        let range = place..place + m * stride(N);
+        let (block, out) = (&values[range.clone()], &mut scaled[range]);
+        match (m, N) {
+            (3, 3) => multiply_3(block, &inverse, out, &mut turned[place..place + 12]),
+            (2, 2) => multiply::<2, 2>(block, &inverse, out),
+            (5, 5) => multiply::<5, 5>(block, &inverse, out),
+            _ => multiply_any(block, &inverse, out, [m, N]),
         }
     }
-    found
+    for u in &column.updates {
+        let (t, w, b) = (u.target as usize, u.w as usize, u.b as usize);
+        match u.sizes {
+            [3, 3, 3] => subtract_3(&mut values[t..t + 12], &scaled[w..w + 12], &turned[b..b + 12]),
+            [2, 2, 2] => subtract::<2, 2, 2>(values, scaled, [t, w, b]),
+            [5, 5, 5] => subtract::<5, 5, 5>(values, scaled, [t, w, b]),
+            sizes => subtract_any(values, scaled, [t, w, b], sizes.map(usize::from)),
+        }
+    }
+    0
 }
 
 #[inline(always)]
@@ -361,9 +374,9 @@ fn eliminated(count: usize, pairs: &BTreeSet<(usize, usize)>) -> (Vec<usize>, Ve
     (sequence, fill)
 }
 
-/// A generalised inverse of a positive semidefinite block, and the number of rows that depend on those before them.
+/// The inverse of a positive definite block; none if its pivots in the order of its rows are small.
 #[inline(always)]
-fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST], usize) {
+fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> Option<[f64; MOST * MOST]> {
     let (block, start) = (&block[..N * stride(N)], &start[..N]);
     let (mut lower, mut pivots) = ([[0.0_f64; N]; N], [0.0_f64; N]);
     for j in 0..N {
@@ -372,7 +385,7 @@ fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST]
             pivot -= lower[j][k] * lower[j][k] * pivots[k];
         }
         if pivot <= SMALL * start[j] {
-            return pivoted::<N>(block, start);
+            return None;
         }
         for i in j + 1..N {
             let mut rest = block[i * stride(N) + j];
@@ -402,40 +415,85 @@ fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST]
             inverse[i * stride(N) + c] = x[i];
         }
     }
-    (inverse, 0)
+    Some(inverse)
 }
 
-/// The same where pivots are small: the largest first, each beside its row's own diagonal entry. In the order of the rows a small one would make the rounding of those after it large, and
-/// a row that depends on it would seem to be free (a block `s n nᵀ` whose `n` is 1e-3 rad off an axis). One sweep for each pivot leaves the negative inverse in its rows and columns, and what is
-/// left of the block in the others (Goodnight, A Tutorial on the SWEEP Operator, The American Statistician 33, 1979).
+/// The elimination of a block whose pivots are small: `T S Tᵀ = D` for the rows that have one, `S⁻¹ = Tᵀ D⁻¹ T`.
+struct Pivots<const N: usize> {
+    rows: [[f64; N]; N],
+    /// One over each pivot; zero for a row that depends on others, which has no force.
+    inverse: [f64; N],
+}
+
+/// The rows of a block in the order of their pivots, the largest beside its row's own diagonal entry first. In the order of the rows a small one would make the rounding of those after it large, and
+/// a row that depends on it would seem to be free (a block `s n nᵀ` whose `n` is 1e-3 rad off an axis).
 #[inline(never)]
-fn pivoted<const N: usize>(block: &[f64], start: &[f64]) -> ([f64; MOST * MOST], usize) {
+fn pivoted<const N: usize>(block: &[f64], start: &[f64]) -> Pivots<N> {
     let mut a: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| block[i * stride(N) + j]));
-    let mut swept = [false; N];
-    let mut left = N;
-    while left > 0 {
+    let mut rows: [[f64; N]; N] =
+        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    let (mut done, mut inverse) = ([false; N], [0.0; N]);
+    loop {
         let rest = |j: &usize| a[*j][*j] / start[*j];
-        let open = (0..N).filter(|j| !swept[*j] && a[*j][*j] > DEPENDENT * start[*j]);
+        let open = (0..N).filter(|j| !done[*j] && a[*j][*j] > DEPENDENT * start[*j]);
         let Some(p) = open.max_by(|i, j| rest(i).total_cmp(&rest(j))) else { break };
-        let (pivot, column): (f64, [f64; N]) = (a[p][p], std::array::from_fn(|i| a[i][p]));
-        for i in (0..N).filter(|i| *i != p) {
-            for j in (0..N).filter(|j| *j != p) {
-                a[i][j] -= column[i] * column[j] / pivot;
+        (done[p], inverse[p]) = (true, 1.0 / a[p][p]);
+        let (pivot, own) = (a[p], rows[p]);
+        for i in (0..N).filter(|i| !done[*i]) {
+            let share = a[i][p] * inverse[p];
+            for j in 0..N {
+                a[i][j] -= share * pivot[j];
+                rows[i][j] -= share * own[j];
             }
-            (a[i][p], a[p][i]) = (column[i] / pivot, column[i] / pivot);
-        }
-        a[p][p] = -1.0 / pivot;
-        swept[p] = true;
-        left -= 1;
-    }
-    let mut inverse = [0.0; MOST * MOST];
-    // a row without a pivot has no force: its inverse is zero
-    for i in (0..N).filter(|i| swept[*i]) {
-        for j in (0..N).filter(|j| swept[*j]) {
-            inverse[i * stride(N) + j] = -a[i][j];
         }
     }
-    (inverse, left)
+    Pivots { rows, inverse }
+}
+
+impl<const N: usize> Pivots<N> {
+    fn dependent(&self) -> usize {
+        self.inverse.iter().filter(|d| **d == 0.0).count()
+    }
+
+    /// `Tᵀ D⁻¹ T`.
+    fn inverted(&self) -> [f64; MOST * MOST] {
+        let mut inverse = [0.0; MOST * MOST];
+        for i in 0..N {
+            for j in 0..N {
+                inverse[i * stride(N) + j] =
+                    (0..N).map(|p| self.rows[p][i] * self.inverse[p] * self.rows[p][j]).sum();
+            }
+        }
+        inverse
+    }
+
+    /// Takes the column off what is below it: `B Tᵀ D⁻¹ T Bᵀ`, and leaves `W = B Tᵀ D⁻¹ T`. The products with the inverse itself would have rounding of the size of their terms, which are
+    /// larger by one over the pivot than what they add up to: near a singular pose that several loops share, more than the pivots of the others.
+    fn take_off(&self, column: &Column, values: &mut [f64], scaled: &mut [f64]) {
+        for (_, size, place) in &column.below {
+            let rows = usize::from(*size);
+            for at in (0..rows).map(|i| *place as usize + i * stride(N)) {
+                let own: [f64; N] = std::array::from_fn(|k| values[at + k]);
+                for p in 0..N {
+                    let along = (0..N).map(|k| own[k] * self.rows[p][k]).sum::<f64>();
+                    values[at + p] = if self.inverse[p] == 0.0 { 0.0 } else { along };
+                    scaled[at + p] = along * self.inverse[p];
+                }
+            }
+        }
+        for u in &column.updates {
+            let at = [u.target, u.w, u.b].map(|i| i as usize);
+            subtract_any(values, scaled, at, u.sizes.map(usize::from));
+        }
+        for (_, size, place) in &column.below {
+            for at in (0..usize::from(*size)).map(|i| *place as usize + i * stride(N)) {
+                let along: [f64; N] = std::array::from_fn(|p| scaled[at + p]);
+                for k in 0..N {
+                    scaled[at + k] = (0..N).map(|p| along[p] * self.rows[p][k]).sum();
+                }
+            }
+        }
+    }
 }
 
 /// `out = a b` of three rows and columns, and `a` turned over.
@@ -619,8 +677,10 @@ mod tests {
             let block: Vec<f64> = (0..3)
                 .flat_map(|i| (0..4).map(move |j| if j < 3 { off(normal[i] * normal[j]) } else { 0.0 }))
                 .collect();
-            let (inverse, dependent) = inverted::<3>(&block, &[1.0; 3]);
-            assert_eq!(dependent, 2, "{small:e}");
+            assert!(inverted::<3>(&block, &[1.0; 3]).is_none());
+            let pivots = pivoted::<3>(&block, &[1.0; 3]);
+            assert_eq!(pivots.dependent(), 2, "{small:e}");
+            let inverse = pivots.inverted();
             let force: f64 = (0..3)
                 .map(|i| {
                     normal[i] * inverse[4 * i..4 * i + 3].iter().zip(normal).map(|(a, n)| a * n).sum::<f64>()
