@@ -82,7 +82,7 @@ fn braces_run_in_fe_only() {
     let file = file.to_str().unwrap();
     let (code, out, err) = fallwerk(root, &["check", "--mesh", file]);
     assert_eq!((code, err.as_str()), (0, ""));
-    assert!(out.contains("1 braces") && out.contains("tied with a mesh of their own: X1"), "{out}");
+    assert!(out.contains("1 brace ") && out.contains("tied with a mesh of their own: X1"), "{out}");
     let target = folder.path().join("out");
     let to = target.to_str().unwrap();
     let refused = [&["graph", file][..], &["generate-mbs", file, "-o", to], &["library", "derive", file]];

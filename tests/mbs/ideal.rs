@@ -236,7 +236,7 @@ fn an_energy_error_in_a_singular_pose_is_told_as_such() {
             [i as f64, 0.0, 0.0],
         ));
     }
-    let options = SolverOptions { energy_limit: 0.03, ..SolverOptions::default() };
+    let options = SolverOptions { energy_limit: 0.01, ..SolverOptions::default() };
     let said = simulate_with(&m, &options).unwrap_err().to_string();
     assert!(said.contains("joints have stopped a motion") && said.contains("singular pose"), "{said}");
     assert!(!said.contains("smaller settings.time_step_s"), "{said}");

@@ -285,14 +285,21 @@ fn check_body(body: &Body, path: &str, list: &mut List) {
     }
 }
 
+/// How a tensor is not symmetric, beyond the rounding of a program that turned it.
+fn asymmetry(m: &M3) -> Option<String> {
+    let size = m.iter().flatten().fold(0.0_f64, |a, v| a.max(v.abs()));
+    let mut pairs = [[1, 0], [2, 0], [2, 1]].into_iter();
+    let [i, j] = pairs.find(|[i, j]| (m[*i][*j] - m[*j][*i]).abs() > 1e-9 * size)?;
+    Some(format!("is not symmetric: [{j}][{i}] is {:e} and [{i}][{j}] is {:e}", m[j][i], m[i][j]))
+}
+
 /// What is wrong with an inertia tensor: symmetry, definiteness, triangle inequality.
 fn inertia_complaint(m: &M3) -> Option<String> {
     if m.iter().flatten().any(|v| !v.is_finite()) {
         return Some(format!("is {m:?}, expected finite numbers"));
     }
-    let size = m.iter().flatten().fold(0.0_f64, |a, v| a.max(v.abs()));
-    if (0..3).any(|i| (0..i).any(|j| (m[i][j] - m[j][i]).abs() > 1e-9 * size)) {
-        return Some("is not symmetric".into());
+    if let Some(complaint) = asymmetry(m) {
+        return Some(complaint);
     }
     let matrix = nalgebra::Matrix3::from_fn(|i, j| 0.5 * (m[i][j] + m[j][i]));
     let mut p: [f64; 3] = matrix.symmetric_eigenvalues().into();

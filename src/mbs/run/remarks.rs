@@ -6,7 +6,7 @@ use crate::mbs::balance::Balance;
 use crate::mbs::contact::Work;
 use crate::mbs::joint::MOST_TURN_RAD;
 use crate::mbs::math;
-use crate::mbs::model::{Body, Event, Force, Model, Shape, TOLERANCE};
+use crate::mbs::model::{Body, Event, Force, GROUND, Model, Shape, TOLERANCE};
 
 /// Energy error worth a warning.
 const ENERGY_WORTH_TELLING: f64 = 1e-3;
@@ -80,6 +80,7 @@ pub(in crate::mbs) fn remarks_on_wishes(model: &Model) -> Vec<String> {
         remark_on_reactions(model),
         remark_on_oblique_axes(model),
         remark_on_inertia(model),
+        remark_on_joints_at_surfaces(model),
     ];
     all.into_iter().flatten().collect()
 }
@@ -113,6 +114,60 @@ fn remark_on_inertia(model: &Model) -> Option<String> {
     Some(format!(
         "body \"{id}\": inertia_kg_m2 over mass_kg gives a radius of gyration of {gyration_m:.3e} m, and its shapes reach {extent_m:.3e} m from its centre of mass: a slip of the exponent or the unit?{others}"
     ))
+}
+
+/// How near to a plane or obstacle a body stands on it \[m\], and how far from there a joint with the ground may be to be at its foot, over the size of its shape.
+const STANDS_M: f64 = 1e-3;
+const AT_FOOT: f64 = 0.25;
+
+/// That a body which a joint holds to the ground stands on a plane or obstacle there, which does not let it turn: of `contact.ground` alone joined bodies are free.
+fn remark_on_joints_at_surfaces(model: &Model) -> Option<String> {
+    let joints = model.joints.iter().map(|j| (&j.id, &j.body_a, &j.body_b, j.point_m));
+    let bushings = model.bushings.iter().map(|j| (&j.id, &j.body_a, &j.body_b, j.point_m));
+    let to_ground = joints.chain(bushings).filter_map(|(joint, a, b, point)| match a {
+        None => Some((joint, b, point)),
+        Some(a) if b == GROUND => Some((joint, a, point)),
+        Some(_) => None,
+    });
+    let mut found = to_ground.filter_map(|(joint, body, point)| {
+        stands_on(model, body, point).map(|surface| [joint.as_str(), body.as_str(), surface])
+    });
+    let [joint, body, surface] = found.next()?;
+    let others = match found.count() {
+        0 => String::new(),
+        more => format!("; so do {more} more"),
+    };
+    Some(format!(
+        "body \"{body}\" stands on \"{surface}\" where joint \"{joint}\" holds it to the ground: it cannot turn about the joint into the surface (bodies joined to the ground are free of contact.ground alone); if it is meant to turn, add {{\"a\": \"{body}\", \"b\": \"{surface}\", \"ignore\": true}} to contact.pairs{others}"
+    ))
+}
+
+/// The plane or obstacle that a body stands on beside a point.
+fn stands_on<'a>(model: &'a Model, id: &str, point: math::V3) -> Option<&'a str> {
+    let body = model.bodies.iter().find(|body| body.id == *id)?;
+    let turn = math::qmat(math::qunit(body.orientation));
+    body.shapes.iter().find_map(|shape| {
+        let at = |c: &math::V3| math::add(body.position_m, math::mul(&turn, *c));
+        let corners: Vec<math::V3> = shape.corners().iter().map(at).collect();
+        let size_m = math::norm(math::sub(*corners.last()?, corners[0]));
+        let is_foot = |c: &&math::V3| math::norm(math::sub(**c, point)) <= AT_FOOT * size_m;
+        corners.iter().filter(is_foot).find_map(|c| surface_under(model, id, *c))
+    })
+}
+
+/// The plane or obstacle that a point of a body lies on, if they touch.
+fn surface_under<'a>(model: &'a Model, body: &str, point: math::V3) -> Option<&'a str> {
+    let contact = &model.contact;
+    let planes = contact.planes.iter().filter(|p| {
+        let above_m = math::dot(p.normal, math::sub(point, p.point_m)) / math::norm(p.normal);
+        above_m.abs() <= STANDS_M
+    });
+    let obstacles = contact.obstacles.iter().filter(|o| {
+        let inside = |k: usize| (o.min_m[k]..=o.max_m[k]).contains(&point[k]);
+        (point[2] - o.max_m[2]).abs() <= STANDS_M && inside(0) && inside(1)
+    });
+    let mut all = planes.map(|p| p.id.as_str()).chain(obstacles.map(|o| o.id.as_str()));
+    all.find(|id| !contact.pairs.iter().any(|p| p.ignore && p.a == body && p.b == *id))
 }
 
 /// That the second axis of universal joints is not quite the one given, if so.
@@ -257,6 +312,33 @@ mod tests {
     }
 
     /// A cube of 0.2 m has its corners at 0.173 m: at 1 kg, with 16 kg m² it has a radius of gyration of 23 times that, with 9 kg m² of 17 times.
+    #[test]
+    fn a_joint_at_the_foot_of_a_body_on_a_plane_is_told() {
+        let text = r#"{"schema": "fallwerk-mbs/2", "name": "t", "gravity_m_s2": [0, 0, -9.81],
+             "settings": {"end_time_s": 0.1, "output_interval_s": 0.1}, "tracked": [],
+             "contact": {"planes": [{"id": "p", "point_m": [0, 0, 0], "normal": [0, 0, 2], "friction": 0.5, "restitution": 0}]},
+             "joints": [{"id": "foot", "kind": "revolute", "body_b": "column", "point_m": [0, 0, 0], "axis": [0, 1, 0]}],
+             "bodies": [{"id": "column", "mass_kg": 1, "inertia_kg_m2": [[1,0,0],[0,1,0],[0,0,1]], "position_m": [0, 0, 2],
+                 "shapes": [{"kind": "box", "center_m": [0,0,0], "half_extents_m": [0.2, 0.2, 2.0]}]}]}"#;
+        let mut model: Model = serde_json::from_str(text).unwrap();
+        let said = remark_on_joints_at_surfaces(&model).unwrap();
+        assert!(said.contains("\"column\" stands on \"p\" where joint \"foot\""), "{said}");
+        model.bodies[0].position_m[2] = 2.01;
+        assert_eq!(remark_on_joints_at_surfaces(&model), None);
+        model.bodies[0].position_m[2] = 2.0;
+        model.contact.obstacles.push(crate::mbs::model::ObstacleBox {
+            id: "o".into(),
+            min_m: [-1.0, -1.0, -1.0],
+            max_m: [1.0, 1.0, 0.0],
+            friction: 0.5,
+            restitution: 0.0,
+        });
+        model.contact.planes.clear();
+        assert!(remark_on_joints_at_surfaces(&model).is_some_and(|said| said.contains("\"o\"")));
+        model.contact.obstacles.clear();
+        assert_eq!(remark_on_joints_at_surfaces(&model), None);
+    }
+
     #[test]
     fn inertia_that_shapes_cannot_have_is_told() {
         let text = r#"{"schema": "fallwerk-mbs/2", "name": "m", "gravity_m_s2": [0, 0, 0], "bodies": [
