@@ -7,8 +7,10 @@ use super::touch::{STEP_S, Touching};
 /// Limits of the change of a step, and the share of the step that the error would allow.
 const CHANGE: [f64; 2] = [0.2, 5.0];
 const CAUTION: f64 = 0.9;
-/// Share of a step that was too long which the next ones may have, and how that rises with each of them.
+/// Share of a step that was too long which the next ones may have, and how that rises with each of them: a bound of stability is met again within so many steps, one that is left behind, as
+/// the pose of a loop in line, is forgotten the faster the longer none is met.
 const CEILING: [f64; 2] = [0.95, 1.01];
+const SOON: u32 = 30;
 /// Steps over which progress is looked at, tried ones included, and the least share of the whole time that they have to take.
 const WATCHED: u64 = 50_000;
 const PROGRESS: f64 = 1e-3;
@@ -75,6 +77,18 @@ impl Marcher {
         }
     }
 
+    /// The error of a step, over what is allowed, that is left once its end is projected onto the joints. Beside a pose in which loops are in line accelerations across them are what is left
+    /// of terms larger by one over the square of the distance, and their rounding is most of the error; at the end of a step that passes the pose joints hold those motions well.
+    pub(super) fn error_on_joints(&mut self, step: f64) -> f64 {
+        let mut off = vec![0.0; self.state.len()];
+        for (rate, weight) in self.rates.iter().zip(self.method.error) {
+            off.iter_mut().zip(rate).for_each(|(off, rate)| *off += step * weight * rate);
+        }
+        self.motion.project_error(&mut off);
+        let allowed = |i: usize| self.tolerance * (1.0 + self.state[i].abs().max(self.next[i].abs()));
+        off.iter().enumerate().map(|(i, off)| off.abs() / allowed(i)).fold(0.0, f64::max)
+    }
+
     /// What the next step may change by after an error, or nothing if this one has to be tried again with a smaller step.
     pub(super) fn judge(&mut self, step: f64, error: f64) -> Result<Option<f64>, MarchError> {
         if self.fixed_s.is_some() {
@@ -94,7 +108,7 @@ impl Marcher {
         let sized = error.max(1e-10);
         if error > 1.0 {
             self.tally.steps[1] += 1;
-            self.ceiling = step * CEILING[0];
+            (self.ceiling, self.accepted) = (step * CEILING[0], 0);
             self.step = step * (CAUTION * libm::pow(sized, -1.0 / order)).clamp(CHANGE[0], 1.0);
             self.repeated = true;
             return Ok(None);
@@ -109,7 +123,8 @@ impl Marcher {
         let by_both = libm::pow(sized, -PROPORTIONAL / order) * libm::pow(self.before, INTEGRAL / order);
         let most = if self.repeated { 1.0 } else { CHANGE[1] };
         (self.before, self.repeated) = (sized, false);
-        self.ceiling *= CEILING[1];
+        self.accepted += 1;
+        self.ceiling *= 1.0 + (CEILING[1] - 1.0) * f64::from(self.accepted.max(SOON)) / f64::from(SOON);
         let change = (CAUTION * by_both).clamp(CHANGE[0], most);
         Ok(Some(change.min((self.ceiling / step).max(CHANGE[0]))))
     }

@@ -101,6 +101,30 @@ impl Motion {
         self.close(state);
     }
 
+    /// Takes off an error of a state what [`Motion::project`] does, to first order, at the state that was taken.
+    pub fn project_error(&mut self, error: &mut [f64]) {
+        for (load, e) in self.loads.iter_mut().zip(error.chunks_exact(STATE)) {
+            *load = [[e[7], e[8], e[9]], [e[10], e[11], e[12]]];
+        }
+        self.accept(|_| 0.0);
+        for (b, e) in error.chunks_exact_mut(STATE).enumerate() {
+            let ([v, w], pose) = (self.loads[b], &self.poses[b]);
+            e[7..10].copy_from_slice(&v);
+            e[10..13].copy_from_slice(&w);
+            // twice the change of the orientation over itself
+            let [_, turn @ ..] =
+                qmul([e[3], e[4], e[5], e[6]], [pose.q[0], -pose.q[1], -pose.q[2], -pose.q[3]]);
+            self.loads[b] = [[e[0], e[1], e[2]], turn.map(|t| 2.0 * t)];
+        }
+        self.accept(|_| 0.0);
+        for (b, e) in error.chunks_exact_mut(STATE).enumerate() {
+            let ([x, turn], pose) = (self.loads[b], &self.poses[b]);
+            e[..3].copy_from_slice(&x);
+            let [a, b, c] = turn.map(|t| 0.5 * t);
+            e[3..7].copy_from_slice(&qmul([0.0, a, b, c], pose.q));
+        }
+    }
+
     /// The same after [`Motion::rate_and_close`], which has found where to.
     pub fn close(&self, state: &mut [f64]) {
         for (s, sides) in state.chunks_exact_mut(STATE).zip(&self.sides) {
