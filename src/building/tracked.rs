@@ -110,19 +110,22 @@ fn over_removed(building: &Building, column: &Member) -> Option<Tracked> {
 /// Shortest rest that charges leave of a column, over the smaller side of its section: what is shorter is less than an element, and goes with them.
 pub const SHORTEST_REST: f64 = 0.5;
 
+/// The stretches that charges take of an upright column, from its foot \[m\].
+fn stretches<'a>(building: &'a Building, member: &'a Member) -> impl Iterator<Item = [f64; 2]> + 'a {
+    let upright = member.kind == MemberKind::Column && !member.is_skew();
+    let own = building.events.iter().filter(move |e| upright && e.member == member.id);
+    own.filter_map(|e| e.stretch_m)
+}
+
 /// The level up to which charges take stretches of an upright column at most \[m\]: what is above carries its top.
 pub fn stretches_to_m(building: &Building, column: &Member) -> Option<f64> {
-    let own = building.events.iter().filter(|e| e.member == column.id).filter_map(|e| e.stretch_m);
-    let upright = column.kind == MemberKind::Column && !column.is_skew();
-    own.filter(|_| upright).map(|[_, to]| column.solid.min[2] + to).reduce(f64::max)
+    stretches(building, column).map(|[_, to]| column.solid.min[2] + to).reduce(f64::max)
 }
 
 /// The level up to which a member goes on standing on what supports it while charges act \[m\]: the middle of the lowest stretch that they take of an upright column; infinite of others.
 pub fn stands_to_m(building: &Building, member: &Member) -> f64 {
-    let own = building.events.iter().filter(|e| e.member == member.id).filter_map(|e| e.stretch_m);
-    let upright = member.kind == MemberKind::Column && !member.is_skew();
     let middle = |[from, to]: [f64; 2]| member.solid.min[2] + 0.5 * (from + to);
-    own.filter(|_| upright).map(middle).fold(f64::INFINITY, f64::min)
+    stretches(building, member).map(middle).fold(f64::INFINITY, f64::min)
 }
 
 /// Whether stretches that charges take of a column reach its upper end.

@@ -69,7 +69,7 @@ mod terms;
 pub use crush::Crushed;
 pub use links::Linked;
 pub use overlap::Overlap;
-pub use surface::Surface;
+pub use surface::{AT_GROUND_M, Surface};
 pub use terms::{ContactEnergy, Hit, Moving, Partner, Settings, TooDeep, Touch, Work};
 
 use super::math::{self, V3};

@@ -7,7 +7,7 @@ use crate::mbs::model::{Body, GROUND, Model, Shape};
 use std::collections::BTreeMap;
 
 /// Height up to which a solid stands on the ground \[m\].
-const AT_GROUND_M: f64 = 1e-3;
+pub const AT_GROUND_M: f64 = 1e-3;
 
 /// How far from a shape a connection with the ground may be to be at its foot: half the thickness of the shape, or this \[m\], but of a small body no more than a share of its size.
 const BESIDE_M: f64 = 0.25;
@@ -117,13 +117,8 @@ pub(super) fn footings(model: &Model, body: &Body) -> Vec<Footing> {
     let turn = math::qmat(body.orientation);
     let height = |c: &math::V3| body.position_m[2] + math::mul(&turn, *c)[2];
     let stands = |shape: &Shape| shape.corners().iter().any(|c| height(c) <= level + AT_GROUND_M);
-    let own = |a: &Option<String>, b: &str| match a {
-        None => b == body.id,
-        Some(a) => *a == body.id && b == GROUND,
-    };
-    let bushings = model.bushings.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
-    let joints = model.joints.iter().filter(|j| own(&j.body_a, &j.body_b)).map(|j| j.point_m);
-    let points: Vec<math::V3> = bushings.chain(joints).collect();
+    let own = model.joined_to_ground().filter(|(_, id, _)| *id == body.id);
+    let points: Vec<math::V3> = own.map(|(_, _, point)| point).collect();
     let at = Placed { x: body.position_m, q: body.orientation, r: turn };
     let placed = |shape: &Shape| {
         let (solid, in_body) = Solid::of(shape);

@@ -85,8 +85,9 @@ impl Marcher {
             off.iter_mut().zip(rate).for_each(|(off, rate)| *off += step * weight * rate);
         }
         self.motion.project_error(&mut off);
-        let allowed = |i: usize| self.tolerance * (1.0 + self.state[i].abs().max(self.next[i].abs()));
-        off.iter().enumerate().map(|(i, off)| off.abs() / allowed(i)).fold(0.0, f64::max)
+        let ends = self.state.iter().zip(&self.next);
+        let shares = off.iter().zip(ends).map(|(off, (a, b))| off.abs() / allowed(self.tolerance, [*a, *b]));
+        shares.fold(0.0, f64::max)
     }
 
     /// What the next step may change by after an error, or nothing if this one has to be tried again with a smaller step.
@@ -145,6 +146,12 @@ impl Marcher {
     }
 }
 
+/// Error of a number of a state that a tolerance allows, by its size at both ends of the step.
+#[inline]
+fn allowed(tolerance: f64, [a, b]: [f64; 2]) -> f64 {
+    tolerance * (1.0 + a.abs().max(b.abs()))
+}
+
 /// Largest estimated error of a step over what is allowed.
 pub(super) fn error(
     [state, next]: [&[f64]; 2],
@@ -156,7 +163,7 @@ pub(super) fn error(
     let mut largest: f64 = 0.0;
     for (i, (a, b)) in state.iter().zip(next).enumerate() {
         let sum: f64 = k.iter().zip(method.error).map(|(k, e)| e * k[i]).sum();
-        let share = (step * sum).abs() / (tolerance * (1.0 + a.abs().max(b.abs())));
+        let share = (step * sum).abs() / allowed(tolerance, [*a, *b]);
         if share.is_nan() {
             return f64::NAN;
         }

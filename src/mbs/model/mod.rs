@@ -81,6 +81,17 @@ impl Model {
         bushings.map(|b| b.id.as_str()).chain(forces.map(Force::id))
     }
 
+    /// Joints and bushings with the ground: id, body and point \[m\] of each.
+    pub fn joined_to_ground(&self) -> impl Iterator<Item = (&str, &str, [f64; 3])> {
+        let joints = self.joints.iter().map(|j| (&j.id, &j.body_a, &j.body_b, j.point_m));
+        let bushings = self.bushings.iter().map(|j| (&j.id, &j.body_a, &j.body_b, j.point_m));
+        joints.chain(bushings).filter_map(|(id, a, b, point_m)| match a {
+            None => Some((id.as_str(), b.as_str(), point_m)),
+            Some(a) if b == GROUND => Some((id.as_str(), a.as_str(), point_m)),
+            Some(_) => None,
+        })
+    }
+
     /// Whether it has ideal joints or forces, with which it is one of smooth motion ([`crate::mbs::ideal`]).
     pub fn is_ideal(&self) -> bool {
         !self.joints.is_empty() || !self.forces.is_empty()

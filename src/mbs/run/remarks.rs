@@ -3,10 +3,10 @@
 use super::SAME;
 use super::entry::GROWTH;
 use crate::mbs::balance::Balance;
-use crate::mbs::contact::Work;
+use crate::mbs::contact::{AT_GROUND_M, Work};
 use crate::mbs::joint::MOST_TURN_RAD;
 use crate::mbs::math;
-use crate::mbs::model::{Body, Event, Force, GROUND, Model, Shape, TOLERANCE};
+use crate::mbs::model::{Body, Event, Force, Model, Shape, TOLERANCE};
 
 /// Energy error worth a warning.
 const ENERGY_WORTH_TELLING: f64 = 1e-3;
@@ -116,21 +116,13 @@ fn remark_on_inertia(model: &Model) -> Option<String> {
     ))
 }
 
-/// How near to a plane or obstacle a body stands on it \[m\], and how far from there a joint with the ground may be to be at its foot, over the size of its shape.
-const STANDS_M: f64 = 1e-3;
+/// How far from a foot on a plane or obstacle a joint with the ground may be to hold it there, over the size of the shape.
 const AT_FOOT: f64 = 0.25;
 
 /// That a body which a joint holds to the ground stands on a plane or obstacle there, which does not let it turn: of `contact.ground` alone joined bodies are free.
 fn remark_on_joints_at_surfaces(model: &Model) -> Option<String> {
-    let joints = model.joints.iter().map(|j| (&j.id, &j.body_a, &j.body_b, j.point_m));
-    let bushings = model.bushings.iter().map(|j| (&j.id, &j.body_a, &j.body_b, j.point_m));
-    let to_ground = joints.chain(bushings).filter_map(|(joint, a, b, point)| match a {
-        None => Some((joint, b, point)),
-        Some(a) if b == GROUND => Some((joint, a, point)),
-        Some(_) => None,
-    });
-    let mut found = to_ground.filter_map(|(joint, body, point)| {
-        stands_on(model, body, point).map(|surface| [joint.as_str(), body.as_str(), surface])
+    let mut found = model.joined_to_ground().filter_map(|(joint, body, point)| {
+        stands_on(model, body, point).map(|surface| [joint, body, surface])
     });
     let [joint, body, surface] = found.next()?;
     let others = match found.count() {
@@ -160,11 +152,11 @@ fn surface_under<'a>(model: &'a Model, body: &str, point: math::V3) -> Option<&'
     let contact = &model.contact;
     let planes = contact.planes.iter().filter(|p| {
         let above_m = math::dot(p.normal, math::sub(point, p.point_m)) / math::norm(p.normal);
-        above_m.abs() <= STANDS_M
+        above_m.abs() <= AT_GROUND_M
     });
     let obstacles = contact.obstacles.iter().filter(|o| {
         let inside = |k: usize| (o.min_m[k]..=o.max_m[k]).contains(&point[k]);
-        (point[2] - o.max_m[2]).abs() <= STANDS_M && inside(0) && inside(1)
+        (point[2] - o.max_m[2]).abs() <= AT_GROUND_M && inside(0) && inside(1)
     });
     let mut all = planes.map(|p| p.id.as_str()).chain(obstacles.map(|o| o.id.as_str()));
     all.find(|id| !contact.pairs.iter().any(|p| p.ignore && p.a == body && p.b == *id))
@@ -311,7 +303,6 @@ mod tests {
         );
     }
 
-    /// A cube of 0.2 m has its corners at 0.173 m: at 1 kg, with 16 kg m² it has a radius of gyration of 23 times that, with 9 kg m² of 17 times.
     #[test]
     fn a_joint_at_the_foot_of_a_body_on_a_plane_is_told() {
         let text = r#"{"schema": "fallwerk-mbs/2", "name": "t", "gravity_m_s2": [0, 0, -9.81],
@@ -339,6 +330,7 @@ mod tests {
         assert_eq!(remark_on_joints_at_surfaces(&model), None);
     }
 
+    /// A cube of 0.2 m has its corners at 0.173 m: at 1 kg, with 16 kg m² it has a radius of gyration of 23 times that, with 9 kg m² of 17 times.
     #[test]
     fn inertia_that_shapes_cannot_have_is_told() {
         let text = r#"{"schema": "fallwerk-mbs/2", "name": "m", "gravity_m_s2": [0, 0, 0], "bodies": [
