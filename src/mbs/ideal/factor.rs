@@ -7,17 +7,14 @@
 //! Blocks are stored by rows. A row of three numbers, the commonest, has room for a fourth, zero, so that it is one vector of four; what has to be multiplied by it
 //! is stored turned over.
 
+use super::eliminate::{Store, eliminate_column};
 use crate::base::isa::{Isa, for_each_isa};
 use std::collections::BTreeSet;
 
 /// Most rows of a joint.
-const MOST: usize = 6;
+pub(super) const MOST: usize = 6;
 /// Right-hand sides that are solved at once: one vector of the processor.
 pub const SIDES: usize = 4;
-/// Pivot over the row's own diagonal entry below which a row depends on others.
-const DEPENDENT: f64 = 1e-10;
-/// The same below which the rows of a joint are taken in the order of their pivots.
-const SMALL: f64 = 1e-3;
 
 /// Room of a row of a block with so many columns.
 pub const fn stride(columns: usize) -> usize {
@@ -26,26 +23,27 @@ pub const fn stride(columns: usize) -> usize {
 
 /// One product `target -= w bᵀ` of the elimination.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Update {
-    target: u32,
-    w: u32,
-    b: u32,
+pub(super) struct Update {
+    /// Places of the blocks.
+    pub target: u32,
+    pub w: u32,
+    pub b: u32,
     /// Rows of the target, its columns, and of what they have in common.
-    sizes: [u8; 3],
+    pub sizes: [u8; 3],
 }
 
 /// A block row in the order of elimination.
 #[derive(Debug, Clone, PartialEq)]
-struct Column {
+pub(super) struct Column {
     /// Where its unknowns begin, and how many there are.
-    first: u32,
-    size: u8,
+    pub first: u32,
+    pub size: u8,
     /// Its diagonal block.
-    diagonal: u32,
+    pub diagonal: u32,
     /// Blocks below it: the row's first unknown, its size, the place.
-    below: Vec<(u32, u8, u32)>,
+    pub below: Vec<(u32, u8, u32)>,
     /// Products that its elimination makes.
-    updates: Vec<Update>,
+    pub updates: Vec<Update>,
 }
 
 /// The factorisation.
@@ -161,7 +159,7 @@ impl BlockFactor {
                 diagonal[first + i] = values[at + i * stride(n) + i];
             }
         }
-        self.dependent = eliminate(*isa, columns, values, scaled, turned, diagonal);
+        self.dependent = eliminate(*isa, columns, &mut Store { values, scaled, turned }, diagonal);
     }
 
     /// Of a matrix whose nodes all have six unknowns, in the order of elimination: the first unknown, the inverse of the pivot `D`, and below it the first unknowns and blocks of `L`; blocks by rows.
@@ -199,13 +197,7 @@ impl BlockFactor {
 }
 
 for_each_isa! {
-    fn eliminate = eliminate_any(
-        columns: &[Column],
-        values: &mut [f64],
-        scaled: &mut [f64],
-        turned: &mut [f64],
-        diagonal: &[f64],
-    ) -> usize
+    fn eliminate = eliminate_any(columns: &[Column], store: &mut Store<'_>, diagonal: &[f64]) -> usize
 }
 
 for_each_isa! {
@@ -214,65 +206,20 @@ for_each_isa! {
 
 /// The elimination; the number of dependent rows.
 #[inline(always)]
-fn eliminate_any(
-    columns: &[Column],
-    values: &mut [f64],
-    scaled: &mut [f64],
-    turned: &mut [f64],
-    diagonal: &[f64],
-) -> usize {
-    columns
-        .iter()
-        .map(|column| match column.size {
-            1 => eliminate_column::<1>(column, values, scaled, turned, diagonal),
-            2 => eliminate_column::<2>(column, values, scaled, turned, diagonal),
-            3 => eliminate_column::<3>(column, values, scaled, turned, diagonal),
-            4 => eliminate_column::<4>(column, values, scaled, turned, diagonal),
-            5 => eliminate_column::<5>(column, values, scaled, turned, diagonal),
-            _ => eliminate_column::<6>(column, values, scaled, turned, diagonal),
-        })
-        .sum()
-}
-
-/// Eliminates the rows of a joint; how many of them depend on others.
-#[inline(always)]
-fn eliminate_column<const N: usize>(
-    column: &Column,
-    values: &mut [f64],
-    scaled: &mut [f64],
-    turned: &mut [f64],
-    diagonal: &[f64],
-) -> usize {
-    let (at, first) = (column.diagonal as usize, column.first as usize);
-    let (block, start) = (&values[at..at + N * stride(N)], &diagonal[first..first + N]);
-    let Some(inverse) = inverted::<N>(block, start) else {
-        let pivots = pivoted::<N>(block, start);
-        values[at..at + N * stride(N)].copy_from_slice(&pivots.inverted()[..N * stride(N)]);
-        pivots.take_off(column, values, scaled);
-        return pivots.dependent();
-    };
-    values[at..at + N * stride(N)].copy_from_slice(&inverse[..N * stride(N)]);
-    for (_, size, place) in &column.below {
-        let (m, place) = (usize::from(*size), *place as usize);
-        let range = place..place + m * stride(N);
-        let (block, out) = (&values[range.clone()], &mut scaled[range]);
-        match (m, N) {
-            (3, 3) => multiply_3(block, &inverse, out, &mut turned[place..place + 12]),
-            (2, 2) => multiply::<2, 2>(block, &inverse, out),
-            (5, 5) => multiply::<5, 5>(block, &inverse, out),
-            _ => multiply_any(block, &inverse, out, [m, N]),
-        }
+fn eliminate_any(columns: &[Column], store: &mut Store<'_>, diagonal: &[f64]) -> usize {
+    let mut dependent = 0;
+    // a closure would be compiled by itself, for the portable instruction set
+    for column in columns {
+        dependent += match column.size {
+            1 => eliminate_column::<1>(column, store, diagonal),
+            2 => eliminate_column::<2>(column, store, diagonal),
+            3 => eliminate_column::<3>(column, store, diagonal),
+            4 => eliminate_column::<4>(column, store, diagonal),
+            5 => eliminate_column::<5>(column, store, diagonal),
+            _ => eliminate_column::<6>(column, store, diagonal),
+        };
     }
-    for u in &column.updates {
-        let (t, w, b) = (u.target as usize, u.w as usize, u.b as usize);
-        match u.sizes {
-            [3, 3, 3] => subtract_3(&mut values[t..t + 12], &scaled[w..w + 12], &turned[b..b + 12]),
-            [2, 2, 2] => subtract::<2, 2, 2>(values, scaled, [t, w, b]),
-            [5, 5, 5] => subtract::<5, 5, 5>(values, scaled, [t, w, b]),
-            sizes => subtract_any(values, scaled, [t, w, b], sizes.map(usize::from)),
-        }
-    }
-    0
+    dependent
 }
 
 #[inline(always)]
@@ -374,224 +321,6 @@ fn eliminated(count: usize, pairs: &BTreeSet<(usize, usize)>) -> (Vec<usize>, Ve
     (sequence, fill)
 }
 
-/// The inverse of a positive definite block; none if its pivots in the order of its rows are small.
-#[inline(always)]
-fn inverted<const N: usize>(block: &[f64], start: &[f64]) -> Option<[f64; MOST * MOST]> {
-    let (block, start) = (&block[..N * stride(N)], &start[..N]);
-    let (mut lower, mut pivots) = ([[0.0_f64; N]; N], [0.0_f64; N]);
-    for j in 0..N {
-        let mut pivot = block[j * stride(N) + j];
-        for k in 0..j {
-            pivot -= lower[j][k] * lower[j][k] * pivots[k];
-        }
-        if pivot <= SMALL * start[j] {
-            return None;
-        }
-        for i in j + 1..N {
-            let mut rest = block[i * stride(N) + j];
-            for k in 0..j {
-                rest -= lower[i][k] * lower[j][k] * pivots[k];
-            }
-            lower[i][j] = rest / pivot;
-        }
-        pivots[j] = pivot;
-    }
-    let mut inverse = [0.0; MOST * MOST];
-    for c in 0..N {
-        let mut x = [0.0; N];
-        x[c] = 1.0;
-        for i in c + 1..N {
-            for k in c..i {
-                x[i] -= lower[i][k] * x[k];
-            }
-        }
-        for i in 0..N {
-            x[i] /= pivots[i];
-        }
-        for i in (0..N).rev() {
-            for k in i + 1..N {
-                x[i] -= lower[k][i] * x[k];
-            }
-            inverse[i * stride(N) + c] = x[i];
-        }
-    }
-    Some(inverse)
-}
-
-/// The elimination of a block whose pivots are small: `T S Tᵀ = D` for the rows that have one, `S⁻¹ = Tᵀ D⁻¹ T`.
-struct Pivots<const N: usize> {
-    rows: [[f64; N]; N],
-    /// One over each pivot; zero for a row that depends on others, which has no force.
-    inverse: [f64; N],
-}
-
-/// The rows of a block in the order of their pivots, the largest beside its row's own diagonal entry first. In the order of the rows a small one would make the rounding of those after it large, and
-/// a row that depends on it would seem to be free (a block `s n nᵀ` whose `n` is 1e-3 rad off an axis).
-#[inline(never)]
-fn pivoted<const N: usize>(block: &[f64], start: &[f64]) -> Pivots<N> {
-    let mut a: [[f64; N]; N] = std::array::from_fn(|i| std::array::from_fn(|j| block[i * stride(N) + j]));
-    let mut rows: [[f64; N]; N] =
-        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
-    let (mut done, mut inverse) = ([false; N], [0.0; N]);
-    loop {
-        let rest = |j: &usize| a[*j][*j] / start[*j];
-        let open = (0..N).filter(|j| !done[*j] && a[*j][*j] > DEPENDENT * start[*j]);
-        let Some(p) = open.max_by(|i, j| rest(i).total_cmp(&rest(j))) else { break };
-        (done[p], inverse[p]) = (true, 1.0 / a[p][p]);
-        let (pivot, own) = (a[p], rows[p]);
-        for i in (0..N).filter(|i| !done[*i]) {
-            let share = a[i][p] * inverse[p];
-            for j in 0..N {
-                a[i][j] -= share * pivot[j];
-                rows[i][j] -= share * own[j];
-            }
-        }
-    }
-    Pivots { rows, inverse }
-}
-
-impl<const N: usize> Pivots<N> {
-    fn dependent(&self) -> usize {
-        self.inverse.iter().filter(|d| **d == 0.0).count()
-    }
-
-    /// `Tᵀ D⁻¹ T`.
-    fn inverted(&self) -> [f64; MOST * MOST] {
-        let mut inverse = [0.0; MOST * MOST];
-        for i in 0..N {
-            for j in 0..N {
-                inverse[i * stride(N) + j] =
-                    (0..N).map(|p| self.rows[p][i] * self.inverse[p] * self.rows[p][j]).sum();
-            }
-        }
-        inverse
-    }
-
-    /// Takes the column off what is below it: `B Tᵀ D⁻¹ T Bᵀ`, and leaves `W = B Tᵀ D⁻¹ T`. The products with the inverse itself would have rounding of the size of their terms, which are
-    /// larger by one over the pivot than what they add up to: near a singular pose that several loops share, more than the pivots of the others.
-    fn take_off(&self, column: &Column, values: &mut [f64], scaled: &mut [f64]) {
-        for (_, size, place) in &column.below {
-            let rows = usize::from(*size);
-            for at in (0..rows).map(|i| *place as usize + i * stride(N)) {
-                let own: [f64; N] = std::array::from_fn(|k| values[at + k]);
-                for p in 0..N {
-                    let along = (0..N).map(|k| own[k] * self.rows[p][k]).sum::<f64>();
-                    values[at + p] = if self.inverse[p] == 0.0 { 0.0 } else { along };
-                    scaled[at + p] = along * self.inverse[p];
-                }
-            }
-        }
-        for u in &column.updates {
-            let at = [u.target, u.w, u.b].map(|i| i as usize);
-            subtract_any(values, scaled, at, u.sizes.map(usize::from));
-        }
-        for (_, size, place) in &column.below {
-            for at in (0..usize::from(*size)).map(|i| *place as usize + i * stride(N)) {
-                let along: [f64; N] = std::array::from_fn(|p| scaled[at + p]);
-                for k in 0..N {
-                    scaled[at + k] = (0..N).map(|p| along[p] * self.rows[p][k]).sum();
-                }
-            }
-        }
-    }
-}
-
-/// `out = a b` of three rows and columns, and `a` turned over.
-#[inline(always)]
-fn multiply_3(a: &[f64], b: &[f64], out: &mut [f64], turned: &mut [f64]) {
-    let (a, b, out, turned) = (&a[..12], &b[..12], &mut out[..12], &mut turned[..12]);
-    for i in 0..3 {
-        let mut sum = [0.0; 4];
-        for k in 0..3 {
-            for j in 0..4 {
-                sum[j] += a[4 * i + k] * b[4 * k + j];
-            }
-            turned[4 * k + i] = a[4 * i + k];
-        }
-        out[4 * i..4 * i + 4].copy_from_slice(&sum);
-    }
-}
-
-/// `out = a b` with `b` square; not for three columns.
-#[inline(always)]
-fn multiply<const M: usize, const N: usize>(a: &[f64], b: &[f64], out: &mut [f64]) {
-    let (a, b, out) = (&a[..M * N], &b[..N * N], &mut out[..M * N]);
-    for i in 0..M {
-        for j in 0..N {
-            let mut sum = 0.0;
-            for k in 0..N {
-                sum += a[i * N + k] * b[k * N + j];
-            }
-            out[i * N + j] = sum;
-        }
-    }
-}
-
-#[inline(always)]
-fn multiply_any(a: &[f64], b: &[f64], out: &mut [f64], [m, n]: [usize; 2]) {
-    let width = stride(n);
-    for i in 0..m {
-        for j in 0..n {
-            out[i * width + j] = (0..n).map(|k| a[i * width + k] * b[k * width + j]).sum();
-        }
-    }
-}
-
-/// `target -= w bᵀ` of three rows and columns, `b` turned over.
-#[inline(always)]
-fn subtract_3(target: &mut [f64], w: &[f64], turned: &[f64]) {
-    let (target, w, turned) = (&mut target[..12], &w[..12], &turned[..12]);
-    for i in 0..3 {
-        let mut sum = [0.0; 4];
-        for k in 0..3 {
-            for j in 0..4 {
-                sum[j] += w[4 * i + k] * turned[4 * k + j];
-            }
-        }
-        for j in 0..4 {
-            target[4 * i + j] -= sum[j];
-        }
-    }
-}
-
-/// `target -= w bᵀ`; not for three rows of `b` or three columns.
-#[inline(always)]
-fn subtract<const I: usize, const J: usize, const K: usize>(
-    values: &mut [f64],
-    scaled: &[f64],
-    [t, w, b]: [usize; 3],
-) {
-    let w: &[f64] = &scaled[w..w + I * K];
-    let mut products = [[0.0; J]; I];
-    {
-        let b = &values[b..b + J * K];
-        for i in 0..I {
-            for j in 0..J {
-                for k in 0..K {
-                    products[i][j] += w[i * K + k] * b[j * K + k];
-                }
-            }
-        }
-    }
-    let target = &mut values[t..t + I * J];
-    for i in 0..I {
-        for j in 0..J {
-            target[i * J + j] -= products[i][j];
-        }
-    }
-}
-
-#[inline(always)]
-fn subtract_any(values: &mut [f64], scaled: &[f64], [t, w, b]: [usize; 3], [m, n, k]: [usize; 3]) {
-    let (of, to) = (stride(k), stride(n));
-    for i in 0..m {
-        for j in 0..n {
-            let product: f64 = (0..k).map(|c| scaled[w + i * of + c] * values[b + j * of + c]).sum();
-            values[t + i * to + j] -= product;
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -663,31 +392,6 @@ mod tests {
         assert_eq!(check(&bodies, &[3, 3, 2, 2, 3, 1, 4], &[]), 0);
         assert_eq!(check(&bodies, &[3; 7], &[]), 0);
         assert_eq!(check(&bodies, &[2; 7], &[]), 0);
-    }
-
-    /// A block of rank one is one whatever its direction, and its inverse is the one in that direction.
-    #[test]
-    fn the_rank_of_a_block_does_not_depend_on_its_direction() {
-        let mut random = Random::after(11);
-        for exponent in 0..40 {
-            let small = 10f64.powf(-0.2 * f64::from(exponent));
-            let normal = [small * random.symmetric(), small * random.symmetric(), 1.0];
-            // entries with the rounding of what was taken off them
-            let off = |x: f64| (x + 1.0) - 1.0;
-            let block: Vec<f64> = (0..3)
-                .flat_map(|i| (0..4).map(move |j| if j < 3 { off(normal[i] * normal[j]) } else { 0.0 }))
-                .collect();
-            assert!(inverted::<3>(&block, &[1.0; 3]).is_none());
-            let pivots = pivoted::<3>(&block, &[1.0; 3]);
-            assert_eq!(pivots.dependent(), 2, "{small:e}");
-            let inverse = pivots.inverted();
-            let force: f64 = (0..3)
-                .map(|i| {
-                    normal[i] * inverse[4 * i..4 * i + 3].iter().zip(normal).map(|(a, n)| a * n).sum::<f64>()
-                })
-                .sum();
-            assert!((force - 1.0).abs() < 1e-9, "{small:e} {force}");
-        }
     }
 
     #[test]

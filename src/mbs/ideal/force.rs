@@ -175,6 +175,8 @@ pub enum Acting {
         held: V3,
         /// When it was applied last.
         last: Turn,
+        /// Moments \[N m\] and histories with that.
+        next: [(f64, History); 3],
         /// Axes about which it flowed in the last step.
         flowing: [bool; 3],
         /// Rates of its rotations at the end of it \[rad/s\].
@@ -220,6 +222,7 @@ impl Acting {
                 factor: 1.0,
                 held: [0.0; 3],
                 last: Turn::near(NO_TURN, [0.0; 3]),
+                next: [(0.0, History::default()); 3],
                 flowing: [false; 3],
                 rate: [0.0; 3],
             },
@@ -271,11 +274,11 @@ impl Acting {
                 loads.give(*body, [*force, turn]);
             }
             Self::Torque { .. } | Self::Force { .. } => {}
-            Self::Hinge { bodies, start, law, history, factor, held, last, .. } => {
+            Self::Hinge { bodies, start, law, history, factor, held, last, next, .. } => {
                 let poses = bodies.map(|b| pose_of(poses, b));
                 *last = Turn::near(turned(poses, *start), *held);
-                let moment = moments(&laws[*law], history, last, *factor);
-                let torque = mul(&poses[0].r, last.torque(moment));
+                *next = moments(&laws[*law], history, last, *factor);
+                let torque = mul(&poses[0].r, last.torque(next.map(|n| n.0)));
                 loads.add(bodies[0], [[0.0; 3], torque]);
                 loads.add(bodies[1], [[0.0; 3], scale(-1.0, torque)]);
             }
@@ -300,18 +303,17 @@ impl Acting {
                 *held = last.angle;
                 Committed { lost: last.is_lost(), ..Committed::default() }
             }
-            Self::Hinge { bodies, law, history, factor, held, last, flowing, rate, .. } => {
+            Self::Hinge { bodies, law, history, factor, held, last, next, flowing, rate, .. } => {
                 *rate = last.rate(bodies.map(|b| pose_of(poses, b)));
                 let law = &laws[*law];
-                for ((own, flows), rotation) in history.iter_mut().zip(flowing).zip(last.theta) {
-                    let before = std::mem::replace(own, law.after(*own, rotation, *factor));
-                    *flows = own.plastic != before.plastic;
-                }
-                let anew = last.anew(*held, moments(law, history, last, *factor));
+                *flowing = flows(history, next);
+                let anew = last.anew(*held, next.map(|n| n.0));
                 let to = anew.unwrap_or(last.theta);
-                for ((own, to), from) in history.iter_mut().zip(to).zip(last.theta) {
+                for (i, own) in history.iter_mut().enumerate() {
+                    *own = law.with_work(*own, next[i].1, *factor);
                     // keeps moment and energy
-                    own.plastic += to - from;
+                    own.plastic += to[i] - last.theta[i];
+                    next[i].1 = *own;
                 }
                 let beyond = norm(last.theta) - law.fracture_rad;
                 *held = to;
@@ -424,8 +426,9 @@ impl Acting {
         let Self::Hinge { bodies, start, law, history, factor, held, .. } = self else { return None };
         let turn = Turn::near(turned(bodies.map(|b| pose_of(poses, b)), *start), *held);
         let law = &laws[*law];
-        let after = [0, 1, 2].map(|i: usize| law.after(history[i], turn.theta[i], *factor));
-        let moment = moments(law, history, &turn, *factor);
+        let next = moments(law, history, &turn, *factor);
+        let moment = next.map(|n| n.0);
+        let after = [0, 1, 2].map(|i: usize| law.with_work(history[i], next[i].1, *factor));
         Some(HingeState {
             rotation_rad: turn.theta,
             moment_nm: moment,
@@ -451,21 +454,20 @@ impl Acting {
     }
 
     /// Whether a hinge began or ceased to flow about an axis on the way to the pose in which it was applied last.
-    pub fn has_turned_over(&self, laws: &[HingeLaw]) -> bool {
-        let Self::Hinge { law, history, factor, last, flowing, .. } = self else { return false };
-        flows(&laws[*law], history, last, *factor) != *flowing
+    pub fn has_turned_over(&self) -> bool {
+        let Self::Hinge { history, next, flowing, .. } = self else { return false };
+        flows(history, next) != *flowing
     }
 
     /// Work of flow that a step \[s\] leaves out, as a hinge turns back in it ([`turned_back`]) \[J\].
-    pub fn turned_back_j(&self, poses: &[Pose], laws: &[HingeLaw], step: f64) -> f64 {
-        let Self::Hinge { bodies, law, history, factor, last, flowing, rate, .. } = self else { return 0.0 };
-        let after = [0, 1, 2].map(|i: usize| laws[*law].moment(history[i], last.theta[i], *factor));
-        let flow = [0, 1, 2].map(|i: usize| after[i].1.plastic - history[i].plastic);
+    pub fn turned_back_j(&self, poses: &[Pose], step: f64) -> f64 {
+        let Self::Hinge { bodies, history, last, next, flowing, rate, .. } = self else { return 0.0 };
+        let flow = [0, 1, 2].map(|i: usize| next[i].1.plastic - history[i].plastic);
         if flow == [0.0; 3] && *flowing == [false; 3] {
             return 0.0;
         }
         let now = last.rate(bodies.map(|b| pose_of(poses, b)));
-        let lost = |i: usize| after[i].0.abs() * turned_back(flow[i], flowing[i], [rate[i], now[i]], step);
+        let lost = |i: usize| next[i].0.abs() * turned_back(flow[i], flowing[i], [rate[i], now[i]], step);
         (0..3).map(lost).sum()
     }
 
@@ -520,12 +522,14 @@ fn turned(poses: [&Pose; 2], start: Q) -> Q {
     qmul(qmul(qconj(poses[0].q), poses[1].q), qconj(start))
 }
 
-/// About which axes a hinge flows on its way to a turn.
-fn flows(law: &HingeLaw, history: &[History; 3], turn: &Turn, factor: f64) -> [bool; 3] {
-    [0, 1, 2].map(|i: usize| law.moment(history[i], turn.theta[i], factor).1.plastic != history[i].plastic)
+/// About which axes a hinge flows on its way to a history.
+fn flows(history: &[History; 3], next: &[(f64, History); 3]) -> [bool; 3] {
+    let about = |i: usize| next[i].1.plastic != history[i].plastic;
+    [about(0), about(1), about(2)]
 }
 
-/// Moments along the rotation vector of a hinge.
-fn moments(law: &HingeLaw, history: &[History; 3], turn: &Turn, factor: f64) -> V3 {
-    [0, 1, 2].map(|i: usize| law.moment(history[i], turn.theta[i], factor).0)
+/// Moments along the rotation vector of a hinge, and what it remembers with them.
+fn moments(law: &HingeLaw, history: &[History; 3], turn: &Turn, factor: f64) -> [(f64, History); 3] {
+    let about = |i: usize| law.moment(history[i], turn.theta[i], factor);
+    [about(0), about(1), about(2)]
 }

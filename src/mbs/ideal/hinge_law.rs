@@ -15,6 +15,7 @@ pub struct HingeLaw {
 
 impl HingeLaw {
     /// Moment at a rotation, and the history with it; capacities are `factor` times those of the law.
+    #[inline]
     pub(super) fn moment(&self, mut history: History, rotation: f64, factor: f64) -> (f64, History) {
         history.largest = history.largest.max(rotation.abs());
         let capacity = factor * interpolate(&self.capacity, history.largest);
@@ -26,13 +27,13 @@ impl HingeLaw {
         (moment, history)
     }
 
-    /// The history with a rotation, dissipation included.
-    pub(super) fn after(&self, before: History, rotation: f64, factor: f64) -> History {
-        let mut history = self.moment(before, rotation, factor).1;
-        if history.plastic != before.plastic {
-            history.dissipated_j += self.flow_j(before, history, factor);
+    /// The history that [`HingeLaw::moment`] leads to, dissipation included.
+    #[inline]
+    pub(super) fn with_work(&self, before: History, mut after: History, factor: f64) -> History {
+        if after.plastic != before.plastic {
+            after.dissipated_j = before.dissipated_j + self.flow_j(before, after, factor);
         }
-        history
+        after
     }
 
     /// Work of plastic flow `∫ M dp`: at the capacity of the largest rotation so far up to it, along the capacities beyond, where `p = θ - M/k`. Exact where
@@ -135,7 +136,8 @@ mod tests {
             for [from, to] in [[0.0, 0.1], [0.1, -0.2]] {
                 for i in 1..=steps {
                     let rotation = from + (to - from) * f64::from(i) / f64::from(steps);
-                    history = law.after(history, rotation, 1.0);
+                    let next = law.moment(history, rotation, 1.0).1;
+                    history = law.with_work(history, next, 1.0);
                 }
             }
             history.dissipated_j

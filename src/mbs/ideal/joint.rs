@@ -197,11 +197,13 @@ impl Compiled {
     }
 
     /// Whether its rows are those of two points that coincide along the global axes.
+    #[inline]
     pub fn is_point(&self) -> bool {
         self.kind == Kind::Spherical && self.plane.is_none()
     }
 
     /// From the centre of mass of a body to its point, global \[m\].
+    #[inline]
     pub fn arm(&self, side: usize, pose: &Pose) -> V3 {
         mul(&pose.r, self.points[side])
     }
@@ -215,6 +217,7 @@ impl Compiled {
     }
 
     /// [`Compiled::write`] where [`Compiled::is_point`]; the arms of the points \[m\].
+    #[inline]
     pub fn write_point(&self, poses: [&Pose; 2], rows: &mut [Row]) -> [V3; 2] {
         let arms = [0, 1].map(|side| self.arm(side, poses[side]));
         let points = Points::of(poses, arms);
@@ -328,11 +331,13 @@ fn right_angle([u, s]: [V3; 2], [wa, wb]: [V3; 2]) -> Row {
 }
 
 /// The pose of a body, or of the ground.
+#[inline]
 pub fn pose_of(poses: &[Pose], body: usize) -> &Pose {
     if is_ground(body) { &Pose::GROUND } else { &poses[body] }
 }
 
 /// Whether an index is that of the ground.
+#[inline]
 pub fn is_ground(body: usize) -> bool {
     body == GROUND
 }

@@ -12,7 +12,7 @@
 //! | [`hinge_law`] | how a hinge flows about one axis |
 //! | [`turn`] | by how much bodies are turned against each other, revolutions counted |
 //! | [`bushing`] | compliant connections |
-//! | [`factor`] | the sparse block factorisation of `S` |
+//! | [`factor`] | the sparse block factorisation of `S` (`eliminate`: one block row of it, `pivots`: small pivots) |
 //! | [`planar`] | which parts move in a plane, so that rows across it can be left out |
 //! | [`motion`] | rows and accelerations at a state |
 //! | `solve` | what joints add to accelerations; the projection |
@@ -27,6 +27,7 @@
 pub mod bushing;
 pub mod compile;
 mod control;
+mod eliminate;
 pub mod factor;
 pub mod force;
 pub mod hinge_law;
@@ -34,6 +35,7 @@ pub mod joint;
 pub mod march;
 mod method;
 pub mod motion;
+mod pivots;
 pub mod planar;
 pub mod run;
 mod solve;

@@ -69,12 +69,12 @@ impl Motion {
 
     /// Whether a hinge began or ceased to flow on the way from what was committed to the state whose rate was taken last.
     pub fn has_turned_over(&self) -> bool {
-        self.forces.iter().any(|f| f.has_turned_over(&self.laws))
+        self.forces.iter().any(Acting::has_turned_over)
     }
 
     /// Work of flow that a step \[s\] to the state whose rate was taken last leaves out, as hinges and bushings turn back in it \[J\].
     pub fn turned_back_j(&self, step: f64) -> f64 {
-        let forces = self.forces.iter().map(|f| f.turned_back_j(&self.poses, &self.laws, step));
+        let forces = self.forces.iter().map(|f| f.turned_back_j(&self.poses, step));
         let bushings = self.bushings.iter().map(|b| b.turned_back_j(&self.poses, step));
         forces.chain(bushings).sum()
     }
