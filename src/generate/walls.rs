@@ -9,6 +9,8 @@
 //!
 //! Where a spring stands on a seam between two pieces of a floor, each piece has its share of it.
 //!
+//! A wall that stands directly on another one, in line with it, is joined to it once: by the springs of the shorter of both, or of the upper one, as stiff as the halves of both one behind the other, with what the weaker section bears.
+//!
 //! Walls yield axially at the squash load `f A` of the homogenised law either way, and out of the plane by the elements across their thickness, in plane strain ([`crate::rc::layers`]), times `1 - (N/N_p)²`.
 //! In shear they slip at the shear capacity of the law ([`slip`]).
 
@@ -44,8 +46,7 @@ pub fn springs(
     let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
     let (mut springs, mut curves) = (Vec::new(), BTreeMap::new());
     for (wall, member) in walls {
-        let solid = structure.boxes(wall).iter().copied().reduce(Aabb::around);
-        let Some(whole) = solid.map(|solid| Half::of(building, wall, solid)) else { continue };
+        let Some(whole) = Half::of(building, structure, wall) else { continue };
         let halves = whole.strips(building, structure, bodies);
         for (part, spring) in of_wall(building, structure, (bodies, decision), (wall, &halves)) {
             curves.entry(part.curve_id(&member.id)).or_insert_with(|| part.curve(planes));
@@ -74,15 +75,18 @@ struct Half<'a> {
     length_m: f64,
     thickness_m: f64,
     height_m: f64,
+    /// Of this section, what is as stiff as the half of a wall that it stands on or bears \[m\].
+    beyond_m: f64,
     mesh_m: f64,
 }
 
 impl<'a> Half<'a> {
-    fn of(building: &'a Building, wall: usize, solid: Aabb) -> Self {
+    fn of(building: &'a Building, structure: &Structure, wall: usize) -> Option<Self> {
         let member = &building.members[wall];
+        let solid = structure.boxes(wall).iter().copied().reduce(Aabb::around)?;
         let size = solid.size();
         let along = usize::from(size[1] > size[0]);
-        Self {
+        Some(Self {
             wall,
             strip: None,
             ends: [true; 2],
@@ -94,8 +98,9 @@ impl<'a> Half<'a> {
             length_m: 0.5 * size[along],
             thickness_m: size[1 - along],
             height_m: 0.5 * size[2],
+            beyond_m: 0.0,
             mesh_m: building.settings.mesh_size_m,
-        }
+        })
     }
 
     /// The halves of the strips of a whole wall: itself, if no opening reaches its foot or head.
@@ -115,6 +120,30 @@ impl<'a> Half<'a> {
         Self { strip: Some(number), ends, solid, length_m: 0.5 * solid.size()[along], ..*self }
     }
 
+    /// The joint between it and a half of a wall in line with it above or below: the section of the weaker one, as stiff as both one behind the other.
+    fn in_line(&self, other: Half<'a>) -> Self {
+        let mut solid = other.solid;
+        (solid.min[self.along], solid.max[self.along]) =
+            (self.solid.min[self.along], self.solid.max[self.along]);
+        let other = Half { solid, length_m: self.length_m, share: self.share, ..other };
+        let axial = |half: &Half| half.law.youngs_modulus_pa * half.thickness_m / half.height_m;
+        let (weaker, stronger) =
+            if other.squash_n() < self.squash_n() { (&other, self) } else { (self, &other) };
+        let beyond_m = weaker.height_m * axial(weaker) / axial(stronger);
+        Self { wall: self.wall, strip: self.strip, ends: self.ends, beyond_m, ..*weaker }
+    }
+
+    /// Whether its springs, at its foot (`end` 0) or head, join it to a wall in line with it there, and not that one's.
+    fn joins(&self, other: &Half<'_>, end: usize) -> bool {
+        let longer_m = self.length_m - other.length_m;
+        if longer_m.abs() < COORDINATE_TOLERANCE_M { end == 0 } else { longer_m < 0.0 }
+    }
+
+    /// How much of its section is as stiff as what a spring of it stands for \[m\].
+    fn reach_m(&self) -> f64 {
+        self.height_m + self.beyond_m
+    }
+
     /// Where its spring stands at its foot (`end` 0) or head \[m\].
     fn point_m(&self, side: usize, end: usize) -> [f64; 3] {
         let mut point_m = self.solid.center();
@@ -126,7 +155,8 @@ impl<'a> Half<'a> {
     fn curve_id(&self, wall: &str) -> String {
         let strip = self.strip.map_or_else(String::new, |k| format!("/strip-{}", k + 1));
         let share = if self.share < 1.0 { format!("/{}", self.share) } else { String::new() };
-        format!("wall/{wall}{strip}{share}")
+        let joint = if self.beyond_m > 0.0 { "/in-line" } else { "" };
+        format!("wall/{wall}{strip}{share}{joint}")
     }
 
     /// Its share of the length \[m\].
@@ -142,7 +172,7 @@ impl<'a> Half<'a> {
 
     /// Elastic stiffness out of the plane in sway, `6 E I / h` \[N m/rad\].
     fn out_of_plane(&self) -> f64 {
-        3.0 * self.law.youngs_modulus_pa * self.own_m() * self.thickness_m.powi(3) / 12.0 / self.height_m
+        3.0 * self.law.youngs_modulus_pa * self.own_m() * self.thickness_m.powi(3) / 12.0 / self.reach_m()
     }
 
     /// What the springs at base and top carry over to each other: out of the plane they are a beam.
@@ -190,7 +220,7 @@ impl<'a> Half<'a> {
 
 /// The springs of a wall, those at its foot first, each with what it stands for.
 fn of_wall<'a>(
-    building: &Building,
+    building: &'a Building,
     structure: &Structure,
     (bodies, decision): (&Bodies, &Decision),
     (wall, halves): (usize, &[Half<'a>]),
@@ -204,12 +234,22 @@ fn of_wall<'a>(
         let there = sides.iter().enumerate().filter(|(_, (ends, _))| ends[end]);
         for (number, (place, (_, (side, parts)))) in there.enumerate() {
             for (k, (part, neighbours)) in parts.iter().enumerate() {
-                let Some(other) = neighbours[end] else { continue };
+                let Some(Beyond { body, wall: next }) = neighbours[end] else { continue };
+                let of = |wall: usize| Half::of(building, structure, wall);
+                let joint = match (of(part.wall), next.and_then(of)) {
+                    (Some(own), Some(next)) if own.along == next.along => {
+                        if !own.joins(&next, end) {
+                            continue;
+                        }
+                        part.in_line(next)
+                    }
+                    _ => *part,
+                };
                 let letter = if parts.len() > 1 { ["a", "b", "c", "d"][k] } else { "" };
                 let id = format!("{line}-{}{letter}", number + 1);
-                let mut own = spring(building, bodies, part, other, (id, part.point_m(*side, end)));
+                let mut own = spring(building, bodies, &joint, body, (id, part.point_m(*side, end)));
                 if decision.elastic_lines.contains(&line) {
-                    own = part.elastic(own);
+                    own = joint.elastic(own);
                 }
                 own.origin.members.push(line.clone());
                 if end == 0 {
@@ -217,15 +257,24 @@ fn of_wall<'a>(
                 } else {
                     own.carry_over = feet.remove(&(place, k)).map(|foot| part.carry_over(foot));
                 }
-                list.push((*part, own));
+                list.push((joint, own));
             }
         }
     }
     list
 }
 
-/// What a spring at an end of a wall leads to: a body, or the ground; nothing if there is no spring.
-type Neighbour = Option<Option<usize>>;
+/// What a spring at an end of a wall leads to.
+#[derive(Clone, Copy, PartialEq)]
+struct Beyond {
+    /// A body, or the ground.
+    body: Option<usize>,
+    /// The wall that is there.
+    wall: Option<usize>,
+}
+
+/// Nothing if there is no spring.
+type Neighbour = Option<Beyond>;
 
 /// What a wall meets beyond a place at its foot (`end` 0) or head \[m\] that is of the body `own`.
 fn neighbour(
@@ -239,7 +288,8 @@ fn neighbour(
     let next = structure.partition.member_at(outside);
     let other = next.and_then(|member| bodies.of(member, outside));
     let is_joined = other.is_some() || stands(building, wall, (2, at), next);
-    (is_joined && other != Some(own)).then_some(other)
+    let wall = next.filter(|member| building.members[*member].kind == MemberKind::Wall);
+    (is_joined && other != Some(own)).then_some(Beyond { body: other, wall })
 }
 
 /// The cells of a wall that meet something at its foot (`end` 0) or head: its contact face there.
@@ -287,21 +337,21 @@ fn spring(
     other: Option<usize>,
     (id, point_m): (String, [f64; 3]),
 ) -> Bushing {
-    let Half { wall, law, along, length_m, thickness_m, height_m, .. } = *half;
-    let area = half.own_m() * thickness_m;
-    let shear = 5.0 / 6.0 * area * law.shear_modulus_pa() / height_m;
+    let Half { wall, law, along, length_m, thickness_m, .. } = *half;
+    let (area, reach_m) = (half.own_m() * thickness_m, half.reach_m());
+    let shear = 5.0 / 6.0 * area * law.shear_modulus_pa() / reach_m;
     let member = &building.members[wall].id;
     let out_of_plane = Bending::Curve { curve: half.curve_id(member), strength_factor: 1.0 };
     let in_plane = Bending::Elastic {
-        stiffness_nm_rad: law.youngs_modulus_pa * area * length_m.powi(2) / 12.0 / height_m,
+        stiffness_nm_rad: law.youngs_modulus_pa * area * length_m.powi(2) / 12.0 / reach_m,
     };
-    let torsion = law.shear_modulus_pa() * half.own_m() * thickness_m.powi(3) / 3.0 / height_m;
+    let torsion = law.shear_modulus_pa() * half.own_m() * thickness_m.powi(3) / 3.0 / reach_m;
     let (squash_n, elongation_m) = (half.squash_n(), law.critical_plastic_strain * half.mesh_m);
     let slips = slip(Some(squash_n), Some(elongation_m));
     let name = |i: usize| bodies.list[i].id.clone();
     let own = bodies.of(wall, point_m).map(name).unwrap_or_default();
     Bushing {
-        axial_stiffness_n_m: law.youngs_modulus_pa * area / height_m,
+        axial_stiffness_n_m: law.youngs_modulus_pa * area / reach_m,
         shear_stiffness_n_m: [shear; 2],
         torsional_stiffness_nm_rad: torsion,
         // axes 1 and 2 are x and y: bending about x is out of the plane of a wall along x

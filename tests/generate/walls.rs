@@ -151,6 +151,37 @@ fn walls_hold_each_other_at_vertical_edges() {
     assert!(sunk > -0.005, "{sunk}");
 }
 
+/// Walls that stand on walls are joined once, over the length that they share, as stiff as half of both one behind the other, with what the thinner one bears. (Joined by the springs of each of them they bore twice as much.)
+#[test]
+fn a_wall_on_a_wall_is_joined_to_it_once() {
+    let model = |upper: [f64; 2], section: &str| {
+        let [from, to] = upper;
+        model_of(&reference(|text| {
+            let members = format!(
+                "\n[sections.thin]\nkind = \"plate\"\nconcrete = \"C30\"\nsteel = \"B500\"\nlaw = \"RC\"\nthickness = 0.2\n\
+                 mesh = {{ diameter = 0.01, spacing = 0.15, edge_distance = 0.03 }}\n\
+                 [[members]]\nid = \"W1\"\nkind = \"wall\"\nsection = \"slab\"\nfrom = [8, 0, 0]\nto = [8, 4, 3]\n\
+                 [[members]]\nid = \"W2\"\nkind = \"wall\"\nsection = \"{section}\"\nfrom = [8, {from}, 3]\nto = [8, {to}, 5]\n\n[[supports]]"
+            );
+            text.replacen("\n[[supports]]", &members, 1).replacen("[\"C1-*\"]", "[\"C1-*\", \"W1\"]", 1)
+        }))
+    };
+    let both = |model: &Model, ids: [&str; 2], thickness_m: f64, length_m: f64| {
+        let between: Vec<&Bushing> =
+            model.bushings.iter().filter(|b| b.body_a.is_some() && b.id.starts_with('W')).collect();
+        assert_eq!(between.iter().map(|b| b.id.as_str()).collect::<Vec<_>>(), ids);
+        let stiffness: f64 = between.iter().map(|b| b.axial_stiffness_n_m).sum();
+        let known = 16.5e9 * length_m / (0.5 * 3.0 / 0.25 + 0.5 * 2.0 / thickness_m);
+        assert!((stiffness / known - 1.0).abs() < 1e-9, "{stiffness} {known}");
+        let bears: f64 = between.iter().filter_map(|b| b.compressive_capacity_n).sum();
+        assert!((bears / (10.5e6 * thickness_m * length_m) - 1.0).abs() < 1e-9, "{bears}");
+    };
+    both(&model([0.0, 4.0], "slab"), ["W2.bottom-1", "W2.bottom-2"], 0.25, 4.0);
+    both(&model([1.0, 3.0], "slab"), ["W2.bottom-1", "W2.bottom-2"], 0.25, 2.0);
+    both(&model([0.0, 4.0], "thin"), ["W2.bottom-1", "W2.bottom-2"], 0.2, 4.0);
+    both(&model([-1.0, 5.0], "slab"), ["W1.top-1", "W1.top-2"], 0.25, 4.0);
+}
+
 /// The reference building with a wall between its rear columns that stands on the ground, 0.2 to 5.8 m along x and 3 m high.
 fn with_wall(openings: &str) -> Building {
     let wall = format!(
