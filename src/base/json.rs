@@ -45,7 +45,11 @@ pub fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, JsonError> {
         let number = bad_number(text, &source);
         let excess = too_many(text, &source);
         let is_told = source.is_data() || number.is_some() || excess.is_some();
-        let path = again.filter(|_| is_told).map(|e| words(e.path()));
+        let within = |e: &serde_path_to_error::Error<_>| {
+            let value = serde_json::from_str(text).ok().filter(|_| source.is_data())?;
+            Some(part_within::<T>(&value, e.path()))
+        };
+        let path = again.filter(|_| is_told).map(|e| words(e.path()) + &within(&e).unwrap_or_default());
         let complaint = no_json(text).map(str::to_string).or(number).or(excess);
         JsonError { path: path.unwrap_or_default(), complaint, source }
     })
@@ -56,10 +60,54 @@ pub fn from_text<T: DeserializeOwned>(text: &str) -> Result<T, JsonError> {
 /// # Errors
 /// If a value in it does not fit.
 pub fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, JsonError> {
-    serde_path_to_error::deserialize(value).map_err(|error| {
-        let path = words(error.path());
+    serde_path_to_error::deserialize(&value).map_err(|error| {
+        let path = words(error.path()) + &part_within::<T>(&value, error.path());
         JsonError { path, complaint: None, source: error.into_inner() }
     })
+}
+
+/// Where in the value that a path leads to a part of the wrong type is, as the rest of the path. Of a value that is read as a whole before its kind is known (`kind = ...`), errors
+/// tell no more than its own path. Parts are read in their order, and the first error ends that: it is in the last part without which the error would be another one.
+fn part_within<T: DeserializeOwned>(root: &Value, path: &serde_path_to_error::Path) -> String {
+    let error = |root: &Value| serde_path_to_error::deserialize::<_, T>(root).err().map(|e| e.to_string());
+    let mut pointer: String = path.iter().filter_map(step).collect();
+    let mut rest = String::new();
+    let Some(known) = error(root).filter(|e| e.contains("invalid ") || e.contains("unknown variant")) else {
+        return rest;
+    };
+    loop {
+        let parts: Vec<(String, String)> = match root.pointer(&pointer) {
+            Some(Value::Object(map)) => map.keys().map(|k| (key(k), format!(".{k}"))).collect(),
+            Some(Value::Array(list)) => {
+                (0..list.len()).map(|i| (format!("/{i}"), format!("[{i}]"))).collect()
+            }
+            _ => return rest,
+        };
+        let is_in = |(step, _): &&(String, String)| {
+            let mut other = root.clone();
+            if let Some(part) = other.pointer_mut(&format!("{pointer}{step}")) {
+                *part = Value::Null;
+            }
+            error(&other).as_ref() != Some(&known)
+        };
+        let Some((step, words)) = parts.iter().rfind(is_in) else { return rest };
+        pointer += step;
+        rest += words;
+    }
+}
+
+/// A step of a path as one of a JSON pointer (RFC 6901); none for the kind of a value.
+fn step(segment: &serde_path_to_error::Segment) -> Option<String> {
+    match segment {
+        serde_path_to_error::Segment::Seq { index } => Some(format!("/{index}")),
+        serde_path_to_error::Segment::Map { key: name } => Some(key(name)),
+        _ => None,
+    }
+}
+
+/// A key in a JSON pointer.
+fn key(name: &str) -> String {
+    format!("/{}", name.replace('~', "~0").replace('/', "~1"))
 }
 
 /// What is wrong with the start of a text.
@@ -147,6 +195,50 @@ mod tests {
         assert_eq!(text, "points_m[1]: has too many values: none is expected at line 2 column 8");
         let text = from_text::<Points>("{\"points_m\": [[1, 2] [3]]}").unwrap_err().to_string();
         assert!(text.starts_with("expected `,` or `]`"), "{text}");
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+    enum Force {
+        Spring {
+            #[serde(rename = "law")]
+            _law: Vec<[f64; 2]>,
+            #[serde(rename = "of", default)]
+            _of: Option<String>,
+        },
+    }
+
+    #[derive(Debug, Deserialize)]
+    struct Forces {
+        #[serde(rename = "forces")]
+        _forces: Vec<Force>,
+    }
+
+    #[test]
+    fn parts_of_a_value_with_a_kind_are_told_with_their_path() {
+        for (force, expected) in [
+            (
+                r#"{"kind": "spring", "of": "b", "law": [[1, 2], [3, "4"]]}"#,
+                "forces[1].law[1][1]: invalid type: string \"4\", expected f64",
+            ),
+            (
+                r#"{"of": 3, "kind": "spring", "law": []}"#,
+                "forces[1].of: invalid type: integer `3`, expected a string",
+            ),
+            (
+                r#"{"kind": "sprung", "law": []}"#,
+                "forces[1].kind: unknown variant `sprung`, expected `spring`",
+            ),
+            (r#"{"kind": "spring"}"#, "forces[1]: missing field `law`"),
+            (r#"{"kind": "spring", "low": 1}"#, "forces[1]: unknown field `low`, expected `law` or `of`"),
+        ] {
+            let text = format!(r#"{{"forces": [{{"kind": "spring", "law": []}}, {force}]}}"#);
+            let of_text = from_text::<Forces>(&text).unwrap_err().to_string();
+            let of_value =
+                from_value::<Forces>(serde_json::from_str(&text).unwrap()).unwrap_err().to_string();
+            assert_eq!(of_value, expected);
+            assert!(of_text.starts_with(expected), "{of_text}");
+        }
     }
 
     #[test]
