@@ -88,7 +88,7 @@ struct CellState {
 }
 
 /// The grid of what acts: hexahedra, bars, and as vertices nodes with mass all whose elements have died. Points are all nodes in
-/// the order of the mesh, so that a point has the same number in every frame. Elements, bars and parts have their `ids` if a deck gives them any.
+/// the order of the mesh, so that a point has the same number in every frame. Nodes, elements, bars and parts have their `ids` if a deck gives them any.
 pub fn grid(frame: &Frame<'_>, ids: Option<&Ids>) -> UnstructuredGrid {
     let (mesh, body) = (frame.mesh, frame.body);
     let (mut cells, mut states) = (Cells::default(), Vec::new());
@@ -116,13 +116,15 @@ pub fn grid(frame: &Frame<'_>, ids: Option<&Ids>) -> UnstructuredGrid {
     let moved = body.x.iter().zip(frame.start_m).flat_map(|(x, x0)| (0..3).map(move |i| x[i] - x0[i]));
     let field = |name, of: fn(&CellState) -> f64| Array::floats(name, 1, states.iter().map(of));
     let [part, element] = names(&states, ids);
+    let node = ids.map(|ids| Array::identifiers("node", ids.nodes.iter().map(|id| *id as i64)));
+    let floats = [
+        Array::floats("displacement_m", 3, moved),
+        Array::floats("velocity_m_s", 3, body.v.as_flattened().iter().copied()),
+    ];
     UnstructuredGrid {
         time_s: frame.time_s,
         points: Array::floats("Points", 3, body.x.as_flattened().iter().copied()),
-        point_data: vec![
-            Array::floats("displacement_m", 3, moved),
-            Array::floats("velocity_m_s", 3, body.v.as_flattened().iter().copied()),
-        ],
+        point_data: floats.into_iter().chain(node).collect(),
         cell_data: vec![
             field("plastic_strain", |s| s.plastic_strain),
             field("strain_rate_1_s", |s| s.strain_rate_1_s),

@@ -295,16 +295,22 @@ fn grids_of_decks_have_its_identifiers() {
     const DECK: &str = "*KEYWORD\n*CONTROL_TERMINATION\n1.0\n*PART\nslab, \"left\" 3,4\n20,1,20,0,1\n*PART\nother\n30,1,30,0,1\n\
         *PART\nbars\n5,2,5\n*SECTION_SOLID\n1,1\n*SECTION_BEAM\n2,3\n1e-4\n*HOURGLASS\n1,6,1.0\n\
         *MAT_ELASTIC\n20,2500.,3e10,0.2\n*MAT_ELASTIC\n30,2000.,3e10,0.2\n*MAT_ELASTIC\n5,7800.,2e11,0.3\n\
-        *NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,0,0,2\n10,1,0,2\n11,1,1,2\n12,0,1,2\n\
-        *ELEMENT_SOLID\n100,30,1,2,3,4,5,6,7,8\n114,20,5,6,7,8,9,10,11,12\n*ELEMENT_BEAM\n7,5,1,9\n*END\n";
+        *NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,0,0,2\n10,1,0,2\n11,1,1,2\n13,0,1,2\n\
+        *ELEMENT_SOLID\n100,30,1,2,3,4,5,6,7,8\n114,20,5,6,7,8,9,10,11,13\n*ELEMENT_BEAM\n7,5,1,9\n*END\n";
     let deck = parse(DECK, "ids.k", DeckOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mesh = &deck.model.mesh;
     let mut body = Dynamics::new(mesh, 0.0, RigidSurfaces::default(), false);
     let rates = [0.0; 2];
     let of = |body: &Dynamics| {
         let file = File::by_ids(&frame(mesh, body, &rates), Some(&deck.ids));
+        assert_eq!(
+            file.arrays["node"].identifiers(),
+            deck.ids.nodes.iter().map(|id| *id as i64).collect::<Vec<_>>()
+        );
         ["part", "element"].map(|name| file.arrays[name].identifiers())
     };
+    // not those of their order
+    assert_eq!((deck.ids.nodes[0], deck.ids.nodes[11]), (1, 13));
     assert_eq!(of(&body), [[20, 30, 5], [114, 100, 7]]);
     let room = tempfile::tempdir().unwrap();
     VtuSeries::new(room.path(), 1).by_ids(&deck.ids).frame(&frame(mesh, &body, &rates)).unwrap();
