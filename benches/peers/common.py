@@ -1,8 +1,7 @@
-"""What all runners share: cases, known paths, medians."""
+"""What all runners share: cases, known paths, rows of the table."""
 
 import csv
 import json
-import statistics
 import time
 from pathlib import Path
 
@@ -29,17 +28,6 @@ class Case:
         away = [sum((a - b) ** 2 for a, b in zip(place, known[1:])) ** 0.5 for place, known in zip(places, self.path)]
         # what is not a number is the worst
         return max((float("inf") if value != value else value for value in away), default=None)
-
-
-def measured(run, repeats):
-    """Runs `run` (which returns its processor time and its result) several times: median time, last result."""
-    times, result = [], None
-    for _ in range(repeats):
-        seconds, result = run()
-        times.append(seconds)
-        if sum(times) > 60.0:
-            break
-    return statistics.median(times), result
 
 
 def row(case, engine, method, step, seconds, error=None, energy=None, note=""):

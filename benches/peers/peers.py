@@ -1,6 +1,6 @@
 """The cases in all engines, side by side.
 
-usage: peers.py FALLWERK MODELS BUILD OUTPUT [--only CASE] [--repeats N] [--no-pile]
+usage: peers.py FALLWERK MODELS BUILD OUTPUT [--only CASE] [--rounds N] [--no-pile]
 Writes OUTPUT/peers.md and OUTPUT/peers.csv.
 """
 
@@ -10,6 +10,7 @@ import json
 import math
 import os
 import platform
+import statistics
 import subprocess
 import sys
 from importlib.metadata import version
@@ -21,6 +22,9 @@ import pile
 import run_exudyn
 import run_mujoco
 from common import Case, row
+
+# Processor time of a run from which one is enough [s].
+LONG_S = 3.0
 
 TITLES = {
     "a01-pendulum": "Simple pendulum (IFToMM A01), 10 s",
@@ -35,10 +39,10 @@ TITLES = {
 }
 
 
-def rapier(program, case, step, substeps, repeats):
+def rapier(program, case, step, substeps):
     """Rapier runs as a program of its own."""
     known = str(case.known_file) if case.known_file else "-"
-    command = [program, str(case.file), known, str(step), str(substeps), str(repeats)]
+    command = [program, str(case.file), known, str(step), str(substeps), "1"]
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=900)
     result = json.loads(done.stdout)
     label = f"f64, {substeps} substep{'s' if substeps > 1 else ''}, warm start"
@@ -62,35 +66,54 @@ OWN = {
 
 
 def own(program, case):
-    """Fallwerk's rows, by the tolerance of a step."""
+    """Fallwerk's rows, by the tolerance of a step, as functions."""
     tolerances = ("1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-10")
     # at the end of the four-bars' many singular poses nothing is gained by the last
     tolerances = tolerances[:-1] if case.name.startswith("a02") else tolerances
-    for tolerance in tolerances if case.name in OWN else ():
-        command = [program, "bench", "mbs", "--json", "--tolerances", tolerance, "--only", OWN[case.name]]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode:
-            print(f"{case.name}: Fallwerk, tolerance {tolerance}: {done.stderr.strip()[:300]}", file=sys.stderr)
-            continue
-        for r in json.loads(done.stdout):
-            yield {
-                "case": case.name,
-                "engine": "Fallwerk",
-                "method": f"tolerance {tolerance}, {sum(r['steps'])} steps",
-                "step": r["simulated_s"] / max(r["steps"][0], 1),
-                "cpu_s_per_s": r["run_s"] / r["simulated_s"],
-                "error_m": r["error_m"],
-                "energy_j": r["energy_j"],
-                "note": "",
-            }
+    return [lambda t=t: own_row(program, case, t) for t in tolerances if case.name in OWN]
 
 
-def plan(case, tools, repeats, with_pile):
+def own_row(program, case, tolerance):
+    command = [program, "bench", "mbs", "--json", "--tolerances", tolerance, "--only", OWN[case.name]]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise RuntimeError(f"Fallwerk, tolerance {tolerance}: {done.stderr.strip()}")
+    [r] = json.loads(done.stdout)
+    return {
+        "case": case.name,
+        "engine": "Fallwerk",
+        "method": f"tolerance {tolerance}, {sum(r['steps'])} steps",
+        "step": r["simulated_s"] / max(r["steps"][0], 1),
+        "cpu_s_per_s": r["run_s"] / r["simulated_s"],
+        "error_m": r["error_m"],
+        "energy_j": r["energy_j"],
+        "note": "",
+    }
+
+
+def in_turn(case, runs, rounds):
+    """Rows of all runs, with their median times over rounds in which each has its turn: the speed of a shared machine changes by half within seconds. Long runs have one turn."""
+    found, failed = [[] for _ in runs], set()
+    for _ in range(rounds):
+        for i, run in enumerate(runs):
+            if i in failed or (found[i] and sum(r["cpu_s_per_s"] for r in found[i]) * case.end_s > LONG_S):
+                continue
+            try:
+                found[i] += [r for r in [run()] if r]
+            except Exception as error:  # an engine that gives up is a result
+                failed.add(i)
+                print(f"{case.name}: {type(error).__name__}: {str(error)[:300]}", file=sys.stderr)
+    for rows in found:
+        if rows:
+            yield {**rows[-1], "cpu_s_per_s": statistics.median(r["cpu_s_per_s"] for r in rows)}
+
+
+def plan(case, tools, with_pile):
     """What is run, as functions."""
     name, fallwerk, peer = case.name, tools["fallwerk"], tools["rapier"]
-    mj = lambda method, step, of=case, **more: lambda: run_mujoco.smooth(fallwerk, of, method, step, tools["hinge"], repeats, **more)
-    ex = lambda step, **more: lambda: run_exudyn.smooth(case, step, repeats, **more)
-    rp = lambda step, substeps=1: lambda: rapier(peer, case, step, substeps, repeats)
+    mj = lambda method, step, of=case, **more: lambda: run_mujoco.smooth(fallwerk, of, method, step, tools["hinge"], **more)
+    ex = lambda step, **more: lambda: run_exudyn.smooth(case, step, **more)
+    rp = lambda step, substeps=1: lambda: rapier(peer, case, step, substeps)
     if name == "a01-pendulum":
         turned = run_mujoco.as_revolute(case, tools["build"])
         yield from [mj("RK4", h, of=turned) for h in (2e-2, 1e-2, 5e-3, 2e-3)]
@@ -128,7 +151,7 @@ def plan(case, tools, repeats, with_pile):
         yield from [rp(h) for h in (1e-3, 5e-4, 2.5e-4, 5e-5)]
     elif with_pile:
         yield from [lambda h=h: pile.fallwerk(fallwerk, case, h) for h in (5e-3, 2e-3)]
-        yield from [lambda h=h: rapier(peer, case, h, 4, 1) for h in (1 / 60, 5e-3)]
+        yield from [lambda h=h: rapier(peer, case, h, 4) for h in (1 / 60, 5e-3)]
         yield lambda: run_mujoco.pile(fallwerk, case, 2e-3, mujoco.mjtSolver.mjSOL_CG)
 
 
@@ -199,7 +222,7 @@ def main():
     for name in ("fallwerk", "models", "build", "output"):
         parser.add_argument(name)
     parser.add_argument("--only", default="")
-    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--no-pile", action="store_true")
     a = parser.parse_args()
     tools = {"fallwerk": a.fallwerk, "build": a.build, "rapier": str(Path(a.build) / "target/release/peer-rapier")}
@@ -207,16 +230,10 @@ def main():
     rows = []
     for name in (n for n in TITLES if a.only in n):
         case = Case(a.models, name)
-        rows.extend(own(a.fallwerk, case))
-        for run in plan(case, tools, a.repeats, not a.no_pile):
-            try:
-                found = run()
-            except Exception as error:  # a peer that gives up is a result
-                print(f"{name}: {type(error).__name__}: {str(error)[:300]}", file=sys.stderr)
-                continue
-            if found:
-                rows.append(found)
-                print(f"{name}: {found['engine']}, {found['method']}, {found['step']}: {found['cpu_s_per_s']:.5f} {found['error_m']} {found['note']}", file=sys.stderr)
+        runs = [*own(a.fallwerk, case), *plan(case, tools, not a.no_pile)]
+        for found in in_turn(case, runs, a.rounds):
+            rows.append(found)
+            print(f"{name}: {found['engine']}, {found['method']}, {found['step']}: {found['cpu_s_per_s']:.5f} {found['error_m']} {found['note']}", file=sys.stderr)
         save(Path(a.output), rows)
 
 

@@ -4,7 +4,7 @@ import exudyn as exu
 import numpy as np
 from exudyn.rigidBodyUtilities import RigidBodyInertia
 
-from common import Watch, measured, row
+from common import Watch, row
 
 
 def matrix(q):
@@ -207,7 +207,7 @@ def settings(case, step, radius):
     return s
 
 
-def smooth(case, step, repeats, radius=0.9, planar=False):
+def smooth(case, step, radius=0.9, planar=False):
     """Follows the known path."""
 
     def once():
@@ -224,7 +224,7 @@ def smooth(case, step, repeats, radius=0.9, planar=False):
         places = [stored[np.argmin(np.abs(stored[:, 0] - known[0])), 1:4] for known in case.path]
         return watch.spent, places
 
-    seconds, places = measured(once, repeats)
+    seconds, places = once()
     python = any(f["kind"] == "hinge" for f in case.model["forces"])
     how = "plane, sparse LU" if planar else "space, dense LU"
     label = f"generalised-alpha, {how}{', hinge in Python' if python else ''}"

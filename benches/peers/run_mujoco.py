@@ -10,7 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from common import Watch, measured, row
+from common import Watch, row
 
 POINTS = 16
 ENERGY = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
@@ -123,7 +123,7 @@ def as_revolute(case, build):
     return other
 
 
-def smooth(program, case, method, step, lib, repeats, native=False):
+def smooth(program, case, method, step, lib, native=False):
     """Follows the known path."""
     callback = any(f["kind"] == "hinge" for f in case.model["forces"]) and not native
     text = export(program, case, loose=callback)
@@ -158,7 +158,7 @@ def smooth(program, case, method, step, lib, repeats, native=False):
             worst = max(worst, abs(energy() - began))
         return watch.spent, (places, worst)
 
-    seconds, (places, worst) = measured(once, repeats)
+    seconds, (places, worst) = once()
     conservative = case.name not in ("a03-squeezer", "topple-flow", "frame4")
     label = f"{method}{', compiled hinge' if callback else ', springyield' if native else ''}"
     return row(case, "MuJoCo", label, step, seconds, case.error_m(places), worst if conservative else None)
