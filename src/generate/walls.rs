@@ -45,11 +45,11 @@ pub fn springs(
 ) -> (Vec<Bushing>, BTreeMap<String, ResistanceCurve>) {
     let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
     let (mut springs, mut curves) = (Vec::new(), BTreeMap::new());
-    for (wall, member) in walls {
+    for (wall, _) in walls {
         let Some(whole) = Half::of(building, structure, wall) else { continue };
         let halves = whole.strips(building, structure, bodies);
         for (part, spring) in of_wall(building, structure, (bodies, decision), (wall, &halves)) {
-            curves.entry(part.curve_id(&member.id)).or_insert_with(|| part.curve(planes));
+            curves.entry(part.curve_id(building)).or_insert_with(|| part.curve(planes));
             springs.push(spring);
         }
     }
@@ -75,8 +75,8 @@ struct Half<'a> {
     length_m: f64,
     thickness_m: f64,
     height_m: f64,
-    /// Of this section, what is as stiff as the half of a wall that it stands on or bears \[m\].
-    beyond_m: f64,
+    /// The wall that it stands on or bears, in line with it, and what of this section is as stiff as the half of that one \[m\].
+    beyond: Option<(usize, f64)>,
     mesh_m: f64,
 }
 
@@ -98,7 +98,7 @@ impl<'a> Half<'a> {
             length_m: 0.5 * size[along],
             thickness_m: size[1 - along],
             height_m: 0.5 * size[2],
-            beyond_m: 0.0,
+            beyond: None,
             mesh_m: building.settings.mesh_size_m,
         })
     }
@@ -129,8 +129,8 @@ impl<'a> Half<'a> {
         let axial = |half: &Half| half.law.youngs_modulus_pa * half.thickness_m / half.height_m;
         let (weaker, stronger) =
             if other.squash_n() < self.squash_n() { (&other, self) } else { (self, &other) };
-        let beyond_m = weaker.height_m * axial(weaker) / axial(stronger);
-        Self { wall: self.wall, strip: self.strip, ends: self.ends, beyond_m, ..*weaker }
+        let beyond = Some((other.wall, weaker.height_m * axial(weaker) / axial(stronger)));
+        Self { wall: self.wall, strip: self.strip, ends: self.ends, beyond, ..*weaker }
     }
 
     /// Whether its springs, at its foot (`end` 0) or head, join it to a wall in line with it there, and not that one's.
@@ -141,7 +141,7 @@ impl<'a> Half<'a> {
 
     /// How much of its section is as stiff as what a spring of it stands for \[m\].
     fn reach_m(&self) -> f64 {
-        self.height_m + self.beyond_m
+        self.height_m + self.beyond.map_or(0.0, |(_, reach_m)| reach_m)
     }
 
     /// Where its spring stands at its foot (`end` 0) or head \[m\].
@@ -152,10 +152,12 @@ impl<'a> Half<'a> {
         point_m
     }
 
-    fn curve_id(&self, wall: &str) -> String {
+    fn curve_id(&self, building: &Building) -> String {
+        let wall = &building.members[self.wall].id;
         let strip = self.strip.map_or_else(String::new, |k| format!("/strip-{}", k + 1));
         let share = if self.share < 1.0 { format!("/{}", self.share) } else { String::new() };
-        let joint = if self.beyond_m > 0.0 { "/in-line" } else { "" };
+        let joint =
+            self.beyond.map_or_else(String::new, |(other, _)| format!("/{}", building.members[other].id));
         format!("wall/{wall}{strip}{share}{joint}")
     }
 
@@ -341,7 +343,7 @@ fn spring(
     let (area, reach_m) = (half.own_m() * thickness_m, half.reach_m());
     let shear = 5.0 / 6.0 * area * law.shear_modulus_pa() / reach_m;
     let member = &building.members[wall].id;
-    let out_of_plane = Bending::Curve { curve: half.curve_id(member), strength_factor: 1.0 };
+    let out_of_plane = Bending::Curve { curve: half.curve_id(building), strength_factor: 1.0 };
     let in_plane = Bending::Elastic {
         stiffness_nm_rad: law.youngs_modulus_pa * area * length_m.powi(2) / 12.0 / reach_m,
     };

@@ -173,6 +173,9 @@ fn a_wall_on_a_wall_is_joined_to_it_once() {
         let stiffness: f64 = between.iter().map(|b| b.axial_stiffness_n_m).sum();
         let known = 16.5e9 * length_m / (0.5 * 3.0 / 0.25 + 0.5 * 2.0 / thickness_m);
         assert!((stiffness / known - 1.0).abs() < 1e-9, "{stiffness} {known}");
+        // curves of the joint, not those of the other end of the wall
+        let own = ["wall/W2/W1", "wall/W1/W2"].iter().filter(|id| model.curves.contains_key(**id)).count();
+        assert_eq!(own, 1, "{:?}", model.curves.keys());
         let bears: f64 = between.iter().filter_map(|b| b.compressive_capacity_n).sum();
         assert!((bears / (10.5e6 * thickness_m * length_m) - 1.0).abs() < 1e-9, "{bears}");
     };
