@@ -9,7 +9,7 @@
 //!
 //! Where a spring stands on a seam between two pieces of a floor, each piece has its share of it.
 //!
-//! A wall that stands directly on another one, in line with it, is joined to it once: by the springs of the shorter of both, or of the upper one, as stiff as the halves of both one behind the other, with what the weaker section bears.
+//! A wall that stands directly on another one, in line with it, is joined to it once: by the springs of that which openings cut, of the shorter of both, or of the upper one, as stiff as the halves of both one behind the other, with what the weaker section bears.
 //!
 //! Walls yield axially at the squash load `f A` of the homogenised law either way, and out of the plane by the elements across their thickness, in plane strain ([`crate::rc::layers`]), times `1 - (N/N_p)²`.
 //! In shear they slip at the shear capacity of the law ([`slip`]).
@@ -64,6 +64,8 @@ struct Half<'a> {
     strip: Option<usize>,
     /// Whether it has a foot, and a head.
     ends: [bool; 2],
+    /// Whether openings cut the wall into strips.
+    is_cut: bool,
     /// How much of it a spring stands for.
     share: f64,
     law: &'a Homogenised,
@@ -90,6 +92,7 @@ impl<'a> Half<'a> {
             wall,
             strip: None,
             ends: [true; 2],
+            is_cut: piers::reach_an_end(&member.openings, &solid),
             share: 1.0,
             law: building.law_of(member),
             strength: building.strength_factor(&member.id),
@@ -105,7 +108,7 @@ impl<'a> Half<'a> {
 
     /// The halves of the strips of a whole wall: itself, if no opening reaches its foot or head.
     fn strips(self, building: &Building, structure: &Structure, bodies: &Bodies) -> Vec<Self> {
-        if !piers::reach_an_end(&building.members[self.wall].openings, &self.solid) {
+        if !self.is_cut {
             return vec![self];
         }
         let faces = [0, 1].map(|end| face(building, structure, bodies, &self, end));
@@ -133,8 +136,11 @@ impl<'a> Half<'a> {
         Self { wall: self.wall, strip: self.strip, ends: self.ends, beyond, ..*weaker }
     }
 
-    /// Whether its springs, at its foot (`end` 0) or head, join it to a wall in line with it there, and not that one's.
+    /// Whether its springs, at its foot (`end` 0) or head, join it to a wall in line with it there, and not that one's: strips stand where both meet, and the points of the shorter wall do.
     fn joins(&self, other: &Half<'_>, end: usize) -> bool {
+        if self.is_cut != other.is_cut {
+            return self.is_cut;
+        }
         let longer_m = self.length_m - other.length_m;
         if longer_m.abs() < COORDINATE_TOLERANCE_M { end == 0 } else { longer_m < 0.0 }
     }
