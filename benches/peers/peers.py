@@ -42,7 +42,7 @@ TITLES = {
 def rapier(program, case, step, substeps):
     """Rapier runs as a program of its own."""
     known = str(case.known_file) if case.known_file else "-"
-    command = [program, str(case.file), known, str(step), str(substeps), "1"]
+    command = [program, str(case.file), known, str(step), str(substeps)]
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=900)
     result = json.loads(done.stdout)
     label = f"f64, {substeps} substep{'s' if substeps > 1 else ''}, warm start"
@@ -99,7 +99,8 @@ def in_turn(case, runs, rounds):
             if i in failed or (found[i] and sum(r["cpu_s_per_s"] for r in found[i]) * case.end_s > LONG_S):
                 continue
             try:
-                found[i] += [r for r in [run()] if r]
+                row = run()
+                found[i] += [row] if row else []
             except Exception as error:  # an engine that gives up is a result
                 failed.add(i)
                 print(f"{case.name}: {type(error).__name__}: {str(error)[:300]}", file=sys.stderr)

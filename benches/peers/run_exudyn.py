@@ -209,23 +209,18 @@ def settings(case, step, radius):
 
 def smooth(case, step, radius=0.9, planar=False):
     """Follows the known path."""
-
-    def once():
-        mbs, sensor = (build_planar if planar else build)(case)
-        s = settings(case, step, radius)
-        if planar:
-            # nothing is redundant in the plane, but the pose in which all bars lie on one line
-            s.linearSolverType = exu.LinearSolverType.EigenSparse
-            s.linearSolverSettings.ignoreSingularJacobian = False
-        watch = Watch()
-        with watch:
-            mbs.SolveDynamic(s)
-        stored = mbs.GetSensorStoredData(sensor)
-        places = [stored[np.argmin(np.abs(stored[:, 0] - known[0])), 1:4] for known in case.path]
-        return watch.spent, places
-
-    seconds, places = once()
+    mbs, sensor = (build_planar if planar else build)(case)
+    s = settings(case, step, radius)
+    if planar:
+        # nothing is redundant in the plane, but the pose in which all bars lie on one line
+        s.linearSolverType = exu.LinearSolverType.EigenSparse
+        s.linearSolverSettings.ignoreSingularJacobian = False
+    watch = Watch()
+    with watch:
+        mbs.SolveDynamic(s)
+    stored = mbs.GetSensorStoredData(sensor)
+    places = [stored[np.argmin(np.abs(stored[:, 0] - known[0])), 1:4] for known in case.path]
     python = any(f["kind"] == "hinge" for f in case.model["forces"])
     how = "plane, sparse LU" if planar else "space, dense LU"
     label = f"generalised-alpha, {how}{', hinge in Python' if python else ''}"
-    return row(case, "Exudyn", label, step, seconds, case.error_m(places))
+    return row(case, "Exudyn", label, step, watch.spent, case.error_m(places))

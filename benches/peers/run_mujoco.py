@@ -129,39 +129,34 @@ def smooth(program, case, method, step, lib, native=False):
     text = export(program, case, loose=callback)
     if case.name.startswith(("a02", "a03")):
         text = flat(text)
-
-    def once():
-        m, d = prepare(text, step, INTEGRATORS[method], touching=False)
-        if callback:
-            # the springs of the export give way to the callback
-            m.jnt_stiffness[:] = 0
-            m.jnt_springyield[:] = 1e9
-            lib.hinge_clear()
-            for h in hinges(case, m, d):
-                lib.hinge_add(ctypes.byref(h))
+    m, d = prepare(text, step, INTEGRATORS[method], touching=False)
+    if callback:
+        # the springs of the export give way to the callback
+        m.jnt_stiffness[:] = 0
+        m.jnt_springyield[:] = 1e9
+        lib.hinge_clear()
+        for h in hinges(case, m, d):
+            lib.hinge_add(ctypes.byref(h))
+    mujoco.mj_forward(m, d)
+    energy = lambda: sum(d.energy) + (lib.hinge_elastic(d._address) if callback else 0.0)
+    began, worst, places, done, watch = energy(), 0.0, [], 0, Watch()
+    m.opt.enableflags &= ~ENERGY
+    for known in case.path:
+        count = round(known[0] / step)
+        with watch:
+            if callback:
+                lib.hinge_run(m._address, d._address, count - done)
+            else:
+                mujoco.mj_step(m, d, count - done)
+        done = count
+        m.opt.enableflags |= ENERGY
         mujoco.mj_forward(m, d)
-        energy = lambda: sum(d.energy) + (lib.hinge_elastic(d._address) if callback else 0.0)
-        began, worst, places, done, watch = energy(), 0.0, [], 0, Watch()
         m.opt.enableflags &= ~ENERGY
-        for known in case.path:
-            count = round(known[0] / step)
-            with watch:
-                if callback:
-                    lib.hinge_run(m._address, d._address, count - done)
-                else:
-                    mujoco.mj_step(m, d, count - done)
-            done = count
-            m.opt.enableflags |= ENERGY
-            mujoco.mj_forward(m, d)
-            m.opt.enableflags &= ~ENERGY
-            places.append(d.sensordata[:3].copy())
-            worst = max(worst, abs(energy() - began))
-        return watch.spent, (places, worst)
-
-    seconds, (places, worst) = once()
+        places.append(d.sensordata[:3].copy())
+        worst = max(worst, abs(energy() - began))
     conservative = case.name not in ("a03-squeezer", "topple-flow", "frame4")
     label = f"{method}{', compiled hinge' if callback else ', springyield' if native else ''}"
-    return row(case, "MuJoCo", label, step, seconds, case.error_m(places), worst if conservative else None)
+    return row(case, "MuJoCo", label, step, watch.spent, case.error_m(places), worst if conservative else None)
 
 
 def pile(program, case, step, solver):

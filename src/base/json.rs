@@ -66,23 +66,27 @@ pub fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, JsonError> {
     })
 }
 
-/// Where in the value that a path leads to a part of the wrong type is, as the rest of the path. Of a value that is read as a whole before its kind is known (`kind = ...`), errors
-/// tell no more than its own path. Parts are read in their order, and the first error ends that: it is in the last part without which the error would be another one.
+/// Keys that tell the kind of a value, which are read before the others.
+const TAGS: [&str; 2] = ["kind", "event"];
+
+/// Where in the value that a path leads to a part of the wrong type is, as the rest of the path. Of a value that is read as a whole before its kind is known ([`TAGS`]), errors tell no more than its own path. Its kind is
+/// read first, the others in their order, and the first error ends that: it is in the last part without which the error would be another one, or in the kind if it is in none of them.
 fn part_within<T: DeserializeOwned>(root: &Value, path: &serde_path_to_error::Path) -> String {
-    let error = |root: &Value| serde_path_to_error::deserialize::<_, T>(root).err().map(|e| e.to_string());
+    let error = |root: &Value| T::deserialize(root).err().map(|e| e.to_string());
+    let is_of_a_part =
+        |e: &String| ["invalid type", "invalid value", "unknown variant"].iter().any(|w| e.starts_with(w));
     let mut pointer: String = path.iter().filter_map(step).collect();
     let mut rest = String::new();
-    let Some(known) = error(root).filter(|e| e.contains("invalid ") || e.contains("unknown variant")) else {
-        return rest;
-    };
+    let Some(known) = error(root).filter(is_of_a_part) else { return rest };
     loop {
-        let parts: Vec<(String, String)> = match root.pointer(&pointer) {
+        let mut parts: Vec<(String, String)> = match root.pointer(&pointer) {
             Some(Value::Object(map)) => map.keys().map(|k| (key(k), format!(".{k}"))).collect(),
             Some(Value::Array(list)) => {
                 (0..list.len()).map(|i| (format!("/{i}"), format!("[{i}]"))).collect()
             }
             _ => return rest,
         };
+        parts.sort_by_key(|(_, words)| !TAGS.iter().any(|tag| words[1..] == **tag));
         let is_in = |(step, _): &&(String, String)| {
             let mut other = root.clone();
             if let Some(part) = other.pointer_mut(&format!("{pointer}{step}")) {
@@ -201,6 +205,8 @@ mod tests {
     #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
     enum Force {
         Spring {
+            #[serde(rename = "body")]
+            _body: String,
             #[serde(rename = "law")]
             _law: Vec<[f64; 2]>,
             #[serde(rename = "of", default)]
@@ -214,31 +220,49 @@ mod tests {
         _forces: Vec<Force>,
     }
 
+    /// Keys before and behind that of the kind, in the file and in the alphabet.
     #[test]
     fn parts_of_a_value_with_a_kind_are_told_with_their_path() {
         for (force, expected) in [
             (
-                r#"{"kind": "spring", "of": "b", "law": [[1, 2], [3, "4"]]}"#,
+                r#"{"kind": "spring", "body": "a", "law": [[1, 2], [3, "4"]]}"#,
                 "forces[1].law[1][1]: invalid type: string \"4\", expected f64",
             ),
             (
-                r#"{"of": 3, "kind": "spring", "law": []}"#,
+                r#"{"kind": "spring", "body": 5, "law": []}"#,
+                "forces[1].body: invalid type: integer `5`, expected a string",
+            ),
+            (
+                r#"{"of": 3, "body": "a", "kind": "spring", "law": []}"#,
                 "forces[1].of: invalid type: integer `3`, expected a string",
             ),
             (
-                r#"{"kind": "sprung", "law": []}"#,
+                r#"{"kind": "sprung", "body": 5, "law": []}"#,
                 "forces[1].kind: unknown variant `sprung`, expected `spring`",
             ),
-            (r#"{"kind": "spring"}"#, "forces[1]: missing field `law`"),
-            (r#"{"kind": "spring", "low": 1}"#, "forces[1]: unknown field `low`, expected `law` or `of`"),
+            (r#"{"kind": "spring", "body": "a"}"#, "forces[1]: missing field `law`"),
+            (
+                r#"{"kind": "spring", "body": "a", "law": [[1, 2, 3]]}"#,
+                "forces[1]: invalid length 3, expected 2 elements in sequence",
+            ),
+            (
+                r#"{"kind": "spring", "low": 1}"#,
+                "forces[1]: unknown field `low`, expected one of `body`, `law`, `of`",
+            ),
         ] {
-            let text = format!(r#"{{"forces": [{{"kind": "spring", "law": []}}, {force}]}}"#);
+            let text = format!(r#"{{"forces": [{{"kind": "spring", "body": "b", "law": []}}, {force}]}}"#);
             let of_text = from_text::<Forces>(&text).unwrap_err().to_string();
             let of_value =
                 from_value::<Forces>(serde_json::from_str(&text).unwrap()).unwrap_err().to_string();
             assert_eq!(of_value, expected);
             assert!(of_text.starts_with(expected), "{of_text}");
         }
+    }
+
+    #[test]
+    fn a_list_that_is_too_short_is_told_as_a_whole() {
+        let text = from_text::<Points>("{\"points_m\": [[1, 2], [3]]}").unwrap_err().to_string();
+        assert!(text.starts_with("points_m[1]: invalid length 1"), "{text}");
     }
 
     #[test]

@@ -43,12 +43,12 @@ pub fn springs(
     decision: &Decision,
     planes: &[Vec<f64>; 3],
 ) -> (Vec<Bushing>, BTreeMap<String, ResistanceCurve>) {
-    let walls = building.members.iter().enumerate().filter(|(_, m)| m.kind == MemberKind::Wall);
+    let walls = (0..building.members.len()).filter(|m| building.members[*m].kind == MemberKind::Wall);
     let (mut springs, mut curves) = (Vec::new(), BTreeMap::new());
-    for (wall, _) in walls {
+    for wall in walls {
         let Some(whole) = Half::of(building, structure, wall) else { continue };
         let halves = whole.strips(building, structure, bodies);
-        for (part, spring) in of_wall(building, structure, (bodies, decision), (wall, &halves)) {
+        for (part, spring) in of_wall(building, structure, (bodies, decision), (&whole, &halves)) {
             curves.entry(part.curve_id(building)).or_insert_with(|| part.curve(planes));
             springs.push(spring);
         }
@@ -107,11 +107,11 @@ impl<'a> Half<'a> {
     }
 
     /// The halves of the strips of a whole wall: itself, if no opening reaches its foot or head.
-    fn strips(self, building: &Building, structure: &Structure, bodies: &Bodies) -> Vec<Self> {
+    fn strips(&self, building: &Building, structure: &Structure, bodies: &Bodies) -> Vec<Self> {
         if !self.is_cut {
-            return vec![self];
+            return vec![*self];
         }
-        let faces = [0, 1].map(|end| face(building, structure, bodies, &self, end));
+        let faces = [0, 1].map(|end| face(building, structure, bodies, self, end));
         let strips = piers::strips(&faces, self.along).into_iter().enumerate();
         strips.map(|(k, strip)| self.cut(k, strip)).collect()
     }
@@ -121,6 +121,14 @@ impl<'a> Half<'a> {
         let (along, mut solid) = (self.along, self.solid);
         (solid.min[along], solid.max[along]) = (along_m[0], along_m[1]);
         Self { strip: Some(number), ends, solid, length_m: 0.5 * solid.size()[along], ..*self }
+    }
+
+    /// What springs at its foot (`end` 0) or head stand for, of this part of it and with this wall beyond; nothing where the springs of that one join both.
+    fn joint(&self, part: Half<'a>, beyond: Option<Half<'a>>, end: usize) -> Option<Half<'a>> {
+        match beyond {
+            Some(other) if other.along == self.along => self.joins(&other, end).then(|| part.in_line(other)),
+            _ => Some(part),
+        }
     }
 
     /// The joint between it and a half of a wall in line with it above or below: the section of the weaker one, as stiff as both one behind the other.
@@ -231,9 +239,9 @@ fn of_wall<'a>(
     building: &'a Building,
     structure: &Structure,
     (bodies, decision): (&Bodies, &Decision),
-    (wall, halves): (usize, &[Half<'a>]),
+    (whole, halves): (&Half<'a>, &[Half<'a>]),
 ) -> Vec<(Half<'a>, Bushing)> {
-    let wall = &building.members[wall].id;
+    let wall = &building.members[whole.wall].id;
     let (mut list, mut feet) = (Vec::new(), BTreeMap::new());
     let both = |half: &Half<'a>| [0, 1].map(|side| (side, parts(building, structure, bodies, half, side)));
     let sides: Vec<_> = halves.iter().flat_map(|half| both(half).map(|own| (half.ends, own))).collect();
@@ -243,16 +251,8 @@ fn of_wall<'a>(
         for (number, (place, (_, (side, parts)))) in there.enumerate() {
             for (k, (part, neighbours)) in parts.iter().enumerate() {
                 let Some(Beyond { body, wall: next }) = neighbours[end] else { continue };
-                let of = |wall: usize| Half::of(building, structure, wall);
-                let joint = match (of(part.wall), next.and_then(of)) {
-                    (Some(own), Some(next)) if own.along == next.along => {
-                        if !own.joins(&next, end) {
-                            continue;
-                        }
-                        part.in_line(next)
-                    }
-                    _ => *part,
-                };
+                let next = next.and_then(|next| Half::of(building, structure, next));
+                let Some(joint) = whole.joint(*part, next, end) else { continue };
                 let letter = if parts.len() > 1 { ["a", "b", "c", "d"][k] } else { "" };
                 let id = format!("{line}-{}{letter}", number + 1);
                 let mut own = spring(building, bodies, &joint, body, (id, part.point_m(*side, end)));
